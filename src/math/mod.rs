@@ -1,0 +1,14 @@
+//! Mathematics that knows nothing of light: frames, warps of the unit square, discrete distributions, hashing,
+//! counter-based random numbers, floating-point error bounds, probability densities with a measure, statistics.
+
+pub mod distribution;
+pub mod float;
+pub mod frame;
+pub mod hash;
+pub mod pdf;
+pub mod philox;
+pub mod statistics;
+pub mod warp;
+
+pub use frame::Frame;
+pub use pdf::{Area, Pdf, SolidAngle};

@@ -1,0 +1,101 @@
+//! Philox4x32-10, a counter-based random generator: the stream for a key and a counter is a pure function of both, so
+//! noise can be asked for in any order, on any number of threads (Salmon et al., "Parallel Random Numbers: As Easy
+//! as 1, 2, 3", SC 2011).
+
+use std::convert::Infallible;
+
+use rand::TryRng;
+
+/// A stream of random numbers for one key and one 64-bit stream number (a pixel, a row …).
+///
+/// It implements [`rand::Rng`], so the distributions of `rand_distr` draw from it. A stream holds 2⁶⁶ numbers.
+#[derive(Clone, Debug)]
+pub struct Philox {
+    key: [u32; 2],
+    counter: [u32; 4],
+    block: [u32; 4],
+    used: usize,
+}
+
+impl Philox {
+    /// The stream `stream` of `key`.
+    pub fn new(key: u64, stream: u64) -> Self {
+        let key = [key as u32, (key >> 32) as u32];
+        let counter = [0, 0, stream as u32, (stream >> 32) as u32];
+        Self { key, counter, block: [0; 4], used: 4 }
+    }
+}
+
+/// One block of four numbers: ten rounds of Philox4x32.
+#[inline]
+pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
+    for round in 0..10 {
+        if round > 0 {
+            key = [key[0].wrapping_add(0x9e37_79b9), key[1].wrapping_add(0xbb67_ae85)];
+        }
+        let p0 = 0xd251_1f53 * u64::from(counter[0]);
+        let p1 = 0xcd9e_8d57 * u64::from(counter[2]);
+        counter =
+            [(p1 >> 32) as u32 ^ counter[1] ^ key[0], p1 as u32, (p0 >> 32) as u32 ^ counter[3] ^ key[1], p0 as u32];
+    }
+    counter
+}
+
+impl TryRng for Philox {
+    type Error = Infallible;
+
+    #[inline]
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        if self.used == 4 {
+            self.block = philox4x32_10(self.counter, self.key);
+            let (low, carry) = self.counter[0].overflowing_add(1);
+            self.counter[0] = low;
+            self.counter[1] = self.counter[1].wrapping_add(u32::from(carry));
+            self.used = 0;
+        }
+        self.used += 1;
+        Ok(self.block[self.used - 1])
+    }
+
+    #[inline]
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        let low = u64::from(self.try_next_u32()?);
+        Ok(low | u64::from(self.try_next_u32()?) << 32)
+    }
+
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        for chunk in bytes.chunks_mut(4) {
+            let word = self.try_next_u32()?.to_le_bytes();
+            chunk.copy_from_slice(&word[..chunk.len()]);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Known answers of the Random123 distribution (`kat_vectors`, philox4x32 10).
+    #[test]
+    fn known_answers() {
+        assert_eq!(philox4x32_10([0; 4], [0; 2]), [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]);
+        assert_eq!(
+            philox4x32_10([0xffff_ffff; 4], [0xffff_ffff; 2]),
+            [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]
+        );
+        assert_eq!(
+            philox4x32_10([0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344], [0xa409_3822, 0x299f_31d0]),
+            [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]
+        );
+    }
+
+    #[test]
+    fn streams_do_not_overlap() {
+        use rand::Rng;
+        let mut a = Philox::new(1, 0);
+        let mut b = Philox::new(1, 1);
+        let (a, b): (Vec<_>, Vec<_>) = (0..64).map(|_| (a.next_u32(), b.next_u32())).unzip();
+        assert!(a.iter().all(|x| !b.contains(x)));
+    }
+}

@@ -1,0 +1,96 @@
+//! Maps from the unit square to the shapes that light transport samples. Each function states its density.
+
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use glam::{Vec2, Vec3};
+
+/// Unit square → unit disk, density 1/π; keeps neighbouring points together (Shirley & Chiu 1997).
+#[inline]
+pub fn concentric_disk([u, v]: [f32; 2]) -> Vec2 {
+    let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return Vec2::ZERO;
+    }
+    let (radius, theta) =
+        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
+    let (sin, cos) = theta.sin_cos();
+    Vec2::new(radius * cos, radius * sin)
+}
+
+/// Unit square → upper hemisphere, density cos θ/π per steradian.
+#[inline]
+pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
+    let d = concentric_disk(u);
+    Vec3::new(d.x, d.y, (1.0 - d.length_squared()).max(0.0).sqrt())
+}
+
+/// Unit square → unit sphere, density 1/(4π) per steradian.
+#[inline]
+pub fn uniform_sphere([u, v]: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * u;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    Vec3::new(radius * cos, radius * sin, z)
+}
+
+/// Unit square → cone about +Z with half-angle acos(`cos_max`), density 1/(2π(1 − cos_max)) per steradian.
+#[inline]
+pub fn uniform_cone([u, v]: [f32; 2], cos_max: f32) -> Vec3 {
+    let z = (1.0 - u) + u * cos_max;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    Vec3::new(radius * cos, radius * sin, z)
+}
+
+/// Unit square → barycentric coordinates (b₁, b₂) of the second and third corner, uniform over the triangle
+/// (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
+#[inline]
+pub fn uniform_triangle([u, v]: [f32; 2]) -> [f32; 2] {
+    if u < v {
+        let b1 = 0.5 * u;
+        [b1, v - b1]
+    } else {
+        let b2 = 0.5 * v;
+        [u - b2, b2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean of `f` over an n × n grid of cell centres in the unit square.
+    fn grid_mean(n: usize, f: impl Fn([f32; 2]) -> f64) -> f64 {
+        let at = |i: usize| (i as f32 + 0.5) / n as f32;
+        let sum: f64 = (0..n * n).map(|i| f([at(i % n), at(i / n)])).sum();
+        sum / (n * n) as f64
+    }
+
+    // The midpoint rule on a 512² grid of these smooth integrands is good to 1e-4 or better.
+    const TOLERANCE: f64 = 1e-4;
+
+    #[test]
+    fn disk_has_the_moments_of_a_uniform_disk() {
+        assert!((grid_mean(512, |u| f64::from(concentric_disk(u).length_squared())) - 0.5).abs() < TOLERANCE);
+        assert!(grid_mean(512, |u| f64::from(concentric_disk(u).x)).abs() < TOLERANCE);
+    }
+
+    #[test]
+    fn cosine_hemisphere_has_mean_height_two_thirds() {
+        assert!((grid_mean(512, |u| f64::from(cosine_hemisphere(u).z)) - 2.0 / 3.0).abs() < TOLERANCE);
+    }
+
+    #[test]
+    fn sphere_and_cone_have_the_right_moments() {
+        assert!((grid_mean(512, |u| f64::from(uniform_sphere(u).z.powi(2))) - 1.0 / 3.0).abs() < TOLERANCE);
+        assert!((grid_mean(512, |u| f64::from(uniform_cone(u, 0.25).z)) - 0.625).abs() < TOLERANCE);
+    }
+
+    #[test]
+    fn triangle_has_its_centroid_and_stays_inside() {
+        for axis in 0..2 {
+            assert!((grid_mean(512, |u| f64::from(uniform_triangle(u)[axis])) - 1.0 / 3.0).abs() < TOLERANCE);
+        }
+        assert!(grid_mean(64, |u| f64::from(u8::from(uniform_triangle(u).iter().sum::<f32>() > 1.0))) == 0.0);
+    }
+}

@@ -1,0 +1,48 @@
+//! Raw pictures: the mosaic of digital numbers that leaves the sensor, with what a developer needs to know about it.
+//!
+//! In: digital numbers from [`sensor`](crate::sensor). Out: files (DNG, TIFF, PGM, NPY). Development to RGB is left to
+//! [`develop`](crate::develop).
+
+mod cfa;
+
+pub use cfa::Cfa;
+
+/// A mosaic of digital numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawImage {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// width × height digital numbers, row by row from the top-left pixel.
+    pub data: Vec<u16>,
+    /// Which channel each pixel belongs to.
+    pub cfa: Cfa,
+    /// Bits of the converter, 8–16.
+    pub bits: u32,
+    /// Digital number of no light, DN.
+    pub black_level_dn: u16,
+    /// Smallest digital number at which a pixel counts as saturated, DN.
+    pub white_level_dn: u16,
+    /// How it was taken.
+    pub metadata: RawMetadata,
+}
+
+/// How a raw picture was taken, and what its colours mean.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RawMetadata {
+    /// Sensor preset or name.
+    pub camera_model: String,
+    /// Exposure time, s.
+    pub exposure_time_s: f64,
+    /// f-number, where there is a lens.
+    pub f_number: Option<f64>,
+    /// Focal length, m.
+    pub focal_length_m: Option<f64>,
+    /// XYZ (D65 white) → camera, rows per channel in the order of the CFA's channels; `None` for monochrome.
+    pub colour_matrix_d65: Option<[[f64; 3]; 3]>,
+    /// The camera's response to the scene's white, the largest component 1; `None` for monochrome.
+    pub as_shot_neutral: Option<[f64; 3]>,
+    /// Per channel (S, O): variance of the normalised signal x in 0–1 is S·x + O (DNG NoiseProfile).
+    pub noise_profile: Vec<[f64; 2]>,
+}

@@ -1,0 +1,23 @@
+//! Spectra: functions of wavelength from 300 to 1100 nm, the wavelengths a path carries, and the data that ship with
+//! the program.
+//!
+//! A [`Spectrum`] is the one representation at rest: a table with a step of 1 nm. Along a path, a [`SampledSpectrum`]
+//! holds its values at the four [`Wavelengths`] of that path. Colours become spectra in [`upsampling`], named data come
+//! from [`library`], standard light from [`illuminant`], the observer from [`cie`].
+
+mod sampled;
+mod table;
+mod wavelengths;
+
+pub use sampled::SampledSpectrum;
+pub use table::{Outside, Spectrum};
+pub use wavelengths::{WavelengthSampler, Wavelengths};
+
+/// Shortest wavelength that the program knows, nm: below it glass, air and silicon sensors see nothing.
+pub const LAMBDA_MIN_NM: f32 = 300.0;
+/// Longest wavelength that the program knows, nm: above it silicon is transparent.
+pub const LAMBDA_MAX_NM: f32 = 1100.0;
+/// Entries of a spectral table: every nanometre from [`LAMBDA_MIN_NM`] to [`LAMBDA_MAX_NM`].
+pub const TABLE_LEN: usize = 801;
+/// Wavelengths that a path carries.
+pub const LANES: usize = 4;

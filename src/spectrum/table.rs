@@ -1,0 +1,176 @@
+//! A function of wavelength at rest: one value every nanometre.
+
+use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, SampledSpectrum, TABLE_LEN, Wavelengths};
+use crate::Invalid;
+
+/// What a spectrum is outside the wavelengths that were measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// Zero: emission, quantum efficiency, colour-matching functions.
+    Zero,
+    /// The value at the nearest measured wavelength: reflectance, refractive index.
+    Hold,
+}
+
+/// A function of wavelength, tabulated every nanometre from 300 to 1100 nm and linear in between; zero outside.
+///
+/// The unit is that of whatever the table stands for: dimensionless (reflectance, quantum efficiency, index), or
+/// W·m⁻²·sr⁻¹·nm⁻¹ (radiance), W·m⁻²·nm⁻¹ (irradiance), W·sr⁻¹·nm⁻¹ (intensity). Structure finer than 1 nm, as that of
+/// gas-discharge lines, is lost when a table is made, but not its energy if the data come as 1 nm bins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    values: Box<[f32; TABLE_LEN]>,
+}
+
+impl Spectrum {
+    /// The same value everywhere.
+    pub fn constant(value: f32) -> Self {
+        Self { values: Box::new([value; TABLE_LEN]) }
+    }
+
+    /// Tabulates `f`, a function of the wavelength in nm.
+    pub fn from_fn(mut f: impl FnMut(f64) -> f64) -> Self {
+        let mut values = Box::new([0.0; TABLE_LEN]);
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = f(f64::from(LAMBDA_MIN_NM) + i as f64) as f32;
+        }
+        Self { values }
+    }
+
+    /// Interpolates measured samples linearly. Wavelengths in nm, finite and strictly increasing; values finite.
+    pub fn from_samples(lambda_nm: &[f64], values: &[f64], outside: Outside) -> Result<Self, Invalid> {
+        if lambda_nm.is_empty() || lambda_nm.len() != values.len() {
+            let counts = format!("{} wavelengths and {} values", lambda_nm.len(), values.len());
+            return Err(Invalid::new("", counts).help("give as many values as wavelengths, at least one"));
+        }
+        if let Some(i) = (0..values.len()).find(|&i| !lambda_nm[i].is_finite() || !values[i].is_finite()) {
+            return Err(Invalid::new("", format!("sample {} is not a finite number", i + 1)));
+        }
+        if let Some(pair) = lambda_nm.windows(2).find(|pair| pair[0] >= pair[1]) {
+            let message = format!("wavelength {} nm does not come after {} nm", pair[1], pair[0]);
+            return Err(Invalid::new("", message).help("sort the rows by wavelength and remove repeated ones"));
+        }
+        let last = values.len() - 1;
+        Ok(Self::from_fn(|lambda| {
+            let above = lambda_nm.partition_point(|&l| l < lambda);
+            if above <= last && lambda_nm[above] == lambda {
+                return values[above];
+            }
+            if above == 0 || above > last {
+                return match outside {
+                    Outside::Zero => 0.0,
+                    Outside::Hold => values[above.min(last)],
+                };
+            }
+            let t = (lambda - lambda_nm[above - 1]) / (lambda_nm[above] - lambda_nm[above - 1]);
+            values[above - 1] * (1.0 - t) + values[above] * t
+        }))
+    }
+
+    /// Value at a wavelength in nm; zero outside 300–1100 nm.
+    #[inline]
+    pub fn eval(&self, lambda_nm: f32) -> f32 {
+        eval_table(&self.values[..], lambda_nm)
+    }
+
+    /// Values at the wavelengths of a path.
+    #[inline]
+    pub fn sample(&self, wavelengths: &Wavelengths) -> SampledSpectrum {
+        SampledSpectrum::from_lanes(|i| self.eval(wavelengths.lambda_nm(i)))
+    }
+
+    /// The table: value at 300 nm, 301 nm, … 1100 nm.
+    pub fn values(&self) -> &[f32; TABLE_LEN] {
+        &self.values
+    }
+
+    /// (wavelength in nm, value) for every entry.
+    pub fn iter(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.values.iter().enumerate().map(|(i, &v)| (f64::from(LAMBDA_MIN_NM) + i as f64, f64::from(v)))
+    }
+
+    /// ∫ over 300–1100 nm, in the table's unit times nm; exact for the piecewise linear function.
+    pub fn integral(&self) -> f64 {
+        let sum: f64 = self.values.iter().map(|&v| f64::from(v)).sum();
+        sum - 0.5 * f64::from(self.values[0] + self.values[TABLE_LEN - 1])
+    }
+
+    /// `f(wavelength in nm, value)` at every entry.
+    #[must_use]
+    pub fn map(&self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
+        let mut i = 0;
+        Self::from_fn(|lambda| {
+            i += 1;
+            f(lambda, f64::from(self.values[i - 1]))
+        })
+    }
+
+    /// Every value times `factor`.
+    #[must_use]
+    pub fn scale(&self, factor: f64) -> Self {
+        self.map(|_, v| v * factor)
+    }
+
+    /// Product with another spectrum, entry by entry.
+    #[must_use]
+    pub fn product(&self, other: &Self) -> Self {
+        let mut others = other.values.iter();
+        self.map(|_, v| v * f64::from(*others.next().unwrap_or(&0.0)))
+    }
+
+    /// Smallest value.
+    pub fn min(&self) -> f32 {
+        self.values.iter().copied().fold(f32::INFINITY, f32::min)
+    }
+
+    /// Largest value.
+    pub fn max(&self) -> f32 {
+        self.values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
+    }
+}
+
+/// Linear interpolation in a table of [`TABLE_LEN`] values (see [`Spectrum`]); zero outside 300–1100 nm.
+#[inline]
+pub(crate) fn eval_table(values: &[f32], lambda_nm: f32) -> f32 {
+    if !(LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(&lambda_nm) {
+        return 0.0;
+    }
+    let x = lambda_nm - LAMBDA_MIN_NM;
+    let i = (x as usize).min(TABLE_LEN - 2);
+    let t = x - i as f32;
+    values[i] + (values[i + 1] - values[i]) * t
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_interpolated_and_extended_as_asked() {
+        let held = Spectrum::from_samples(&[400.0, 500.0], &[1.0, 3.0], Outside::Hold).expect("valid");
+        assert_eq!([held.eval(300.0), held.eval(425.5), held.eval(500.0), held.eval(1100.0)], [1.0, 1.51, 3.0, 3.0]);
+        let zero = Spectrum::from_samples(&[400.0, 500.0], &[1.0, 3.0], Outside::Zero).expect("valid");
+        assert_eq!([zero.eval(399.0), zero.eval(400.0), zero.eval(500.0), zero.eval(501.0)], [0.0, 1.0, 3.0, 0.0]);
+        assert_eq!(zero.eval(1101.0), 0.0);
+    }
+
+    #[test]
+    fn integral_of_a_ramp_is_exact() {
+        let ramp = Spectrum::from_fn(|lambda| lambda - 300.0);
+        assert!((ramp.integral() - 0.5 * 800.0 * 800.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn unsorted_missing_and_infinite_samples_are_refused() {
+        for (lambda, values) in [
+            (vec![500.0, 400.0], vec![1.0, 1.0]),
+            (vec![400.0, 400.0], vec![1.0, 1.0]),
+            (vec![400.0], vec![]),
+            (vec![], vec![]),
+            (vec![400.0, f64::NAN], vec![1.0, 1.0]),
+            (vec![400.0, 500.0], vec![1.0, f64::INFINITY]),
+        ] {
+            assert!(Spectrum::from_samples(&lambda, &values, Outside::Hold).is_err(), "{lambda:?} {values:?}");
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! The wavelengths that a path carries, and how they are drawn: hero-wavelength sampling
+//! ([Wilkie14](crate::references#wilkie14)).
+
+use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN};
+use crate::math::distribution::PiecewiseConstant1D;
+
+/// Four wavelengths with their densities. The first, the hero, decides wherever a direction depends on wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wavelengths {
+    lambda_nm: [f32; LANES],
+    /// nm⁻¹; zero for a lane that the path no longer carries.
+    pdf: [f32; LANES],
+}
+
+impl Wavelengths {
+    /// From wavelengths in nm and their densities in nm⁻¹.
+    pub fn new(lambda_nm: [f32; LANES], pdf: [f32; LANES]) -> Self {
+        Self { lambda_nm, pdf }
+    }
+
+    /// Wavelength of a lane, nm.
+    #[inline]
+    pub fn lambda_nm(&self, lane: usize) -> f32 {
+        self.lambda_nm[lane]
+    }
+
+    /// All four wavelengths, nm.
+    #[inline]
+    pub fn lambdas_nm(&self) -> [f32; LANES] {
+        self.lambda_nm
+    }
+
+    /// Drops all but the hero, after a refraction whose direction is right for the hero alone. The hero then stands for
+    /// all four: its density falls to a quarter ([pbrt4](crate::references#pbrt4) §4.5.4). Idempotent.
+    pub fn terminate_secondary(&mut self) {
+        if self.is_hero_alone() {
+            return;
+        }
+        self.pdf = [self.pdf[0] / LANES as f32, 0.0, 0.0, 0.0];
+    }
+
+    /// Whether only the hero is left.
+    #[inline]
+    pub fn is_hero_alone(&self) -> bool {
+        self.pdf[1..].iter().all(|&pdf| pdf == 0.0)
+    }
+
+    /// Monte Carlo weights 1/(4·p(λᵢ)) in nm, zero for dropped lanes: Σᵢ wᵢ·g(λᵢ) estimates ∫ g dλ.
+    #[inline]
+    pub fn weights(&self) -> SampledSpectrum {
+        SampledSpectrum::from_lanes(|i| if self.pdf[i] > 0.0 { 1.0 / (LANES as f32 * self.pdf[i]) } else { 0.0 })
+    }
+}
+
+/// Draws wavelengths with a density proportional to an importance spectrum.
+#[derive(Clone, Debug)]
+pub struct WavelengthSampler {
+    distribution: PiecewiseConstant1D,
+}
+
+impl WavelengthSampler {
+    /// The part of the probability that is spread evenly over where the importance is not zero, so that a dim
+    /// wavelength is never left out for good.
+    const EVEN_PART: f64 = 0.05;
+
+    /// From an importance (any unit, not negative): typically what the sensor makes of the light. Wavelengths where it
+    /// is zero are never drawn, so it must be positive wherever the response and the light both are.
+    pub fn new(importance: &Spectrum) -> Self {
+        let nm = |i: usize| f64::from(importance.values()[i].max(0.0));
+        // Pieces are the 800 intervals between table entries. A piece counts as useful where either end does.
+        let pieces: Vec<f64> = (0..TABLE_LEN - 1).map(|i| 0.5 * (nm(i) + nm(i + 1))).collect();
+        let useful = pieces.iter().filter(|&&p| p > 0.0).count().max(1) as f64;
+        let mean = pieces.iter().sum::<f64>() / useful;
+        let even = |p: f64| if p > 0.0 { (1.0 - Self::EVEN_PART) * p + Self::EVEN_PART * mean } else { 0.0 };
+        let values: Vec<f32> = pieces.into_iter().map(|p| even(p) as f32).collect();
+        Self { distribution: PiecewiseConstant1D::new(&values) }
+    }
+
+    /// Four wavelengths from one number in [0, 1): the hero at u, the others at u + ¼, u + ½, u + ¾ (mod 1) of the
+    /// cumulative distribution, each therefore with density p(λ).
+    #[inline]
+    pub fn sample(&self, u: f32) -> Wavelengths {
+        let range = LAMBDA_MAX_NM - LAMBDA_MIN_NM;
+        let mut lambda_nm = [0.0; LANES];
+        let mut pdf = [0.0; LANES];
+        for lane in 0..LANES {
+            let shifted = u + lane as f32 / LANES as f32;
+            let (x, density, _) = self.distribution.sample(if shifted >= 1.0 { shifted - 1.0 } else { shifted });
+            lambda_nm[lane] = LAMBDA_MIN_NM + x * range;
+            pdf[lane] = density / range;
+        }
+        Wavelengths { lambda_nm, pdf }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bump() -> Spectrum {
+        Spectrum::from_fn(|lambda| (1.0 - ((lambda - 550.0) / 150.0).powi(2)).max(0.0))
+    }
+
+    #[test]
+    fn the_estimator_integrates_what_it_should() {
+        let sampler = WavelengthSampler::new(&bump());
+        let n = 4096;
+        let estimate: f64 = (0..n)
+            .map(|i| {
+                let w = sampler.sample((i as f32 + 0.5) / n as f32);
+                f64::from((w.weights() * bump().sample(&w)).0.element_sum()) / f64::from(n)
+            })
+            .sum();
+        // 4096 × 4 stratified points on a piecewise linear ratio: error of order 1/n² per piece, f32 sums.
+        assert!((estimate / bump().integral() - 1.0).abs() < 1e-3, "{estimate}");
+    }
+
+    #[test]
+    fn a_lone_hero_stands_for_all_four() {
+        let sampler = WavelengthSampler::new(&bump());
+        let mut w = sampler.sample(0.3);
+        let before = w.weights()[0];
+        w.terminate_secondary();
+        w.terminate_secondary();
+        assert_eq!(w.weights().to_array(), [4.0 * before, 0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn useless_wavelengths_are_never_drawn() {
+        let sampler = WavelengthSampler::new(&bump());
+        for i in 0..1000 {
+            for lambda in sampler.sample(i as f32 / 1000.0).lambdas_nm() {
+                assert!((399.0..=701.0).contains(&lambda), "{lambda}");
+            }
+        }
+    }
+}
