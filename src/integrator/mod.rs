@@ -1,1 +1,5 @@
-//! (to be written)
+//! Light transport: how much radiance arrives along a ray, and the loop over the pixels.
+
+mod settings;
+
+pub use settings::{RenderSettings, SamplerKind};

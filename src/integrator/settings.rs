@@ -1,0 +1,67 @@
+//! What a user asks of a render.
+
+use std::time::Duration;
+
+use crate::Invalid;
+
+/// How many samples, how long, how deep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Samples a pixel; where a time limit or a noise target is given too, at most so many.
+    pub samples_per_pixel: u32,
+    /// Stop after this long, at the end of a pass.
+    pub time_limit: Option<Duration>,
+    /// Stop once Monte Carlo noise is below this part of the sensor's noise (ratio of standard deviations).
+    pub noise_target: Option<f64>,
+    /// Largest number of path segments from the camera; 1 sees emitters only, 2 direct light.
+    pub max_depth: u32,
+    /// Number of segments after which Russian roulette may end a path.
+    pub roulette_depth: u32,
+    /// Where random numbers come from.
+    pub sampler: SamplerKind,
+    /// Seed of light transport and sensor noise.
+    pub seed: u64,
+}
+
+/// Random number sequences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol points, independent between pixels.
+    Sobol,
+    /// Independent random numbers: more noise, but the reported variance is exact.
+    Independent,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            samples_per_pixel: 64,
+            time_limit: None,
+            noise_target: None,
+            max_depth: 16,
+            roulette_depth: 5,
+            sampler: SamplerKind::Sobol,
+            seed: 0,
+        }
+    }
+}
+
+impl RenderSettings {
+    /// Refuses what cannot be rendered. Keys are those of the capture file's `[render]` table.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        if self.samples_per_pixel == 0 {
+            return Err(Invalid::new("samples_per_pixel", "must be at least 1, got 0")
+                .help("for example samples_per_pixel = 64"));
+        }
+        if self.max_depth == 0 {
+            return Err(Invalid::new("max_depth", "must be at least 1, got 0").help("for example max_depth = 16"));
+        }
+        if let Some(target) = self.noise_target
+            && !(target.is_finite() && target > 0.0)
+        {
+            return Err(Invalid::new("noise_target", format!("must be above 0, got {target}"))
+                .help("for example noise_target = 0.2"));
+        }
+        Ok(())
+    }
+}

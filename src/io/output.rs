@@ -1,0 +1,56 @@
+//! Writing files so that each appears whole or not at all.
+
+use std::fs;
+use std::io::{BufWriter, Seek, Write};
+use std::path::Path;
+
+use tempfile::NamedTempFile;
+
+use crate::{Error, Result};
+
+/// A file being written, as encoders see it.
+pub trait Sink: Write + Seek {}
+impl<T: Write + Seek> Sink for T {}
+
+/// Writes `path` through a temporary file beside it, renamed into place once `write` has succeeded. On failure nothing
+/// is left behind and an older file of that name stays as it was.
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>) -> Result<()> {
+    let failed = |source| Error::io(path, "write", source);
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let temporary = NamedTempFile::new_in(folder).map_err(failed)?;
+    let mut buffered = BufWriter::new(temporary);
+    write(&mut buffered).map_err(failed)?;
+    let temporary = buffered.into_inner().map_err(|e| failed(e.into_error()))?;
+    #[cfg(unix)]
+    {
+        // Temporary files are private; a picture is not.
+        use std::os::unix::fs::PermissionsExt;
+        fs::set_permissions(temporary.path(), fs::Permissions::from_mode(0o644)).map_err(failed)?;
+    }
+    temporary.persist(path).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+/// Creates a folder and its parents.
+pub fn create_folder(path: &Path) -> Result<()> {
+    fs::create_dir_all(path).map_err(|source| Error::io(path, "create the folder", source))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("picture.dng");
+        write_whole(&path, |sink| sink.write_all(b"first")).expect("written");
+        let failure = write_whole(&path, |sink| {
+            sink.write_all(b"sec")?;
+            Err(std::io::Error::other("disk full"))
+        });
+        assert!(failure.is_err());
+        assert_eq!(fs::read(&path).expect("still there"), b"first");
+        assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+    }
+}

@@ -1,0 +1,140 @@
+//! A lens as a user describes it, checked.
+
+use crate::Invalid;
+use crate::spectrum::Spectrum;
+
+/// A lens in SI units. Distances are measured from the lens along the axis.
+#[derive(Clone, Debug)]
+pub struct LensDescription {
+    /// Pinhole or thin lens.
+    pub kind: LensKind,
+    /// Focal length f, m, above 0.
+    pub focal_length_m: f64,
+    /// f-number N = f/D, above 0. For a pinhole it sets the exposure only.
+    pub f_number: f64,
+    /// What is sharp.
+    pub focus: Focus,
+    /// Aperture blades: 0 for a disk, else at least 3.
+    pub blades: u32,
+    /// Rotation of the blades, degrees.
+    pub blade_rotation_deg: f64,
+    /// Whether irradiance falls off towards the corners.
+    pub falloff: Falloff,
+    /// Spectral transmittance τ, 0–1.
+    pub transmittance: Spectrum,
+    /// Distortion at ray level.
+    pub distortion: Distortion,
+    /// Intrinsics given directly, in place of those that follow from v and the pixel pitch.
+    pub intrinsics: Option<Intrinsics>,
+}
+
+/// Lens models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LensKind {
+    /// Everything is sharp; exposure as through an aperture D = f/N.
+    Pinhole,
+    /// 1/f = 1/u + 1/v, with depth of field.
+    Thin,
+}
+
+/// What the lens is focused on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Focus {
+    /// Distance u from the lens along the axis, m, above f.
+    Distance(f64),
+    /// v = f.
+    Infinity,
+    /// On what the chief ray of this pixel position (continuous coordinates) meets.
+    Autofocus {
+        /// Column, row.
+        pixel: [f64; 2],
+    },
+}
+
+/// Falloff of the irradiance towards the corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Falloff {
+    /// The natural cos⁴θ of each aperture point.
+    Cos4,
+    /// As on the axis everywhere: E = τ·π/4·(D/v)²·(mean radiance over the aperture).
+    None,
+}
+
+/// Distortion models of OpenCV, from ideal to distorted normalised coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Distortion {
+    /// A rectilinear lens.
+    None,
+    /// Radial k₁ k₂ k₃ and tangential p₁ p₂ (Brown–Conrady).
+    BrownConrady {
+        /// Radial coefficients.
+        k: [f64; 3],
+        /// Tangential coefficients.
+        p: [f64; 2],
+    },
+}
+
+/// A pinhole matrix in pixels. The principal point is in photosite's continuous coordinates (pixel centres at +0.5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsics {
+    /// Focal length in pixel widths.
+    pub fx: f64,
+    /// Focal length in pixel heights.
+    pub fy: f64,
+    /// Principal point, columns from the left edge.
+    pub cx: f64,
+    /// Principal point, rows from the top edge.
+    pub cy: f64,
+    /// Skew, pixels.
+    pub skew: f64,
+}
+
+impl LensDescription {
+    /// A thin lens with a round aperture, clear glass and natural falloff.
+    pub fn thin(focal_length_m: f64, f_number: f64, focus: Focus) -> Self {
+        Self {
+            kind: LensKind::Thin,
+            focal_length_m,
+            f_number,
+            focus,
+            blades: 0,
+            blade_rotation_deg: 0.0,
+            falloff: Falloff::Cos4,
+            transmittance: Spectrum::constant(1.0),
+            distortion: Distortion::None,
+            intrinsics: None,
+        }
+    }
+
+    /// Refuses what no lens can be. Keys are those of the capture file's `[lens]` table.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let positive = |key: &str, value: f64, unit: &str, example: &str| {
+            if value.is_finite() && value > 0.0 {
+                return Ok(());
+            }
+            Err(Invalid::new(key, format!("must be above 0, got {value}{unit}"))
+                .help(format!("for example {key} = {example}")))
+        };
+        positive("focal_length_mm", self.focal_length_m * 1e3, " mm", "16.0")?;
+        positive("f_number", self.f_number, "", "2.8")?;
+        if let Focus::Distance(u) = self.focus
+            && !(u.is_finite() && u > self.focal_length_m)
+        {
+            let message = format!("{u} m does not lie beyond the focal length of {} m", self.focal_length_m);
+            return Err(Invalid::new("focus_distance_m", message)
+                .help("a lens can only focus on what is farther away than its focal length; write a larger distance or \"infinity\""));
+        }
+        if self.blades == 1 || self.blades == 2 {
+            return Err(Invalid::new("blades", format!("{} blades make no opening", self.blades))
+                .help("write 0 for a round aperture, or 3 and more"));
+        }
+        if self.transmittance.min() < 0.0 || self.transmittance.max() > 1.0 {
+            return Err(Invalid::new("transmittance", "must lie between 0 and 1 at every wavelength"));
+        }
+        if let Some(i) = self.intrinsics {
+            positive("intrinsics.fx", i.fx, " px", "1200.0")?;
+            positive("intrinsics.fy", i.fy, " px", "1200.0")?;
+        }
+        Ok(())
+    }
+}
