@@ -8,8 +8,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 
-use crate::bsdf::Dispersion;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Dispersion, Spectrum};
 use crate::texture::{Bitmap, SamplerSettings, UvTransform};
 
 /// A whole scene as read from files.

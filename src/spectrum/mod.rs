@@ -5,10 +5,12 @@
 //! holds its values at the four [`Wavelengths`] of that path. Colours become spectra in [`upsampling`], named data come
 //! from [`library`], standard light from [`illuminant`], the observer from [`cie`].
 
+pub mod dispersion;
 mod sampled;
 mod table;
 mod wavelengths;
 
+pub use dispersion::Dispersion;
 pub use sampled::SampledSpectrum;
 pub use table::{Outside, Spectrum};
 pub use wavelengths::{WavelengthSampler, Wavelengths};
