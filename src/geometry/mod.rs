@@ -1,1 +1,22 @@
-//! (to be written)
+//! Rays, triangle meshes and where they meet.
+//!
+//! In: meshes and placements in metres. Out: the nearest [`Hit`] of a ray, or whether anything is in its way, and the
+//! [`SurfacePoint`] of a hit. What a surface does to light is left to [`bsdf`](crate::bsdf) and [`scene`](crate::scene).
+//!
+//! Intersection is watertight: a ray through a closed mesh cannot slip between two triangles that share an edge, at any
+//! scale. Rays leave a surface from a point moved by the bound on its own rounding error, so no epsilon depends on the
+//! size of the scene.
+
+mod accel;
+#[cfg(test)]
+mod accel_tests;
+mod mesh;
+mod point;
+mod ray;
+mod simd;
+mod wide_bvh;
+
+pub use accel::{Accel, AcceptAll, HitFilter, Placement, Transform};
+pub use mesh::{Geometry, MeshRange, Triangle};
+pub use point::SurfacePoint;
+pub use ray::{Hit, Ray, offset_origin};

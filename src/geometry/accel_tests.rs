@@ -1,0 +1,219 @@
+//! Traversal against brute force, watertightness, instances, precision at every scale.
+
+use glam::{Affine3A, Quat, Vec3};
+
+use super::*;
+use crate::math::hash::{hash64, unit_f32};
+use crate::math::warp;
+
+/// A sequence of numbers in [0, 1) for a seed.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f32 {
+        self.0 += 1;
+        unit_f32((hash64(1, self.0) >> 32) as u32)
+    }
+
+    fn point(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+fn geometry(triangles: &[[Vec3; 3]]) -> Geometry {
+    let mut g = Geometry::default();
+    for corners in triangles {
+        let first = g.positions.len() as u32;
+        g.positions.extend(corners);
+        g.triangles.push(Triangle { corners: [first, first + 1, first + 2], mesh: 0 });
+    }
+    g.meshes.push(mesh_of(triangles.len() as u32));
+    g
+}
+
+fn mesh_of(triangle_count: u32) -> MeshRange {
+    MeshRange {
+        material: 0,
+        first_triangle: 0,
+        triangle_count,
+        first_light: None,
+        normals_from: None,
+        tangents_from: None,
+        uvs_from: [None; 2],
+    }
+}
+
+fn in_world(geometry: &Geometry) -> Accel {
+    let all = 0..geometry.triangles.len() as u32;
+    Accel::build(geometry, &[all], vec![Placement { group: 0, transform: None }])
+}
+
+/// A sphere of unit radius as a closed mesh of shared corners: latitude and longitude, with poles.
+fn sphere(bands: u32, sectors: u32) -> Geometry {
+    let mut g = Geometry::default();
+    let corner = |band: u32, sector: u32| band * sectors + sector % sectors;
+    for band in 0..=bands {
+        for sector in 0..sectors {
+            let theta = std::f32::consts::PI * band as f32 / bands as f32;
+            let phi = std::f32::consts::TAU * sector as f32 / sectors as f32;
+            // Exactly the same pole for every sector, or the mesh would not be closed there.
+            let sin = if band == 0 || band == bands { 0.0 } else { theta.sin() };
+            g.positions.push(Vec3::new(sin * phi.cos(), theta.cos(), sin * phi.sin()));
+        }
+    }
+    for band in 0..bands {
+        for sector in 0..sectors {
+            let (a, b) = (corner(band, sector), corner(band, sector + 1));
+            let (c, d) = (corner(band + 1, sector), corner(band + 1, sector + 1));
+            for corners in [[a, b, c], [b, d, c]] {
+                let [p, q, r] = corners.map(|i| g.positions[i as usize]);
+                if p != q && q != r && r != p {
+                    g.triangles.push(Triangle { corners, mesh: 0 });
+                }
+            }
+        }
+    }
+    g.meshes.push(mesh_of(g.triangles.len() as u32));
+    g
+}
+
+/// Möller–Trumbore in f64, as an independent reference.
+fn brute_force(geometry: &Geometry, ray: &Ray) -> Option<(u32, f64)> {
+    let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+    let hit = |i: u32| {
+        let [a, b, c] = geometry.corners(i).map(|p| p.as_dvec3());
+        let (e1, e2) = (b - a, c - a);
+        let p = d.cross(e2);
+        let inverse = 1.0 / e1.dot(p);
+        let u = (o - a).dot(p) * inverse;
+        let q = (o - a).cross(e1);
+        let (v, t) = (d.dot(q) * inverse, e2.dot(q) * inverse);
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some((i, t))
+    };
+    (0..geometry.triangles.len() as u32).filter_map(hit).min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+#[test]
+fn traversal_finds_what_brute_force_finds() {
+    let mut numbers = Numbers(0);
+    let soup: Vec<_> = (0..500)
+        .map(|_| {
+            let centre = numbers.point();
+            [0, 1, 2].map(|_| centre + (numbers.point() - 0.5) * 0.2)
+        })
+        .collect();
+    let g = geometry(&soup);
+    let accel = in_world(&g);
+    let (mut hits, mut differing) = (0, 0);
+    for i in 0..4000 {
+        let mut direction = warp::uniform_sphere([numbers.next(), numbers.next()]);
+        if i % 4 == 0 {
+            direction[i / 4 % 3] = if i % 8 == 0 { 0.0 } else { -0.0 };
+        }
+        let ray = Ray::new(numbers.point() * 2.0 - 0.5, direction);
+        let expected = brute_force(&g, &ray);
+        let found = accel.closest(&ray, &AcceptAll);
+        assert_eq!(accel.occluded(&ray, &AcceptAll), found.is_some());
+        hits += u32::from(expected.is_some());
+        match (expected, found) {
+            (Some((triangle, t)), Some(hit)) if triangle == hit.triangle => {
+                assert!((f64::from(hit.t) - t).abs() < 1e-4 * t.max(1e-2), "{t} {}", hit.t);
+            }
+            (None, None) => {}
+            // Rays through an edge may be decided differently in f32.
+            _ => differing += 1,
+        }
+    }
+    assert!(hits > 400 && differing <= 2, "{hits} hits, {differing} differ");
+}
+
+#[test]
+fn no_ray_leaves_a_closed_mesh_at_any_scale_or_place() {
+    let mut numbers = Numbers(7);
+    for (scale, offset) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1000.0)] {
+        let mut g = sphere(24, 48);
+        g.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
+        let accel = in_world(&g);
+        for i in 0..20_000 {
+            // Half of the rays aim exactly at a corner or at the middle of an edge, where leaks are.
+            let triangle = (numbers.next() * g.triangles.len() as f32) as u32;
+            let [a, b, _] = g.corners(triangle.min(g.triangles.len() as u32 - 1));
+            let origin = (numbers.point() - 0.5) * scale * 0.5 + offset;
+            let direction = match i % 4 {
+                0 => a - origin,
+                1 => (a + b) * 0.5 - origin,
+                2 => Vec3::AXES[i / 4 % 3] * if i % 8 == 2 { 1.0 } else { -1.0 },
+                _ => warp::uniform_sphere([numbers.next(), numbers.next()]),
+            };
+            let ray = Ray::new(origin, direction);
+            assert!(accel.closest(&ray, &AcceptAll).is_some(), "scale {scale} offset {offset}: {ray:?}");
+        }
+    }
+}
+
+#[test]
+fn rays_that_leave_a_surface_do_not_meet_it_again() {
+    let mut numbers = Numbers(3);
+    let g = sphere(24, 48);
+    let transform = Affine3A::from_scale_rotation_translation(
+        Vec3::new(2.0, 0.5, 1.0),
+        Quat::from_rotation_y(0.7),
+        Vec3::new(100.0, -50.0, 3.0),
+    );
+    let placed =
+        Placement { group: 0, transform: Some(Transform { to_world: transform, to_group: transform.inverse() }) };
+    let all = 0..g.triangles.len() as u32;
+    for accel in [in_world(&g), Accel::build(&g, &[all], vec![placed])] {
+        let (low, high) = accel.bounds();
+        let centre = (low + high) * 0.5;
+        for _ in 0..20_000 {
+            let ray = Ray::new(centre, warp::uniform_sphere([numbers.next(), numbers.next()]));
+            let hit = accel.closest(&ray, &AcceptAll).expect("inside a closed mesh");
+            let point = SurfacePoint::new(&g, &accel, &hit);
+            assert!((point.position - ray.at(hit.t)).length() < 1e-3);
+            // Outwards from a convex body there is nothing more to meet.
+            let outward = point.geometric_normal * ray.direction.dot(point.geometric_normal).signum();
+            let grazing = (outward + 0.999 * warp::uniform_sphere([numbers.next(), numbers.next()])).normalize();
+            let leaving =
+                Ray::new(offset_origin(point.position, point.error, point.geometric_normal, outward), grazing);
+            let again = accel.closest(&leaving, &AcceptAll);
+            assert!(again.is_none_or(|h| h.triangle != hit.triangle), "{leaving:?} {again:?}");
+        }
+    }
+}
+
+#[test]
+fn instances_stand_where_their_transforms_put_them() {
+    let g = sphere(16, 32);
+    let at = |x: f32, scale: f32| {
+        let to_world = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), Quat::IDENTITY, Vec3::X * x);
+        Placement { group: 0, transform: Some(Transform { to_world, to_group: to_world.inverse() }) }
+    };
+    let placements: Vec<_> = (0..40).map(|i| at(4.0 * i as f32, if i % 2 == 0 { 1.0 } else { 0.5 })).collect();
+    let accel = Accel::build(&g, &[0..g.triangles.len() as u32], placements);
+    for i in 0..40 {
+        let hit = accel.closest(&Ray::new(Vec3::new(4.0 * i as f32 + 0.1, 5.0, 0.1), Vec3::NEG_Y), &AcceptAll);
+        let hit = hit.expect("straight above a sphere");
+        assert_eq!(hit.placement, i);
+        let point = SurfacePoint::new(&g, &accel, &hit);
+        let radius = if i % 2 == 0 { 1.0 } else { 0.5 };
+        let from_centre = point.position - Vec3::X * 4.0 * i as f32;
+        // The chord of a 16-band sphere lies at most 1 − cos(π/32) ≈ 0.5 % inside it.
+        assert!((from_centre.length() / radius - 1.0).abs() < 0.012, "{from_centre}");
+        assert!(point.geometric_normal.dot(from_centre.normalize()).abs() > 0.98);
+    }
+    assert!(accel.closest(&Ray::new(Vec3::new(2.0, 5.0, 0.0), Vec3::NEG_Y), &AcceptAll).is_none());
+}
+
+#[test]
+fn tiny_trees_are_trees_too() {
+    for count in 1..20 {
+        let column: Vec<_> = (0..count)
+            .map(|i| [Vec3::new(-1.0, i as f32, -1.0), Vec3::new(1.0, i as f32, -1.0), Vec3::new(0.0, i as f32, 1.0)])
+            .collect();
+        let g = geometry(&column);
+        let accel = in_world(&g);
+        let hit = accel.closest(&Ray::new(Vec3::new(0.0, 100.0, 0.0), Vec3::NEG_Y), &AcceptAll).expect("a hit");
+        assert_eq!((hit.triangle, hit.t), (count - 1, 100.0 - (count - 1) as f32), "{count} triangles");
+    }
+}

@@ -1,0 +1,80 @@
+//! Rays, hits, and how a ray leaves a surface without meeting it again.
+
+use glam::Vec3;
+
+/// A ray from `origin` along `direction`; points on it are origin + t·direction for 0 < t < `t_max`.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Metres.
+    pub origin: Vec3,
+    /// Need not be of unit length; t is counted in its length.
+    pub direction: Vec3,
+    /// Where it ends; infinite for a ray that does not.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray without end.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_max: f32::INFINITY }
+    }
+
+    /// The point at t.
+    #[inline]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter.
+    pub t: f32,
+    /// Barycentric weights of the triangle's second and third corner.
+    pub barycentric: [f32; 2],
+    /// Index of the triangle in [`Geometry`](super::Geometry).
+    pub triangle: u32,
+    /// Index of the placement in [`Accel`](super::Accel).
+    pub placement: u32,
+}
+
+/// A ray origin off the surface at `p`, on the side that `direction` points to.
+///
+/// `error` bounds the rounding error of p per axis (m), `normal` is the unit geometric normal. The point moves along
+/// the normal just far enough to clear the box p ± error, each coordinate rounded away from p
+/// ([pbrt4](crate::references#pbrt4) §6.8.6).
+#[inline]
+pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    let distance = normal.abs().dot(error);
+    let mut offset = normal * distance;
+    if direction.dot(normal) < 0.0 {
+        offset = -offset;
+    }
+    let away = |moved: f32, offset: f32| match offset.total_cmp(&0.0) {
+        std::cmp::Ordering::Greater => moved.next_up(),
+        std::cmp::Ordering::Less => moved.next_down(),
+        std::cmp::Ordering::Equal => moved,
+    };
+    let moved = p + offset;
+    Vec3::new(away(moved.x, offset.x), away(moved.y, offset.y), away(moved.z, offset.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_origin_leaves_on_the_side_it_points_to_at_every_scale() {
+        for scale in [1e-12f32, 1.0, 1e12] {
+            let p = Vec3::new(1.0, -2.0, 3.0) * scale;
+            let error = p.abs() * 1e-6;
+            for direction in [Vec3::Y, Vec3::NEG_Y] {
+                let origin = offset_origin(p, error, Vec3::Y, direction);
+                let height = (origin.y - p.y) * direction.y;
+                assert!(height > error.y && height < 2.0 * error.y, "{scale}: {height}");
+            }
+        }
+    }
+}

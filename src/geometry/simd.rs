@@ -1,0 +1,231 @@
+//! Eight numbers at a time: the few operations that ray traversal needs, on AVX registers where the machine has them
+//! and on plain arrays elsewhere.
+//!
+//! Both kinds do the same IEEE operations in the same order and contract nothing into fused ones, so that a picture does
+//! not depend on the machine. This is the only file with `unsafe` code: the AVX intrinsics must not run on a processor
+//! without AVX, and the compiler cannot know where the program will run.
+
+#![allow(unsafe_code, reason = "intrinsics behind a run-time check; see the module documentation")]
+
+/// Eight f32 lanes. Implementations are values of a register or an array.
+pub(super) trait Lanes: Copy {
+    fn load(values: &[f32; 8]) -> Self;
+    fn splat(value: f32) -> Self;
+    fn store(self) -> [f32; 8];
+    fn add(self, other: Self) -> Self;
+    fn sub(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    fn div(self, other: Self) -> Self;
+    /// The smaller of the two; `other` where either is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger of the two; `other` where either is NaN.
+    fn max(self, other: Self) -> Self;
+    /// Bit i is set where lane i of self ≤ that of other; NaN compares false.
+    fn le(self, other: Self) -> u32;
+    /// Bit i is set where lane i of self < that of other; NaN compares false.
+    fn lt(self, other: Self) -> u32;
+}
+
+/// Lanes in an array, on any machine.
+#[derive(Clone, Copy)]
+pub(super) struct Portable([f32; 8]);
+
+impl Portable {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+    }
+
+    #[inline(always)]
+    fn mask(self, other: Self, f: impl Fn(f32, f32) -> bool) -> u32 {
+        (0..8).fold(0, |mask, i| mask | u32::from(f(self.0[i], other.0[i])) << i)
+    }
+}
+
+impl Lanes for Portable {
+    #[inline(always)]
+    fn load(values: &[f32; 8]) -> Self {
+        Self(*values)
+    }
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self([value; 8])
+    }
+    #[inline(always)]
+    fn store(self) -> [f32; 8] {
+        self.0
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> u32 {
+        self.mask(other, |a, b| a <= b)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> u32 {
+        self.mask(other, |a, b| a < b)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use avx::Avx;
+
+#[cfg(target_arch = "x86_64")]
+mod avx {
+    use std::arch::x86_64::{
+        __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_cmp_ps, _mm256_div_ps, _mm256_loadu_ps, _mm256_max_ps,
+        _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    };
+
+    use super::Lanes;
+
+    /// Lanes in an AVX register. Only code that is inlined below a function with the `avx` target feature, itself
+    /// called after [`available`](super::avx_available) said yes, may make one.
+    #[derive(Clone, Copy)]
+    pub(in super::super) struct Avx(__m256);
+
+    // SAFETY, for every block below: an `Avx` exists only where AVX does (see the type), and the loads and stores are of
+    // references to eight floats, which the unaligned instructions accept at any address.
+    impl Lanes for Avx {
+        #[inline(always)]
+        fn load(values: &[f32; 8]) -> Self {
+            // SAFETY: reads the eight floats behind the reference.
+            Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
+        }
+        #[inline(always)]
+        fn splat(value: f32) -> Self {
+            // SAFETY: AVX is there.
+            Self(unsafe { _mm256_set1_ps(value) })
+        }
+        #[inline(always)]
+        fn store(self) -> [f32; 8] {
+            let mut values = [0.0; 8];
+            // SAFETY: writes the eight floats of the array.
+            unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
+            values
+        }
+        #[inline(always)]
+        fn add(self, other: Self) -> Self {
+            // SAFETY: AVX is there.
+            Self(unsafe { _mm256_add_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn sub(self, other: Self) -> Self {
+            // SAFETY: AVX is there.
+            Self(unsafe { _mm256_sub_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn mul(self, other: Self) -> Self {
+            // SAFETY: AVX is there.
+            Self(unsafe { _mm256_mul_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn div(self, other: Self) -> Self {
+            // SAFETY: AVX is there.
+            Self(unsafe { _mm256_div_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            // SAFETY: AVX is there.
+            Self(unsafe { _mm256_min_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            // SAFETY: AVX is there.
+            Self(unsafe { _mm256_max_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn le(self, other: Self) -> u32 {
+            // SAFETY: AVX is there.
+            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
+        }
+        #[inline(always)]
+        fn lt(self, other: Self) -> u32 {
+            // SAFETY: AVX is there.
+            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
+        }
+    }
+}
+
+/// Defines a function that runs its generic body with the widest lanes this machine has. The body must be
+/// `#[inline(always)]`, so that it is compiled once more under the `avx` target feature.
+macro_rules! with_widest_lanes {
+    ($(#[$meta:meta])* $visibility:vis fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident) => {
+        $(#[$meta])*
+        #[inline]
+        $visibility fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
+            #[cfg(target_arch = "x86_64")]
+            {
+                #[target_feature(enable = "avx")]
+                fn wide $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
+                    $body::<$crate::geometry::simd::Avx, $($generic)?>($($argument),*)
+                }
+                if std::arch::is_x86_feature_detected!("avx") {
+                    #[allow(unsafe_code, reason = "the one call that the check above makes sound")]
+                    // SAFETY: the processor has AVX, as was just asked.
+                    return unsafe { wide($($argument),*) };
+                }
+            }
+            $body::<$crate::geometry::simd::Portable, $($generic)?>($($argument),*)
+        }
+    };
+}
+pub(super) use with_widest_lanes;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every operation on the given lanes, as bits.
+    #[inline(always)]
+    fn every_operation<L: Lanes>(a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
+        let (x, y) = (L::load(a), L::load(b));
+        let results = [x.add(y), x.sub(y), x.mul(y), x.div(y), x.min(y), x.max(y), L::splat(a[0])];
+        // The sign of a NaN is nobody's promise.
+        let canonical = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
+        let mut bits: Vec<u32> = results.into_iter().flat_map(|r| r.store().map(canonical)).collect();
+        bits.extend([x.le(y), x.lt(y)]);
+        bits
+    }
+
+    with_widest_lanes! {
+        fn widest(a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> = every_operation
+    }
+
+    #[test]
+    fn both_kinds_of_lanes_agree_bit_by_bit() {
+        let a = [1.0, -2.5, 0.0, -0.0, f32::INFINITY, 1e-40, 3.0, f32::MAX];
+        let b = [1.0, 3.5, -0.0, 7.0, 2.0, 1e20, 0.1, f32::INFINITY];
+        assert_eq!(widest(&a, &b), every_operation::<Portable>(&a, &b));
+    }
+
+    #[test]
+    fn a_nan_yields_to_the_second_operand() {
+        let nan = Portable::splat(f32::NAN);
+        assert_eq!(nan.min(Portable::splat(2.0)).store(), [2.0; 8]);
+        assert_eq!(nan.max(Portable::splat(2.0)).store(), [2.0; 8]);
+        assert_eq!(nan.le(nan), 0);
+    }
+}

@@ -1,0 +1,334 @@
+//! An eight-wide bounding volume hierarchy: collapsed from a binary one, traversed eight boxes and eight triangles at a
+//! time.
+//!
+//! Boxes are tested by slabs with the far plane widened by the bound on rounding (T. Ize, "Robust BVH Ray Traversal",
+//! JCGT 2013), triangles in a space sheared along the ray, where the signs that decide are exact (S. Woop, C. Benthin,
+//! I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2013): no ray slips through an edge or a corner.
+
+use glam::Vec3;
+
+use super::simd::Lanes;
+use crate::math::float::gamma;
+
+/// The binary hierarchy that a wide one is made from.
+pub(super) trait BinaryTree {
+    /// Lower and upper corner of a node's box.
+    fn bounds(&self, node: u32) -> (Vec3, Vec3);
+    /// Both children, unless the node is a leaf.
+    fn children(&self, node: u32) -> Option<[u32; 2]>;
+    /// The primitives of a leaf.
+    fn primitives(&self, leaf: u32) -> &[u32];
+}
+
+/// Primitives in a leaf, at most: as many as are tested at once.
+pub(super) const LEAF_SIZE: usize = 8;
+
+const LEAF: u32 = 1 << 31;
+const STACK_LEN: usize = 64;
+
+/// Boxes of up to eight children and where they are.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+struct WideNode {
+    /// min x, max x, min y, max y, min z, max z of each child; an absent child has an inverted box.
+    planes: [[f32; 8]; 6],
+    /// Index of a node, or [`LEAF`] | what the leaf callback knows it by.
+    children: [u32; 8],
+}
+
+impl WideNode {
+    const EMPTY: Self = {
+        let (min, max) = ([f32::INFINITY; 8], [f32::NEG_INFINITY; 8]);
+        Self { planes: [min, max, min, max, min, max], children: [LEAF; 8] }
+    };
+}
+
+/// The hierarchy; leaves are known by a number that the builder of the leaf chose.
+#[derive(Clone, Debug)]
+pub(super) struct WideBvh {
+    nodes: Vec<WideNode>,
+}
+
+impl WideBvh {
+    /// Collapses a binary tree with root 0: a node adopts the children of its largest child until it has eight; subtrees
+    /// of at most [`LEAF_SIZE`] primitives become leaves, for which `make_leaf` returns a number below 2³¹.
+    pub(super) fn collapse(
+        tree: &impl BinaryTree,
+        node_count: usize,
+        mut make_leaf: impl FnMut(&[u32]) -> u32,
+    ) -> Self {
+        let sizes = subtree_sizes(tree, node_count);
+        let is_leaf = |node: u32| usize::from(sizes[node as usize]) <= LEAF_SIZE;
+        let mut nodes = vec![WideNode::EMPTY];
+        let mut open = vec![(0u32, 0usize)];
+        let mut primitives = Vec::with_capacity(LEAF_SIZE);
+        while let Some((binary, wide)) = open.pop() {
+            let mut members = vec![binary];
+            while members.len() < 8 {
+                let candidates = members.iter().enumerate().filter(|&(_, &member)| !is_leaf(member));
+                let areas = candidates.map(|(i, &member)| (i, half_area(tree.bounds(member))));
+                let Some((largest, _)) = areas.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+                let Some([left, right]) = tree.children(members[largest]) else { break };
+                members[largest] = left;
+                members.push(right);
+            }
+            for (slot, &member) in members.iter().enumerate() {
+                let (min, max) = tree.bounds(member);
+                for axis in 0..3 {
+                    nodes[wide].planes[2 * axis][slot] = min[axis];
+                    nodes[wide].planes[2 * axis + 1][slot] = max[axis];
+                }
+                nodes[wide].children[slot] = if is_leaf(member) {
+                    primitives.clear();
+                    gather_primitives(tree, member, &mut primitives);
+                    LEAF | make_leaf(&primitives)
+                } else {
+                    nodes.push(WideNode::EMPTY);
+                    open.push((member, nodes.len() - 1));
+                    (nodes.len() - 1) as u32
+                };
+            }
+        }
+        nodes.shrink_to_fit();
+        Self { nodes }
+    }
+
+    /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far.
+    /// `visit(leaf, t_max)` may shorten the ray; traversal ends when it returns true, and then returns true itself.
+    #[inline(always)]
+    pub(super) fn traverse<L: Lanes>(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        mut t_max: f32,
+        mut visit: impl FnMut(u32, &mut f32) -> bool,
+    ) -> bool {
+        let inverse = direction.recip();
+        let near_plane = [0, 1, 2].map(|axis| 2 * axis + usize::from(inverse[axis] < 0.0));
+        let lanes = |v: Vec3| [L::splat(v.x), L::splat(v.y), L::splat(v.z)];
+        let (o, r) = (lanes(origin), lanes(inverse));
+        let widen = L::splat(1.0 + 2.0 * gamma(3));
+
+        let mut stack = Stack::new();
+        let mut current = 0;
+        loop {
+            if current & LEAF != 0 {
+                if visit(current & !LEAF, &mut t_max) {
+                    return true;
+                }
+            } else {
+                let node = &self.nodes[current as usize];
+                // A direction component of 0 gives ±∞ · 0 = NaN where the origin lies on the plane; min and max then
+                // keep their second operand, which counts the origin as inside that slab.
+                let mut near = L::splat(0.0);
+                let mut far = L::splat(f32::INFINITY);
+                for axis in 0..3 {
+                    let n = near_plane[axis];
+                    near = L::load(&node.planes[n]).sub(o[axis]).mul(r[axis]).max(near);
+                    far = L::load(&node.planes[n ^ 1]).sub(o[axis]).mul(r[axis]).min(far);
+                }
+                let mut hits = near.le(far.mul(widen).min(L::splat(t_max)));
+                if hits != 0 {
+                    if hits & (hits - 1) == 0 {
+                        current = node.children[hits.trailing_zeros() as usize];
+                        continue;
+                    }
+                    let near = near.store();
+                    let base = stack.len();
+                    while hits != 0 {
+                        let slot = hits.trailing_zeros() as usize;
+                        hits &= hits - 1;
+                        stack.push_sorted(base, near[slot], node.children[slot]);
+                    }
+                }
+            }
+            current = loop {
+                match stack.pop() {
+                    Some((near, child)) if near < t_max => break child,
+                    Some(_) => {}
+                    None => return false,
+                }
+            };
+        }
+    }
+}
+
+/// Children yet to be visited with the distance at which the ray enters them. Kept on the processor's stack; a tree so
+/// deep that it does not fit spills to the heap.
+struct Stack {
+    near: [f32; STACK_LEN],
+    child: [u32; STACK_LEN],
+    len: usize,
+    spilled: Vec<(f32, u32)>,
+}
+
+impl Stack {
+    #[inline(always)]
+    fn new() -> Self {
+        Self { near: [0.0; STACK_LEN], child: [0; STACK_LEN], len: 0, spilled: Vec::new() }
+    }
+
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Inserts so that the entries from `base` on are sorted, the nearest last.
+    #[inline(always)]
+    fn push_sorted(&mut self, base: usize, near: f32, child: u32) {
+        if self.len == STACK_LEN {
+            self.spilled.push((near, child));
+            return;
+        }
+        let mut at = self.len;
+        while at > base && self.near[at - 1] < near {
+            self.near[at] = self.near[at - 1];
+            self.child[at] = self.child[at - 1];
+            at -= 1;
+        }
+        self.near[at] = near;
+        self.child[at] = child;
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(f32, u32)> {
+        if let Some(entry) = self.spilled.pop() {
+            return Some(entry);
+        }
+        if self.len == 0 {
+            return None;
+        }
+        self.len -= 1;
+        Some((self.near[self.len], self.child[self.len]))
+    }
+}
+
+/// Up to eight triangles, corner by corner and axis by axis.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct TriangleBlock {
+    corners: [[[f32; 8]; 3]; 3],
+    /// What each triangle is called; unused lanes are never hit.
+    pub(super) ids: [u32; 8],
+}
+
+/// Where a ray meets the triangles of a block.
+pub(super) struct BlockHits {
+    /// Lanes that are hit at 0 < t < t_max.
+    pub(super) mask: u32,
+    /// Ray parameter of each lane.
+    pub(super) t: [f32; 8],
+    /// Barycentric weights of the second and third corner, not yet divided by their sum.
+    weights: [[f32; 8]; 2],
+    sum: [f32; 8],
+}
+
+impl BlockHits {
+    /// Barycentric weights of the second and third corner.
+    #[inline(always)]
+    pub(super) fn barycentric(&self, lane: usize) -> [f32; 2] {
+        let sum = self.sum[lane];
+        [self.weights[0][lane] / sum, self.weights[1][lane] / sum]
+    }
+}
+
+impl TriangleBlock {
+    /// From at least one and at most eight triangles.
+    pub(super) fn new(triangles: &[(u32, [Vec3; 3])]) -> Self {
+        let mut block = Self { corners: [[[0.0; 8]; 3]; 3], ids: [0; 8] };
+        for lane in 0..8 {
+            // Unused lanes are degenerate: all corners coincide, so no ray ever meets them.
+            let (id, corners) = triangles.get(lane).copied().unwrap_or((triangles[0].0, [triangles[0].1[0]; 3]));
+            block.ids[lane] = id;
+            for (corner, p) in corners.iter().enumerate() {
+                for axis in 0..3 {
+                    block.corners[corner][axis][lane] = p[axis];
+                }
+            }
+        }
+        block
+    }
+
+    /// Where the ray meets the triangles, from either side.
+    #[inline(always)]
+    pub(super) fn intersect<L: Lanes>(&self, ray: &ShearedRay, t_max: f32) -> BlockHits {
+        let [kx, ky, kz] = ray.axes;
+        let [sx, sy, sz] = ray.shear.map(L::splat);
+        let [ox, oy, oz] = [ray.origin[kx], ray.origin[ky], ray.origin[kz]].map(L::splat);
+        let sheared = |corner: usize| {
+            let [x, y, z] = [(kx, ox), (ky, oy), (kz, oz)].map(|(axis, o)| L::load(&self.corners[corner][axis]).sub(o));
+            [x.sub(sx.mul(z)), y.sub(sy.mul(z)), sz.mul(z)]
+        };
+        let (a, b, c) = (sheared(0), sheared(1), sheared(2));
+        // Twice the signed area between the ray and an edge. The difference of two rounded products has the sign of
+        // the exact one or is zero, and zero counts as inside, so no point of the mesh is outside all its triangles.
+        let area = |p: [L; 3], q: [L; 3]| p[0].mul(q[1]).sub(p[1].mul(q[0]));
+        let (u, v, w) = (area(c, b), area(a, c), area(b, a));
+        let (smallest, largest) = (u.min(v).min(w), u.max(v).max(w));
+        let zero = L::splat(0.0);
+        let inside = zero.le(smallest) | largest.le(zero);
+        let sum = u.add(v).add(w);
+        let t = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2])).div(sum);
+        let edge_on = sum.le(zero) & zero.le(sum);
+        let mask = inside & !edge_on & zero.lt(t) & t.lt(L::splat(t_max));
+        BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() }
+    }
+}
+
+/// A ray with the shear and the axis order that turn its direction into +Z of length 1, made once per ray.
+pub(super) struct ShearedRay {
+    origin: [f32; 3],
+    /// Where x, y and z of the sheared space come from; z is the direction's largest component.
+    axes: [usize; 3],
+    shear: [f32; 3],
+}
+
+impl ShearedRay {
+    #[inline(always)]
+    pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
+        let d = direction.abs();
+        let kz = if d.x > d.y && d.x > d.z {
+            0
+        } else if d.y > d.z {
+            1
+        } else {
+            2
+        };
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        let scale = 1.0 / direction[kz];
+        Self {
+            origin: origin.to_array(),
+            axes: [kx, ky, kz],
+            shear: [direction[kx] * scale, direction[ky] * scale, scale],
+        }
+    }
+}
+
+fn half_area((min, max): (Vec3, Vec3)) -> f32 {
+    let d = max - min;
+    d.x * d.y + d.y * d.z + d.z * d.x
+}
+
+/// Primitives below every node, counted up to 255.
+fn subtree_sizes(tree: &impl BinaryTree, node_count: usize) -> Vec<u8> {
+    let mut sizes = vec![0u8; node_count];
+    let mut stack = vec![(0u32, false)];
+    while let Some((node, children_done)) = stack.pop() {
+        match tree.children(node) {
+            None => sizes[node as usize] = tree.primitives(node).len().min(255) as u8,
+            Some([left, right]) if children_done => {
+                sizes[node as usize] = sizes[left as usize].saturating_add(sizes[right as usize]);
+            }
+            Some([left, right]) => stack.extend([(node, true), (left, false), (right, false)]),
+        }
+    }
+    sizes
+}
+
+fn gather_primitives(tree: &impl BinaryTree, node: u32, primitives: &mut Vec<u32>) {
+    match tree.children(node) {
+        None => primitives.extend_from_slice(tree.primitives(node)),
+        Some(children) => children.into_iter().for_each(|child| gather_primitives(tree, child, primitives)),
+    }
+}
