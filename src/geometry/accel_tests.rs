@@ -190,7 +190,8 @@ fn instances_stand_where_their_transforms_put_them() {
         Placement { group: 0, transform: Some(Transform { to_world, to_group: to_world.inverse() }) }
     };
     let placements: Vec<_> = (0..40).map(|i| at(4.0 * i as f32, if i % 2 == 0 { 1.0 } else { 0.5 })).collect();
-    let accel = Accel::build(&g, &[0..g.triangles.len() as u32], placements);
+    let all = 0..g.triangles.len() as u32;
+    let accel = Accel::build(&g, &[all], placements);
     for i in 0..40 {
         let hit = accel.closest(&Ray::new(Vec3::new(4.0 * i as f32 + 0.1, 5.0, 0.1), Vec3::NEG_Y), &AcceptAll);
         let hit = hit.expect("straight above a sphere");

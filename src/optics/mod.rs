@@ -3,6 +3,10 @@
 //!
 //! In: a [`LensDescription`], the pose, the pixel grid. Out: rays and the weight that turns radiance into irradiance.
 
-pub mod description;
+mod aperture;
+mod camera;
+mod description;
+mod distortion;
 
+pub use camera::{Camera, CameraRay, PixelGrid};
 pub use description::{Distortion, Falloff, Focus, Intrinsics, LensDescription, LensKind};

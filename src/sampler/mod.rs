@@ -1,1 +1,98 @@
-//! (to be written)
+//! Where the random numbers of light transport come from.
+//!
+//! A [`Sampler`] is a pure function of (seed, pixel, sample, dimension), so a picture can be computed in any order, in
+//! parts, and on any number of threads. In: those four. Out: numbers in [0, 1).
+
+mod sobol;
+
+use crate::integrator::SamplerKind;
+use crate::math::hash::{hash64, unit_f32};
+
+/// The numbers of one camera path, dimension by dimension.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    kind: SamplerKind,
+    /// Key of the pixel's sequence.
+    key: u64,
+    /// Index of the sample within the pixel, over the whole render.
+    index: u32,
+    dimension: u32,
+}
+
+impl Sampler {
+    /// The sequence of `pixel` (row · width + column) for a render with `seed`, at sample `index`.
+    #[inline]
+    pub fn new(kind: SamplerKind, seed: u64, pixel: u64, index: u32) -> Self {
+        Self { kind, key: hash64(seed, pixel), index, dimension: 0 }
+    }
+
+    /// The next number in [0, 1).
+    #[inline]
+    pub fn next_1d(&mut self) -> f32 {
+        let key = self.next_key();
+        match self.kind {
+            SamplerKind::Sobol => unit_f32(sobol::scrambled_1d(self.index, key)),
+            SamplerKind::Independent => unit_f32(hash64(key, u64::from(self.index)) as u32),
+        }
+    }
+
+    /// The next two numbers in [0, 1), stratified together.
+    #[inline]
+    pub fn next_2d(&mut self) -> [f32; 2] {
+        let key = self.next_key();
+        match self.kind {
+            SamplerKind::Sobol => sobol::scrambled_2d(self.index, key).map(unit_f32),
+            SamplerKind::Independent => {
+                let bits = hash64(key, u64::from(self.index));
+                [unit_f32(bits as u32), unit_f32((bits >> 32) as u32)]
+            }
+        }
+    }
+
+    /// A key of its own for each request, the same for all samples of the pixel.
+    #[inline]
+    fn next_key(&mut self) -> u64 {
+        self.dimension += 1;
+        hash64(self.key, u64::from(self.dimension))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means over 64 pixels × 256 samples of the first two dimensions.
+    fn means(kind: SamplerKind) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for pixel in 0..64 {
+            for index in 0..256 {
+                let [u, v] = Sampler::new(kind, 1, pixel, index).next_2d();
+                sums[0] += f64::from(u);
+                sums[1] += f64::from(v);
+            }
+        }
+        sums.map(|s| s / (64.0 * 256.0))
+    }
+
+    #[test]
+    fn both_kinds_are_uniform() {
+        // Independent: σ = 1/√(12 · 16384) = 0.0023. Stratified: far less.
+        for (kind, tolerance) in [(SamplerKind::Independent, 4.0 * 0.0023), (SamplerKind::Sobol, 4e-4)] {
+            for mean in means(kind) {
+                assert!((mean - 0.5).abs() < tolerance, "{kind:?}: {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn dimensions_of_one_sample_are_not_correlated() {
+        let mut products = 0.0;
+        let n = 1 << 14;
+        for index in 0..n {
+            let mut sampler = Sampler::new(SamplerKind::Sobol, 5, 9, index);
+            products += (f64::from(sampler.next_1d()) - 0.5) * (f64::from(sampler.next_2d()[0]) - 0.5);
+        }
+        // Independent numbers: σ of the mean product = 1/12/√n = 0.00065.
+        assert!((products / f64::from(n)).abs() < 4.0 * 0.00065, "{products}");
+    }
+}
