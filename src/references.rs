@@ -15,3 +15,14 @@
 //!
 //! ## Emva1288
 //! EMVA Standard 1288, *Standard for Characterization of Image Sensors and Cameras*, release 4.0 Linear (2021).
+//!
+//! ## Cie15
+//! CIE 015:2018, *Colorimetry*, 4th edition.
+//!
+//! ## Srgb
+//! IEC 61966-2-1:1999, *Multimedia systems and equipment – Colour measurement and management – Part 2-1: Default RGB
+//! colour space – sRGB*.
+//!
+//! ## JakobHanika19
+//! W. Jakob, J. Hanika, "A Low-Dimensional Function Space for Efficient Spectral Upsampling", Computer Graphics Forum
+//! 38(2) (2019).

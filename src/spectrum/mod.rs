@@ -5,11 +5,17 @@
 //! holds its values at the four [`Wavelengths`] of that path. Colours become spectra in [`upsampling`], named data come
 //! from [`library`], standard light from [`illuminant`], the observer from [`cie`].
 
+pub mod cie;
+pub mod csv;
 pub mod dispersion;
+pub mod illuminant;
+pub mod library;
+pub mod rgb;
 mod sampled;
 mod table;
 mod wavelengths;
 
+pub use csv::{CsvError, SpectralTable};
 pub use dispersion::Dispersion;
 pub use sampled::SampledSpectrum;
 pub use table::{Outside, Spectrum};
