@@ -1,4 +1,5 @@
-//! The data that ship with the program: the observer, standard illuminants, reflectances, metals and glasses.
+//! The data that ship with the program: the observer, standard illuminants, reflectances, filters, quantum
+//! efficiencies, metals and glasses.
 //!
 //! Every file of `assets/spectra` is part of the binary, under its path without extension (`cornell/white`). Where the
 //! figures come from is written at the top of each file. Names are found whatever their case.
@@ -51,6 +52,7 @@ const TABLES: &[(&str, &str)] = embed![
     "cornell/light",
     "cornell/red",
     "cornell/white",
+    "filters/ir-cut-650",
     "illuminants/d-series",
     "illuminants/d50",
     "illuminants/d65",
@@ -79,6 +81,15 @@ const TABLES: &[(&str, &str)] = embed![
     "metals/al",
     "metals/au",
     "metals/cu",
+    "quantum-efficiency/generic-cmos-color-b",
+    "quantum-efficiency/generic-cmos-color-g",
+    "quantum-efficiency/generic-cmos-color-r",
+    "quantum-efficiency/sony-imx249-b",
+    "quantum-efficiency/sony-imx249-g",
+    "quantum-efficiency/sony-imx249-mono",
+    "quantum-efficiency/sony-imx249-r",
+    "reflectances/leaf",
+    "reflectances/leaf-transmittance",
 ];
 
 /// Sellmeier and Cauchy coefficients of glasses, liquids and plastics.
@@ -228,17 +239,22 @@ mod tests {
                 table.column(column).expect("valid");
             }
             let quantity = text.lines().find_map(|line| line.strip_prefix("# quantity: ")).expect("stated");
-            assert!(
-                ["reflectance", "refractive index"].contains(&quantity)
-                    || ["emission (relative)", "colour-matching functions"].iter().any(|q| quantity.starts_with(q)),
-                "{name}: {quantity}"
-            );
+            // Quantity, the words after it being remarks.
+            let known = [
+                "reflectance",
+                "transmittance",
+                "quantum efficiency",
+                "refractive index",
+                "emission (relative)",
+                "colour-matching functions",
+            ];
+            assert!(known.iter().any(|q| quantity.starts_with(q)), "{name}: {quantity}");
         }
     }
 
     #[test]
     fn reflectances_are_physical() {
-        assert_eq!(reflectances().count(), 3 + 24);
+        assert_eq!(reflectances().filter(|name| name.starts_with("colour-checker/")).count(), 24);
         for name in reflectances() {
             let spectrum = reflectance(&name.to_uppercase()).expect("listed");
             assert!(spectrum.min() >= 0.0 && spectrum.max() <= 1.0, "{name}");
