@@ -1,0 +1,51 @@
+//! The sensor's noise in closed form: what [`expose()`](super::expose()) does, foretold. It tells a renderer when Monte
+//! Carlo noise is small beside it, and a raw file what its noise profile is.
+
+use crate::units::{DigitalNumber, Electrons};
+
+use super::{Exposure, SensorModel};
+
+impl SensorModel {
+    /// Variance of a pixel's temporal noise, referred to electrons (e⁻²), at a mean of `mean` photo-electrons:
+    ///
+    /// σ² = μ + μ_d + σ_read² + 1/(12·K²)
+    ///
+    /// shot noise of light and dark current, read noise, quantisation ([Emva1288](crate::references#emva1288) eq. 10–15).
+    /// Fixed patterns are no temporal noise. Valid below saturation.
+    pub fn noise_variance(&self, mean: Electrons, exposure: &Exposure) -> f64 {
+        mean.0.max(0.0) + self.dark_variance(exposure)
+    }
+
+    /// The part of [`Self::noise_variance`] that is there without light, e⁻².
+    fn dark_variance(&self, exposure: &Exposure) -> f64 {
+        let dark = self.noise.dark_electrons(exposure.temperature, exposure.time);
+        let gain = self.converter.system_gain(exposure.gain);
+        dark.0 + self.noise.read.0.powi(2) + 1.0 / (12.0 * gain * gain)
+    }
+
+    /// Electrons at which a pixel saturates: the full well or the end of the converter's range, whichever comes first.
+    pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
+        let converter = &self.converter;
+        let range_dn = f64::from(converter.max_dn() - converter.black_level_dn);
+        Electrons(self.full_well.0.min(range_dn / converter.system_gain(exposure.gain)))
+    }
+
+    /// Smallest whole digital number at which a noise-free pixel is saturated, always above the black level.
+    pub(super) fn white_level_dn(&self, exposure: &Exposure) -> u16 {
+        let converter = &self.converter;
+        let black = f64::from(converter.black_level_dn);
+        let level =
+            DigitalNumber(black + self.saturation_capacity(exposure).0 * converter.system_gain(exposure.gain) + 0.5);
+        (level.0 as u16).clamp(converter.black_level_dn + 1, converter.max_dn())
+    }
+
+    /// The same noise as a raw file tells it: variance of the normalised signal x = (DN − black)/(white − black) is
+    /// S·x + O (DNG 1.6 specification, NoiseProfile). With R = white − black in DN,
+    ///
+    /// S = K/R, O = (K²·(μ_d + σ_read²) + 1/12)/R².
+    pub(super) fn noise_profile(&self, exposure: &Exposure) -> [f64; 2] {
+        let gain = self.converter.system_gain(exposure.gain);
+        let range = f64::from(self.white_level_dn(exposure) - self.converter.black_level_dn);
+        [gain / range, self.dark_variance(exposure) * (gain / range).powi(2)]
+    }
+}
