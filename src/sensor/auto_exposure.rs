@@ -36,7 +36,8 @@ pub fn auto_exposure(
     let mut mosaic = mosaic_of(rates, &sensor.cfa)?;
     let bright = ((1.0 - target.brighter_part).clamp(0.0, 1.0) * mosaic.len() as f64) as usize;
     let bright = bright.min(mosaic.len().saturating_sub(1));
-    let rate = if mosaic.is_empty() { 0.0 } else { f64::from(*mosaic.select_nth_unstable_by(bright, f32::total_cmp).1) };
+    let rate =
+        if mosaic.is_empty() { 0.0 } else { f64::from(*mosaic.select_nth_unstable_by(bright, f32::total_cmp).1) };
     if !(rate.is_finite() && rate > 0.0) {
         let message = format!("no time suits a picture whose bright pixels receive {rate} electrons per second");
         return Err(Invalid::new("exposure", message).help("write an exposure time, time_s = 0.01, or light the scene"));

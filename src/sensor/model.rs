@@ -345,7 +345,8 @@ mod tests {
 
     #[test]
     fn a_misspelt_key_is_refused() {
-        let error = toml::from_str::<SensorDescription>(&TOML.replace("prnu_percent", "prnu_pct")).expect_err("misspelt");
+        let error =
+            toml::from_str::<SensorDescription>(&TOML.replace("prnu_percent", "prnu_pct")).expect_err("misspelt");
         assert!(error.to_string().contains("prnu_pct"), "{error}");
     }
 }
