@@ -26,3 +26,6 @@
 //! ## JakobHanika19
 //! W. Jakob, J. Hanika, "A Low-Dimensional Function Space for Efficient Spectral Upsampling", Computer Graphics Forum
 //! 38(2) (2019).
+//!
+//! ## Dng16
+//! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).

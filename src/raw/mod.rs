@@ -4,8 +4,18 @@
 //! [`develop`](crate::develop).
 
 mod cfa;
+mod dng;
+mod npy;
+mod pgm;
+mod rational;
+mod thumbnail;
+mod tiff;
 
 pub use cfa::Cfa;
+pub use dng::write_dng;
+pub use npy::write_npy;
+pub use pgm::write_pgm;
+pub use tiff::write_tiff;
 
 /// A mosaic of digital numbers.
 #[derive(Clone, Debug, PartialEq)]
