@@ -1,3 +1,20 @@
 //! The files: capture files, scenes, pictures. With [`raw`](crate::raw) the only modules that read or write any.
 
+mod complete;
+pub mod gltf;
+mod json;
+mod mesh;
 pub mod output;
+mod picture;
+mod tangents;
+mod warnings;
+
+pub use complete::complete;
+
+/// Tells the user of triangles that were left out.
+fn zero_area_message(count: usize) -> String {
+    match count {
+        1 => "1 triangle of zero area is left out".to_owned(),
+        _ => format!("{count} triangles of zero area are left out"),
+    }
+}

@@ -1,0 +1,66 @@
+//! What meshes need because of their materials, once both are settled: UV sets that textures refer to, tangents for
+//! normal maps.
+
+use glam::Vec2;
+
+use super::mesh::flatten;
+use super::tangents::with_tangents;
+use super::warnings::Warnings;
+use crate::scene::description::{MaterialDescription, MaterialModel, SceneDescription, TextureDescription};
+use crate::texture::UvTransform;
+
+/// Adds to every mesh what its material needs: a UV set of zeros for each that textures use and the mesh lacks (with a
+/// warning), and tangents for normal maps and anisotropy. A flat-shaded mesh that needs tangents gets its geometric
+/// normals written out. To be called when no material changes any more.
+pub fn complete(scene: &mut SceneDescription) {
+    let mut warnings = Warnings::default();
+    for mesh in &mut scene.meshes {
+        let material = &scene.materials[mesh.material];
+        for texture in textures(material) {
+            if mesh.uvs.len() <= texture.uv_set {
+                let (mesh_name, material_name, set) = (&mesh.name, &material.name, texture.uv_set);
+                warnings.once(format!(
+                    "the mesh {mesh_name:?} lacks TEXCOORD_{set}, which its material {material_name:?} uses: the picture's corner stands for all of it"
+                ));
+                mesh.uvs.resize(texture.uv_set + 1, vec![Vec2::ZERO; mesh.positions.len()]);
+            }
+        }
+        let Some((uv_set, transform)) = tangent_frame(material) else { continue };
+        if mesh.normals.is_empty() {
+            *mesh = flatten(mesh);
+        }
+        if mesh.tangents.is_empty() {
+            mesh.uvs.resize((uv_set + 1).max(mesh.uvs.len()), vec![Vec2::ZERO; mesh.positions.len()]);
+            *mesh = with_tangents(mesh, uv_set, &transform);
+        }
+    }
+    scene.warnings.extend(warnings.into_messages());
+}
+
+/// The UV set and transform that tangents follow, if the material needs any.
+fn tangent_frame(material: &MaterialDescription) -> Option<(usize, UvTransform)> {
+    if let Some((texture, _)) = &material.normal_map {
+        return Some((texture.uv_set, texture.transform));
+    }
+    match material.model {
+        MaterialModel::Conductor { anisotropy, .. } if anisotropy != 0.0 => Some((0, UvTransform::default())),
+        MaterialModel::Conductor { .. }
+        | MaterialModel::Diffuse { .. }
+        | MaterialModel::Dielectric { .. }
+        | MaterialModel::MetallicRoughness { .. } => None,
+    }
+}
+
+/// All textures that a material uses.
+fn textures(material: &MaterialDescription) -> impl Iterator<Item = &TextureDescription> {
+    let of_model = match &material.model {
+        MaterialModel::Diffuse { texture, .. } => [texture.as_ref(), None],
+        MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => [None, None],
+        MaterialModel::MetallicRoughness { base_colour_texture, metallic_roughness_texture, .. } => {
+            [base_colour_texture.as_ref(), metallic_roughness_texture.as_ref()]
+        }
+    };
+    let normal = material.normal_map.as_ref().map(|(texture, _)| texture);
+    let emission = material.emission.as_ref().and_then(|emission| emission.texture.as_ref());
+    of_model.into_iter().chain([normal, emission, material.alpha_texture.as_ref()]).flatten()
+}

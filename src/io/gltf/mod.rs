@@ -1,0 +1,132 @@
+//! glTF 2.0 and its binary form GLB, as a [`SceneDescription`].
+//!
+//! In: a file and what it refers to. Out: meshes in metres, materials, textures, lights (candela, lux, nit) and cameras
+//! in world axes. The document is parsed by the `gltf` crate's JSON types; everything that they refer to by index,
+//! offset or count is checked here, since files come damaged and the crate's own accessors trust them.
+//!
+//! Left to others: tangents where they are missing ([`complete`](super::complete)), colours as spectra, and every
+//! extension but those in [`SUPPORTED_EXTENSIONS`].
+
+mod accessor;
+mod buffers;
+mod glb;
+mod light;
+mod material;
+mod mesh;
+mod nodes;
+mod texture;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::fs;
+use std::ops::Range;
+use std::path::Path;
+
+use gltf::json::Root;
+
+use super::json::located;
+use super::warnings::Warnings;
+use crate::scene::description::{InstanceDescription, SceneDescription};
+use crate::{Error, Invalid, Result};
+use accessor::Accessors;
+use buffers::Buffers;
+use texture::Textures;
+
+/// Extensions that a file may require.
+pub const SUPPORTED_EXTENSIONS: [&str; 4] =
+    ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization", "KHR_texture_transform"];
+
+/// Reads a `.gltf` or `.glb` file.
+pub fn read(path: &Path) -> Result<SceneDescription> {
+    let bytes = fs::read(path).map_err(|source| Error::io(path, "read", source))?;
+    read_bytes(&bytes, path)
+}
+
+/// Reads a document from memory; `path` is for messages and for what the document refers to.
+pub(super) fn read_bytes(bytes: &[u8], path: &Path) -> Result<SceneDescription> {
+    let (json, chunk) =
+        if glb::is_glb(bytes) { glb::split(bytes).map_err(|invalid| invalid.in_file(path))? } else { (bytes, None) };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let in_text =
+        |invalid| if chunk.is_none() { located(invalid, path, json) } else { Invalid::in_file(invalid, path) };
+    parse(json).and_then(|root| convert(&root, chunk, folder)).map_err(in_text).map(|(mut scene, warnings)| {
+        scene.warnings = warnings.of_file(path);
+        scene
+    })
+}
+
+/// Parses the JSON text and checks what it needs from a reader.
+fn parse(json: &[u8]) -> Result<Root, Invalid> {
+    let root: Root = serde_json::from_slice(json).map_err(|source| {
+        Invalid::new("", format!("is no glTF document: {source}")).help("export the scene as glTF 2.0")
+    })?;
+    let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
+    if !version.starts_with("2.") || root.asset.min_version.as_ref().is_some_and(|v| v != "2.0") {
+        return Err(Invalid::new("asset.version", format!("glTF {version} is not supported"))
+            .help("export the scene as glTF 2.0"));
+    }
+    for (i, name) in root.extensions_required.iter().enumerate() {
+        if !SUPPORTED_EXTENSIONS.contains(&name.as_str()) {
+            let message = format!("the file requires the extension {name}, which is not supported");
+            return Err(Invalid::new(format!("extensionsRequired[{i}]"), message)
+                .help(format!("export without it; supported are {}", SUPPORTED_EXTENSIONS.join(", "))));
+        }
+    }
+    Ok(root)
+}
+
+fn convert(root: &Root, chunk: Option<&[u8]>, folder: &Path) -> Result<(SceneDescription, Warnings), Invalid> {
+    let mut warnings = Warnings::default();
+    for name in root.extensions_used.iter().filter(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str())) {
+        warnings.once(format!("the extension {name} is not supported and is ignored"));
+    }
+    let buffers = Buffers::load(root, chunk, folder)?;
+    let accessors = Accessors { root, buffers: &buffers };
+    let mut scene = SceneDescription::default();
+
+    let mut textures = Textures::new(root);
+    for (i, material) in root.materials.iter().enumerate() {
+        scene.materials.push(material::read_material(material, i, &mut textures, &mut warnings)?);
+    }
+    let default_material = scene.materials.len();
+    scene.materials.push(material::default_material());
+
+    // glTF mesh → the descriptions of its primitives, read once however often it is placed.
+    let mut meshes: HashMap<usize, Range<usize>> = HashMap::new();
+    let mut zero_area = 0;
+    for placed in nodes::placed_nodes(root)? {
+        scene.cameras.extend(light::read_camera(root, &placed, &mut warnings)?);
+        scene.lights.extend(light::read_light(root, &placed, &mut warnings)?);
+        let Some(mesh) = placed.node.mesh else { continue };
+        if placed.node.skin.is_some() {
+            warnings.once("skins are not supported; skinned meshes keep their bind pose");
+        }
+        let primitives = match meshes.entry(mesh.value()) {
+            Entry::Occupied(known) => known.get().clone(),
+            Entry::Vacant(new) => {
+                let key = format!("nodes[{}].mesh", placed.index);
+                let (read, mended) = mesh::read_mesh(accessors, mesh.value(), &key, default_material, &mut warnings)?;
+                zero_area += mended.zero_area;
+                if mended.normals > 0 {
+                    warnings.once("some normals have no length and were computed from the triangles around them");
+                }
+                let first = scene.meshes.len();
+                scene.meshes.extend(read);
+                new.insert(first..scene.meshes.len()).clone()
+            }
+        };
+        let place = |mesh| InstanceDescription { name: placed.name.clone(), mesh, to_world: placed.to_world };
+        scene.instances.extend(primitives.map(place));
+    }
+    if zero_area > 0 {
+        warnings.once(super::zero_area_message(zero_area));
+    }
+    if scene.meshes.iter().all(|mesh| mesh.material != default_material) {
+        scene.materials.truncate(default_material);
+    }
+    scene.images = textures.decode(&buffers, folder)?;
+    Ok((scene, warnings))
+}

@@ -1,0 +1,423 @@
+//! Whole documents, made here: what they mean, and what happens when they are damaged.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec2, Vec3, Vec4};
+use rstest::rstest;
+use serde_json::{Value, json};
+
+use super::*;
+use crate::scene::description::{AlphaMode, Colour, LightKind, MaterialModel};
+use crate::texture::{Filter, Texels, Wrap};
+
+/// A document under construction: accessors over one buffer.
+struct Fixture {
+    json: Value,
+    bytes: Vec<u8>,
+}
+
+impl Fixture {
+    /// One node with one mesh: a unit square of two triangles in the xy plane, with normals and UVs.
+    fn square() -> Self {
+        let mut fixture = Self {
+            json: json!({
+                "asset": { "version": "2.0" },
+                "scene": 0,
+                "scenes": [{ "nodes": [0] }],
+                "nodes": [{ "name": "node", "mesh": 0 }],
+                "buffers": [], "bufferViews": [], "accessors": [],
+            }),
+            bytes: Vec::new(),
+        };
+        let positions = fixture.floats("VEC3", &[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.]);
+        let normals = fixture.floats("VEC3", &[0., 0., 1.].repeat(4));
+        let uvs = fixture.floats("VEC2", &[0., 1., 1., 1., 1., 0., 0., 0.]);
+        let indices = fixture.accessor("SCALAR", 5123, 6, &[0u16, 1, 2, 0, 2, 3].map(u16::to_le_bytes).concat());
+        fixture.json["meshes"] = json!([{ "name": "square", "primitives": [{
+            "attributes": { "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uvs },
+            "indices": indices,
+        }]}]);
+        fixture
+    }
+
+    /// Appends data with a view and an accessor of its own; returns the accessor's index.
+    fn accessor(&mut self, kind: &str, component: u32, count: usize, data: &[u8]) -> usize {
+        let view = self.view(data);
+        let accessors = self.json["accessors"].as_array_mut().expect("an array");
+        accessors.push(json!({ "bufferView": view, "componentType": component, "count": count, "type": kind }));
+        accessors.len() - 1
+    }
+
+    fn view(&mut self, data: &[u8]) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let views = self.json["bufferViews"].as_array_mut().expect("an array");
+        views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": data.len() }));
+        self.bytes.extend_from_slice(data);
+        views.len() - 1
+    }
+
+    fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
+        let width = ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|k| *k == kind).expect("a vector") + 1;
+        let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.accessor(kind, 5126, values.len() / width, &data)
+    }
+
+    fn primitive(&mut self) -> &mut Value {
+        &mut self.json["meshes"][0]["primitives"][0]
+    }
+
+    /// Sets the value at a JSON pointer, making what is missing on the way.
+    fn with(mut self, pointer: &str, value: Value) -> Self {
+        let mut place = &mut self.json;
+        for step in pointer.split('/').skip(1) {
+            place = match step.parse::<usize>() {
+                Ok(index) => &mut place[index],
+                Err(_) => &mut place[step],
+            };
+        }
+        *place = value;
+        self
+    }
+
+    /// With the buffer as a data URI.
+    fn text(mut self) -> String {
+        use base64::Engine;
+        let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
+        let uri = format!("data:application/octet-stream;base64,{data}");
+        self.json["buffers"] = json!([{ "byteLength": self.bytes.len(), "uri": uri }]);
+        serde_json::to_string_pretty(&self.json).expect("JSON")
+    }
+
+    fn glb(mut self) -> Vec<u8> {
+        self.json["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
+        let mut json = self.json.to_string().into_bytes();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let length = 12 + 8 + json.len() + 8 + self.bytes.len();
+        let mut glb = b"glTF".to_vec();
+        for (bytes, kind) in [(&json, b"JSON"), (&self.bytes, b"BIN\0")] {
+            if glb.len() == 4 {
+                glb.extend([2, length as u32].map(u32::to_le_bytes).concat());
+            }
+            glb.extend((bytes.len() as u32).to_le_bytes());
+            glb.extend(kind);
+            glb.extend(bytes);
+        }
+        glb
+    }
+
+    fn read(self) -> Result<SceneDescription> {
+        read_bytes(self.text().as_bytes(), Path::new("scene.gltf"))
+    }
+
+    fn scene(self) -> SceneDescription {
+        self.read().expect("a valid document")
+    }
+
+    fn error(self) -> String {
+        self.read().expect_err("to be refused").to_string()
+    }
+}
+
+#[test]
+fn a_square_is_read_alike_from_text_and_binary() {
+    for scene in
+        [Fixture::square().scene(), read_bytes(&Fixture::square().glb(), Path::new("scene.glb")).expect("a valid file")]
+    {
+        let mesh = &scene.meshes[0];
+        assert_eq!(mesh.name, "square");
+        assert_eq!(mesh.positions[2], Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(mesh.normals, [Vec3::Z; 4]);
+        assert_eq!(mesh.uvs, [[Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO]]);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!((scene.instances.len(), scene.instances[0].name.as_str()), (1, "node"));
+        assert_eq!((scene.materials.len(), scene.materials[mesh.material].name.as_str()), (1, "default"));
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    }
+}
+
+#[rstest]
+#[case::u8(5121, vec![0, 1, 2, 0, 2, 3])]
+#[case::u16(5123, [0u16, 1, 2, 0, 2, 3].map(u16::to_le_bytes).concat())]
+#[case::u32(5125, [0u32, 1, 2, 0, 2, 3].map(u32::to_le_bytes).concat())]
+fn every_index_type_is_read(#[case] component: u32, #[case] data: Vec<u8>) {
+    let mut fixture = Fixture::square();
+    let indices = fixture.accessor("SCALAR", component, 6, &data);
+    fixture.primitive()["indices"] = json!(indices);
+    assert_eq!(fixture.scene().meshes[0].triangles, [[0, 1, 2], [0, 2, 3]]);
+}
+
+#[test]
+fn corners_without_indices_are_taken_in_order() {
+    let mut fixture = Fixture::square();
+    fixture.primitive()["mode"] = json!(6);
+    fixture.primitive().as_object_mut().expect("an object").remove("indices");
+    assert_eq!(fixture.scene().meshes[0].triangles, [[1, 2, 0], [2, 3, 0]]);
+}
+
+#[test]
+fn points_and_lines_are_left_out_with_one_warning() {
+    let scene = Fixture::square().with("/meshes/0/primitives/0/mode", json!(1)).scene();
+    assert!(scene.meshes.is_empty() && scene.instances.is_empty());
+    assert_eq!(scene.warnings.len(), 1);
+}
+
+#[test]
+fn strides_offsets_and_sparse_replacements_are_followed() {
+    let mut fixture = Fixture::square();
+    // Positions in records of 16 bytes, the first of which is skipped.
+    let records: Vec<u8> =
+        (0..5).flat_map(|i| [i as f32, 0.0, (i * i) as f32, 9.0]).flat_map(f32::to_le_bytes).collect();
+    let positions = fixture.accessor("VEC3", 5126, 4, &records);
+    let view = fixture.json["accessors"][positions]["bufferView"].as_u64().expect("a view") as usize;
+    fixture.json["bufferViews"][view]["byteStride"] = json!(16);
+    fixture.json["accessors"][positions]["byteOffset"] = json!(16);
+    let targets = fixture.view(&[2]);
+    let values = fixture.view(&[7.0f32, 8.0, 9.0].map(f32::to_le_bytes).concat());
+    fixture.json["accessors"][positions]["sparse"] = json!({
+        "count": 1,
+        "indices": { "bufferView": targets, "componentType": 5121 },
+        "values": { "bufferView": values },
+    });
+    fixture.primitive()["attributes"]["POSITION"] = json!(positions);
+    let [x, _, z] = [Vec3::X, Vec3::Y, Vec3::Z];
+    assert_eq!(
+        fixture.scene().meshes[0].positions,
+        [x + z, x * 2.0 + z * 4.0, Vec3::new(7.0, 8.0, 9.0), x * 4.0 + z * 16.0]
+    );
+}
+
+#[test]
+fn normalised_integers_become_fractions() {
+    let mut fixture = Fixture::square();
+    let uvs = fixture.accessor("VEC2", 5121, 4, &[0, 255, 255, 255, 255, 0, 0, 51]);
+    fixture.json["accessors"][uvs]["normalized"] = json!(true);
+    fixture.primitive()["attributes"]["TEXCOORD_0"] = json!(uvs);
+    assert_eq!(fixture.scene().meshes[0].uvs[0][3], Vec2::new(0.0, 0.2));
+}
+
+#[test]
+fn a_second_uv_set_alone_stays_the_second() {
+    let mut fixture = Fixture::square();
+    let attributes = &mut fixture.primitive()["attributes"];
+    attributes["TEXCOORD_1"] = attributes["TEXCOORD_0"].take();
+    attributes.as_object_mut().expect("an object").remove("TEXCOORD_0");
+    let scene = fixture.scene();
+    assert_eq!(scene.meshes[0].uvs[0], [Vec2::ZERO; 4]);
+    assert_eq!(scene.meshes[0].uvs[1][1], Vec2::ONE);
+}
+
+#[test]
+fn a_material_keeps_all_it_says() {
+    let picture = {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let pixels = image::RgbaImage::from_pixel(2, 2, image::Rgba([1, 2, 3, 4]));
+        pixels.write_to(&mut bytes, image::ImageFormat::Png).expect("encoded");
+        bytes.into_inner()
+    };
+    let mut fixture = Fixture::square();
+    let view = fixture.view(&picture);
+    fixture.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
+    fixture.json["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33648 }]);
+    fixture.json["textures"] = json!([{ "source": 0, "sampler": 0 }]);
+    let moved =
+        json!({ "KHR_texture_transform": { "offset": [0.5, 0.25], "rotation": 1.5, "scale": [2, 3], "texCoord": 0 }});
+    fixture.json["materials"] = json!([{
+        "name": "paint",
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.5, "roughnessFactor": 0.6,
+            "baseColorTexture": { "index": 0, "texCoord": 1, "extensions": moved },
+        },
+        "normalTexture": { "index": 0, "scale": 0.7, "extensions": moved },
+        "emissiveFactor": [1.0, 0.5, 0.0],
+        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 300.0 } },
+        "alphaMode": "MASK", "doubleSided": true,
+    }]);
+    fixture.primitive()["material"] = json!(0);
+    let scene = fixture.scene();
+    assert_eq!(scene.images.len(), 1, "an image is decoded once");
+    assert!(matches!(&scene.images[0].texels, Texels::Rgba8(t) if t[3] == [1, 2, 3, 4]));
+    let material = &scene.materials[0];
+    assert_eq!((material.name.as_str(), material.double_sided, material.alpha_factor), ("paint", true, 0.4));
+    assert_eq!(material.alpha, AlphaMode::Mask { cutoff: 0.5 });
+    assert!(material.alpha_texture.is_some());
+    let MaterialModel::MetallicRoughness {
+        base_colour: Colour::Rgb(base),
+        base_colour_texture: Some(texture),
+        metallic,
+        roughness,
+        ..
+    } = &material.model
+    else {
+        panic!("{:?}", material.model)
+    };
+    assert_eq!((*base, *metallic, *roughness), ([0.1, 0.2, 0.3], 0.5, 0.6));
+    assert_eq!(texture.uv_set, 0, "the transform overrides texCoord");
+    assert_eq!(texture.sampler.wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
+    assert_eq!(texture.sampler.filter, Filter::Nearest);
+    let (normal, scale) = material.normal_map.as_ref().expect("a normal map");
+    assert_eq!((*scale, normal.transform.rotation_rad, normal.transform.scale), (0.7, 1.5, Vec2::new(2.0, 3.0)));
+    let emission = material.emission.as_ref().expect("emission");
+    assert!(matches!(emission.colour, Colour::Rgb([1.0, 0.5, 0.0])) && emission.level == Some(300.0));
+}
+
+#[test]
+fn cameras_and_lights_stand_where_their_nodes_are() {
+    let mut fixture = Fixture::square();
+    fixture.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]);
+    fixture.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+        { "type": "spot", "intensity": 40.0, "color": [1.0, 0.9, 0.8], "spot": { "outerConeAngle": 0.6 } },
+        { "type": "directional", "name": "sun", "intensity": 1000.0 },
+    ]}});
+    fixture.json["nodes"] = json!([
+        { "name": "rig", "scale": [2, 2, 2], "translation": [0, 1, 0], "children": [1, 2, 3] },
+        { "name": "eye", "camera": 0, "translation": [0, 0, 3] },
+        { "name": "lamp", "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        { "extensions": { "KHR_lights_punctual": { "light": 1 } } },
+    ]);
+    let scene = fixture.scene();
+    let camera = &scene.cameras[0];
+    assert_eq!((camera.name.as_str(), camera.vertical_fov_rad), ("eye", 0.5));
+    assert_eq!(camera.to_world.translation, DVec3::new(0.0, 1.0, 6.0));
+    assert_eq!(camera.to_world.matrix3.determinant(), 1.0, "the scale of the parent is left out");
+    assert_eq!(scene.lights[0].kind, LightKind::Spot { inner_rad: 0.0, outer_rad: 0.6 });
+    assert_eq!((scene.lights[0].name.as_str(), scene.lights[0].emission.level), ("lamp", Some(40.0)));
+    assert_eq!((scene.lights[1].name.as_str(), scene.lights[1].kind), ("sun", LightKind::Directional));
+}
+
+#[test]
+fn tangents_are_generated_where_a_normal_map_needs_them_only() {
+    let mut plain = Fixture::square().scene();
+    crate::io::complete(&mut plain);
+    assert!(plain.meshes[0].tangents.is_empty());
+
+    let mut fixture = Fixture::square();
+    let pixel = image::RgbImage::from_pixel(1, 1, image::Rgb([128, 128, 255]));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    pixel.write_to(&mut bytes, image::ImageFormat::Png).expect("encoded");
+    let view = fixture.view(&bytes.into_inner());
+    fixture.json["images"] = json!([{ "bufferView": view }]);
+    fixture.json["textures"] = json!([{ "source": 0 }]);
+    fixture.json["materials"] = json!([{ "normalTexture": { "index": 0, "texCoord": 1 } }]);
+    fixture.primitive()["material"] = json!(0);
+    fixture.primitive()["attributes"].as_object_mut().expect("an object").remove("NORMAL");
+    let mut scene = fixture.scene();
+    crate::io::complete(&mut scene);
+    let mesh = &scene.meshes[0];
+    assert_eq!(mesh.tangents.len(), mesh.positions.len());
+    assert_eq!(mesh.normals.len(), mesh.positions.len());
+    assert!(mesh.tangents.iter().all(|t: &Vec4| (t.truncate().length() - 1.0).abs() < 1e-6));
+    assert!(scene.warnings[0].contains("TEXCOORD_1"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn required_extensions_are_refused_by_name_and_optional_ones_reported_once() {
+    let error = Fixture::square().with("/extensionsRequired", json!(["KHR_draco_mesh_compression"])).error();
+    assert!(error.contains("KHR_draco_mesh_compression"), "{error}");
+    let used = json!(["KHR_materials_clearcoat", "KHR_materials_clearcoat", "KHR_lights_punctual"]);
+    let scene = Fixture::square().with("/extensionsUsed", used).scene();
+    assert_eq!(scene.warnings.len(), 1);
+    assert!(scene.warnings[0].starts_with("scene.gltf: ") && scene.warnings[0].contains("KHR_materials_clearcoat"));
+}
+
+#[test]
+fn zero_area_triangles_are_counted_in_one_warning() {
+    let mut fixture = Fixture::square();
+    let indices = fixture.accessor("SCALAR", 5121, 9, &[0, 1, 2, 0, 0, 2, 1, 2, 1]);
+    fixture.primitive()["indices"] = json!(indices);
+    let scene = fixture.scene();
+    assert_eq!(scene.meshes[0].triangles, [[0, 1, 2]]);
+    assert_eq!(scene.warnings, ["scene.gltf: 2 triangles of zero area are left out"]);
+}
+
+#[rstest]
+#[case::accessor("/meshes/0/primitives/0/attributes/POSITION", json!(99), "meshes[0].primitives[0].attributes.POSITION: refers to accessors[99]")]
+#[case::index_accessor("/meshes/0/primitives/0/indices", json!(99), "refers to accessors[99]")]
+#[case::view("/accessors/0/bufferView", json!(99), "refers to bufferViews[99]")]
+#[case::buffer("/bufferViews/0/buffer", json!(99), "refers to buffers[99]")]
+#[case::mesh("/nodes/0/mesh", json!(99), "refers to meshes[99]")]
+#[case::camera("/nodes/0/camera", json!(99), "refers to cameras[99]")]
+#[case::material("/meshes/0/primitives/0/material", json!(99), "refers to materials[99]")]
+#[case::scene("/scene", json!(99), "refers to scenes[99]")]
+#[case::light("/nodes/0/extensions", json!({"KHR_lights_punctual": {"light": 99}}), "refers to lights[99]")]
+#[case::huge_count("/accessors/0/count", json!(1u64 << 60), "reach beyond")]
+#[case::overflowing_count("/accessors/0/count", json!(u64::MAX), "reach beyond")]
+#[case::huge_offset("/accessors/0/byteOffset", json!(u64::MAX), "reach beyond")]
+#[case::huge_view("/bufferViews/0/byteLength", json!(u64::MAX), "reach beyond")]
+#[case::overlapping("/bufferViews/0/byteStride", json!(0), "overlap")]
+#[case::wrong_type("/accessors/0/type", json!("VEC2"), "needs VEC3")]
+#[case::unknown_component("/accessors/0/componentType", json!(1), "is unknown")]
+#[case::float_indices("/accessors/3/componentType", json!(5126), "unsigned")]
+#[case::uneven_count("/accessors/1/count", json!(3), "3 entries for 4 positions")]
+#[case::no_triangle("/accessors/3/count", json!(2), "make no triangle")]
+#[case::torn_triangle("/accessors/3/count", json!(5), "no multiple of 3")]
+#[case::no_vertices("/accessors/0/count", json!(0), "has no vertices")]
+#[case::no_primitives("/meshes/0/primitives", json!([]), "is empty")]
+#[case::no_positions("/meshes/0/primitives/0/attributes", json!({}), "has no POSITION")]
+#[case::mode("/meshes/0/primitives/0/mode", json!(9), "is unknown")]
+#[case::version("/asset/version", json!("1.0"), "glTF 1.0 is not supported")]
+#[case::not_a_document("/nodes", json!(3), "is no glTF document")]
+fn damaged_documents_are_refused(#[case] pointer: &str, #[case] value: Value, #[case] message: &str) {
+    let error = Fixture::square().with(pointer, value).error();
+    assert!(error.contains(message), "{error}");
+    assert!(error.starts_with("scene.gltf"), "{error}");
+}
+
+#[test]
+fn bad_vertices_are_named_with_mesh_primitive_and_line() {
+    let mut fixture = Fixture::square();
+    let positions = fixture.floats("VEC3", &[0., 0., 0., 1., 0., 0., 1., f32::NAN, 0., 0., 1., 0.]);
+    fixture.primitive()["attributes"]["POSITION"] = json!(positions);
+    let error = fixture.error();
+    assert!(error.contains("meshes[0].primitives[0].POSITION: vertex 2 is not finite"), "{error}");
+    let line = error.split(':').nth(1).and_then(|line| line.parse::<usize>().ok());
+    assert!(line.is_some_and(|line| line > 1), "{error}");
+
+    let mut fixture = Fixture::square();
+    let indices = fixture.accessor("SCALAR", 5121, 3, &[0, 1, 4]);
+    fixture.primitive()["indices"] = json!(indices);
+    assert!(fixture.error().contains("triangle 0 uses vertex 4, but there are 4"));
+}
+
+#[test]
+fn memory_is_not_spent_on_counts_that_nothing_backs() {
+    let mut fixture = Fixture::square();
+    fixture.json["accessors"][0] = json!({ "componentType": 5126, "count": 1u64 << 40, "type": "VEC3" });
+    assert!(fixture.error().contains("too many"));
+}
+
+#[test]
+fn missing_files_are_named() {
+    let fixture = Fixture::square().with("/images", json!([{ "uri": "no%20such.png" }]));
+    let fixture = fixture.with("/textures", json!([{ "source": 0 }]));
+    let material = json!([{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }]);
+    let error = fixture.with("/materials", material).error();
+    assert!(error.contains("images[0].uri") && error.contains("no such.png"), "{error}");
+    let text = Fixture::square().with("/buffers", json!([{ "byteLength": 4, "uri": "gone.bin" }])).json.to_string();
+    let error = read_bytes(text.as_bytes(), Path::new("scene.gltf")).expect_err("missing").to_string();
+    assert!(error.contains("buffers[0].uri") && error.contains("gone.bin"), "{error}");
+}
+
+#[test]
+fn every_prefix_of_a_binary_file_is_an_error_and_no_panic() {
+    let glb = Fixture::square().glb();
+    for len in 0..glb.len() {
+        let error = read_bytes(&glb[..len], Path::new("torn.glb")).expect_err("truncated").to_string();
+        assert!(error.starts_with("torn.glb: "), "{error}");
+    }
+}
+
+#[test]
+fn no_flipped_byte_makes_a_binary_file_panic() {
+    let glb = Fixture::square().glb();
+    let path = Path::new("flipped.glb");
+    for at in 0..glb.len() {
+        for flip in [0x01, 0x10, 0x80, 0xff] {
+            let mut damaged = glb.clone();
+            damaged[at] ^= flip;
+            if let Ok(mut scene) = read_bytes(&damaged, path) {
+                crate::io::complete(&mut scene);
+            }
+        }
+    }
+}
