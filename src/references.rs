@@ -35,3 +35,24 @@
 //!
 //! ## Thuermer98
 //! G. Thürmer, C. A. Wüthrich, "Computing Vertex Normals from Polygonal Facets", Journal of Graphics Tools 3(1) (1998).
+//!
+//! ## BornWolf99
+//! M. Born, E. Wolf, *Principles of Optics*, 7th edition (1999).
+//!
+//! ## Walter07
+//! B. Walter, S. Marschner, H. Li, K. Torrance, "Microfacet Models for Refraction through Rough Surfaces", EGSR (2007).
+//!
+//! ## Heitz14
+//! E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2) (2014).
+//!
+//! ## Heitz18
+//! E. Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4) (2018).
+//!
+//! ## Dupuy23
+//! J. Dupuy, A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", Computer Graphics Forum 42(8) (2023).
+//!
+//! ## Burley12
+//! B. Burley, "Physically-Based Shading at Disney", SIGGRAPH course notes (2012).
+//!
+//! ## Schlick94
+//! C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3) (1994).

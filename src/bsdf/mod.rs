@@ -1,1 +1,176 @@
 //! How surfaces scatter light.
+//!
+//! Everything here happens in the local shading frame: +Z is the shading normal, `wo` is known, `wi` is sampled, both
+//! are unit vectors that point away from the surface. A BSDF value `f` (sr⁻¹) has no cosine in it and is for radiance:
+//! refraction into a medium of another index carries 1/η² ([Pbrt4](crate::references#pbrt4) §9.5.2). Values are spectral,
+//! one per wavelength of the path; directions and densities are common to all of them, decided by the mean over the lanes
+//! or, in dielectrics, by the hero.
+//!
+//! | model | file | lobes |
+//! |---|---|---|
+//! | [`Bsdf::Diffuse`] | `diffuse` | Lambert |
+//! | [`Bsdf::Conductor`] | `conductor` | mirror or GGX reflection, exact Fresnel |
+//! | [`Bsdf::Dielectric`] | `dielectric` | mirror or GGX reflection and refraction, exact Fresnel |
+//!
+//! [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
+//!
+//! All but the dielectric scatter above the surface only: they are black from behind. The integrator turns the frame
+//! round where a surface has two equal sides, and guards against light that leaks through shading normals.
+
+pub mod fresnel;
+pub mod microfacet;
+
+mod conductor;
+mod dielectric;
+mod diffuse;
+
+use glam::Vec3;
+
+use crate::math::{Pdf, SolidAngle};
+use crate::spectrum::SampledSpectrum;
+pub use microfacet::Ggx;
+
+/// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are is
+/// no longer known, a unit vector being rounded to 6e-8.
+const GRAZING: f32 = 1e-7;
+
+/// How the surface scatters at one shading point: the model with its parameters looked up.
+#[derive(Clone, Copy, Debug)]
+pub enum Bsdf {
+    /// Lambert's law.
+    Diffuse {
+        /// 0–1.
+        reflectance: SampledSpectrum,
+    },
+    /// A metal.
+    Conductor {
+        /// Real part of the refractive index, relative to the medium outside.
+        eta: SampledSpectrum,
+        /// Imaginary part (extinction coefficient), relative to the medium outside.
+        k: SampledSpectrum,
+        /// Roughness.
+        distribution: Ggx,
+    },
+    /// A clear medium on the side that +Z points away from.
+    Dielectric {
+        /// n_inside/n_outside. Equal in all lanes unless dispersive.
+        eta: SampledSpectrum,
+        /// Whether the index depends on wavelength.
+        dispersive: bool,
+        /// Roughness.
+        distribution: Ggx,
+    },
+}
+
+/// Value and density for a pair of directions. Zero for lobes that are a single direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfEval {
+    /// sr⁻¹, without cosine.
+    pub f: SampledSpectrum,
+    /// Density with which [`Bsdf::sample`] finds `wi`.
+    pub pdf: Pdf<SolidAngle>,
+}
+
+impl BsdfEval {
+    /// No scattering.
+    pub const ZERO: Self = Self { f: SampledSpectrum::ZERO, pdf: Pdf::new(0.0) };
+}
+
+/// A direction drawn by [`Bsdf::sample`]. The path's throughput is to be multiplied by f·|cos θᵢ|/pdf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BsdfSample {
+    /// sr⁻¹, without cosine. Where `is_delta`, the reflected or transmitted part over |cos θᵢ|.
+    pub f: SampledSpectrum,
+    /// The direction drawn.
+    pub wi: Vec3,
+    /// Its density. Where `is_delta`, the probability of having chosen it.
+    pub pdf: Pdf<SolidAngle>,
+    /// Whether the direction is the only one of its lobe, so that no light can be sampled towards it.
+    pub is_delta: bool,
+    /// Whether `wi` is on the other side than `wo`.
+    pub is_transmission: bool,
+    /// Whether the path is right for the hero wavelength alone from here on; the other lanes of `f` are then zero.
+    pub terminates_secondary: bool,
+    /// Index on the side of `wi` over that on the side of `wo`; 1 where reflected.
+    pub eta: f32,
+}
+
+impl BsdfSample {
+    /// A reflected direction of a lobe of some width.
+    #[inline]
+    fn reflected(f: SampledSpectrum, wi: Vec3, pdf: Pdf<SolidAngle>) -> Self {
+        Self { f, wi, pdf, is_delta: false, is_transmission: false, terminates_secondary: false, eta: 1.0 }
+    }
+
+    /// The one direction of a mirror, of which a part `reflectance` comes back, chosen with `probability`.
+    #[inline]
+    fn mirrored(reflectance: SampledSpectrum, wi: Vec3, probability: f32) -> Self {
+        Self { is_delta: true, ..Self::reflected(reflectance / wi.z.abs(), wi, Pdf::new(probability)) }
+    }
+
+    /// What the path's throughput is multiplied by: f·|cos θᵢ|/pdf.
+    #[inline]
+    pub fn throughput(&self) -> SampledSpectrum {
+        self.f * (self.wi.z.abs() / self.pdf.0)
+    }
+}
+
+impl Bsdf {
+    /// Value and density of scattering between `wo` and `wi`. Both are zero where the model does not scatter that way,
+    /// for mirrors and polished interfaces, and for directions in the surface.
+    #[inline]
+    pub fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        match *self {
+            Self::Diffuse { reflectance } => diffuse::eval(reflectance, wo, wi),
+            Self::Conductor { eta, k, distribution } => conductor::eval(eta, k, distribution, wo, wi),
+            Self::Dielectric { eta, dispersive, distribution } => {
+                dielectric::eval(eta, dispersive, distribution, wo, wi)
+            }
+        }
+    }
+
+    /// Draws `wi` from three numbers in [0, 1): one to choose a lobe, two for the direction in it. None where the
+    /// direction drawn leads nowhere; the light of such a draw counts as lost.
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        match *self {
+            Self::Diffuse { reflectance } => diffuse::sample(reflectance, wo, u),
+            Self::Conductor { eta, k, distribution } => conductor::sample(eta, k, distribution, wo, u),
+            Self::Dielectric { eta, dispersive, distribution } => {
+                dielectric::sample(eta, dispersive, distribution, wo, u_lobe, u)
+            }
+        }
+    }
+
+    /// Whether every lobe is a single direction: sampling lights is then in vain.
+    #[inline]
+    pub fn is_delta(&self) -> bool {
+        match *self {
+            Self::Diffuse { .. } => false,
+            Self::Conductor { distribution, .. } => distribution.is_smooth(),
+            Self::Dielectric { eta, distribution, .. } => dielectric::is_delta(eta, distribution),
+        }
+    }
+
+    /// Whether [`Self::eval`] and [`Self::sample`] are right for the hero wavelength alone, so that the path must drop the
+    /// others before it calls them: rough dielectrics whose index depends on wavelength.
+    #[inline]
+    pub fn needs_single_wavelength(&self) -> bool {
+        match *self {
+            Self::Diffuse { .. } | Self::Conductor { .. } => false,
+            Self::Dielectric { eta, dispersive, distribution } => {
+                dispersive && !dielectric::is_delta(eta, distribution)
+            }
+        }
+    }
+}
+
+#[inline]
+fn is_grazing(w: Vec3) -> bool {
+    w.z.abs() <= GRAZING
+}
+
+#[inline]
+fn is_above(w: Vec3) -> bool {
+    w.z > GRAZING
+}

@@ -1,0 +1,156 @@
+//! White furnace: a surface under uniform light gives back no more than arrives, and exactly what the model keeps.
+//!
+//! The reference integrates over the slopes of the facets instead of over directions, in f64, with D, Λ and Fresnel's
+//! equations in their textbook forms, so that it shares neither code nor parametrisation with the program.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
+use photosite::bsdf::{Bsdf, Ggx};
+use photosite::spectrum::SampledSpectrum;
+
+use super::bsdf_cases::{ALPHAS, above, glass, gold, lossless_metal, visible_from, wide};
+use super::quadrature::integrate_sphere;
+
+/// ∫ f·|cos| dω of the hero over the side of `wo` and over the other.
+fn albedo(bsdf: &Bsdf, wo: Vec3) -> [f64; 2] {
+    let over = |same_side: bool| {
+        integrate_sphere(|wi| {
+            if (wi.z * wo.z > 0.0) == same_side { f64::from(bsdf.eval(wo, wi).f[0] * wi.z.abs()) } else { 0.0 }
+        })
+    };
+    [over(true), over(false)]
+}
+
+/// Smith's Λ in tan θ.
+fn lambda(w: DVec3, [x, y]: [f64; 2]) -> f64 {
+    0.5 * ((1.0 + ((x * w.x).powi(2) + (y * w.y).powi(2)) / (w.z * w.z)).sqrt() - 1.0)
+}
+
+/// What facets reflect and refract of uniform light, as fractions of the power: mean over the slopes
+/// (p, q) = r·(α_x·cos φ, α_y·sin φ), whose density is dφ/(2π)·d(r²/(1 + r²)), of the facet's area seen from wo, times
+/// what it does with the light. `eta` is that of the far side; the reflectance is `fresnel(cos)`. The area grows with r,
+/// so the radial variable is t = 1/√(1 + r²), in which nothing diverges: d(r²/(1 + r²)) = 2t dt.
+fn single_bounce(wo: DVec3, alpha: [f64; 2], eta: f64, fresnel: impl Fn(f64) -> f64) -> [f64; 2] {
+    let n = 400;
+    let (mut reflected, mut refracted) = (0.0, 0.0);
+    for i in 0..n * n {
+        let (t, phi) = (((i / n) as f64 + 0.5) / n as f64, 2.0 * PI * ((i % n) as f64 + 0.5) / n as f64);
+        let r = (1.0 - t * t).sqrt() / t;
+        let facet = DVec3::new(-alpha[0] * r * phi.cos(), -alpha[1] * r * phi.sin(), 1.0);
+        let (slope, m) = (facet.length(), facet.normalize());
+        let cos = wo.dot(m);
+        if cos <= 0.0 {
+            continue;
+        }
+        let seen = 2.0 * t * cos * slope / wo.z;
+        let r = fresnel(cos);
+        let mirror = 2.0 * cos * m - wo;
+        if mirror.z > 0.0 {
+            reflected += r * seen / (1.0 + lambda(wo, alpha) + lambda(mirror, alpha));
+        }
+        let cos_far2 = 1.0 - (1.0 - cos * cos) / (eta * eta);
+        if cos_far2 > 0.0 {
+            let through = (cos / eta - cos_far2.sqrt()) * m - wo / eta;
+            if through.z < 0.0 {
+                refracted += (1.0 - r) * seen / ((1.0 + lambda(wo, alpha)) * (1.0 + lambda(through, alpha)));
+            }
+        }
+    }
+    [reflected, refracted].map(|sum| sum / (n * n) as f64)
+}
+
+/// The clear interface, by r_s = −sin(θ − θ')/sin(θ + θ'), r_p = tan(θ − θ')/tan(θ + θ').
+fn clear(cos: f64, eta: f64) -> f64 {
+    let theta = cos.min(1.0).acos();
+    let sin_far = theta.sin() / eta;
+    if sin_far >= 1.0 {
+        return 1.0;
+    }
+    if theta < 1e-6 {
+        return ((eta - 1.0) / (eta + 1.0)).powi(2);
+    }
+    let far = sin_far.asin();
+    let (s, p) = ((theta - far).sin() / (theta + far).sin(), (theta - far).tan() / (theta + far).tan());
+    0.5 * (s * s + p * p)
+}
+
+/// The midpoint rule on 400² points: the horizon cuts through cells, whose number is of order n, for an error of some
+/// 1/n² each with random sign; the other integral is good to 1e-4.
+const TOLERANCE: f64 = 5e-4;
+
+#[test]
+fn no_surface_gives_back_more_than_arrives() {
+    for case in wide() {
+        for (from, wo) in visible_from(&case.bsdf) {
+            let [reflected, transmitted] = albedo(&case.bsdf, wo);
+            let power = reflected + transmitted * radiance_to_power(&case.bsdf, wo);
+            assert!(power <= 1.0 + 1e-4, "{} {from}: {power}", case.name);
+        }
+    }
+}
+
+/// η² of refraction: transmitted radiance is the power over η².
+fn radiance_to_power(bsdf: &Bsdf, wo: Vec3) -> f64 {
+    match *bsdf {
+        Bsdf::Dielectric { eta, .. } => f64::from(if wo.z > 0.0 { eta[0] } else { 1.0 / eta[0] }).powi(2),
+        Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } => 1.0,
+    }
+}
+
+#[test]
+fn a_white_diffuse_surface_gives_back_everything() {
+    let white = Bsdf::Diffuse { reflectance: SampledSpectrum::ONE };
+    for (from, wo) in above() {
+        let [power, _] = albedo(&white, wo);
+        assert!((power - 1.0).abs() < 1e-5, "{from}: {power}");
+    }
+}
+
+#[test]
+fn a_lossless_metal_loses_the_second_bounce_only() {
+    for [x, y] in ALPHAS {
+        for (from, wo) in above() {
+            let [found, _] = albedo(&lossless_metal(Ggx::new(x, y)), wo);
+            let [expected, _] = single_bounce(wo.as_dvec3(), [x, y].map(f64::from), 1.0, |_| 1.0);
+            assert!((found - expected).abs() < TOLERANCE, "α {x} {y} {from}: {found} is not {expected}");
+        }
+    }
+}
+
+#[test]
+fn gold_gives_back_what_its_facets_do() {
+    let Bsdf::Conductor { eta, k, .. } = gold(Ggx::SMOOTH) else { unreachable!("gold is a conductor") };
+    for [x, y] in ALPHAS {
+        for (from, wo) in above() {
+            let [found, _] = albedo(&gold(Ggx::new(x, y)), wo);
+            let fresnel = |cos: f64| f64::from(photosite::bsdf::fresnel::conductor(cos as f32, eta, k)[0]);
+            let [expected, _] = single_bounce(wo.as_dvec3(), [x, y].map(f64::from), 1.0, fresnel);
+            assert!((found - expected).abs() < TOLERANCE, "α {x} {y} {from}: {found} is not {expected}");
+        }
+    }
+}
+
+#[test]
+fn rough_glass_reflects_and_refracts_what_its_facets_do() {
+    for eta in [1.33f32, 2.4] {
+        for [x, y] in ALPHAS {
+            let bsdf = glass(eta, Ggx::new(x, y));
+            for (from, wo) in visible_from(&bsdf) {
+                let [reflected, transmitted] = albedo(&bsdf, wo);
+                let found = [reflected, transmitted * radiance_to_power(&bsdf, wo)];
+                let relative = f64::from(if wo.z > 0.0 { eta } else { 1.0 / eta });
+                let above = wo.as_dvec3().with_z(f64::from(wo.z.abs()));
+                let expected = single_bounce(above, [x, y].map(f64::from), relative, |cos| clear(cos, relative));
+                for (which, found, expected) in
+                    [("reflected", found[0], expected[0]), ("refracted", found[1], expected[1])]
+                {
+                    assert!(
+                        (found - expected).abs() < TOLERANCE,
+                        "η {eta} α {x} {y} {from}: {which} {found} is not {expected}"
+                    );
+                }
+            }
+        }
+    }
+}

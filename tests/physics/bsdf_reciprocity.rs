@@ -1,0 +1,41 @@
+//! Helmholtz reciprocity: light that goes one way goes the other.
+
+use std::f64::consts::TAU;
+
+use photosite::bsdf::Bsdf;
+
+use super::bsdf_cases::{Uniform, wide};
+use super::quadrature::direction;
+
+#[test]
+fn swapping_the_directions_changes_nothing_but_the_index_factor() {
+    for (number, case) in wide().iter().enumerate() {
+        let mut uniform = Uniform::new(number);
+        let mut compared = 0;
+        for _ in 0..4000 {
+            let mut random = || direction(2.0 * f64::from(uniform.next()) - 1.0, TAU * f64::from(uniform.next()));
+            let (a, b) = (random(), random());
+            let (there, back) = (case.bsdf.eval(a, b).f, case.bsdf.eval(b, a).f);
+            // η²·f(wo, wi) = f(wi, wo), η the index on the side of wi over that on the side of wo.
+            let factor = match case.bsdf {
+                Bsdf::Dielectric { eta, .. } if a.z * b.z < 0.0 => {
+                    if b.z < 0.0 {
+                        eta[0] * eta[0]
+                    } else {
+                        1.0 / (eta[0] * eta[0])
+                    }
+                }
+                Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } | Bsdf::Dielectric { .. } => 1.0,
+            };
+            for lane in 0..4 {
+                let (there, back) = (there[lane] * factor, back[lane]);
+                // Half vectors of refraction are rounded to 6e-8/|η − 1| = 1e-6 (η = 1.05); the slope of ln D is up to
+                // 4/α = 40, and a factor of 10 for the Fresnel term near total reflection, relative.
+                let tolerance = 4e-4 * there.abs().max(back.abs()) + 1e-9;
+                assert!((there - back).abs() <= tolerance, "{} {a} {b} lane {lane}: {there} {back}", case.name);
+                compared += u32::from(there > 0.0);
+            }
+        }
+        assert!(compared > 1000, "{}: only {compared} pairs scatter", case.name);
+    }
+}

@@ -1,0 +1,77 @@
+//! No direction and no parameter gives NaN, infinity or a negative value.
+
+use glam::Vec3;
+use photosite::bsdf::{Bsdf, Ggx};
+
+use super::bsdf_cases::{Case, glass, gold, lossless_metal, wide};
+
+fn all_cases() -> Vec<Case> {
+    let mut cases = wide();
+    for alpha in [0.0, 1e-4, 1e-3, 8.0] {
+        let ggx = Ggx::new(alpha, alpha);
+        cases.push(Case { name: format!("gold α {alpha}"), bsdf: gold(ggx) });
+        cases.push(Case { name: format!("lossless metal α {alpha}"), bsdf: lossless_metal(ggx) });
+        for eta in [0.5, 1.0, 1.000_01, 1.001, 1.5, 3.0] {
+            cases.push(Case { name: format!("dielectric η {eta} α {alpha}"), bsdf: glass(eta, ggx) });
+        }
+    }
+    cases
+}
+
+/// Poles, equator, and directions that graze the surface by less and less.
+fn awkward_directions() -> Vec<Vec3> {
+    let mut directions = vec![Vec3::ZERO];
+    for z in [0.0f32, 1e-45, 1e-30, 1e-8, 2e-7, 1e-5, 1e-3, 0.1, 0.5, 0.999_999, 1.0] {
+        for (x, y) in [(1.0f32, 0.0), (0.6, 0.8), (-1.0, 1e-20)] {
+            let radius = (1.0 - z * z).sqrt();
+            directions.push(Vec3::new(x * radius, y * radius, z));
+            directions.push(Vec3::new(x * radius, y * radius, -z));
+        }
+    }
+    directions
+}
+
+#[test]
+fn values_and_densities_are_finite_and_not_negative() {
+    let directions = awkward_directions();
+    for case in all_cases() {
+        for &wo in &directions {
+            for &wi in &directions {
+                let eval = case.bsdf.eval(wo, wi);
+                let good = eval.f.is_finite() && eval.f.0.min_element() >= 0.0 && eval.pdf.0 >= 0.0;
+                assert!(good && eval.pdf.0.is_finite(), "{} {wo} {wi}: {eval:?}", case.name);
+                assert!(eval.pdf.0 > 0.0 || eval.f.is_black(), "{} {wo} {wi}: f without pdf {eval:?}", case.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn samples_are_finite_and_not_negative_at_the_ends_of_the_unit_interval() {
+    let ends = [0.0, 1e-7, 0.25, 0.5, 0.999_999_94];
+    for case in all_cases() {
+        for wo in awkward_directions() {
+            for (u_lobe, u, v) in
+                ends.iter().flat_map(|&l| ends.map(|u| (l, u))).flat_map(|(l, u)| ends.map(|v| (l, u, v)))
+            {
+                let Some(sample) = case.bsdf.sample(wo, u_lobe, [u, v]) else { continue };
+                let name = format!("{} {wo} {u_lobe} {u} {v}: {sample:?}", case.name);
+                assert!(sample.f.is_finite() && sample.f.0.min_element() >= 0.0, "{name}");
+                assert!(sample.pdf.0.is_finite() && sample.pdf.0 > 0.0, "{name}");
+                assert!(sample.throughput().is_finite() && sample.throughput().max() <= 10.0, "{name}");
+                assert!(sample.wi.is_finite() && (sample.wi.length() - 1.0).abs() < 1e-5, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn opaque_surfaces_are_black_from_behind() {
+    let (up, down) = (Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, -0.8));
+    for case in all_cases().iter().filter(|case| !matches!(case.bsdf, Bsdf::Dielectric { .. })) {
+        for (wo, wi) in [(up, down), (down, up), (down, down)] {
+            assert!(case.bsdf.eval(wo, wi).f.is_black() && case.bsdf.eval(wo, wi).pdf.0 == 0.0, "{}", case.name);
+        }
+        assert!(case.bsdf.sample(down, 0.5, [0.5; 2]).is_none(), "{}", case.name);
+    }
+}

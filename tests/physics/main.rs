@@ -1,0 +1,11 @@
+//! Physics: every quantity against a closed form, a numerical integral or a published figure.
+
+mod bsdf_cases;
+mod bsdf_energy;
+mod bsdf_fresnel;
+mod bsdf_microfacet;
+mod bsdf_reciprocity;
+mod bsdf_robustness;
+mod bsdf_sampling;
+mod bsdf_smooth;
+mod quadrature;
