@@ -122,7 +122,7 @@ impl Ggx {
     }
 
     /// Draws a facet normal that `wo` (z > 0) sees, by reflecting the stretched `wo` at a uniformly chosen point of the
-    /// spherical cap that it lights ([Dupuy23](crate::references#dupuy23) listing 3).
+    /// spherical cap that it lights ([Dupuy23](crate::references#dupuy23)).
     #[inline]
     pub fn sample_visible(&self, wo: Vec3, [u, v]: [f32; 2]) -> Vec3 {
         let stretched = Vec3::new(self.alpha_x * wo.x, self.alpha_y * wo.y, wo.z).normalize();
