@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
-"""Writes depth-of-field.gltf and .bin: pawns at growing distances along a ruler, small lamps far behind them.
+"""Writes depth-of-field.gltf and .bin: pawns at growing distances on a cutting mat, small lamps far behind.
 
-The camera stands above the origin, at (0, 0.045, 0), and looks towards -z; the ruler has a mark every 10 mm of distance
-from there, a longer one every 50 mm. Needs Python only.
+The camera stands above the origin, at (0, 0.045, 0), and looks towards -z. The mat has lines every 25 mm from there. Needs Python only.
 """
 
 import math
@@ -24,7 +23,6 @@ PAWNS = (
     (640, 0.72, (0.25, 0.08, 0.40)),
 )
 HALF_WIDTH = 2.4 / 13.04            # of the picture, at distance 1
-RULER_CENTRE = -48.0                # beside the pawns, millimetres
 LAMPS = 34
 LAMP_RADIUS = 2.2
 LAMP_COLOURS = (
@@ -60,27 +58,21 @@ def pawn(segments):
     return lathe(runs, segments)
 
 
-def ruler():
-    """The face of a ruler 24 mm wide from 150 to 800 mm: the white and the black parts, as quads side by side."""
-    white, black = ([], []), ([], [])
+def grid():
+    """The lines printed on the cutting mat, 25 mm apart, as quads side by side without overlaps."""
+    positions, triangles = [], []
+    half, height = 0.4, 0.05
 
-    def quad(part, x0, x1, near, far):
-        positions, triangles = part
+    def quad(x0, x1, near, far):
         first = len(positions)
-        height = 0.8 * MM
-        corners = ((x0, near), (x1, near), (x1, far), (x0, far))
-        positions.extend((x * MM, height, -z * MM) for x, z in corners)
+        positions.extend((x * MM, height * MM, -z * MM) for x, z in ((x0, near), (x1, near), (x1, far), (x0, far)))
         triangles.extend([(first, first + 1, first + 2), (first, first + 2, first + 3)])
 
-    left, right, mark = RULER_CENTRE - 12.0, RULER_CENTRE + 12.0, 0.5
-    for centre in range(150, 801, 10):
-        length = 24.0 if centre % 50 == 0 else 10.0
-        near, far = centre - mark, centre + mark
-        quad(black, right - length, right, near, far)
-        if right - length > left:
-            quad(white, left, right - length, near, far)
-        quad(white, left, right, far, centre + 10 - mark)
-    return white, black
+    for z in range(150, 851, 25):
+        quad(-400, 400, z - half, z + half)
+        for x in range(-400, 401, 25):
+            quad(x - half, x + half, z + half, z + 25 - half)
+    return positions, triangles
 
 
 def quad_shape(corners):
@@ -90,26 +82,23 @@ def quad_shape(corners):
 
 def main():
     file = GltfFile()
-    file.material("table", (0.035, 0.030, 0.028), roughness=0.32)
+    file.material("mat", (0.014, 0.036, 0.036), roughness=0.32)
+    file.material("grid", (0.32, 0.36, 0.30), roughness=0.4)
     file.material("backdrop", (0.012, 0.014, 0.022))
-    file.material("ruler-white", (0.75, 0.72, 0.62), roughness=0.6)
-    file.material("ruler-black", (0.02, 0.02, 0.02), roughness=0.6)
     file.material("softbox", (0.8, 0.8, 0.8), emission=(1.0, 0.93, 0.84), luminance_nit=3000.0)
     for name, colour in LAMP_COLOURS:
         file.material(name, (0.1, 0.1, 0.1), emission=colour, luminance_nit=9000.0)
     for number, (_, _, colour) in enumerate(PAWNS, 1):
         file.material(f"pawn-{number}", colour, roughness=0.38)
 
-    file.shape("table", *quad_shape([(-0.6, 0, 0.2), (0.6, 0, 0.2), (0.6, 0, -0.9), (-0.6, 0, -0.9)]))
-    file.place("table", "table", "table")
+    file.shape("mat", *quad_shape([(-0.6, 0, 0.2), (0.6, 0, 0.2), (0.6, 0, -0.9), (-0.6, 0, -0.9)]))
+    file.place("mat", "mat", "mat")
     file.shape("backdrop", *quad_shape([(-1.5, -0.5, -2.2), (1.5, -0.5, -2.2), (1.5, 1, -2.2), (-1.5, 1, -2.2)]))
     file.place("backdrop", "backdrop", "backdrop")
-    (white, white_triangles), (black, black_triangles) = ruler()
-    file.shape("ruler white", white, None, white_triangles)
-    file.shape("ruler black", black, None, black_triangles)
-    file.place("ruler", "ruler white", "ruler-white")
-    file.place("ruler marks", "ruler black", "ruler-black")
-    # Above the table on the left, facing its middle.
+    positions, triangles = grid()
+    file.shape("grid", positions, None, triangles)
+    file.place("grid", "grid", "grid")
+    # Above the mat on the left, facing its middle.
     file.shape("softbox", *quad_shape([(-0.42, 0.50, -0.10), (-0.42, 0.50, -0.55), (-0.18, 0.62, -0.55), (-0.18, 0.62, -0.10)]))
     file.place("softbox", "softbox", "softbox")
 
