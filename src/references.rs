@@ -56,3 +56,6 @@
 //!
 //! ## Schlick94
 //! C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3) (1994).
+//!
+//! ## Meisters75
+//! G. H. Meisters, "Polygons Have Ears", The American Mathematical Monthly 82(6) (1975).

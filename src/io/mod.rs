@@ -4,6 +4,7 @@ mod complete;
 pub mod gltf;
 mod json;
 mod mesh;
+pub mod obj;
 pub mod output;
 mod picture;
 mod tangents;

@@ -1,6 +1,7 @@
 //! Pictures from files and from memory, as [`Bitmap`]s.
 
 use std::io::Cursor;
+use std::path::Path;
 
 use image::{DynamicImage, ImageReader};
 
@@ -11,6 +12,15 @@ use crate::texture::{Bitmap, Texels};
 const MAX_SIDE: u32 = 32_768;
 /// Most memory that decoding a picture may take, bytes.
 const MAX_BYTES: u64 = 4 << 30;
+
+/// Reads a PNG or JPEG file.
+pub(super) fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
+    let bytes = std::fs::read(path).map_err(|source| {
+        Invalid::new("", format!("cannot read {}: {source}", path.display()))
+            .help("put the picture there, or correct its name")
+    })?;
+    decode_picture(&bytes, path.display().to_string())
+}
 
 /// Decodes a PNG, JPEG, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep their
 /// encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
