@@ -113,7 +113,7 @@ fn opaque(
 
 fn emission(mtl: &MtlMaterial, texture: Option<TextureDescription>) -> Option<EmissionDescription> {
     let colour = mtl.emission.unwrap_or(if texture.is_some() { [1.0; 3] } else { [0.0; 3] }).map(|c| c.max(0.0));
-    (colour != [0.0; 3]).then(|| EmissionDescription { colour: Colour::Rgb(colour), level: Some(1.0), texture })
+    (colour != [0.0; 3]).then_some(EmissionDescription { colour: Colour::Rgb(colour), level: Some(1.0), texture })
 }
 
 /// Perceptual roughness of a Blinn–Phong exponent.
