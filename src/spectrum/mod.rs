@@ -8,6 +8,7 @@
 pub mod cie;
 pub mod csv;
 pub mod dispersion;
+mod flat;
 pub mod illuminant;
 pub mod library;
 pub mod rgb;
@@ -17,6 +18,7 @@ mod wavelengths;
 
 pub use csv::{CsvError, SpectralTable};
 pub use dispersion::Dispersion;
+pub use flat::{SpectrumId, SpectrumTable};
 pub use sampled::SampledSpectrum;
 pub use table::{Outside, Spectrum};
 pub use wavelengths::{WavelengthSampler, Wavelengths};

@@ -1,0 +1,50 @@
+//! All spectra of a scene in one flat table, named by handles.
+
+use super::table::eval_table;
+use super::{SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
+
+/// Handle of a spectrum in a [`SpectrumTable`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpectrumId(u32);
+
+/// Spectra laid end to end.
+#[derive(Clone, Debug, Default)]
+pub struct SpectrumTable {
+    values: Vec<f32>,
+}
+
+impl SpectrumTable {
+    /// Adds a spectrum. Equal spectra share a handle with the one added last, which is the common case of a file that
+    /// repeats a material.
+    pub fn add(&mut self, spectrum: &Spectrum) -> SpectrumId {
+        let last = self.values.len().saturating_sub(TABLE_LEN);
+        if self.values.get(last..) != Some(&spectrum.values()[..]) {
+            self.values.extend_from_slice(spectrum.values());
+        }
+        SpectrumId((self.values.len() / TABLE_LEN - 1) as u32)
+    }
+
+    /// Values at the wavelengths of a path.
+    #[inline]
+    pub fn sample(&self, id: SpectrumId, wavelengths: &Wavelengths) -> SampledSpectrum {
+        let start = id.0 as usize * TABLE_LEN;
+        let values = &self.values[start..start + TABLE_LEN];
+        SampledSpectrum::from_lanes(|lane| eval_table(values, wavelengths.lambda_nm(lane)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn handles_find_their_spectra() {
+        let mut table = SpectrumTable::default();
+        let (a, b) = (Spectrum::constant(0.25), Spectrum::from_fn(|l| l));
+        let ids = [table.add(&a), table.add(&b), table.add(&b)];
+        assert_eq!(ids[1], ids[2]);
+        let w = Wavelengths::new([400.0, 500.5, 1100.0, 300.0], [1.0; 4]);
+        assert_eq!(table.sample(ids[0], &w), a.sample(&w));
+        assert_eq!(table.sample(ids[1], &w).to_array(), [400.0, 500.5, 1100.0, 300.0]);
+    }
+}
