@@ -16,8 +16,6 @@ pub use bitmap::{Bitmap, Texels};
 pub use sampler::{Filter, SamplerSettings, Wrap};
 pub use transform::UvTransform;
 
-use crate::Invalid;
-
 /// A picture with everything needed to look it up at a point of a surface.
 #[derive(Clone, Debug)]
 pub struct Texture {
@@ -25,25 +23,20 @@ pub struct Texture {
     sampler: SamplerSettings,
     /// Surface UV → picture UV.
     transform: Affine2,
-    uv_set: u32,
+    /// Which UV set of the mesh to look up with.
+    pub uv_set: u32,
 }
 
 impl Texture {
-    /// Refuses pictures whose texels are not as many as their size says.
-    pub fn new(
-        image: Arc<Bitmap>,
-        sampler: SamplerSettings,
-        transform: UvTransform,
-        uv_set: u32,
-    ) -> Result<Self, Invalid> {
-        image.check()?;
-        Ok(Self { image, sampler, transform: transform.to_affine(), uv_set })
-    }
-
-    /// Which UV set of the mesh to look up with.
-    #[inline]
-    pub fn uv_set(&self) -> u32 {
-        self.uv_set
+    /// A picture that is looked up through `transform` and `sampler` in a UV set of the mesh.
+    ///
+    /// # Panics
+    /// If the picture does not pass [`Bitmap::check`]; those that the readers make do.
+    pub fn new(image: Arc<Bitmap>, sampler: SamplerSettings, transform: UvTransform, uv_set: u32) -> Self {
+        if let Err(problem) = image.check() {
+            panic!("{problem}");
+        }
+        Self { image, sampler, transform: transform.to_affine(), uv_set }
     }
 
     /// The picture.
@@ -78,7 +71,7 @@ mod tests {
     fn texture(texels: Texels, [width, height]: [usize; 2], wrap: Wrap, filter: Filter) -> Texture {
         let image = Bitmap { name: "test".to_owned(), width, height, texels };
         let sampler = SamplerSettings { wrap: [wrap; 2], filter };
-        Texture::new(Arc::new(image), sampler, UvTransform::default(), 0).expect("consistent")
+        Texture::new(Arc::new(image), sampler, UvTransform::default(), 0)
     }
 
     fn grey(values: &[u8]) -> Texels {
@@ -207,8 +200,7 @@ mod tests {
     fn pictures_of_the_wrong_size_are_refused() {
         for (width, height, count) in [(2, 2, 3), (0, 0, 0), (0, 5, 0), (usize::MAX, 2, 4)] {
             let image = Bitmap { name: "brick.png".to_owned(), width, height, texels: grey(&vec![0; count]) };
-            let refused = Texture::new(Arc::new(image), SamplerSettings::default(), UvTransform::default(), 0);
-            assert!(refused.expect_err("inconsistent").message.contains("brick.png"));
+            assert!(image.check().expect_err("inconsistent").message.contains("brick.png"));
         }
     }
 }
