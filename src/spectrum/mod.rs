@@ -14,6 +14,7 @@ pub mod library;
 pub mod rgb;
 mod sampled;
 mod table;
+pub mod upsampling;
 mod wavelengths;
 
 pub use csv::{CsvError, SpectralTable};
