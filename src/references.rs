@@ -59,3 +59,7 @@
 //!
 //! ## Meisters75
 //! G. H. Meisters, "Polygons Have Ears", The American Mathematical Monthly 82(6) (1975).
+//!
+//! ## Menon07
+//! D. Menon, S. Andriani, G. Calvagno, "Demosaicing With Directional Filtering and a posteriori Decision", IEEE
+//! Transactions on Image Processing 16(1), 132–141 (2007).

@@ -1,0 +1,162 @@
+//! What the colours of a camera mean: the matrix between its channels and XYZ, and its response to white, both computed
+//! from spectral responses.
+//!
+//! In: the responses of three channels (any common unit), as [`SensorModel::responses`] gives them, times the
+//! transmittance of the lens where it has a colour; the spectrum of the light. Out: the numbers of a DNG file's
+//! ColorMatrix1 and AsShotNeutral ([Dng16](crate::references#dng16), chapter 6).
+//!
+//! [`SensorModel::responses`]: crate::sensor::SensorModel::responses
+
+use glam::{DMat3, DVec3};
+
+use crate::Invalid;
+use crate::spectrum::{Spectrum, cie, illuminant, library};
+
+/// The colour entries of a raw file's metadata.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraColour {
+    /// XYZ (D65 white, Y = 1) → camera, rows per channel.
+    pub matrix_d65: [[f64; 3]; 3],
+    /// The camera's response to the scene's white, the largest component 1.
+    pub neutral: [f64; 3],
+}
+
+/// Colour of a camera with these channels in a scene lit by `light` (any unit). `None` for a camera of one channel.
+pub fn camera_colour(responses: &[(String, Spectrum)], light: &Spectrum) -> Result<Option<CameraColour>, Invalid> {
+    match responses {
+        [r, g, b] => {
+            let channels = [&r.1, &g.1, &b.1];
+            Ok(Some(CameraColour { matrix_d65: xyz_to_camera(channels)?, neutral: neutral(channels, light)? }))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The camera's response to `light` itself, the largest component 1.
+pub fn neutral(channels: [&Spectrum; 3], light: &Spectrum) -> Result<[f64; 3], Invalid> {
+    let response = channels.map(|channel| channel.product(light).integral());
+    let largest = response.into_iter().fold(0.0, f64::max);
+    if let Some(blind) = response.iter().position(|&r| r.is_nan() || r <= 0.0) {
+        let message = format!("channel {} of the sensor does not see the light of the scene", ["R", "G", "B"][blind]);
+        return Err(
+            Invalid::new("channels", message).help("its white balance is undefined; use a light that all channels see")
+        );
+    }
+    Ok(response.map(|r| r / largest))
+}
+
+/// XYZ → camera under D65 (ColorMatrix1): the inverse of [`camera_to_xyz`], scaled so that the largest response to D65
+/// white of Y = 1 is 1, as the specification asks.
+pub fn xyz_to_camera(channels: [&Spectrum; 3]) -> Result<[[f64; 3]; 3], Invalid> {
+    let d65 = illuminant::d65();
+    let balanced_to_xyz = camera_to_xyz(channels, d65)?;
+    let to_camera = DMat3::from_diagonal(DVec3::from_array(neutral(channels, d65)?)) * balanced_to_xyz.inverse();
+    let rows = to_camera.transpose().to_cols_array_2d();
+    if rows.as_flattened().iter().all(|entry| entry.is_finite()) { Ok(rows) } else { Err(indistinct()) }
+}
+
+/// White-balanced camera channels → XYZ, for a white of Y = 1 under `light`: the matrix M that takes the camera's
+/// colours of the 24 patches of a colour checker closest to their true ones,
+///
+/// min Σᵢ wᵢ ‖M·cᵢ − xᵢ‖², subject to M·(1, 1, 1) = white.
+///
+/// cᵢ are responses over the response to white, xᵢ the tristimulus values. The weights wᵢ = Yᵢ^(−4/3) turn errors of Y
+/// into errors of lightness, since dL* ∝ Y^(−2/3)·dY in CIELAB: without them bright patches would be all that counts.
+pub fn camera_to_xyz(channels: [&Spectrum; 3], light: &Spectrum) -> Result<DMat3, Invalid> {
+    let white_response = channels.map(|channel| channel.product(light).integral());
+    let white = DVec3::from_array(cie::xyz(light));
+    let patches: Vec<(DVec3, DVec3)> = checker()
+        .map(|reflectance| {
+            let reflected = light.product(&reflectance);
+            let response = channels.map(|channel| channel.product(&reflected).integral());
+            let camera = DVec3::from_array(response) / DVec3::from_array(white_response);
+            (camera, DVec3::from_array(cie::xyz(&reflected)) / white.y)
+        })
+        .collect();
+    let weight = |xyz: DVec3| xyz.y.powf(-4.0 / 3.0);
+    let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
+    let sum = |f: &dyn Fn(DVec3, DVec3) -> DMat3| {
+        patches.iter().fold(DMat3::ZERO, |sum, &(camera, xyz)| sum + f(camera, xyz) * weight(xyz))
+    };
+    // Without the constraint M = B·A⁻¹ with A = Σ w c cᵀ, B = Σ w x cᵀ; a Lagrange multiplier per row then shares out
+    // what M·1 lacks, along 1ᵀA⁻¹.
+    let inverse = sum(&|camera, _| outer(camera, camera)).inverse();
+    let free = sum(&|camera, xyz| outer(xyz, camera)) * inverse;
+    let along = inverse * DVec3::ONE;
+    let lack = white / white.y - free * DVec3::ONE;
+    let matrix = free + outer(lack, along / along.element_sum());
+    if matrix.is_finite() && matrix.determinant().abs() > 1e-9 { Ok(matrix) } else { Err(indistinct()) }
+}
+
+fn indistinct() -> Invalid {
+    Invalid::new("channels", "the quantum efficiencies of R, G and B do not tell colours apart")
+        .help("give each channel a curve of its own, or use cfa = \"mono\"")
+}
+
+/// Reflectances of the 24 patches.
+fn checker() -> impl Iterator<Item = Spectrum> {
+    library::names().filter(|name| name.starts_with("colour-checker/")).filter_map(library::spectrum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::presets;
+
+    /// Channels that are a linear mixture of the observer: such a camera can be corrected exactly.
+    fn luther_camera() -> ([Spectrum; 3], DMat3) {
+        let mixture = DMat3::from_cols_array(&[0.9, 0.1, 0.0, 0.3, 1.1, 0.1, 0.0, 0.2, 0.8]);
+        let [x, y, z] = cie::observer();
+        let channel = |row: DVec3| {
+            Spectrum::from_fn(|lambda| {
+                let xyz = [x, y, z].map(|bar| f64::from(bar.eval(lambda as f32)));
+                row.dot(DVec3::from_array(xyz))
+            })
+        };
+        ([0, 1, 2].map(|i| channel(mixture.row(i))), mixture)
+    }
+
+    #[test]
+    fn a_camera_that_mixes_the_observer_is_undone_exactly() {
+        let (channels, mixture) = luther_camera();
+        let matrix = DMat3::from_cols_array_2d(&xyz_to_camera(channels.each_ref()).expect("distinct")).transpose();
+        let d65 = cie::xyz(illuminant::d65());
+        let white = mixture * (DVec3::from_array(d65) / d65[1]);
+        let expected = mixture * (1.0 / white.max_element());
+        // Channel tables are rounded to f32; the fit's condition number is below 100.
+        assert!((matrix - expected).to_cols_array().iter().all(|d| d.abs() < 1e-5), "{matrix} {expected}");
+    }
+
+    #[test]
+    fn white_stays_white_under_any_light() {
+        let sensor = presets::model(presets::DEFAULT).expect("the default preset");
+        let [r, g, b] = &sensor.responses()[..] else { panic!("three channels") };
+        for name in ["A", "D50", "D65", "FL11"] {
+            let light = illuminant::illuminant(name).expect("known");
+            let matrix = camera_to_xyz([&r.1, &g.1, &b.1], &light).expect("distinct");
+            let [x, y, z] = cie::xyz(&light);
+            assert!((matrix * DVec3::ONE).abs_diff_eq(DVec3::new(x, y, z) / y, 1e-12), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_matrix_gives_the_neutral_of_d65() {
+        let sensor = presets::model(presets::DEFAULT).expect("the default preset");
+        let colour = camera_colour(&sensor.responses(), illuminant::d65()).expect("distinct").expect("colour");
+        let [x, y, z] = cie::xyz(illuminant::d65());
+        for (row, neutral) in colour.matrix_d65.iter().zip(colour.neutral) {
+            let response = row[0] * x / y + row[1] + row[2] * z / y;
+            assert!((response - neutral).abs() < 1e-12, "{response} {neutral}");
+        }
+        assert_eq!(colour.neutral.into_iter().fold(0.0, f64::max), 1.0);
+    }
+
+    #[test]
+    fn colour_blind_cameras_are_refused() {
+        let grey = Spectrum::constant(0.5);
+        assert!(xyz_to_camera([&grey, &grey, &grey]).is_err());
+        let infrared = Spectrum::from_fn(|lambda| if lambda > 900.0 { 1.0 } else { 0.0 });
+        assert!(neutral([&grey, &grey, &infrared], illuminant::d65()).is_err());
+        assert_eq!(camera_colour(&[("Y".to_owned(), grey)], illuminant::d65()), Ok(None));
+    }
+}

@@ -1,0 +1,47 @@
+//! The steps of development, in their order.
+
+use glam::DMat3;
+
+use crate::Invalid;
+use crate::image::{Channel, Planes};
+use crate::raw::RawImage;
+
+use super::encode::{Picture8, encode_srgb};
+use super::white_balance::{self, WhiteBalance};
+use super::{black_level, colour, demosaic, exposure};
+
+/// How to develop.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DevelopSettings {
+    /// What counts as white.
+    pub white_balance: WhiteBalance,
+    /// Brightening by 2^ev; what passes 1 is white.
+    pub exposure_ev: f64,
+}
+
+/// Develops to an 8-bit sRGB picture; grey for a monochrome sensor.
+pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<Picture8, Invalid> {
+    Ok(encode_srgb(&develop_linear(raw, settings)?))
+}
+
+/// Develops to linear sRGB, planes `R`, `G` and `B`, or `Y` for a monochrome sensor. 1 is white at saturation, before
+/// the exposure correction.
+pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<Planes, Invalid> {
+    if raw.data.len() != raw.width * raw.height {
+        let message = format!("{} numbers for {} × {} pixels", raw.data.len(), raw.width, raw.height);
+        return Err(Invalid::new("", message));
+    }
+    let mut mosaic = black_level::subtract(raw);
+    if raw.cfa.is_mono() {
+        let grey = Channel { name: "Y".to_owned(), data: mosaic };
+        return Ok(exposure::apply(Planes::new(raw.width, raw.height, vec![grey])?, settings.exposure_ev));
+    }
+    let to_srgb = match raw.metadata.colour_matrix_d65 {
+        Some(matrix) => colour::camera_to_srgb(matrix)?,
+        None => DMat3::IDENTITY,
+    };
+    white_balance::apply(&mut mosaic, raw, settings.white_balance.factors(raw)?);
+    let mut picture = demosaic::demosaic(&mosaic, raw.width, raw.height, &raw.cfa);
+    colour::apply(&mut picture, to_srgb);
+    Ok(exposure::apply(picture, settings.exposure_ev))
+}
