@@ -3,7 +3,7 @@
 //!
 //! In: the responses of three channels (any common unit), as [`SensorModel::responses`] gives them, times the
 //! transmittance of the lens where it has a colour; the spectrum of the light. Out: the numbers of a DNG file's
-//! ColorMatrix1 and AsShotNeutral ([Dng16](crate::references#dng16), chapter 6).
+//! ColorMatrix1, ColorMatrix2 and AsShotNeutral ([Dng16](crate::references#dng16), chapter 6).
 //!
 //! [`SensorModel::responses`]: crate::sensor::SensorModel::responses
 
@@ -15,8 +15,10 @@ use crate::spectrum::{Spectrum, cie, illuminant, library};
 /// The colour entries of a raw file's metadata.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraColour {
-    /// XYZ (D65 white, Y = 1) → camera, rows per channel.
+    /// XYZ → camera for colours under D65, rows per channel.
     pub matrix_d65: [[f64; 3]; 3],
+    /// XYZ → camera for colours under CIE illuminant A.
+    pub matrix_a: [[f64; 3]; 3],
     /// The camera's response to the scene's white, the largest component 1.
     pub neutral: [f64; 3],
 }
@@ -26,7 +28,11 @@ pub fn camera_colour(responses: &[(String, Spectrum)], light: &Spectrum) -> Resu
     match responses {
         [r, g, b] => {
             let channels = [&r.1, &g.1, &b.1];
-            Ok(Some(CameraColour { matrix_d65: xyz_to_camera(channels)?, neutral: neutral(channels, light)? }))
+            Ok(Some(CameraColour {
+                matrix_d65: xyz_to_camera(channels, illuminant::d65())?,
+                matrix_a: xyz_to_camera(channels, &illuminant::a())?,
+                neutral: neutral(channels, light)?,
+            }))
         }
         _ => Ok(None),
     }
@@ -45,46 +51,49 @@ pub fn neutral(channels: [&Spectrum; 3], light: &Spectrum) -> Result<[f64; 3], I
     Ok(response.map(|r| r / largest))
 }
 
-/// XYZ → camera under D65 (ColorMatrix1): the inverse of [`camera_to_xyz`], scaled so that the largest response to D65
-/// white of Y = 1 is 1, as the specification asks.
-pub fn xyz_to_camera(channels: [&Spectrum; 3]) -> Result<[[f64; 3]; 3], Invalid> {
-    let d65 = illuminant::d65();
-    let balanced_to_xyz = camera_to_xyz(channels, d65)?;
-    let to_camera = DMat3::from_diagonal(DVec3::from_array(neutral(channels, d65)?)) * balanced_to_xyz.inverse();
+/// XYZ → camera for colours under `light` (ColorMatrix1 and 2): the inverse of [`camera_to_xyz`], scaled so that the
+/// largest response to the light's own white of Y = 1 is 1, as the specification asks.
+pub fn xyz_to_camera(channels: [&Spectrum; 3], light: &Spectrum) -> Result<[[f64; 3]; 3], Invalid> {
+    let balanced_to_xyz = camera_to_xyz(channels, light)?;
+    let to_camera = DMat3::from_diagonal(DVec3::from_array(neutral(channels, light)?)) * balanced_to_xyz.inverse();
     let rows = to_camera.transpose().to_cols_array_2d();
     if rows.as_flattened().iter().all(|entry| entry.is_finite()) { Ok(rows) } else { Err(indistinct()) }
 }
 
 /// White-balanced camera channels → XYZ, for a white of Y = 1 under `light`: the matrix M that takes the camera's
-/// colours of the 24 patches of a colour checker closest to their true ones,
+/// colours of the 24 patches of a colour checker closest to their true ones. For each row m, with its component x of
+/// the tristimulus values (X, Y or Z),
 ///
-/// min Σᵢ wᵢ ‖M·cᵢ − xᵢ‖², subject to M·(1, 1, 1) = white.
+/// min Σᵢ (m·cᵢ − xᵢ)² · xᵢ^(−4/3), subject to m·(1, 1, 1) = x of white.
 ///
-/// cᵢ are responses over the response to white, xᵢ the tristimulus values. The weights wᵢ = Yᵢ^(−4/3) turn errors of Y
-/// into errors of lightness, since dL* ∝ Y^(−2/3)·dY in CIELAB: without them bright patches would be all that counts.
+/// cᵢ are responses over the response to white. The weights turn errors into those of CIELAB, which is made of cube
+/// roots: d(x^⅓) ∝ x^(−⅔) dx. Without them bright patches would be all that counts.
 pub fn camera_to_xyz(channels: [&Spectrum; 3], light: &Spectrum) -> Result<DMat3, Invalid> {
     let white_response = channels.map(|channel| channel.product(light).integral());
-    let white = DVec3::from_array(cie::xyz(light));
-    let patches: Vec<(DVec3, DVec3)> = checker()
+    let [x, y, z] = cie::xyz(light);
+    let white = [x / y, 1.0, z / y];
+    let patches: Vec<(DVec3, [f64; 3])> = checker()
         .map(|reflectance| {
             let reflected = light.product(&reflectance);
             let response = channels.map(|channel| channel.product(&reflected).integral());
             let camera = DVec3::from_array(response) / DVec3::from_array(white_response);
-            (camera, DVec3::from_array(cie::xyz(&reflected)) / white.y)
+            (camera, cie::xyz(&reflected).map(|component| component / y))
         })
         .collect();
-    let weight = |xyz: DVec3| xyz.y.powf(-4.0 / 3.0);
-    let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
-    let sum = |f: &dyn Fn(DVec3, DVec3) -> DMat3| {
-        patches.iter().fold(DMat3::ZERO, |sum, &(camera, xyz)| sum + f(camera, xyz) * weight(xyz))
+    let row = |component: usize| {
+        // Normal equations A·m = b. A Lagrange multiplier then shares out what m·1 lacks, along A⁻¹·1.
+        let (mut a, mut b) = (DMat3::ZERO, DVec3::ZERO);
+        for (camera, xyz) in &patches {
+            let weight = xyz[component].powf(-4.0 / 3.0);
+            a += DMat3::from_cols(*camera * camera.x, *camera * camera.y, *camera * camera.z) * weight;
+            b += *camera * xyz[component] * weight;
+        }
+        let inverse = a.inverse();
+        let free = inverse * b;
+        let along = inverse * DVec3::ONE;
+        free + along * (white[component] - free.element_sum()) / along.element_sum()
     };
-    // Without the constraint M = B·A⁻¹ with A = Σ w c cᵀ, B = Σ w x cᵀ; a Lagrange multiplier per row then shares out
-    // what M·1 lacks, along 1ᵀA⁻¹.
-    let inverse = sum(&|camera, _| outer(camera, camera)).inverse();
-    let free = sum(&|camera, xyz| outer(xyz, camera)) * inverse;
-    let along = inverse * DVec3::ONE;
-    let lack = white / white.y - free * DVec3::ONE;
-    let matrix = free + outer(lack, along / along.element_sum());
+    let matrix = DMat3::from_cols(row(0), row(1), row(2)).transpose();
     if matrix.is_finite() && matrix.determinant().abs() > 1e-9 { Ok(matrix) } else { Err(indistinct()) }
 }
 
@@ -119,7 +128,9 @@ mod tests {
     #[test]
     fn a_camera_that_mixes_the_observer_is_undone_exactly() {
         let (channels, mixture) = luther_camera();
-        let matrix = DMat3::from_cols_array_2d(&xyz_to_camera(channels.each_ref()).expect("distinct")).transpose();
+        let matrix =
+            DMat3::from_cols_array_2d(&xyz_to_camera(channels.each_ref(), illuminant::d65()).expect("distinct"))
+                .transpose();
         let d65 = cie::xyz(illuminant::d65());
         let white = mixture * (DVec3::from_array(d65) / d65[1]);
         let expected = mixture * (1.0 / white.max_element());
@@ -140,21 +151,25 @@ mod tests {
     }
 
     #[test]
-    fn the_matrix_gives_the_neutral_of_d65() {
+    fn each_matrix_gives_the_neutral_of_its_light() {
         let sensor = presets::model(presets::DEFAULT).expect("the default preset");
-        let colour = camera_colour(&sensor.responses(), illuminant::d65()).expect("distinct").expect("colour");
-        let [x, y, z] = cie::xyz(illuminant::d65());
-        for (row, neutral) in colour.matrix_d65.iter().zip(colour.neutral) {
-            let response = row[0] * x / y + row[1] + row[2] * z / y;
-            assert!((response - neutral).abs() < 1e-12, "{response} {neutral}");
+        for name in ["A", "D65"] {
+            let light = illuminant::illuminant(name).expect("known");
+            let colour = camera_colour(&sensor.responses(), &light).expect("distinct").expect("colour");
+            let [x, y, z] = cie::xyz(&light);
+            let matrix = if name == "A" { colour.matrix_a } else { colour.matrix_d65 };
+            for (row, neutral) in matrix.iter().zip(colour.neutral) {
+                let response = row[0] * x / y + row[1] + row[2] * z / y;
+                assert!((response - neutral).abs() < 1e-12, "{response} {neutral}");
+            }
+            assert_eq!(colour.neutral.into_iter().fold(0.0, f64::max), 1.0);
         }
-        assert_eq!(colour.neutral.into_iter().fold(0.0, f64::max), 1.0);
     }
 
     #[test]
     fn colour_blind_cameras_are_refused() {
         let grey = Spectrum::constant(0.5);
-        assert!(xyz_to_camera([&grey, &grey, &grey]).is_err());
+        assert!(xyz_to_camera([&grey, &grey, &grey], illuminant::d65()).is_err());
         let infrared = Spectrum::from_fn(|lambda| if lambda > 900.0 { 1.0 } else { 0.0 });
         assert!(neutral([&grey, &grey, &infrared], illuminant::d65()).is_err());
         assert_eq!(camera_colour(&[("Y".to_owned(), grey)], illuminant::d65()), Ok(None));

@@ -1,7 +1,5 @@
 //! The steps of development, in their order.
 
-use glam::DMat3;
-
 use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::raw::RawImage;
@@ -36,11 +34,9 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<Plan
         let grey = Channel { name: "Y".to_owned(), data: mosaic };
         return Ok(exposure::apply(Planes::new(raw.width, raw.height, vec![grey])?, settings.exposure_ev));
     }
-    let to_srgb = match raw.metadata.colour_matrix_d65 {
-        Some(matrix) => colour::camera_to_srgb(matrix)?,
-        None => DMat3::IDENTITY,
-    };
-    white_balance::apply(&mut mosaic, raw, settings.white_balance.factors(raw)?);
+    let neutral = settings.white_balance.neutral(raw)?;
+    let to_srgb = colour::camera_to_srgb(&raw.metadata, neutral)?;
+    white_balance::apply(&mut mosaic, raw, neutral);
     let mut picture = demosaic::demosaic(&mosaic, raw.width, raw.height, &raw.cfa);
     colour::apply(&mut picture, to_srgb);
     Ok(exposure::apply(picture, settings.exposure_ev))

@@ -16,8 +16,8 @@ pub enum WhiteBalance {
 }
 
 impl WhiteBalance {
-    /// The factor for every channel. The smallest is 1, so that white reaches 1 in all channels at saturation.
-    pub(super) fn factors(self, raw: &RawImage) -> Result<[f64; 3], Invalid> {
+    /// The response to white, the largest component 1.
+    pub(super) fn neutral(self, raw: &RawImage) -> Result<[f64; 3], Invalid> {
         let neutral = match self {
             Self::AsShot => raw.metadata.as_shot_neutral.unwrap_or([1.0; 3]),
             Self::Neutral(neutral) => neutral,
@@ -27,18 +27,18 @@ impl WhiteBalance {
             return Err(Invalid::new("AsShotNeutral", message).help("all three numbers must be above 0"));
         }
         let largest = neutral.into_iter().fold(0.0, f64::max);
-        Ok(neutral.map(|n| largest / n))
+        Ok(neutral.map(|n| n / largest))
     }
 }
 
-/// Multiplies the mosaic, then clips it at 1. A saturated pixel only tells that its channel was at least so bright; the
-/// factors would turn that into a colour, and blown highlights into pink. Clipped to what the least amplified channel
+/// Divides the mosaic by the response to white, then clips it at 1. A saturated pixel only tells that its channel was at least so bright; the
+/// factors would turn that into a colour, and blown highlights into pink. Clipped to what the most sensitive channel
 /// can tell, they are white.
-pub(super) fn apply(mosaic: &mut [f32], raw: &RawImage, factors: [f64; 3]) {
+pub(super) fn apply(mosaic: &mut [f32], raw: &RawImage, neutral: [f64; 3]) {
     mosaic.par_chunks_mut(raw.width.max(1)).enumerate().for_each(|(y, row)| {
         let tile_width = raw.cfa.tile_size().0;
         for column in 0..tile_width {
-            let factor = factors[raw.cfa.channel_at(column, y)] as f32;
+            let factor = (1.0 / neutral[raw.cfa.channel_at(column, y)]) as f32;
             for value in row.iter_mut().skip(column).step_by(tile_width) {
                 *value = (*value * factor).min(1.0);
             }

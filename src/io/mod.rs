@@ -7,6 +7,7 @@ mod mesh;
 pub mod obj;
 pub mod output;
 mod picture;
+pub mod png;
 mod tangents;
 mod warnings;
 

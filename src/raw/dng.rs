@@ -37,9 +37,11 @@ pub(super) mod tag {
     pub(crate) const DEFAULT_CROP_ORIGIN: Tag = Tag::Unknown(50719);
     pub(crate) const DEFAULT_CROP_SIZE: Tag = Tag::Unknown(50720);
     pub(crate) const COLOR_MATRIX_1: Tag = Tag::Unknown(50721);
+    pub(crate) const COLOR_MATRIX_2: Tag = Tag::Unknown(50722);
     pub(crate) const AS_SHOT_NEUTRAL: Tag = Tag::Unknown(50728);
     pub(crate) const BASELINE_EXPOSURE: Tag = Tag::Unknown(50730);
     pub(crate) const CALIBRATION_ILLUMINANT_1: Tag = Tag::Unknown(50778);
+    pub(crate) const CALIBRATION_ILLUMINANT_2: Tag = Tag::Unknown(50779);
     pub(crate) const ACTIVE_AREA: Tag = Tag::Unknown(50829);
     pub(crate) const NOISE_PROFILE: Tag = Tag::Unknown(51041);
 }
@@ -50,6 +52,8 @@ pub(super) const COLOR_FILTER_ARRAY: u16 = 32803;
 pub(super) const LINEAR_RAW: u16 = 34892;
 /// EXIF's number for D65 as a light source.
 const D65: u16 = 21;
+/// EXIF's number for CIE illuminant A.
+const STANDARD_LIGHT_A: u16 = 17;
 /// NewSubfileType of a picture of reduced resolution; 0 is the picture itself.
 const REDUCED: u32 = 1;
 
@@ -93,10 +97,16 @@ fn write_main<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
     ifd.write_tag(tag::DNG_BACKWARD_VERSION, &[1u8, 1, 0, 0][..])?;
     write_text(ifd, tag::UNIQUE_CAMERA_MODEL, &format!("photosite {}", metadata.camera_model))?;
     ifd.write_tag(tag::BASELINE_EXPOSURE, SRational { n: 0, d: 1 })?;
-    if let Some(matrix) = metadata.colour_matrix_d65 {
-        let entries: Vec<SRational> = matrix.iter().flatten().map(|&entry| srational(entry)).collect();
-        ifd.write_tag(tag::COLOR_MATRIX_1, &entries[..])?;
-        ifd.write_tag(tag::CALIBRATION_ILLUMINANT_1, D65)?;
+    // D65 comes first because many developers use the first matrix only.
+    for (matrix, matrix_tag, light_tag, light) in [
+        (metadata.colour_matrix_d65, tag::COLOR_MATRIX_1, tag::CALIBRATION_ILLUMINANT_1, D65),
+        (metadata.colour_matrix_a, tag::COLOR_MATRIX_2, tag::CALIBRATION_ILLUMINANT_2, STANDARD_LIGHT_A),
+    ] {
+        if let Some(matrix) = matrix {
+            let entries: Vec<SRational> = matrix.as_flattened().iter().map(|&entry| srational(entry)).collect();
+            ifd.write_tag(matrix_tag, &entries[..])?;
+            ifd.write_tag(light_tag, light)?;
+        }
     }
     if let Some(neutral) = metadata.as_shot_neutral {
         ifd.write_tag(tag::AS_SHOT_NEUTRAL, &neutral.map(rational)[..])?;

@@ -49,8 +49,10 @@ pub struct RawMetadata {
     pub f_number: Option<f64>,
     /// Focal length, m.
     pub focal_length_m: Option<f64>,
-    /// XYZ (D65 white) → camera, rows per channel in the order of the CFA's channels; `None` for monochrome.
+    /// XYZ → camera for colours under D65, rows per channel in the order of the CFA's channels; `None` for monochrome.
     pub colour_matrix_d65: Option<[[f64; 3]; 3]>,
+    /// The same for colours under CIE illuminant A, where it is known.
+    pub colour_matrix_a: Option<[[f64; 3]; 3]>,
     /// The camera's response to the scene's white, the largest component 1; `None` for monochrome.
     pub as_shot_neutral: Option<[f64; 3]>,
     /// Per channel (S, O): variance of the normalised signal x in 0–1 is S·x + O (DNG NoiseProfile).

@@ -1,0 +1,225 @@
+//! Each stage of the sensor on its own: what it adds, and that it leaves all others alone.
+
+use photosite::math::statistics::Moments;
+use photosite::raw::RawImage;
+use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
+use photosite::units::{Celsius, Decibels, Electrons, Seconds};
+
+use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
+
+const SIDE: usize = 256;
+const PIXELS: f64 = (SIDE * SIDE) as f64;
+
+fn picture(sensor: &SensorModel, mean_e: f32, stages: Stages, seed: u64, frame: u64) -> RawImage {
+    let light = flat(sensor, SIDE, SIDE, mean_e);
+    expose(&light, sensor, &EXPOSURE, stages, NoiseKey { seed, frame }).expect("a valid exposure")
+}
+
+fn moments(raw: &RawImage) -> Moments {
+    raw.data.iter().map(|&dn| f64::from(dn)).collect()
+}
+
+#[test]
+fn the_full_well_clips_every_pixel() {
+    for mut sensor in [quiet_sensor(), presets::model("generic-cmos-color").expect("a preset")] {
+        // All noise but that of the read-out, which comes after the well; ten times as much light as fits.
+        sensor.full_well = Electrons(10_000.0);
+        sensor.noise.prnu = 0.01;
+        sensor.noise.dsnu = Electrons(20.0);
+        sensor.noise.dark_current_e_per_s = 50.0;
+        sensor.noise.read = Electrons(0.0);
+        let raw = picture(&sensor, 100_000.0, Stages::ALL, 3, 0);
+        assert!(raw.data.iter().all(|&dn| dn == raw.white_level_dn));
+        let gain = sensor.converter.conversion_gain_dn_per_e;
+        let expected = f64::from(sensor.converter.black_level_dn) + 10_000.0 * gain;
+        assert!((f64::from(raw.white_level_dn) - expected).abs() <= 0.5);
+    }
+}
+
+#[test]
+fn the_converter_clips_what_the_well_does_not() {
+    let mut sensor = quiet_sensor();
+    sensor.converter.bits = 10;
+    sensor.converter.black_level_dn = 20;
+    let raw = picture(&sensor, 50_000.0, Stages::ALL, 3, 0);
+    assert!(raw.data.iter().all(|&dn| dn == 1023));
+    assert_eq!(raw.white_level_dn, 1023);
+    assert_eq!(sensor.saturation_capacity(&EXPOSURE), Electrons(1003.0));
+}
+
+#[test]
+fn dark_current_doubles_every_so_many_kelvin() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.dark_current_e_per_s = 100.0;
+    sensor.noise.dark_current_doubling_k = 6.5;
+    let light = flat(&sensor, SIDE, SIDE, 0.0);
+    for (kelvin, expected) in [(-13.0, 25.0), (0.0, 100.0), (6.5, 200.0), (13.0, 400.0)] {
+        let exposure = Exposure { temperature: Celsius(25.0 + kelvin), ..EXPOSURE };
+        let raw = expose(&light, &sensor, &exposure, Stages::ALL, NoiseKey::default()).expect("valid");
+        let m = moments(&raw);
+        // Poisson: the mean of N pixels has the standard deviation √(μ/N), their variance μ·√(2/N + 1/(μN)); 5 σ.
+        assert!((m.mean() - 1000.0 - expected).abs() < 5.0 * (expected / PIXELS).sqrt(), "{}", m.mean());
+        let spread = ((2.0 * expected * expected + expected) / PIXELS).sqrt();
+        assert!((m.variance() - expected).abs() < 5.0 * spread, "{}", m.variance());
+    }
+    let twice = Exposure { time: Seconds(2.0), ..EXPOSURE };
+    assert_eq!(sensor.noise.dark_electrons(twice.temperature, twice.time), Electrons(200.0));
+}
+
+#[test]
+fn prnu_is_the_spatial_deviation_of_the_response() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.prnu = 0.008;
+    let raw = picture(&sensor, 20_000.0, Stages { photo_response: true, ..Stages::NONE }, 5, 0);
+    let m = moments(&raw);
+    let prnu = (m.variance() - 1.0 / 12.0).sqrt() / 20_000.0;
+    // The sample deviation of N normal numbers has the relative standard deviation 1/√(2N); 5 σ.
+    assert!((prnu / 0.008 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt(), "{prnu}");
+    assert!((m.mean() - 21_000.0).abs() < 5.0 * 160.0 / PIXELS.sqrt());
+    // It scales with the light: twice the light, twice the deviation, pixel by pixel.
+    let dim = picture(&sensor, 10_000.0, Stages { photo_response: true, ..Stages::NONE }, 5, 0);
+    let differs = |(&bright, &dim): (&u16, &u16)| (f64::from(bright) - 1000.0 - 2.0 * (f64::from(dim) - 1000.0)).abs();
+    assert!(
+        raw.data.iter().zip(&dim.data).map(differs).all(|d| d <= 1.5),
+        "rounded at half a DN, and at twice half a DN"
+    );
+}
+
+#[test]
+fn dsnu_is_the_spatial_deviation_of_the_dark_signal() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.dsnu = Electrons(9.0);
+    for mean_e in [0.0, 20_000.0] {
+        let raw = picture(&sensor, mean_e, Stages { dark_offset: true, ..Stages::NONE }, 5, 0);
+        let m = moments(&raw);
+        let dsnu = (m.variance() - 1.0 / 12.0).sqrt();
+        assert!((dsnu / 9.0 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt(), "{dsnu}");
+        assert!((m.mean() - 1000.0 - f64::from(mean_e)).abs() < 5.0 * 9.0 / PIXELS.sqrt());
+    }
+}
+
+#[test]
+fn fixed_patterns_stay_from_frame_to_frame_and_temporal_noise_does_not() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.prnu = 0.01;
+    sensor.noise.dsnu = Electrons(5.0);
+    sensor.noise.read = Electrons(5.0);
+    let fixed = Stages { photo_response: true, dark_offset: true, ..Stages::NONE };
+    assert_eq!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 1, 9).data);
+    assert_ne!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 2, 0).data);
+    for stages in [Stages { shot_noise: true, ..Stages::NONE }, Stages { read_noise: true, ..Stages::NONE }] {
+        let (a, b) = (picture(&sensor, 5000.0, stages, 1, 0), picture(&sensor, 5000.0, stages, 1, 1));
+        // The correlation of N independent pairs has the standard deviation 1/√N; 5 σ.
+        let (ma, mb) = (moments(&a), moments(&b));
+        let product = |(&a, &b): (&u16, &u16)| (f64::from(a) - ma.mean()) * (f64::from(b) - mb.mean());
+        let covariance: f64 = a.data.iter().zip(&b.data).map(product).sum::<f64>() / PIXELS;
+        let correlation = covariance / (ma.variance() * mb.variance()).sqrt();
+        assert!(correlation.abs() < 5.0 / PIXELS.sqrt(), "{correlation}");
+    }
+}
+
+#[test]
+fn the_black_level_keeps_negative_noise() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.read = Electrons(20.0);
+    let kept = moments(&picture(&sensor, 0.0, Stages::ALL, 4, 0));
+    assert!((kept.mean() - 1000.0).abs() < 5.0 * 20.0 / PIXELS.sqrt(), "{}", kept.mean());
+    assert!((kept.variance().sqrt() / 20.0 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt() + 1e-3);
+    // Without a black level half of the noise is lost: the mean of max(0, n) is σ/√(2π), its variance σ²·(½ − 1/(2π)).
+    sensor.converter.black_level_dn = 0;
+    let lost = moments(&picture(&sensor, 0.0, Stages::ALL, 4, 0));
+    let expected = 20.0 / (2.0 * std::f64::consts::PI).sqrt();
+    let spread = 20.0 * (0.5 - 0.5 / std::f64::consts::PI).sqrt();
+    // Rounding moves the mean of the numbers above zero by less than 1/(12·20·2).
+    assert!((lost.mean() - expected).abs() < 5.0 * spread / PIXELS.sqrt() + 2e-3, "{} for {expected}", lost.mean());
+}
+
+/// The stages whose contribution can be told apart exactly: they add to the charge, and at 1 DN/e⁻ a whole number of
+/// electrons passes the converter unchanged, whatever else is in the pixel.
+#[test]
+fn switching_a_stage_off_changes_no_other_bit_by_bit() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.dark_current_e_per_s = 40.0;
+    sensor.noise.dsnu = Electrons(6.0);
+    sensor.noise.read = Electrons(4.0);
+    let on = |shot_noise, dark_current, dark_offset, read_noise| Stages {
+        shot_noise,
+        dark_current,
+        dark_offset,
+        read_noise,
+        full_well: true,
+        photo_response: false,
+    };
+    let run = |stages| picture(&sensor, 500.0, stages, 11, 2).data;
+    let added = |with: Stages, without: Stages| -> Vec<i32> {
+        run(with).into_iter().zip(run(without)).map(|(a, b)| i32::from(a) - i32::from(b)).collect()
+    };
+    let thermal_alone = added(on(false, true, false, false), on(false, false, false, false));
+    let shot_alone = added(on(true, false, false, false), on(false, false, false, false));
+    for bits in 0..8 {
+        let [a, b, c] = [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0];
+        assert_eq!(added(on(a, true, b, c), on(a, false, b, c)), thermal_alone, "dark current among {a} {b} {c}");
+        assert_eq!(added(on(true, a, b, c), on(false, a, b, c)), shot_alone, "shot noise among {a} {b} {c}");
+    }
+    // The others add fractions, which rounding hides; but whole electrons beside them change nothing.
+    for (with, without) in [
+        (on(false, false, false, true), on(false, false, false, false)),
+        (on(false, false, true, false), on(false, false, false, false)),
+        (on(false, false, true, true), on(false, false, true, false)),
+    ] {
+        let all = |s: Stages| Stages { shot_noise: true, dark_current: true, ..s };
+        assert_eq!(added(with, without), added(all(with), all(without)));
+    }
+}
+
+#[test]
+fn the_same_key_gives_the_same_numbers_on_any_number_of_threads() {
+    for name in presets::names() {
+        let sensor = presets::model(name).expect("listed");
+        let run = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+            pool.install(|| picture(&sensor, 3000.0, Stages::ALL, 21, 4))
+        };
+        let one = run(1);
+        assert_eq!(one, run(2), "{name}");
+        assert_eq!(one, run(3), "{name}");
+        assert_ne!(one.data, picture(&sensor, 3000.0, Stages::ALL, 22, 4).data, "{name}");
+    }
+}
+
+#[test]
+fn every_pixel_sees_its_own_channel() {
+    let sensor = presets::model("generic-cmos-color").expect("a preset");
+    let mut light = flat(&sensor, 5, 3, 0.0);
+    for (channel, mean_e) in light.channels_mut().iter_mut().zip([1000.0, 2000.0, 3000.0]) {
+        channel.data.fill(mean_e);
+    }
+    let raw = expose(&light, &sensor, &EXPOSURE, Stages::NONE, NoiseKey::default()).expect("valid");
+    let dn = |mean_e: f64| (mean_e * sensor.converter.conversion_gain_dn_per_e + 64.0).round() as u16;
+    let [r, g, b] = [1000.0, 2000.0, 3000.0].map(dn);
+    assert_eq!(raw.data, [r, g, r, g, r, g, b, g, b, g, r, g, r, g, r]);
+}
+
+#[test]
+fn impossible_exposures_are_refused_by_key() {
+    let sensor = quiet_sensor();
+    for (exposure, key) in [
+        (Exposure { time: Seconds(0.0), ..EXPOSURE }, "time_s"),
+        (Exposure { time: Seconds(f64::NAN), ..EXPOSURE }, "time_s"),
+        (Exposure { gain: Decibels(30.0), ..EXPOSURE }, "gain_db"),
+        (Exposure { gain: Decibels(-1.0), ..EXPOSURE }, "gain_db"),
+        (Exposure { temperature: Celsius(-300.0), ..EXPOSURE }, "temperature_c"),
+        (Exposure { temperature: Celsius(f64::INFINITY), ..EXPOSURE }, "temperature_c"),
+    ] {
+        let error = expose(&flat(&sensor, 2, 2, 1.0), &sensor, &exposure, Stages::ALL, NoiseKey::default());
+        assert_eq!(error.expect_err("refused").key, key);
+    }
+    for electrons in [-1.0, f32::NAN, f32::INFINITY] {
+        let light = flat(&sensor, 2, 2, electrons);
+        let error = expose(&light, &sensor, &EXPOSURE, Stages::ALL, NoiseKey::default()).expect_err("refused");
+        assert!(error.message.contains("column 0, row 0"), "{error}");
+    }
+    let colour = presets::model("generic-cmos-color").expect("a preset");
+    let error = expose(&flat(&sensor, 2, 2, 1.0), &colour, &EXPOSURE, Stages::ALL, NoiseKey::default());
+    assert!(error.expect_err("refused").message.contains("channel R"));
+}
