@@ -5,10 +5,10 @@ use photosite::sensor::{Converter, Exposure, Noise, SensorModel, presets};
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 
 /// One second at 25 °C and 0 dB.
-pub const EXPOSURE: Exposure = Exposure { time: Seconds(1.0), gain: Decibels(0.0), temperature: Celsius(25.0) };
+pub(crate) const EXPOSURE: Exposure = Exposure { time: Seconds(1.0), gain: Decibels(0.0), temperature: Celsius(25.0) };
 
 /// A monochrome sensor of 16 bits with a system gain of 1 DN/e⁻, a black level of 1000 DN and no noise.
-pub fn quiet_sensor() -> SensorModel {
+pub(crate) fn quiet_sensor() -> SensorModel {
     let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
     sensor.noise = Noise {
         read: Electrons(0.0),
@@ -29,7 +29,7 @@ pub fn quiet_sensor() -> SensorModel {
 }
 
 /// The same mean electrons in every pixel of every channel.
-pub fn flat(sensor: &SensorModel, width: usize, height: usize, mean_e: f32) -> Planes {
+pub(crate) fn flat(sensor: &SensorModel, width: usize, height: usize, mean_e: f32) -> Planes {
     let mut planes = Planes::zeros(width, height, sensor.cfa.channels());
     for channel in planes.channels_mut() {
         channel.data.fill(mean_e);
