@@ -1,1 +1,238 @@
-//! film
+//! The film: what a picture accumulates while light is traced.
+//!
+//! In: spectral irradiance samples, W·m⁻²·nm⁻¹. Out: for each of a list of response functions R, the mean over the pixel
+//! and over the samples of ∫ R(λ)·E(λ) dλ, and the variance of that mean. With R a sensor's response
+//! (e⁻·s⁻¹ per W·m⁻²·nm⁻¹) that is an electron rate without any binning of wavelengths; with R = 1/Δλ on a band it is the
+//! mean spectral irradiance in the band.
+
+use crate::image::{Channel, Estimate, Planes};
+use crate::math::statistics::Moments;
+use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
+
+/// A response function with the name of the plane that it fills.
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// Name of the plane.
+    pub name: String,
+    /// R(λ).
+    pub spectrum: Spectrum,
+}
+
+/// Responses of equal bands that average spectral irradiance, named by their centre: `"550"`.
+pub fn band_responses(first_nm: f64, last_nm: f64, step_nm: f64) -> Vec<Response> {
+    let count = ((last_nm - first_nm) / step_nm).round().max(0.0) as usize;
+    let band = |i: usize| {
+        let (low, high) = (first_nm + i as f64 * step_nm, first_nm + (i as f64 + 1.0) * step_nm);
+        // The table is linear between whole nanometres; a half at either end makes its integral exactly 1.
+        let inside = |l: f64| {
+            if l > low && l < high {
+                1.0
+            } else if l == low || l == high {
+                0.5
+            } else {
+                0.0
+            }
+        };
+        let spectrum = Spectrum::from_fn(inside);
+        Response { name: format!("{}", 0.5 * (low + high)), spectrum: spectrum.scale(1.0 / spectrum.integral()) }
+    };
+    (0..count).map(band).collect()
+}
+
+/// Response functions laid out for accumulation: wavelength by wavelength, all channels side by side.
+#[derive(Clone, Debug)]
+pub struct FilmResponses {
+    names: Vec<String>,
+    /// table[entry · channels + channel].
+    table: Vec<f32>,
+}
+
+impl FilmResponses {
+    /// From at least one response.
+    pub fn new(responses: &[Response]) -> Self {
+        let entry = |i: usize| responses.iter().map(move |r| r.spectrum.values()[i]);
+        Self {
+            names: responses.iter().map(|r| r.name.clone()).collect(),
+            table: (0..TABLE_LEN).flat_map(entry).collect(),
+        }
+    }
+
+    /// Number of channels.
+    pub fn len(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Whether there are no channels.
+    pub fn is_empty(&self) -> bool {
+        self.names.is_empty()
+    }
+
+    /// Sets `values` to what one spectral sample gives to each channel: Σᵢ wᵢ·R(λᵢ)·E(λᵢ), wᵢ = 1/(4·p(λᵢ)).
+    #[inline]
+    fn respond(&self, irradiance: SampledSpectrum, wavelengths: &Wavelengths, values: &mut [f32]) {
+        values.fill(0.0);
+        let weighted = irradiance * wavelengths.weights();
+        let channels = self.len();
+        for lane in 0..LANES {
+            let (value, lambda) = (weighted[lane], wavelengths.lambda_nm(lane));
+            if value == 0.0 || !(LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(&lambda) {
+                continue;
+            }
+            let x = lambda - LAMBDA_MIN_NM;
+            let entry = (x as usize).min(TABLE_LEN - 2);
+            let t = x - entry as f32;
+            let (low, high) = self.table[entry * channels..(entry + 2) * channels].split_at(channels);
+            for ((sum, low), high) in values.iter_mut().zip(low).zip(high) {
+                *sum += value * (low + (high - low) * t);
+            }
+        }
+    }
+}
+
+/// Sums of one channel of one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    sum: f64,
+    squares: f64,
+}
+
+/// Accumulated samples of a picture.
+#[derive(Clone, Debug)]
+pub struct Film {
+    width: usize,
+    height: usize,
+    responses: FilmResponses,
+    /// sums[(row · width + column) · channels + channel].
+    sums: Vec<Sums>,
+    samples: u32,
+}
+
+/// One row of the film, owned by one thread while it adds samples.
+pub struct FilmRow<'a> {
+    responses: &'a FilmResponses,
+    sums: &'a mut [Sums],
+    scratch: Vec<f32>,
+}
+
+impl Film {
+    /// An empty film.
+    pub fn new(width: usize, height: usize, responses: FilmResponses) -> Self {
+        let sums = vec![Sums::default(); width * height * responses.len()];
+        Self { width, height, responses, sums, samples: 0 }
+    }
+
+    /// Columns.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Samples that every pixel has received.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// The rows, top first, to be filled side by side by several threads. Every pixel must receive `samples` more.
+    pub fn rows_for(&mut self, samples: u32) -> Vec<FilmRow<'_>> {
+        self.samples += samples;
+        let responses = &self.responses;
+        let row = |sums| FilmRow { responses, sums, scratch: vec![0.0; responses.len()] };
+        self.sums.chunks_mut(self.width * responses.len()).map(row).collect()
+    }
+
+    /// The planes `names` as means with the variance of the mean. Names that the film lacks are left out.
+    pub fn estimate<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Estimate {
+        let channels = self.responses.len();
+        let n = f64::from(self.samples.max(1));
+        let indices: Vec<_> =
+            names.into_iter().filter_map(|name| self.responses.names.iter().position(|n| n == name)).collect();
+        let planes = |value: &dyn Fn(&Sums) -> f64| {
+            let plane = |&index: &usize| Channel {
+                name: self.responses.names[index].clone(),
+                data: self.sums.iter().skip(index).step_by(channels).map(|s| value(s) as f32).collect(),
+            };
+            Planes::new(self.width, self.height, indices.iter().map(plane).collect())
+                .expect("every plane has one value per pixel")
+        };
+        let variance = |s: &Sums| {
+            if self.samples < 2 {
+                return 0.0;
+            }
+            let mean = s.sum / n;
+            (s.squares / n - mean * mean).max(0.0) / (n - 1.0)
+        };
+        Estimate { mean: planes(&|s| s.sum / n), variance: planes(&variance) }
+    }
+
+    /// Mean over the picture of one channel's relative standard error; a measure of convergence.
+    pub fn relative_error(&self) -> Moments {
+        let n = f64::from(self.samples.max(2));
+        let error = |s: &Sums| {
+            let mean = s.sum / n;
+            ((s.squares / n - mean * mean).max(0.0) / (n - 1.0)).sqrt() / mean
+        };
+        self.sums.iter().filter(|s| s.sum > 0.0).map(error).collect()
+    }
+}
+
+impl FilmRow<'_> {
+    /// Adds one sample to the pixel in `column`: spectral irradiance at the path's wavelengths.
+    #[inline]
+    pub fn add(&mut self, column: usize, irradiance: SampledSpectrum, wavelengths: &Wavelengths) {
+        let channels = self.responses.len();
+        self.responses.respond(irradiance, wavelengths, &mut self.scratch);
+        for (sums, &value) in self.sums[column * channels..].iter_mut().zip(&self.scratch) {
+            let value = f64::from(value);
+            sums.sum += value;
+            sums.squares += value * value;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::WavelengthSampler;
+
+    #[test]
+    fn bands_integrate_to_one_and_tile_the_range() {
+        let bands = band_responses(400.0, 700.0, 20.0);
+        assert_eq!(bands.len(), 15);
+        assert_eq!((bands[0].name.as_str(), bands[14].name.as_str()), ("410", "690"));
+        assert!(bands.iter().all(|b| (b.spectrum.integral() - 1.0).abs() < 1e-6));
+    }
+
+    #[test]
+    fn the_mean_is_the_integral_and_the_variance_that_of_the_mean() {
+        let response = Spectrum::from_fn(|l| (-((l - 550.0) / 80.0).powi(2)).exp());
+        let responses = [Response { name: "Y".into(), spectrum: response.clone() }];
+        let mut film = Film::new(2, 1, FilmResponses::new(&responses));
+        let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
+        let n = 1000;
+        for row in &mut film.rows_for(n) {
+            for i in 0..n {
+                let w = sampler.sample((i as f32 + 0.5) / n as f32);
+                row.add(1, SampledSpectrum::splat(2.0), &w);
+            }
+        }
+        let estimate = film.estimate(["Y", "absent"]);
+        assert_eq!(estimate.mean.channels().len(), 1);
+        let mean = f64::from(estimate.mean.channels()[0].data[1]);
+        // 4000 equally spaced wavelengths over a smooth function.
+        assert!((mean / (2.0 * response.integral()) - 1.0).abs() < 1e-4, "{mean}");
+        // Independent route: the variance over u of the sum of four values a quarter of the range apart.
+        let values: Moments = (0..800)
+            .map(|i| {
+                (0..4).map(|k| response.eval(300.0 + ((i + 200 * k) % 800) as f32 + 0.5)).map(f64::from).sum::<f64>()
+                    * 400.0
+            })
+            .collect();
+        let expected = values.variance() / f64::from(n);
+        assert!((f64::from(estimate.variance.channels()[0].data[1]) / expected - 1.0).abs() < 0.01);
+        assert_eq!(estimate.mean.channels()[0].data[0], 0.0);
+    }
+}

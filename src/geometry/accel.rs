@@ -16,7 +16,7 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 use super::simd::{Lanes, with_widest_lanes};
-use super::wide_bvh::{BinaryTree, LEAF_SIZE, ShearedRay, TriangleBlock, WideBvh};
+use super::wide_bvh::{BinaryTree, BlockHits, LEAF_SIZE, LeafVisitor, ShearedRay, TriangleBlock, WideBvh};
 use super::{Geometry, Hit, Ray};
 use crate::math::float::gamma;
 
@@ -60,7 +60,7 @@ pub struct Transform {
 pub struct Accel {
     groups: Vec<TriangleBvh>,
     placements: Vec<Placement>,
-    /// Over the placements; `None` where the only placement is in world space.
+    /// Over the placements; `None` where there is none, or a single one in world space.
     top: Option<TopLevel>,
 }
 
@@ -79,12 +79,11 @@ struct TopLevel {
 }
 
 impl Accel {
-    /// Builds the hierarchies. `groups` are ranges of triangles of `geometry`, each not empty; there is at least one
-    /// placement.
+    /// Builds the hierarchies. `groups` are ranges of triangles of `geometry`, each not empty.
     pub fn build(geometry: &Geometry, groups: &[Range<u32>], placements: Vec<Placement>) -> Self {
         let groups: Vec<_> = groups.iter().map(|range| TriangleBvh::build(geometry, range.clone())).collect();
-        let in_world_only = matches!(placements[..], [Placement { transform: None, .. }]);
-        let top = (!in_world_only).then(|| TopLevel::build(&groups, &placements));
+        let needs_top = !matches!(placements[..], [] | [Placement { transform: None, .. }]);
+        let top = needs_top.then(|| TopLevel::build(&groups, &placements));
         Self { groups, placements, top }
     }
 
@@ -111,29 +110,21 @@ impl Accel {
         occluded(self, ray, filter)
     }
 
-    /// Calls `visit` for every group that the ray may meet, with the ray in that group's space.
+    /// Shows `query` every group that the ray may meet. Returns whether it broke off.
     #[inline(always)]
-    fn traverse_placements<L: Lanes>(
-        &self,
-        ray: &Ray,
-        mut visit: impl FnMut(u32, &TriangleBvh, &Ray, &mut f32) -> bool,
-    ) -> bool {
+    fn traverse<L: Lanes>(&self, ray: &Ray, query: &mut impl TriangleQuery) -> bool {
         match &self.top {
-            None => {
-                let mut t_max = ray.t_max;
-                visit(0, &self.groups[self.placements[0].group as usize], ray, &mut t_max)
+            None => match self.placements.first() {
+                Some(placement) => {
+                    let group = &self.groups[placement.group as usize];
+                    group.traverse::<L, _>(0, ray, &mut { ray.t_max }, query)
+                }
+                None => false,
+            },
+            Some(top) => {
+                let mut visitor = PlacementVisitor { accel: self, top, ray, query };
+                top.bvh.traverse::<L>(ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
             }
-            Some(top) => top.bvh.traverse::<L>(ray.origin, ray.direction, ray.t_max, |leaf, t_max| {
-                top.leaves[leaf as usize].iter().map_while(|p| *p).any(|placement| {
-                    let Placement { group, transform } = &self.placements[placement as usize];
-                    let mut local = Ray { t_max: *t_max, ..*ray };
-                    if let Some(transform) = transform {
-                        local.origin = transform.to_group.transform_point3(ray.origin);
-                        local.direction = transform.to_group.transform_vector3(ray.direction);
-                    }
-                    visit(placement, &self.groups[*group as usize], &local, t_max)
-                })
-            }),
         }
     }
 }
@@ -144,28 +135,9 @@ with_widest_lanes! {
 
 #[inline(always)]
 fn closest_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> Option<Hit> {
-    let mut nearest = None;
-    accel.traverse_placements::<L>(ray, |placement, group, local, t_max| {
-        let sheared = ShearedRay::new(local.origin, local.direction);
-        group.bvh.traverse::<L>(local.origin, local.direction, *t_max, |block, block_t_max| {
-            let block = &group.blocks[block as usize];
-            let hits = block.intersect::<L>(&sheared, *block_t_max);
-            let mut mask = hits.mask;
-            while mask != 0 {
-                let lane = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                let (t, triangle) = (hits.t[lane], block.ids[lane]);
-                let barycentric = hits.barycentric(lane);
-                if t < *block_t_max && filter.accept(triangle, barycentric, ray) {
-                    *block_t_max = t;
-                    *t_max = t;
-                    nearest = Some(Hit { t, barycentric, triangle, placement });
-                }
-            }
-            false
-        })
-    });
-    nearest
+    let mut query = Closest { ray, filter, nearest: None };
+    accel.traverse::<L>(ray, &mut query);
+    query.nearest
 }
 
 with_widest_lanes! {
@@ -174,18 +146,116 @@ with_widest_lanes! {
 
 #[inline(always)]
 fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> bool {
-    accel.traverse_placements::<L>(ray, |_, group, local, t_max| {
-        let sheared = ShearedRay::new(local.origin, local.direction);
-        group.bvh.traverse::<L>(local.origin, local.direction, *t_max, |block, block_t_max| {
-            let block = &group.blocks[block as usize];
-            let hits = block.intersect::<L>(&sheared, *block_t_max);
-            let mut lanes = (0..8).filter(|lane| hits.mask & (1 << lane) != 0);
-            hits.mask != 0 && lanes.any(|lane| filter.accept(block.ids[lane], hits.barycentric(lane), ray))
-        })
-    })
+    accel.traverse::<L>(ray, &mut Occluded { ray, filter })
+}
+
+/// What is asked of the triangles along a ray.
+trait TriangleQuery {
+    /// Looks at the hits in a block; may shorten the ray. Returning true ends the query.
+    fn consider(&mut self, block: &TriangleBlock, hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
+}
+
+/// The nearest hit.
+struct Closest<'a, F> {
+    ray: &'a Ray,
+    filter: &'a F,
+    nearest: Option<Hit>,
+}
+
+impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
+    #[inline(always)]
+    fn consider(&mut self, block: &TriangleBlock, hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
+        let mut mask = hits.mask;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            let (t, triangle) = (hits.t[lane], block.ids[lane]);
+            if t < *t_max {
+                let barycentric = hits.barycentric(lane);
+                if self.filter.accept(triangle, barycentric, self.ray) {
+                    *t_max = t;
+                    self.nearest = Some(Hit { t, barycentric, triangle, placement });
+                }
+            }
+        }
+        false
+    }
+}
+
+/// Any hit.
+struct Occluded<'a, F> {
+    ray: &'a Ray,
+    filter: &'a F,
+}
+
+impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
+    #[inline(always)]
+    fn consider(&mut self, block: &TriangleBlock, hits: &BlockHits, _: u32, _: &mut f32) -> bool {
+        let mut mask = hits.mask;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            if self.filter.accept(block.ids[lane], hits.barycentric(lane), self.ray) {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// Takes a query from the placements into their groups.
+struct PlacementVisitor<'a, Q> {
+    accel: &'a Accel,
+    top: &'a TopLevel,
+    ray: &'a Ray,
+    query: &'a mut Q,
+}
+
+impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
+        for &placement in &self.top.leaves[leaf as usize] {
+            let Some(placement) = placement else { break };
+            let Placement { group, transform } = &self.accel.placements[placement as usize];
+            let mut local = *self.ray;
+            if let Some(transform) = transform {
+                local.origin = transform.to_group.transform_point3(self.ray.origin);
+                local.direction = transform.to_group.transform_vector3(self.ray.direction);
+            }
+            if self.accel.groups[*group as usize].traverse::<L, _>(placement, &local, t_max, self.query) {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// Takes a query from the leaves of a group to their triangles.
+struct BlockVisitor<'a, Q> {
+    blocks: &'a [TriangleBlock],
+    sheared: ShearedRay,
+    placement: u32,
+    query: &'a mut Q,
+}
+
+impl<Q: TriangleQuery> LeafVisitor for BlockVisitor<'_, Q> {
+    #[inline(always)]
+    fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
+        let block = &self.blocks[leaf as usize];
+        let hits = block.intersect::<L>(&self.sheared, *t_max);
+        hits.mask != 0 && self.query.consider(block, &hits, self.placement, t_max)
+    }
 }
 
 impl TriangleBvh {
+    /// `ray` is in the group's space; `t_max` is shortened to the nearest hit that the query keeps.
+    #[inline(always)]
+    fn traverse<L: Lanes, Q: TriangleQuery>(&self, placement: u32, ray: &Ray, t_max: &mut f32, query: &mut Q) -> bool {
+        let sheared = ShearedRay::new(ray.origin, ray.direction);
+        let mut visitor = BlockVisitor { blocks: &self.blocks, sheared, placement, query };
+        self.bvh.traverse::<L>(ray.origin, ray.direction, t_max, &mut visitor)
+    }
+
     fn build(geometry: &Geometry, range: Range<u32>) -> Self {
         let boxes: Vec<Bounds> = range.clone().map(|triangle| Bounds::of(&geometry.corners(triangle))).collect();
         let bounds = boxes.iter().fold(Bounds::EMPTY, |all, b| all.union(b)).corners();

@@ -50,6 +50,7 @@ impl SurfacePoint {
             interpolate(triangle.corners.map(|corner| geometry.tangents[(corner - from) as usize]), hit.barycentric)
         });
         let mut along = tangent.map_or(Vec3::ZERO, |t| t.truncate());
+        let mut handedness = tangent.map_or(1.0, |t| 1f32.copysign(t.w));
 
         if let Some(transform) = &accel.placements()[hit.placement as usize].transform {
             let (to_world, to_group) = (&transform.to_world, &transform.to_group);
@@ -66,6 +67,7 @@ impl SurfacePoint {
             normal = inverse_transpose * normal;
             shading = inverse_transpose * shading;
             along = to_world.transform_vector3(along);
+            handedness *= 1f32.copysign(to_world.matrix3.determinant());
         }
         let geometric_normal = normal.normalize_or_zero();
         Self {
@@ -74,7 +76,7 @@ impl SurfacePoint {
             geometric_normal,
             shading_normal: shading.try_normalize().unwrap_or(geometric_normal),
             tangent: along,
-            handedness: tangent.map_or(1.0, |t| if t.w < 0.0 { -1.0 } else { 1.0 }),
+            handedness,
             triangle: hit.triangle,
             mesh: triangle.mesh,
             material: mesh.material,

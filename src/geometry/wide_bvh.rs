@@ -93,27 +93,27 @@ impl WideBvh {
         Self { nodes }
     }
 
-    /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far.
-    /// `visit(leaf, t_max)` may shorten the ray; traversal ends when it returns true, and then returns true itself.
+    /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far, and
+    /// returns whether the visitor ended the traversal. The visitor shortens `t_max`.
     #[inline(always)]
     pub(super) fn traverse<L: Lanes>(
         &self,
         origin: Vec3,
         direction: Vec3,
-        mut t_max: f32,
-        mut visit: impl FnMut(u32, &mut f32) -> bool,
+        t_max: &mut f32,
+        visitor: &mut impl LeafVisitor,
     ) -> bool {
         let inverse = direction.recip();
-        let near_plane = [0, 1, 2].map(|axis| 2 * axis + usize::from(inverse[axis] < 0.0));
-        let lanes = |v: Vec3| [L::splat(v.x), L::splat(v.y), L::splat(v.z)];
-        let (o, r) = (lanes(origin), lanes(inverse));
+        let near_plane =
+            [usize::from(inverse.x < 0.0), 2 + usize::from(inverse.y < 0.0), 4 + usize::from(inverse.z < 0.0)];
+        let (o, r) = (splat::<L>(origin), splat::<L>(inverse));
         let widen = L::splat(1.0 + 2.0 * gamma(3));
 
         let mut stack = Stack::new();
         let mut current = 0;
         loop {
             if current & LEAF != 0 {
-                if visit(current & !LEAF, &mut t_max) {
+                if visitor.visit::<L>(current & !LEAF, t_max) {
                     return true;
                 }
             } else {
@@ -127,7 +127,7 @@ impl WideBvh {
                     near = L::load(&node.planes[n]).sub(o[axis]).mul(r[axis]).max(near);
                     far = L::load(&node.planes[n ^ 1]).sub(o[axis]).mul(r[axis]).min(far);
                 }
-                let mut hits = near.le(far.mul(widen).min(L::splat(t_max)));
+                let mut hits = near.le(far.mul(widen).min(L::splat(*t_max)));
                 if hits != 0 {
                     if hits & (hits - 1) == 0 {
                         current = node.children[hits.trailing_zeros() as usize];
@@ -144,13 +144,22 @@ impl WideBvh {
             }
             current = loop {
                 match stack.pop() {
-                    Some((near, child)) if near < t_max => break child,
+                    Some((near, child)) if near < *t_max => break child,
                     Some(_) => {}
                     None => return false,
                 }
             };
         }
     }
+}
+
+/// What a traversal does at its leaves.
+///
+/// A trait rather than a closure, since only what is `#[inline(always)]` all the way down is compiled for wide
+/// registers (see [`simd`](super::simd)).
+pub(super) trait LeafVisitor {
+    /// Visits a leaf; may shorten the ray. Returning true ends the traversal.
+    fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool;
 }
 
 /// Children yet to be visited with the distance at which the ray enters them. Kept on the processor's stack; a tree so
@@ -253,18 +262,10 @@ impl TriangleBlock {
     /// Where the ray meets the triangles, from either side.
     #[inline(always)]
     pub(super) fn intersect<L: Lanes>(&self, ray: &ShearedRay, t_max: f32) -> BlockHits {
-        let [kx, ky, kz] = ray.axes;
-        let [sx, sy, sz] = ray.shear.map(L::splat);
-        let [ox, oy, oz] = [ray.origin[kx], ray.origin[ky], ray.origin[kz]].map(L::splat);
-        let sheared = |corner: usize| {
-            let [x, y, z] = [(kx, ox), (ky, oy), (kz, oz)].map(|(axis, o)| L::load(&self.corners[corner][axis]).sub(o));
-            [x.sub(sx.mul(z)), y.sub(sy.mul(z)), sz.mul(z)]
-        };
-        let (a, b, c) = (sheared(0), sheared(1), sheared(2));
-        // Twice the signed area between the ray and an edge. The difference of two rounded products has the sign of
-        // the exact one or is zero, and zero counts as inside, so no point of the mesh is outside all its triangles.
-        let area = |p: [L; 3], q: [L; 3]| p[0].mul(q[1]).sub(p[1].mul(q[0]));
-        let (u, v, w) = (area(c, b), area(a, c), area(b, a));
+        let a = ray.shear::<L>(&self.corners[0]);
+        let b = ray.shear::<L>(&self.corners[1]);
+        let c = ray.shear::<L>(&self.corners[2]);
+        let (u, v, w) = (double_area(c, b), double_area(a, c), double_area(b, a));
         let (smallest, largest) = (u.min(v).min(w), u.max(v).max(w));
         let zero = L::splat(0.0);
         let inside = zero.le(smallest) | largest.le(zero);
@@ -274,6 +275,18 @@ impl TriangleBlock {
         let mask = inside & !edge_on & zero.lt(t) & t.lt(L::splat(t_max));
         BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() }
     }
+}
+
+/// Twice the signed area between the ray and an edge. The difference of two rounded products has the sign of the exact
+/// one or is zero, and zero counts as inside, so no point of a mesh is outside all its triangles.
+#[inline(always)]
+fn double_area<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
+    p[0].mul(q[1]).sub(p[1].mul(q[0]))
+}
+
+#[inline(always)]
+fn splat<L: Lanes>(v: Vec3) -> [L; 3] {
+    [L::splat(v.x), L::splat(v.y), L::splat(v.z)]
 }
 
 /// A ray with the shear and the axis order that turn its direction into +Z of length 1, made once per ray.
@@ -287,21 +300,29 @@ pub(super) struct ShearedRay {
 impl ShearedRay {
     #[inline(always)]
     pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
-        let d = direction.abs();
-        let kz = if d.x > d.y && d.x > d.z {
+        let size = direction.abs();
+        let kz = if size.x > size.y && size.x > size.z {
             0
-        } else if d.y > d.z {
+        } else if size.y > size.z {
             1
         } else {
             2
         };
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let scale = 1.0 / direction[kz];
-        Self {
-            origin: origin.to_array(),
-            axes: [kx, ky, kz],
-            shear: [direction[kx] * scale, direction[ky] * scale, scale],
-        }
+        let shear = [direction[kx] * scale, direction[ky] * scale, scale];
+        Self { origin: origin.to_array(), axes: [kx, ky, kz], shear }
+    }
+
+    /// Corners relative to the origin, sheared so that the ray runs along z.
+    #[inline(always)]
+    fn shear<L: Lanes>(&self, corners: &[[f32; 8]; 3]) -> [L; 3] {
+        let [kx, ky, kz] = self.axes;
+        let x = L::load(&corners[kx]).sub(L::splat(self.origin[kx]));
+        let y = L::load(&corners[ky]).sub(L::splat(self.origin[ky]));
+        let z = L::load(&corners[kz]).sub(L::splat(self.origin[kz]));
+        let [sx, sy, sz] = self.shear;
+        [x.sub(L::splat(sx).mul(z)), y.sub(L::splat(sy).mul(z)), L::splat(sz).mul(z)]
     }
 }
 

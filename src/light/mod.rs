@@ -1,1 +1,12 @@
-//! (to be written)
+//! Where light comes from, and how a surface point chooses where to look for it.
+//!
+//! In: tables of lights in SI units. Out: for a point, a direction with the radiance that arrives from there if nothing
+//! is in the way, and the density with which it was chosen. Visibility is left to the integrator.
+
+mod emission;
+mod environment;
+mod lights;
+
+pub use emission::{SurfaceEmission, Tint};
+pub use environment::{Environment, EnvironmentPicture};
+pub use lights::{Light, LightSample, Lights, TriangleLight};

@@ -6,7 +6,7 @@ use crate::math::warp;
 
 /// A disk, or a regular polygon inscribed in it, centred on the axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Aperture {
+pub(super) struct Aperture {
     /// Radius of the disk, m.
     radius: f64,
     /// Corners; 0 for the disk.
@@ -16,12 +16,12 @@ pub struct Aperture {
 
 impl Aperture {
     /// `radius` in m; `blades` is 0 for a disk or at least 3.
-    pub fn new(radius: f64, blades: u32, rotation_deg: f64) -> Self {
+    pub(super) fn new(radius: f64, blades: u32, rotation_deg: f64) -> Self {
         Self { radius, blades, rotation_rad: rotation_deg.to_radians() }
     }
 
     /// Area in m²: πr², or n/2·r²·sin(2π/n) for n blades.
-    pub fn area(&self) -> f64 {
+    pub(super) fn area(&self) -> f64 {
         let square = self.radius * self.radius;
         if self.blades == 0 {
             std::f64::consts::PI * square
@@ -33,7 +33,7 @@ impl Aperture {
 
     /// A point of the opening in m, uniform over its area.
     #[inline]
-    pub fn sample(&self, [u, v]: [f32; 2]) -> DVec2 {
+    pub(super) fn sample(&self, [u, v]: [f32; 2]) -> DVec2 {
         if self.blades == 0 {
             return warp::concentric_disk([u, v]).as_dvec2() * self.radius;
         }

@@ -1,4 +1,162 @@
-//! What is in front of the camera: the [`description`] that files give, and the immutable [`Scene`](build) that light
+//! What is in front of the camera: the [`description`] that files give, and the immutable [`Scene`] that light
 //! transport reads.
+//!
+//! A scene is flat tables with `u32` handles: geometry, materials, textures, spectra, lights. [`build`] makes it from a
+//! description and never looks at a file.
 
+mod build;
 pub mod description;
+mod material;
+mod shading;
+
+pub use build::build;
+pub use material::{Alpha, ColourSource, Material, NormalMap, ScatteringModel};
+pub use shading::Shading;
+
+use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Ray, SurfacePoint};
+use crate::light::{LightSample, Lights, Tint};
+use crate::math::hash::{hash64, unit_f32};
+use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumTable, Wavelengths};
+use crate::texture::Texture;
+
+/// Everything that light transport needs to know of a scene. Immutable.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    geometry: Geometry,
+    accel: Accel,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    spectra: SpectrumTable,
+    lights: Lights,
+    light_spectrum: Spectrum,
+    /// Whether any material has holes.
+    has_alpha: bool,
+}
+
+impl Scene {
+    /// The triangles.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// Lower and upper corner of the geometry, m.
+    pub fn bounds(&self) -> (glam::Vec3, glam::Vec3) {
+        self.accel.bounds()
+    }
+
+    /// The light of all sources together in relative units: where wavelengths are worth sampling.
+    pub fn light_spectrum(&self) -> &Spectrum {
+        &self.light_spectrum
+    }
+
+    /// The nearest surface along a ray.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        if self.has_alpha { self.accel.closest(ray, &Holes(self)) } else { self.accel.closest(ray, &AcceptAll) }
+    }
+
+    /// Whether a surface is in the way of a ray.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        if self.has_alpha { self.accel.occluded(ray, &Holes(self)) } else { self.accel.occluded(ray, &AcceptAll) }
+    }
+
+    /// The surface point of a hit.
+    #[inline]
+    pub fn point(&self, hit: &Hit) -> SurfacePoint {
+        SurfacePoint::new(&self.geometry, &self.accel, hit)
+    }
+
+    /// Radiance that a surface point emits towards the unit direction `wo`.
+    #[inline]
+    pub fn emitted(&self, point: &SurfacePoint, wo: glam::Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
+        let Some(emission) = &self.materials[point.material as usize].emission else { return SampledSpectrum::ZERO };
+        if !emission.two_sided && wo.dot(point.geometric_normal) <= 0.0 {
+            return SampledSpectrum::ZERO;
+        }
+        let tint = match emission.tint {
+            Tint::None => None,
+            Tint::Textured { texture, .. } => {
+                Some(emission.tinted(self.texel(texture, point.triangle, point.barycentric)))
+            }
+        };
+        emission.radiance(&self.spectra, tint, wavelengths)
+    }
+
+    /// Handle of the light that a surface point belongs to.
+    #[inline]
+    pub fn light_of(&self, point: &SurfacePoint) -> Option<u32> {
+        let mesh = &self.geometry.meshes[point.mesh as usize];
+        mesh.first_light.map(|first| first + (point.triangle - mesh.first_triangle))
+    }
+
+    /// A direction in which `point` looks for light.
+    #[inline]
+    pub fn sample_light(
+        &self,
+        point: glam::Vec3,
+        u_light: f32,
+        u: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
+        let tint_at = |texture, triangle, barycentric| self.texel(texture, triangle, barycentric);
+        self.lights.sample(&self.spectra, &self.geometry, tint_at, point, u_light, u, wavelengths)
+    }
+
+    /// Radiance from infinitely far in the unit direction `towards`.
+    #[inline]
+    pub fn environment_radiance(&self, towards: glam::Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
+        self.lights.environment().map_or(SampledSpectrum::ZERO, |e| e.radiance(&self.spectra, towards, wavelengths))
+    }
+
+    /// Linear RGB of an sRGB-encoded texture at a point of a triangle.
+    #[inline]
+    fn texel(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 3] {
+        let [r, g, b, _] = self.rgba_srgb(texture, triangle, barycentric);
+        [r, g, b]
+    }
+
+    #[inline]
+    fn rgba_srgb(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 4] {
+        let texture = &self.textures[texture as usize];
+        texture.sample_rgba_srgb(self.geometry.uv(triangle, barycentric, texture.uv_set as usize))
+    }
+
+    #[inline]
+    fn rgba_linear(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 4] {
+        let texture = &self.textures[texture as usize];
+        texture.sample_rgba_linear(self.geometry.uv(triangle, barycentric, texture.uv_set as usize))
+    }
+}
+
+/// Lets rays through where a material's alpha says that there is nothing.
+struct Holes<'a>(&'a Scene);
+
+impl HitFilter for Holes<'_> {
+    #[inline]
+    fn accept(&self, triangle: u32, barycentric: [f32; 2], ray: &Ray) -> bool {
+        let scene = self.0;
+        let mesh = &scene.geometry.meshes[scene.geometry.triangles[triangle as usize].mesh as usize];
+        let alpha = &scene.materials[mesh.material as usize].alpha;
+        let coverage = |factor: f32, texture: Option<u32>| {
+            factor * texture.map_or(1.0, |texture| scene.rgba_linear(texture, triangle, barycentric)[3])
+        };
+        match *alpha {
+            Alpha::Opaque => true,
+            Alpha::Mask { factor, texture, cutoff } => coverage(factor, texture) >= cutoff,
+            Alpha::Blend { factor, texture } => {
+                // There with probability alpha: the expected radiance is that of blending. The decision is a function of
+                // ray and triangle, so that it does not depend on the order of traversal.
+                let [x, y, z] = ray.direction.to_array().map(|c| u64::from(c.to_bits()));
+                let origin = u64::from(ray.origin.x.to_bits()) << 32 | u64::from(ray.origin.z.to_bits());
+                let key = hash64(hash64(x << 32 | y, z << 32 | u64::from(triangle)), origin);
+                unit_f32(key as u32) < coverage(factor, texture)
+            }
+        }
+    }
+}

@@ -8,4 +8,7 @@ mod bsdf_reciprocity;
 mod bsdf_robustness;
 mod bsdf_sampling;
 mod bsdf_smooth;
+mod lens;
 mod quadrature;
+mod stage;
+mod transport;

@@ -1,0 +1,180 @@
+//! Unidirectional path tracing with next-event estimation, multiple importance sampling and Russian roulette.
+
+use glam::Vec3;
+
+use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
+use crate::math::{Pdf, SolidAngle};
+use crate::sampler::Sampler;
+use crate::scene::{Scene, Shading};
+use crate::spectrum::{SampledSpectrum, Wavelengths};
+
+/// How long paths grow.
+#[derive(Clone, Copy, Debug)]
+pub struct PathLimits {
+    /// Largest number of segments from the camera.
+    pub max_depth: u32,
+    /// Number of segments after which roulette may end a path.
+    pub roulette_depth: u32,
+}
+
+/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength.
+/// A refraction that disperses leaves only the hero of `wavelengths`.
+///
+/// L = Σ over vertices of throughput · (emission found by scattering · w_bsdf + emission found by looking at a light ·
+/// w_light), with the power heuristic for the weights ([Veach97](crate::references#veach97) §9.2,
+/// [pbrt4](crate::references#pbrt4) §14.4).
+#[inline]
+pub fn radiance(
+    scene: &Scene,
+    mut ray: Ray,
+    wavelengths: &mut Wavelengths,
+    sampler: &mut Sampler,
+    limits: PathLimits,
+) -> SampledSpectrum {
+    let mut light = SampledSpectrum::ZERO;
+    let mut throughput = SampledSpectrum::ONE;
+    // Density with which the last vertex scattered here; `None` where no light sample could have come here instead.
+    let mut scattered: Option<Pdf<SolidAngle>> = None;
+    // Product of squared relative indices, which roulette must not take for a loss.
+    let mut eta_scale = 1.0;
+
+    for depth in 1..=limits.max_depth {
+        let Some(hit) = scene.closest(&ray) else {
+            let emitted = scene.environment_radiance(ray.direction, wavelengths);
+            if !emitted.is_black() {
+                let weight =
+                    scattered.map_or(1.0, |pdf| pdf.power_heuristic(scene.lights().environment_pdf(ray.direction)));
+                light += throughput * emitted * weight;
+            }
+            break;
+        };
+        let point = scene.point(&hit);
+        let wo = -ray.direction;
+        let emitted = scene.emitted(&point, wo, wavelengths);
+        if !emitted.is_black() {
+            light += throughput * emitted * emission_weight(scene, &point, &hit, wo, scattered);
+        }
+        if depth == limits.max_depth {
+            break;
+        }
+
+        let shading = scene.shading(&point, wo, wavelengths);
+        if shading.bsdf.needs_single_wavelength() {
+            terminate_secondary(wavelengths, &mut throughput);
+        }
+        if !shading.bsdf.is_delta() {
+            light += throughput * direct_light(scene, &point, &shading, wo, wavelengths, sampler);
+        }
+
+        let wo_local = shading.frame.to_local(wo);
+        let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+        let Some(sample) = shading.bsdf.sample(wo_local, u_lobe, u) else { break };
+        let wi = shading.frame.to_world(sample.wi);
+        if !agrees_with_surface(&point, wo, wi, sample.is_transmission) {
+            break;
+        }
+        throughput *= sample.throughput();
+        if throughput.is_black() {
+            break;
+        }
+        if sample.terminates_secondary {
+            terminate_secondary(wavelengths, &mut throughput);
+        }
+        eta_scale *= sample.eta * sample.eta;
+        scattered = (!sample.is_delta).then_some(sample.pdf);
+        ray = leave(&point, wi);
+
+        if depth >= limits.roulette_depth {
+            let survival = throughput.max() * eta_scale;
+            if survival < 1.0 {
+                if sampler.next_1d() >= survival {
+                    break;
+                }
+                throughput *= 1.0 / survival;
+            }
+        }
+    }
+    light
+}
+
+/// Light that the point receives straight from a light and scatters towards `wo`.
+#[inline]
+fn direct_light(
+    scene: &Scene,
+    point: &SurfacePoint,
+    shading: &Shading,
+    wo: Vec3,
+    wavelengths: &Wavelengths,
+    sampler: &mut Sampler,
+) -> SampledSpectrum {
+    let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
+    let Some(light) = scene.sample_light(point.position, u_light, u, wavelengths) else {
+        return SampledSpectrum::ZERO;
+    };
+    let wi_local = shading.frame.to_local(light.wi);
+    let wo_local = shading.frame.to_local(wo);
+    let is_transmission = wi_local.z * wo_local.z < 0.0;
+    if light.pdf.0 <= 0.0 || !agrees_with_surface(point, wo, light.wi, is_transmission) {
+        return SampledSpectrum::ZERO;
+    }
+    let scattering = shading.bsdf.eval(wo_local, wi_local);
+    let contribution = light.radiance * scattering.f * (wi_local.z.abs() / light.pdf.0);
+    if contribution.is_black() || scene.occluded(&shadow_ray(point, light.wi, light.position)) {
+        return SampledSpectrum::ZERO;
+    }
+    let weight = if light.is_delta { 1.0 } else { light.pdf.power_heuristic(scattering.pdf) };
+    contribution * weight
+}
+
+/// Weight of emission that a scattered ray found.
+#[inline]
+fn emission_weight(
+    scene: &Scene,
+    point: &SurfacePoint,
+    hit: &Hit,
+    wo: Vec3,
+    scattered: Option<Pdf<SolidAngle>>,
+) -> f32 {
+    match (scattered, scene.light_of(point)) {
+        (Some(pdf), Some(light)) => {
+            let cos = wo.dot(point.geometric_normal);
+            pdf.power_heuristic(scene.lights().triangle_pdf(light, scene.geometry(), hit.t, cos))
+        }
+        (None, _) | (Some(_), None) => 1.0,
+    }
+}
+
+/// Whether light on its way wi → wo passes through the surface exactly if the BSDF says that it is transmitted. Shading
+/// normals can disagree with the surface; light that would leak through it is dropped
+/// ([Veach97](crate::references#veach97) §5.3).
+#[inline]
+fn agrees_with_surface(point: &SurfacePoint, wo: Vec3, wi: Vec3, is_transmission: bool) -> bool {
+    let crosses = wo.dot(point.geometric_normal) * wi.dot(point.geometric_normal) < 0.0;
+    crosses == is_transmission
+}
+
+#[inline]
+fn terminate_secondary(wavelengths: &mut Wavelengths, throughput: &mut SampledSpectrum) {
+    wavelengths.terminate_secondary();
+    *throughput = SampledSpectrum::from([throughput[0], 0.0, 0.0, 0.0]);
+}
+
+/// The ray that leaves a surface point in the unit direction `wi`.
+#[inline]
+fn leave(point: &SurfacePoint, wi: Vec3) -> Ray {
+    Ray::new(offset_origin(point.position, point.error, point.geometric_normal, wi), wi)
+}
+
+/// The ray from a surface point to a light: up to just before its surface, or without end.
+#[inline]
+fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Vec3)>) -> Ray {
+    let mut ray = leave(point, wi);
+    if let Some((position, normal)) = light {
+        // A few roundings lie between the light's corners and its sampled point.
+        let error = position.abs() * crate::math::float::gamma(8);
+        let target = if normal == Vec3::ZERO { position } else { offset_origin(position, error, normal, -wi) };
+        ray.direction = target - ray.origin;
+        ray.t_max = 1.0;
+    }
+    ray
+}

@@ -1,0 +1,228 @@
+//! All lights of a scene, chosen in proportion to their power as the sensor sees it.
+
+use glam::Vec3;
+
+use super::{Environment, SurfaceEmission, Tint};
+use crate::geometry::Geometry;
+use crate::math::distribution::AliasTable;
+use crate::math::{Area, Pdf, SolidAngle, warp};
+use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths};
+
+/// One light.
+#[derive(Clone, Copy, Debug)]
+pub enum Light {
+    /// The same intensity in all directions.
+    Point {
+        /// Metres.
+        position: Vec3,
+        /// W·sr⁻¹·nm⁻¹.
+        intensity: SpectrumId,
+    },
+    /// Intensity within a cone, with the falloff of KHR_lights_punctual.
+    Spot {
+        /// Metres.
+        position: Vec3,
+        /// Unit vector along the middle of the cone.
+        axis: Vec3,
+        /// Cosine of the half-angle of full intensity.
+        cos_inner: f32,
+        /// Cosine of the half-angle beyond which there is none.
+        cos_outer: f32,
+        /// W·sr⁻¹·nm⁻¹ on the axis.
+        intensity: SpectrumId,
+    },
+    /// Parallel light.
+    Directional {
+        /// Unit vector to where it comes from.
+        towards: Vec3,
+        /// On a plane across the direction, W·m⁻²·nm⁻¹.
+        irradiance: SpectrumId,
+    },
+    /// A triangle that emits.
+    Triangle(TriangleLight),
+    /// The environment, of which there is at most one.
+    Environment,
+}
+
+/// A triangle that emits.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleLight {
+    /// Handle of the triangle.
+    pub triangle: u32,
+    /// Its emission.
+    pub emission: SurfaceEmission,
+}
+
+/// A direction in which a point looks for light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Radiance from there, or for lights without extent, irradiance across the direction (pdf 1).
+    pub radiance: SampledSpectrum,
+    /// Unit vector to the light.
+    pub wi: Vec3,
+    /// Where on the light, with its normal; `None` where it is infinitely far.
+    pub position: Option<(Vec3, Vec3)>,
+    /// Density of the choice, that of the light included.
+    pub pdf: Pdf<SolidAngle>,
+    /// Whether no BSDF sample could have found it.
+    pub is_delta: bool,
+}
+
+/// Lights with the tables to choose among them.
+#[derive(Clone, Debug)]
+pub struct Lights {
+    lights: Vec<Light>,
+    environment: Option<Environment>,
+    environment_light: Option<u32>,
+    /// Choice of a light in proportion to its power.
+    selection: AliasTable,
+}
+
+impl Lights {
+    /// `powers[i]` is the weight by which `lights[i]` is chosen, proportional to its power. An
+    /// [`Environment`] comes with one [`Light::Environment`].
+    pub fn new(lights: Vec<Light>, powers: &[f64], environment: Option<Environment>) -> Self {
+        let is_environment = |light: &Light| matches!(light, Light::Environment);
+        let environment_light = lights.iter().position(is_environment).map(|i| i as u32);
+        Self { selection: AliasTable::new(powers), lights, environment, environment_light }
+    }
+
+    /// Number of lights.
+    pub fn len(&self) -> usize {
+        self.lights.len()
+    }
+
+    /// Whether all is dark.
+    pub fn is_empty(&self) -> bool {
+        self.lights.is_empty()
+    }
+
+    /// The environment.
+    pub fn environment(&self) -> Option<&Environment> {
+        self.environment.as_ref()
+    }
+
+    /// A direction from `point` towards a light. `tint_at(texture, triangle, barycentric)` looks up emission textures.
+    /// `None` where the chosen light cannot reach the point.
+    #[inline]
+    #[allow(clippy::too_many_arguments, reason = "tables, point and random numbers, each once")]
+    pub fn sample(
+        &self,
+        spectra: &SpectrumTable,
+        geometry: &Geometry,
+        tint_at: impl FnOnce(u32, u32, [f32; 2]) -> [f32; 3],
+        point: Vec3,
+        u_light: f32,
+        u: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
+        if self.lights.is_empty() {
+            return None;
+        }
+        let (index, probability) = self.selection.sample(u_light);
+        let from_point = |position: Vec3, intensity: SampledSpectrum| {
+            let to_light = position - point;
+            let distance_squared = to_light.length_squared();
+            (distance_squared > 0.0).then(|| LightSample {
+                radiance: intensity / distance_squared,
+                wi: to_light / distance_squared.sqrt(),
+                position: Some((position, Vec3::ZERO)),
+                pdf: Pdf::new(probability),
+                is_delta: true,
+            })
+        };
+        match &self.lights[index as usize] {
+            Light::Point { position, intensity } => from_point(*position, spectra.sample(*intensity, wavelengths)),
+            Light::Spot { position, axis, cos_inner, cos_outer, intensity } => {
+                let cos = (point - *position).normalize_or_zero().dot(*axis);
+                let falloff = spot_falloff(cos, *cos_inner, *cos_outer);
+                if falloff == 0.0 {
+                    return None;
+                }
+                from_point(*position, spectra.sample(*intensity, wavelengths) * falloff)
+            }
+            Light::Directional { towards, irradiance } => Some(LightSample {
+                radiance: spectra.sample(*irradiance, wavelengths),
+                wi: *towards,
+                position: None,
+                pdf: Pdf::new(probability),
+                is_delta: true,
+            }),
+            Light::Triangle(TriangleLight { triangle, emission }) => {
+                let [a, b, c] = geometry.corners(*triangle);
+                let barycentric = warp::uniform_triangle(u);
+                let across = (b - a).cross(c - a);
+                let double_area = across.length();
+                if double_area == 0.0 {
+                    return None;
+                }
+                let normal = across / double_area;
+                let position = a + (b - a) * barycentric[0] + (c - a) * barycentric[1];
+                let to_light = position - point;
+                let distance_squared = to_light.length_squared();
+                let wi = to_light / distance_squared.sqrt();
+                let cos = -normal.dot(wi);
+                if !(cos > 0.0 || emission.two_sided && cos < 0.0) {
+                    return None;
+                }
+                let tint = match emission.tint {
+                    Tint::None => None,
+                    Tint::Textured { texture, .. } => Some(tint_at(texture, *triangle, barycentric)),
+                };
+                let tint = tint.map(|rgb| emission.tinted(rgb));
+                Some(LightSample {
+                    radiance: emission.radiance(spectra, tint, wavelengths),
+                    wi,
+                    position: Some((position, normal)),
+                    pdf: Pdf::<Area>::new(2.0 / double_area)
+                        .to_solid_angle(distance_squared, cos.abs())
+                        .times(probability),
+                    is_delta: false,
+                })
+            }
+            Light::Environment => {
+                let environment = self.environment.as_ref()?;
+                let (wi, pdf) = environment.sample(u)?;
+                Some(LightSample {
+                    radiance: environment.radiance(spectra, wi, wavelengths),
+                    wi,
+                    position: None,
+                    pdf: pdf.times(probability),
+                    is_delta: false,
+                })
+            }
+        }
+    }
+
+    /// Density with which [`Self::sample`] finds the point of a triangle light that a ray of unit direction met at
+    /// `distance`, `cos` being the cosine at the light, of either sign.
+    #[inline]
+    pub fn triangle_pdf(&self, light: u32, geometry: &Geometry, distance: f32, cos: f32) -> Pdf<SolidAngle> {
+        match &self.lights[light as usize] {
+            Light::Triangle(TriangleLight { triangle, .. }) => {
+                let [a, b, c] = geometry.corners(*triangle);
+                let area = 0.5 * (b - a).cross(c - a).length();
+                Pdf::<Area>::new(1.0 / area)
+                    .to_solid_angle(distance * distance, cos.abs())
+                    .times(self.selection.probability(light))
+            }
+            Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. } | Light::Environment => Pdf::new(0.0),
+        }
+    }
+
+    /// Density with which [`Self::sample`] looks at the environment in the unit direction `towards`.
+    #[inline]
+    pub fn environment_pdf(&self, towards: Vec3) -> Pdf<SolidAngle> {
+        match (&self.environment, self.environment_light) {
+            (Some(environment), Some(light)) => environment.pdf(towards).times(self.selection.probability(light)),
+            (None, _) | (Some(_), None) => Pdf::new(0.0),
+        }
+    }
+}
+
+/// KHR_lights_punctual's angular attenuation: the square of the clamped ramp between the cosines of both half-angles.
+#[inline]
+fn spot_falloff(cos: f32, cos_inner: f32, cos_outer: f32) -> f32 {
+    let ramp = ((cos - cos_outer) / (cos_inner - cos_outer).max(1e-4)).clamp(0.0, 1.0);
+    ramp * ramp
+}

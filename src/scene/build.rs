@@ -1,0 +1,351 @@
+//! From a description to the tables of a [`Scene`].
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::{Affine3A, DAffine3, DVec3, Vec3};
+
+use super::description::{
+    AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LightDescription, LightKind,
+    MaterialDescription, MaterialModel, MeshDescription, PictureLevel, SceneDescription, TextureDescription,
+};
+use super::{Alpha, ColourSource, Material, NormalMap, ScatteringModel, Scene};
+use crate::bsdf::Ggx;
+use crate::geometry::{Accel, Geometry, MeshRange, Placement, Transform, Triangle};
+use crate::light::{Environment, EnvironmentPicture, Light, Lights, SurfaceEmission, Tint, TriangleLight};
+use crate::spectrum::upsampling::{reflectance_spectrum, rgb_illuminant};
+use crate::spectrum::{Spectrum, SpectrumTable, cie, illuminant};
+use crate::texture::{Bitmap, Texture};
+
+/// Builds a scene. `importance` says how much each wavelength matters to the sensor (any unit, not negative): lights are
+/// chosen by their power weighed with it.
+pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
+    let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
+    let mut builder = Builder { images, textures: Vec::new(), spectra: SpectrumTable::default(), importance };
+    let emission = |m: &MaterialDescription| m.emission.as_ref().map(|e| builder.surface_emission(e, m.double_sided));
+    let emissions: Vec<Option<Emission>> = materials.iter().map(emission).collect();
+    let material =
+        |(m, e): (&MaterialDescription, &Option<Emission>)| builder.material(m, e.as_ref().map(|e| e.surface));
+    let table: Vec<Material> = materials.iter().zip(&emissions).map(material).collect();
+
+    let (geometry, accel, emitters) = place(meshes, &instances, |material| emissions[material].is_some());
+    let (low, high) = accel.bounds();
+    let radius = f64::from((high - low).length()) * 0.5;
+
+    let mut all = LightList { lights: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
+    for range in emitters {
+        let material = geometry.meshes[geometry.triangles[range.start as usize].mesh as usize].material;
+        if let Some(emission) = &emissions[material as usize] {
+            for triangle in range {
+                let power = builder.triangle_power(&geometry, triangle, emission);
+                let light = Light::Triangle(TriangleLight { triangle, emission: emission.surface });
+                all.add(light, power, &emission.spectrum, importance);
+            }
+        }
+    }
+    for light in &lights {
+        builder.light(light, radius, &mut all);
+    }
+    let environment = environment.map(|e| builder.environment(&e, radius, &mut all));
+    Scene {
+        geometry,
+        accel,
+        has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
+        materials: table,
+        textures: builder.textures,
+        spectra: builder.spectra,
+        lights: Lights::new(all.lights, &all.powers, environment),
+        light_spectrum: all.spectrum,
+    }
+}
+
+/// Lights as they are gathered, with the weights to choose them by and the sum of their spectra.
+struct LightList {
+    lights: Vec<Light>,
+    powers: Vec<f64>,
+    spectrum: Spectrum,
+}
+
+impl LightList {
+    /// `factor` times the integral of `spectrum` is the light's power, W.
+    fn add(&mut self, light: Light, factor: f64, spectrum: &Spectrum, importance: &Spectrum) {
+        self.lights.push(light);
+        self.powers.push(factor * spectrum.product(importance).integral());
+        let mut sum = self.spectrum.values().iter();
+        self.spectrum = spectrum.map(|_, v| v * factor + f64::from(*sum.next().unwrap_or(&0.0)));
+    }
+}
+
+/// A surface's emission with the radiance of its white.
+struct Emission {
+    surface: SurfaceEmission,
+    spectrum: Spectrum,
+}
+
+struct Builder<'a> {
+    images: Vec<Arc<Bitmap>>,
+    textures: Vec<Texture>,
+    spectra: SpectrumTable,
+    importance: &'a Spectrum,
+}
+
+impl Builder<'_> {
+    fn texture(&mut self, t: &TextureDescription) -> u32 {
+        let image = Arc::clone(&self.images[t.image]);
+        self.textures.push(Texture::new(image, t.sampler, t.transform, t.uv_set as u32));
+        (self.textures.len() - 1) as u32
+    }
+
+    fn optional_texture(&mut self, t: &Option<TextureDescription>) -> Option<u32> {
+        t.as_ref().map(|t| self.texture(t))
+    }
+
+    fn colour(&mut self, colour: &Colour, texture: &Option<TextureDescription>) -> ColourSource {
+        match (colour, self.optional_texture(texture)) {
+            (Colour::Rgb(rgb), None) => ColourSource::Spectrum(self.spectra.add(&reflectance_spectrum(*rgb))),
+            (Colour::Rgb(factor), Some(texture)) => ColourSource::Texture { factor: *factor, texture },
+            (Colour::Spectrum(spectrum), None) => ColourSource::Spectrum(self.spectra.add(spectrum)),
+            (Colour::Spectrum(spectrum), Some(texture)) => {
+                ColourSource::SpectrumTexture { spectrum: self.spectra.add(spectrum), texture }
+            }
+        }
+    }
+
+    fn material(&mut self, m: &MaterialDescription, emission: Option<SurfaceEmission>) -> Material {
+        let model = match &m.model {
+            MaterialModel::Diffuse { reflectance, texture } => {
+                ScatteringModel::Diffuse { reflectance: self.colour(reflectance, texture) }
+            }
+            MaterialModel::Conductor { eta, k, roughness, anisotropy } => ScatteringModel::Conductor {
+                eta: self.spectra.add(eta),
+                k: self.spectra.add(k),
+                distribution: Ggx::from_roughness(*roughness, *anisotropy),
+            },
+            MaterialModel::Dielectric { index, roughness } => ScatteringModel::Dielectric {
+                eta: self.spectra.add(&index.to_spectrum()),
+                dispersive: !index.is_constant(),
+                distribution: Ggx::from_roughness(*roughness, 0.0),
+            },
+            MaterialModel::MetallicRoughness {
+                base_colour,
+                base_colour_texture,
+                metallic,
+                roughness,
+                metallic_roughness_texture,
+            } => ScatteringModel::MetallicRoughness {
+                base_colour: self.colour(base_colour, base_colour_texture),
+                metallic: *metallic,
+                roughness: *roughness,
+                texture: self.optional_texture(metallic_roughness_texture),
+            },
+        };
+        let factor = m.alpha_factor;
+        let alpha = match m.alpha {
+            AlphaMode::Opaque => Alpha::Opaque,
+            AlphaMode::Mask { cutoff } => {
+                Alpha::Mask { factor, texture: self.optional_texture(&m.alpha_texture), cutoff }
+            }
+            AlphaMode::Blend => Alpha::Blend { factor, texture: self.optional_texture(&m.alpha_texture) },
+        };
+        let normal_map = m.normal_map.as_ref().map(|(t, scale)| NormalMap { texture: self.texture(t), scale: *scale });
+        Material { model, normal_map, emission, alpha }
+    }
+
+    fn surface_emission(&mut self, e: &EmissionDescription, two_sided: bool) -> Emission {
+        let (spectrum, tint) = match (&e.texture, &e.colour) {
+            (None, _) => (emission_spectrum(&e.colour, e.level), Tint::None),
+            (Some(texture), Colour::Rgb(factor)) => {
+                let white = emission_spectrum(&Colour::Rgb([1.0; 3]), e.level);
+                (white, Tint::Textured { factor: *factor, texture: self.texture(texture) })
+            }
+            (Some(texture), Colour::Spectrum(_)) => {
+                let tint = Tint::Textured { factor: [1.0; 3], texture: self.texture(texture) };
+                (emission_spectrum(&e.colour, e.level), tint)
+            }
+        };
+        let surface = SurfaceEmission { radiance: self.spectra.add(&spectrum), tint, two_sided };
+        Emission { surface, spectrum }
+    }
+
+    /// Factor of the emission's spectrum that gives the triangle's power: π·area·(mean tint), twice for two sides.
+    fn triangle_power(&self, geometry: &Geometry, triangle: u32, emission: &Emission) -> f64 {
+        let [a, b, c] = geometry.corners(triangle);
+        let area = 0.5 * f64::from((b - a).cross(c - a).length());
+        let brightness = match emission.surface.tint {
+            Tint::None => 1.0,
+            Tint::Textured { texture, .. } => {
+                // Sixteen points spread over the triangle; a triangle that shines between them only is still found by
+                // scattered rays.
+                let texture = &self.textures[texture as usize];
+                let points = (0..16).map(|i| {
+                    let u = [(i % 4) as f32 * 0.25 + 0.125, (i / 4) as f32 * 0.25 + 0.125];
+                    let barycentric = crate::math::warp::uniform_triangle(u);
+                    let [r, g, b, _] =
+                        texture.sample_rgba_srgb(geometry.uv(triangle, barycentric, texture.uv_set as usize));
+                    f64::from(emission.surface.tinted([r, g, b]).iter().sum::<f32>()) / 3.0
+                });
+                points.sum::<f64>() / 16.0
+            }
+        };
+        let sides = if emission.surface.two_sided { 2.0 } else { 1.0 };
+        std::f64::consts::PI * area * brightness * sides
+    }
+
+    fn light(&mut self, light: &LightDescription, scene_radius: f64, list: &mut LightList) {
+        let spectrum = emission_spectrum(&light.emission.colour, light.emission.level);
+        let id = self.spectra.add(&spectrum);
+        let position = light.to_world.translation.as_vec3();
+        let axis = light.to_world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3();
+        let (light, solid_angle) = match light.kind {
+            LightKind::Point => (Light::Point { position, intensity: id }, 4.0 * std::f64::consts::PI),
+            LightKind::Spot { inner_rad, outer_rad } => {
+                let (cos_inner, cos_outer) = (inner_rad.cos(), outer_rad.cos());
+                // ∫ of the squared ramp over the cosine.
+                let ramp = f64::from(1.0 - cos_inner) + f64::from(cos_inner - cos_outer) / 3.0;
+                (Light::Spot { position, axis, cos_inner, cos_outer, intensity: id }, std::f64::consts::TAU * ramp)
+            }
+            LightKind::Directional => {
+                let disk = std::f64::consts::PI * scene_radius * scene_radius;
+                (Light::Directional { towards: -axis, irradiance: id }, disk)
+            }
+        };
+        list.add(light, solid_angle, &spectrum, self.importance);
+    }
+
+    fn environment(&mut self, e: &EnvironmentDescription, scene_radius: f64, list: &mut LightList) -> Environment {
+        let disk = std::f64::consts::PI * scene_radius.max(f64::MIN_POSITIVE).powi(2);
+        let (environment, spectrum, solid_angle) = match e {
+            EnvironmentDescription::Constant { colour, luminance_nit } => {
+                let spectrum = emission_spectrum(colour, *luminance_nit);
+                let environment = Environment::Constant { radiance: self.spectra.add(&spectrum) };
+                (environment, spectrum, 4.0 * std::f64::consts::PI)
+            }
+            EnvironmentDescription::Picture { image, level, rotation_deg } => {
+                let (sphere, horizontal) = EnvironmentPicture::luminous_integrals(image);
+                let nit_per_unit = match *level {
+                    PictureLevel::NitPerUnit(nit) => nit,
+                    PictureLevel::HorizontalLux(lux) if horizontal > 0.0 => lux / horizontal,
+                    PictureLevel::HorizontalLux(_) => 0.0,
+                };
+                let spectrum = emission_spectrum(&Colour::Rgb([1.0; 3]), Some(nit_per_unit));
+                let radiance = self.spectra.add(&spectrum);
+                let picture = EnvironmentPicture::new(Arc::clone(image), radiance, *rotation_deg);
+                (Environment::Picture(picture), spectrum, sphere)
+            }
+        };
+        list.add(Light::Environment, disk * solid_angle, &spectrum, self.importance);
+        environment
+    }
+}
+
+/// The absolute spectrum of an emission: D65 times the colour, or the given shape, scaled to the photometric level.
+fn emission_spectrum(colour: &Colour, level: Option<f64>) -> Spectrum {
+    match colour {
+        Colour::Rgb(rgb) => {
+            let white = cie::luminous(illuminant::d65());
+            rgb_illuminant(*rgb).scale(level.unwrap_or(1.0) / white)
+        }
+        Colour::Spectrum(spectrum) => match level {
+            None => spectrum.clone(),
+            Some(level) => {
+                let luminous = cie::luminous(spectrum);
+                // Light that the eye does not see cannot be scaled to a luminance.
+                spectrum.scale(if luminous > 0.0 { level / luminous } else { 0.0 })
+            }
+        },
+    }
+}
+
+/// Lays meshes out: those placed once, and all emitters, in world space in one group; the others in groups of their own
+/// with a placement for each instance. Returns the triangle ranges of emitters too.
+fn place(
+    meshes: Vec<MeshDescription>,
+    instances: &[InstanceDescription],
+    emits: impl Fn(usize) -> bool,
+) -> (Geometry, Accel, Vec<Range<u32>>) {
+    let mut uses = vec![0usize; meshes.len()];
+    for instance in instances {
+        uses[instance.mesh] += 1;
+    }
+    let in_world = |mesh: usize| uses[mesh] == 1 || emits(meshes[mesh].material);
+    let mut geometry = Geometry::default();
+    let mut emitters = Vec::new();
+    let mut light_count = 0;
+    for instance in instances.iter().filter(|i| in_world(i.mesh)) {
+        let mesh = &meshes[instance.mesh];
+        let emitting = emits(mesh.material);
+        let range = append(&mut geometry, mesh, &instance.to_world, emitting.then_some(light_count));
+        if emitting {
+            light_count += range.len() as u32;
+            emitters.push(range);
+        }
+    }
+    let world_end = geometry.triangles.len() as u32;
+    let mut groups = Vec::new();
+    let mut placements = Vec::new();
+    if world_end > 0 {
+        groups.push(0..world_end);
+        placements.push(Placement { group: 0, transform: None });
+    }
+    for (index, mesh) in meshes.iter().enumerate().filter(|&(index, _)| uses[index] > 0 && !in_world(index)) {
+        groups.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None));
+        let group = (groups.len() - 1) as u32;
+        let of_this = instances.iter().filter(|i| i.mesh == index);
+        placements.extend(of_this.map(|i| {
+            let transform = Transform { to_world: single(&i.to_world), to_group: single(&i.to_world.inverse()) };
+            Placement { group, transform: Some(transform) }
+        }));
+    }
+    drop(meshes);
+    let accel = Accel::build(&geometry, &groups, placements);
+    (geometry, accel, emitters)
+}
+
+fn single(transform: &DAffine3) -> Affine3A {
+    let [x, y, z] = [transform.matrix3.x_axis, transform.matrix3.y_axis, transform.matrix3.z_axis].map(|c| c.as_vec3());
+    Affine3A::from_cols(x.into(), y.into(), z.into(), transform.translation.as_vec3().into())
+}
+
+/// Adds a mesh, transformed, and returns its triangles.
+fn append(
+    geometry: &mut Geometry,
+    mesh: &MeshDescription,
+    to_world: &DAffine3,
+    first_light: Option<u32>,
+) -> Range<u32> {
+    let identity = *to_world == DAffine3::IDENTITY;
+    let point = |p: &Vec3| if identity { *p } else { to_world.transform_point3(p.as_dvec3()).as_vec3() };
+    let normal_matrix = to_world.matrix3.inverse().transpose();
+    let normal = |n: &Vec3| if identity { *n } else { (normal_matrix * n.as_dvec3()).normalize_or_zero().as_vec3() };
+    let base = geometry.positions.len() as u32;
+    let first_triangle = geometry.triangles.len() as u32;
+    let from = |present: bool, at: usize| present.then_some(base.wrapping_sub(at as u32));
+    let range = MeshRange {
+        material: mesh.material as u32,
+        first_triangle,
+        triangle_count: mesh.triangles.len() as u32,
+        first_light,
+        normals_from: from(!mesh.normals.is_empty(), geometry.normals.len()),
+        tangents_from: from(!mesh.tangents.is_empty(), geometry.tangents.len()),
+        uvs_from: [0, 1].map(|set| from(mesh.uvs.len() > set, geometry.uvs[set].len())),
+    };
+    geometry.positions.extend(mesh.positions.iter().map(point));
+    geometry.normals.extend(mesh.normals.iter().map(normal));
+    let mirrored = to_world.matrix3.determinant() < 0.0;
+    let handedness = if mirrored { -1.0 } else { 1.0 };
+    geometry.tangents.extend(mesh.tangents.iter().map(|t| {
+        let along = to_world.transform_vector3(t.truncate().as_dvec3()).normalize_or_zero().as_vec3();
+        along.extend(t.w * handedness)
+    }));
+    for (all, own) in geometry.uvs.iter_mut().zip(&mesh.uvs) {
+        all.extend_from_slice(own);
+    }
+    let mesh_handle = geometry.meshes.len() as u32;
+    geometry.triangles.extend(mesh.triangles.iter().map(|&[a, b, c]| {
+        // A mirroring transform turns corners clockwise; the front stays the front.
+        let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+        Triangle { corners: corners.map(|corner| base + corner), mesh: mesh_handle }
+    }));
+    geometry.meshes.push(range);
+    first_triangle..geometry.triangles.len() as u32
+}

@@ -1,0 +1,119 @@
+//! Small scenes put together in code, and their renders.
+
+use std::ops::ControlFlow;
+
+use glam::{DAffine3, Vec3};
+use photosite::film::{FilmResponses, Response};
+use photosite::image::Estimate;
+use photosite::integrator::{RenderJob, RenderSettings, render};
+use photosite::optics::{Camera, LensDescription, PixelGrid};
+use photosite::scene::description::{
+    AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LightDescription,
+    MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
+};
+use photosite::scene::{Scene, build};
+use photosite::spectrum::Spectrum;
+
+/// A scene in the making.
+#[derive(Default)]
+pub(crate) struct Stage(SceneDescription);
+
+impl Stage {
+    /// Adds a mesh in world space with a diffuse material of constant reflectance and, where not zero, constant emitted
+    /// radiance in W·m⁻²·sr⁻¹·nm⁻¹.
+    pub(crate) fn diffuse(mut self, triangles: Vec<[Vec3; 3]>, reflectance: f32, radiance: f32) -> Self {
+        let emission =
+            EmissionDescription { colour: Colour::Spectrum(Spectrum::constant(radiance)), level: None, texture: None };
+        let material = MaterialDescription {
+            name: format!("material {}", self.0.materials.len()),
+            model: MaterialModel::Diffuse {
+                reflectance: Colour::Spectrum(Spectrum::constant(reflectance)),
+                texture: None,
+            },
+            normal_map: None,
+            emission: (radiance > 0.0).then_some(emission),
+            alpha: AlphaMode::Opaque,
+            alpha_factor: 1.0,
+            alpha_texture: None,
+            double_sided: false,
+        };
+        self.0.instances.push(InstanceDescription {
+            name: String::new(),
+            mesh: self.0.meshes.len(),
+            to_world: DAffine3::IDENTITY,
+        });
+        self.0.meshes.push(MeshDescription {
+            material: self.0.materials.len(),
+            positions: triangles.iter().flatten().copied().collect(),
+            triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+            ..Default::default()
+        });
+        self.0.materials.push(material);
+        self
+    }
+
+    /// Adds a light.
+    pub(crate) fn light(mut self, light: LightDescription) -> Self {
+        self.0.lights.push(light);
+        self
+    }
+
+    /// Surrounds the scene with constant radiance, W·m⁻²·sr⁻¹·nm⁻¹.
+    pub(crate) fn environment(mut self, radiance: f32) -> Self {
+        let colour = Colour::Spectrum(Spectrum::constant(radiance));
+        self.0.environment = Some(EnvironmentDescription::Constant { colour, luminance_nit: None });
+        self
+    }
+
+    /// Builds it for a sensor that sees all wavelengths alike.
+    pub(crate) fn build(self) -> Scene {
+        build(self.0, &Spectrum::constant(1.0))
+    }
+}
+
+/// A square of side `2·half` about `centre`, its front towards `x.cross(y)`.
+pub(crate) fn square(centre: Vec3, x: Vec3, y: Vec3, half: f32) -> Vec<[Vec3; 3]> {
+    let corner = |a: f32, b: f32| centre + (x * a + y * b) * half;
+    let (a, b, c, d) = (corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0));
+    vec![[a, b, c], [a, c, d]]
+}
+
+/// A unit sphere of triangles about the origin, fronts outside, or inside for `scale` < 0.
+pub(crate) fn sphere(bands: u32, scale: f32) -> Vec<[Vec3; 3]> {
+    let at = |band: u32, sector: u32| {
+        let theta = std::f32::consts::PI * band as f32 / bands as f32;
+        let phi = std::f32::consts::TAU * (sector % (2 * bands)) as f32 / (2 * bands) as f32;
+        let sin = if band == 0 || band == bands { 0.0 } else { theta.sin() };
+        Vec3::new(sin * phi.cos(), theta.cos(), -sin * phi.sin()) * scale
+    };
+    let mut triangles = Vec::new();
+    for band in 0..bands {
+        for sector in 0..2 * bands {
+            let (a, b) = (at(band, sector), at(band, sector + 1));
+            let (c, d) = (at(band + 1, sector), at(band + 1, sector + 1));
+            triangles.extend([[a, c, b], [b, c, d]].into_iter().filter(|[p, q, r]| p != q && q != r && r != p));
+        }
+    }
+    triangles
+}
+
+/// A camera at the origin of `to_world`, without autofocus.
+pub(crate) fn camera(lens: &LensDescription, grid: &PixelGrid, to_world: DAffine3) -> Camera {
+    Camera::new(lens, grid, to_world, f64::NAN).expect("a valid lens")
+}
+
+/// Spectral irradiance averaged over 400–700 nm in every pixel, W·m⁻²·nm⁻¹: one plane called "E".
+pub(crate) fn irradiance(scene: &Scene, camera: &Camera, resolution: [u32; 2], settings: &RenderSettings) -> Estimate {
+    let band = Spectrum::from_fn(|l| if (400.0..=700.0).contains(&l) { 1.0 } else { 0.0 });
+    let response = band.scale(1.0 / band.integral());
+    let responses = FilmResponses::new(&[Response { name: "E".into(), spectrum: response.clone() }]);
+    let clear = Spectrum::constant(1.0);
+    let job = RenderJob { scene, camera, transmittance: &clear, importance: &response, resolution, settings };
+    render(&job, responses, &|_| ControlFlow::Continue(())).estimate(["E"])
+}
+
+/// Mean of the first plane.
+pub(crate) fn mean(estimate: &Estimate) -> f64 {
+    let data = &estimate.mean.channels()[0].data;
+    data.iter().map(|&v| f64::from(v)).sum::<f64>() / data.len() as f64
+}

@@ -1,0 +1,113 @@
+//! Light transport in scenes whose answer is known.
+
+use glam::{DAffine3, DVec3, Vec3};
+use photosite::geometry::Ray;
+use photosite::integrator::SamplerKind;
+use photosite::integrator::path::{PathLimits, radiance};
+use photosite::math::statistics::Moments;
+use photosite::sampler::Sampler;
+use photosite::scene::Scene;
+use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind};
+use photosite::spectrum::{Spectrum, Wavelengths};
+
+use crate::stage::{Stage, sphere, square};
+
+/// Moments of the radiance along a ray at one wavelength.
+fn along(scene: &Scene, origin: Vec3, direction: Vec3, max_depth: u32, paths: u32) -> Moments {
+    let limits = PathLimits { max_depth, roulette_depth: 5 };
+    (0..paths)
+        .map(|index| {
+            let mut sampler = Sampler::new(SamplerKind::Independent, 11, 0, index);
+            let mut wavelengths = Wavelengths::new([500.0; 4], [1.0; 4]);
+            let ray = Ray::new(origin, direction.normalize());
+            f64::from(radiance(scene, ray, &mut wavelengths, &mut sampler, limits)[0])
+        })
+        .collect()
+}
+
+/// Asserts that a mean is the expected one within 4.5 standard errors (one in 10⁵ by chance) and 1e-5 of rounding.
+fn assert_mean(what: &str, got: &Moments, expected: f64) {
+    let tolerance = 4.5 * got.variance_of_mean().sqrt() + 1e-5 * expected.abs();
+    assert!((got.mean() - expected).abs() <= tolerance, "{what}: {} ± {tolerance}, not {expected}", got.mean());
+}
+
+fn lamp(kind: LightKind, position: DVec3, level: f32) -> LightDescription {
+    LightDescription {
+        name: "lamp".into(),
+        // Shines along −Y: a quarter turn about X takes −Z there.
+        to_world: DAffine3::from_rotation_translation(
+            glam::DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2),
+            position,
+        ),
+        kind,
+        emission: EmissionDescription {
+            colour: Colour::Spectrum(Spectrum::constant(level)),
+            level: None,
+            texture: None,
+        },
+    }
+}
+
+/// A white floor at y = 0 seen from above at a slant.
+fn floor_seen_from_above(stage: Stage) -> Moments {
+    let floor = square(Vec3::ZERO, Vec3::X, Vec3::NEG_Z, 100.0);
+    let scene = stage.diffuse(floor, 0.6, 0.0).build();
+    along(&scene, Vec3::new(0.0, 1.0, 1.0), Vec3::new(0.0, -1.0, -1.0), 2, 20_000)
+}
+
+#[test]
+fn illuminance_falls_with_the_square_of_the_distance() {
+    for height in [0.5, 1.0, 2.0, 8.0] {
+        let got = floor_seen_from_above(Stage::default().light(lamp(LightKind::Point, DVec3::Y * height, 3.0)));
+        assert_mean(&format!("point light at {height} m"), &got, 0.6 / std::f64::consts::PI * 3.0 / (height * height));
+    }
+}
+
+#[test]
+fn spot_and_directional_lights_shine_where_they_point() {
+    let spot = |outer_rad: f32| LightKind::Spot { inner_rad: outer_rad * 0.5, outer_rad };
+    let lit = floor_seen_from_above(Stage::default().light(lamp(spot(0.3), DVec3::Y * 2.0, 3.0)));
+    assert_mean("spot", &lit, 0.6 / std::f64::consts::PI * 3.0 / 4.0);
+    // At 45° from a lamp over (2, 2, 0) the cone of 0.3 rad does not reach.
+    let dark = floor_seen_from_above(Stage::default().light(lamp(spot(0.3), DVec3::new(2.0, 2.0, 0.0), 3.0)));
+    assert_mean("beside the spot", &dark, 0.0);
+    let sun = floor_seen_from_above(Stage::default().light(lamp(LightKind::Directional, DVec3::ZERO, 5.0)));
+    assert_mean("directional", &sun, 0.6 / std::f64::consts::PI * 5.0);
+}
+
+#[test]
+fn a_square_lamp_gives_the_irradiance_of_its_form_factor() {
+    // Square of half-side a at height h above the point: E = 4L·(a/√(a²+h²))·atan(a/√(a²+h²)), the form factor of a
+    // rectangle parallel to a differential element under its corner, four times (J. R. Howell, catalogue, B-3).
+    for (half, height) in [(0.5f32, 1.0f32), (2.0, 1.0), (0.05, 0.5)] {
+        let lamp = square(Vec3::Y * height, Vec3::X, Vec3::Z, half);
+        let got = floor_seen_from_above(Stage::default().diffuse(lamp, 0.0, 2.0));
+        let (a, h) = (f64::from(half), f64::from(height));
+        let x = a / (a * a + h * h).sqrt();
+        assert_mean(
+            &format!("lamp {half} m at {height} m"),
+            &got,
+            0.6 / std::f64::consts::PI * 2.0 * 4.0 * x * x.atan(),
+        );
+    }
+}
+
+#[test]
+fn a_convex_body_in_a_uniform_environment_shows_its_reflectance() {
+    for reflectance in [0.2, 0.8] {
+        let scene = Stage::default().diffuse(sphere(16, 1.0), reflectance, 0.0).environment(3.0).build();
+        let got = along(&scene, Vec3::new(0.3, 0.2, 5.0), Vec3::NEG_Z, 8, 20_000);
+        assert_mean(&format!("reflectance {reflectance}"), &got, 3.0 * f64::from(reflectance));
+    }
+}
+
+#[test]
+fn inside_a_glowing_sphere_light_is_a_geometric_series() {
+    let (reflectance, emission) = (0.7f32, 1.5f32);
+    let scene = Stage::default().diffuse(sphere(16, -1.0), reflectance, emission).build();
+    for depth in [1, 2, 3, 8, 64] {
+        let got = along(&scene, Vec3::new(0.1, 0.2, 0.3), Vec3::new(0.4, -0.7, 0.6), depth, 40_000);
+        let (r, e) = (f64::from(reflectance), f64::from(emission));
+        assert_mean(&format!("depth {depth}"), &got, e * (1.0 - r.powi(depth as i32)) / (1.0 - r));
+    }
+}
