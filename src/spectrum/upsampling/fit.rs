@@ -101,3 +101,25 @@ pub(super) fn fit(target: DVec3, start: DVec4, iterations: usize) -> Fit {
 fn outer(column: DVec3) -> DMat3 {
     DMat3::from_cols(column * column.x, column * column.y, column * column.z)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_corner_of_the_cube_is_reached_from_grey() {
+        // The most saturated colours there are; black and white apart, which are limits.
+        for corner in 1..7 {
+            let target = DVec3::from_array([0, 1, 2].map(|channel| f64::from(corner >> channel & 1)));
+            let fit = fit(target, DVec4::new(0.0, 0.0, 0.0, 1.0), 200);
+            // Quadratic convergence: what remains are roundings of sums of 471 terms.
+            assert!(fit.error < 1e-9, "{target}: {}", fit.error);
+        }
+    }
+
+    #[test]
+    fn weights_make_white_of_a_perfect_reflector() {
+        // The observer's table ends where the sum does, so nothing of D65 is left out.
+        assert!(weights().iter().sum::<DVec3>().abs_diff_eq(DVec3::ONE, 1e-12));
+    }
+}
