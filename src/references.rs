@@ -63,3 +63,13 @@
 //! ## Menon07
 //! D. Menon, S. Andriani, G. Calvagno, "Demosaicing With Directional Filtering and a posteriori Decision", IEEE
 //! Transactions on Image Processing 16(1), 132–141 (2007).
+//!
+//! ## Karis13
+//! B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH course notes (2013).
+//!
+//! ## Kelemen01
+//! C. Kelemen, L. Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling",
+//! Eurographics short papers (2001).
+//!
+//! ## Gltf2
+//! Khronos Group, *glTF 2.0 Specification* (2021), ISO/IEC 12113:2022.

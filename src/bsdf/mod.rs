@@ -11,6 +11,7 @@
 //! | [`Bsdf::Diffuse`] | `diffuse` | Lambert |
 //! | [`Bsdf::Conductor`] | `conductor` | mirror or GGX reflection, exact Fresnel |
 //! | [`Bsdf::Dielectric`] | `dielectric` | mirror or GGX reflection and refraction, exact Fresnel |
+//! | [`Bsdf::MetallicRoughness`] | `metallic_roughness` | mirror or GGX reflection with Schlick's Fresnel, and Lambert under it |
 //!
 //! [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
 //!
@@ -20,9 +21,11 @@
 pub mod fresnel;
 pub mod microfacet;
 
+mod albedo;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod metallic_roughness;
 
 use glam::Vec3;
 
@@ -57,6 +60,15 @@ pub enum Bsdf {
         eta: SampledSpectrum,
         /// Whether the index depends on wavelength.
         dispersive: bool,
+        /// Roughness.
+        distribution: Ggx,
+    },
+    /// glTF's metal, coated base, or mixture.
+    MetallicRoughness {
+        /// 0–1.
+        base_colour: SampledSpectrum,
+        /// 0 coated base, 1 metal.
+        metallic: f32,
         /// Roughness.
         distribution: Ggx,
     },
@@ -126,6 +138,9 @@ impl Bsdf {
             Self::Dielectric { eta, dispersive, distribution } => {
                 dielectric::eval(eta, dispersive, distribution, wo, wi)
             }
+            Self::MetallicRoughness { base_colour, metallic, distribution } => {
+                metallic_roughness::eval(base_colour, metallic, distribution, wo, wi)
+            }
         }
     }
 
@@ -139,6 +154,9 @@ impl Bsdf {
             Self::Dielectric { eta, dispersive, distribution } => {
                 dielectric::sample(eta, dispersive, distribution, wo, u_lobe, u)
             }
+            Self::MetallicRoughness { base_colour, metallic, distribution } => {
+                metallic_roughness::sample(base_colour, metallic, distribution, wo, u_lobe, u)
+            }
         }
     }
 
@@ -149,6 +167,9 @@ impl Bsdf {
             Self::Diffuse { .. } => false,
             Self::Conductor { distribution, .. } => distribution.is_smooth(),
             Self::Dielectric { eta, distribution, .. } => dielectric::is_delta(eta, distribution),
+            Self::MetallicRoughness { metallic, distribution, .. } => {
+                metallic_roughness::is_delta(metallic, distribution)
+            }
         }
     }
 
@@ -157,7 +178,7 @@ impl Bsdf {
     #[inline]
     pub fn needs_single_wavelength(&self) -> bool {
         match *self {
-            Self::Diffuse { .. } | Self::Conductor { .. } => false,
+            Self::Diffuse { .. } | Self::Conductor { .. } | Self::MetallicRoughness { .. } => false,
             Self::Dielectric { eta, dispersive, distribution } => {
                 dispersive && !dielectric::is_delta(eta, distribution)
             }

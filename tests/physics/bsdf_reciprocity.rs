@@ -25,7 +25,10 @@ fn swapping_the_directions_changes_nothing_but_the_index_factor() {
                         1.0 / (eta[0] * eta[0])
                     }
                 }
-                Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } | Bsdf::Dielectric { .. } => 1.0,
+                Bsdf::Diffuse { .. }
+                | Bsdf::Conductor { .. }
+                | Bsdf::Dielectric { .. }
+                | Bsdf::MetallicRoughness { .. } => 1.0,
             };
             for lane in 0..4 {
                 let (there, back) = (there[lane] * factor, back[lane]);

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use photosite::bsdf::{Bsdf, Ggx};
 
-use super::bsdf_cases::{Case, glass, gold, lossless_metal, wide};
+use super::bsdf_cases::{Case, glass, gltf, gold, lossless_metal, wide};
 
 fn all_cases() -> Vec<Case> {
     let mut cases = wide();
@@ -11,6 +11,9 @@ fn all_cases() -> Vec<Case> {
         let ggx = Ggx::new(alpha, alpha);
         cases.push(Case { name: format!("gold α {alpha}"), bsdf: gold(ggx) });
         cases.push(Case { name: format!("lossless metal α {alpha}"), bsdf: lossless_metal(ggx) });
+        for metallic in [0.0, 0.5, 1.0] {
+            cases.push(Case { name: format!("glTF metallic {metallic} α {alpha}"), bsdf: gltf(0.8, metallic, ggx) });
+        }
         for eta in [0.5, 1.0, 1.000_01, 1.001, 1.5, 3.0] {
             cases.push(Case { name: format!("dielectric η {eta} α {alpha}"), bsdf: glass(eta, ggx) });
         }
