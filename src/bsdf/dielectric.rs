@@ -2,19 +2,20 @@
 //! rest, or one smooth interface.
 //!
 //! The inside is the side that +Z points away from; `eta` = n_inside/n_outside. `wo` may come from either side. With η
-//! the index on the side of `wi` over that on the side of `wo`
-//! ([Walter07](crate::references#walter07) eqs. 20 and 21, the latter divided by η²):
+//! the index on the side of `wi` over that on the side of `wo`, and cosines taken positive
+//! ([Walter07](crate::references#walter07) eqs. 20 and 21):
 //!
 //! - reflection: f = F·D·G₂/(4·cos θₒ·cos θᵢ), m ∝ wo + wi;
-//! - refraction: f = (1 − F)·D·G₂·|wo·m|·|wi·m|/(cos θₒ·cos θᵢ·(wo·m + η·wi·m)²), m ∝ ±(wo + η·wi)
+//! - refraction: f = (1 − F)·D·G₂·|wo·m|·|wi·m|/(cos θₒ·cos θᵢ·(wo·m + η·wi·m)²), m ∝ ±(wo + η·wi).
 //!
-//! ([Walter07](crate::references#walter07) eqs. 20 and 21, cosines taken positive). This is the f of radiance: where light
-//! enters a denser medium it is compressed into a smaller cone, so that a lossless interface passes L/n² on unchanged, and
-//! reciprocity reads η²·f(wo, wi) = f(wi, wo) ([Veach97](crate::references#veach97) §5.2).
+//! This is the f of radiance: light that enters a denser medium is compressed into a smaller cone, L/n² passes a lossless
+//! interface unchanged, and reciprocity reads η²·f(wo, wi) = f(wi, wo) ([Veach97](crate::references#veach97) §5.2).
 //!
-//! G₂ is height-correlated in reflection. In refraction the two sides see opposite ends of the heights, and Smith's exact
-//! result is the Beta function B(1 + Λₒ, 1 + Λᵢ) ([Heitz14](crate::references#heitz14)); the product
-//! G₁(wo)·G₁(wi), which is used here, comes closer to it than the height-correlated form does.
+//! Smith's model lets a facet at height h (C the part of the surface below it) be seen with probability C^Λ(w) from above
+//! and (1 − C)^Λ(w) from below. The mean over all heights is 1/(1 + Λₒ + Λᵢ) where both directions are above, the
+//! height-correlated G₂ of reflection. In refraction it is the Beta function B(1 + Λₒ, 1 + Λᵢ): what is easily seen from
+//! one side is hidden from the other. No cheap form of it is known; G₁(wo)·G₁(wi), which is used here as in
+//! [Walter07](crate::references#walter07), lies between it and the height-correlated one.
 //!
 //! Where the index depends on wavelength so does the direction of refraction: it is right for the hero alone. A smooth
 //! surface keeps all wavelengths in reflection, since the direction is common to them; a rough one asks the path to go

@@ -15,7 +15,7 @@
 //!
 //! with E the directional albedo of S(0.04) and Ē its mean. That is reciprocal as well, and a white base gives back
 //! what arrives, all of it, at every angle and roughness: what bounces between the facets of the coat counts as let in. The
-//! appendix is a sample implementation and leaves others free.
+//! appendix's implementation is a sample, not normative.
 //!
 //! As in the appendix, light that bounces between the facets of a metal is lost.
 

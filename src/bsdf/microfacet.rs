@@ -1,8 +1,8 @@
 //! The GGX (Trowbridge–Reitz) microfacet distribution with Smith's masking and shadowing.
 //!
-//! In: unit directions in the local shading frame on the side of +Z, and the roughness α along local x and y (the
-//! standard slope scale: α = √2 times the root mean square slope's analogue in a Beckmann surface). Out: densities per
-//! steradian and fractions between 0 and 1. What a facet does with the light that meets it is left to the models.
+//! In: unit directions in the local shading frame, and the roughness α along local x and y, the slope that half of the
+//! projected area exceeds. Out: densities per steradian and fractions between 0 and 1. What a facet does with the light
+//! that meets it is left to the models.
 //!
 //! The functions are arranged so that no cosine of the two directions ends up alone in a denominator: with
 //! s(w) = √(α_x²·x² + α_y²·y² + z²), Smith's function is Λ(w) = (s(w)/z − 1)/2, and
