@@ -7,4 +7,4 @@ mod render;
 mod settings;
 
 pub use render::{RenderJob, Step, render};
-pub use settings::{RenderSettings, SamplerKind};
+pub use settings::RenderSettings;

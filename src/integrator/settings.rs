@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::Invalid;
+use crate::sampler::SamplerKind;
 
 /// How many samples, how long, how deep.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,15 +22,6 @@ pub struct RenderSettings {
     pub sampler: SamplerKind,
     /// Seed of light transport and sensor noise.
     pub seed: u64,
-}
-
-/// Random number sequences.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SamplerKind {
-    /// Owen-scrambled Sobol points, independent between pixels.
-    Sobol,
-    /// Independent random numbers: more noise, but the reported variance is exact.
-    Independent,
 }
 
 impl Default for RenderSettings {

@@ -5,8 +5,26 @@
 
 mod sobol;
 
-use crate::integrator::SamplerKind;
 use crate::math::hash::{hash64, unit_f32};
+
+/// Random number sequences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol points, independent between pixels.
+    Sobol,
+    /// Independent random numbers: more noise, but the reported variance is exact.
+    Independent,
+}
+
+impl SamplerKind {
+    /// The name that capture files use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sobol => "sobol",
+            Self::Independent => "independent",
+        }
+    }
+}
 
 /// The numbers of one camera path, dimension by dimension.
 #[derive(Clone, Debug)]

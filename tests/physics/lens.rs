@@ -1,7 +1,7 @@
 //! Irradiance behind the lens, focus, and blur against closed forms.
 
 use glam::{DAffine3, Vec3};
-use photosite::integrator::{RenderSettings, SamplerKind};
+use photosite::integrator::RenderSettings;
 use photosite::optics::{Falloff, Focus, LensDescription, LensKind, PixelGrid};
 
 use crate::stage::{Stage, camera, irradiance, mean, square};
@@ -138,8 +138,7 @@ fn in_focus_the_picture_has_the_size_that_the_lens_equation_gives() {
     let lens = LensDescription::thin(f, 2.0, Focus::Distance(u));
     let pitch = 2e-5;
     let grid = PixelGrid { resolution: [96; 2], pitch_m: [pitch; 2] };
-    let settings =
-        RenderSettings { samples_per_pixel: 256, max_depth: 1, sampler: SamplerKind::Sobol, ..Default::default() };
+    let settings = RenderSettings { samples_per_pixel: 256, max_depth: 1, ..Default::default() };
     let estimate = irradiance(&scene, &camera(&lens, &grid, DAffine3::IDENTITY), [96; 2], &settings);
     let magnification = f / (u - f);
     let expected_side_px = 2.0 * f64::from(half) * magnification / pitch;

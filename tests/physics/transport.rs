@@ -2,10 +2,9 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::Ray;
-use photosite::integrator::SamplerKind;
 use photosite::integrator::path::{PathLimits, radiance};
 use photosite::math::statistics::Moments;
-use photosite::sampler::Sampler;
+use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::Scene;
 use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind};
 use photosite::spectrum::{Spectrum, Wavelengths};
