@@ -46,8 +46,7 @@ impl Scene {
                     roughness *= g;
                 }
                 let base_colour = self.colour(base_colour, point, wavelengths);
-                let _ = (metallic, distribution(roughness));
-                (Bsdf::Diffuse { reflectance: base_colour }, true)
+                (Bsdf::MetallicRoughness { base_colour, metallic, distribution: distribution(roughness) }, true)
             }
         };
         Shading { frame: self.frame(material, point, wo, two_sided), bsdf }
