@@ -73,3 +73,6 @@
 //!
 //! ## Gltf2
 //! Khronos Group, *glTF 2.0 Specification* (2021), ISO/IEC 12113:2022.
+//!
+//! ## Fichet21
+//! A. Fichet, R. Pacanowski, A. Wilkie, "An OpenEXR Layout for Spectral Images", JCGT 10(3) (2021).

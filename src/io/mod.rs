@@ -1,6 +1,8 @@
 //! The files: capture files, scenes, pictures. With [`raw`](crate::raw) the only modules that read or write any.
 
 mod complete;
+pub mod electrons;
+pub mod exr;
 pub mod gltf;
 mod json;
 mod mesh;
@@ -8,6 +10,7 @@ pub mod obj;
 pub mod output;
 mod picture;
 pub mod png;
+pub mod spectral_exr;
 mod tangents;
 mod warnings;
 

@@ -1,0 +1,88 @@
+//! `electrons.exr`: the mean photo-electrons of an exposure, noise-free, and the variance that Monte Carlo noise leaves
+//! in them.
+//!
+//! One channel for each of the sensor's (`R`, `G`, `B` or `Y`): mean electrons of that filter at every pixel, e⁻. Beside
+//! each its variance, `variance.R` …, e⁻². The attribute `unit` says `e-`, `exposureTime` the seconds that the electrons
+//! were collected for.
+
+use std::io::{self, BufRead, Seek, Write};
+
+use crate::Invalid;
+use crate::image::{Channel, Estimate, Planes};
+use crate::units::Seconds;
+
+use super::exr::{Attribute, read_exr, write_exr};
+
+/// What stands before the name of a channel's variance.
+const VARIANCE: &str = "variance.";
+const UNIT: &str = "e-";
+
+/// Writes electrons with their variance.
+pub fn write_electrons<W: Write>(electrons: &Estimate, time: Seconds, to: W) -> io::Result<()> {
+    let variance = |c: &Channel| Channel { name: format!("{VARIANCE}{}", c.name), data: c.data.clone() };
+    let mut channels = electrons.mean.channels().to_vec();
+    channels.extend(electrons.variance.channels().iter().map(variance));
+    let planes = Planes::new(electrons.mean.width(), electrons.mean.height(), channels).map_err(io::Error::other)?;
+    let attributes = [("unit", Attribute::Text(UNIT.to_owned())), ("exposureTime", Attribute::Number(time.0 as f32))];
+    write_exr(&planes, &attributes, to)
+}
+
+/// Reads electrons with their variance, which is 0 where the file has none.
+pub fn read_electrons<R: BufRead + Seek>(from: R) -> Result<(Estimate, Seconds), Invalid> {
+    let picture = read_exr(from)?;
+    if picture.text("unit") != Some(UNIT) {
+        return Err(Invalid::new("unit", "the file does not say that it holds electrons")
+            .help("give the electrons.exr that photosite render wrote"));
+    }
+    let time = picture.attributes.iter().find_map(|(name, value)| match value {
+        Attribute::Number(time) if name == "exposureTime" => Some(f64::from(*time)),
+        Attribute::Number(_) | Attribute::Text(_) => None,
+    });
+    let Some(time) = time.filter(|time| time.is_finite() && *time > 0.0) else {
+        return Err(Invalid::new("exposureTime", "the file does not say how long the electrons were collected"));
+    };
+    let (width, height) = (picture.planes.width(), picture.planes.height());
+    let mean: Vec<Channel> =
+        picture.planes.channels().iter().filter(|c| !c.name.starts_with(VARIANCE)).cloned().collect();
+    let variance = mean.iter().map(|c| {
+        let data = picture.planes.plane(&format!("{VARIANCE}{}", c.name));
+        Channel { name: c.name.clone(), data: data.map_or_else(|| vec![0.0; c.data.len()], <[f32]>::to_vec) }
+    });
+    let variance = Planes::new(width, height, variance.collect())?;
+    Ok((Estimate { mean: Planes::new(width, height, mean)?, variance }, Seconds(time)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+
+    #[test]
+    fn electrons_come_back_with_variance_and_time() {
+        let mut mean = Planes::zeros(4, 3, ["B", "G", "R"]);
+        mean.channels_mut()[1].data[5] = 123.5;
+        let mut variance = Planes::zeros(4, 3, ["B", "G", "R"]);
+        variance.channels_mut()[2].data[7] = 0.25;
+        let electrons = Estimate { mean, variance };
+        let mut file = Vec::new();
+        write_electrons(&electrons, Seconds(0.25), &mut file).expect("written");
+        assert_eq!(read_electrons(Cursor::new(&file)).expect("read"), (electrons, Seconds(0.25)));
+    }
+
+    #[test]
+    fn other_pictures_are_refused() {
+        let planes = Planes::zeros(2, 2, ["R", "G", "B"]);
+        let unit = |unit: &str| ("unit", Attribute::Text(unit.to_owned()));
+        for (attributes, key) in [
+            (vec![], "unit"),
+            (vec![unit("lux")], "unit"),
+            (vec![unit("e-")], "exposureTime"),
+            (vec![unit("e-"), ("exposureTime", Attribute::Number(f32::NAN))], "exposureTime"),
+        ] {
+            let mut file = Vec::new();
+            write_exr(&planes, &attributes, &mut file).expect("written");
+            assert_eq!(read_electrons(Cursor::new(&file)).expect_err("refused").key, key);
+        }
+    }
+}

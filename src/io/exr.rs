@@ -1,0 +1,225 @@
+//! OpenEXR files of 32-bit float planes with text and number attributes.
+//!
+//! In and out: [`Planes`], whose channels keep their names. What the names and numbers of a file mean is said by
+//! [`electrons`](super::electrons) and [`spectral_exr`](super::spectral_exr).
+
+use std::io::{self, BufRead, Cursor, Seek, Write};
+
+use exr::compression::Compression;
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
+use exr::meta::attribute::{AttributeValue, LineOrder, Text};
+use exr::prelude::{LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImage, read};
+
+use crate::Invalid;
+use crate::image::{Channel, Planes};
+
+/// A value in the header of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Attribute {
+    /// Text.
+    Text(String),
+    /// A number.
+    Number(f32),
+}
+
+/// What an EXR file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExrPicture {
+    /// The planes, sorted by name as EXR wants it.
+    pub planes: Planes,
+    /// The attributes that are no standard ones, sorted by name.
+    pub attributes: Vec<(String, Attribute)>,
+}
+
+impl ExrPicture {
+    /// The text attribute of that name.
+    pub fn text(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find_map(|(n, value)| match value {
+            Attribute::Text(text) if n == name => Some(&text[..]),
+            Attribute::Text(_) | Attribute::Number(_) => None,
+        })
+    }
+}
+
+/// Most bytes of pixels that are read: more is a damaged header, or not a picture of ours.
+const MAX_BYTES: usize = 16 << 30;
+
+/// Writes planes, of which there must be at least one, with pixels. The same planes give the same bytes.
+pub fn write_exr<W: Write>(planes: &Planes, attributes: &[(&str, Attribute)], mut to: W) -> io::Result<()> {
+    let channel = |c: &Channel| AnyChannel::new(ascii(&c.name), FlatSamples::F32(c.data.clone()));
+    let channels = AnyChannels::sort(planes.channels().iter().map(channel).collect());
+    let other = attributes
+        .iter()
+        .map(|(name, value)| {
+            let value = match value {
+                Attribute::Text(text) => AttributeValue::Text(ascii(text)),
+                Attribute::Number(number) => AttributeValue::F32(*number),
+            };
+            (ascii(name), value)
+        })
+        .collect();
+    let software_name = Some(ascii(concat!("photosite ", env!("CARGO_PKG_VERSION"))));
+    let header = LayerAttributes { software_name, other, ..LayerAttributes::default() };
+    // Noise does not compress, and black areas do even so. Rows in order, since threads finish in any.
+    let encoding =
+        Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let layer = Layer::new(Vec2(planes.width(), planes.height()), header, encoding, channels);
+    let mut file = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut file).map_err(io_error)?;
+    let mut bytes = file.into_inner();
+    sort_attributes(&mut bytes);
+    to.write_all(&bytes)
+}
+
+/// Reads all channels of the first layer at full resolution, as 32-bit floats.
+pub fn read_exr<R: BufRead + Seek>(from: R) -> Result<ExrPicture, Invalid> {
+    let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as OpenEXR: {error}"));
+    let mut from = from;
+    let headers = exr::meta::MetaData::read_from_buffered(&mut from, false).map_err(|e| unreadable(&e))?.headers;
+    if let Some(header) = headers.first() {
+        let pixels = header.layer_size.0.saturating_mul(header.layer_size.1);
+        if pixels.saturating_mul(header.channels.bytes_per_pixel.max(4 * header.channels.list.len())) > MAX_BYTES {
+            let size = format!("{} × {} pixels", header.layer_size.0, header.layer_size.1);
+            return Err(unreadable(&format!("its {size} are more than fit into memory")));
+        }
+    }
+    from.rewind().map_err(|e| unreadable(&e))?;
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let layer = reader.from_buffered(from).map_err(|e| unreadable(&e))?.layer_data;
+    let channel = |c: AnyChannel<FlatSamples>| Channel { name: c.name.to_string(), data: floats(c.sample_data) };
+    let channels = layer.channel_data.list.into_iter().map(channel).collect();
+    let mut attributes: Vec<(String, Attribute)> = layer
+        .attributes
+        .other
+        .into_iter()
+        .filter_map(|(name, value)| Some((name.to_string(), attribute(value)?)))
+        .collect();
+    attributes.sort_by(|a, b| a.0.cmp(&b.0));
+    Ok(ExrPicture { planes: Planes::new(layer.size.0, layer.size.1, channels)?, attributes })
+}
+
+/// Text as files hold it; what is not ASCII becomes a question mark.
+fn ascii(text: &str) -> Text {
+    text.chars().map(|c| if c.is_ascii() && c != '\0' { c } else { '?' }).collect::<String>().as_str().into()
+}
+
+fn floats(samples: FlatSamples) -> Vec<f32> {
+    match samples {
+        FlatSamples::F32(values) => values,
+        FlatSamples::F16(values) => values.into_iter().map(f32::from).collect(),
+        FlatSamples::U32(values) => values.into_iter().map(|v| v as f32).collect(),
+    }
+}
+
+fn attribute(value: AttributeValue) -> Option<Attribute> {
+    if let AttributeValue::Text(text) = value {
+        return Some(Attribute::Text(text.to_string()));
+    }
+    if let AttributeValue::F32(number) = value { Some(Attribute::Number(number)) } else { None }
+}
+
+fn io_error(error: exr::error::Error) -> io::Error {
+    let exr::error::Error::Io(error) = error else { return io::Error::other(error) };
+    error
+}
+
+/// Sorts the attributes in the header of a one-part file by name. The library keeps them in a hash map, whose order
+/// differs from run to run; their order means nothing, and their length stays.
+fn sort_attributes(file: &mut [u8]) {
+    /// Magic number and version come before the attributes.
+    const START: usize = 8;
+    let mut attributes: Vec<&[u8]> = Vec::new();
+    let mut at = START;
+    while let Some(length) = attribute_length(&file[at..]) {
+        attributes.push(&file[at..at + length]);
+        at += length;
+    }
+    attributes.sort();
+    let sorted = attributes.concat();
+    file[START..at].copy_from_slice(&sorted);
+}
+
+/// Length of the attribute that the bytes begin with: a name and a type, each closed by a zero, the number of bytes of
+/// the value as 32 bits, and the value. `None` at the zero that closes the list.
+fn attribute_length(bytes: &[u8]) -> Option<usize> {
+    let name = bytes.iter().position(|&b| b == 0)?;
+    if name == 0 {
+        return None;
+    }
+    let type_start = name + 1;
+    let size_start = type_start + bytes[type_start..].iter().position(|&b| b == 0)? + 1;
+    let size = bytes.get(size_start..size_start + 4)?.try_into().ok().map(u32::from_le_bytes)?;
+    Some(size_start + 4 + size as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn planes() -> Planes {
+        let plane = |name: &str, scale: f32| Channel {
+            name: name.to_owned(),
+            data: (0..35 * 21).map(|i| scale * (i as f32 - 300.0)).collect(),
+        };
+        Planes::new(35, 21, vec![plane("R", 1.0), plane("variance.R", 1e-20), plane("S0.550,0nm", f32::MAX / 1e3)])
+            .expect("right sizes")
+    }
+
+    fn attributes() -> [(&'static str, Attribute); 4] {
+        [
+            ("unit", Attribute::Text("e⁻ \0".to_owned())),
+            ("time", Attribute::Number(0.01)),
+            ("camera", Attribute::Text(String::new())),
+            ("another", Attribute::Number(-1.0)),
+        ]
+    }
+
+    #[test]
+    fn planes_and_attributes_come_back_bit_by_bit() {
+        let mut file = Vec::new();
+        write_exr(&planes(), &attributes(), &mut file).expect("written");
+        let read = read_exr(Cursor::new(&file)).expect("an EXR file");
+        assert_eq!(read.planes.channels().len(), 3);
+        for channel in planes().channels() {
+            assert_eq!(read.planes.plane(&channel.name), Some(&channel.data[..]), "{}", channel.name);
+        }
+        let names: Vec<_> = read.attributes.iter().map(|(name, _)| &name[..]).collect();
+        assert_eq!(names, ["another", "camera", "time", "unit"]);
+        assert_eq!(read.text("unit"), Some("e? ?"));
+        assert_eq!(read.text("time"), None);
+    }
+
+    #[test]
+    fn the_same_planes_give_the_same_bytes() {
+        let write = || {
+            let mut file = Vec::new();
+            write_exr(&planes(), &attributes(), &mut file).expect("written");
+            file
+        };
+        let first = write();
+        // Each hash map has an order of its own: 4! orders, so ten files would hardly agree by chance.
+        assert!((0..10).all(|_| write() == first));
+    }
+
+    #[test]
+    fn damaged_files_are_refused() {
+        let mut file = Vec::new();
+        write_exr(&planes(), &attributes(), &mut file).expect("written");
+        for length in [0, 3, 8, 60, 200, file.len() / 2, file.len() - 1] {
+            assert!(read_exr(Cursor::new(&file[..length])).is_err(), "cut to {length} bytes");
+        }
+        assert!(read_exr(Cursor::new(b"not an EXR file at all")).is_err());
+        // Whatever a flipped bit does, it is an error or a picture.
+        for at in 0..file.len().min(1500) {
+            for bit in [0, 3, 7] {
+                file[at] ^= 1 << bit;
+                let _ = read_exr(Cursor::new(&file));
+                file[at] ^= 1 << bit;
+            }
+        }
+        // A data window of 2³¹ pixels a side.
+        let window = file.windows(10).position(|w| w == b"dataWindow").expect("it has one") + 10 + 1 + 6 + 4;
+        file[window + 8..window + 16].copy_from_slice(&[0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff, 0x7f]);
+        assert!(read_exr(Cursor::new(&file)).is_err());
+    }
+}

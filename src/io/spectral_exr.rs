@@ -1,0 +1,146 @@
+//! `irradiance.exr`: spectral irradiance on the sensor in the OpenEXR layout for spectral pictures
+//! ([Fichet21](crate::references#fichet21)).
+//!
+//! Every band is a channel called `S0.550,0nm` after its central wavelength, W·m⁻²·nm⁻¹ (`S0`: the unpolarised part; a
+//! comma, because points separate layers). The attributes `spectralLayoutVersion` and `emissiveUnits` say so. The
+//! channels `R`, `G` and `B` are a preview for viewers that know nothing of spectra: linear sRGB, scaled so that one
+//! pixel in a hundred is brighter than white.
+
+use std::io::{self, BufRead, Seek, Write};
+
+use glam::DVec3;
+
+use crate::Invalid;
+use crate::image::{Channel, Planes};
+use crate::spectrum::{cie, rgb};
+
+use super::exr::{Attribute, read_exr, write_exr};
+
+const PREFIX: &str = "S0.";
+const SUFFIX: &str = "nm";
+const UNITS: &str = "W.m^-2.nm^-1";
+
+/// Writes bands, whose names are their central wavelengths in nm (`550`).
+pub fn write_irradiance<W: Write>(bands: &Planes, to: W) -> io::Result<()> {
+    let mut wavelengths = Vec::new();
+    for channel in bands.channels() {
+        let lambda_nm = channel.name.parse::<f64>().ok().filter(|lambda| lambda.is_finite() && *lambda > 0.0);
+        wavelengths.push(lambda_nm.ok_or_else(|| {
+            io::Error::other(format!("a spectral band is named by its wavelength in nm, not {:?}", channel.name))
+        })?);
+    }
+    let mut channels = preview(bands, &wavelengths);
+    for (channel, lambda_nm) in bands.channels().iter().zip(wavelengths) {
+        // `{:?}` keeps one decimal of whole numbers, as the layout's own examples have it.
+        let name = format!("{PREFIX}{}{SUFFIX}", format!("{lambda_nm:?}").replace('.', ","));
+        channels.push(Channel { name, data: channel.data.clone() });
+    }
+    let planes = Planes::new(bands.width(), bands.height(), channels).map_err(io::Error::other)?;
+    let attributes = [
+        ("spectralLayoutVersion", Attribute::Text("1.0".to_owned())),
+        ("emissiveUnits", Attribute::Text(UNITS.to_owned())),
+    ];
+    write_exr(&planes, &attributes, to)
+}
+
+/// Reads bands, sorted by wavelength, named by their central wavelengths in nm.
+pub fn read_irradiance<R: BufRead + Seek>(from: R) -> Result<Planes, Invalid> {
+    let picture = read_exr(from)?;
+    if picture.text("spectralLayoutVersion").is_none() {
+        return Err(Invalid::new("spectralLayoutVersion", "missing, so this is no spectral picture")
+            .help("give the irradiance.exr that photosite render wrote"));
+    }
+    match picture.text("emissiveUnits") {
+        Some(UNITS) => {}
+        found => {
+            let message = format!("{} instead of {UNITS}", found.unwrap_or("missing"));
+            return Err(
+                Invalid::new("emissiveUnits", message).help("only irradiance on a sensor can be exposed, not radiance")
+            );
+        }
+    }
+    let wavelength =
+        |name: &str| -> Option<f64> { name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?.replace(',', ".").parse().ok() };
+    let mut bands: Vec<(f64, &Channel)> =
+        picture.planes.channels().iter().filter_map(|c| Some((wavelength(&c.name)?, c))).collect();
+    bands.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let channel = |(lambda_nm, c): (f64, &Channel)| Channel { name: format!("{lambda_nm}"), data: c.data.clone() };
+    let channels = bands.into_iter().map(channel).collect();
+    Planes::new(picture.planes.width(), picture.planes.height(), channels)
+}
+
+/// R, G and B of what the observer sees.
+fn preview(bands: &Planes, wavelengths_nm: &[f64]) -> Vec<Channel> {
+    let pixels = bands.width() * bands.height();
+    let mut colours = vec![DVec3::ZERO; pixels];
+    for (channel, &lambda_nm) in bands.channels().iter().zip(wavelengths_nm) {
+        let observer = cie::observer().each_ref().map(|bar| f64::from(bar.eval(lambda_nm as f32)));
+        let weight = *rgb::xyz_to_rgb() * DVec3::from_array(observer);
+        for (colour, &value) in colours.iter_mut().zip(&channel.data) {
+            *colour += weight * f64::from(value);
+        }
+    }
+    let mut luminances: Vec<f64> = colours.iter().map(|colour| rgb::luminance(colour.to_array())).collect();
+    let bright = (pixels * 99 / 100).min(pixels.saturating_sub(1));
+    let white = if pixels == 0 { 0.0 } else { *luminances.select_nth_unstable_by(bright, f64::total_cmp).1 };
+    let scale = if white.is_finite() && white > 0.0 { 1.0 / white } else { 1.0 };
+    let plane = |component: usize| colours.iter().map(|colour| (colour[component] * scale) as f32).collect();
+    ["R", "G", "B"].iter().enumerate().map(|(i, name)| Channel { name: (*name).to_owned(), data: plane(i) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+    use crate::spectrum::illuminant;
+
+    fn bands(value: impl Fn(f64, usize) -> f64) -> Planes {
+        let lambdas = (0..75).map(|i| 355.0 + 10.0 * f64::from(i));
+        let channel = |lambda: f64| Channel {
+            name: format!("{lambda}"),
+            data: (0..6).map(|pixel| value(lambda, pixel) as f32).collect(),
+        };
+        Planes::new(3, 2, lambdas.map(channel).collect()).expect("right sizes")
+    }
+
+    #[test]
+    fn bands_come_back_in_order() {
+        let planes = bands(|lambda, pixel| lambda * 1e-6 + pixel as f64);
+        let mut file = Vec::new();
+        write_irradiance(&planes, &mut file).expect("written");
+        assert_eq!(read_irradiance(Cursor::new(&file)).expect("read"), planes);
+        let picture = read_exr(Cursor::new(&file)).expect("read");
+        assert!(picture.planes.plane("S0.355,0nm").is_some() && picture.planes.plane("S0.1095,0nm").is_some());
+        assert_eq!(picture.text("emissiveUnits"), Some("W.m^-2.nm^-1"));
+    }
+
+    #[test]
+    fn d65_previews_as_white() {
+        let planes = bands(|lambda, pixel| f64::from(illuminant::d65().eval(lambda as f32)) * (pixel + 1) as f64);
+        let mut file = Vec::new();
+        write_irradiance(&planes, &mut file).expect("written");
+        let picture = read_exr(Cursor::new(&file)).expect("read");
+        for name in ["R", "G", "B"] {
+            let brightest = picture.planes.plane(name).expect("a preview")[5];
+            // Bands of 10 nm instead of 1 nm: a few tenths of a percent.
+            assert!((brightest - 1.0).abs() < 5e-3, "{name} {brightest}");
+        }
+    }
+
+    #[test]
+    fn other_pictures_and_names_are_refused() {
+        let unnamed = Planes::zeros(1, 1, ["R"]);
+        assert!(write_irradiance(&unnamed, Vec::new()).is_err());
+        let text = |value: &str| Attribute::Text(value.to_owned());
+        for (attributes, key) in [
+            (vec![], "spectralLayoutVersion"),
+            (vec![("spectralLayoutVersion", text("1.0"))], "emissiveUnits"),
+            (vec![("spectralLayoutVersion", text("1.0")), ("emissiveUnits", text("W.m^-2.sr^-1"))], "emissiveUnits"),
+        ] {
+            let mut file = Vec::new();
+            write_exr(&unnamed, &attributes, &mut file).expect("written");
+            assert_eq!(read_irradiance(Cursor::new(&file)).expect_err("refused").key, key);
+        }
+    }
+}
