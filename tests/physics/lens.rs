@@ -8,7 +8,7 @@ use crate::stage::{Stage, camera, irradiance, mean, square};
 
 /// Irradiance of a disk of radiance 1 and half-angle with tan t, at a point from which the disk's axis is at an angle of
 /// tangent a: P. D. Foote's formula (Bull. Bur. Standards 12, 583 (1915)), exact for any aperture.
-fn disk_irradiance(t: f64, a: f64) -> f64 {
+pub(crate) fn disk_irradiance(t: f64, a: f64) -> f64 {
     let (t2, a2) = (t * t, a * a);
     std::f64::consts::FRAC_PI_2 * (1.0 - (1.0 + a2 - t2) / ((1.0 + a2 + t2).powi(2) - 4.0 * a2 * t2).sqrt())
 }

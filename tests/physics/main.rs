@@ -9,6 +9,7 @@ mod bsdf_reciprocity;
 mod bsdf_robustness;
 mod bsdf_sampling;
 mod bsdf_smooth;
+mod chain;
 mod lens;
 mod quadrature;
 mod stage;

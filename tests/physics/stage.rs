@@ -21,17 +21,26 @@ pub(crate) struct Stage(SceneDescription);
 impl Stage {
     /// Adds a mesh in world space with a diffuse material of constant reflectance and, where not zero, constant emitted
     /// radiance in W·m⁻²·sr⁻¹·nm⁻¹.
-    pub(crate) fn diffuse(mut self, triangles: Vec<[Vec3; 3]>, reflectance: f32, radiance: f32) -> Self {
+    pub(crate) fn diffuse(self, triangles: Vec<[Vec3; 3]>, reflectance: f32, radiance: f32) -> Self {
         let emission =
             EmissionDescription { colour: Colour::Spectrum(Spectrum::constant(radiance)), level: None, texture: None };
+        let reflectance = Colour::Spectrum(Spectrum::constant(reflectance));
+        let model = MaterialModel::Diffuse { reflectance, texture: None };
+        self.mesh(triangles, model, (radiance > 0.0).then_some(emission))
+    }
+
+    /// Adds a mesh in world space with any material.
+    pub(crate) fn mesh(
+        mut self,
+        triangles: Vec<[Vec3; 3]>,
+        model: MaterialModel,
+        emission: Option<EmissionDescription>,
+    ) -> Self {
         let material = MaterialDescription {
             name: format!("material {}", self.0.materials.len()),
-            model: MaterialModel::Diffuse {
-                reflectance: Colour::Spectrum(Spectrum::constant(reflectance)),
-                texture: None,
-            },
+            model,
             normal_map: None,
-            emission: (radiance > 0.0).then_some(emission),
+            emission,
             alpha: AlphaMode::Opaque,
             alpha_factor: 1.0,
             alpha_texture: None,
@@ -59,8 +68,13 @@ impl Stage {
     }
 
     /// Surrounds the scene with constant radiance, W·m⁻²·sr⁻¹·nm⁻¹.
-    pub(crate) fn environment(mut self, radiance: f32) -> Self {
-        let colour = Colour::Spectrum(Spectrum::constant(radiance));
+    pub(crate) fn environment(self, radiance: f32) -> Self {
+        self.sky(Spectrum::constant(radiance))
+    }
+
+    /// Surrounds the scene with the same spectral radiance in all directions, W·m⁻²·sr⁻¹·nm⁻¹.
+    pub(crate) fn sky(mut self, radiance: Spectrum) -> Self {
+        let colour = Colour::Spectrum(radiance);
         self.0.environment = Some(EnvironmentDescription::Constant { colour, luminance_nit: None });
         self
     }

@@ -6,8 +6,8 @@ use photosite::integrator::path::{PathLimits, radiance};
 use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::Scene;
-use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind};
-use photosite::spectrum::{Spectrum, Wavelengths};
+use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind, MaterialModel};
+use photosite::spectrum::{Spectrum, Wavelengths, library};
 
 use crate::stage::{Stage, sphere, square};
 
@@ -109,4 +109,39 @@ fn inside_a_glowing_sphere_light_is_a_geometric_series() {
         let (r, e) = (f64::from(reflectance), f64::from(emission));
         assert_mean(&format!("depth {depth}"), &got, e * (1.0 - r.powi(depth as i32)) / (1.0 - r));
     }
+}
+
+#[test]
+fn clear_glass_in_a_uniform_sky_cannot_be_seen() {
+    // What glass does not reflect it lets through, whatever the path inside: every path ends in the same sky. Paths cut
+    // off at 200 segments are too rare to matter.
+    for glass in ["BK7", "SF11", "diamond"] {
+        let index = library::glass(glass).expect("a known glass");
+        let ball = MaterialModel::Dielectric { index, roughness: 0.0 };
+        let scene = Stage::default().mesh(sphere(16, 1.0), ball, None).environment(3.0).build();
+        for offset in [0.1, 0.5, 0.9] {
+            let got = along(&scene, Vec3::new(offset, 0.05, 5.0), Vec3::NEG_Z, 200, 5_000);
+            assert_mean(&format!("{glass}, {offset} off the middle"), &got, 3.0);
+        }
+    }
+}
+
+#[test]
+fn a_dispersed_path_carries_its_hero_for_all_four_wavelengths() {
+    let glass = MaterialModel::Dielectric { index: library::glass("SF11").expect("a known glass"), roughness: 0.0 };
+    let scene = Stage::default().mesh(sphere(16, 1.0), glass, None).environment(2.0).build();
+    let limits = PathLimits { max_depth: 200, roulette_depth: 5 };
+    let estimates: Moments = (0..20_000)
+        .map(|index| {
+            let mut sampler = Sampler::new(SamplerKind::Independent, 3, 1, index);
+            // Each of the four is the hero equally often, as rotation in the wavelength sampler makes it.
+            let lambda = [0, 1, 2, 3].map(|lane| 450.0 + 50.0 * ((lane + index) % 4) as f32);
+            let mut wavelengths = Wavelengths::new(lambda, [0.01; 4]);
+            let ray = Ray::new(Vec3::new(0.5, 0.05, 5.0), Vec3::NEG_Z);
+            let arriving = radiance(&scene, ray, &mut wavelengths, &mut sampler, limits);
+            f64::from((arriving * wavelengths.weights()).0.element_sum())
+        })
+        .collect();
+    // Σ over the lanes of L/(4·p) = 2/0.01 on average, however many lanes are left.
+    assert_mean("SF11", &estimates, 200.0);
 }
