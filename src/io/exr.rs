@@ -211,11 +211,9 @@ mod tests {
         assert!(read_exr(Cursor::new(b"not an EXR file at all")).is_err());
         // Whatever a flipped bit does, it is an error or a picture.
         for at in 0..file.len().min(1500) {
-            for bit in [0, 3, 7] {
-                file[at] ^= 1 << bit;
-                let _ = read_exr(Cursor::new(&file));
-                file[at] ^= 1 << bit;
-            }
+            file[at] ^= 1 << (at % 8);
+            let _ = read_exr(Cursor::new(&file));
+            file[at] ^= 1 << (at % 8);
         }
         // A data window of 2³¹ pixels a side.
         let window = file.windows(10).position(|w| w == b"dataWindow").expect("it has one") + 10 + 1 + 6 + 4;
