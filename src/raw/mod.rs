@@ -8,6 +8,7 @@ mod dng;
 mod npy;
 mod pgm;
 mod rational;
+mod read;
 mod thumbnail;
 mod tiff;
 
@@ -15,6 +16,7 @@ pub use cfa::Cfa;
 pub use dng::write_dng;
 pub use npy::write_npy;
 pub use pgm::write_pgm;
+pub use read::{read_dng, read_tiff};
 pub use tiff::write_tiff;
 
 /// A mosaic of digital numbers.
