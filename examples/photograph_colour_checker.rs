@@ -1,0 +1,64 @@
+//! Photographs a colour checker, from its spectra, with every colour sensor that ships, and develops it, for programs
+//! that nobody here wrote to do the same (`tests/judges/developed_colours.py`).
+//!
+//! `cargo run --release --example photograph_colour_checker -- FOLDER`
+
+use std::path::PathBuf;
+
+use photosite::develop::colour_matrix::camera_colour;
+use photosite::develop::{DevelopSettings, develop};
+use photosite::image::Planes;
+use photosite::io::output::{create_folder, write_whole};
+use photosite::io::png::write_png;
+use photosite::raw::{RawImage, write_dng};
+use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
+use photosite::spectrum::{Spectrum, illuminant, library};
+use photosite::units::{Celsius, Decibels, Seconds};
+
+/// Pixels along a patch; six patches in a row, four rows.
+const PATCH: usize = 48;
+const COLUMNS: usize = 6;
+const ROWS: usize = 4;
+
+fn main() -> miette::Result<()> {
+    let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
+        return Err(miette::miette!("usage: photograph_colour_checker FOLDER"));
+    };
+    for sensor in presets::names().filter_map(presets::model).filter(|sensor| !sensor.cfa.is_mono()) {
+        let raw = photograph(&sensor, illuminant::d65()).map_err(|error| miette::miette!("{error}"))?;
+        let picture = develop(&raw, &DevelopSettings::default()).map_err(|error| miette::miette!("{error}"))?;
+        let folder = folder.join(&sensor.name);
+        create_folder(&folder)?;
+        write_whole(&folder.join("raw.dng"), |to| write_dng(&raw, to))?;
+        write_whole(&folder.join("image.png"), |to| write_png(&picture, to))?;
+    }
+    Ok(())
+}
+
+/// A noise-free picture in which white would just saturate.
+fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photosite::Invalid> {
+    let exposure = Exposure { time: Seconds(0.01), gain: Decibels(0.0), temperature: Celsius(25.0) };
+    let responses = sensor.responses();
+    let electrons = |reflectance: &Spectrum| -> Vec<f64> {
+        responses.iter().map(|(_, r)| r.product(&light.product(reflectance)).integral()).collect()
+    };
+    let white = electrons(&Spectrum::constant(1.0)).into_iter().fold(0.0, f64::max);
+    let scale = sensor.saturation_capacity(&exposure).0 / white;
+    let patches = library::names().filter(|name| name.starts_with("colour-checker/")).filter_map(library::spectrum);
+    let patches: Vec<Vec<f64>> = patches.map(|patch| electrons(&patch)).collect();
+    let (width, height) = (COLUMNS * PATCH, ROWS * PATCH);
+    let mut light_on_sensor = Planes::zeros(width, height, sensor.cfa.channels());
+    for (c, channel) in light_on_sensor.channels_mut().iter_mut().enumerate() {
+        for (i, value) in channel.data.iter_mut().enumerate() {
+            let (x, y) = (i % width / PATCH, i / width / PATCH);
+            *value = (patches[y * COLUMNS + x][c] * scale) as f32;
+        }
+    }
+    let mut raw = expose(&light_on_sensor, sensor, &exposure, Stages::NONE, NoiseKey::default())?;
+    if let Some(colour) = camera_colour(&responses, light)? {
+        raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65);
+        raw.metadata.colour_matrix_a = Some(colour.matrix_a);
+        raw.metadata.as_shot_neutral = Some(colour.neutral);
+    }
+    Ok(raw)
+}
