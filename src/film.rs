@@ -6,7 +6,6 @@
 //! mean spectral irradiance in the band.
 
 use crate::image::{Channel, Estimate, Planes};
-use crate::math::statistics::Moments;
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
 
 /// A response function with the name of the plane that it fills.
@@ -18,25 +17,14 @@ pub struct Response {
     pub spectrum: Spectrum,
 }
 
-/// Responses of equal bands that average spectral irradiance, named by their centre: `"550"`.
-pub fn band_responses(first_nm: f64, last_nm: f64, step_nm: f64) -> Vec<Response> {
-    let count = ((last_nm - first_nm) / step_nm).round().max(0.0) as usize;
-    let band = |i: usize| {
-        let (low, high) = (first_nm + i as f64 * step_nm, first_nm + (i as f64 + 1.0) * step_nm);
-        // The table is linear between whole nanometres; a half at either end makes its integral exactly 1.
-        let inside = |l: f64| {
-            if l > low && l < high {
-                1.0
-            } else if l == low || l == high {
-                0.5
-            } else {
-                0.0
-            }
-        };
-        let spectrum = Spectrum::from_fn(inside);
-        Response { name: format!("{}", 0.5 * (low + high)), spectrum: spectrum.scale(1.0 / spectrum.integral()) }
-    };
-    (0..count).map(band).collect()
+/// The response that averages spectral irradiance over a band between whole or half nanometres, named by its centre
+/// (`"550"`).
+pub fn band_response([low_nm, high_nm]: [f64; 2]) -> Response {
+    // A table is linear between whole nanometres: half a value on either edge gives it the weight of the band alone.
+    let inside = |l: f64| if l > low_nm && l < high_nm { 1.0 } else if l == low_nm || l == high_nm { 0.5 } else { 0.0 };
+    let spectrum = Spectrum::from_fn(inside);
+    let name = format!("{}", 0.5 * (low_nm + high_nm));
+    Response { name, spectrum: spectrum.scale(1.0 / spectrum.integral()) }
 }
 
 /// Response functions laid out for accumulation: wavelength by wavelength, all channels side by side.
@@ -167,16 +155,6 @@ impl Film {
         };
         Estimate { mean: planes(&|s| s.sum / n), variance: planes(&variance) }
     }
-
-    /// Mean over the picture of one channel's relative standard error; a measure of convergence.
-    pub fn relative_error(&self) -> Moments {
-        let n = f64::from(self.samples.max(2));
-        let error = |s: &Sums| {
-            let mean = s.sum / n;
-            ((s.squares / n - mean * mean).max(0.0) / (n - 1.0)).sqrt() / mean
-        };
-        self.sums.iter().filter(|s| s.sum > 0.0).map(error).collect()
-    }
 }
 
 impl FilmRow<'_> {
@@ -196,14 +174,16 @@ impl FilmRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::statistics::Moments;
     use crate::spectrum::WavelengthSampler;
 
     #[test]
-    fn bands_integrate_to_one_and_tile_the_range() {
-        let bands = band_responses(400.0, 700.0, 20.0);
-        assert_eq!(bands.len(), 15);
-        assert_eq!((bands[0].name.as_str(), bands[14].name.as_str()), ("410", "690"));
-        assert!(bands.iter().all(|b| (b.spectrum.integral() - 1.0).abs() < 1e-6));
+    fn bands_average_and_are_named_by_their_centres() {
+        for (edges, name) in [([400.0, 420.0], "410"), ([300.0, 305.0], "302.5"), ([1095.0, 1100.0], "1097.5")] {
+            let band = band_response(edges);
+            assert_eq!(band.name, name);
+            assert!((band.spectrum.integral() - 1.0).abs() < 1e-6, "{name}");
+        }
     }
 
     #[test]
