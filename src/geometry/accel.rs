@@ -8,12 +8,12 @@
 
 use std::ops::Range;
 
-use glam::{Affine3A, Vec3, Vec3A};
-use obvhs::Boundable;
+use glam::{Affine3A, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ploc::{PlocBuilder, SortPrecision};
 
 use super::simd::{Lanes, with_widest_lanes};
 use super::wide_bvh::{BinaryTree, BlockHits, LEAF_SIZE, LeafVisitor, ShearedRay, TriangleBlock, WideBvh};
@@ -257,12 +257,10 @@ impl TriangleBvh {
     }
 
     fn build(geometry: &Geometry, range: Range<u32>) -> Self {
-        let boxes: Vec<Bounds> = range.clone().map(|triangle| Bounds::of(&geometry.corners(triangle))).collect();
-        let bounds = boxes.iter().fold(Bounds::EMPTY, |all, b| all.union(b)).corners();
-        let tree = build_binary(&boxes);
-        drop(boxes);
+        let boxes = range.clone().map(|triangle| bounds_of(&geometry.corners(triangle)));
+        let (tree, bounds) = build_binary(boxes);
         let mut blocks = Vec::with_capacity(tree.nodes.len() / 9);
-        let bvh = WideBvh::collapse(&tree, tree.nodes.len(), |primitives| {
+        let mut bvh = WideBvh::collapse(&tree, tree.nodes.len(), |primitives| {
             let mut triangles = [(0, [Vec3::ZERO; 3]); LEAF_SIZE];
             for (slot, &primitive) in triangles.iter_mut().zip(primitives) {
                 let triangle = range.start + primitive;
@@ -271,15 +269,21 @@ impl TriangleBvh {
             blocks.push(TriangleBlock::new(&triangles[..primitives.len()]));
             (blocks.len() - 1) as u32
         });
+        // Shrinking copies, for which the memory of the binary tree will do.
+        drop(tree);
         blocks.shrink_to_fit();
-        Self { bvh, blocks, bounds }
+        bvh.shrink_to_fit();
+        Self { bvh, blocks, bounds: (bounds.min.into(), bounds.max.into()) }
     }
 }
 
 impl TopLevel {
     fn build(groups: &[TriangleBvh], placements: &[Placement]) -> Self {
-        let boxes: Vec<_> = placements.iter().map(|p| Bounds::from(p.bounds(groups))).collect();
-        let tree = build_binary(&boxes);
+        let boxes = placements.iter().map(|p| {
+            let (min, max) = p.bounds(groups);
+            Aabb::new(min.into(), max.into())
+        });
+        let (tree, _) = build_binary(boxes);
         let mut leaves = Vec::new();
         let bvh = WideBvh::collapse(&tree, tree.nodes.len(), |primitives| {
             leaves.push(std::array::from_fn(|slot| primitives.get(slot).copied()));
@@ -295,65 +299,44 @@ impl Placement {
         let (min, max) = groups[self.group as usize].bounds;
         let Some(Transform { to_world, .. }) = self.transform else { return (min, max) };
         let corners = (0..8).map(|i| Vec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max, min));
-        let bounds =
-            corners.map(|c| to_world.transform_point3(c)).fold(Bounds::EMPTY, |b, p| b.union(&Bounds::of(&[p; 3])));
-        let (low, high) = bounds.corners();
+        let bounds = corners.map(|c| to_world.transform_point3(c)).fold(Aabb::empty(), |mut all, corner| {
+            all.extend(corner.into());
+            all
+        });
+        let (low, high) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
         let error = low.abs().max(high.abs()).max(Vec3::from(to_world.translation).abs()) * (4.0 * gamma(4));
         (low - error, high + error)
     }
 }
 
-/// An axis-aligned box in 24 bytes, as obvhs asks for it.
-#[derive(Clone, Copy)]
-struct Bounds {
-    min: [f32; 3],
-    max: [f32; 3],
-}
-
-impl Bounds {
-    const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
-
-    fn of(corners: &[Vec3; 3]) -> Self {
-        let [a, b, c] = *corners;
-        Self { min: a.min(b).min(c).to_array(), max: a.max(b).max(c).to_array() }
-    }
-
-    fn union(&self, other: &Self) -> Self {
-        let (a, b) = (self.corners(), other.corners());
-        Self::from((a.0.min(b.0), a.1.max(b.1)))
-    }
-
-    fn corners(&self) -> (Vec3, Vec3) {
-        (Vec3::from_array(self.min), Vec3::from_array(self.max))
-    }
-}
-
-impl From<(Vec3, Vec3)> for Bounds {
-    fn from((min, max): (Vec3, Vec3)) -> Self {
-        Self { min: min.to_array(), max: max.to_array() }
-    }
-}
-
-impl Boundable for Bounds {
-    fn aabb(&self) -> Aabb {
-        Aabb::new(Vec3A::from_array(self.min), Vec3A::from_array(self.max))
-    }
+fn bounds_of([a, b, c]: &[Vec3; 3]) -> Aabb {
+    Aabb::new(a.min(*b).min(*c).into(), a.max(*b).max(*c).into())
 }
 
 /// obvhs's medium quality without its own collapse: parallel-locally-ordered clustering and one round of reinsertion.
-fn build_binary(boxes: &[Bounds]) -> Bvh2 {
-    let indices = (0..boxes.len() as u32).collect();
+/// Returns the bounds of all boxes too.
+///
+/// The leaves are handed over as nodes, since obvhs would otherwise want the boxes in an array of their own: with it the
+/// most memory in use would be 24 bytes a triangle more.
+fn build_binary(boxes: impl Iterator<Item = Aabb>) -> (Bvh2, Aabb) {
+    let mut builder = PlocBuilder::new();
+    builder.current_nodes = boxes.zip(0..).map(|(aabb, index)| Bvh2Node::new(aabb, 1, index)).collect();
+    let bounds = builder.current_nodes.iter().fold(Aabb::empty(), |all, node| all.union(node.aabb()));
+    let primitive_indices = (0..builder.current_nodes.len() as u32).collect();
+    let mut tree = Bvh2 { primitive_indices, ..Bvh2::default() };
+    const SEARCH_DISTANCE: usize = 14;
     let search_depth_threshold = 3;
-    let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::Medium,
-        boxes,
-        indices,
+    builder.build_ploc_from_leaves::<SEARCH_DISTANCE, false>(
+        &mut tree,
+        bounds,
         SortPrecision::U64,
         search_depth_threshold,
     );
+    drop(builder);
     let reinserted_part = 0.05;
     ReinsertionOptimizer::default().run(&mut tree, reinserted_part, None);
-    tree
+    tree.parents = Vec::new();
+    (tree, bounds)
 }
 
 impl BinaryTree for Bvh2 {

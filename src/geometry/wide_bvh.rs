@@ -89,8 +89,12 @@ impl WideBvh {
                 };
             }
         }
-        nodes.shrink_to_fit();
         Self { nodes }
+    }
+
+    /// Gives back memory that building reserved.
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.nodes.shrink_to_fit();
     }
 
     /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far, and
