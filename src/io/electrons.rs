@@ -23,7 +23,7 @@ pub fn write_electrons<W: Write>(electrons: &Estimate, time: Seconds, to: W) -> 
     let mut channels = electrons.mean.channels().to_vec();
     channels.extend(electrons.variance.channels().iter().map(variance));
     let planes = Planes::new(electrons.mean.width(), electrons.mean.height(), channels).map_err(io::Error::other)?;
-    let attributes = [("unit", Attribute::Text(UNIT.to_owned())), ("exposureTime", Attribute::Number(time.0 as f32))];
+    let attributes = [("unit", Attribute::Text(UNIT.to_owned())), ("exposureTime", Attribute::Number(time.0))];
     write_exr(&planes, &attributes, to)
 }
 
@@ -35,7 +35,7 @@ pub fn read_electrons<R: BufRead + Seek>(from: R) -> Result<(Estimate, Seconds),
             .help("give the electrons.exr that photosite render wrote"));
     }
     let time = picture.attributes.iter().find_map(|(name, value)| match value {
-        Attribute::Number(time) if name == "exposureTime" => Some(f64::from(*time)),
+        Attribute::Number(time) if name == "exposureTime" => Some(*time),
         Attribute::Number(_) | Attribute::Text(_) => None,
     });
     let Some(time) = time.filter(|time| time.is_finite() && *time > 0.0) else {
@@ -66,8 +66,8 @@ mod tests {
         variance.channels_mut()[2].data[7] = 0.25;
         let electrons = Estimate { mean, variance };
         let mut file = Vec::new();
-        write_electrons(&electrons, Seconds(0.25), &mut file).expect("written");
-        assert_eq!(read_electrons(Cursor::new(&file)).expect("read"), (electrons, Seconds(0.25)));
+        write_electrons(&electrons, Seconds(0.01), &mut file).expect("written");
+        assert_eq!(read_electrons(Cursor::new(&file)).expect("read"), (electrons, Seconds(0.01)));
     }
 
     #[test]
@@ -78,7 +78,7 @@ mod tests {
             (vec![], "unit"),
             (vec![unit("lux")], "unit"),
             (vec![unit("e-")], "exposureTime"),
-            (vec![unit("e-"), ("exposureTime", Attribute::Number(f32::NAN))], "exposureTime"),
+            (vec![unit("e-"), ("exposureTime", Attribute::Number(f64::NAN))], "exposureTime"),
         ] {
             let mut file = Vec::new();
             write_exr(&planes, &attributes, &mut file).expect("written");

@@ -19,7 +19,7 @@ pub enum Attribute {
     /// Text.
     Text(String),
     /// A number.
-    Number(f32),
+    Number(f64),
 }
 
 /// What an EXR file holds.
@@ -53,7 +53,7 @@ pub fn write_exr<W: Write>(planes: &Planes, attributes: &[(&str, Attribute)], mu
         .map(|(name, value)| {
             let value = match value {
                 Attribute::Text(text) => AttributeValue::Text(ascii(text)),
-                Attribute::Number(number) => AttributeValue::F32(*number),
+                Attribute::Number(number) => AttributeValue::F64(*number),
             };
             (ascii(name), value)
         })
@@ -115,7 +115,10 @@ fn attribute(value: AttributeValue) -> Option<Attribute> {
     if let AttributeValue::Text(text) = value {
         return Some(Attribute::Text(text.to_string()));
     }
-    if let AttributeValue::F32(number) = value { Some(Attribute::Number(number)) } else { None }
+    if let AttributeValue::F32(number) = value {
+        return Some(Attribute::Number(f64::from(number)));
+    }
+    if let AttributeValue::F64(number) = value { Some(Attribute::Number(number)) } else { None }
 }
 
 fn io_error(error: exr::error::Error) -> io::Error {

@@ -61,6 +61,9 @@ type Ifd<'a, W> = DirectoryEncoder<'a, W, TiffKindStandard>;
 
 /// Writes a DNG file. The picture must have pixels, and fewer than a TIFF file can hold (4 GiB).
 pub fn write_dng<W: Write + Seek>(raw: &RawImage, to: W) -> io::Result<()> {
+    if raw.data.is_empty() {
+        return Err(io::Error::other("the picture has no pixels"));
+    }
     write_directories(raw, to).map_err(io_error)
 }
 

@@ -253,6 +253,15 @@ mod tests {
     }
 
     #[test]
+    fn pictures_without_pixels_are_not_written() {
+        for (width, height) in [(0, 0), (0, 4), (4, 0)] {
+            let raw = picture("RGGB", width, height);
+            assert!(write_dng(&raw, Cursor::new(Vec::new())).is_err());
+            assert!(write_tiff(&raw, Cursor::new(Vec::new())).is_err());
+        }
+    }
+
+    #[test]
     fn tiff_files_come_back_as_they_went() {
         let raw = picture("RGGB", 37, 23);
         let mut file = Cursor::new(Vec::new());

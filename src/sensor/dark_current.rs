@@ -13,7 +13,7 @@ impl Noise {
     ///
     /// I(T) = I(T_ref) · 2^((T − T_ref)/ΔT)
     ///
-    /// with the doubling interval ΔT in K ([Emva1288](crate::references#emva1288) §7, the law that its dark-current test fits).
+    /// with the doubling interval ΔT in K ([Emva1288](crate::references#emva1288), dark current).
     pub fn dark_current(&self, temperature: Celsius) -> f64 {
         let doublings = (temperature.0 - self.dark_current_reference.0) / self.dark_current_doubling_k;
         self.dark_current_e_per_s * doublings.exp2()
@@ -34,9 +34,10 @@ pub(super) struct DarkCurrent {
 }
 
 impl DarkCurrent {
-    /// `mean`: thermal electrons of the exposure, finite.
+    /// `mean`: thermal electrons of the exposure, finite. More than the distribution can take fills any well.
     pub(super) fn new(mean: Electrons, key: NoiseKey) -> Self {
-        Self { distribution: Poisson::new(mean.0).ok(), streams: key.temporal(NoiseStage::DarkCurrent) }
+        let distribution = Poisson::new(mean.0.min(Poisson::<f64>::MAX_LAMBDA)).ok();
+        Self { distribution, streams: key.temporal(NoiseStage::DarkCurrent) }
     }
 
     /// The pixel's charge with thermal electrons added.

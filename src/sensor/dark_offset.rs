@@ -16,7 +16,7 @@ pub(super) struct DarkOffset {
 }
 
 impl DarkOffset {
-    /// `dsnu`: spatial standard deviation (DSNU₁₂₈₈, [Emva1288](crate::references#emva1288) §8).
+    /// `dsnu`: spatial standard deviation (DSNU₁₂₈₈, [Emva1288](crate::references#emva1288)).
     pub(super) fn new(dsnu: Electrons, key: NoiseKey) -> Self {
         Self { standard_deviation: dsnu.0, streams: key.fixed(NoiseStage::DarkOffset) }
     }

@@ -156,7 +156,7 @@ impl SensorModel {
     ///
     /// with the pixel's area A in m², the fill factor FF, the quantum efficiency η_c and the filter's transmittance T.
     /// ∫ R_c(λ)·E(λ) dλ, λ in nm, is the rate of photo-electrons in e⁻/s
-    /// ([Emva1288](crate::references#emva1288) eq. 1–3, integrated over wavelength).
+    /// (the sensitivity model of [Emva1288](crate::references#emva1288), integrated over wavelength).
     pub fn responses(&self) -> Vec<(String, Spectrum)> {
         let area = self.pixel_area_m2() * self.fill_factor;
         let response = |quantum_efficiency: &Spectrum| {

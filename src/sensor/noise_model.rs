@@ -10,7 +10,8 @@ impl SensorModel {
     ///
     /// σ² = μ + μ_d + σ_read² + 1/(12·K²)
     ///
-    /// shot noise of light and dark current, read noise, quantisation ([Emva1288](crate::references#emva1288) eq. 10–15).
+    /// shot noise of light and dark current, read noise, quantisation (the linear model of
+    /// [Emva1288](crate::references#emva1288), whose σ_d² is the dark current's and the read noise's together).
     /// Fixed patterns are no temporal noise. Valid below saturation.
     pub fn noise_variance(&self, mean: Electrons, exposure: &Exposure) -> f64 {
         mean.0.max(0.0) + self.dark_variance(exposure)

@@ -14,7 +14,7 @@ pub(super) struct PhotoResponse {
 }
 
 impl PhotoResponse {
-    /// `prnu`: spatial standard deviation over mean (PRNU₁₂₈₈, [Emva1288](crate::references#emva1288) §8).
+    /// `prnu`: spatial standard deviation over mean (PRNU₁₂₈₈, [Emva1288](crate::references#emva1288)).
     pub(super) fn new(prnu: f64, key: NoiseKey) -> Self {
         Self { standard_deviation: prnu, streams: key.fixed(NoiseStage::PhotoResponse) }
     }

@@ -10,7 +10,7 @@ const SIDE: usize = 256;
 const PIXELS: f64 = (SIDE * SIDE) as f64;
 
 /// Mean and temporal variance of the digital numbers at a light level, from two pictures of it: fixed patterns drop out
-/// of their difference, σ² = ½·Var(a − b) (EMVA 1288, release 4.0, eq. 19 in spirit).
+/// of their difference, σ² = ½·Var(a − b).
 fn mean_and_temporal_variance(sensor: &SensorModel, mean_e: f32, gain_db: f64, seed: u64) -> (f64, f64) {
     let exposure = photosite::sensor::Exposure { gain: Decibels(gain_db), ..EXPOSURE };
     let light = flat(sensor, SIDE, SIDE, mean_e);

@@ -62,6 +62,9 @@ fn dark_current_doubles_every_so_many_kelvin() {
         let spread = ((2.0 * expected * expected + expected) / PIXELS).sqrt();
         assert!((m.variance() - expected).abs() < 5.0 * spread, "{}", m.variance());
     }
+    let glowing = Exposure { temperature: Celsius(800.0), ..EXPOSURE };
+    let raw = expose(&light, &sensor, &glowing, Stages::ALL, NoiseKey::default()).expect("valid");
+    assert!(raw.data.iter().all(|&dn| dn == raw.white_level_dn));
     let twice = Exposure { time: Seconds(2.0), ..EXPOSURE };
     assert_eq!(sensor.noise.dark_electrons(twice.temperature, twice.time), Electrons(200.0));
 }
