@@ -6,7 +6,7 @@ use glam::Vec2;
 use super::mesh::flatten;
 use super::tangents::with_tangents;
 use super::warnings::Warnings;
-use crate::scene::description::{MaterialDescription, MaterialModel, SceneDescription, TextureDescription};
+use crate::scene::description::{MaterialDescription, MaterialModel, SceneDescription};
 use crate::texture::UvTransform;
 
 /// Adds to every mesh what its material needs: a UV set of zeros for each that textures use and the mesh lacks (with a
@@ -16,7 +16,7 @@ pub fn complete(scene: &mut SceneDescription) {
     let mut warnings = Warnings::default();
     for mesh in &mut scene.meshes {
         let material = &scene.materials[mesh.material];
-        for texture in textures(material) {
+        for texture in material.textures() {
             if mesh.uvs.len() <= texture.uv_set {
                 let (mesh_name, material_name, set) = (&mesh.name, &material.name, texture.uv_set);
                 warnings.once(format!(
@@ -49,18 +49,4 @@ fn tangent_frame(material: &MaterialDescription) -> Option<(usize, UvTransform)>
         | MaterialModel::Dielectric { .. }
         | MaterialModel::MetallicRoughness { .. } => None,
     }
-}
-
-/// All textures that a material uses.
-fn textures(material: &MaterialDescription) -> impl Iterator<Item = &TextureDescription> {
-    let of_model = match &material.model {
-        MaterialModel::Diffuse { texture, .. } => [texture.as_ref(), None],
-        MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => [None, None],
-        MaterialModel::MetallicRoughness { base_colour_texture, metallic_roughness_texture, .. } => {
-            [base_colour_texture.as_ref(), metallic_roughness_texture.as_ref()]
-        }
-    };
-    let normal = material.normal_map.as_ref().map(|(texture, _)| texture);
-    let emission = material.emission.as_ref().and_then(|emission| emission.texture.as_ref());
-    of_model.into_iter().chain([normal, emission, material.alpha_texture.as_ref()]).flatten()
 }

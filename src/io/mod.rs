@@ -1,7 +1,9 @@
 //! The files: capture files, scenes, pictures. With [`raw`](crate::raw) the only modules that read or write any.
 
+pub mod capture;
 mod complete;
 pub mod electrons;
+mod environment;
 pub mod exr;
 pub mod gltf;
 mod json;
@@ -11,6 +13,7 @@ pub mod output;
 mod picture;
 pub mod png;
 pub mod spectral_exr;
+mod suggest;
 mod tangents;
 mod warnings;
 

@@ -105,6 +105,36 @@ pub struct MaterialDescription {
     pub double_sided: bool,
 }
 
+impl MaterialDescription {
+    /// All textures that the material uses.
+    pub fn textures(&self) -> impl Iterator<Item = &TextureDescription> {
+        let of_model = match &self.model {
+            MaterialModel::Diffuse { texture, .. } => [texture.as_ref(), None],
+            MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => [None, None],
+            MaterialModel::MetallicRoughness { base_colour_texture, metallic_roughness_texture, .. } => {
+                [base_colour_texture.as_ref(), metallic_roughness_texture.as_ref()]
+            }
+        };
+        let normal = self.normal_map.as_ref().map(|(texture, _)| texture);
+        let emission = self.emission.as_ref().and_then(|emission| emission.texture.as_ref());
+        of_model.into_iter().chain([normal, emission, self.alpha_texture.as_ref()]).flatten()
+    }
+
+    /// All textures that the material uses, to be changed.
+    pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureDescription> {
+        let of_model = match &mut self.model {
+            MaterialModel::Diffuse { texture, .. } => [texture.as_mut(), None],
+            MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => [None, None],
+            MaterialModel::MetallicRoughness { base_colour_texture, metallic_roughness_texture, .. } => {
+                [base_colour_texture.as_mut(), metallic_roughness_texture.as_mut()]
+            }
+        };
+        let normal = self.normal_map.as_mut().map(|(texture, _)| texture);
+        let emission = self.emission.as_mut().and_then(|emission| emission.texture.as_mut());
+        of_model.into_iter().chain([normal, emission, self.alpha_texture.as_mut()]).flatten()
+    }
+}
+
 /// Scattering models; one arm each in [`crate::bsdf`].
 #[derive(Clone, Debug)]
 pub enum MaterialModel {

@@ -1,0 +1,115 @@
+//! `[camera]`: where the camera stands, and with the lens what it sees.
+
+use glam::DAffine3;
+
+use super::colour::Finder;
+use super::framing::{bounding_sphere, frame};
+use super::lens::{DEFAULT_FOCAL_LENGTH_M, read_lens};
+use super::light::vector;
+use super::source::CaptureSource;
+use super::tables::{CameraTable, LensTable};
+use crate::io::suggest::{did_you_mean, list};
+use crate::optics::{Focus, LensDescription};
+use crate::scene::description::{CameraDescription, SceneDescription, look_at};
+use crate::sensor::SensorModel;
+use crate::{Invalid, Result};
+
+/// Reads `[camera]` and `[lens]`: camera → world, and the lens. `focus_on_scene` focuses a lens that the file does not
+/// focus on the middle of the scene, rather than on what is in the middle of the picture.
+pub(super) fn read_camera(
+    source: &CaptureSource,
+    finder: &Finder<'_>,
+    scene: &SceneDescription,
+    sensor: &SensorModel,
+    focus_on_scene: bool,
+) -> Result<(DAffine3, LensDescription)> {
+    let camera: CameraTable = source.read("camera")?.unwrap_or_default();
+    let lens: LensTable = source.read("lens")?.unwrap_or_default();
+    let pose = pose(&camera, &scene.cameras).map_err(|invalid| source.error(invalid.within("camera")))?;
+    let focal_length_m = lens.focal_length_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm * 1e-3);
+    let sphere = bounding_sphere(scene);
+    let (pose, focus_distance) = match (pose, sphere) {
+        // The distance of the middle of the scene along the axis.
+        (Some(pose), Some(sphere)) if focus_on_scene => {
+            let distance = pose.to_world.matrix3.z_axis.dot(pose.to_world.translation - sphere.centre);
+            (pose, Some(distance))
+        }
+        (Some(pose), _) => (pose, None),
+        (None, Some(sphere)) => {
+            let (to_world, distance) = frame(&sphere, sensor, focal_length_m);
+            (Pose { to_world, vertical_fov_rad: None }, Some(distance))
+        }
+        (None, None) => {
+            let help = "write [camera] with position_m and look_at_m, or name geometry";
+            return Err(source.error(Invalid::new("camera", "there is none, and no geometry to look at").help(help)));
+        }
+    };
+    // What lies behind the camera or within its focal length cannot be focused on.
+    let default_focus = focus_distance.filter(|u| *u > 1.05 * focal_length_m).map(Focus::Distance);
+    let lens = read_lens(finder, &lens, sensor, pose.vertical_fov_rad, default_focus);
+    Ok((pose.to_world, lens.map_err(|invalid| source.error(invalid.within("lens")))?))
+}
+
+/// Where a camera stands, and what it sees if its file says so.
+struct Pose {
+    to_world: DAffine3,
+    vertical_fov_rad: Option<f64>,
+}
+
+/// The camera that the table asks for, else the first of the scene's files.
+fn pose(table: &CameraTable, cameras: &[CameraDescription]) -> Result<Option<Pose>, Invalid> {
+    let of_file = |camera: &CameraDescription| Pose {
+        to_world: camera.to_world,
+        vertical_fov_rad: Some(camera.vertical_fov_rad),
+    };
+    if let Some(name) = &table.gltf_camera {
+        for (key, is_given) in [
+            ("position_m", table.position_m.is_some()),
+            ("look_at_m", table.look_at_m.is_some()),
+            ("up", table.up.is_some()),
+        ] {
+            if is_given {
+                return Err(Invalid::new(key, "cannot go with gltf_camera").help("remove one of them"));
+            }
+        }
+        let names = || cameras.iter().map(|camera| camera.name.as_str());
+        return match cameras.iter().find(|camera| camera.name == *name) {
+            Some(camera) => Ok(Some(of_file(camera))),
+            None => {
+                let message = format!("the geometry has no camera {name:?}{}", did_you_mean(name, names()));
+                let help = if cameras.is_empty() {
+                    "it has no cameras; write position_m and look_at_m instead".to_owned()
+                } else {
+                    format!("its cameras are {}", list(names()))
+                };
+                Err(Invalid::new("gltf_camera", message).help(help))
+            }
+        };
+    }
+    match (table.position_m, table.look_at_m) {
+        (Some(position), Some(target)) => {
+            let position = vector("position_m", position)?;
+            let target = vector("look_at_m", target)?;
+            let up = vector("up", table.up.unwrap_or([0.0, 1.0, 0.0]))?;
+            if position == target {
+                let message = "is where the camera stands, so it looks nowhere";
+                return Err(Invalid::new("look_at_m", message).help("write a point in front of the camera"));
+            }
+            let to_world = look_at(position, target, up).ok_or_else(|| {
+                let message = format!("the camera looks along {up}, so that cannot be up in the picture");
+                Invalid::new("up", message).help("write a direction across the view, for example up = [0, 0, -1]")
+            })?;
+            Ok(Some(Pose { to_world, vertical_fov_rad: None }))
+        }
+        (None, None) if table.up.is_some() => Err(Invalid::new("up", "needs position_m and look_at_m")),
+        (None, None) => Ok(cameras.first().map(of_file)),
+        (Some(_), None) => {
+            Err(Invalid::new("", "the key `look_at_m` is missing")
+                .help("write a point on the axis, look_at_m = [x, y, z]"))
+        }
+        (None, Some(_)) => {
+            Err(Invalid::new("", "the key `position_m` is missing")
+                .help("write where the lens is, position_m = [x, y, z]"))
+        }
+    }
+}

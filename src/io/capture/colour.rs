@@ -1,0 +1,218 @@
+//! Colours, spectra and textures of capture files.
+//!
+//! In: what the tables name. Out: [`Colour`]s, spectra, textures. Errors are [`Invalid`]s whose key is relative to the
+//! table; a file that is named there is part of the message.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::Vec2;
+
+use super::tables::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
+use crate::Invalid;
+use crate::io::picture::read_picture;
+use crate::io::suggest::{did_you_mean, list};
+use crate::scene::description::{Colour, TextureDescription};
+use crate::sensor::SpectrumSource;
+use crate::spectrum::csv::SpectralTable;
+use crate::spectrum::{Outside, Spectrum, illuminant, library, rgb};
+use crate::texture::{Bitmap, Filter, SamplerSettings, UvTransform, Wrap};
+
+/// Finds what tables name, relative to the folder of their file.
+#[derive(Debug)]
+pub(super) struct Finder<'a> {
+    folder: &'a Path,
+    /// Pictures of the scene; textures that are read are added.
+    images: Vec<Arc<Bitmap>>,
+    slots: HashMap<PathBuf, usize>,
+}
+
+/// The colour of a light, and whether its spectrum has a level of its own.
+pub(super) struct LightSpectrum {
+    pub(super) colour: Colour,
+    /// In W·m⁻²·sr⁻¹·nm⁻¹ as it stands; otherwise only its shape means something.
+    pub(super) is_absolute: bool,
+}
+
+impl<'a> Finder<'a> {
+    /// For files in `folder`; `images` are those that the scene has already.
+    pub(super) fn new(folder: &'a Path, images: Vec<Arc<Bitmap>>) -> Self {
+        Self { folder, images, slots: HashMap::new() }
+    }
+
+    /// The pictures of the scene.
+    pub(super) fn into_images(self) -> Vec<Arc<Bitmap>> {
+        self.images
+    }
+
+    /// The path of a file that a table names.
+    pub(super) fn path(&self, file: &str) -> PathBuf {
+        self.folder.join(file)
+    }
+
+    /// The columns of a CSV file.
+    pub(super) fn table(&self, file: &str, outside: Outside) -> Result<SpectralTable, Invalid> {
+        let path = self.path(file);
+        let text = std::fs::read_to_string(&path).map_err(|source| {
+            Invalid::new("", format!("cannot read {}: {source}", path.display()))
+                .help("paths are relative to the file that they are written in")
+        })?;
+        SpectralTable::parse(&text, outside).map_err(|error| in_csv(&path, error.into()))
+    }
+
+    /// A function of wavelength.
+    pub(super) fn spectrum(&self, source: &SpectrumSource, outside: Outside) -> Result<Spectrum, Invalid> {
+        match source {
+            SpectrumSource::Number(value) if value.is_finite() => Ok(Spectrum::constant(*value as f32)),
+            SpectrumSource::Number(value) => Err(Invalid::new("", format!("must be finite, got {value}"))),
+            SpectrumSource::Name(name) => library::spectrum(name).ok_or_else(|| unknown_spectrum(name, library::names)),
+            SpectrumSource::File(curve) => {
+                let table = self.table(&curve.file, outside)?;
+                table.single().map_err(|error| in_csv(&self.path(&curve.file), error.into()))
+            }
+        }
+    }
+
+    /// A spectrum whose values must lie within 0–1.
+    pub(super) fn fraction(&self, source: &SpectrumSource) -> Result<Spectrum, Invalid> {
+        let spectrum = self.spectrum(source, Outside::Hold)?;
+        let outside = spectrum.iter().find(|(_, value)| !(0.0..=1.0).contains(value));
+        match outside {
+            Some((lambda, value)) => {
+                Err(Invalid::new("", format!("must lie between 0 and 1, but is {value} at {lambda} nm"))
+                    .help("give fractions, not percentages"))
+            }
+            None => Ok(spectrum),
+        }
+    }
+
+    /// What part of the light a surface reflects, and the texture that scales it.
+    pub(super) fn reflectance(
+        &mut self,
+        source: &ReflectanceSource,
+    ) -> Result<(Colour, Option<TextureDescription>), Invalid> {
+        let colour = match source {
+            ReflectanceSource::Number(value) => Colour::Spectrum(self.fraction(&SpectrumSource::Number(*value))?),
+            ReflectanceSource::File(curve) => Colour::Spectrum(self.fraction(&SpectrumSource::File(curve.clone()))?),
+            ReflectanceSource::Name(name) => Colour::Spectrum(
+                library::reflectance(name).ok_or_else(|| unknown_spectrum(name, library::reflectances))?,
+            ),
+            ReflectanceSource::Rgb(rgb) => Colour::Rgb(decoded(unit(*rgb)?)),
+            ReflectanceSource::Linear(linear) => {
+                Colour::Rgb(unit(linear.linear_rgb).map_err(|e| e.within("linear_rgb"))?.map(|c| c as f32))
+            }
+            ReflectanceSource::Texture(texture) => {
+                return Ok((Colour::Rgb([1.0; 3]), Some(self.texture(texture)?)));
+            }
+        };
+        Ok((colour, None))
+    }
+
+    /// The use of a picture.
+    pub(super) fn texture(&mut self, file: &TextureFile) -> Result<TextureDescription, Invalid> {
+        let path = self.path(&file.texture);
+        let image = match self.slots.get(&path) {
+            Some(&slot) => slot,
+            None => {
+                self.images.push(Arc::new(read_picture(&path).map_err(|e| e.within("texture"))?));
+                self.slots.insert(path, self.images.len() - 1);
+                self.images.len() - 1
+            }
+        };
+        let tiles = file.tiles.unwrap_or([1.0; 2]);
+        if !tiles.iter().all(|t| t.is_finite() && *t != 0.0) {
+            return Err(Invalid::new("tiles", format!("must be finite and not 0, got {tiles:?}"))
+                .help("for example tiles = [4, 4]"));
+        }
+        let wrap = match file.wrap {
+            None | Some(WrapName::Repeat) => Wrap::Repeat,
+            Some(WrapName::Mirror) => Wrap::MirroredRepeat,
+            Some(WrapName::Clamp) => Wrap::ClampToEdge,
+        };
+        let filter = match file.filter {
+            None | Some(FilterName::Linear) => Filter::Linear,
+            Some(FilterName::Nearest) => Filter::Nearest,
+        };
+        let transform = UvTransform { scale: Vec2::new(tiles[0] as f32, tiles[1] as f32), ..UvTransform::default() };
+        Ok(TextureDescription { image, uv_set: 0, sampler: SamplerSettings { wrap: [wrap; 2], filter }, transform })
+    }
+
+    /// The colour of a light: D65 unless told otherwise.
+    pub(super) fn light(&self, keys: LightColour<'_>) -> Result<LightSpectrum, Invalid> {
+        let given = [
+            ("illuminant", keys.illuminant.is_some()),
+            ("spectrum", keys.spectrum.is_some()),
+            ("rgb", keys.rgb.is_some()),
+            ("linear_rgb", keys.linear_rgb.is_some()),
+        ];
+        let given: Vec<&str> = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();
+        if let [first, second, ..] = given[..] {
+            return Err(Invalid::new(second, format!("cannot go with {first}"))
+                .help("a light has one colour: keep one of them"));
+        }
+        if let Some(spectrum) = keys.spectrum {
+            let shape =
+                self.spectrum(spectrum, Outside::Zero).and_then(not_negative).map_err(|e| e.within("spectrum"))?;
+            let is_absolute = matches!(spectrum, SpectrumSource::File(_));
+            return Ok(LightSpectrum { colour: Colour::Spectrum(shape), is_absolute });
+        }
+        let rgb = match (keys.rgb, keys.linear_rgb) {
+            (Some(rgb), _) => Some(decoded(unit(rgb).map_err(|e| e.within("rgb"))?)),
+            (None, Some(linear)) => Some(not_negative_rgb(linear).map_err(|e| e.within("linear_rgb"))?),
+            (None, None) => None,
+        };
+        if let Some(rgb) = rgb {
+            return Ok(LightSpectrum { colour: Colour::Rgb(rgb), is_absolute: false });
+        }
+        let name = keys.illuminant.unwrap_or("D65");
+        let spectrum = illuminant::illuminant(name).ok_or_else(|| {
+            let names: Vec<String> = illuminant::names().collect();
+            let names = names.iter().map(String::as_str);
+            Invalid::new("illuminant", format!("there is no illuminant {name:?}{}", did_you_mean(name, names.clone())))
+                .help(format!("known are {}, daylight as D40–D250 and blackbodies as 3000K", list(names)))
+        })?;
+        // Of the named lights, blackbodies alone are physical; all others are tables relative to 560 nm.
+        let is_absolute = name.to_ascii_lowercase().ends_with('k');
+        Ok(LightSpectrum { colour: Colour::Spectrum(spectrum), is_absolute })
+    }
+}
+
+/// The error of the contents of a CSV file.
+fn in_csv(path: &Path, invalid: Invalid) -> Invalid {
+    Invalid { key: String::new(), message: format!("{}: {}", path.display(), invalid.message), help: invalid.help }
+}
+
+fn unknown_spectrum<N: Iterator<Item = &'static str>>(name: &str, names: impl Fn() -> N) -> Invalid {
+    let message = format!("photosite has no spectrum called {name:?} of this kind{}", did_you_mean(name, names()));
+    Invalid::new("", message)
+        .help(format!("known are {}; a file is written as {{ file = \"{name}.csv\" }}", list(names())))
+}
+
+/// Colours 0–1.
+fn unit(rgb: [f64; 3]) -> Result<[f64; 3], Invalid> {
+    if rgb.iter().all(|c| (0.0..=1.0).contains(c)) {
+        return Ok(rgb);
+    }
+    Err(Invalid::new("", format!("must lie between 0 and 1, got {rgb:?}")).help("for example [0.8, 0.2, 0.1]"))
+}
+
+fn not_negative_rgb(rgb: [f64; 3]) -> Result<[f32; 3], Invalid> {
+    if rgb.iter().all(|c| c.is_finite() && *c >= 0.0) {
+        return Ok(rgb.map(|c| c as f32));
+    }
+    Err(Invalid::new("", format!("must not be negative, got {rgb:?}")))
+}
+
+fn not_negative(spectrum: Spectrum) -> Result<Spectrum, Invalid> {
+    let negative = spectrum.iter().find(|(_, value)| *value < 0.0);
+    match negative {
+        Some((lambda, value)) => Err(Invalid::new("", format!("must not be negative, but is {value} at {lambda} nm"))),
+        None => Ok(spectrum),
+    }
+}
+
+/// Display-encoded sRGB → linear.
+fn decoded(encoded: [f64; 3]) -> [f32; 3] {
+    encoded.map(|c| rgb::decode(c as f32))
+}

@@ -1,0 +1,98 @@
+//! A camera for scenes that have none: it looks at everything from the front right and a little above.
+
+use glam::{DAffine3, DVec3};
+
+use crate::scene::description::{SceneDescription, look_at};
+use crate::sensor::SensorModel;
+
+/// From the centre of the scene towards the camera: glTF's models face +Z.
+const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.35, 1.0);
+/// Part of the picture's shorter side that the scene's bounding sphere fills.
+const FILLED: f64 = 0.9;
+
+/// A sphere around a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sphere {
+    pub(super) centre: DVec3,
+    /// m, above 0.
+    pub(super) radius: f64,
+}
+
+/// The sphere around the centre of the bounding box that holds all triangles; `None` without geometry.
+pub(super) fn bounding_sphere(scene: &SceneDescription) -> Option<Sphere> {
+    let points = || {
+        scene.instances.iter().flat_map(|instance| {
+            let positions = scene.meshes[instance.mesh].positions.iter();
+            positions.map(|p| instance.to_world.transform_point3(p.as_dvec3()))
+        })
+    };
+    let (low, high) = points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let centre = (low + high) / 2.0;
+    if !centre.is_finite() {
+        return None;
+    }
+    let radius = points().map(|p| p.distance(centre)).fold(0.0, f64::max);
+    Some(Sphere { centre, radius: radius.max(f64::MIN_POSITIVE.sqrt()) })
+}
+
+/// Where a camera stands that sees the whole sphere through a lens focused on its centre: camera → world, and the
+/// distance of the centre in m.
+pub(super) fn frame(sphere: &Sphere, sensor: &SensorModel, focal_length_m: f64) -> (DAffine3, f64) {
+    let half_side =
+        (0..2).map(|i| sensor.resolution[i] as f64 * sensor.pixel_pitch_m[i] / 2.0).fold(f64::INFINITY, f64::min);
+    let distance = framing_distance(sphere.radius, FILLED * half_side, focal_length_m);
+    let towards = TOWARDS_CAMERA.normalize();
+    let position = sphere.centre + towards * distance;
+    let mut pose = look_at(DVec3::ZERO, -towards, DVec3::Y).unwrap_or(DAffine3::IDENTITY);
+    pose.translation = position;
+    (pose, distance)
+}
+
+/// The distance u of a sphere of radius r whose outline is imaged at the height h of the sensor, when the lens is focused
+/// on its centre: r = u·sin(atan(h/v)) with v = u·f/(u − f). The right-hand side grows with u from 0 at u = f, so halving
+/// intervals finds it.
+fn framing_distance(radius: f64, half_side: f64, f: f64) -> f64 {
+    let seen_radius = |u: f64| u * (half_side * (u - f) / (u * f)).atan().sin();
+    // The sphere itself must lie in front of the lens.
+    let mut near = f.max(radius);
+    let mut far = near * 2.0;
+    while seen_radius(far) < radius && far < f64::MAX / 4.0 {
+        (near, far) = (far, far * 2.0);
+    }
+    for _ in 0..60 {
+        let middle = (near + far) / 2.0;
+        if seen_radius(middle) < radius { near = middle } else { far = middle }
+    }
+    far
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::presets;
+
+    #[test]
+    fn the_outline_of_the_sphere_touches_the_edge() {
+        for (radius, half_side, f) in
+            [(1.0, 1.8e-3, 16e-3), (0.1, 1.8e-3, 16e-3), (1e-3, 5e-3, 50e-3), (1e4, 18e-3, 24e-3)]
+        {
+            let u = framing_distance(radius, half_side, f);
+            let v = u * f / (u - f);
+            // The outline is seen under the angle asin(r/u), and imaged at v·tan of it.
+            let height = v * (radius / u).asin().tan();
+            assert!((height / half_side - 1.0).abs() < 1e-9, "{radius} m: {height} instead of {half_side}");
+        }
+    }
+
+    #[test]
+    fn the_camera_looks_at_the_centre_from_above_and_in_front() {
+        let sensor = presets::model(presets::DEFAULT).expect("the default preset");
+        let sphere = Sphere { centre: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 };
+        let (pose, distance) = frame(&sphere, &sensor, 0.016);
+        let centre = pose.inverse().transform_point3(sphere.centre);
+        assert!((centre - DVec3::new(0.0, 0.0, -distance)).length() < 1e-9 * distance, "{centre}");
+        let offset = pose.translation - sphere.centre;
+        assert!(offset.x > 0.0 && offset.y > 0.0 && offset.z > offset.x, "{offset}");
+        assert!(pose.matrix3.y_axis.y > 0.9 && (pose.matrix3.determinant() - 1.0).abs() < 1e-12);
+    }
+}

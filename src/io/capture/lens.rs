@@ -1,0 +1,127 @@
+//! `[lens]`: from the table to a [`LensDescription`].
+
+use super::colour::Finder;
+use super::tables::{
+    AutofocusTable, DistortionModel, DistortionTable, FalloffName, FocusDistance, IntrinsicsTable, LensTable, LensType,
+};
+use crate::Invalid;
+use crate::optics::{Distortion, Falloff, Focus, Intrinsics, LensDescription, LensKind};
+use crate::sensor::SensorModel;
+
+/// Focal length where nothing asks for another, m.
+pub(super) const DEFAULT_FOCAL_LENGTH_M: f64 = 0.016;
+/// f-number where nothing asks for another.
+pub(super) const DEFAULT_F_NUMBER: f64 = 8.0;
+
+/// Reads the table. `vertical_fov_rad` is that of a glTF camera, if one is used: without a focal length of the table's
+/// own, it decides. `default_focus` holds where the table says nothing of focus.
+pub(super) fn read_lens(
+    finder: &Finder<'_>,
+    table: &LensTable,
+    sensor: &SensorModel,
+    vertical_fov_rad: Option<f64>,
+    default_focus: Option<Focus>,
+) -> Result<LensDescription, Invalid> {
+    let size_px = sensor.resolution.map(|n| n as f64);
+    let focus = match (&table.focus_distance_m, &table.autofocus_px) {
+        (Some(_), Some(_)) => {
+            return Err(Invalid::new("autofocus_px", "cannot go with focus_distance_m").help("keep one of them"));
+        }
+        (Some(distance), None) => focus_distance(distance)?,
+        (None, Some(pixel)) => autofocus(pixel, size_px)?,
+        (None, None) => default_focus.unwrap_or(Focus::Autofocus { pixel: size_px.map(|n| n / 2.0) }),
+    };
+    let intrinsics = table.intrinsics.map(intrinsics).transpose()?;
+    let focal_length_m = match (table.focal_length_mm, intrinsics, vertical_fov_rad) {
+        (Some(mm), ..) => mm * 1e-3,
+        (None, Some(i), _) => focal_length(i.fy * sensor.pixel_pitch_m[1], focus),
+        (None, None, Some(fov)) => {
+            let half_height = size_px[1] * sensor.pixel_pitch_m[1] / 2.0;
+            focal_length(half_height / (fov / 2.0).tan(), focus)
+        }
+        (None, None, None) => DEFAULT_FOCAL_LENGTH_M,
+    };
+    let lens = LensDescription {
+        kind: match table.kind {
+            None | Some(LensType::Thin) => LensKind::Thin,
+            Some(LensType::Pinhole) => LensKind::Pinhole,
+        },
+        focal_length_m,
+        f_number: table.f_number.unwrap_or(DEFAULT_F_NUMBER),
+        focus,
+        blades: table.blades.unwrap_or(0),
+        blade_rotation_deg: table.blade_rotation_deg.unwrap_or(0.0),
+        falloff: match table.falloff {
+            None | Some(FalloffName::Cos4) => Falloff::Cos4,
+            Some(FalloffName::None) => Falloff::None,
+        },
+        transmittance: match &table.transmittance {
+            Some(source) => finder.fraction(source).map_err(|e| e.within("transmittance"))?,
+            None => crate::spectrum::Spectrum::constant(1.0),
+        },
+        distortion: table.distortion.map_or(Ok(Distortion::None), distortion)?,
+        intrinsics,
+    };
+    if !lens.blade_rotation_deg.is_finite() {
+        return Err(Invalid::new("blade_rotation_deg", format!("must be finite, got {}", lens.blade_rotation_deg)));
+    }
+    lens.validate()?;
+    Ok(lens)
+}
+
+/// The focal length that puts the sensor at the distance `v` when focused: 1/f = 1/u + 1/v. Where the distance u of what
+/// is in focus is not known, it counts as infinite, and f = v.
+fn focal_length(v: f64, focus: Focus) -> f64 {
+    match focus {
+        Focus::Distance(u) => u * v / (u + v),
+        Focus::Infinity | Focus::Autofocus { .. } => v,
+    }
+}
+
+fn focus_distance(distance: &FocusDistance) -> Result<Focus, Invalid> {
+    match distance {
+        FocusDistance::Metres(u) => Ok(Focus::Distance(*u)),
+        FocusDistance::Name(name) if name == "infinity" => Ok(Focus::Infinity),
+        FocusDistance::Name(name) => Err(Invalid::new("focus_distance_m", format!("unknown distance {name:?}"))
+            .help("write a number of metres, or \"infinity\"")),
+    }
+}
+
+fn autofocus(pixel: &AutofocusTable, size_px: [f64; 2]) -> Result<Focus, Invalid> {
+    match pixel {
+        AutofocusTable::Pixel(pixel) if (0..2).all(|i| (0.0..=size_px[i]).contains(&pixel[i])) => {
+            Ok(Focus::Autofocus { pixel: *pixel })
+        }
+        AutofocusTable::Pixel(pixel) => {
+            let message = format!("{pixel:?} is not on the sensor of {} × {} pixels", size_px[0], size_px[1]);
+            Err(Invalid::new("autofocus_px", message).help("pixels count from the top-left corner"))
+        }
+        AutofocusTable::Name(name) if name == "centre" => Ok(Focus::Autofocus { pixel: size_px.map(|n| n / 2.0) }),
+        AutofocusTable::Name(name) => Err(Invalid::new("autofocus_px", format!("unknown place {name:?}"))
+            .help("write a pixel such as [400, 300], or \"centre\"")),
+    }
+}
+
+/// From OpenCV's convention, where the centre of the first pixel is 0, to ours, where it is 0.5.
+fn intrinsics(table: IntrinsicsTable) -> Result<Intrinsics, Invalid> {
+    let IntrinsicsTable { fx, fy, cx, cy, skew } = table;
+    for (key, value) in [("cx", cx), ("cy", cy), ("skew", skew)] {
+        if !value.is_finite() {
+            return Err(Invalid::new(format!("intrinsics.{key}"), format!("must be finite, got {value}")));
+        }
+    }
+    Ok(Intrinsics { fx, fy, cx: cx + 0.5, cy: cy + 0.5, skew })
+}
+
+fn distortion(table: DistortionTable) -> Result<Distortion, Invalid> {
+    if let Some(value) = table.k.iter().chain(&table.p).find(|value| !value.is_finite()) {
+        return Err(Invalid::new("distortion", format!("must be finite, got {value}")));
+    }
+    match table.model {
+        DistortionModel::BrownConrady => Ok(Distortion::BrownConrady { k: table.k, p: table.p }),
+        DistortionModel::None if table.k == [0.0; 3] && table.p == [0.0; 2] => Ok(Distortion::None),
+        DistortionModel::None => {
+            Err(Invalid::new("distortion.model", "has no coefficients").help("write model = \"brown-conrady\""))
+        }
+    }
+}

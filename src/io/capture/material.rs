@@ -1,0 +1,249 @@
+//! `[materials.NAME]`: materials in place of those of the geometry.
+
+use serde::de::DeserializeOwned;
+
+use super::colour::Finder;
+use super::light::emission;
+use super::source::CaptureSource;
+use super::tables::{
+    ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MaterialType,
+    MetalSource, MetallicRoughnessTable, TextureFile, TypedMaterialTable,
+};
+use super::tree::Node;
+use crate::io::suggest::{did_you_mean, list};
+use crate::scene::description::{
+    AlphaMode, EmissionDescription, MaterialDescription, MaterialModel, TextureDescription,
+};
+use crate::spectrum::{Dispersion, Outside, Spectrum, library};
+use crate::{Invalid, Result};
+
+/// Applies every `[materials.NAME]` to the materials of that name. Returns the names that were described anew.
+pub(super) fn override_materials(
+    source: &CaptureSource,
+    finder: &mut Finder<'_>,
+    materials: &mut [MaterialDescription],
+) -> Result<Vec<String>> {
+    let Some(node) = source.get("materials") else { return Ok(Vec::new()) };
+    let Some(table) = node.as_table() else {
+        let help = "for example [materials.wall] with type = \"diffuse\" and reflectance = 0.5";
+        return Err(source.error(Invalid::new("materials", "expected a table for every material").help(help)));
+    };
+    let mut described = Vec::new();
+    for (name, entry) in table {
+        let path = format!("materials.{name}");
+        let material = read_material(source, finder, &path, &entry.node)?;
+        let mut found = false;
+        for place in materials.iter_mut().filter(|place| place.name == *name) {
+            material.clone().apply(place);
+            found = true;
+        }
+        if !found {
+            return Err(source.error(unknown_material(path, name, materials)));
+        }
+        described.push(name.clone());
+    }
+    Ok(described)
+}
+
+fn unknown_material(path: String, name: &str, materials: &[MaterialDescription]) -> Invalid {
+    let names = || materials.iter().map(|material| material.name.as_str());
+    let message = format!("the geometry has no material {name:?}{}", did_you_mean(name, names()));
+    let help = match materials {
+        [] => "the capture has no geometry".to_owned(),
+        _ => format!("its materials are {}", list(names())),
+    };
+    Invalid::new(path, message).help(help)
+}
+
+/// A material as a capture file describes it.
+#[derive(Clone)]
+struct Override {
+    /// `None` keeps the model and all that belongs to it.
+    model: Option<(MaterialModel, Option<TextureDescription>)>,
+    emission: Option<EmissionDescription>,
+    double_sided: Option<bool>,
+}
+
+impl Override {
+    fn apply(self, place: &mut MaterialDescription) {
+        let is_new = self.model.is_some();
+        if let Some((model, normal_map)) = self.model {
+            place.model = model;
+            place.normal_map = normal_map.map(|texture| (texture, 1.0));
+            place.alpha = AlphaMode::Opaque;
+            place.alpha_factor = 1.0;
+            place.alpha_texture = None;
+        }
+        if is_new || self.emission.is_some() {
+            place.emission = self.emission;
+        }
+        place.double_sided = self.double_sided.unwrap_or(place.double_sided);
+    }
+}
+
+fn read_material(source: &CaptureSource, finder: &mut Finder<'_>, path: &str, node: &Node) -> Result<Override> {
+    let material = match read_table(source, path, node)? {
+        MaterialTable::Kept(table) => kept(finder, table),
+        MaterialTable::Typed(TypedMaterialTable::Diffuse(table)) => diffuse(finder, table),
+        MaterialTable::Typed(TypedMaterialTable::Conductor(table)) => conductor(finder, table),
+        MaterialTable::Typed(TypedMaterialTable::Dielectric(table)) => dielectric(finder, table),
+        MaterialTable::Typed(TypedMaterialTable::MetallicRoughness(table)) => metallic_roughness(finder, table),
+    };
+    material.map_err(|invalid| source.error(invalid.within(path)))
+}
+
+fn read_table(source: &CaptureSource, path: &str, node: &Node) -> Result<MaterialTable> {
+    let (kind, node) = split_type(source, path, node)?;
+    Ok(MaterialTable::Typed(match kind {
+        None => return Ok(MaterialTable::Kept(source.read_node(path, &node)?)),
+        Some(MaterialType::Diffuse) => TypedMaterialTable::Diffuse(source.read_node(path, &node)?),
+        Some(MaterialType::Conductor) => TypedMaterialTable::Conductor(source.read_node(path, &node)?),
+        Some(MaterialType::Dielectric) => TypedMaterialTable::Dielectric(source.read_node(path, &node)?),
+        Some(MaterialType::MetallicRoughness) => TypedMaterialTable::MetallicRoughness(source.read_node(path, &node)?),
+    }))
+}
+
+/// Takes the `type` out of a table, so that the rest can be read as that type has it.
+pub(super) fn split_type<T: DeserializeOwned>(
+    source: &CaptureSource,
+    path: &str,
+    node: &Node,
+) -> Result<(Option<T>, Node)> {
+    let mut node = node.clone();
+    let kind = node.remove("type").map(|kind| source.read_node(&format!("{path}.type"), &kind));
+    Ok((kind.transpose()?, node))
+}
+
+fn kept(finder: &mut Finder<'_>, table: KeptTable) -> Result<Override, Invalid> {
+    Ok(Override { model: None, emission: shine(finder, table.emission)?, double_sided: table.double_sided })
+}
+
+fn diffuse(finder: &mut Finder<'_>, table: DiffuseTable) -> Result<Override, Invalid> {
+    let (reflectance, texture) = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
+    let model = MaterialModel::Diffuse { reflectance, texture };
+    Ok(Override {
+        model: Some((model, normal_map(finder, table.normal_map)?)),
+        emission: shine(finder, table.emission)?,
+        double_sided: table.double_sided,
+    })
+}
+
+fn conductor(finder: &mut Finder<'_>, table: ConductorTable) -> Result<Override, Invalid> {
+    let (eta, k) = metal(finder, &table.metal).map_err(|e| e.within("metal"))?;
+    for (key, spectrum) in [("eta", &eta), ("k", &k)] {
+        if let Some((lambda, value)) = spectrum.iter().find(|(_, value)| *value < 0.0) {
+            let message = format!("{key} must not be negative, but is {value} at {lambda} nm");
+            return Err(Invalid::new("metal", message));
+        }
+    }
+    let anisotropy = table.anisotropy.unwrap_or(0.0);
+    if !(-1.0..=1.0).contains(&anisotropy) {
+        return Err(Invalid::new("anisotropy", format!("must lie between -1 and 1, got {anisotropy}")));
+    }
+    let roughness = unit("roughness", table.roughness.unwrap_or(0.0))?;
+    let model = MaterialModel::Conductor { eta, k, roughness, anisotropy: anisotropy as f32 };
+    Ok(Override {
+        model: Some((model, normal_map(finder, table.normal_map)?)),
+        emission: shine(finder, table.emission)?,
+        double_sided: table.double_sided,
+    })
+}
+
+fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectrum), Invalid> {
+    match source {
+        MetalSource::Name(name) => match library::conductor(name) {
+            Some(metal) => Ok((metal.eta, metal.k)),
+            None => {
+                let message = format!("photosite has no metal {name:?}{}", did_you_mean(name, library::conductors()));
+                let help = format!("known are {}; or give {{ file = \"n-k.csv\" }}", list(library::conductors()));
+                Err(Invalid::new("", message).help(help))
+            }
+        },
+        MetalSource::File(curve) => {
+            let table = finder.table(&curve.file, Outside::Hold)?;
+            let column = |name| table.column(name).map_err(|e| Invalid::new("", format!("{}: {e}", curve.file)));
+            Ok((column("n")?, column("k")?))
+        }
+        MetalSource::Parts(parts) => Ok((
+            finder.spectrum(&parts.eta, Outside::Hold).map_err(|e| e.within("eta"))?,
+            finder.spectrum(&parts.k, Outside::Hold).map_err(|e| e.within("k"))?,
+        )),
+    }
+}
+
+fn dielectric(finder: &mut Finder<'_>, table: DielectricTable) -> Result<Override, Invalid> {
+    let index = match (&table.glass, &table.index) {
+        (Some(_), Some(_)) => return Err(Invalid::new("index", "cannot go with glass").help("keep one of them")),
+        (None, None) => {
+            let help = "for example glass = \"BK7\" or index = 1.5";
+            return Err(Invalid::new("", "needs a glass or an index").help(help));
+        }
+        (Some(name), None) => library::glass(name).ok_or_else(|| {
+            let message = format!("photosite has no glass {name:?}{}", did_you_mean(name, library::glasses()));
+            Invalid::new("glass", message).help(format!("known are {}; or give an index", list(library::glasses())))
+        })?,
+        (None, Some(index)) => dispersion(finder, index, table.abbe_number).map_err(|e| e.within("index"))?,
+    };
+    if table.abbe_number.is_some() && !matches!(table.index, Some(IndexSource::Number(_))) {
+        return Err(Invalid::new("abbe_number", "goes only with an index that is a number").help("remove it"));
+    }
+    let model = MaterialModel::Dielectric { index, roughness: unit("roughness", table.roughness.unwrap_or(0.0))? };
+    Ok(Override { model: Some((model, None)), emission: None, double_sided: None })
+}
+
+fn dispersion(finder: &Finder<'_>, source: &IndexSource, abbe: Option<f64>) -> Result<Dispersion, Invalid> {
+    let dispersion = match source {
+        IndexSource::Number(n) => match abbe {
+            Some(abbe) => Dispersion::from_abbe(*n, abbe)?,
+            None => Dispersion::constant(*n),
+        },
+        IndexSource::Sellmeier(t) => {
+            Dispersion::Sellmeier { b: t.sellmeier_b.clone(), c_um2: t.sellmeier_c_um2.clone() }
+        }
+        IndexSource::Cauchy(t) => Dispersion::Cauchy { a: t.cauchy_a, b_um2: t.cauchy_b_um2, c_um4: t.cauchy_c_um4 },
+        IndexSource::File(curve) => {
+            let source = crate::sensor::SpectrumSource::File(curve.clone());
+            Dispersion::Table(finder.spectrum(&source, Outside::Hold)?)
+        }
+    };
+    dispersion.validated()
+}
+
+fn metallic_roughness(finder: &mut Finder<'_>, table: MetallicRoughnessTable) -> Result<Override, Invalid> {
+    let (base_colour, base_colour_texture) =
+        finder.reflectance(&table.base_colour).map_err(|e| e.within("base_colour"))?;
+    let map = table.metallic_roughness_map.as_ref().map(|map| finder.texture(map)).transpose();
+    let model = MaterialModel::MetallicRoughness {
+        base_colour,
+        base_colour_texture,
+        metallic: unit("metallic", table.metallic.unwrap_or(0.0))?,
+        roughness: unit("roughness", table.roughness)?,
+        metallic_roughness_texture: map.map_err(|e| e.within("metallic_roughness_map"))?,
+    };
+    Ok(Override {
+        model: Some((model, normal_map(finder, table.normal_map)?)),
+        emission: shine(finder, table.emission)?,
+        double_sided: table.double_sided,
+    })
+}
+
+fn normal_map(finder: &mut Finder<'_>, file: Option<TextureFile>) -> Result<Option<TextureDescription>, Invalid> {
+    file.map(|file| finder.texture(&file)).transpose().map_err(|e| e.within("normal_map"))
+}
+
+/// The emission of a surface.
+fn shine(finder: &mut Finder<'_>, table: Option<EmissionTable>) -> Result<Option<EmissionDescription>, Invalid> {
+    let Some(table) = table else { return Ok(None) };
+    let texture = table.texture.as_ref().map(|file| finder.texture(file)).transpose();
+    let texture = texture.map_err(|e| e.within("texture").within("emission"))?;
+    let level = table.luminance_nit.map(|level| ("luminance_nit", level));
+    let emission = emission(finder, table.colour(), level, "luminance_nit").map_err(|e| e.within("emission"))?;
+    Ok(Some(EmissionDescription { texture, ..emission }))
+}
+
+fn unit(key: &str, value: f64) -> Result<f32, Invalid> {
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value as f32);
+    }
+    Err(Invalid::new(key, format!("must lie between 0 and 1, got {value}")))
+}

@@ -1,0 +1,142 @@
+//! The capture file: a scene, the camera that looks at it and what to make of it, as TOML.
+//!
+//! In: the path of a capture file, or of a scene file (`.gltf`, `.glb`, `.obj`) that stands for a capture of defaults,
+//! and `--set key=value` arguments. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
+//! the key and its line, or the argument.
+//!
+//! | table | holds | read by |
+//! |---|---|---|
+//! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
+//! | `[[lights]]` | lights without a surface | `light.rs` |
+//! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
+//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs` |
+//! | `[sensor]` | a preset and changes to it | `sensor.rs` |
+//! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
+//!
+//! The keys are documented where they are declared, in `tables/`; [`capture_schema`] makes a JSON Schema of that.
+//! Rendering is left to others.
+
+mod camera;
+mod colour;
+mod framing;
+mod lens;
+mod light;
+mod material;
+mod overrides;
+mod reader;
+mod scene;
+mod schema;
+mod sensor;
+mod settings;
+mod source;
+mod tables;
+mod tree;
+
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::path::Path;
+
+use glam::DAffine3;
+
+use crate::integrator::RenderSettings;
+use crate::io::suggest::{did_you_mean, list};
+use crate::optics::LensDescription;
+use crate::scene::description::SceneDescription;
+use crate::sensor::SensorModel;
+use crate::{Error, Invalid, Result};
+
+use camera::read_camera;
+use colour::Finder;
+use scene::ReadScene;
+use sensor::read_sensor;
+
+pub use schema::capture_schema;
+pub use settings::{ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
+pub use source::CaptureSource;
+
+/// Everything that a capture file, the files it names and the command line say.
+#[derive(Debug)]
+pub struct Capture {
+    /// What is in front of the camera. Its warnings are those of the whole capture.
+    pub scene: SceneDescription,
+    /// Camera → world; the camera looks along −Z.
+    pub camera_to_world: DAffine3,
+    /// The lens.
+    pub lens: LensDescription,
+    /// The sensor.
+    pub sensor: SensorModel,
+    /// How it is exposed.
+    pub exposure: ExposureSettings,
+    /// How light is traced.
+    pub render: RenderSettings,
+    /// What is written.
+    pub output: OutputSettings,
+    /// Where all this stands: for errors that show up later.
+    pub source: CaptureSource,
+}
+
+impl Capture {
+    /// Reads a capture file (`.toml`) or a scene file, with the `key=value` of every `--set` laid over it.
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
+        let mut source = if is_scene_file(path) {
+            CaptureSource::of_scene_file(path)
+        } else {
+            CaptureSource::parse(path, read_text(path)?)?
+        };
+        for argument in overrides {
+            overrides::set(&mut source, argument)?;
+        }
+        refuse_unknown_sections(&source)?;
+
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let geometry = if is_scene_file(path) {
+            ReadScene::of_scene_file(&source, path)?
+        } else {
+            ReadScene::of_capture(&source, folder)?
+        };
+        let finder = Finder::new(folder, Vec::new());
+        let sensor = read_sensor(&mut source, &finder, folder)?;
+        let (camera_to_world, lens) = read_camera(&source, &finder, &geometry.scene, &sensor, is_scene_file(path))?;
+        let scene = geometry.with_tables(&source, folder)?;
+        let exposure = settings::exposure(&source.read("exposure")?.unwrap_or_default(), &sensor);
+        let render = settings::render(&source.read("render")?.unwrap_or_default());
+        let output = settings::output(&source.read("output")?.unwrap_or_default());
+        Ok(Self {
+            scene,
+            camera_to_world,
+            lens,
+            sensor,
+            exposure: exposure.map_err(|invalid| source.error(invalid.within("exposure")))?,
+            render: render.map_err(|invalid| source.error(invalid.within("render")))?,
+            output: output.map_err(|invalid| source.error(invalid.within("output")))?,
+            source,
+        })
+    }
+}
+
+/// Whether a path names a file of geometry rather than a capture file.
+fn is_scene_file(path: &Path) -> bool {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    matches!(extension.as_deref(), Some("gltf" | "glb" | "obj"))
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    let bytes = fs::read(path).map_err(|source| Error::io(path, "read", source))?;
+    String::from_utf8(bytes).map_err(|_| {
+        let invalid = Invalid::new("", "is neither TOML nor a scene of a known kind");
+        invalid.help("give a capture file (.toml) or a scene (.gltf, .glb, .obj)").in_file(path)
+    })
+}
+
+fn refuse_unknown_sections(source: &CaptureSource) -> Result<()> {
+    match source.sections().find(|(key, _)| !tables::SECTIONS.contains(key)) {
+        Some((key, _)) => {
+            let message = format!("unknown key `{key}`{}", did_you_mean(key, tables::SECTIONS));
+            let help = format!("the tables of a capture file are {}", list(tables::SECTIONS));
+            Err(source.error(Invalid::new(key, message).help(help)))
+        }
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,34 @@
+//! `--set key=value`: values of the command line in place of those of the file.
+
+use toml::de::DeValue;
+
+use super::source::CaptureSource;
+use crate::{Error, Result};
+
+/// Lays `key=value` over the values of a capture file. The key is a path of keys, where elements of arrays are numbered
+/// from 0 (`lights.0.intensity_cd`); the value is TOML, or a bare word that stands for itself.
+pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
+    let wrong = |message: String| Error::Usage { message, help: Some("for example --set lens.f_number=4".to_owned()) };
+    let Some((key, value)) = argument.split_once('=') else {
+        return Err(wrong(format!("--set {argument}: there is no value")));
+    };
+    let (key, value) = (key.trim(), value.trim());
+    // A key may not smuggle in a document of its own.
+    if key.is_empty() || key.contains(['\n', '\r', '=', '#', '[', ']']) {
+        return Err(wrong(format!("--set {argument}: {key:?} is no key")));
+    }
+    let is_toml = DeValue::parse(value).is_ok() && !value.contains(['\n', '\r']);
+    let toml = if is_toml {
+        format!("{key} = {value}")
+    } else if is_bare_word(value) {
+        format!("{key} = {value:?}")
+    } else {
+        return Err(wrong(format!("--set {argument}: {value:?} is neither a TOML value nor a word")));
+    };
+    source.set(argument, toml)
+}
+
+/// Words, names and paths, that need no quotes to be told from TOML.
+fn is_bare_word(value: &str) -> bool {
+    !value.is_empty() && value.chars().all(|c| c.is_alphanumeric() || "_-./:+ ".contains(c))
+}

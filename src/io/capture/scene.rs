@@ -1,0 +1,153 @@
+//! `[scene]`: reading geometry and laying the tables of a capture file over it.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use glam::{DAffine3, DVec3};
+
+use super::colour::Finder;
+use super::light::{read_environment_source, read_lights};
+use super::material::override_materials;
+use super::source::CaptureSource;
+use super::tables::{NormalsName, SceneTable};
+use crate::io::obj::MissingNormals;
+use crate::io::warnings::Warnings;
+use crate::io::{gltf, obj};
+use crate::scene::description::{Colour, EnvironmentDescription, SceneDescription};
+use crate::spectrum::illuminant;
+use crate::{Invalid, Result};
+
+/// Illuminance of the surroundings of scenes that have no light, lux: a bright room.
+const DEFAULT_ILLUMINANCE_LUX: f64 = 500.0;
+
+/// Geometry as read, before the tables of a capture file change it.
+#[derive(Debug, Default)]
+pub(super) struct ReadScene {
+    pub(super) scene: SceneDescription,
+    /// Materials of OBJ files that nothing has described yet.
+    undescribed_materials: Vec<String>,
+}
+
+impl ReadScene {
+    /// Reads all geometry of a capture file.
+    pub(super) fn of_capture(source: &CaptureSource, folder: &Path) -> Result<Self> {
+        let table: SceneTable = source.read("scene")?.unwrap_or_default();
+        let mut read = Self::default();
+        for (i, file) in table.geometry.iter().enumerate() {
+            let path = folder.join(file);
+            if !path.is_file() {
+                let message = format!("there is no file {}", path.display());
+                let help = "paths are relative to the capture file";
+                return Err(source.error(Invalid::new(format!("scene.geometry[{i}]"), message).help(help)));
+            }
+            read.add(source, &table, &path, i)?;
+        }
+        Ok(read)
+    }
+
+    /// Reads a scene file that stands for a capture file. It gets surroundings unless it has lights of its own.
+    pub(super) fn of_scene_file(source: &CaptureSource, path: &Path) -> Result<Self> {
+        let table: SceneTable = source.read("scene")?.unwrap_or_default();
+        let mut read = Self::default();
+        read.add(source, &table, path, 0)?;
+        if read.scene.meshes.is_empty() {
+            let help = "give a scene with geometry, or a capture file";
+            return Err(Invalid::new("", "has no triangles").help(help).in_file(path));
+        }
+        if read.scene.lights.is_empty() {
+            read.scene.environment = Some(EnvironmentDescription::Constant {
+                colour: Colour::Spectrum(illuminant::d65().clone()),
+                luminance_nit: Some(DEFAULT_ILLUMINANCE_LUX / PI),
+            });
+        }
+        Ok(read)
+    }
+
+    /// Reads a file of geometry and adds what it holds.
+    fn add(&mut self, source: &CaptureSource, table: &SceneTable, path: &Path, index: usize) -> Result<()> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        match extension.as_deref() {
+            Some("gltf" | "glb") => self.merge(gltf::read(path)?),
+            Some("obj") => {
+                let missing = match table.generate_normals {
+                    None | Some(NormalsName::Flat) => MissingNormals::Flat,
+                    Some(NormalsName::Smooth) => MissingNormals::Smooth,
+                };
+                let mut file = obj::read(path, missing)?;
+                let scale = unit_length(table).map_err(|invalid| source.error(invalid.within("scene")))?;
+                for instance in &mut file.scene.instances {
+                    instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;
+                }
+                self.undescribed_materials.append(&mut file.undescribed_materials);
+                self.merge(file.scene);
+            }
+            _ => {
+                let message = format!("{} is no scene of a known kind", path.display());
+                let invalid = Invalid::new(format!("scene.geometry[{index}]"), message);
+                return Err(source.error(invalid.help("geometry is read from .gltf, .glb and .obj files")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Appends another scene, whose indices move behind those that are there.
+    fn merge(&mut self, other: SceneDescription) {
+        let scene = &mut self.scene;
+        let (images, materials, meshes) = (scene.images.len(), scene.materials.len(), scene.meshes.len());
+        scene.images.extend(other.images);
+        scene.materials.extend(other.materials.into_iter().map(|mut material| {
+            material.textures_mut().for_each(|texture| texture.image += images);
+            material
+        }));
+        scene.meshes.extend(other.meshes.into_iter().map(|mut mesh| {
+            mesh.material += materials;
+            mesh
+        }));
+        scene.instances.extend(other.instances.into_iter().map(|mut instance| {
+            instance.mesh += meshes;
+            instance
+        }));
+        scene.lights.extend(other.lights);
+        scene.cameras.extend(other.cameras);
+        scene.warnings.extend(other.warnings);
+    }
+
+    /// Lays materials, lights and environment of the capture file over the geometry.
+    pub(super) fn with_tables(mut self, source: &CaptureSource, folder: &Path) -> Result<SceneDescription> {
+        let mut finder = Finder::new(folder, std::mem::take(&mut self.scene.images));
+        let described = override_materials(source, &mut finder, &mut self.scene.materials)?;
+        self.scene.lights.extend(read_lights(source, &finder)?);
+        let mut warnings = Warnings::default();
+        for name in self.undescribed_materials.iter().filter(|name| !described.contains(name)) {
+            warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));
+        }
+        let table: SceneTable = source.read("scene")?.unwrap_or_default();
+        if let Some(environment) = &table.environment {
+            let read = read_environment_source(&finder, environment, &mut warnings);
+            self.scene.environment = read.map_err(|e| source.error(e.within("scene.environment")))?;
+        }
+        self.scene.images = finder.into_images();
+        self.scene.warnings.extend(warnings.into_messages());
+        crate::io::complete(&mut self.scene);
+        if !shines(&self.scene) {
+            self.scene.warnings.push("nothing in the scene gives light, so the picture will be black".to_owned());
+        }
+        Ok(self.scene)
+    }
+}
+
+/// Length of the unit of OBJ files, m.
+fn unit_length(table: &SceneTable) -> Result<f64, Invalid> {
+    let scale = table.meters_per_unit.unwrap_or(1.0);
+    if scale.is_finite() && scale > 0.0 {
+        return Ok(scale);
+    }
+    let message = format!("must be above 0, got {scale}");
+    Err(Invalid::new("meters_per_unit", message).help("for example meters_per_unit = 0.001 for millimetres"))
+}
+
+/// Whether there is any light.
+fn shines(scene: &SceneDescription) -> bool {
+    let shining_mesh = scene.meshes.iter().any(|mesh| scene.materials[mesh.material].emission.is_some());
+    scene.environment.is_some() || !scene.lights.is_empty() || shining_mesh
+}

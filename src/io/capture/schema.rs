@@ -1,0 +1,94 @@
+//! The JSON Schema of capture files, by which editors complete and check them.
+
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+
+use super::tables::CaptureFile;
+
+/// The JSON Schema (draft 2020-12) of capture files. The committed copy is `assets/capture.schema.json`.
+pub fn capture_schema() -> Value {
+    let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<CaptureFile>();
+    let mut schema = schema.to_value();
+    make_partial(&mut schema);
+    schema
+}
+
+/// Makes every key of `[sensor]` optional, in tables within it too: a preset gives what is left out.
+fn make_partial(schema: &mut Value) {
+    let Some(definitions) = schema.get_mut("$defs").and_then(Value::as_object_mut) else { return };
+    let mut names = vec!["SensorTable".to_owned()];
+    let mut seen: Vec<String> = Vec::new();
+    while let Some(name) = names.pop() {
+        let Some(definition) = definitions.get_mut(&name) else { continue };
+        remove_required(definition);
+        references(definition, &mut names);
+        seen.push(name);
+        names.retain(|name| !seen.contains(name));
+    }
+}
+
+/// `required` lists within a definition, but not those of the alternatives of a value: a curve has to name its file.
+fn remove_required(definition: &mut Value) {
+    if let Some(definition) = definition.as_object_mut().filter(|definition| definition.contains_key("properties")) {
+        definition.remove("required");
+    }
+}
+
+/// Adds the names of definitions that the keys of a table refer to, but for kinds of values.
+fn references(definition: &Value, names: &mut Vec<String>) {
+    match definition {
+        Value::Object(object) => {
+            if let Some(name) = object.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix("#/$defs/"))
+                && name != "SpectrumSource"
+            {
+                names.push(name.to_owned());
+            }
+            object.values().for_each(|value| references(value, names));
+        }
+        Value::Array(array) => array.iter().for_each(|value| references(value, names)),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Map, json};
+
+    use super::*;
+
+    const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/capture.schema.json");
+
+    #[test]
+    fn the_committed_schema_is_current() {
+        let current = serde_json::to_string_pretty(&capture_schema()).expect("JSON") + "\n";
+        if std::env::var_os("UPDATE_SCHEMA").is_some() {
+            std::fs::write(PATH, &current).expect("written");
+        }
+        let committed = std::fs::read_to_string(PATH).unwrap_or_default();
+        assert!(committed == current, "run the test with UPDATE_SCHEMA=1 and commit assets/capture.schema.json");
+    }
+
+    #[test]
+    fn every_key_is_described_and_no_other_allowed() {
+        fn check(path: &str, schema: &Map<String, Value>) {
+            if let Some(properties) = schema.get("properties").and_then(Value::as_object) {
+                assert_eq!(schema.get("additionalProperties"), Some(&json!(false)), "{path}");
+                for (key, property) in properties {
+                    let described = ["description", "const", "$ref"].iter().any(|k| property.get(k).is_some());
+                    assert!(described, "{path}.{key}: {property}");
+                }
+            }
+            for (key, value) in schema {
+                let children = value.as_object().into_iter().map(|v| (key.clone(), v));
+                let listed =
+                    value.as_array().into_iter().flatten().filter_map(Value::as_object).map(|v| (key.clone(), v));
+                children.chain(listed).for_each(|(key, value)| check(&format!("{path}/{key}"), value));
+            }
+        }
+        let schema = capture_schema();
+        check("", schema.as_object().expect("an object"));
+        let sensor = &schema["$defs"]["SensorTable"];
+        assert!(sensor.get("required").is_none() && sensor["properties"].get("adc").is_some(), "{sensor}");
+        assert!(schema["$defs"]["AdcDescription"].get("required").is_none());
+    }
+}

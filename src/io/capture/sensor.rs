@@ -1,0 +1,89 @@
+//! `[sensor]`: a preset or sensor file, with the keys of the table laid over it.
+
+use std::path::Path;
+
+use super::colour::Finder;
+use super::source::CaptureSource;
+use super::tree::{Node, Value, parse};
+use crate::io::suggest::{did_you_mean, list};
+use crate::sensor::{SensorModel, presets};
+use crate::spectrum::Outside;
+use crate::{Error, Invalid, Result};
+
+/// Reads the sensor and puts the merged table in the place of `[sensor]`, so that errors of its keys find their line.
+pub(super) fn read_sensor(source: &mut CaptureSource, finder: &Finder<'_>, folder: &Path) -> Result<SensorModel> {
+    let mut changes = match source.get("sensor") {
+        Some(node) if node.as_table().is_some() => node.clone(),
+        Some(_) => {
+            let help = format!("write [sensor] with preset = {:?}", presets::DEFAULT);
+            return Err(source.error(Invalid::new("sensor", "expected a table").help(help)));
+        }
+        None => Node { span: 0..0, value: Value::Table(Default::default()) },
+    };
+    let preset = changes.remove("preset");
+    let name = match preset.as_ref().map(|node| node.as_str().ok_or(node)) {
+        None => presets::DEFAULT.to_owned(),
+        Some(Ok(name)) => name.to_owned(),
+        Some(Err(_)) => {
+            let help = format!("for example preset = {:?}", presets::DEFAULT);
+            return Err(source.error(Invalid::new("sensor.preset", "expected the name of a sensor").help(help)));
+        }
+    };
+    let mut merged = base(source, folder, &name, preset.as_ref().unwrap_or(&changes))?;
+    anchor_files(&mut changes, folder);
+    merged.lay_over(changes);
+    // The place of the table as a whole is where the capture file speaks of it.
+    if let Some(node) = source.get("sensor") {
+        merged.span = node.span.clone();
+    }
+    source.replace("sensor", merged);
+
+    let description = source.read("sensor")?.ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
+    let stem = Path::new(&name).file_stem().map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
+    let resolve = |spectrum: &_| finder.spectrum(spectrum, Outside::Zero);
+    SensorModel::new(&stem, &description, resolve).map_err(|invalid| source.error(invalid.within("sensor")))
+}
+
+/// The table of a preset or of a sensor file. Values of a preset are placed where it is named.
+fn base(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) -> Result<Node> {
+    if name.contains(['/', '\\']) || name.to_ascii_lowercase().ends_with(".toml") {
+        let path = folder.join(name);
+        let text = std::fs::read_to_string(&path).map_err(|reason| {
+            let message = format!("cannot read {}: {reason}", path.display());
+            let help = "paths are relative to the file that they are written in";
+            source.error(Invalid::new("sensor.preset", message).help(help))
+        })?;
+        let mut node = source.add_file(&path, text)?;
+        anchor_files(&mut node, path.parent().unwrap_or(Path::new("")));
+        return Ok(node);
+    }
+    let table = presets::table(name).ok_or_else(|| unknown_preset(source, name))?;
+    // A preset is known to be good; what can be wrong is what a capture file makes of it.
+    let mut node =
+        parse(&table.to_string(), 0).map_err(|(_, message)| source.error(Invalid::new("sensor.preset", message)))?;
+    node.place_at(&place.span);
+    Ok(node)
+}
+
+fn unknown_preset(source: &CaptureSource, name: &str) -> Error {
+    let message = format!("photosite has no sensor {name:?}{}", did_you_mean(name, presets::names()));
+    let help = format!("known are {}; a file is written with its ending, \"{name}.toml\"", list(presets::names()));
+    source.error(Invalid::new("sensor.preset", message).help(help))
+}
+
+/// Makes the paths of `{ file = "…" }` relative to `folder` rather than to the file that they stand in.
+fn anchor_files(node: &mut Node, folder: &Path) {
+    let Value::Table(table) = &mut node.value else { return };
+    for (key, entry) in table {
+        match &mut entry.node.value {
+            Value::String(file) if key == "file" => *file = folder.join(&*file).to_string_lossy().into_owned(),
+            Value::Table(_) => anchor_files(&mut entry.node, folder),
+            Value::String(_)
+            | Value::Integer(_)
+            | Value::Float(_)
+            | Value::Boolean(_)
+            | Value::Datetime(_)
+            | Value::Array(_) => {}
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! `[exposure]`, `[render]` and `[output]`: from tables to settings.
+
+use std::time::Duration;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
+use crate::Invalid;
+use crate::integrator::{RenderSettings, SamplerKind};
+use crate::sensor::{AutoExposure, Exposure, SensorModel};
+use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
+use crate::units::{Celsius, Decibels, Seconds};
+
+/// How the sensor is exposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExposureSettings {
+    /// How long.
+    pub time: ExposureTime,
+    /// Analogue gain.
+    pub gain: Decibels,
+    /// Temperature of the sensor.
+    pub temperature: Celsius,
+    /// How many pictures of the same light, at least 1.
+    pub frames: u32,
+}
+
+/// How long an exposure takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExposureTime {
+    /// As long as this.
+    Fixed(Seconds),
+    /// As long as the picture needs.
+    Auto(AutoExposure),
+}
+
+/// What is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputSettings {
+    /// Formats of the raw picture.
+    pub raw: Vec<RawFormat>,
+    /// Whether the mean electrons are written.
+    pub electrons: bool,
+    /// The bands in which the spectral irradiance is written, if it is.
+    pub irradiance: Option<SpectralBands>,
+    /// Time between pictures of a render that is under way; `None` for no such pictures.
+    pub preview_interval: Option<Duration>,
+}
+
+/// Formats of raw pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawFormat {
+    /// Digital negative.
+    Dng,
+    /// 16-bit TIFF of the mosaic.
+    Tiff,
+    /// 16-bit PGM of the mosaic.
+    Pgm,
+    /// NumPy array of the mosaic.
+    Npy,
+}
+
+/// Spectral bands of equal width next to each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpectralBands {
+    /// Lower edge of the first, nm.
+    pub first_nm: f64,
+    /// Width of each, nm.
+    pub width_nm: f64,
+    /// How many.
+    pub count: usize,
+}
+
+impl Default for SpectralBands {
+    /// 30 bands of 10 nm from 400 to 700 nm.
+    fn default() -> Self {
+        Self { first_nm: 400.0, width_nm: 10.0, count: 30 }
+    }
+}
+
+impl SpectralBands {
+    /// Lower and upper edge of a band, nm.
+    pub fn edges_nm(&self, band: usize) -> [f64; 2] {
+        [band, band + 1].map(|edge| self.first_nm + edge as f64 * self.width_nm)
+    }
+
+    /// Centre of a band, nm.
+    pub fn centre_nm(&self, band: usize) -> f64 {
+        self.first_nm + (band as f64 + 0.5) * self.width_nm
+    }
+}
+
+/// Reads `[exposure]`.
+pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
+    let time = match (table.time_s, table.auto) {
+        (Some(_), Some(true)) => {
+            return Err(Invalid::new("auto", "cannot go with time_s").help("keep one of them"));
+        }
+        (Some(time), None | Some(false)) => ExposureTime::Fixed(Seconds(time)),
+        (None, Some(false)) => {
+            return Err(Invalid::new("auto", "is off, and there is no time").help("for example time_s = 0.01"));
+        }
+        (None, None | Some(true)) => ExposureTime::Auto(auto_exposure(table)?),
+    };
+    if let (ExposureTime::Fixed(_), Some(key)) = (
+        time,
+        [("auto_target", table.auto_target), ("auto_brighter_part", table.auto_brighter_part)]
+            .iter()
+            .find_map(|(key, value)| value.map(|_| *key)),
+    ) {
+        return Err(Invalid::new(key, "goes only with automatic exposure").help("remove it, or remove time_s"));
+    }
+    let [lowest, highest] = sensor.converter.gain_range.map(|gain| gain.0);
+    let settings = ExposureSettings {
+        time,
+        gain: Decibels(table.gain_db.unwrap_or(0f64.clamp(lowest, highest))),
+        temperature: Celsius(table.temperature_c.unwrap_or(25.0)),
+        frames: table.frames.unwrap_or(1),
+    };
+    if settings.frames == 0 {
+        return Err(Invalid::new("frames", "must be at least 1, got 0").help("for example frames = 1"));
+    }
+    // Any time serves to check the rest of an automatic exposure.
+    let time = match settings.time {
+        ExposureTime::Fixed(time) => time,
+        ExposureTime::Auto(_) => Seconds(1.0),
+    };
+    Exposure { time, gain: settings.gain, temperature: settings.temperature }.validate(sensor)?;
+    Ok(settings)
+}
+
+fn auto_exposure(table: &ExposureTable) -> Result<AutoExposure, Invalid> {
+    let default = AutoExposure::default();
+    let auto = AutoExposure {
+        level: table.auto_target.unwrap_or(default.level),
+        brighter_part: table.auto_brighter_part.unwrap_or(default.brighter_part),
+    };
+    if !(auto.level > 0.0 && auto.level <= 1.0) {
+        let message = format!("must lie above 0 and up to 1, got {}", auto.level);
+        return Err(Invalid::new("auto_target", message).help("for example auto_target = 0.85"));
+    }
+    if !(0.0..1.0).contains(&auto.brighter_part) {
+        let message = format!("must lie from 0 to below 1, got {}", auto.brighter_part);
+        return Err(Invalid::new("auto_brighter_part", message).help("for example auto_brighter_part = 0.005"));
+    }
+    Ok(auto)
+}
+
+/// Reads `[render]`.
+pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
+    let default = RenderSettings::default();
+    let settings = RenderSettings {
+        samples_per_pixel: table.samples_per_pixel.unwrap_or(default.samples_per_pixel),
+        time_limit: table.time_limit_s.map(|s| duration("time_limit_s", s)).transpose()?,
+        noise_target: table.noise_target,
+        max_depth: table.max_depth.unwrap_or(default.max_depth),
+        roulette_depth: table.roulette_depth.unwrap_or(default.roulette_depth),
+        sampler: match table.sampler {
+            None => default.sampler,
+            Some(SamplerName::Sobol) => SamplerKind::Sobol,
+            Some(SamplerName::Independent) => SamplerKind::Independent,
+        },
+        seed: table.seed.unwrap_or(default.seed),
+    };
+    settings.validate()?;
+    Ok(settings)
+}
+
+/// Reads `[output]`.
+pub(super) fn output(table: &OutputTable) -> Result<OutputSettings, Invalid> {
+    let mut raw = table.raw.clone().unwrap_or_else(|| vec![RawFormat::Dng]);
+    raw.dedup();
+    let preview = table.preview_interval_s.unwrap_or(10.0);
+    Ok(OutputSettings {
+        raw,
+        electrons: table.electrons.unwrap_or(true),
+        irradiance: match table.irradiance {
+            None | Some(IrradianceSource::Flag(false)) => None,
+            Some(IrradianceSource::Flag(true)) => Some(SpectralBands::default()),
+            Some(IrradianceSource::Bands(bands)) => {
+                Some(spectral_bands(bands.bands_nm).map_err(|e| e.within("bands_nm").within("irradiance"))?)
+            }
+        },
+        preview_interval: if preview == 0.0 { None } else { Some(duration("preview_interval_s", preview)?) },
+    })
+}
+
+fn spectral_bands([first, last, width]: [f64; 3]) -> Result<SpectralBands, Invalid> {
+    let range = f64::from(LAMBDA_MIN_NM)..=f64::from(LAMBDA_MAX_NM);
+    if !(range.contains(&first) && range.contains(&last) && first < last) {
+        let message = format!("{first} to {last} nm does not rise within 300 to 1100 nm");
+        return Err(Invalid::new("", message).help("for example bands_nm = [400, 700, 10]"));
+    }
+    let count = ((last - first) / width).round();
+    // Edges are written with few digits; a thousandth of a band is nothing.
+    if !(width > 0.0 && (1.0..=801.0).contains(&count) && ((last - first) / width - count).abs() < 1e-3) {
+        let message = format!("bands of {width} nm do not fill {first} to {last} nm");
+        return Err(Invalid::new("", message).help("write first edge, last edge and width: [400, 700, 10]"));
+    }
+    Ok(SpectralBands { first_nm: first, width_nm: width, count: count as usize })
+}
+
+fn duration(key: &str, seconds: f64) -> Result<Duration, Invalid> {
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(duration) if !duration.is_zero() => Ok(duration),
+        Ok(_) | Err(_) => {
+            Err(Invalid::new(key, format!("must be above 0, got {seconds}")).help(format!("for example {key} = 30")))
+        }
+    }
+}

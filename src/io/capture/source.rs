@@ -1,0 +1,153 @@
+//! What a capture file and the command line say, as one tree of values that remembers where each of them stands.
+//!
+//! The texts (the file, a sensor file, every `--set`) lie one after the other in an imagined long text, and a span is a
+//! range of that. So values of several texts can be laid over each other, and an error about any of them still points
+//! to the right line of the right file, or to the argument.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use miette::NamedSource;
+use serde::de::DeserializeOwned;
+
+use super::reader::{ReadError, Reader};
+use super::tree::{Entry, Node, Table, Value, join, parse};
+use crate::error::InputError;
+use crate::{Error, Invalid, Result};
+
+/// The values of a capture and where they come from.
+#[derive(Clone, Debug)]
+pub struct CaptureSource {
+    /// The capture file, or the scene file that was given in its place.
+    path: PathBuf,
+    texts: Vec<Text>,
+    root: Node,
+}
+
+/// A text and where it begins in the imagined long one.
+#[derive(Clone, Debug)]
+struct Text {
+    origin: Origin,
+    start: usize,
+    text: String,
+}
+
+#[derive(Clone, Debug)]
+enum Origin {
+    File(PathBuf),
+    /// `--set` and what was written after it.
+    Argument(String),
+}
+
+impl CaptureSource {
+    /// A source without values: a scene file stands in for the capture file.
+    pub(super) fn of_scene_file(path: &Path) -> Self {
+        Self { path: path.to_owned(), texts: Vec::new(), root: Node { span: 0..0, value: Value::Table(Table::new()) } }
+    }
+
+    /// From the text of a capture file.
+    pub(super) fn parse(path: &Path, text: String) -> Result<Self> {
+        let mut source = Self::of_scene_file(path);
+        source.root = source.add_file(path, text)?;
+        Ok(source)
+    }
+
+    /// The capture file, or the scene file that was given in its place.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The text of the capture file; empty where a scene file was given.
+    pub fn text(&self) -> &str {
+        let file = self.texts.first().filter(|text| matches!(&text.origin, Origin::File(path) if *path == self.path));
+        file.map_or("", |text| &text.text)
+    }
+
+    /// Adds a TOML file to the texts and returns its values.
+    pub(super) fn add_file(&mut self, path: &Path, text: String) -> Result<Node> {
+        self.add(Origin::File(path.to_owned()), text)
+    }
+
+    /// Lays a `--set` argument, written as the TOML document `toml`, over the tree.
+    pub(super) fn set(&mut self, argument: &str, toml: String) -> Result<()> {
+        let over = self.add(Origin::Argument(argument.to_owned()), toml)?;
+        self.root.lay_over(over);
+        Ok(())
+    }
+
+    fn add(&mut self, origin: Origin, text: String) -> Result<Node> {
+        let start = self.texts.last().map_or(0, |last| last.start + last.text.len() + 1);
+        let parsed = parse(&text, start);
+        self.texts.push(Text { origin, start, text });
+        parsed.map_err(|(span, message)| {
+            self.error_at(span.as_ref(), Invalid::new("", format!("is not valid TOML: {message}")))
+        })
+    }
+
+    /// The value at a path such as `materials.red.reflectance` or `lights[0].type`.
+    pub(super) fn get(&self, path: &str) -> Option<&Node> {
+        Some(self.root.find(path)).filter(|(_, is_exact)| *is_exact).map(|(node, _)| node)
+    }
+
+    /// The keys and values at the top.
+    pub(super) fn sections(&self) -> impl Iterator<Item = (&str, &Node)> {
+        self.root.as_table().into_iter().flatten().map(|(key, entry)| (key.as_str(), &entry.node))
+    }
+
+    /// Replaces a value at the top of the tree.
+    pub(super) fn replace(&mut self, key: &str, node: Node) {
+        if let Value::Table(table) = &mut self.root.value {
+            table.insert(key.to_owned(), Entry { key_span: node.span.clone(), node });
+        }
+    }
+
+    /// Reads the value at a path.
+    pub(super) fn read<T: DeserializeOwned>(&self, path: &str) -> Result<Option<T>> {
+        self.get(path).map(|node| self.read_node(path, node)).transpose()
+    }
+
+    /// Reads a value. `path` is where it is, for messages.
+    pub(super) fn read_node<T: DeserializeOwned>(&self, path: &str, node: &Node) -> Result<T> {
+        T::deserialize(Reader(node)).map_err(|error| self.type_error(path, error))
+    }
+
+    /// The error of a value that does not fit its type.
+    fn type_error(&self, path: &str, error: ReadError) -> Error {
+        let ReadError { message, help, path: inner, unknown_key } = error;
+        let table = join(path, &inner);
+        let Some(key) = unknown_key else { return self.error(Invalid { key: table, message, help }) };
+        let entry = self.get(&table).and_then(Node::as_table).and_then(|table| table.get(&key));
+        let span = entry.map(|entry| &entry.key_span);
+        // "unknown key `x`; did you mean `y`?" gets the name of the table in its middle.
+        let (unknown, suggestion) = message.split_at(message.find(';').unwrap_or(message.len()));
+        let message = format!("{unknown} in [{table}]{suggestion}");
+        self.error_at(span, Invalid { key: join(&table, &key), message, help })
+    }
+
+    /// The error of a value that cannot be used, placed at its key, or at the innermost table around it.
+    pub fn error(&self, invalid: Invalid) -> Error {
+        let (node, is_exact) = self.root.find(&invalid.key);
+        let is_root = std::ptr::eq(node, &raw const self.root);
+        // The file as a whole is better named without a line than by its first.
+        let span = Some(&node.span).filter(|_| is_exact || !is_root).filter(|_| !invalid.key.is_empty());
+        self.error_at(span, invalid)
+    }
+
+    /// An error at a span of the imagined text.
+    fn error_at(&self, span: Option<&Range<usize>>, invalid: Invalid) -> Error {
+        let text = span.and_then(|span| self.texts.iter().rev().find(|text| text.start <= span.start));
+        let (Some(span), Some(text)) = (span, text) else { return invalid.in_file(&self.path) };
+        let end = (span.end - text.start).min(text.text.len());
+        let start = (span.start - text.start).min(end);
+        // A table of many lines is shown by its first.
+        let end = text.text[start..end].find('\n').map_or(end, |newline| start + newline);
+        let Invalid { key, message, help } = invalid;
+        let (path, line) = match &text.origin {
+            Origin::File(path) => (path.clone(), Some(text.text[..start].matches('\n').count() + 1)),
+            Origin::Argument(argument) => (PathBuf::from(format!("--set {argument}")), None),
+        };
+        let source_code = Some(NamedSource::new(path.display().to_string(), text.text.clone()));
+        let span = Some((start..end).into());
+        Error::Input(Box::new(InputError { path, line, key, message, help, source_code, span }))
+    }
+}

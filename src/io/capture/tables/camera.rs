@@ -1,0 +1,132 @@
+//! `[camera]` and `[lens]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::sensor::SpectrumSource;
+
+/// Where the camera stands and looks: position_m and look_at_m, or gltf_camera.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CameraTable {
+    /// Where the centre of the lens is, m.
+    pub(crate) position_m: Option<[f64; 3]>,
+    /// A point on the axis, m.
+    pub(crate) look_at_m: Option<[f64; 3]>,
+    /// What is up in the picture. Left out: [0, 1, 0].
+    pub(crate) up: Option<[f64; 3]>,
+    /// Name of a camera of the glTF files.
+    pub(crate) gltf_camera: Option<String>,
+}
+
+/// The lens.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LensTable {
+    /// Left out: "thin".
+    #[serde(rename = "type")]
+    pub(crate) kind: Option<LensType>,
+    /// Focal length, mm. Left out: what the field of view of a glTF camera or the intrinsics ask for, else 16.
+    pub(crate) focal_length_mm: Option<f64>,
+    /// Focal length over the diameter of the aperture. Left out: 8.
+    pub(crate) f_number: Option<f64>,
+    /// Distance from the lens to what is sharp, along the axis, m; or "infinity".
+    pub(crate) focus_distance_m: Option<FocusDistance>,
+    /// Focuses on what is seen at a pixel: column and row from the top-left corner, or "centre". Left out, as is the
+    /// distance: "centre".
+    pub(crate) autofocus_px: Option<AutofocusTable>,
+    /// Aperture blades; 0 is a round aperture. Left out: 0.
+    pub(crate) blades: Option<u32>,
+    /// Turns the blades, degrees.
+    pub(crate) blade_rotation_deg: Option<f64>,
+    /// Whether it gets darker towards the corners. Left out: "cos4".
+    pub(crate) falloff: Option<FalloffName>,
+    /// Transmittance, 0–1: a number, the name of a spectrum that ships with photosite, or { file = "lens.csv" }. Left out:
+    /// 1.
+    pub(crate) transmittance: Option<SpectrumSource>,
+    /// Distortion. Left out: none.
+    pub(crate) distortion: Option<DistortionTable>,
+    /// The pinhole matrix, in place of the one that follows from focal length and focus.
+    pub(crate) intrinsics: Option<IntrinsicsTable>,
+}
+
+/// Kinds of lenses.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum LensType {
+    /// With depth of field.
+    Thin,
+    /// Everything is sharp; the f-number sets the exposure only.
+    Pinhole,
+}
+
+/// A distance in metres, or "infinity".
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected a distance in metres, or \"infinity\"")]
+pub(crate) enum FocusDistance {
+    /// m.
+    Metres(f64),
+    /// "infinity".
+    Name(String),
+}
+
+/// A pixel: column and row from the top-left corner, or "centre".
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected a pixel such as [400, 300], or \"centre\"")]
+pub(crate) enum AutofocusTable {
+    /// Column and row.
+    Pixel([f64; 2]),
+    /// "centre".
+    Name(String),
+}
+
+/// Whether it gets darker towards the corners.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum FalloffName {
+    /// By the natural cos⁴ of each point of the aperture.
+    Cos4,
+    /// As bright everywhere as on the axis.
+    None,
+}
+
+/// Distortion by a model of OpenCV.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DistortionTable {
+    /// The model.
+    pub(crate) model: DistortionModel,
+    /// Radial coefficients k₁, k₂, k₃.
+    #[serde(default)]
+    pub(crate) k: [f64; 3],
+    /// Tangential coefficients p₁, p₂.
+    #[serde(default)]
+    pub(crate) p: [f64; 2],
+}
+
+/// Models of distortion.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum DistortionModel {
+    /// A rectilinear lens.
+    None,
+    /// Radial and tangential (OpenCV's standard model).
+    BrownConrady,
+}
+
+/// A pinhole matrix in OpenCV's convention: the centre of the top-left pixel is (0, 0).
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct IntrinsicsTable {
+    /// Focal length in pixel widths.
+    pub(crate) fx: f64,
+    /// Focal length in pixel heights.
+    pub(crate) fy: f64,
+    /// Column of the principal point.
+    pub(crate) cx: f64,
+    /// Row of the principal point.
+    pub(crate) cy: f64,
+    /// Skew, pixels.
+    #[serde(default)]
+    pub(crate) skew: f64,
+}

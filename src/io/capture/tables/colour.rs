@@ -1,0 +1,82 @@
+//! Colours of surfaces and lights.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::sensor::{CurveFile, SpectrumSource};
+
+/// What part of the light a surface reflects: a number 0–1, an sRGB triple as displayed such as [0.8, 0.2, 0.1], the name
+/// of a reflectance that ships with photosite such as "colour-checker/15-red", { file = "red.csv" },
+/// { linear_rgb = [0.6, 0.03, 0.01] } or { texture = "wood.png" }.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected a number from 0 to 1, three of them, the name of a reflectance, { file = \"red.csv\" }, { linear_rgb = [0.6, 0.03, 0.01] } or { texture = \"wood.png\" }"
+)]
+pub(crate) enum ReflectanceSource {
+    /// The same at every wavelength.
+    Number(f64),
+    /// sRGB as displayed.
+    Rgb([f64; 3]),
+    /// A reflectance that ships with photosite.
+    Name(String),
+    /// A CSV file of wavelengths in nm and reflectances.
+    File(CurveFile),
+    /// Linear sRGB.
+    Linear(LinearRgb),
+    /// A picture.
+    Texture(TextureFile),
+}
+
+/// Linear sRGB.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LinearRgb {
+    /// Red, green, blue, 0–1 each.
+    pub(crate) linear_rgb: [f64; 3],
+}
+
+/// A picture on a surface, by its first UV set.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TextureFile {
+    /// A PNG or JPEG file, relative to this file.
+    pub(crate) texture: String,
+    /// How often the picture fits into the unit square along u and v. Left out: [1, 1].
+    pub(crate) tiles: Option<[f64; 2]>,
+    /// What lies between texels. Left out: "linear".
+    pub(crate) filter: Option<FilterName>,
+    /// What lies outside the picture. Left out: "repeat".
+    pub(crate) wrap: Option<WrapName>,
+}
+
+/// What lies between texels.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum FilterName {
+    /// Bilinear interpolation.
+    Linear,
+    /// The nearest texel.
+    Nearest,
+}
+
+/// What lies outside the picture.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum WrapName {
+    /// The picture again.
+    Repeat,
+    /// The picture mirrored, then again.
+    Mirror,
+    /// Its border.
+    Clamp,
+}
+
+/// The keys of a table that say what colour a light has; one of them at most may be there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightColour<'a> {
+    pub(crate) illuminant: Option<&'a str>,
+    pub(crate) spectrum: Option<&'a SpectrumSource>,
+    pub(crate) rgb: Option<[f64; 3]>,
+    pub(crate) linear_rgb: Option<[f64; 3]>,
+}

@@ -1,0 +1,215 @@
+//! `[materials.NAME]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::sensor::{CurveFile, SpectrumSource};
+
+use super::{LightColour, ReflectanceSource, TextureFile};
+
+/// How a surface scatters light, in place of what the geometry's file says. Without a type, its own stays and only the
+/// keys that are there change.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub(crate) enum MaterialTable {
+    /// A material described anew.
+    Typed(TypedMaterialTable),
+    /// The geometry's own material with changes.
+    Kept(KeptTable),
+}
+
+/// A material described anew.
+#[derive(Debug, JsonSchema)]
+#[schemars(tag = "type", rename_all = "kebab-case")]
+pub(crate) enum TypedMaterialTable {
+    /// Matt: Lambert's law.
+    Diffuse(DiffuseTable),
+    /// Bare metal.
+    Conductor(ConductorTable),
+    /// Clear glass or liquid.
+    Dielectric(DielectricTable),
+    /// The model of glTF: painted, plastic or metal.
+    MetallicRoughness(MetallicRoughnessTable),
+}
+
+/// The value of `type`.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum MaterialType {
+    Diffuse,
+    Conductor,
+    Dielectric,
+    MetallicRoughness,
+}
+
+/// The geometry's own material with changes.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct KeptTable {
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// Whether the back scatters and shines like the front.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// Matt: Lambert's law.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DiffuseTable {
+    /// The part of the light that it reflects.
+    pub(crate) reflectance: ReflectanceSource,
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// A normal map (glTF convention).
+    pub(crate) normal_map: Option<TextureFile>,
+    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// Bare metal.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ConductorTable {
+    /// Which metal: "Au", "Ag", "Cu", "Al", { file = "n-k.csv" } with columns n and k, or { eta = …, k = … }.
+    pub(crate) metal: MetalSource,
+    /// 0 is polished, 1 is matt; microfacets have α = roughness². Left out: 0.
+    pub(crate) roughness: Option<f64>,
+    /// −1 to 1: roughness along the tangent (positive) or across it. Left out: 0.
+    pub(crate) anisotropy: Option<f64>,
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// A normal map (glTF convention).
+    pub(crate) normal_map: Option<TextureFile>,
+    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// A metal: its name or symbol, { file = "n-k.csv" } with columns n and k, or { eta = …, k = … }.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected the name of a metal, { file = \"n-k.csv\" } or { eta = …, k = … }")]
+pub(crate) enum MetalSource {
+    /// A metal that ships with photosite.
+    Name(String),
+    /// A CSV file of wavelengths in nm and columns n and k.
+    File(CurveFile),
+    /// The parts of the complex refractive index n + ik one by one.
+    Parts(IndexParts),
+}
+
+/// A complex refractive index.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct IndexParts {
+    /// Real part n.
+    pub(crate) eta: SpectrumSource,
+    /// Imaginary part k.
+    pub(crate) k: SpectrumSource,
+}
+
+/// Clear glass or liquid.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DielectricTable {
+    /// Name of a medium that ships with photosite: "BK7", "SF11", "fused-silica", "water" … Or give its index.
+    pub(crate) glass: Option<String>,
+    /// Refractive index of the side that normals point away from, relative to the other.
+    pub(crate) index: Option<IndexSource>,
+    /// Abbe number, with an index that is a number: how little the index depends on wavelength. Left out: not at all.
+    pub(crate) abbe_number: Option<f64>,
+    /// 0 is polished, 1 is ground; microfacets have α = roughness². Left out: 0.
+    pub(crate) roughness: Option<f64>,
+}
+
+/// A refractive index: a number (at 587.6 nm), { sellmeier_b = […], sellmeier_c_um2 = […] },
+/// { cauchy_a = …, cauchy_b_um2 = … } or { file = "n.csv" }.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected a number, { sellmeier_b = […], sellmeier_c_um2 = […] }, { cauchy_a = …, cauchy_b_um2 = … } or { file = \"n.csv\" }"
+)]
+pub(crate) enum IndexSource {
+    /// At the d line, 587.6 nm.
+    Number(f64),
+    /// n² = 1 + Σ Bᵢλ²/(λ² − Cᵢ), λ in µm.
+    Sellmeier(SellmeierTable),
+    /// n = A + B/λ² + C/λ⁴, λ in µm.
+    Cauchy(CauchyTable),
+    /// A CSV file of wavelengths in nm and indices.
+    File(CurveFile),
+}
+
+/// n² = 1 + Σ Bᵢλ²/(λ² − Cᵢ), λ in µm.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SellmeierTable {
+    /// The Bᵢ.
+    pub(crate) sellmeier_b: Vec<f64>,
+    /// The Cᵢ, µm².
+    pub(crate) sellmeier_c_um2: Vec<f64>,
+}
+
+/// n = A + B/λ² + C/λ⁴, λ in µm.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CauchyTable {
+    /// A.
+    pub(crate) cauchy_a: f64,
+    /// B, µm².
+    pub(crate) cauchy_b_um2: f64,
+    /// C, µm⁴. Left out: 0.
+    #[serde(default)]
+    pub(crate) cauchy_c_um4: f64,
+}
+
+/// The model of glTF: painted, plastic or metal.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MetallicRoughnessTable {
+    /// Colour: of the diffuse reflection where it is no metal, of the mirroring where it is.
+    pub(crate) base_colour: ReflectanceSource,
+    /// 0 is no metal, 1 is metal. Left out: 0.
+    pub(crate) metallic: Option<f64>,
+    /// 0 is polished, 1 is matt; microfacets have α = roughness².
+    pub(crate) roughness: f64,
+    /// A picture whose green scales the roughness and whose blue scales the metalness.
+    pub(crate) metallic_roughness_map: Option<TextureFile>,
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// A normal map (glTF convention).
+    pub(crate) normal_map: Option<TextureFile>,
+    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// Light that a surface gives, the same in all directions. Its colour: illuminant, spectrum, rgb or linear_rgb.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EmissionTable {
+    /// Name of an illuminant: "D65", "A", "F11", "LED-B3", "3000K" (a blackbody) … Left out, as are the other colours:
+    /// "D65".
+    pub(crate) illuminant: Option<String>,
+    /// A spectrum: the name of one that ships with photosite such as "cornell/light", { file = "lamp.csv" }, or a number
+    /// for equal energy.
+    pub(crate) spectrum: Option<SpectrumSource>,
+    /// sRGB as displayed, 0–1 each.
+    pub(crate) rgb: Option<[f64; 3]>,
+    /// Linear sRGB.
+    pub(crate) linear_rgb: Option<[f64; 3]>,
+    /// Luminance, nit. May be left out for a blackbody, and for a spectrum from a file: then that is the radiance in
+    /// W·m⁻²·sr⁻¹·nm⁻¹.
+    pub(crate) luminance_nit: Option<f64>,
+    /// A picture that scales it.
+    pub(crate) texture: Option<TextureFile>,
+}
+
+impl EmissionTable {
+    /// The keys that say what colour it has.
+    pub(crate) fn colour(&self) -> LightColour<'_> {
+        LightColour {
+            illuminant: self.illuminant.as_deref(),
+            spectrum: self.spectrum.as_ref(),
+            rgb: self.rgb,
+            linear_rgb: self.linear_rgb,
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! `[scene]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::sensor::SpectrumSource;
+
+use super::LightColour;
+
+/// What is there: geometry and surroundings.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SceneTable {
+    /// Files of geometry, glTF (.gltf, .glb) or OBJ (.obj), relative to this file.
+    #[serde(default)]
+    pub(crate) geometry: Vec<String>,
+    /// Length of the unit of OBJ files, m. Left out: 1. (glTF is in metres.)
+    pub(crate) meters_per_unit: Option<f64>,
+    /// What OBJ faces without normals get, outside the smoothing groups of the file. Left out: "flat".
+    pub(crate) generate_normals: Option<NormalsName>,
+    /// Light from infinitely far in all directions. Left out: none.
+    pub(crate) environment: Option<EnvironmentSource>,
+}
+
+/// What faces without normals get.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum NormalsName {
+    /// Flat shading.
+    Flat,
+    /// One normal per vertex, smooth over everything.
+    Smooth,
+}
+
+/// Light from infinitely far: "none", the same light everywhere, or a picture.
+#[derive(Debug, JsonSchema)]
+#[schemars(untagged)]
+pub(crate) enum EnvironmentSource {
+    /// "none".
+    Name(String),
+    /// The same light everywhere, or a picture.
+    Table(Box<EnvironmentTable>),
+}
+
+impl<'de> Deserialize<'de> for EnvironmentSource {
+    /// Unlike a derived one it keeps the places of what is wrong within the table.
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl<'de> serde::de::Visitor<'de> for Visitor {
+            type Value = EnvironmentSource;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("\"none\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Self::Value, E> {
+                Ok(EnvironmentSource::Name(name.to_owned()))
+            }
+
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+                let deserializer = serde::de::value::MapAccessDeserializer::new(map);
+                EnvironmentTable::deserialize(deserializer).map(|table| EnvironmentSource::Table(Box::new(table)))
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+/// Light from infinitely far: the same everywhere (illuminant, spectrum, rgb or linear_rgb) or a picture (image).
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EnvironmentTable {
+    /// Name of an illuminant: "D65", "A", "F11", "LED-B3", "3000K" (a blackbody) …
+    pub(crate) illuminant: Option<String>,
+    /// A spectrum: the name of one that ships with photosite, { file = "lamp.csv" }, or a number for equal energy.
+    pub(crate) spectrum: Option<SpectrumSource>,
+    /// sRGB as displayed, 0–1 each.
+    pub(crate) rgb: Option<[f64; 3]>,
+    /// Linear sRGB.
+    pub(crate) linear_rgb: Option<[f64; 3]>,
+    /// An equirectangular picture, Radiance HDR or OpenEXR, relative to this file.
+    pub(crate) image: Option<String>,
+    /// Turns the picture about the vertical axis, counter-clockwise seen from above, degrees.
+    pub(crate) rotation_deg: Option<f64>,
+    /// Illuminance on a horizontal plane facing up, lux.
+    pub(crate) illuminance_lux: Option<f64>,
+    /// Luminance, nit; instead of illuminance_lux. Not for pictures.
+    pub(crate) luminance_nit: Option<f64>,
+    /// Luminance of a white pixel of value 1, nit; instead of illuminance_lux. For pictures.
+    pub(crate) nit_per_unit: Option<f64>,
+}
+
+impl EnvironmentTable {
+    /// The keys that say what colour it has.
+    pub(crate) fn colour(&self) -> LightColour<'_> {
+        LightColour {
+            illuminant: self.illuminant.as_deref(),
+            spectrum: self.spectrum.as_ref(),
+            rgb: self.rgb,
+            linear_rgb: self.linear_rgb,
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! `[exposure]`, `[render]` and `[output]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::io::capture::settings::RawFormat;
+
+/// How long, at what gain and temperature.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ExposureTable {
+    /// Exposure time, s. Left out: chosen automatically.
+    pub(crate) time_s: Option<f64>,
+    /// Chooses the time so that the bright parts of the picture just stay below saturation.
+    pub(crate) auto: Option<bool>,
+    /// Where automatic exposure puts the bright parts, as a part of saturation. Left out: 0.85.
+    pub(crate) auto_target: Option<f64>,
+    /// Part of the pixels that automatic exposure lets be brighter than that. Left out: 0.005.
+    pub(crate) auto_brighter_part: Option<f64>,
+    /// Analogue gain, dB. Left out: 0, or the sensor's smallest above it.
+    pub(crate) gain_db: Option<f64>,
+    /// Temperature of the sensor, °C. Left out: 25.
+    pub(crate) temperature_c: Option<f64>,
+    /// How many pictures to take of the same light. Left out: 1.
+    pub(crate) frames: Option<u32>,
+}
+
+/// How light is traced.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RenderTable {
+    /// Samples a pixel; with a time limit or a noise target, at most so many. Left out: 64.
+    pub(crate) samples_per_pixel: Option<u32>,
+    /// Stop after so many seconds.
+    pub(crate) time_limit_s: Option<f64>,
+    /// Stop once the noise of rendering is below this part of the sensor's noise (ratio of standard deviations).
+    pub(crate) noise_target: Option<f64>,
+    /// Most segments of a light path; 1 sees lamps only, 2 direct light. Left out: 16.
+    pub(crate) max_depth: Option<u32>,
+    /// Segments after which a path may end by chance (without bias). Left out: 5.
+    pub(crate) roulette_depth: Option<u32>,
+    /// Where random numbers come from. Left out: "sobol".
+    pub(crate) sampler: Option<SamplerName>,
+    /// Seed of rendering and sensor noise. Left out: 0.
+    pub(crate) seed: Option<u64>,
+}
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SamplerName {
+    /// Owen-scrambled Sobol points.
+    Sobol,
+    /// Independent random numbers: more noise, but its reported variance is exact.
+    Independent,
+}
+
+/// What is written.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OutputTable {
+    /// Formats of the raw picture. Left out: ["dng"].
+    pub(crate) raw: Option<Vec<RawFormat>>,
+    /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Left out: false.
+    pub(crate) irradiance: Option<IrradianceSource>,
+    /// Mean electrons of every pixel, without noise. Left out: true.
+    pub(crate) electrons: Option<bool>,
+    /// Seconds between pictures of a render that is under way; 0 for none. Left out: 10.
+    pub(crate) preview_interval_s: Option<f64>,
+}
+
+/// true, false, or { bands_nm = [first, last, step] }.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected true, false, or { bands_nm = [400, 700, 10] }")]
+pub(crate) enum IrradianceSource {
+    /// Whether it is written, in bands of 10 nm from 400 to 700 nm.
+    Flag(bool),
+    /// Which bands.
+    Bands(Bands),
+}
+
+/// Spectral bands.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Bands {
+    /// First edge, last edge and width of the bands, nm.
+    pub(crate) bands_nm: [f64; 3],
+}
