@@ -1,7 +1,5 @@
 //! What happens when captures are wrong: one error that names the file, the key and its line, or the argument.
 
-use std::fs;
-
 use rstest::rstest;
 
 use super::*;
