@@ -21,7 +21,15 @@ pub struct Response {
 /// (`"550"`).
 pub fn band_response([low_nm, high_nm]: [f64; 2]) -> Response {
     // A table is linear between whole nanometres: half a value on either edge gives it the weight of the band alone.
-    let inside = |l: f64| if l > low_nm && l < high_nm { 1.0 } else if l == low_nm || l == high_nm { 0.5 } else { 0.0 };
+    let inside = |l: f64| {
+        if l > low_nm && l < high_nm {
+            1.0
+        } else if l == low_nm || l == high_nm {
+            0.5
+        } else {
+            0.0
+        }
+    };
     let spectrum = Spectrum::from_fn(inside);
     let name = format!("{}", 0.5 * (low_nm + high_nm));
     Response { name, spectrum: spectrum.scale(1.0 / spectrum.integral()) }

@@ -7,7 +7,8 @@ use serde::Deserialize;
 
 use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
 use crate::Invalid;
-use crate::integrator::{RenderSettings, SamplerKind};
+use crate::integrator::RenderSettings;
+use crate::sampler::SamplerKind;
 use crate::sensor::{AutoExposure, Exposure, SensorModel};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};

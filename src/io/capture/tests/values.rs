@@ -7,8 +7,8 @@ use glam::DVec3;
 use rstest::rstest;
 
 use super::*;
-use crate::integrator::SamplerKind;
 use crate::optics::{Distortion, Falloff, Focus, LensKind};
+use crate::sampler::SamplerKind;
 use crate::scene::description::{
     AlphaMode, Colour, EnvironmentDescription, LightKind, MaterialDescription, MaterialModel, PictureLevel,
 };
