@@ -110,7 +110,15 @@ fn checker() -> impl Iterator<Item = Spectrum> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::presets;
+
+    /// Bell-shaped channels about where those of cameras are.
+    fn camera() -> Vec<(String, Spectrum)> {
+        let bell = |name: &str, centre: f64, height: f64| {
+            let bell = |lambda: f64| height * (-0.5 * ((lambda - centre) / 35.0).powi(2)).exp();
+            (name.to_owned(), Spectrum::from_fn(bell))
+        };
+        vec![bell("R", 600.0, 0.5), bell("G", 535.0, 0.7), bell("B", 465.0, 0.6)]
+    }
 
     /// Channels that are a linear mixture of the observer: such a camera can be corrected exactly.
     fn luther_camera() -> ([Spectrum; 3], DMat3) {
@@ -140,8 +148,7 @@ mod tests {
 
     #[test]
     fn white_stays_white_under_any_light() {
-        let sensor = presets::model(presets::DEFAULT).expect("the default preset");
-        let [r, g, b] = &sensor.responses()[..] else { panic!("three channels") };
+        let [r, g, b] = &camera()[..] else { panic!("three channels") };
         for name in ["A", "D50", "D65", "FL11"] {
             let light = illuminant::illuminant(name).expect("known");
             let matrix = camera_to_xyz([&r.1, &g.1, &b.1], &light).expect("distinct");
@@ -152,10 +159,9 @@ mod tests {
 
     #[test]
     fn each_matrix_gives_the_neutral_of_its_light() {
-        let sensor = presets::model(presets::DEFAULT).expect("the default preset");
         for name in ["A", "D65"] {
             let light = illuminant::illuminant(name).expect("known");
-            let colour = camera_colour(&sensor.responses(), &light).expect("distinct").expect("colour");
+            let colour = camera_colour(&camera(), &light).expect("distinct").expect("colour");
             let [x, y, z] = cie::xyz(&light);
             let matrix = if name == "A" { colour.matrix_a } else { colour.matrix_d65 };
             for (row, neutral) in matrix.iter().zip(colour.neutral) {
