@@ -1,3 +1,9 @@
 //! The `photosite` command: parses the command line, calls the library, prints, exits.
 
-fn main() {}
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run()
+}

@@ -53,6 +53,7 @@ use scene::ReadScene;
 use sensor::read_sensor;
 
 pub use schema::capture_schema;
+pub use sensor::read_sensor_file;
 pub use settings::{ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
 pub use source::CaptureSource;
 

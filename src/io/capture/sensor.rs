@@ -44,6 +44,20 @@ pub(super) fn read_sensor(source: &mut CaptureSource, finder: &Finder<'_>, folde
     SensorModel::new(&stem, &description, resolve).map_err(|invalid| source.error(invalid.within("sensor")))
 }
 
+/// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.
+pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
+    let text = std::fs::read_to_string(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let source = CaptureSource::parse(path, text)?;
+    if !source.sections().any(|(key, _)| key == "adc") {
+        return Ok(None);
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let finder = Finder::new(folder, Vec::new());
+    let model = SensorModel::new(&stem, &source.read_whole()?, |spectrum| finder.spectrum(spectrum, Outside::Zero));
+    model.map(Some).map_err(|invalid| source.error(invalid))
+}
+
 /// The table of a preset or of a sensor file. Values of a preset are placed where it is named.
 fn base(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) -> Result<Node> {
     if name.contains(['/', '\\']) || name.to_ascii_lowercase().ends_with(".toml") {

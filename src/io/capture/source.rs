@@ -106,6 +106,11 @@ impl CaptureSource {
         self.get(path).map(|node| self.read_node(path, node)).transpose()
     }
 
+    /// Reads all values together.
+    pub(super) fn read_whole<T: DeserializeOwned>(&self) -> Result<T> {
+        self.read_node("", &self.root)
+    }
+
     /// Reads a value. `path` is where it is, for messages.
     pub(super) fn read_node<T: DeserializeOwned>(&self, path: &str, node: &Node) -> Result<T> {
         T::deserialize(Reader(node)).map_err(|error| self.type_error(path, error))

@@ -1,0 +1,75 @@
+//! The command line: one file a subcommand. Arguments come in here, results and errors go out; the work is the
+//! library's.
+
+mod chain;
+mod info;
+mod output_folder;
+mod progress;
+mod render;
+mod report;
+mod schema;
+mod sensors;
+mod trace;
+
+use std::io::IsTerminal;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use photosite::Error;
+
+/// Renders glTF and OBJ scenes as a camera would record them: photons, electrons, raw files.
+#[derive(Parser)]
+#[command(version, about, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Render(render::RenderArgs),
+    Info(info::InfoArgs),
+    Sensors(sensors::SensorsArgs),
+    Schema(schema::SchemaArgs),
+}
+
+/// Runs the command line of this process. Exit status 0: done, 1: failed, 2: wrong usage.
+pub(crate) fn run() -> ExitCode {
+    let cli = Cli::parse();
+    // Colours and arrows are for people; a log file gets plain text.
+    let plain = !std::io::stderr().is_terminal();
+    let handler = move |_: &_| -> Box<dyn miette::ReportHandler> {
+        Box::new(miette::MietteHandlerOpts::new().color(!plain).unicode(!plain).width(120).build())
+    };
+    // Fails only if a handler was set before, and this is the only place that sets one.
+    let _ = miette::set_hook(Box::new(handler));
+    let outcome = match cli.command {
+        Command::Render(args) => render::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Sensors(args) => sensors::run(&args),
+        Command::Schema(args) => schema::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let code = match error {
+                Error::Usage { .. } => 2,
+                Error::Input(_) | Error::Io { .. } => 1,
+            };
+            eprintln!("{:?}", miette::Report::new(error));
+            ExitCode::from(code)
+        }
+    }
+}
+
+/// Prints an object as JSON on standard output.
+fn print_json(value: &impl serde::Serialize) -> photosite::Result<()> {
+    let text = serde_json::to_string_pretty(value).expect("our own structures have string keys and finite numbers");
+    println_out(&text)
+}
+
+/// Prints a line on standard output. A reader that went away (a closed pipe) is an error like any other, not a panic.
+fn println_out(text: &str) -> photosite::Result<()> {
+    use std::io::Write;
+    writeln!(std::io::stdout().lock(), "{text}").map_err(|e| Error::io("standard output".as_ref(), "write", e))
+}

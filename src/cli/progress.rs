@@ -1,0 +1,42 @@
+//! Progress on standard error: rate, time left, samples so far. Nothing where standard error is no terminal.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A progress bar over camera paths.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    start: Instant,
+}
+
+impl Progress {
+    /// For a render of `paths` camera paths; silent on request or without a terminal.
+    pub(super) fn new(paths: u64, quiet: bool) -> Self {
+        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
+        let bar = ProgressBar::with_draw_target(Some(paths), target);
+        let template = "{elapsed_precise} [{bar:30}] {percent:>3} %  {msg}  {eta_precise} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar, start: Instant::now() }
+    }
+
+    /// Some more paths are traced.
+    pub(super) fn advance(&self, paths: u64) {
+        self.bar.inc(paths);
+    }
+
+    /// A pass is over: every pixel has `samples`.
+    pub(super) fn pass(&self, samples: u32) {
+        let seconds = self.start.elapsed().as_secs_f64().max(1e-9);
+        let rate = self.bar.position() as f64 / seconds / 1e6;
+        self.bar.set_message(format!("{samples} samples a pixel, {rate:.2} M paths/s"));
+    }
+
+    /// Takes the bar away.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

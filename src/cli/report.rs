@@ -1,0 +1,134 @@
+//! `capture.json`: everything needed to reproduce a capture and to use its pictures.
+
+use glam::{DAffine3, DMat3, DVec3};
+use photosite::optics::{Camera, Intrinsics, LensDescription, LensKind};
+use serde::Serialize;
+
+/// The object that `capture.json` holds and `--json` prints.
+#[derive(Serialize)]
+pub(super) struct Report {
+    pub(super) photosite_version: &'static str,
+    pub(super) input: String,
+    pub(super) overrides: Vec<String>,
+    pub(super) seed: u64,
+    pub(super) camera: CameraReport,
+    pub(super) lens: LensReport,
+    pub(super) sensor: SensorReport,
+    pub(super) exposure: ExposureReport,
+    pub(super) render: RenderReport,
+    /// File names in the output folder.
+    pub(super) files: Vec<String>,
+    pub(super) warnings: Vec<String>,
+    pub(super) timings: Timings,
+    /// Camera paths traced.
+    pub(super) paths: u64,
+    pub(super) paths_per_s: f64,
+}
+
+/// Pose and intrinsics in OpenCV's conventions: x right, y down, z forward; integer coordinates at pixel centres.
+#[derive(Serialize)]
+pub(super) struct CameraReport {
+    resolution_px: [u32; 2],
+    /// fx, 0, cx; 0, fy, cy; 0, 0, 1 row by row, with the skew in the first row.
+    camera_matrix: [[f64; 3]; 3],
+    /// World → camera rotation, row by row: x_camera = R·x_world + t.
+    rotation: [[f64; 3]; 3],
+    translation_m: [f64; 3],
+    /// Where the centre of the lens stands in the world (glTF axes, metres).
+    position_m: [f64; 3],
+}
+
+impl CameraReport {
+    pub(super) fn new(camera: &Camera, resolution_px: [u32; 2]) -> Self {
+        let Intrinsics { fx, fy, cx, cy, skew } = camera.intrinsics();
+        let DAffine3 { matrix3, translation } = camera.to_world();
+        // glTF's camera looks along −z with y up.
+        let flip = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
+        let rotation = flip * matrix3.transpose();
+        let rows = |m: DMat3| m.transpose().to_cols_array_2d();
+        Self {
+            resolution_px,
+            camera_matrix: [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]],
+            rotation: rows(rotation),
+            translation_m: (-(rotation * translation)).to_array(),
+            position_m: translation.to_array(),
+        }
+    }
+}
+
+#[derive(Serialize)]
+pub(super) struct LensReport {
+    pub(super) kind: &'static str,
+    pub(super) focal_length_mm: f64,
+    pub(super) f_number: f64,
+    /// `null`: focused at infinity.
+    pub(super) focus_distance_m: Option<f64>,
+    /// Distance lens → sensor v.
+    pub(super) image_distance_mm: f64,
+}
+
+impl LensReport {
+    pub(super) fn new(lens: &LensDescription, camera: &Camera) -> Self {
+        let focus = camera.focus_distance_m();
+        Self {
+            kind: match lens.kind {
+                LensKind::Pinhole => "pinhole",
+                LensKind::Thin => "thin",
+            },
+            focal_length_mm: lens.focal_length_m * 1e3,
+            f_number: lens.f_number,
+            focus_distance_m: focus.is_finite().then_some(focus),
+            image_distance_mm: camera.image_distance_m() * 1e3,
+        }
+    }
+}
+
+#[derive(Serialize)]
+pub(super) struct SensorReport {
+    pub(super) name: String,
+    pub(super) resolution_px: [usize; 2],
+    pub(super) pixel_pitch_um: [f64; 2],
+    pub(super) channels: Vec<String>,
+    pub(super) bits: u32,
+    pub(super) black_level_dn: u16,
+    pub(super) white_level_dn: u16,
+    /// K at the exposure's gain.
+    pub(super) system_gain_dn_per_e: f64,
+    /// The smaller of full well and converter range at this gain.
+    pub(super) saturation_capacity_e: f64,
+    pub(super) read_noise_e: f64,
+    pub(super) as_shot_neutral: Option<[f64; 3]>,
+    pub(super) colour_matrix_d65: Option<[[f64; 3]; 3]>,
+}
+
+#[derive(Serialize)]
+pub(super) struct ExposureReport {
+    pub(super) time_s: f64,
+    pub(super) auto: bool,
+    pub(super) gain_db: f64,
+    pub(super) temperature_c: f64,
+    pub(super) frames: u32,
+}
+
+#[derive(Serialize)]
+pub(super) struct RenderReport {
+    pub(super) samples_per_pixel: u32,
+    pub(super) max_depth: u32,
+    pub(super) roulette_depth: u32,
+    pub(super) sampler: &'static str,
+    pub(super) triangles: usize,
+    pub(super) lights: usize,
+    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark.
+    pub(super) noise_ratio: Option<f64>,
+}
+
+/// Wall-clock seconds of the steps.
+#[derive(Clone, Copy, Default, Serialize)]
+pub(super) struct Timings {
+    pub(super) load_s: f64,
+    pub(super) build_s: f64,
+    pub(super) trace_s: f64,
+    pub(super) expose_s: f64,
+    pub(super) develop_s: f64,
+    pub(super) write_s: f64,
+}

@@ -1,0 +1,78 @@
+//! `photosite sensors`: the presets as a table.
+
+use clap::Args;
+use photosite::sensor::{SensorModel, presets};
+use photosite::spectrum::Spectrum;
+use serde::Serialize;
+
+use super::{print_json, println_out};
+
+/// List the sensor presets.
+#[derive(Args)]
+pub(super) struct SensorsArgs {
+    /// Print JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A preset in the words of EMVA 1288.
+#[derive(Serialize)]
+struct Row {
+    name: &'static str,
+    description: String,
+    resolution_px: [usize; 2],
+    pixel_pitch_um: [f64; 2],
+    cfa: String,
+    peak_quantum_efficiency: f32,
+    full_well_e: f64,
+    read_noise_e: f64,
+    dark_current_e_per_s: f64,
+    bits: u32,
+    source: String,
+}
+
+pub(super) fn run(args: &SensorsArgs) -> photosite::Result<()> {
+    let rows: Vec<Row> = presets::names().filter_map(|name| presets::model(name).map(|m| row(name, &m))).collect();
+    if args.json {
+        return print_json(&rows);
+    }
+    let width = rows.iter().map(|r| r.name.len()).max().unwrap_or(0);
+    println_out(&format!(
+        "{:width$}  {:>11}  {:>8}  {:>5}  {:>7}  {:>12}  {:>11}  {:>4}",
+        "name", "pixels", "pitch µm", "CFA", "peak QE", "full well e⁻", "read noise", "bits"
+    ))?;
+    for r in &rows {
+        let pixels = format!("{}×{}", r.resolution_px[0], r.resolution_px[1]);
+        println_out(&format!(
+            "{:width$}  {pixels:>11}  {:>8}  {:>5}  {:>6.0}%  {:>12.0}  {:>8.1} e⁻  {:>4}",
+            r.name,
+            r.pixel_pitch_um[0],
+            r.cfa,
+            100.0 * r.peak_quantum_efficiency,
+            r.full_well_e,
+            r.read_noise_e,
+            r.bits
+        ))?;
+    }
+    Ok(())
+}
+
+fn row(name: &'static str, model: &SensorModel) -> Row {
+    let (width, height) = model.cfa.tile_size();
+    let channels = model.cfa.channels();
+    let tile: String =
+        (0..width * height).map(|i| channels[model.cfa.channel_at(i % width, i / width)].as_str()).collect();
+    Row {
+        name,
+        description: model.description.clone(),
+        resolution_px: model.resolution,
+        pixel_pitch_um: model.pixel_pitch_m.map(|m| (m * 1e9).round() / 1e3),
+        cfa: if model.cfa.is_mono() { "mono".to_owned() } else { tile },
+        peak_quantum_efficiency: model.quantum_efficiency.iter().map(Spectrum::max).fold(0.0, f32::max),
+        full_well_e: model.full_well.0,
+        read_noise_e: model.noise.read.0,
+        dark_current_e_per_s: model.noise.dark_current_e_per_s,
+        bits: model.converter.bits,
+        source: model.source.clone(),
+    }
+}
