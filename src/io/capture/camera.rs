@@ -4,29 +4,27 @@ use glam::DAffine3;
 
 use super::colour::Finder;
 use super::framing::{bounding_sphere, frame};
-use super::lens::{DEFAULT_FOCAL_LENGTH_M, read_lens};
+use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens};
 use super::light::vector;
-use super::source::CaptureSource;
 use super::tables::{CameraTable, LensTable};
+use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
 use crate::optics::{Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, look_at};
 use crate::sensor::SensorModel;
-use crate::{Invalid, Result};
 
-/// Reads `[camera]` and `[lens]`: camera → world, and the lens. `focus_on_scene` focuses a lens that the file does not
-/// focus on the middle of the scene, rather than on what is in the middle of the picture.
-pub(super) fn read_camera(
-    source: &CaptureSource,
+/// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens. `focus_on_scene` focuses a lens
+/// that the file does not focus on the middle of the scene, rather than on what is in the middle of the picture.
+pub(super) fn place_camera(
+    camera: &CameraTable,
+    lens: &LensTable,
     finder: &Finder<'_>,
     scene: &SceneDescription,
     sensor: &SensorModel,
     focus_on_scene: bool,
-) -> Result<(DAffine3, LensDescription)> {
-    let camera: CameraTable = source.read("camera")?.unwrap_or_default();
-    let lens: LensTable = source.read("lens")?.unwrap_or_default();
-    let pose = pose(&camera, &scene.cameras).map_err(|invalid| source.error(invalid.within("camera")))?;
-    let focal_length_m = lens.focal_length_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm * 1e-3);
+) -> Result<(DAffine3, LensDescription), Invalid> {
+    let pose = pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?;
+    let focal_length_m = lens.focal_length_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm / 1e3);
     let sphere = bounding_sphere(scene);
     let (pose, focus_distance) = match (pose, sphere) {
         // The distance of the middle of the scene along the axis.
@@ -41,13 +39,13 @@ pub(super) fn read_camera(
         }
         (None, None) => {
             let help = "write [camera] with position_m and look_at_m, or name geometry";
-            return Err(source.error(Invalid::new("camera", "there is none, and no geometry to look at").help(help)));
+            return Err(Invalid::new("camera", "there is none, and no geometry to look at").help(help));
         }
     };
     // What lies behind the camera or within its focal length cannot be focused on.
     let default_focus = focus_distance.filter(|u| *u > 1.05 * focal_length_m).map(Focus::Distance);
-    let lens = read_lens(finder, &lens, sensor, pose.vertical_fov_rad, default_focus);
-    Ok((pose.to_world, lens.map_err(|invalid| source.error(invalid.within("lens")))?))
+    let lens = describe_lens(finder, lens, sensor, pose.vertical_fov_rad, default_focus);
+    Ok((pose.to_world, lens.map_err(|invalid| invalid.within("lens"))?))
 }
 
 /// Where a camera stands, and what it sees if its file says so.

@@ -13,9 +13,9 @@ pub(super) const DEFAULT_FOCAL_LENGTH_M: f64 = 0.016;
 /// f-number where nothing asks for another.
 pub(super) const DEFAULT_F_NUMBER: f64 = 8.0;
 
-/// Reads the table. `vertical_fov_rad` is that of a glTF camera, if one is used: without a focal length of the table's
+/// Describes a lens. `vertical_fov_rad` is that of a glTF camera, if one is used: without a focal length of the table's
 /// own, it decides. `default_focus` holds where the table says nothing of focus.
-pub(super) fn read_lens(
+pub(super) fn describe_lens(
     finder: &Finder<'_>,
     table: &LensTable,
     sensor: &SensorModel,
@@ -33,7 +33,7 @@ pub(super) fn read_lens(
     };
     let intrinsics = table.intrinsics.map(intrinsics).transpose()?;
     let focal_length_m = match (table.focal_length_mm, intrinsics, vertical_fov_rad) {
-        (Some(mm), ..) => mm * 1e-3,
+        (Some(mm), ..) => mm / 1e3,
         (None, Some(i), _) => focal_length(i.fy * sensor.pixel_pitch_m[1], focus),
         (None, None, Some(fov)) => {
             let half_height = size_px[1] * sensor.pixel_pitch_m[1] / 2.0;

@@ -6,68 +6,42 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 
 use super::colour::{Finder, LightSpectrum};
-use super::material::split_type;
-use super::source::CaptureSource;
 use super::tables::{
-    DirectionalTable, EnvironmentSource, EnvironmentTable, LightColour, LightTable, LightType, PointTable, SpotTable,
+    DirectionalTable, EnvironmentSource, EnvironmentTable, LightColour, LightTable, PointTable, SpotTable,
 };
-use super::tree::{Node, Value};
+use crate::Invalid;
 use crate::io::environment::read_environment;
 use crate::io::warnings::Warnings;
 use crate::scene::description::{
     EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel, look_at,
 };
-use crate::{Invalid, Result};
 
-/// Reads all `[[lights]]`.
-pub(super) fn read_lights(source: &CaptureSource, finder: &Finder<'_>) -> Result<Vec<LightDescription>> {
-    let Some(node) = source.get("lights") else { return Ok(Vec::new()) };
-    let Value::Array(nodes) = &node.value else {
-        return Err(
-            source.error(Invalid::new("lights", "expected a list of tables").help("begin each light with [[lights]]"))
-        );
-    };
-    let mut lights = Vec::with_capacity(nodes.len());
-    for (i, node) in nodes.iter().enumerate() {
+/// Describes all `[[lights]]`.
+pub(super) fn describe_lights(tables: &[LightTable], finder: &Finder<'_>) -> Result<Vec<LightDescription>, Invalid> {
+    let describe = |(i, table): (usize, &LightTable)| {
         let path = format!("lights[{i}]");
-        let light = match read_table(source, &path, node)? {
-            LightTable::Point(table) => point(finder, table),
-            LightTable::Spot(table) => spot(finder, table),
-            LightTable::Directional(table) => directional(finder, table),
+        let (name, light) = match table {
+            LightTable::Point(table) => (&table.name, point(finder, table)),
+            LightTable::Spot(table) => (&table.name, spot(finder, table)),
+            LightTable::Directional(table) => (&table.name, directional(finder, table)),
         };
-        let mut light = light.map_err(|invalid| source.error(invalid.within(&path)))?;
-        if light.name.is_empty() {
-            light.name = path;
-        }
-        lights.push(light);
-    }
-    Ok(lights)
+        let light = light.map_err(|invalid| invalid.within(&path))?;
+        Ok(LightDescription { name: name.clone().unwrap_or(path), ..light })
+    };
+    tables.iter().enumerate().map(describe).collect()
 }
 
-fn read_table(source: &CaptureSource, path: &str, node: &Node) -> Result<LightTable> {
-    let (kind, node) = split_type(source, path, node)?;
-    match kind {
-        Some(LightType::Point) => Ok(LightTable::Point(source.read_node(path, &node)?)),
-        Some(LightType::Spot) => Ok(LightTable::Spot(source.read_node(path, &node)?)),
-        Some(LightType::Directional) => Ok(LightTable::Directional(source.read_node(path, &node)?)),
-        None => {
-            let invalid = Invalid::new(path, "the key `type` is missing");
-            Err(source.error(invalid.help("write type = \"point\", \"spot\" or \"directional\"")))
-        }
-    }
-}
-
-fn point(finder: &Finder<'_>, table: PointTable) -> Result<LightDescription, Invalid> {
+fn point(finder: &Finder<'_>, table: &PointTable) -> Result<LightDescription, Invalid> {
     let position = vector("position_m", table.position_m)?;
     Ok(LightDescription {
         to_world: DAffine3::from_translation(position),
         kind: LightKind::Point,
         emission: emission(finder, table.colour(), Some(("intensity_cd", table.intensity_cd)), "intensity_cd")?,
-        name: table.name.unwrap_or_default(),
+        name: String::new(),
     })
 }
 
-fn spot(finder: &Finder<'_>, table: SpotTable) -> Result<LightDescription, Invalid> {
+fn spot(finder: &Finder<'_>, table: &SpotTable) -> Result<LightDescription, Invalid> {
     let position = vector("position_m", table.position_m)?;
     let (key, direction) = match (table.direction, table.look_at_m) {
         (Some(direction), None) => ("direction", vector("direction", direction)?),
@@ -89,17 +63,17 @@ fn spot(finder: &Finder<'_>, table: SpotTable) -> Result<LightDescription, Inval
         to_world: shining_along(key, position, direction)?,
         kind: LightKind::Spot { inner_rad: inner.to_radians() as f32, outer_rad: outer.to_radians() as f32 },
         emission: emission(finder, table.colour(), Some(("intensity_cd", table.intensity_cd)), "intensity_cd")?,
-        name: table.name.unwrap_or_default(),
+        name: String::new(),
     })
 }
 
-fn directional(finder: &Finder<'_>, table: DirectionalTable) -> Result<LightDescription, Invalid> {
+fn directional(finder: &Finder<'_>, table: &DirectionalTable) -> Result<LightDescription, Invalid> {
     let level = Some(("illuminance_lux", table.illuminance_lux));
     Ok(LightDescription {
         to_world: shining_along("direction", DVec3::ZERO, vector("direction", table.direction)?)?,
         kind: LightKind::Directional,
         emission: emission(finder, table.colour(), level, "illuminance_lux")?,
-        name: table.name.unwrap_or_default(),
+        name: String::new(),
     })
 }
 
@@ -130,8 +104,8 @@ pub(super) fn emission(
     Ok(EmissionDescription { colour, level, texture: None })
 }
 
-/// Reads `scene.environment`.
-pub(super) fn read_environment_source(
+/// Describes `scene.environment`.
+pub(super) fn describe_environment(
     finder: &Finder<'_>,
     source: &EnvironmentSource,
     warnings: &mut Warnings,

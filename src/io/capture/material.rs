@@ -1,48 +1,42 @@
 //! `[materials.NAME]`: materials in place of those of the geometry.
 
-use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
 
 use super::colour::Finder;
 use super::light::emission;
-use super::source::CaptureSource;
 use super::tables::{
-    ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MaterialType,
-    MetalSource, MetallicRoughnessTable, TextureFile, TypedMaterialTable,
+    ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MetalSource,
+    MetallicRoughnessTable, TextureFile, TypedMaterialTable,
 };
-use super::tree::Node;
+use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
 use crate::scene::description::{
     AlphaMode, EmissionDescription, MaterialDescription, MaterialModel, TextureDescription,
 };
 use crate::spectrum::{Dispersion, Outside, Spectrum, library};
-use crate::{Invalid, Result};
 
-/// Applies every `[materials.NAME]` to the materials of that name. Returns the names that were described anew.
+/// Applies every `[materials.NAME]` to the materials of that name.
 pub(super) fn override_materials(
-    source: &CaptureSource,
+    tables: &BTreeMap<String, MaterialTable>,
     finder: &mut Finder<'_>,
     materials: &mut [MaterialDescription],
-) -> Result<Vec<String>> {
-    let Some(node) = source.get("materials") else { return Ok(Vec::new()) };
-    let Some(table) = node.as_table() else {
-        let help = "for example [materials.wall] with type = \"diffuse\" and reflectance = 0.5";
-        return Err(source.error(Invalid::new("materials", "expected a table for every material").help(help)));
-    };
-    let mut described = Vec::new();
-    for (name, entry) in table {
+) -> Result<(), Invalid> {
+    for (name, table) in tables {
         let path = format!("materials.{name}");
-        let material = read_material(source, finder, &path, &entry.node)?;
-        let mut found = false;
-        for place in materials.iter_mut().filter(|place| place.name == *name) {
-            material.clone().apply(place);
-            found = true;
+        if !materials.iter().any(|place| place.name == *name) {
+            return Err(unknown_material(path, name, materials));
         }
-        if !found {
-            return Err(source.error(unknown_material(path, name, materials)));
-        }
-        described.push(name.clone());
+        let material = match table {
+            MaterialTable::Kept(table) => kept(finder, table),
+            MaterialTable::Typed(TypedMaterialTable::Diffuse(table)) => diffuse(finder, table),
+            MaterialTable::Typed(TypedMaterialTable::Conductor(table)) => conductor(finder, table),
+            MaterialTable::Typed(TypedMaterialTable::Dielectric(table)) => dielectric(finder, table),
+            MaterialTable::Typed(TypedMaterialTable::MetallicRoughness(table)) => metallic_roughness(finder, table),
+        };
+        let material = material.map_err(|invalid| invalid.within(&path))?;
+        materials.iter_mut().filter(|place| place.name == *name).for_each(|place| material.clone().apply(place));
     }
-    Ok(described)
+    Ok(())
 }
 
 fn unknown_material(path: String, name: &str, materials: &[MaterialDescription]) -> Invalid {
@@ -81,54 +75,21 @@ impl Override {
     }
 }
 
-fn read_material(source: &CaptureSource, finder: &mut Finder<'_>, path: &str, node: &Node) -> Result<Override> {
-    let material = match read_table(source, path, node)? {
-        MaterialTable::Kept(table) => kept(finder, table),
-        MaterialTable::Typed(TypedMaterialTable::Diffuse(table)) => diffuse(finder, table),
-        MaterialTable::Typed(TypedMaterialTable::Conductor(table)) => conductor(finder, table),
-        MaterialTable::Typed(TypedMaterialTable::Dielectric(table)) => dielectric(finder, table),
-        MaterialTable::Typed(TypedMaterialTable::MetallicRoughness(table)) => metallic_roughness(finder, table),
-    };
-    material.map_err(|invalid| source.error(invalid.within(path)))
+fn kept(finder: &mut Finder<'_>, table: &KeptTable) -> Result<Override, Invalid> {
+    Ok(Override { model: None, emission: shine(finder, table.emission.as_ref())?, double_sided: table.double_sided })
 }
 
-fn read_table(source: &CaptureSource, path: &str, node: &Node) -> Result<MaterialTable> {
-    let (kind, node) = split_type(source, path, node)?;
-    Ok(MaterialTable::Typed(match kind {
-        None => return Ok(MaterialTable::Kept(source.read_node(path, &node)?)),
-        Some(MaterialType::Diffuse) => TypedMaterialTable::Diffuse(source.read_node(path, &node)?),
-        Some(MaterialType::Conductor) => TypedMaterialTable::Conductor(source.read_node(path, &node)?),
-        Some(MaterialType::Dielectric) => TypedMaterialTable::Dielectric(source.read_node(path, &node)?),
-        Some(MaterialType::MetallicRoughness) => TypedMaterialTable::MetallicRoughness(source.read_node(path, &node)?),
-    }))
-}
-
-/// Takes the `type` out of a table, so that the rest can be read as that type has it.
-pub(super) fn split_type<T: DeserializeOwned>(
-    source: &CaptureSource,
-    path: &str,
-    node: &Node,
-) -> Result<(Option<T>, Node)> {
-    let mut node = node.clone();
-    let kind = node.remove("type").map(|kind| source.read_node(&format!("{path}.type"), &kind));
-    Ok((kind.transpose()?, node))
-}
-
-fn kept(finder: &mut Finder<'_>, table: KeptTable) -> Result<Override, Invalid> {
-    Ok(Override { model: None, emission: shine(finder, table.emission)?, double_sided: table.double_sided })
-}
-
-fn diffuse(finder: &mut Finder<'_>, table: DiffuseTable) -> Result<Override, Invalid> {
+fn diffuse(finder: &mut Finder<'_>, table: &DiffuseTable) -> Result<Override, Invalid> {
     let (reflectance, texture) = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
     let model = MaterialModel::Diffuse { reflectance, texture };
     Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map)?)),
-        emission: shine(finder, table.emission)?,
+        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
+        emission: shine(finder, table.emission.as_ref())?,
         double_sided: table.double_sided,
     })
 }
 
-fn conductor(finder: &mut Finder<'_>, table: ConductorTable) -> Result<Override, Invalid> {
+fn conductor(finder: &mut Finder<'_>, table: &ConductorTable) -> Result<Override, Invalid> {
     let (eta, k) = metal(finder, &table.metal).map_err(|e| e.within("metal"))?;
     for (key, spectrum) in [("eta", &eta), ("k", &k)] {
         if let Some((lambda, value)) = spectrum.iter().find(|(_, value)| *value < 0.0) {
@@ -143,8 +104,8 @@ fn conductor(finder: &mut Finder<'_>, table: ConductorTable) -> Result<Override,
     let roughness = unit("roughness", table.roughness.unwrap_or(0.0))?;
     let model = MaterialModel::Conductor { eta, k, roughness, anisotropy: anisotropy as f32 };
     Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map)?)),
-        emission: shine(finder, table.emission)?,
+        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
+        emission: shine(finder, table.emission.as_ref())?,
         double_sided: table.double_sided,
     })
 }
@@ -171,7 +132,7 @@ fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectru
     }
 }
 
-fn dielectric(finder: &mut Finder<'_>, table: DielectricTable) -> Result<Override, Invalid> {
+fn dielectric(finder: &mut Finder<'_>, table: &DielectricTable) -> Result<Override, Invalid> {
     let index = match (&table.glass, &table.index) {
         (Some(_), Some(_)) => return Err(Invalid::new("index", "cannot go with glass").help("keep one of them")),
         (None, None) => {
@@ -209,7 +170,7 @@ fn dispersion(finder: &Finder<'_>, source: &IndexSource, abbe: Option<f64>) -> R
     dispersion.validated()
 }
 
-fn metallic_roughness(finder: &mut Finder<'_>, table: MetallicRoughnessTable) -> Result<Override, Invalid> {
+fn metallic_roughness(finder: &mut Finder<'_>, table: &MetallicRoughnessTable) -> Result<Override, Invalid> {
     let (base_colour, base_colour_texture) =
         finder.reflectance(&table.base_colour).map_err(|e| e.within("base_colour"))?;
     let map = table.metallic_roughness_map.as_ref().map(|map| finder.texture(map)).transpose();
@@ -221,18 +182,18 @@ fn metallic_roughness(finder: &mut Finder<'_>, table: MetallicRoughnessTable) ->
         metallic_roughness_texture: map.map_err(|e| e.within("metallic_roughness_map"))?,
     };
     Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map)?)),
-        emission: shine(finder, table.emission)?,
+        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
+        emission: shine(finder, table.emission.as_ref())?,
         double_sided: table.double_sided,
     })
 }
 
-fn normal_map(finder: &mut Finder<'_>, file: Option<TextureFile>) -> Result<Option<TextureDescription>, Invalid> {
-    file.map(|file| finder.texture(&file)).transpose().map_err(|e| e.within("normal_map"))
+fn normal_map(finder: &mut Finder<'_>, file: Option<&TextureFile>) -> Result<Option<TextureDescription>, Invalid> {
+    file.map(|file| finder.texture(file)).transpose().map_err(|e| e.within("normal_map"))
 }
 
 /// The emission of a surface.
-fn shine(finder: &mut Finder<'_>, table: Option<EmissionTable>) -> Result<Option<EmissionDescription>, Invalid> {
+fn shine(finder: &mut Finder<'_>, table: Option<&EmissionTable>) -> Result<Option<EmissionDescription>, Invalid> {
     let Some(table) = table else { return Ok(None) };
     let texture = table.texture.as_ref().map(|file| finder.texture(file)).transpose();
     let texture = texture.map_err(|e| e.within("texture").within("emission"))?;

@@ -4,7 +4,10 @@
 //! and `--set key=value` arguments. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
 //! the key and its line, or the argument.
 //!
-//! | table | holds | read by |
+//! The text becomes a tree of values that know their lines (`tree.rs`, `source.rs`), the tree becomes tables of keys
+//! (`reader.rs`, `file.rs`, `tables/`), and the tables are given their meaning:
+//!
+//! | table | holds | given its meaning in |
 //! |---|---|---|
 //! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
@@ -18,6 +21,7 @@
 
 mod camera;
 mod colour;
+mod file;
 mod framing;
 mod lens;
 mod light;
@@ -41,16 +45,16 @@ use std::path::Path;
 use glam::DAffine3;
 
 use crate::integrator::RenderSettings;
-use crate::io::suggest::{did_you_mean, list};
 use crate::optics::LensDescription;
 use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
 use crate::{Error, Invalid, Result};
 
-use camera::read_camera;
+use camera::place_camera;
 use colour::Finder;
 use scene::ReadScene;
-use sensor::read_sensor;
+use sensor::sensor_model;
+use tables::CaptureFile;
 
 pub use schema::capture_schema;
 pub use sensor::read_sensor_file;
@@ -89,30 +93,37 @@ impl Capture {
         for argument in overrides {
             overrides::set(&mut source, argument)?;
         }
-        refuse_unknown_sections(&source)?;
-
         let folder = path.parent().unwrap_or(Path::new(""));
+        let file = CaptureFile::read(&mut source, folder)?;
         let geometry = if is_scene_file(path) {
-            ReadScene::of_scene_file(&source, path)?
+            ReadScene::of_scene_file(&source, &file.scene, path)?
         } else {
-            ReadScene::of_capture(&source, folder)?
+            ReadScene::of_capture(&source, &file.scene, folder)?
         };
+        Self::assemble(&file, geometry, &source, folder).map_err(|invalid| source.error(invalid))
+    }
+
+    /// Makes of the tables what they mean.
+    fn assemble(
+        file: &CaptureFile,
+        geometry: ReadScene,
+        source: &CaptureSource,
+        folder: &Path,
+    ) -> Result<Self, Invalid> {
         let finder = Finder::new(folder, Vec::new());
-        let sensor = read_sensor(&mut source, &finder, folder)?;
-        let (camera_to_world, lens) = read_camera(&source, &finder, &geometry.scene, &sensor, is_scene_file(path))?;
-        let scene = geometry.with_tables(&source, folder)?;
-        let exposure = settings::exposure(&source.read("exposure")?.unwrap_or_default(), &sensor);
-        let render = settings::render(&source.read("render")?.unwrap_or_default());
-        let output = settings::output(&source.read("output")?.unwrap_or_default());
+        let sensor = sensor_model(&file.sensor, &finder).map_err(|invalid| invalid.within("sensor"))?;
+        let focus_on_scene = is_scene_file(source.path());
+        let (camera_to_world, lens) =
+            place_camera(&file.camera, &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
         Ok(Self {
-            scene,
+            exposure: settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?,
+            render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
+            output: settings::output(&file.output).map_err(|invalid| invalid.within("output"))?,
+            scene: geometry.with_tables(file, folder)?,
             camera_to_world,
             lens,
             sensor,
-            exposure: exposure.map_err(|invalid| source.error(invalid.within("exposure")))?,
-            render: render.map_err(|invalid| source.error(invalid.within("render")))?,
-            output: output.map_err(|invalid| source.error(invalid.within("output")))?,
-            source,
+            source: source.clone(),
         })
     }
 }
@@ -129,15 +140,4 @@ fn read_text(path: &Path) -> Result<String> {
         let invalid = Invalid::new("", "is neither TOML nor a scene of a known kind");
         invalid.help("give a capture file (.toml) or a scene (.gltf, .glb, .obj)").in_file(path)
     })
-}
-
-fn refuse_unknown_sections(source: &CaptureSource) -> Result<()> {
-    match source.sections().find(|(key, _)| !tables::SECTIONS.contains(key)) {
-        Some((key, _)) => {
-            let message = format!("unknown key `{key}`{}", did_you_mean(key, tables::SECTIONS));
-            let help = format!("the tables of a capture file are {}", list(tables::SECTIONS));
-            Err(source.error(Invalid::new(key, message).help(help)))
-        }
-        None => Ok(()),
-    }
 }

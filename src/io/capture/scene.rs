@@ -6,10 +6,10 @@ use std::path::Path;
 use glam::{DAffine3, DVec3};
 
 use super::colour::Finder;
-use super::light::{read_environment_source, read_lights};
+use super::light::{describe_environment, describe_lights};
 use super::material::override_materials;
 use super::source::CaptureSource;
-use super::tables::{NormalsName, SceneTable};
+use super::tables::{CaptureFile, NormalsName, SceneTable};
 use crate::io::obj::MissingNormals;
 use crate::io::warnings::Warnings;
 use crate::io::{gltf, obj};
@@ -30,8 +30,7 @@ pub(super) struct ReadScene {
 
 impl ReadScene {
     /// Reads all geometry of a capture file.
-    pub(super) fn of_capture(source: &CaptureSource, folder: &Path) -> Result<Self> {
-        let table: SceneTable = source.read("scene")?.unwrap_or_default();
+    pub(super) fn of_capture(source: &CaptureSource, table: &SceneTable, folder: &Path) -> Result<Self> {
         let mut read = Self::default();
         for (i, file) in table.geometry.iter().enumerate() {
             let path = folder.join(file);
@@ -40,16 +39,15 @@ impl ReadScene {
                 let help = "paths are relative to the capture file";
                 return Err(source.error(Invalid::new(format!("scene.geometry[{i}]"), message).help(help)));
             }
-            read.add(source, &table, &path, i)?;
+            read.add(source, table, &path, i)?;
         }
         Ok(read)
     }
 
     /// Reads a scene file that stands for a capture file. It gets surroundings unless it has lights of its own.
-    pub(super) fn of_scene_file(source: &CaptureSource, path: &Path) -> Result<Self> {
-        let table: SceneTable = source.read("scene")?.unwrap_or_default();
+    pub(super) fn of_scene_file(source: &CaptureSource, table: &SceneTable, path: &Path) -> Result<Self> {
         let mut read = Self::default();
-        read.add(source, &table, path, 0)?;
+        read.add(source, table, path, 0)?;
         if read.scene.meshes.is_empty() {
             let help = "give a scene with geometry, or a capture file";
             return Err(Invalid::new("", "has no triangles").help(help).in_file(path));
@@ -113,18 +111,17 @@ impl ReadScene {
     }
 
     /// Lays materials, lights and environment of the capture file over the geometry.
-    pub(super) fn with_tables(mut self, source: &CaptureSource, folder: &Path) -> Result<SceneDescription> {
+    pub(super) fn with_tables(mut self, file: &CaptureFile, folder: &Path) -> Result<SceneDescription, Invalid> {
         let mut finder = Finder::new(folder, std::mem::take(&mut self.scene.images));
-        let described = override_materials(source, &mut finder, &mut self.scene.materials)?;
-        self.scene.lights.extend(read_lights(source, &finder)?);
+        override_materials(&file.materials, &mut finder, &mut self.scene.materials)?;
+        self.scene.lights.extend(describe_lights(&file.lights, &finder)?);
         let mut warnings = Warnings::default();
-        for name in self.undescribed_materials.iter().filter(|name| !described.contains(name)) {
+        for name in self.undescribed_materials.iter().filter(|name| !file.materials.contains_key(*name)) {
             warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));
         }
-        let table: SceneTable = source.read("scene")?.unwrap_or_default();
-        if let Some(environment) = &table.environment {
-            let read = read_environment_source(&finder, environment, &mut warnings);
-            self.scene.environment = read.map_err(|e| source.error(e.within("scene.environment")))?;
+        if let Some(environment) = &file.scene.environment {
+            let described = describe_environment(&finder, environment, &mut warnings);
+            self.scene.environment = described.map_err(|e| e.within("environment").within("scene"))?;
         }
         self.scene.images = finder.into_images();
         self.scene.warnings.extend(warnings.into_messages());

@@ -1,7 +1,7 @@
 //! The JSON Schema of capture files, by which editors complete and check them.
 
 use schemars::generate::SchemaSettings;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::tables::CaptureFile;
 
@@ -10,7 +10,33 @@ pub fn capture_schema() -> Value {
     let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<CaptureFile>();
     let mut schema = schema.to_value();
     make_partial(&mut schema);
+    remove_null(&mut schema);
     schema
+}
+
+/// Takes `null` out of the alternatives of optional keys: TOML leaves them out.
+fn remove_null(schema: &mut Value) {
+    match schema {
+        Value::Object(object) => {
+            object.values_mut().for_each(remove_null);
+            if let Some(Value::Array(types)) = object.get_mut("type") {
+                types.retain(|kind| kind != "null");
+                if let [only] = &types[..] {
+                    let only = only.clone();
+                    object.insert("type".to_owned(), only);
+                }
+            }
+            let Some(Value::Array(alternatives)) = object.get_mut("anyOf") else { return };
+            alternatives.retain(|alternative| *alternative != json!({ "type": "null" }));
+            if let [Value::Object(only)] = &alternatives[..] {
+                let only = only.clone();
+                object.remove("anyOf");
+                object.extend(only);
+            }
+        }
+        Value::Array(array) => array.iter_mut().for_each(remove_null),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
 }
 
 /// Makes every key of `[sensor]` optional, in tables within it too: a preset gives what is left out.
@@ -52,7 +78,7 @@ fn references(definition: &Value, names: &mut Vec<String>) {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::{Map, json};
+    use serde_json::Map;
 
     use super::*;
 
@@ -90,5 +116,6 @@ mod tests {
         let sensor = &schema["$defs"]["SensorTable"];
         assert!(sensor.get("required").is_none() && sensor["properties"].get("adc").is_some(), "{sensor}");
         assert!(schema["$defs"]["AdcDescription"].get("required").is_none());
+        assert!(!schema.to_string().contains("\"null\""), "TOML has no null");
     }
 }

@@ -4,14 +4,21 @@ use std::path::Path;
 
 use super::colour::Finder;
 use super::source::CaptureSource;
+use super::tables::MergedSensor;
 use super::tree::{Node, Value, parse};
 use crate::io::suggest::{did_you_mean, list};
 use crate::sensor::{SensorModel, presets};
 use crate::spectrum::Outside;
 use crate::{Error, Invalid, Result};
 
+/// Makes the model of a sensor.
+pub(super) fn sensor_model(sensor: &MergedSensor, finder: &Finder<'_>) -> Result<SensorModel, Invalid> {
+    SensorModel::new(&sensor.name, &sensor.description, |spectrum| finder.spectrum(spectrum, Outside::Zero))
+}
+
 /// Reads the sensor and puts the merged table in the place of `[sensor]`, so that errors of its keys find their line.
-pub(super) fn read_sensor(source: &mut CaptureSource, finder: &Finder<'_>, folder: &Path) -> Result<SensorModel> {
+/// Paths of curves are relative to `folder` no more, but can be used as they are.
+pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<MergedSensor> {
     let mut changes = match source.get("sensor") {
         Some(node) if node.as_table().is_some() => node.clone(),
         Some(_) => {
@@ -39,9 +46,8 @@ pub(super) fn read_sensor(source: &mut CaptureSource, finder: &Finder<'_>, folde
     source.replace("sensor", merged);
 
     let description = source.read("sensor")?.ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
-    let stem = Path::new(&name).file_stem().map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
-    let resolve = |spectrum: &_| finder.spectrum(spectrum, Outside::Zero);
-    SensorModel::new(&stem, &description, resolve).map_err(|invalid| source.error(invalid.within("sensor")))
+    let name = Path::new(&name).file_stem().map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
+    Ok(MergedSensor { name, description })
 }
 
 /// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.

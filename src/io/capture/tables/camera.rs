@@ -67,7 +67,7 @@ pub(crate) enum FocusDistance {
     /// m.
     Metres(f64),
     /// "infinity".
-    Name(String),
+    Name(#[schemars(extend("const" = "infinity"))] String),
 }
 
 /// A pixel: column and row from the top-left corner, or "centre".
@@ -77,7 +77,7 @@ pub(crate) enum AutofocusTable {
     /// Column and row.
     Pixel([f64; 2]),
     /// "centre".
-    Name(String),
+    Name(#[schemars(extend("const" = "centre"))] String),
 }
 
 /// Whether it gets darker towards the corners.

@@ -33,32 +33,48 @@ pub(super) use settings::{ExposureTable, IrradianceSource, OutputTable, RenderTa
 /// key names; lengths in metres, angles in degrees.
 #[derive(Debug, JsonSchema)]
 #[schemars(deny_unknown_fields, title = "photosite capture")]
-#[expect(dead_code, reason = "the shape of a file, for the JSON Schema; its tables are read one by one")]
-pub(super) struct CaptureFile {
+pub(crate) struct CaptureFile {
     /// What is there: geometry and surroundings.
-    scene: Option<SceneTable>,
+    #[schemars(with = "Option<SceneTable>")]
+    pub(crate) scene: SceneTable,
     /// Lights without a surface, besides those of the geometry's files.
-    lights: Option<Vec<LightTable>>,
+    #[schemars(with = "Option<Vec<LightTable>>")]
+    pub(crate) lights: Vec<LightTable>,
     /// Materials by the names that the geometry uses; each replaces what the geometry's file says.
-    materials: Option<BTreeMap<String, MaterialTable>>,
+    #[schemars(with = "Option<BTreeMap<String, MaterialTable>>")]
+    pub(crate) materials: BTreeMap<String, MaterialTable>,
     /// Where the camera stands. Without it, the first camera of the geometry's files is used, or one that frames all of
     /// it.
-    camera: Option<CameraTable>,
+    #[schemars(with = "Option<CameraTable>")]
+    pub(crate) camera: CameraTable,
     /// The lens.
-    lens: Option<LensTable>,
+    #[schemars(with = "Option<LensTable>")]
+    pub(crate) lens: LensTable,
     /// The sensor: a preset, and any keys that shall differ from it.
-    sensor: Option<SensorTable>,
+    #[schemars(with = "Option<SensorTable>")]
+    pub(crate) sensor: MergedSensor,
     /// How long, at what gain and temperature. Without it, the time is chosen automatically.
-    exposure: Option<ExposureTable>,
+    #[schemars(with = "Option<ExposureTable>")]
+    pub(crate) exposure: ExposureTable,
     /// How light is traced.
-    render: Option<RenderTable>,
+    #[schemars(with = "Option<RenderTable>")]
+    pub(crate) render: RenderTable,
     /// What is written.
-    output: Option<OutputTable>,
+    #[schemars(with = "Option<OutputTable>")]
+    pub(crate) output: OutputTable,
 }
 
 /// Names of the tables of a capture file.
 pub(super) const SECTIONS: [&str; 9] =
     ["scene", "lights", "materials", "camera", "lens", "sensor", "exposure", "render", "output"];
+
+/// A preset or sensor file with the changes of `[sensor]` laid over it.
+#[derive(Debug)]
+pub(crate) struct MergedSensor {
+    /// Of the preset or file.
+    pub(crate) name: String,
+    pub(crate) description: SensorDescription,
+}
 
 /// A preset with changes.
 #[derive(Debug, JsonSchema)]

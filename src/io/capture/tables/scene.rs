@@ -37,7 +37,7 @@ pub(crate) enum NormalsName {
 #[schemars(untagged)]
 pub(crate) enum EnvironmentSource {
     /// "none".
-    Name(String),
+    Name(#[schemars(extend("const" = "none"))] String),
     /// The same light everywhere, or a picture.
     Table(Box<EnvironmentTable>),
 }

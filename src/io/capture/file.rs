@@ -1,0 +1,92 @@
+//! Reading all tables of a capture file, before anything that they name: a misspelt key is told at once.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use super::sensor::read_sensor;
+use super::source::CaptureSource;
+use super::tables::{CaptureFile, LightTable, LightType, MaterialTable, MaterialType, SECTIONS, TypedMaterialTable};
+use super::tree::{Node, Value};
+use crate::io::suggest::{did_you_mean, list};
+use crate::{Invalid, Result};
+
+impl CaptureFile {
+    /// Reads the tables. `folder` is what their paths are relative to.
+    pub(super) fn read(source: &mut CaptureSource, folder: &Path) -> Result<Self> {
+        refuse_unknown_sections(source)?;
+        Ok(Self {
+            scene: source.read("scene")?.unwrap_or_default(),
+            lights: lights(source)?,
+            materials: materials(source)?,
+            camera: source.read("camera")?.unwrap_or_default(),
+            lens: source.read("lens")?.unwrap_or_default(),
+            exposure: source.read("exposure")?.unwrap_or_default(),
+            render: source.read("render")?.unwrap_or_default(),
+            output: source.read("output")?.unwrap_or_default(),
+            sensor: read_sensor(source, folder)?,
+        })
+    }
+}
+
+fn refuse_unknown_sections(source: &CaptureSource) -> Result<()> {
+    match source.sections().find(|(key, _)| !SECTIONS.contains(key)) {
+        Some((key, _)) => {
+            let message = format!("unknown key `{key}`{}", did_you_mean(key, SECTIONS));
+            let help = format!("the tables of a capture file are {}", list(SECTIONS));
+            Err(source.error(Invalid::new(key, message).help(help)))
+        }
+        None => Ok(()),
+    }
+}
+
+fn materials(source: &CaptureSource) -> Result<BTreeMap<String, MaterialTable>> {
+    let Some(node) = source.get("materials") else { return Ok(BTreeMap::new()) };
+    let Some(table) = node.as_table() else {
+        let help = "for example [materials.wall] with type = \"diffuse\" and reflectance = 0.5";
+        return Err(source.error(Invalid::new("materials", "expected a table for every material").help(help)));
+    };
+    let read = |name: &String, node| material(source, &format!("materials.{name}"), node);
+    table.iter().map(|(name, entry)| Ok((name.clone(), read(name, &entry.node)?))).collect()
+}
+
+fn material(source: &CaptureSource, path: &str, node: &Node) -> Result<MaterialTable> {
+    let (kind, node) = split_type(source, path, node)?;
+    Ok(MaterialTable::Typed(match kind {
+        None => return Ok(MaterialTable::Kept(source.read_node(path, &node)?)),
+        Some(MaterialType::Diffuse) => TypedMaterialTable::Diffuse(source.read_node(path, &node)?),
+        Some(MaterialType::Conductor) => TypedMaterialTable::Conductor(source.read_node(path, &node)?),
+        Some(MaterialType::Dielectric) => TypedMaterialTable::Dielectric(source.read_node(path, &node)?),
+        Some(MaterialType::MetallicRoughness) => TypedMaterialTable::MetallicRoughness(source.read_node(path, &node)?),
+    }))
+}
+
+fn lights(source: &CaptureSource) -> Result<Vec<LightTable>> {
+    let Some(node) = source.get("lights") else { return Ok(Vec::new()) };
+    let Value::Array(nodes) = &node.value else {
+        let invalid = Invalid::new("lights", "expected a list of tables");
+        return Err(source.error(invalid.help("begin each light with [[lights]]")));
+    };
+    nodes.iter().enumerate().map(|(i, node)| light(source, &format!("lights[{i}]"), node)).collect()
+}
+
+fn light(source: &CaptureSource, path: &str, node: &Node) -> Result<LightTable> {
+    let (kind, node) = split_type(source, path, node)?;
+    match kind {
+        Some(LightType::Point) => Ok(LightTable::Point(source.read_node(path, &node)?)),
+        Some(LightType::Spot) => Ok(LightTable::Spot(source.read_node(path, &node)?)),
+        Some(LightType::Directional) => Ok(LightTable::Directional(source.read_node(path, &node)?)),
+        None => {
+            let invalid = Invalid::new(path, "the key `type` is missing");
+            Err(source.error(invalid.help("write type = \"point\", \"spot\" or \"directional\"")))
+        }
+    }
+}
+
+/// Takes the `type` out of a table, so that the rest can be read as that type has it.
+fn split_type<T: DeserializeOwned>(source: &CaptureSource, path: &str, node: &Node) -> Result<(Option<T>, Node)> {
+    let mut node = node.clone();
+    let kind = node.remove("type").map(|kind| source.read_node(&format!("{path}.type"), &kind));
+    Ok((kind.transpose()?, node))
+}
