@@ -218,3 +218,34 @@ fn tiny_trees_are_trees_too() {
         assert_eq!((hit.triangle, hit.t), (count - 1, 100.0 - (count - 1) as f32), "{count} triangles");
     }
 }
+
+#[test]
+fn a_flat_surface_does_not_shadow_itself() {
+    let mut numbers = Numbers(17);
+    // Two triangles of a square, tilted, far from the origin, and seen from far away: the hit point is rounded on the
+    // way, and so is everything that is computed from it.
+    for (tilt, offset, side) in [(0.0, 0.0, 0.1), (0.0, 3.0, 0.1), (0.4, 3.0, 0.1), (0.4, 100.0, 1.0), (1.1, 0.7, 1e-3)]
+    {
+        let turn = Quat::from_rotation_x(tilt) * Quat::from_rotation_z(tilt * 0.7);
+        let corner =
+            |x: f32, y: f32| turn * Vec3::new(x * side, y * side, 0.0) + Vec3::new(offset, -offset, offset * 0.3);
+        let (a, b, c, d) = (corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0));
+        let g = geometry(&[[a, b, c], [a, c, d]]);
+        let accel = in_world(&g);
+        let normal = turn * Vec3::Z;
+        let frame = crate::math::Frame::from_normal(normal);
+        let mut shadowed = 0;
+        for _ in 0..20_000 {
+            let target = corner(numbers.next(), numbers.next());
+            let eye = target + frame.to_world(warp::cosine_hemisphere([numbers.next(), numbers.next()])) * 10.0 * side;
+            let Some(hit) = accel.closest(&Ray::new(eye, (target - eye).normalize()), &AcceptAll) else { continue };
+            let point = SurfacePoint::new(&g, &accel, &hit);
+            let wi = frame.to_world(warp::cosine_hemisphere([numbers.next(), numbers.next()]));
+            let origin = offset_origin(point.position, point.error, point.geometric_normal, wi);
+            // Directions need not be of unit length.
+            let wi = wi * 10f32.powf(6.0 * numbers.next() - 3.0);
+            shadowed += u32::from(accel.occluded(&Ray::new(origin, wi), &AcceptAll));
+        }
+        assert_eq!(shadowed, 0, "tilt {tilt}, offset {offset}, side {side}");
+    }
+}

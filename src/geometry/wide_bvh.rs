@@ -276,7 +276,11 @@ impl TriangleBlock {
         let sum = u.add(v).add(w);
         let t = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2])).div(sum);
         let edge_on = sum.le(zero) & zero.le(sum);
-        let mask = inside & !edge_on & zero.lt(t) & t.lt(L::splat(t_max));
+        let mut mask = inside & !edge_on & zero.lt(t) & t.lt(L::splat(t_max));
+        if mask != 0 {
+            // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
+            mask &= distance_error([a, b, c], [u, v, w], sum, ray.shear[2]).lt(t);
+        }
         BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() }
     }
 }
@@ -286,6 +290,34 @@ impl TriangleBlock {
 #[inline(always)]
 fn double_area<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
     p[0].mul(q[1]).sub(p[1].mul(q[0]))
+}
+
+/// Bound on the rounding error of t = (u·a_z + v·b_z + w·c_z)/sum ([pbrt4](crate::references#pbrt4) §6.8.7), for
+/// directions of any length: `scale` is what z was multiplied by after the shear.
+#[inline(always)]
+fn distance_error<L: Lanes>([a, b, c]: [[L; 3]; 3], [u, v, w]: [L; 3], sum: L, scale: f32) -> L {
+    let (g2, g3, g5) = (L::splat(gamma(2)), L::splat(gamma(3)), L::splat(gamma(5)));
+    let x = largest_magnitude(a[0], b[0], c[0]);
+    let y = largest_magnitude(a[1], b[1], c[1]);
+    let z = largest_magnitude(a[2], b[2], c[2]);
+    let e = largest_magnitude(u, v, w);
+    let before_scaling = z.mul(L::splat(1.0 / scale.abs()));
+    let dx = x.add(before_scaling).mul(g5);
+    let dy = y.add(before_scaling).mul(g5);
+    let dz = z.mul(g3);
+    let de = g2.mul(x).mul(y).add(dy.mul(x)).add(dx.mul(y)).mul(L::splat(2.0));
+    let numerator = g3.mul(e).mul(z).add(de.mul(z)).add(dz.mul(e)).mul(L::splat(3.0));
+    numerator.div(magnitude(sum))
+}
+
+#[inline(always)]
+fn magnitude<L: Lanes>(a: L) -> L {
+    a.max(L::splat(0.0).sub(a))
+}
+
+#[inline(always)]
+fn largest_magnitude<L: Lanes>(a: L, b: L, c: L) -> L {
+    magnitude(a).max(magnitude(b)).max(magnitude(c))
 }
 
 #[inline(always)]
