@@ -1,7 +1,7 @@
 //! OBJ geometry with MTL materials, as a [`SceneDescription`].
 //!
 //! In: an `.obj` file, the material libraries and pictures that it names. Out: meshes in the file's own unit, one for
-//! each material of each object, at the origin; materials as [`material`] reads them.
+//! each material of each object, at the origin; materials with what the MTL file says of them.
 //!
 //! Concave polygons, continued lines, smoothing groups and the options of textures are followed; curves, free-form
 //! surfaces, groups (`g`) and vertex colours are not. The parser is our own because files of this format are often wrong
