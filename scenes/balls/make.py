@@ -2,7 +2,7 @@
 """Writes balls.gltf and .bin, four balls on a tiled floor, and sky.hdr, the clear sky above them.
 
 The sky is the analytic model of A. J. Preetham, P. Shirley and B. Smits, "A Practical Analytic Model for Daylight",
-SIGGRAPH 1999 (appendix A.2), at turbidity 2.3: luminance and chromaticity by direction. The sun is drawn as a hazy disk far
+SIGGRAPH 1999 (appendix A.2), at turbidity 2.6: luminance and chromaticity by direction. The sun is drawn as a hazy disk far
 larger than the real one, but with a sun's illuminance. A pixel value of 1 in all channels means white of 1000 nit.
 Needs Python only.
 """
@@ -16,11 +16,11 @@ sys.path.insert(0, str(HERE.parent))
 from gltf_file import GltfFile, sphere  # noqa: E402
 
 WIDTH, HEIGHT = 512, 256
-TURBIDITY = 2.3
+TURBIDITY = 2.6
 SUN_ELEVATION = math.radians(38.0)
 SUN_AZIMUTH = math.radians(-78.0)   # from the middle of the picture, to the right positive
-SUN_RADIUS = math.radians(3.5)
-SUN_EDGE = math.radians(1.5)        # half the width of its soft edge
+SUN_RADIUS = math.radians(7.0)
+SUN_EDGE = math.radians(3.0)        # half the width of its soft edge
 SUN_LUX = 62_000.0                  # on a plane across its rays
 SUN_XY = (0.345, 0.353)
 GROUND_XY, GROUND_REFLECTANCE = (0.335, 0.345), 0.22

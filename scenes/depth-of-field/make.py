@@ -24,7 +24,7 @@ PAWNS = (
 )
 HALF_WIDTH = 2.4 / 13.04            # of the picture, at distance 1
 LAMPS = 34
-LAMP_RADIUS = 2.2
+LAMP_RADIUS = 4.5
 LAMP_COLOURS = (
     ("lamp-warm", (1.0, 0.62, 0.28)),
     ("lamp-white", (1.0, 0.90, 0.75)),
@@ -82,12 +82,12 @@ def quad_shape(corners):
 
 def main():
     file = GltfFile()
-    file.material("mat", (0.014, 0.036, 0.036), roughness=0.32)
-    file.material("grid", (0.32, 0.36, 0.30), roughness=0.4)
+    file.material("mat", (0.014, 0.036, 0.036), roughness=0.7)
+    file.material("grid", (0.32, 0.36, 0.30), roughness=0.7)
     file.material("backdrop", (0.012, 0.014, 0.022))
     file.material("softbox", (0.8, 0.8, 0.8), emission=(1.0, 0.93, 0.84), luminance_nit=3000.0)
     for name, colour in LAMP_COLOURS:
-        file.material(name, (0.1, 0.1, 0.1), emission=colour, luminance_nit=9000.0)
+        file.material(name, (0.1, 0.1, 0.1), emission=colour, luminance_nit=2200.0)
     for number, (_, _, colour) in enumerate(PAWNS, 1):
         file.material(f"pawn-{number}", colour, roughness=0.38)
 
