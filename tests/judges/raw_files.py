@@ -5,13 +5,15 @@
 
 Each FOLDER holds raw.dng and raw.tiff, and may hold raw.pgm and raw.npy of the same mosaic. LibRaw (through rawpy) must
 find the very same digital numbers in the DNG as tifffile does in the TIFF, and the same black level, white level,
-colour filter array and colour matrix as exiftool finds in the tags; exiftool must find nothing to warn about.
+colour filter array and colour matrix as exiftool finds in the tags; exiftool must find nothing to warn about. Where the
+folder holds a capture.json too, the tags must say the exposure, lens and levels that it says.
 Exit status 0 where all is well, 1 otherwise.
 
 Needs: pip install -r requirements.txt, apt-get install libimage-exiftool-perl.
 """
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -70,6 +72,8 @@ class Judge:
             mosaics["raw.dng"] = raw.raw_image_visible.copy()
             self.levels(raw, tags)
             self.colour(raw, tags, numbers)
+        if (self.folder / "capture.json").exists():
+            self.capture(tags)
         for name, mosaic in mosaics.items():
             self.check(mosaic.dtype.newbyteorder("=") == numpy.uint16, f"{name} holds {mosaic.dtype}")
             self.check(mosaic.shape == numbers.shape, f"{name} is {mosaic.shape}, raw.tiff {numbers.shape}")
@@ -77,6 +81,20 @@ class Judge:
                 different = numpy.count_nonzero(mosaic != numbers)
                 self.check(different == 0, f"{name} differs from raw.tiff in {different} pixels")
         return self.complaints
+
+    def capture(self, tags):
+        capture = json.loads((self.folder / "capture.json").read_text())
+        sensor = capture["sensor"]
+        for tag, expected in {
+            "ExifIFD:ExposureTime": capture["exposure"]["time_s"],
+            "ExifIFD:FNumber": capture["lens"]["f_number"],
+            "ExifIFD:FocalLength": capture["lens"]["focal_length_mm"],
+            "SubIFD:BlackLevel": sensor["black_level_dn"],
+            "SubIFD:WhiteLevel": sensor["white_level_dn"],
+            "SubIFD:ImageWidth": sensor["resolution_px"][0],
+            "SubIFD:ImageHeight": sensor["resolution_px"][1],
+        }.items():
+            self.check(math.isclose(tags[tag], expected, rel_tol=1e-6), f"{tag} is {tags[tag]}, not {expected}")
 
     def levels(self, raw, tags):
         black, white = tags["SubIFD:BlackLevel"], tags["SubIFD:WhiteLevel"]
