@@ -2,6 +2,7 @@
 //! library's.
 
 mod chain;
+mod export_mitsuba;
 mod info;
 mod output_folder;
 mod progress;
@@ -28,6 +29,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     Info(info::InfoArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
@@ -45,6 +47,7 @@ pub(crate) fn run() -> ExitCode {
     let _ = miette::set_hook(Box::new(handler));
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),

@@ -139,14 +139,14 @@ fn default_folder(input: &Path) -> PathBuf {
 }
 
 /// The sensor's channels, then the bands of `irradiance.exr` where they are asked for.
-fn responses(capture: &Capture) -> Vec<Response> {
+pub(super) fn responses(capture: &Capture) -> Vec<Response> {
     let channels = capture.sensor.responses().into_iter().map(|(name, spectrum)| Response { name, spectrum });
     let bands = capture.output.irradiance.iter().flat_map(|bands| (0..bands.count).map(|band| bands.edges_nm(band)));
     channels.chain(bands.map(band_response)).collect()
 }
 
 /// How much each wavelength matters: the sum of all responses, each scaled to a peak of 1.
-fn importance(responses: &[Response]) -> Spectrum {
+pub(super) fn importance(responses: &[Response]) -> Spectrum {
     let scaled = responses.iter().filter(|r| r.spectrum.max() > 0.0).map(|r| (r, 1.0 / r.spectrum.max()));
     let scaled: Vec<_> = scaled.collect();
     Spectrum::from_fn(|lambda| scaled.iter().map(|(r, scale)| f64::from(r.spectrum.eval(lambda as f32) * scale)).sum())
@@ -158,7 +158,7 @@ pub(super) fn pixels(capture: &Capture) -> [u32; 2] {
 }
 
 /// Puts the lens in its place, focused on what autofocus finds.
-fn place_camera(capture: &Capture, scene: &Scene) -> Result<Camera> {
+pub(super) fn place_camera(capture: &Capture, scene: &Scene) -> Result<Camera> {
     let grid = PixelGrid { resolution: pixels(capture), pitch_m: capture.sensor.pixel_pitch_m };
     let place = |lens: &_, distance| {
         let camera = Camera::new(lens, &grid, capture.camera_to_world, distance);

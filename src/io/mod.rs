@@ -8,6 +8,7 @@ pub mod exr;
 pub mod gltf;
 mod json;
 mod mesh;
+pub mod mitsuba;
 pub mod obj;
 pub mod output;
 mod picture;

@@ -221,13 +221,8 @@ impl Builder<'_> {
                 (environment, spectrum, 4.0 * std::f64::consts::PI)
             }
             EnvironmentDescription::Picture { image, level, rotation_deg } => {
-                let (sphere, horizontal) = EnvironmentPicture::luminous_integrals(image);
-                let nit_per_unit = match *level {
-                    PictureLevel::NitPerUnit(nit) => nit,
-                    PictureLevel::HorizontalLux(lux) if horizontal > 0.0 => lux / horizontal,
-                    PictureLevel::HorizontalLux(_) => 0.0,
-                };
-                let spectrum = emission_spectrum(&Colour::Rgb([1.0; 3]), Some(nit_per_unit));
+                let (sphere, _) = EnvironmentPicture::luminous_integrals(image);
+                let spectrum = emission_spectrum(&Colour::Rgb([1.0; 3]), Some(nit_per_unit(image, *level)));
                 let radiance = self.spectra.add(&spectrum);
                 let picture = EnvironmentPicture::new(Arc::clone(image), radiance, *rotation_deg);
                 (Environment::Picture(picture), spectrum, sphere)
@@ -238,8 +233,19 @@ impl Builder<'_> {
     }
 }
 
+/// Luminance of a white texel of value 1 of an environment picture, nit.
+pub(crate) fn nit_per_unit(image: &Arc<Bitmap>, level: PictureLevel) -> f64 {
+    match level {
+        PictureLevel::NitPerUnit(nit) => nit,
+        PictureLevel::HorizontalLux(lux) => {
+            let (_, horizontal) = EnvironmentPicture::luminous_integrals(image);
+            if horizontal > 0.0 { lux / horizontal } else { 0.0 }
+        }
+    }
+}
+
 /// The absolute spectrum of an emission: D65 times the colour, or the given shape, scaled to the photometric level.
-fn emission_spectrum(colour: &Colour, level: Option<f64>) -> Spectrum {
+pub(crate) fn emission_spectrum(colour: &Colour, level: Option<f64>) -> Spectrum {
     match colour {
         Colour::Rgb(rgb) => {
             let white = cie::luminous(illuminant::d65());

@@ -10,6 +10,7 @@ mod material;
 mod shading;
 
 pub use build::build;
+pub(crate) use build::{emission_spectrum, nit_per_unit};
 pub use material::{Alpha, ColourSource, Material, NormalMap, ScatteringModel};
 pub use shading::Shading;
 

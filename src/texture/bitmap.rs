@@ -66,6 +66,16 @@ impl Bitmap {
         Ok(())
     }
 
+    /// A texel as stored, 0–1 for integers: RGBA, row by row.
+    pub fn linear_texel(&self, index: usize) -> [f32; 4] {
+        self.mix_linear(&Taps::single(index)).to_array()
+    }
+
+    /// A texel with R, G, B decoded from sRGB, unless it is of floats.
+    pub fn srgb_texel(&self, index: usize) -> [f32; 4] {
+        self.mix_srgb(&Taps::single(index)).to_array()
+    }
+
     /// Weighted sum of texels as stored.
     #[inline]
     pub(super) fn mix_linear(&self, taps: &Taps) -> Vec4 {

@@ -47,6 +47,11 @@ pub(super) struct Taps {
 }
 
 impl Taps {
+    /// One texel alone.
+    pub(super) fn single(index: usize) -> Self {
+        Self { indices: [index; 4], within: Vec2::ZERO }
+    }
+
     /// Bilinear mean of `texel(index)`.
     #[inline]
     pub(super) fn mix(&self, texel: impl Fn(usize) -> Vec4) -> Vec4 {

@@ -1,0 +1,62 @@
+//! `photosite export-mitsuba`: a capture as a scene of Mitsuba 3.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use photosite::io::capture::Capture;
+use photosite::io::mitsuba::export;
+use photosite::io::output::{create_folder, write_whole};
+use photosite::{Error, Result, scene};
+
+use super::render::{importance, place_camera, responses};
+
+/// Describe a capture to Mitsuba 3, an independent renderer.
+///
+/// Mitsuba's picture of scene.xml is then that of electrons.exr. What it has no exact counterpart for is refused by name.
+#[derive(Args)]
+pub(super) struct ExportMitsubaArgs {
+    /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
+    input: PathBuf,
+    /// Folder for scene.xml and the files that it names, created where missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Change a key of the capture file, for example --set lens.falloff=none.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Take the nearest that Mitsuba has where there is no exact counterpart, and list what is approximated.
+    #[arg(long)]
+    approximate: bool,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Overwrite an earlier scene.
+    #[arg(long)]
+    force: bool,
+}
+
+pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
+    let capture = Capture::read(&args.input, &args.overrides)?;
+    let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
+    warnings.for_each(|warning| eprintln!("warning: {warning}"));
+    // Autofocus needs a scene to look at.
+    let built = scene::build(capture.scene.clone(), &importance(&responses(&capture)));
+    let camera = place_camera(&capture, &built)?;
+    let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;
+    if args.output.join("scene.xml").exists() && !args.force {
+        return Err(Error::Usage {
+            message: format!("{} holds a scene already", args.output.display()),
+            help: Some("add --force to overwrite it, or choose another folder with -o".to_owned()),
+        });
+    }
+    // The scene itself comes last: where it is, all that it names is there too.
+    for (name, bytes) in scene.files.iter().rev() {
+        let path = args.output.join(name);
+        create_folder(path.parent().unwrap_or(&args.output))?;
+        write_whole(&path, |to| to.write_all(bytes))?;
+    }
+    if !args.quiet {
+        scene.approximations.iter().for_each(|what| eprintln!("approximated: {what}"));
+        eprintln!("wrote {} files to {}", scene.files.len(), args.output.display());
+    }
+    Ok(())
+}

@@ -1,0 +1,71 @@
+//! Lights without a surface, and the environment.
+
+use glam::{DAffine3, DVec3};
+
+use super::sensor::rows;
+use super::{Element, Output, picture, quoted};
+use crate::scene::description::{EnvironmentDescription, LightDescription, LightKind, SceneDescription};
+use crate::scene::{emission_spectrum, nit_per_unit};
+
+/// Integral of the observer's V(λ) by which Mitsuba brings D65 to a luminance of 1 (its CIE_Y_NORMALIZATION, CIE 1931),
+/// times the luminous efficacy: an RGB colour of 1 is this many nit.
+const NIT_OF_MITSUBA_WHITE: f64 = 106.856895 * 683.0;
+
+/// Spot lights whose edge is narrower than this are as good as hard, rad.
+const HARD_EDGE_RAD: f32 = 1e-3;
+
+pub(super) fn lights(scene: &SceneDescription, out: &mut Output) -> Vec<Element> {
+    let mut elements: Vec<_> = scene.lights.iter().map(|l| light(l, out)).collect();
+    elements.extend(scene.environment.as_ref().map(|e| environment(e, out)));
+    elements
+}
+
+fn light(light: &LightDescription, out: &mut Output) -> Element {
+    let spectrum = emission_spectrum(&light.emission.colour, light.emission.level);
+    match light.kind {
+        LightKind::Point => {
+            let [x, y, z] = light.to_world.translation.to_array();
+            let position =
+                Element::new("point").named("position").attribute("x", x).attribute("y", y).attribute("z", z);
+            Element::object("emitter", "point").child(position).spectrum("intensity", &spectrum)
+        }
+        LightKind::Spot { inner_rad, outer_rad } => {
+            if outer_rad - inner_rad > HARD_EDGE_RAD {
+                let light = quoted("light", &light.name);
+                out.approximate(format!("the soft edge of {light}: Mitsuba's is linear in the angle"));
+            }
+            // Mitsuba's spot lights shine along +z.
+            let turned = light.to_world * DAffine3::from_scale(DVec3::new(-1.0, 1.0, -1.0));
+            Element::object("emitter", "spot")
+                .transform("to_world", rows(turned))
+                .spectrum("intensity", &spectrum)
+                .float("cutoff_angle", f64::from(outer_rad).to_degrees())
+                .float("beam_width", f64::from(inner_rad).to_degrees())
+        }
+        LightKind::Directional => {
+            let [x, y, z] = light.to_world.transform_vector3(DVec3::NEG_Z).to_array();
+            let direction =
+                Element::new("vector").named("direction").attribute("x", x).attribute("y", y).attribute("z", z);
+            Element::object("emitter", "directional").child(direction).spectrum("irradiance", &spectrum)
+        }
+    }
+}
+
+fn environment(environment: &EnvironmentDescription, out: &mut Output) -> Element {
+    match environment {
+        EnvironmentDescription::Constant { colour, luminance_nit } => {
+            Element::object("emitter", "constant").spectrum("radiance", &emission_spectrum(colour, *luminance_nit))
+        }
+        EnvironmentDescription::Picture { image, level, rotation_deg } => {
+            if out.sees_beyond_cie {
+                out.approximate("an environment picture beyond 360 to 830 nm, where it is black");
+            }
+            // Its centre looks along +z in Mitsuba.
+            let turned = DAffine3::from_rotation_y((rotation_deg + 180.0).to_radians());
+            Element::object("emitter", "envmap")
+                .string("filename", out.exr("textures/environment.exr".to_owned(), &picture::panorama(image)))
+                .float("scale", nit_per_unit(image, *level) / NIT_OF_MITSUBA_WHITE)
+                .transform("to_world", rows(turned))
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Materials as BSDFs of Mitsuba.
+
+use super::picture::{bitmap, planes};
+use super::{Element, Output, quoted};
+use crate::bsdf::Ggx;
+use crate::scene::description::{
+    AlphaMode, Colour, MaterialDescription, MaterialModel, SceneDescription, TextureDescription,
+};
+use crate::spectrum::upsampling::reflectance_spectrum;
+use crate::texture::{Bitmap, Filter, UvTransform};
+
+/// Yellow line of sodium, nm: the index of a dispersive glass is taken here.
+const SODIUM_NM: f64 = 589.3;
+
+/// A material in the scene file.
+pub(super) struct ExportedMaterial {
+    pub(super) id: String,
+    pub(super) bsdf: Element,
+    /// The UVs that its textures want in the mesh: Mitsuba's textures have no choice and no exact transform of their own.
+    pub(super) uv_set: usize,
+    pub(super) uv_transform: UvTransform,
+}
+
+/// All materials, in the order of the scene.
+pub(super) fn materials(scene: &SceneDescription, out: &mut Output) -> Vec<ExportedMaterial> {
+    let material = |(index, material)| export(index, material, &Textures { scene, index }, out);
+    scene.materials.iter().enumerate().map(material).collect()
+}
+
+fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>, out: &mut Output) -> ExportedMaterial {
+    let name = quoted("material", &material.name);
+    let mut used = material.textures();
+    let (uv_set, uv_transform) = used.next().map_or((0, UvTransform::default()), |t| (t.uv_set, t.transform));
+    if used.any(|t| (t.uv_set, t.transform) != (uv_set, uv_transform)) {
+        out.approximate(format!("textures of {name} with UVs of their own: those of the first serve all"));
+    }
+    let mut bsdf = scattering(material, &name, textures, out);
+    if let Some((texture, scale)) = &material.normal_map {
+        let image = textures.image(texture);
+        let file = textures.file("normal", image, &["R", "G", "B"], out, |i| {
+            // Only x and y are scaled; what is stored is (n + 1)/2.
+            let [x, y, z, _] = image.linear_texel(i);
+            let scaled = |c: f32| ((2.0 * c - 1.0) * scale + 1.0) / 2.0;
+            [scaled(x), scaled(y), z]
+        });
+        bsdf = Element::object("bsdf", "normalmap").child(bitmap("normalmap", &file, true, texture, out)).child(bsdf);
+    }
+    // A dielectric has two sides of its own; of everything else we look at both, and Mitsuba at the front alone.
+    if !matches!(material.model, MaterialModel::Dielectric { .. }) {
+        bsdf = Element::object("bsdf", "twosided").child(bsdf);
+    }
+    bsdf = masked(bsdf, material, &name, textures, out);
+    let id = format!("material-{index}");
+    ExportedMaterial { bsdf: bsdf.attribute("id", &id), id, uv_set, uv_transform }
+}
+
+fn scattering(material: &MaterialDescription, name: &str, textures: &Textures<'_>, out: &mut Output) -> Element {
+    match &material.model {
+        MaterialModel::Diffuse { reflectance, texture } => {
+            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, texture.as_ref(), name, out)
+        }
+        MaterialModel::Conductor { eta, k, roughness, anisotropy } => {
+            let microfacets = Ggx::from_roughness(*roughness, *anisotropy);
+            let bsdf = if microfacets.is_smooth() {
+                Element::object("bsdf", "conductor")
+            } else {
+                let [u, v] = microfacets.alpha().map(f64::from);
+                ggx(Element::object("bsdf", "roughconductor")).float("alpha_u", u).float("alpha_v", v)
+            };
+            bsdf.spectrum("eta", eta).spectrum("k", k)
+        }
+        MaterialModel::Dielectric { index, roughness } => {
+            if !index.is_constant() {
+                out.approximate(format!("the dispersion of {name}: its index is that at {SODIUM_NM} nm"));
+            }
+            let microfacets = Ggx::from_roughness(*roughness, 0.0);
+            let bsdf = if microfacets.is_smooth() {
+                Element::object("bsdf", "dielectric")
+            } else {
+                ggx(Element::object("bsdf", "roughdielectric")).float("alpha", microfacets.alpha()[0].into())
+            };
+            bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0)
+        }
+        MaterialModel::MetallicRoughness {
+            base_colour,
+            base_colour_texture,
+            metallic,
+            roughness,
+            metallic_roughness_texture,
+        } => {
+            out.approximate(format!("the metallic-roughness model of {name}: it becomes \"principled\""));
+            let bsdf = Element::object("bsdf", "principled");
+            let bsdf = textures.colour(bsdf, "base_color", base_colour, base_colour_texture.as_ref(), name, out);
+            let Some(texture) = metallic_roughness_texture else {
+                return bsdf.float("metallic", f64::from(*metallic)).float("roughness", f64::from(*roughness));
+            };
+            let image = textures.image(texture);
+            [("roughness", *roughness, 1), ("metallic", *metallic, 2)].into_iter().fold(
+                bsdf,
+                |bsdf, (key, factor, c)| {
+                    let value = |i| [image.linear_texel(i)[c] * factor; 3];
+                    let file = textures.file(key, image, &["Y"], out, value);
+                    bsdf.child(bitmap(key, &file, true, texture, out))
+                },
+            )
+        }
+    }
+}
+
+fn ggx(bsdf: Element) -> Element {
+    bsdf.string("distribution", "ggx").boolean("sample_visible", true)
+}
+
+/// A BSDF with the holes of the material.
+fn masked(
+    bsdf: Element,
+    material: &MaterialDescription,
+    name: &str,
+    textures: &Textures<'_>,
+    out: &mut Output,
+) -> Element {
+    let factor = material.alpha_factor;
+    let opacity: &dyn Fn(f32) -> f32 = match &material.alpha {
+        AlphaMode::Opaque => return bsdf,
+        AlphaMode::Mask { cutoff } => &|alpha| f32::from(u8::from(alpha * factor >= *cutoff)),
+        AlphaMode::Blend => &|alpha| alpha * factor,
+    };
+    let masked = Element::object("bsdf", "mask");
+    let Some(texture) = &material.alpha_texture else {
+        return masked.float("opacity", opacity(1.0).into()).child(bsdf);
+    };
+    if matches!(material.alpha, AlphaMode::Mask { .. }) && texture.sampler.filter != Filter::Nearest {
+        out.approximate(format!("the mask of {name}: texels are cut before they are interpolated, not after"));
+    }
+    let image = textures.image(texture);
+    let file = textures.file("opacity", image, &["Y"], out, |i| [opacity(image.linear_texel(i)[3]); 3]);
+    masked.child(bitmap("opacity", &file, true, texture, out)).child(bsdf)
+}
+
+/// Textures of one material.
+struct Textures<'a> {
+    scene: &'a SceneDescription,
+    index: usize,
+}
+
+impl<'a> Textures<'a> {
+    fn image(&self, texture: &TextureDescription) -> &'a Bitmap {
+        &self.scene.images[texture.image]
+    }
+
+    fn file(
+        &self,
+        what: &str,
+        image: &Bitmap,
+        channels: &[&str],
+        out: &mut Output,
+        texel: impl Fn(usize) -> [f32; 3],
+    ) -> String {
+        out.exr(format!("textures/material-{}-{what}.exr", self.index), &planes(image, channels, texel))
+    }
+
+    /// A BSDF with a reflectance: a spectrum, or a texture of colours.
+    fn colour(
+        &self,
+        bsdf: Element,
+        key: &str,
+        colour: &Colour,
+        texture: Option<&TextureDescription>,
+        name: &str,
+        out: &mut Output,
+    ) -> Element {
+        let Some(texture) = texture else {
+            return match colour {
+                Colour::Rgb(rgb) => bsdf.spectrum(key, &reflectance_spectrum(*rgb)),
+                Colour::Spectrum(spectrum) => bsdf.spectrum(key, spectrum),
+            };
+        };
+        let factor = match colour {
+            Colour::Rgb(rgb) => *rgb,
+            Colour::Spectrum(_) => {
+                out.approximate(format!("the spectrum that scales the texture of {name}: it is left out"));
+                [1.0; 3]
+            }
+        };
+        if out.sees_beyond_cie {
+            out.approximate(format!("the texture of {name} beyond 360 to 830 nm, where it is black"));
+        }
+        let image = self.image(texture);
+        let file = self.file(key, image, &["R", "G", "B"], out, |i| {
+            let texel = image.srgb_texel(i);
+            [0, 1, 2].map(|c| texel[c] * factor[c])
+        });
+        bsdf.child(bitmap(key, &file, false, texture, out))
+    }
+}

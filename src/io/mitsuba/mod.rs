@@ -1,0 +1,117 @@
+//! A capture as a scene of Mitsuba 3 (<https://mitsuba-renderer.org>), so that an independent renderer can be asked for
+//! the same picture.
+//!
+//! In: a [`Capture`] and the [`Camera`] that it places. Out: the files of a folder, `scene.xml` first. What Mitsuba has
+//! no exact counterpart for is refused by name, or approximated and listed.
+//!
+//! The picture that Mitsuba's `specfilm` gives for it is that of `electrons.exr`: mean photo-electrons in every channel.
+//! With a falloff of none, E = τ·π/4·(D/v)²·L̄, so that each channel's response to radiance is
+//!
+//! R(λ)·τ(λ)·π/4·(D/v)²·t, in e⁻ per W·m⁻²·sr⁻¹·nm⁻¹ and nm,
+//!
+//! with R the sensor's response to irradiance ([`SensorModel::responses`](crate::sensor::SensorModel::responses)), the
+//! transmittance τ, the aperture's diameter D, the distance v from the lens to the sensor and the exposure time t.
+//!
+//! | here | in Mitsuba | module |
+//! |---|---|---|
+//! | camera, lens, sensor, settings | `perspective` or `thinlens`, `specfilm`, `path` | `sensor.rs` |
+//! | meshes and their instances | `ply`, `shapegroup` and `instance` | `shape.rs` |
+//! | materials | `diffuse`, `conductor`, `dielectric` and their rough kin, `twosided`, `mask`, `normalmap` | `material.rs` |
+//! | lights | `area`, `point`, `spot`, `directional`, `constant`, `envmap` | `light.rs` |
+//! | pictures | `bitmap` of an EXR file | `picture.rs` |
+
+mod element;
+mod light;
+mod material;
+mod picture;
+mod sensor;
+mod shape;
+
+use crate::Invalid;
+use crate::image::Planes;
+use crate::io::capture::Capture;
+use crate::io::exr::write_exr;
+use crate::optics::Camera;
+
+use element::Element;
+
+/// The version of Mitsuba that the files are written for.
+const MITSUBA: &str = "3.0.0";
+
+/// The files of a Mitsuba scene.
+#[derive(Debug, Default)]
+pub struct MitsubaScene {
+    /// Names relative to the scene's folder, with `/`, and contents. `scene.xml` comes first.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// What Mitsuba will do otherwise than photosite, one sentence each.
+    pub approximations: Vec<String>,
+}
+
+/// Describes a capture to Mitsuba. Where there is no exact counterpart, that is an error which names everything of the
+/// kind, unless `approximate` allows the nearest that there is.
+pub fn export(capture: &Capture, camera: &Camera, approximate: bool) -> Result<MitsubaScene, Invalid> {
+    let mut out = Output::default();
+    let responses = sensor::responses(capture, camera, &mut out);
+    out.sees_beyond_cie = responses.iter().any(|(_, response)| sensor::sees_beyond_cie(response));
+    let integrator = sensor::integrator(&capture.render);
+    let camera = sensor::sensor(capture, camera, &responses, &mut out);
+    let materials = material::materials(&capture.scene, &mut out);
+    let shapes = shape::shapes(&capture.scene, &materials, &mut out);
+    let lights = light::lights(&capture.scene, &mut out);
+    let scene = Element::new("scene")
+        .attribute("version", MITSUBA)
+        .child(integrator)
+        .child(camera)
+        .with(materials.into_iter().map(|material| material.bsdf))
+        .with(shapes)
+        .with(lights);
+    if !approximate && !out.approximations.is_empty() {
+        let message = format!("Mitsuba has no exact counterpart for {}", out.approximations.join("; "));
+        return Err(
+            Invalid::new("", message).help("change the capture, or add --approximate for the nearest that Mitsuba has")
+        );
+    }
+    out.files.insert(0, ("scene.xml".to_owned(), scene.to_xml()));
+    Ok(MitsubaScene { files: out.files, approximations: out.approximations })
+}
+
+/// What comes to light on the way through a capture.
+#[derive(Default)]
+struct Output {
+    files: Vec<(String, Vec<u8>)>,
+    approximations: Vec<String>,
+    /// Whether the sensor sees where Mitsuba's upsampling of RGB is black.
+    sees_beyond_cie: bool,
+}
+
+impl Output {
+    /// Notes something that has no exact counterpart, once.
+    fn approximate(&mut self, what: impl Into<String>) {
+        let what = what.into();
+        if !self.approximations.contains(&what) {
+            self.approximations.push(what);
+        }
+    }
+
+    /// Adds a file unless it is there already, and returns its name.
+    fn file(&mut self, name: String, bytes: impl FnOnce() -> Vec<u8>) -> String {
+        if !self.files.iter().any(|(existing, _)| *existing == name) {
+            self.files.push((name.clone(), bytes()));
+        }
+        name
+    }
+
+    /// Adds an EXR picture.
+    fn exr(&mut self, name: String, planes: &Planes) -> String {
+        self.file(name, || {
+            let mut bytes = Vec::new();
+            write_exr(planes, &[], &mut bytes).expect("a vector takes all bytes");
+            bytes
+        })
+    }
+}
+
+/// A name for messages.
+fn quoted(kind: &str, name: &str) -> String {
+    if name.is_empty() { format!("an unnamed {kind}") } else { format!("{kind} \"{name}\"") }
+}

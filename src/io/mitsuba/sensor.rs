@@ -1,0 +1,105 @@
+//! Camera, film and integrator.
+
+use std::f64::consts::FRAC_PI_4;
+
+use glam::{DAffine3, DMat4, DVec3};
+
+use super::{Element, Output};
+use crate::integrator::RenderSettings;
+use crate::io::capture::{Capture, ExposureTime};
+use crate::optics::{Camera, Distortion, Falloff, LensKind};
+use crate::spectrum::Spectrum;
+
+/// Mitsuba's spectra of RGB colours are zero outside of this range, nm (its CIE_MIN and CIE_MAX).
+const MITSUBA_RGB_NM: [f64; 2] = [360.0, 830.0];
+
+/// Response of each channel to radiance: e⁻ per W·m⁻²·sr⁻¹·nm⁻¹ and nm of bandwidth.
+pub(super) fn responses(capture: &Capture, camera: &Camera, out: &mut Output) -> Vec<(String, Spectrum)> {
+    let lens = &capture.lens;
+    let time = match capture.exposure.time {
+        ExposureTime::Fixed(time) => time.0,
+        ExposureTime::Auto(_) => {
+            out.approximate("an automatic exposure: electrons are those of one second");
+            1.0
+        }
+    };
+    let aperture = lens.focal_length_m / lens.f_number / camera.image_distance_m();
+    let factor = FRAC_PI_4 * aperture * aperture * time;
+    let to_radiance = |response: Spectrum| response.product(&lens.transmittance).scale(factor);
+    capture.sensor.responses().into_iter().map(|(name, response)| (name, to_radiance(response))).collect()
+}
+
+/// Whether a sensor sees light of wavelengths at which Mitsuba's RGB colours are black: more than a millionth of what it
+/// sees in all.
+pub(super) fn sees_beyond_cie(response: &Spectrum) -> bool {
+    let [low, high] = MITSUBA_RGB_NM;
+    let beyond = response.map(|lambda, value| if (low..=high).contains(&lambda) { 0.0 } else { value });
+    beyond.integral() > 1e-6 * response.integral()
+}
+
+pub(super) fn integrator(settings: &RenderSettings) -> Element {
+    Element::object("integrator", "path")
+        .integer("max_depth", settings.max_depth)
+        .integer("rr_depth", settings.roulette_depth)
+}
+
+/// The camera with its film: one channel for every response.
+pub(super) fn sensor(
+    capture: &Capture,
+    camera: &Camera,
+    responses: &[(String, Spectrum)],
+    out: &mut Output,
+) -> Element {
+    let lens = &capture.lens;
+    let [width, height] = capture.sensor.resolution;
+    if lens.falloff != Falloff::None {
+        out.approximate("the falloff of [lens]: Mitsuba's cameras have none, as with falloff = \"none\"");
+    }
+    if lens.distortion != Distortion::None {
+        out.approximate("the distortion of [lens]: it is left out");
+    }
+    let i = camera.intrinsics();
+    // Half a thousandth of a pixel is seen by nobody.
+    let near = |a: f64, b: f64, scale: f64| (a - b).abs() < 5e-4 / width.max(height) as f64 * scale;
+    if !near(i.fx, i.fy, i.fx) || i.skew != 0.0 {
+        out.approximate("pixels that are not square: those of Mitsuba are");
+    }
+    if !near(i.cx, width as f64 / 2.0, 1.0) || !near(i.cy, height as f64 / 2.0, 1.0) {
+        out.approximate("a principal point off the centre: it is moved there");
+    }
+    let kind = match lens.kind {
+        LensKind::Pinhole => Element::object("sensor", "perspective"),
+        LensKind::Thin => {
+            if lens.blades != 0 {
+                out.approximate("an aperture with blades: it becomes round");
+            }
+            let focus = camera.focus_distance_m();
+            Element::object("sensor", "thinlens")
+                .float("aperture_radius", lens.focal_length_m / lens.f_number / 2.0)
+                // Mitsuba has no infinity; at this distance the blur of infinity is below a hundred-thousandth of the
+                // aperture seen at a metre.
+                .float("focus_distance", if focus.is_finite() { focus } else { 1e5 })
+        }
+    };
+    let film = Element::object("film", "specfilm")
+        .integer("width", width)
+        .integer("height", height)
+        .string("component_format", "float32")
+        .child(Element::object("rfilter", "box"));
+    let film = responses.iter().fold(film, |film, (name, response)| film.spectrum(name, response));
+    let sampler = Element::object("sampler", "independent").integer("sample_count", capture.render.samples_per_pixel);
+    // Mitsuba's cameras look along +z with x to the left.
+    let to_world = camera.to_world() * DAffine3::from_scale(DVec3::new(-1.0, 1.0, -1.0));
+    kind.string("fov_axis", "x")
+        .float("fov", (2.0 * (width as f64 / 2.0 / i.fx).atan()).to_degrees())
+        .float("near_clip", 1e-3)
+        .float("far_clip", 1e6)
+        .transform("to_world", rows(to_world))
+        .child(sampler)
+        .child(film)
+}
+
+/// A transform as Mitsuba writes matrices, rows first.
+pub(super) fn rows(transform: DAffine3) -> [[f64; 4]; 4] {
+    DMat4::from(transform).transpose().to_cols_array_2d()
+}

@@ -1,0 +1,99 @@
+//! Meshes as PLY files, and where they stand.
+
+use super::material::ExportedMaterial;
+use super::sensor::rows;
+use super::{Element, Output, quoted};
+use crate::scene::description::{MeshDescription, SceneDescription};
+use crate::scene::emission_spectrum;
+use crate::texture::UvTransform;
+
+/// All placements of all meshes.
+pub(super) fn shapes(scene: &SceneDescription, materials: &[ExportedMaterial], out: &mut Output) -> Vec<Element> {
+    let mut uses = vec![0usize; scene.meshes.len()];
+    scene.instances.iter().for_each(|instance| uses[instance.mesh] += 1);
+    let mut elements = Vec::new();
+    // A group may not shine: lamps are placed one by one.
+    let is_group = |mesh: usize| uses[mesh] > 1 && scene.materials[scene.meshes[mesh].material].emission.is_none();
+    for index in (0..scene.meshes.len()).filter(|&index| is_group(index)) {
+        let group = Element::object("shape", "shapegroup").attribute("id", group_id(index));
+        elements.push(group.child(shape(index, false, scene, materials, out)));
+    }
+    for instance in &scene.instances {
+        // A mirroring placement turns corners clockwise; the front shall stay the front.
+        let mirrored = instance.to_world.matrix3.determinant() < 0.0;
+        let placed = if is_group(instance.mesh) && !mirrored {
+            Element::object("shape", "instance").child(Element::reference(&group_id(instance.mesh)))
+        } else {
+            shape(instance.mesh, mirrored, scene, materials, out)
+        };
+        elements.push(placed.transform("to_world", rows(instance.to_world)));
+    }
+    elements
+}
+
+fn group_id(mesh: usize) -> String {
+    format!("group-{mesh}")
+}
+
+fn shape(
+    index: usize,
+    mirrored: bool,
+    scene: &SceneDescription,
+    materials: &[ExportedMaterial],
+    out: &mut Output,
+) -> Element {
+    let mesh = &scene.meshes[index];
+    let material = &materials[mesh.material];
+    let name = if mirrored { format!("meshes/{index}-mirrored.ply") } else { format!("meshes/{index}.ply") };
+    let file = out.file(name, || ply(mesh, mirrored, material.uv_set, material.uv_transform));
+    let shape = Element::object("shape", "ply")
+        .string("filename", file)
+        .boolean("face_normals", mesh.normals.is_empty())
+        .child(Element::reference(&material.id));
+    let described = &scene.materials[mesh.material];
+    let Some(emission) = &described.emission else { return shape };
+    let name = quoted("material", &described.name);
+    if emission.texture.is_some() {
+        out.approximate(format!("the emission texture of {name}: it shines as if the texture were white"));
+    }
+    if described.double_sided {
+        out.approximate(format!("the light of {name} on both sides: it shines on the front only"));
+    }
+    if !mesh.normals.is_empty() {
+        out.approximate(format!(
+            "the light of {name} on a smooth mesh: in Mitsuba its shading normals tell front from back"
+        ));
+    }
+    let radiance = emission_spectrum(&emission.colour, emission.level);
+    shape.child(Element::object("emitter", "area").spectrum("radiance", &radiance))
+}
+
+/// A binary PLY file of a mesh in its own space, its triangles turned over if it is to be `mirrored`.
+fn ply(mesh: &MeshDescription, mirrored: bool, uv_set: usize, uv_transform: UvTransform) -> Vec<u8> {
+    let uvs = mesh.uvs.get(uv_set);
+    let transform = uv_transform.to_affine();
+    let mut header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.positions.len());
+    let mut properties = vec!["x", "y", "z"];
+    if !mesh.normals.is_empty() {
+        properties.extend(["nx", "ny", "nz"]);
+    }
+    if uvs.is_some() {
+        properties.extend(["u", "v"]);
+    }
+    properties.iter().for_each(|name| header += &format!("property float {name}\n"));
+    header += &format!("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.triangles.len());
+    let mut bytes = header.into_bytes();
+    for (i, position) in mesh.positions.iter().enumerate() {
+        let uv = uvs.map(|uvs| transform.transform_point2(uvs[i]).to_array());
+        let normal = mesh.normals.get(i).map(|n| n.to_array());
+        let numbers =
+            position.to_array().into_iter().chain(normal.into_iter().flatten()).chain(uv.into_iter().flatten());
+        numbers.for_each(|number| bytes.extend(number.to_le_bytes()));
+    }
+    for &[a, b, c] in &mesh.triangles {
+        bytes.push(3);
+        let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+        corners.iter().for_each(|corner| bytes.extend(corner.to_le_bytes()));
+    }
+    bytes
+}
