@@ -160,6 +160,15 @@ impl Bsdf {
         }
     }
 
+    /// Whether light passes through.
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        match *self {
+            Self::Diffuse { .. } | Self::Conductor { .. } | Self::MetallicRoughness { .. } => false,
+            Self::Dielectric { .. } => true,
+        }
+    }
+
     /// Whether every lobe is a single direction: sampling lights is then in vain.
     #[inline]
     pub fn is_delta(&self) -> bool {

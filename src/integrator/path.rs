@@ -70,7 +70,7 @@ pub fn radiance(
         let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(sample) = shading.bsdf.sample(wo_local, u_lobe, u) else { break };
         let wi = shading.frame.to_world(sample.wi);
-        if !agrees_with_surface(&point, wo, wi, sample.is_transmission) {
+        if leaks(&point, &shading, wo, wi, sample.is_transmission) {
             break;
         }
         throughput *= sample.throughput();
@@ -114,7 +114,7 @@ fn direct_light(
     let wi_local = shading.frame.to_local(light.wi);
     let wo_local = shading.frame.to_local(wo);
     let is_transmission = wi_local.z * wo_local.z < 0.0;
-    if light.pdf.0 <= 0.0 || !agrees_with_surface(point, wo, light.wi, is_transmission) {
+    if light.pdf.0 <= 0.0 || leaks(point, shading, wo, light.wi, is_transmission) {
         return SampledSpectrum::ZERO;
     }
     let scattering = shading.bsdf.eval(wo_local, wi_local);
@@ -144,13 +144,13 @@ fn emission_weight(
     }
 }
 
-/// Whether light on its way wi → wo passes through the surface exactly if the BSDF says that it is transmitted. Shading
-/// normals can disagree with the surface; light that would leak through it is dropped
-/// ([Veach97](crate::references#veach97) §5.3).
+/// Whether light on its way wi → wo would leak through an opaque surface whose shading normal disagrees with it
+/// ([Veach97](crate::references#veach97) §5.3). It is dropped. Light that a dielectric reflects or refracts to the wrong
+/// side of the surface is not: there it is as much at home, and would be missing.
 #[inline]
-fn agrees_with_surface(point: &SurfacePoint, wo: Vec3, wi: Vec3, is_transmission: bool) -> bool {
+fn leaks(point: &SurfacePoint, shading: &Shading, wo: Vec3, wi: Vec3, is_transmission: bool) -> bool {
     let crosses = wo.dot(point.geometric_normal) * wi.dot(point.geometric_normal) < 0.0;
-    crosses == is_transmission
+    crosses != is_transmission && !shading.bsdf.transmits()
 }
 
 #[inline]

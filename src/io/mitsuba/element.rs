@@ -81,6 +81,10 @@ impl Element {
     /// The same with a spectrum, taken over point by point: Mitsuba's `regular` spectra are linear between their points
     /// as ours are.
     pub(super) fn spectrum(self, name: &str, spectrum: &Spectrum) -> Self {
+        if spectrum.min() == 0.0 && spectrum.max() == 0.0 {
+            // A `regular` spectrum may not be black.
+            return self.child(Self::object("spectrum", "uniform").named(name).float("value", 0.0));
+        }
         let values = spectrum.values();
         // Two points suffice for a constant.
         let values = if spectrum.min() == spectrum.max() { &values[..2] } else { &values[..] };

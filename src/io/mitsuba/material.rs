@@ -64,6 +64,7 @@ fn scattering(material: &MaterialDescription, name: &str, textures: &Textures<'_
             let bsdf = if microfacets.is_smooth() {
                 Element::object("bsdf", "conductor")
             } else {
+                out.approximate(shadowing(name));
                 let [u, v] = microfacets.alpha().map(f64::from);
                 ggx(Element::object("bsdf", "roughconductor")).float("alpha_u", u).float("alpha_v", v)
             };
@@ -77,6 +78,7 @@ fn scattering(material: &MaterialDescription, name: &str, textures: &Textures<'_
             let bsdf = if microfacets.is_smooth() {
                 Element::object("bsdf", "dielectric")
             } else {
+                out.approximate(shadowing(name));
                 ggx(Element::object("bsdf", "roughdielectric")).float("alpha", microfacets.alpha()[0].into())
             };
             bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0)
@@ -105,6 +107,12 @@ fn scattering(material: &MaterialDescription, name: &str, textures: &Textures<'_
             )
         }
     }
+}
+
+/// Mitsuba's microfacets hide each other from the two directions independently, G = G₁(wo)·G₁(wi); ours know that what is
+/// hidden from one is deep and hidden from the other too.
+fn shadowing(name: &str) -> String {
+    format!("the correlated shadowing of the microfacets of {name}: Mitsuba's is uncorrelated")
 }
 
 fn ggx(bsdf: Element) -> Element {

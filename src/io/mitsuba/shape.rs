@@ -48,7 +48,7 @@ fn shape(
     let file = out.file(name, || ply(mesh, mirrored, material.uv_set, material.uv_transform));
     let shape = Element::object("shape", "ply")
         .string("filename", file)
-        .boolean("face_normals", mesh.normals.is_empty())
+        .boolean("face_normals", is_flat(mesh))
         .child(Element::reference(&material.id));
     let described = &scene.materials[mesh.material];
     let Some(emission) = &described.emission else { return shape };
@@ -59,13 +59,24 @@ fn shape(
     if described.double_sided {
         out.approximate(format!("the light of {name} on both sides: it shines on the front only"));
     }
-    if !mesh.normals.is_empty() {
+    if !is_flat(mesh) {
         out.approximate(format!(
             "the light of {name} on a smooth mesh: in Mitsuba its shading normals tell front from back"
         ));
     }
     let radiance = emission_spectrum(&emission.colour, emission.level);
     shape.child(Element::object("emitter", "area").spectrum("radiance", &radiance))
+}
+
+/// Whether the shading normals, if there are any, are those of the triangles.
+fn is_flat(mesh: &MeshDescription) -> bool {
+    mesh.normals.is_empty()
+        || mesh.triangles.iter().all(|corners| {
+            let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize].as_dvec3());
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            // Half a thousandth of a radian, the square root of twice the bound.
+            corners.iter().all(|&corner| mesh.normals[corner as usize].as_dvec3().dot(normal) > 1.0 - 1e-7)
+        })
 }
 
 /// A binary PLY file of a mesh in its own space, its triangles turned over if it is to be `mirrored`.

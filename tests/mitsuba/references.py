@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Renders the references of the suite in Mitsuba 3.
+
+    references.py [NAME...]             renders and stores them (all scenes where none is named)
+    references.py --check [NAME...]     renders them afresh with another seed and compares with the stored ones
+    references.py --check --rotate N    the same for N scenes, others each day
+
+A scene is a folder scenes/NAME with capture.toml and what it names. Mitsuba gets it from `photosite export-mitsuba`, unless
+mitsuba.py in that folder says otherwise: a function load(mitsuba, folder, export) that returns a Mitsuba scene whose film
+has the channels of the capture's sensor and counts electrons. It describes the scene by hand, or calls export(), which
+returns the path of the exported one, to change that.
+
+Beside the capture are stored reference.exr, the picture with its variances, and reference.json, where it comes from.
+Needs Python 3.11, `pip install -r requirements.txt`, LLVM 17 or later (Debian: apt install libllvm19) and
+`cargo build --release`.
+"""
+
+import argparse
+import datetime
+import importlib.util
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from render import VARIANT, load_mitsuba, render, write
+
+HERE = Path(__file__).resolve().parent
+SCENES = HERE / "scenes"
+PHOTOSITE = HERE.parents[1] / "target" / "release" / "photosite"
+BATCHES = 128
+# Fresh pictures for a check take this part of the samples of the stored ones.
+CHECK_PART = 8
+
+
+def names():
+    return sorted(path.parent.name for path in SCENES.glob("*/capture.toml"))
+
+
+def own_load(folder):
+    """The load function of a scene that has its own."""
+    path = folder / "mitsuba.py"
+    if not path.exists():
+        return None
+    spec = importlib.util.spec_from_file_location(f"scene_{folder.name}", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.load
+
+
+def load(mitsuba, folder, scratch):
+    """The scene in Mitsuba."""
+
+    def export(*options):
+        out = scratch / folder.name
+        command = [PHOTOSITE, "export-mitsuba", folder / "capture.toml", "-o", out, "--quiet", "--force", *options]
+        if subprocess.run(command, check=False).returncode:
+            sys.exit(f"photosite cannot export {folder.name}")
+        return out / "scene.xml"
+
+    own = own_load(folder)
+    return own(mitsuba, folder, export) if own else mitsuba.load_file(str(export()))
+
+
+def settings(folder):
+    """Samples of the reference, from the comment `# reference: N samples` of the capture, or the default."""
+    for line in (folder / "capture.toml").read_text(encoding="utf-8").splitlines():
+        if line.startswith("# reference: "):
+            return int(line.split()[2])
+    return 8192
+
+
+def store(mitsuba, name, scratch):
+    folder = SCENES / name
+    samples, seed = settings(folder), 0
+    start = time.perf_counter()
+    write(mitsuba, folder / "reference.exr", *render(mitsuba, load(mitsuba, folder, scratch), samples, BATCHES, seed))
+    facts = {
+        "scene": "mitsuba.py" if own_load(folder) else "photosite export-mitsuba",
+        "mitsuba": mitsuba.__version__,
+        "variant": VARIANT,
+        "samples_per_pixel": samples,
+        "batches": BATCHES,
+        "seed": seed,
+    }
+    (folder / "reference.json").write_text(json.dumps(facts, indent=2) + "\n", encoding="utf-8")
+    print(f"{name}: {time.perf_counter() - start:.0f} s", flush=True)
+    return True
+
+
+def check(mitsuba, name, scratch):
+    folder = SCENES / name
+    fresh = scratch / f"{name}.exr"
+    samples = max(BATCHES, settings(folder) // CHECK_PART)
+    write(mitsuba, fresh, *render(mitsuba, load(mitsuba, folder, scratch), samples, BATCHES, seed=1))
+    print(f"{name}, a fresh reference against the stored one:", flush=True)
+    return subprocess.run([PHOTOSITE, "compare", fresh, folder / "reference.exr"], check=False).returncode == 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Render the references of the suite in Mitsuba 3.")
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--check", action="store_true", help="compare fresh references with the stored ones")
+    parser.add_argument("--rotate", type=int, metavar="N", help="only so many scenes, others each day")
+    options = parser.parse_args()
+    chosen = options.names or names()
+    unknown = set(chosen) - set(names())
+    if unknown:
+        sys.exit(f"no scene {', '.join(sorted(unknown))}; there are {', '.join(names())}")
+    if options.rotate:
+        first = datetime.date.today().toordinal() * options.rotate
+        chosen = sorted({chosen[(first + i) % len(chosen)] for i in range(options.rotate)})
+    mitsuba = load_mitsuba()
+    with tempfile.TemporaryDirectory() as scratch:
+        done = [(check if options.check else store)(mitsuba, name, Path(scratch)) for name in chosen]
+    sys.exit(0 if all(done) else 1)
+
+
+if __name__ == "__main__":
+    main()
