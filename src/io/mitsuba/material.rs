@@ -43,7 +43,12 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
             let scaled = |c: f32| ((2.0 * c - 1.0) * scale + 1.0) / 2.0;
             [scaled(x), scaled(y), z]
         });
-        bsdf = Element::object("bsdf", "normalmap").child(bitmap("normalmap", &file, true, texture, out)).child(bsdf);
+        bsdf = Element::object("bsdf", "normalmap")
+            // Neither softens the terminator.
+            .boolean("use_shadowing_function", false)
+            .boolean("flip_invalid_normals", false)
+            .child(bitmap("normalmap", &file, true, texture, out))
+            .child(bsdf);
     }
     // A dielectric has two sides of its own; of everything else we look at both, and Mitsuba at the front alone.
     if !matches!(material.model, MaterialModel::Dielectric { .. }) {
@@ -194,6 +199,9 @@ impl<'a> Textures<'a> {
             out.approximate(format!("the texture of {name} beyond 360 to 830 nm, where it is black"));
         }
         let image = self.image(texture);
+        if texture.sampler.filter == Filter::Linear && (image.width, image.height) != (1, 1) {
+            out.approximate(format!("colours between the texels of {name}: spectra are interpolated, not RGB"));
+        }
         let file = self.file(key, image, &["R", "G", "B"], out, |i| {
             let texel = image.srgb_texel(i);
             [0, 1, 2].map(|c| texel[c] * factor[c])

@@ -1,16 +1,27 @@
 #!/usr/bin/env python3
-"""Writes the geometry that scenes of the suite share, as OBJ files beside this script. Units are metres.
+"""Writes the geometry and the pictures that scenes of the suite share, beside this script. Units are metres.
 
     stage.obj     a floor (material "floor"), a wall behind it ("wall"), a lamp above that faces down ("lamp")
     balls.obj     two balls of radius 0.5 side by side on the floor ("left", "right"), without normals
     uv-ball.obj   one ball of radius 0.5 with normals and UVs ("ball")
     block.obj     a block in the middle of the floor ("block")
+    panels.obj    three panels side by side ("panel-1" to "panel-3") and a floor ("tiles"), with UVs from -0.6 to 1.8;
+                  panels.mtl gives the second one holes
+    lamps.obj     eighty small lamps over the floor that face down ("lamps"), and one more ("bright")
+    heap.gltf     two hundred instances of a ball of 5120 triangles ("heap")
+    colours.png   8 × 8 texels, the corners of the RGB cube among them; holes.png, a mask; bumps.png, a normal map
 """
 
 import math
+import random
+import struct
+import sys
+import zlib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[2] / "scenes"))
+from gltf_file import GltfFile  # noqa: E402
 
 
 def icosphere(levels):
@@ -64,7 +75,87 @@ def quad(*corners):
     return corners, [(0, 1, 2, 3)]
 
 
+def write_png(name, rows):
+    """8-bit RGB rows."""
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    data = b"".join(b"\0" + bytes(c for pixel in row for c in pixel) for row in rows)
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
+    png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(data, 9)) + chunk(b"IEND", b"")
+    (HERE / name).write_bytes(png)
+
+
+def pictures():
+    dice = random.Random(3)
+    corners = [(r, g, b) for r in (0, 255) for g in (0, 255) for b in (0, 255)]
+    others = [tuple(dice.randrange(256) for _ in range(3)) for _ in range(48)]
+    texels = corners * 2 + others
+    dice.shuffle(texels)
+    write_png("colours.png", [texels[8 * j : 8 * j + 8] for j in range(8)])
+    write_png("holes.png", [[(dice.choice((0, 90, 255)),) * 3 for _ in range(8)] for _ in range(8)])
+
+    def bump(i, j):
+        x, y = 0.5 * math.sin(2 * math.pi * i / 16), 0.4 * math.cos(2 * math.pi * (i + 2 * j) / 16)
+        z = math.sqrt(1 - x * x - y * y)
+        return tuple(round(127.5 * (c + 1)) for c in (x, y, z))
+
+    write_png("bumps.png", [[bump(i, j) for i in range(16)] for j in range(16)])
+
+
+def textured(name, quads):
+    """An OBJ file of quads (material, corners, UVs)."""
+    lines = ["# Written by make.py.", "mtllib panels.mtl"]
+    for n, (material, corners, uvs) in enumerate(quads):
+        lines.append(f"usemtl {material}")
+        lines += ["v " + " ".join(f"{c:.6f}" for c in p) for p in corners]
+        lines += [f"vt {u:.6f} {v:.6f}" for u, v in uvs]
+        lines.append("f " + " ".join(f"{4 * n + k}/{4 * n + k}" for k in (1, 2, 3, 4)))
+    (HERE / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def panels():
+    low, high = -0.6, 1.8
+    uvs = ((low, low), (high, low), (high, high), (low, high))
+    quads = [("tiles", ((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)), uvs)]
+    for n, x in enumerate((-1.1, 0.0, 1.1)):
+        corners = ((x - 0.5, 0.1, 0.0), (x + 0.5, 0.1, 0.0), (x + 0.5, 1.4, -0.3), (x - 0.5, 1.4, -0.3))
+        quads.append((f"panel-{n + 1}", corners, uvs))
+    textured("panels.obj", quads)
+    materials = ["# Written by make.py."]
+    for name in ("tiles", "panel-1", "panel-2", "panel-3"):
+        materials += [f"newmtl {name}", "Kd 0.6 0.5 0.4"]
+        if name == "panel-2":
+            materials.append("map_d holes.png")
+    (HERE / "panels.mtl").write_text("\n".join(materials) + "\n", encoding="utf-8")
+
+
+def lamps():
+    obj, dice = Obj(), random.Random(5)
+    for n in range(81):
+        x, z, y, half = dice.uniform(-1.8, 1.8), dice.uniform(-1.8, 1.0), dice.uniform(0.3, 2.2), 0.03
+        corners = ((x - half, y, z - half), (x + half, y, z - half), (x + half, y, z + half), (x - half, y, z + half))
+        obj.add("bright" if n == 0 else "lamps", *quad(*corners))
+    obj.write("lamps.obj")
+
+
+def heap():
+    file, dice = GltfFile(), random.Random(7)
+    file.material("heap", (0.5, 0.5, 0.5))
+    points, faces = icosphere(4)
+    file.shape("ball", points, points, faces)
+    for n in range(200):
+        place = dice.uniform(-1.5, 1.5), dice.uniform(0.1, 1.5), dice.uniform(-1.8, 0.8)
+        file.place(f"ball {n}", "ball", "heap", place, dice.uniform(0.05, 0.2))
+    file.write(HERE / "heap.gltf")
+
+
 def main():
+    pictures()
+    panels()
+    lamps()
+    heap()
     stage = Obj()
     stage.add("floor", *quad((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)))
     stage.add("wall", *quad((-2, 0, -2), (2, 0, -2), (2, 3, -2), (-2, 3, -2)))
