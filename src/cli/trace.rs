@@ -83,7 +83,8 @@ impl Previews {
         }
         // Too little light for an exposure yet is no failure: there is nothing to show.
         let Ok(exposed) = t.chain.expose(&t.chain.rates(film)) else { return Ok(()) };
-        let shown = t.chain.develop(&exposed.frames[0]).and_then(|picture| t.folder.write_preview(&picture));
+        let raw = t.chain.read_out(&exposed, 0);
+        let shown = raw.and_then(|raw| t.chain.develop(&raw)).and_then(|picture| t.folder.write_preview(&picture));
         self.last = Instant::now();
         shown.map_err(|error| self.failure = Some(error))
     }
