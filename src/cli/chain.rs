@@ -100,9 +100,13 @@ impl<'a> Chain<'a> {
     }
 
     /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. `None`
-    /// where there is not enough light for an exposure.
-    pub(super) fn noise_ratio(&self, rates: &Estimate) -> Option<f64> {
-        let exposure = self.exposure(rates).ok()?;
+    /// where there is not enough light for an exposure, or a single sample, which tells nothing of noise.
+    pub(super) fn noise_ratio(&self, film: &Film) -> Option<f64> {
+        if film.samples() < 2 {
+            return None;
+        }
+        let rates = self.rates(film);
+        let exposure = self.exposure(&rates).ok()?;
         let sensor = &self.capture.sensor;
         let (width, time) = (rates.mean.width(), exposure.time.0);
         let (mut of_light, mut of_sensor) = (0.0, 0.0);

@@ -59,7 +59,7 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
             Ok(facts)
         }
         "dng" => Ok(of_raw(&read_dng(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
-        "tif" | "tiff" => Ok(of_raw(&read_tiff(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
+        "tif" | "tiff" => Ok(of_numbers(&read_tiff(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
         _ => {
             let help = "give a .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file";
             Err(Invalid::new("", "is of no kind that photosite knows").help(help).in_file(path))
@@ -156,26 +156,34 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
     }))
 }
 
-fn of_raw(raw: &RawImage) -> Map<String, Value> {
+/// All that a TIFF file knows.
+fn of_numbers(raw: &RawImage) -> Map<String, Value> {
     let sum: f64 = raw.data.iter().map(|&dn| f64::from(dn)).sum();
+    map(json!({
+        "resolution_px": [raw.width, raw.height],
+        "minimum_dn": raw.data.iter().min(),
+        "mean_dn": sum / raw.data.len().max(1) as f64,
+        "maximum_dn": raw.data.iter().max(),
+    }))
+}
+
+fn of_raw(raw: &RawImage) -> Map<String, Value> {
     let (width, height) = raw.cfa.tile_size();
     let letters = |i: usize| raw.cfa.channels()[raw.cfa.channel_at(i % width, i / width)].as_str();
-    map(json!({
-        "camera_model": raw.metadata.camera_model,
-        "resolution_px": [raw.width, raw.height],
+    let mut facts = of_numbers(raw);
+    facts.extend(map(json!({
+        "saturated_pixels": raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count(),
         "cfa": (0..width * height).map(letters).collect::<String>(),
         "bits": raw.bits,
         "black_level_dn": raw.black_level_dn,
         "white_level_dn": raw.white_level_dn,
-        "minimum_dn": raw.data.iter().min(),
-        "mean_dn": sum / raw.data.len().max(1) as f64,
-        "maximum_dn": raw.data.iter().max(),
-        "saturated_pixels": raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count(),
+        "camera_model": raw.metadata.camera_model,
         "exposure_time_s": raw.metadata.exposure_time_s,
         "f_number": raw.metadata.f_number,
         "focal_length_mm": raw.metadata.focal_length_m.map(|m| round(m * 1e3)),
         "as_shot_neutral": raw.metadata.as_shot_neutral,
-    }))
+    })));
+    facts
 }
 
 fn of_planes(planes: &Planes) -> Map<String, Value> {

@@ -20,6 +20,21 @@ use super::report::Report;
 
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
+/// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
+const RESULTS: [&str; 12] = [
+    REPORT,
+    "image.png",
+    "electrons.exr",
+    "irradiance.exr",
+    "raw.dng",
+    "raw.tiff",
+    "raw.pgm",
+    "raw.npy",
+    "raw-0000.dng",
+    "raw-0000.tiff",
+    "raw-0000.pgm",
+    "raw-0000.npy",
+];
 /// The picture that is there while a render runs.
 const PREVIEW: &str = "preview.png";
 
@@ -32,12 +47,16 @@ pub(super) struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Creates the folder where missing. One that holds an earlier render is refused unless `force` is given.
+    /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given.
     pub(super) fn claim(path: &Path, force: bool) -> Result<Self> {
-        if path.join(REPORT).exists() && !force {
+        let in_the_way = RESULTS.iter().find(|name| path.join(name).exists());
+        if let Some(name) = in_the_way.filter(|_| !force) {
             return Err(Error::Usage {
-                message: format!("{} holds the results of an earlier render", path.display()),
-                help: Some("add --force to overwrite them, or choose another folder with -o".to_owned()),
+                message: match *name {
+                    REPORT => format!("{} holds the results of an earlier render", path.display()),
+                    name => format!("{} holds a file {name} already", path.display()),
+                },
+                help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
             });
         }
         if let Some(file) = path.ancestors().find(|part| part.is_file()) {

@@ -122,7 +122,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         lens: LensReport::new(&capture.lens, &camera),
         sensor: chain.sensor_report(&exposed, &first),
         exposure: chain.exposure_report(&exposed),
-        render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&rates)),
+        render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         files: folder.files(),
         warnings,
         timings,

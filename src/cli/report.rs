@@ -125,7 +125,8 @@ pub(super) struct RenderReport {
     pub(super) sampler: &'static str,
     pub(super) triangles: usize,
     pub(super) lights: usize,
-    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark.
+    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark and after a
+    /// single sample.
     pub(super) noise_ratio: Option<f64>,
 }
 

@@ -43,7 +43,7 @@ pub(super) fn trace(t: &Trace<'_>) -> Result<Film> {
         }
         Step::Pass { film, elapsed } => {
             progress.pass(film.samples());
-            let quiet_enough = |target| t.chain.noise_ratio(&t.chain.rates(film)).is_some_and(|ratio| ratio <= target);
+            let quiet_enough = |target| t.chain.noise_ratio(film).is_some_and(|ratio| ratio <= target);
             let done = film.samples() >= settings.samples_per_pixel
                 || settings.time_limit.is_some_and(|limit| elapsed >= limit)
                 || settings.noise_target.is_some_and(quiet_enough);
