@@ -35,9 +35,9 @@ pub(super) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Inval
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
-    let picture = reader.decode().map_err(|e| match e {
-        ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof => bad("the file ends too early"),
-        e => bad(&e.to_string()),
+    let picture = reader.decode().map_err(|e| {
+        let is_cut = matches!(&e, ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof);
+        if is_cut { bad("the file ends too early") } else { bad(&e.to_string()) }
     })?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     if width == 0 || height == 0 {
