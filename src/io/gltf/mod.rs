@@ -54,8 +54,9 @@ pub(super) fn read_bytes(bytes: &[u8], path: &Path) -> Result<SceneDescription> 
         let text = if error.is_eof() { "it ends too early".to_owned() } else { error.to_string() };
         let problem = text.rsplit_once(" at line ").map_or(&*text, |(problem, _)| problem);
         let invalid = Invalid::new("", format!("is no glTF document: {problem}")).help("export the scene as glTF 2.0");
-        // The lines of a binary file are nobody's.
-        if is_glb || json.is_empty() { invalid.in_file(path) } else { invalid.at_line(path, error.line()) }
+        // The lines of a binary file are nobody's, not even where its first bytes are missing.
+        let is_binary = is_glb || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+        if is_binary || json.is_empty() { invalid.in_file(path) } else { invalid.at_line(path, error.line()) }
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let in_text = |invalid| if is_glb { Invalid::in_file(invalid, path) } else { located(invalid, path, json) };
