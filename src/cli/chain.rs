@@ -99,8 +99,9 @@ impl<'a> Chain<'a> {
         Ok(Exposure { time, gain: wanted.gain, temperature: wanted.temperature })
     }
 
-    /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. `None`
-    /// where there is not enough light for an exposure, or a single sample, which tells nothing of noise.
+    /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
+    /// saturate do not count: no noise shows there. `None` where there is not enough light for an exposure, and after a
+    /// single sample, which tells nothing of noise.
     pub(super) fn noise_ratio(&self, film: &Film) -> Option<f64> {
         if film.samples() < 2 {
             return None;
@@ -109,14 +110,18 @@ impl<'a> Chain<'a> {
         let exposure = self.exposure(&rates).ok()?;
         let sensor = &self.capture.sensor;
         let (width, time) = (rates.mean.width(), exposure.time.0);
+        let saturation = sensor.saturation_capacity(&exposure).0;
         let (mut of_light, mut of_sensor) = (0.0, 0.0);
         for pixel in 0..width * rates.mean.height() {
             let channel = sensor.cfa.channel_at(pixel % width, pixel / width);
             let at = |planes: &Planes| f64::from(planes.channels()[channel].data[pixel]);
-            of_light += at(&rates.variance) * time * time;
-            of_sensor += sensor.noise_variance(Electrons(at(&rates.mean) * time), &exposure);
+            let mean = at(&rates.mean) * time;
+            if mean < saturation {
+                of_light += at(&rates.variance) * time * time;
+                of_sensor += sensor.noise_variance(Electrons(mean), &exposure);
+            }
         }
-        Some((of_light / of_sensor).sqrt())
+        (of_sensor > 0.0).then(|| (of_light / of_sensor).sqrt())
     }
 
     pub(super) fn exposure_report(&self, exposed: &Exposed) -> ExposureReport {

@@ -142,3 +142,21 @@ fn without_a_folder_the_input_names_it() {
         assert!(folder.path(output).join("capture.json").is_file(), "{input}");
     }
 }
+
+/// Infrared behind a filter that blocks it: there is light, but none that could balance the channels.
+#[test]
+fn light_that_the_sensor_does_not_see_leaves_a_dark_picture() {
+    let folder = room("[render]\nsamples_per_pixel = 2");
+    folder.add("infrared.csv", "950,0\n960,1\n970,0\n");
+    folder.add(
+        "capture.toml",
+        "[scene]\ngeometry = ['sails.gltf']\nenvironment = { spectrum = { file = 'infrared.csv' } }\n\
+         [sensor]\nresolution_px = [32, 24]\n[exposure]\ntime_s = 0.01\n",
+    );
+    let outcome = folder.succeed("render capture.toml -o out");
+    let warning = "does not see the light of the scene, so the white balance is that of D65";
+    assert_eq!(outcome.stderr.matches(warning).count(), 1, "{}", outcome.stderr);
+    // Read noise and offset are a few electrons, less than one digital number each.
+    let raw = folder.raw("out/raw.dng");
+    assert!(raw.data.iter().all(|dn| dn.abs_diff(raw.black_level_dn) < 8));
+}
