@@ -3,6 +3,7 @@
 
 mod chain;
 mod info;
+mod listing;
 mod output_folder;
 mod progress;
 mod render;
@@ -36,10 +37,11 @@ enum Command {
 /// Runs the command line of this process. Exit status 0: done, 1: failed, 2: wrong usage.
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
-    // Colours and arrows are for people; a log file gets plain text.
-    let plain = !std::io::stderr().is_terminal();
+    // Colours, arrows and short lines are for people; a log file gets plain text, to be searched line by line.
+    let fancy = std::io::stderr().is_terminal();
     let handler = move |_: &_| -> Box<dyn miette::ReportHandler> {
-        Box::new(miette::MietteHandlerOpts::new().color(!plain).unicode(!plain).width(120).build())
+        let options = miette::MietteHandlerOpts::new().color(fancy).unicode(fancy);
+        Box::new(options.wrap_lines(fancy).break_words(false).build())
     };
     // Fails only if a handler was set before, and this is the only place that sets one.
     let _ = miette::set_hook(Box::new(handler));
@@ -60,6 +62,15 @@ pub(crate) fn run() -> ExitCode {
             ExitCode::from(code)
         }
     }
+}
+
+/// Significant digits, few enough for people.
+fn rounded(x: f64, digits: i32) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let scale = 10f64.powf(f64::from(digits - 1) - x.abs().log10().floor());
+    if scale.is_finite() && scale > 0.0 { (x * scale).round() / scale } else { x }
 }
 
 /// Prints an object as JSON on standard output.
