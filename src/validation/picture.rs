@@ -1,0 +1,40 @@
+//! Pictures as comparison sees them.
+
+use crate::image::Planes;
+use crate::raw::{Cfa, RawImage};
+
+/// What the plane of a raw picture is called.
+pub const MOSAIC: &str = "raw";
+
+/// A picture to be compared, whatever file it came from.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// What messages call it.
+    pub name: String,
+    /// The numbers themselves; of a Monte Carlo estimate, its mean.
+    pub mean: Planes,
+    /// Variances of the numbers, in the squared unit, in planes of the same names. Those not known are missing.
+    pub variance: Planes,
+    /// What the numbers count, where the file says so: "e-", "DN". Pictures of different units are not compared.
+    pub unit: Option<String>,
+    /// The largest number that can occur, where there is one.
+    pub full_scale: Option<f64>,
+    /// Which channel each pixel of the only plane belongs to, where it is the mosaic of a colour sensor.
+    pub mosaic: Option<Cfa>,
+}
+
+impl Picture {
+    /// A raw picture: one plane, [`MOSAIC`], of the digital numbers as they are, black level included.
+    pub fn from_raw(name: String, raw: RawImage) -> Self {
+        let mut mean = Planes::zeros(raw.width, raw.height, [MOSAIC]);
+        mean.channels_mut()[0].data = raw.data.into_iter().map(f32::from).collect();
+        Self {
+            name,
+            variance: Planes::zeros(raw.width, raw.height, [""; 0]),
+            mean,
+            unit: Some("DN".to_owned()),
+            full_scale: Some(f64::from(raw.white_level_dn)),
+            mosaic: (!raw.cfa.is_mono()).then_some(raw.cfa),
+        }
+    }
+}
