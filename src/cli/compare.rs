@@ -8,9 +8,7 @@ use photosite::develop::Picture8;
 use photosite::io::output::write_whole;
 use photosite::io::picture_file::read_picture_file;
 use photosite::io::png::write_png;
-use photosite::validation::{
-    Comparison, FalseColour, Limits, Picture, Settings, Shown, compare, failures, false_colour,
-};
+use photosite::validation::{Comparison, FalseColour, Limits, Picture, Settings, compare, failures, false_colour};
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
@@ -54,7 +52,8 @@ pub(super) struct CompareArgs {
     /// Write a PNG picture of the differences: blue where A is below B, red where it is above.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// The difference at the ends of the picture's colours [default: 4 for z-scores, 0.1 for relative differences].
+    /// The difference at the ends of the picture's colours [default: 4 for z-scores; of relative differences, what nearly
+    /// all pixels stay within].
     #[arg(long, value_name = "X", requires = "picture", value_parser = positive)]
     range: Option<f64>,
     /// Overwrite the picture if it exists.
@@ -175,11 +174,7 @@ fn write_picture(path: &Path, picture: FalseColour) -> Result<PictureReport> {
     let FalseColour { width, height, pixels, shown, range } = picture;
     let picture = Picture8 { width, height, components: 3, data: pixels.into_flattened() };
     write_whole(path, |to| write_png(&picture, to))?;
-    let shows = match shown {
-        Shown::ZScores => "z-scores",
-        Shown::RelativeDifference => "relative differences",
-    };
-    Ok(PictureReport { file: path.display().to_string(), shows, range })
+    Ok(PictureReport { file: path.display().to_string(), shows: shown.name(), range })
 }
 
 fn number(text: &str, is_fit: fn(f64) -> bool, wanted: &str) -> Result<f64, String> {

@@ -74,20 +74,33 @@ fn z_scores(comparison: &Comparison) -> Option<String> {
     let known: Vec<(&str, &ZScores)> =
         comparison.channels.iter().filter_map(|c| Some((&c.channel[..], c.z_scores.as_ref()?))).collect();
     let (_, first) = known.first()?;
-    let header = ["z-scores", "tests", "mean", "spread", "|z| > 2", "> 3", "> 4", "largest", "KS distance", "p"];
+    let header = [
+        "z-scores",
+        "pixels",
+        "z of the mean",
+        "mean z",
+        "spread",
+        "|z| > 2",
+        "> 3",
+        "> 4",
+        "largest",
+        "KS distance",
+        "p",
+    ];
     let percent = |x: f64| format!("{:.4} %", 100.0 * x);
     let row = |&(name, z): &(&str, &ZScores)| {
         let [two, three, four] = z.tails.map(|tail| percent(tail.fraction));
         let [mean, spread, distance] = [z.mean, z.spread, z.ks_distance].map(|x| format!("{x:.4}"));
         let largest = format!("{:.2}", z.largest);
         let p = format!("{:.2e}", z.ks_p_value);
-        vec![name.to_owned(), z.tests.to_string(), mean, spread, two, three, four, largest, distance, p]
+        let of_mean = format!("{:+.2}", z.of_mean);
+        vec![name.to_owned(), z.tests.to_string(), of_mean, mean, spread, two, three, four, largest, distance, p]
     };
     let mut rows: Vec<_> = known.iter().map(row).collect();
     let [two, three, four] = first.tails.map(|tail| percent(tail.expected));
     let of = |text: &str| text.to_owned();
-    rows.push(vec![of("N(0, 1)"), of(""), of("0"), of("1"), two, three, four, of(""), of("0"), of("")]);
-    let mut text = table(&header, rows) + "\nz = (a − b)/√(var a + var b)";
+    rows.push(vec![of("N(0, 1)"), of(""), of(""), of("0"), of("1"), two, three, four, of(""), of("0"), of("")]);
+    let mut text = table(&header, rows) + "\nz = (a − b)/√(var a + var b); of the mean Σ(a − b)/√Σ(var a + var b)";
     let sum = |of: fn(&ZScores) -> usize| known.iter().map(|(_, z)| of(z)).sum::<usize>();
     let (equal, different) = (sum(|z| z.equal_without_variance), sum(|z| z.different_without_variance));
     if equal > 0 {
@@ -121,7 +134,8 @@ fn outcome(report: &Report) -> String {
     }
     let mut text = report.outcome.to_owned();
     if let Some(Verdict { alpha, tests, z_bound, agree: true, .. }) = &report.comparison.verdict {
-        text += &format!("\n  noise explains all of {tests} z-scores: |z| ≤ {z_bound:.2} (Šidák, α = {alpha})");
+        text +=
+            &format!("\n  noise explains all pixels and means: |z| ≤ {z_bound:.2} (Šidák, α = {alpha}, {tests} tests)");
     }
     report.failures.iter().fold(text, |text, failure| text + "\n  " + failure)
 }

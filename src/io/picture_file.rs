@@ -158,7 +158,7 @@ mod tests {
     use crate::io::electrons::write_electrons;
     use crate::io::exr::{Attribute, write_exr};
     use crate::io::spectral_exr::write_irradiance;
-    use crate::raw::{Cfa, RawMetadata, write_dng, write_npy, write_pgm, write_tiff};
+    use crate::raw::{Cfa, RawImage, RawMetadata, write_dng, write_npy, write_pgm, write_tiff};
     use crate::units::Seconds;
 
     /// Reads a file of that extension.
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn a_variance_of_nothing_is_a_channel_like_any_other() {
         let mut file = Vec::new();
-        let planes = Planes::zeros(1, 1, ["variance.X", "Y"]);
+        let planes = Planes::zeros(1, 1, ["Y", "variance.X"]);
         write_exr(&planes, &[("unit", Attribute::Text("lux".to_owned()))], &mut file).expect("written");
         let picture = read("exr", &file).expect("read");
         assert_eq!(picture.mean, planes);

@@ -101,22 +101,25 @@ pub struct PixelDifference {
     pub p_value: Option<f64>,
 }
 
-/// Whether noise explains the differences: all pixels of all channels are tested at once, so that pictures that agree
-/// are said to differ with probability α, however many pixels they have (Šidák's correction,
-/// [Sidak67](crate::references#sidak67)). Valid for variances from many samples; see [`ZScores`] for few.
+/// Whether noise explains the differences. All pixels of all channels are tested at once, and with them each channel's
+/// mean, which shows what is too faint for a pixel alone. Pictures that agree are said to differ with probability α,
+/// however many pixels they have (Šidák's correction, [Sidak67](crate::references#sidak67)). Valid for variances from
+/// many samples; see [`ZScores`] for few.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// The probability of a wrong "differ".
     pub alpha: f64,
-    /// Number n of z-scores tested.
+    /// Number n of z-scores tested: those of pixels, and one a channel.
     pub tests: usize,
-    /// A pixel fails below this two-sided p-value, 1 − (1 − α)^(1/n).
+    /// A test fails below this two-sided p-value, 1 − (1 − α)^(1/n).
     pub p_bound: f64,
-    /// The same as |z|: a pixel fails above it.
+    /// The same as |z|: a test fails above it.
     pub z_bound: f64,
-    /// Pixels that fail.
-    pub past_bound: usize,
-    /// Whether none does.
+    /// Pixels that fail, those of every channel counted.
+    pub pixels_past_bound: usize,
+    /// Channels whose mean fails.
+    pub channels_past_bound: Vec<String>,
+    /// Whether none fails.
     pub agree: bool,
 }
 
@@ -157,7 +160,9 @@ fn channel_difference(pair: &Pair<'_>, full_scale: Option<f64>, settings: &Setti
         mae: mean(&|i| pair.difference(i).abs()),
         peak,
         psnr_db: 20.0 * (peak / rmse).log10(),
-        z_scores: pair.has_variance().then(|| ZScores::new(pair.finite_pixels().map(|i| pair.z(i)))),
+        z_scores: pair
+            .has_variance()
+            .then(|| ZScores::new(pair.finite_pixels().map(|i| (pair.difference(i), pair.variance(i))))),
     }
 }
 
@@ -168,15 +173,19 @@ pub(super) fn relative_difference(pair: &Pair<'_>, i: usize, mean_b: f64, epsilo
 }
 
 fn verdict(pairs: &[Pair<'_>], channels: &[ChannelDifference], alpha: f64) -> Option<Verdict> {
-    if !pairs.iter().any(Pair::has_variance) {
+    let known: Vec<_> = channels.iter().filter_map(|c| Some((&c.channel, c.z_scores.as_ref()?))).collect();
+    if known.is_empty() {
         return None;
     }
-    let tests = channels.iter().filter_map(|c| c.z_scores.as_ref()).map(|z| z.tests).sum();
+    let tests = known.iter().map(|(_, z)| z.tests + 1).sum();
     let p_bound = sidak_p_value(alpha, tests);
     let z_bound = normal::two_sided_bound(p_bound);
     let past = |pair: &Pair<'_>| pair.finite_pixels().filter(|&i| pair.z(i).is_some_and(|z| z.abs() > z_bound)).count();
-    let past_bound = pairs.iter().map(past).sum();
-    Some(Verdict { alpha, tests, p_bound, z_bound, past_bound, agree: past_bound == 0 })
+    let pixels_past_bound = pairs.iter().map(past).sum();
+    let channels_past_bound: Vec<_> =
+        known.iter().filter(|(_, z)| z.of_mean.abs() > z_bound).map(|&(name, _)| name.clone()).collect();
+    let agree = pixels_past_bound == 0 && channels_past_bound.is_empty();
+    Some(Verdict { alpha, tests, p_bound, z_bound, pixels_past_bound, channels_past_bound, agree })
 }
 
 /// The `count` pixels that differ most.
@@ -207,4 +216,179 @@ fn worst(pairs: &[Pair<'_>], width: usize, count: usize) -> Vec<PixelDifference>
         }
     };
     found.into_iter().map(pixel).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+    use rand::RngExt;
+    use rand_distr::StandardNormal;
+    use rstest::rstest;
+    use statrs::distribution::{ContinuousCDF, Normal};
+
+    use super::*;
+    use crate::math::philox::Philox;
+    use crate::validation::picture::tests::picture;
+
+    fn compared(a: &Picture, b: &Picture) -> Comparison {
+        compare(a, b, &Settings::default()).expect("comparable")
+    }
+
+    /// One channel of constant variance 1 on the side of `a`, b being all 100.
+    fn against_100(width: usize, height: usize, a: &[f32]) -> Comparison {
+        let b = picture(width, height, &[("Y", &vec![100.0; a.len()])]);
+        compared(&picture(width, height, &[("Y", a)]).with_variances(&[("Y", &vec![1.0; a.len()])]), &b)
+    }
+
+    #[test]
+    fn errors_by_hand() {
+        let a = picture(2, 2, &[("Y", &[1.0, 2.0, 5.0, 4.0])]);
+        let b = picture(2, 2, &[("Y", &[1.0, 4.0, 4.0, 3.0])]);
+        let found = compared(&a, &b);
+        let c = &found.channels[0];
+        assert_eq!((c.mean_a, c.mean_b, c.mean_difference, c.mean_difference_percent), (3.0, 3.0, 0.0, 0.0));
+        assert_eq!((c.rmse, c.mae, c.peak), (1.5f64.sqrt(), 1.0, 4.0));
+        // Squared differences 0, 4, 1, 1 over b² + 0.01·3².
+        assert_relative_eq!(c.relative_mse, (4.0 / 16.09 + 1.0 / 16.09 + 1.0 / 9.09) / 4.0, max_relative = 1e-12);
+        assert_relative_eq!(c.psnr_db, 10.0 * (16.0 / 1.5f64).log10(), max_relative = 1e-12);
+        assert!(c.z_scores.is_none() && found.verdict.is_none());
+        let worst: Vec<_> = found.worst.iter().map(|p| (p.x, p.y, p.a, p.b)).collect();
+        assert_eq!(worst, [(1, 0, 2.0, 4.0), (0, 1, 5.0, 4.0), (1, 1, 4.0, 3.0)], "equal pixels are not listed");
+    }
+
+    #[rstest]
+    #[case::full_scale(Some(255.0), None, 255.0)]
+    #[case::what_the_user_says(Some(255.0), Some(2.0), 2.0)]
+    #[case::the_largest(None, None, 3.0)]
+    fn the_peak_is(#[case] full_scale: Option<f64>, #[case] peak: Option<f64>, #[case] expected: f64) {
+        let b = Picture { full_scale, ..picture(2, 1, &[("Y", &[1.0, 3.0])]) };
+        let found = compare(&b, &b, &Settings { peak, ..Settings::default() }).expect("comparable");
+        assert_eq!((found.channels[0].peak, found.channels[0].psnr_db), (expected, f64::INFINITY));
+    }
+
+    #[test]
+    fn a_black_reference_is_infinitely_different_from_light() {
+        let (a, b) = (picture(1, 1, &[("Y", &[1.0])]), picture(1, 1, &[("Y", &[0.0])]));
+        let c = &compared(&a, &b).channels[0];
+        assert_eq!((c.mean_difference_percent, c.relative_mse), (f64::INFINITY, f64::INFINITY));
+        let c = &compared(&b, &b).channels[0];
+        assert_eq!((c.mean_difference_percent, c.relative_mse), (0.0, 0.0));
+    }
+
+    proptest! {
+        #[test]
+        fn other_units_change_nothing_but_the_unit(
+            values in prop::collection::vec((0u16..1000, 0u16..1000, 1u16..50), 12),
+            exponent in -20i32..20,
+        ) {
+            let scale = 2f32.powi(exponent);
+            let plane = |of: fn(&(u16, u16, u16)) -> u16, scale: f32| {
+                values.iter().map(|v| f32::from(of(v)) * scale).collect::<Vec<_>>()
+            };
+            let compared = |scale: f32| {
+                let a = picture(4, 3, &[("Y", &plane(|v| v.0, scale))]);
+                let b = picture(4, 3, &[("Y", &plane(|v| v.1, scale))]);
+                compared(&a.with_variances(&[("Y", &plane(|v| v.2, scale * scale))]), &b)
+            };
+            // Powers of two scale without rounding, but logarithms and squares of ε may round.
+            let ([unit, scaled], s) = ([compared(1.0), compared(scale)], f64::from(scale));
+            let [u, c] = [&unit, &scaled].map(|found| &found.channels[0]);
+            prop_assert_eq!([c.mean_a, c.mean_difference, c.rmse, c.mae], [u.mean_a, u.mean_difference, u.rmse, u.mae].map(|x| x * s));
+            prop_assert_eq!((c.mean_difference_percent, &c.z_scores), (u.mean_difference_percent, &u.z_scores));
+            prop_assert!((c.relative_mse - u.relative_mse).abs() <= 1e-12 * u.relative_mse);
+            prop_assert!((c.psnr_db - u.psnr_db).abs() <= 1e-9 || c.psnr_db == u.psnr_db);
+            prop_assert_eq!(scaled.verdict, unit.verdict);
+        }
+    }
+
+    #[rstest]
+    #[case::just_inside(0.999, true)]
+    #[case::just_outside(1.001, false)]
+    #[case::just_inside_below(-0.999, true)]
+    #[case::just_outside_below(-1.001, false)]
+    fn a_pixel_at_the_bound(#[case] bounds: f64, #[case] agree: bool) {
+        // 40 × 25 pixels and their mean are 1001 tests at α = 1 %.
+        let p = 1.0 - 0.99f64.powf(1.0 / 1001.0);
+        let bound = -Normal::new(0.0, 1.0).expect("valid").inverse_cdf(p / 2.0);
+        let mut a = vec![100.0; 1000];
+        a[7 * 40 + 3] += (bounds * bound) as f32;
+        let found = against_100(40, 25, &a);
+        let verdict = found.verdict.expect("variances are known");
+        assert_relative_eq!(verdict.z_bound, bound, max_relative = 1e-6);
+        assert_eq!((verdict.agree, verdict.pixels_past_bound, verdict.tests), (agree, usize::from(!agree), 1001));
+        let worst = &found.worst[0];
+        assert_eq!((worst.x, worst.y, &worst.channel[..], worst.b), (3, 7, "Y", 100.0));
+        assert_relative_eq!(worst.z.expect("known"), bounds * bound, max_relative = 1e-5);
+    }
+
+    #[test]
+    fn what_is_too_faint_for_a_pixel_shows_in_the_mean() {
+        // A tenth of a standard deviation everywhere is 0.1·√10 000 = 10 standard errors of the mean.
+        let found = against_100(100, 100, &[100.1; 10_000]);
+        let verdict = found.verdict.expect("variances are known");
+        assert_eq!((verdict.pixels_past_bound, &verdict.channels_past_bound[..]), (0, &["Y".to_owned()][..]));
+        assert!(!verdict.agree);
+        assert_relative_eq!(found.channels[0].z_scores.as_ref().expect("known").of_mean, 10.0, max_relative = 1e-4);
+    }
+
+    #[test]
+    fn variances_of_both_sides_add() {
+        let a = picture(1, 1, &[("Y", &[5.0])]).with_variances(&[("Y", &[9.0])]);
+        let b = picture(1, 1, &[("Y", &[0.0])]).with_variances(&[("Y", &[16.0])]);
+        assert_eq!(compared(&a, &b).worst[0].z, Some(1.0));
+        let exact = picture(1, 1, &[("Y", &[0.0])]);
+        assert_eq!(compared(&exact, &b).worst, [], "0 of 4");
+        assert_eq!(compared(&b, &a).worst[0].z, Some(-1.0));
+    }
+
+    #[test]
+    fn pictures_that_agree_pass_as_often_as_alpha_says() {
+        let mut random = Philox::new(11, 0);
+        let mut noise = || (0..200).map(|_| random.sample::<f32, _>(StandardNormal)).collect::<Vec<_>>();
+        let settings = Settings { alpha: 0.2, ..Settings::default() };
+        let ones = [1.0; 200];
+        let mut differ = 0;
+        for _ in 0..1000 {
+            let mut noisy = || {
+                let (r, g) = (noise(), noise());
+                picture(20, 10, &[("R", &r), ("G", &g)]).with_variances(&[("R", &ones), ("G", &ones)])
+            };
+            let verdict = compare(&noisy(), &noisy(), &settings).expect("comparable").verdict;
+            differ += u32::from(!verdict.expect("variances are known").agree);
+        }
+        // Binomial: 200 ± √(1000·0.2·0.8) = 13; 4 of them.
+        assert!((200 - 52..=200 + 52).contains(&differ), "{differ} of 1000");
+    }
+
+    #[test]
+    fn pixels_that_are_no_numbers_are_counted_and_come_first() {
+        let a = picture(2, 2, &[("Y", &[1.0, f32::NAN, 3.0, 4.0])]);
+        let b = picture(2, 2, &[("Y", &[f32::INFINITY, 2.0, 3.0, 8.0])]);
+        let found = compared(&a.clone().with_variances(&[("Y", &[1.0, 1.0, -1.0, 1.0])]), &b);
+        let c = &found.channels[0];
+        assert_eq!((c.pixels, c.non_finite, c.mean_difference, c.rmse), (4, 3, -4.0, 4.0));
+        assert_eq!(c.z_scores.as_ref().map(|z| z.tests), Some(1));
+        assert!(found.worst[..3].iter().all(|p| p.z.is_none()) && found.worst[3].z == Some(-4.0));
+        assert_eq!(compared(&a, &b).channels[0].non_finite, 2);
+    }
+
+    #[test]
+    fn pixels_without_variance_that_differ_fail_however_little() {
+        let a = picture(2, 1, &[("Y", &[1.0, 2.0])]).with_variances(&[("Y", &[0.0, 0.0])]);
+        let verdict = |b: &Picture| compared(&a, b).verdict.expect("variances are known");
+        assert!(verdict(&a).agree);
+        let found = verdict(&picture(2, 1, &[("Y", &[1.0, 2.0 + f32::EPSILON * 2.0])]));
+        assert_eq!((found.agree, found.pixels_past_bound), (false, 1));
+    }
+
+    #[test]
+    fn channels_without_variances_are_compared_but_not_tested() {
+        let a = picture(1, 1, &[("R", &[1.0]), ("G", &[90.0])]).with_variances(&[("R", &[1.0])]);
+        let b = picture(1, 1, &[("R", &[1.5]), ("G", &[1.0])]);
+        let found = compared(&a, &b);
+        assert_eq!(found.channels.iter().map(|c| c.z_scores.is_some()).collect::<Vec<_>>(), [true, false]);
+        assert_eq!(found.verdict.expect("variances are known").tests, 2);
+        assert_eq!(found.worst.iter().map(|p| &p.channel[..]).collect::<Vec<_>>(), ["R"]);
+    }
 }

@@ -40,9 +40,57 @@ pub fn failures(comparison: &Comparison, limits: &Limits) -> Vec<String> {
             }
         }
     }
-    if let Some(v) = comparison.verdict.as_ref().filter(|v| !v.agree) {
-        let (past, tests, z, alpha) = (v.past_bound, v.tests, v.z_bound, v.alpha);
-        failures.push(format!("noise does not explain {past} of {tests} z-scores: |z| > {z:.2} (Šidák, α = {alpha})"));
+    if let Some(v) = &comparison.verdict {
+        let bound = format!("|z| > {:.2} (Šidák, α = {}, {} tests)", v.z_bound, v.alpha, v.tests);
+        if v.pixels_past_bound > 0 {
+            let pixels = if v.pixels_past_bound == 1 { "pixel" } else { "pixels" };
+            failures.push(format!("noise does not explain {} {pixels}: {bound}", v.pixels_past_bound));
+        }
+        if !v.channels_past_bound.is_empty() {
+            failures.push(format!("noise does not explain the mean of {}: {bound}", v.channels_past_bound.join(", ")));
+        }
     }
     failures
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::validation::picture::tests::picture;
+    use crate::validation::{Settings, compare};
+
+    #[test]
+    fn limits_hold_up_to_themselves() {
+        // A mean difference of −50 %, an RMSE of 2, a relative MSE of 4/(16 + 16).
+        let (a, b) = (picture(1, 1, &[("Y", &[2.0])]), picture(1, 1, &[("Y", &[4.0])]));
+        let comparison = compare(&a, &b, &Settings { epsilon: 1.0, ..Settings::default() }).expect("comparable");
+        let limits = |factor: f64| {
+            let limit = |x: f64| Some(x * factor);
+            Limits { mean_difference_percent: limit(50.0), rmse: limit(2.0), relative_mse: limit(0.125) }
+        };
+        assert_eq!(failures(&comparison, &limits(1.0)), [""; 0]);
+        let failed = failures(&comparison, &limits(0.999));
+        assert_eq!(failed.len(), 3);
+        assert_eq!(failed[0], "Y: mean difference 50.0000 % is past the limit of 49.95 %");
+        assert_eq!(failures(&comparison, &Limits::default()), [""; 0]);
+        assert!(Limits::default().is_empty() && !limits(1.0).is_empty());
+    }
+
+    #[test]
+    fn what_is_no_number_is_past_every_limit() {
+        let a = picture(1, 1, &[("Y", &[f32::NAN])]);
+        let comparison = compare(&a, &a, &Settings::default()).expect("comparable");
+        assert_eq!(failures(&comparison, &Limits::default()), ["Y: 1 of 1 pixels are not finite"]);
+        let limits = Limits { rmse: Some(f64::MAX), ..Limits::default() };
+        assert_eq!(failures(&comparison, &limits).len(), 2);
+    }
+
+    #[test]
+    fn noise_that_explains_nothing_is_told() {
+        let a = picture(1, 1, &[("Y", &[9.0])]).with_variances(&[("Y", &[1.0])]);
+        let b = picture(1, 1, &[("Y", &[0.0])]);
+        let failed = failures(&compare(&a, &b, &Settings::default()).expect("comparable"), &Limits::default());
+        assert!(failed[0].starts_with("noise does not explain 1 pixel: |z| > 2.81"), "{failed:?}");
+        assert!(failed[1].starts_with("noise does not explain the mean of Y: |z| > 2.81"), "{failed:?}");
+    }
 }

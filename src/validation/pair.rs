@@ -4,6 +4,7 @@ use crate::Invalid;
 use crate::raw::Cfa;
 
 use super::picture::{MOSAIC, Picture};
+use super::z_scores::z_score;
 
 /// One channel on both sides.
 pub(super) struct Pair<'a> {
@@ -24,14 +25,14 @@ struct Sites<'a> {
 
 impl Pair<'_> {
     /// Indices of the pixels that the channel has, row by row.
-    pub(super) fn pixels(&self) -> impl Iterator<Item = usize> {
+    pub(super) fn pixels(&self) -> impl Iterator<Item = usize> + Clone {
         let has =
             |i: &usize| self.sites.as_ref().is_none_or(|s| s.cfa.channel_at(i % s.width, i / s.width) == s.channel);
         (0..self.a.len()).filter(has)
     }
 
     /// The pixels whose numbers can be compared.
-    pub(super) fn finite_pixels(&self) -> impl Iterator<Item = usize> {
+    pub(super) fn finite_pixels(&self) -> impl Iterator<Item = usize> + Clone {
         self.pixels().filter(|&i| self.is_finite(i))
     }
 
@@ -58,12 +59,14 @@ impl Pair<'_> {
         self.variance_a.is_some() || self.variance_b.is_some()
     }
 
-    /// (a − b)/√(var a + var b) of a finite pixel: infinite where numbers without variance differ, `None` where they are
-    /// equal or no variances are known.
+    /// var a + var b; what is not known counts as 0.
+    pub(super) fn variance(&self, i: usize) -> f64 {
+        [self.variance_a, self.variance_b].into_iter().flatten().map(|v| f64::from(v[i])).sum()
+    }
+
+    /// The z-score of a finite pixel; `None` where it has none, or no variances are known.
     pub(super) fn z(&self, i: usize) -> Option<f64> {
-        let variance = |plane: Option<&[f32]>| plane.map_or(0.0, |v| f64::from(v[i]));
-        let z = self.difference(i) / (variance(self.variance_a) + variance(self.variance_b)).sqrt();
-        (self.has_variance() && !z.is_nan()).then_some(z)
+        z_score(self.difference(i), self.variance(i)).filter(|_| self.has_variance())
     }
 }
 
@@ -166,4 +169,93 @@ fn unknown(name: &str, a: &Picture, b: &Picture, pairs: &[Pair<'_>]) -> Invalid 
 
 fn names(picture: &Picture) -> impl Iterator<Item = &str> {
     picture.mean.channels().iter().map(|c| &c.name[..])
+}
+
+#[cfg(test)]
+mod tests {
+    use rstest::rstest;
+
+    use super::*;
+    use crate::raw::{RawImage, RawMetadata};
+    use crate::validation::picture::tests::picture;
+
+    fn names(pairs: &[Pair<'_>]) -> Vec<String> {
+        pairs.iter().map(|pair| pair.name.to_owned()).collect()
+    }
+
+    fn wanted(names: &[&str]) -> Vec<String> {
+        names.iter().map(|&name| name.to_owned()).collect()
+    }
+
+    fn mosaic(cfa: &str) -> Picture {
+        let raw = RawImage {
+            width: 3,
+            height: 2,
+            data: (0..6).collect(),
+            cfa: Cfa::parse(cfa).expect("known"),
+            bits: 12,
+            black_level_dn: 0,
+            white_level_dn: 4095,
+            metadata: RawMetadata::default(),
+        };
+        Picture::from_raw(format!("{cfa}.dng"), raw)
+    }
+
+    #[test]
+    fn channels_that_one_side_lacks_are_refused_unless_others_are_chosen() {
+        let a = picture(1, 1, &[("R", &[1.0]), ("G", &[2.0]), ("X", &[3.0])]);
+        let b = picture(1, 1, &[("G", &[2.0]), ("R", &[1.0]), ("B", &[4.0])]);
+        let error = pairs(&a, &b, None).err().expect("refused");
+        assert!(error.message.contains("lacks X") && error.message.contains("lacks B"), "{error}");
+        assert!(error.help.expect("helpful").contains("--channels R,G"));
+        assert_eq!(names(&pairs(&a, &b, Some(&wanted(&["G"]))).expect("common")), ["G"]);
+        for (name, complaint) in [("X", "has no channel \"X\""), ("Q", "there is no channel \"Q\"")] {
+            let error = pairs(&a, &b, Some(&wanted(&["R", name]))).err().expect("refused");
+            assert!(error.message.contains(complaint), "{error}");
+            assert_eq!(error.help.as_deref(), Some("both have R, G"));
+        }
+        assert!(pairs(&a, &b, Some(&[])).is_err());
+    }
+
+    #[test]
+    fn pictures_that_have_nothing_in_common_are_refused() {
+        let a = picture(2, 1, &[("R", &[1.0, 2.0])]);
+        let other_size = picture(1, 2, &[("R", &[1.0, 2.0])]);
+        let other_name = picture(2, 1, &[("Y", &[1.0, 2.0])]);
+        let unit = |unit: &str| Picture { unit: Some(unit.to_owned()), ..a.clone() };
+        for (a, b, complaint) in [
+            (&a, &other_size, "2 × 1 pixels"),
+            (&a, &other_name, "no channel in common"),
+            (&unit("e-"), &unit("DN"), "holds DN"),
+        ] {
+            let error = pairs(a, b, None).err().expect("refused");
+            assert!(error.message.contains(complaint), "{error}");
+        }
+        assert!(pairs(&a, &unit("DN"), None).is_ok(), "a unit that is not known is no other one");
+    }
+
+    #[rstest]
+    #[case::both("RGGB", "RGGB")]
+    #[case::the_first("RGGB", "mono")]
+    #[case::the_second("mono", "RGGB")]
+    fn mosaics_are_compared_as_a_whole_and_by_channel(#[case] a: &str, #[case] b: &str) {
+        let (a, b) = (mosaic(a), mosaic(b));
+        let found = pairs(&a, &b, None).expect("comparable");
+        let pixels: Vec<(&str, Vec<usize>)> = found.iter().map(|pair| (pair.name, pair.pixels().collect())).collect();
+        let of = |name, pixels: &[usize]| (name, pixels.to_vec());
+        assert_eq!(pixels, [of("raw", &[0, 1, 2, 3, 4, 5]), of("R", &[0, 2]), of("G", &[1, 3, 5]), of("B", &[4])]);
+        let whole: Vec<_> = once(&found).map(|pair| pair.name).collect();
+        assert_eq!(whole, ["raw"]);
+        let chosen = pairs(&a, &b, Some(&wanted(&["R", "B"]))).expect("comparable");
+        let each: Vec<_> = once(&chosen).map(|pair| pair.name).collect();
+        assert_eq!(each, ["R", "B"]);
+    }
+
+    #[test]
+    fn mosaics_of_different_filters_are_compared_as_such_only() {
+        let (a, b) = (mosaic("RGGB"), mosaic("BGGR"));
+        assert!(pairs(&a, &b, None).is_err());
+        let raw = wanted(&["raw"]);
+        assert_eq!(names(&pairs(&a, &b, Some(&raw)).expect("comparable")), ["raw"]);
+    }
 }

@@ -38,3 +38,32 @@ impl Picture {
         }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::image::Channel;
+
+    fn planes(width: usize, height: usize, planes: &[(&str, &[f32])]) -> Planes {
+        let channel = |&(name, data): &(&str, &[f32])| Channel { name: name.to_owned(), data: data.to_vec() };
+        Planes::new(width, height, planes.iter().map(channel).collect()).expect("right sizes")
+    }
+
+    /// A picture of these channels, without variances.
+    pub(in crate::validation) fn picture(width: usize, height: usize, channels: &[(&str, &[f32])]) -> Picture {
+        Picture {
+            name: format!("{width} × {height}"),
+            mean: planes(width, height, channels),
+            variance: planes(width, height, &[]),
+            unit: None,
+            full_scale: None,
+            mosaic: None,
+        }
+    }
+
+    impl Picture {
+        pub(in crate::validation) fn with_variances(self, variances: &[(&str, &[f32])]) -> Self {
+            Self { variance: planes(self.mean.width(), self.mean.height(), variances), ..self }
+        }
+    }
+}
