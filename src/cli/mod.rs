@@ -2,6 +2,8 @@
 //! library's.
 
 mod chain;
+mod compare;
+mod compare_text;
 mod info;
 mod listing;
 mod output_folder;
@@ -29,12 +31,13 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Compare(compare::CompareArgs),
     Info(info::InfoArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
 }
 
-/// Runs the command line of this process. Exit status 0: done, 1: failed, 2: wrong usage.
+/// Runs the command line of this process. Exit status 0: done, 1: failed (or pictures differ), 2: wrong usage.
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
     // Colours, arrows and short lines are for people; a log file gets plain text, to be searched line by line.
@@ -45,14 +48,16 @@ pub(crate) fn run() -> ExitCode {
     };
     // Fails only if a handler was set before, and this is the only place that sets one.
     let _ = miette::set_hook(Box::new(handler));
+    let mut done = ExitCode::SUCCESS;
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::Info(args) => info::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
     };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => done,
         Err(error) => {
             let code = match error {
                 Error::Usage { .. } => 2,

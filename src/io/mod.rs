@@ -11,6 +11,7 @@ mod mesh;
 pub mod obj;
 pub mod output;
 mod picture;
+pub mod picture_file;
 pub mod png;
 pub mod spectral_exr;
 mod suggest;

@@ -25,6 +25,13 @@ pub(super) fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
 /// Decodes a PNG, JPEG, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep their
 /// encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
 pub(super) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
+    let picture = decode(bytes, &name)?;
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    Ok(Bitmap { name, width, height, texels: texels(picture) })
+}
+
+/// The same, in whatever form the file has it.
+pub(super) fn decode(bytes: &[u8], name: &str) -> Result<DynamicImage, Invalid> {
     let bad = |problem: &str| {
         Invalid::new("", format!("cannot decode {name}: {problem}"))
             .help("the picture is damaged, or neither PNG nor JPEG; export it again as one of them")
@@ -39,11 +46,10 @@ pub(super) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Inval
         let is_cut = matches!(&e, ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof);
         if is_cut { bad("the file ends too early") } else { bad(&e.to_string()) }
     })?;
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    if width == 0 || height == 0 {
+    if picture.width() == 0 || picture.height() == 0 {
         return Err(bad("it has no pixels"));
     }
-    Ok(Bitmap { name, width, height, texels: texels(picture) })
+    Ok(picture)
 }
 
 fn texels(picture: DynamicImage) -> Texels {
