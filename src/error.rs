@@ -4,6 +4,7 @@
 //! modules that read files turn it into an [`Error`], which adds the file and the line.
 
 use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, NamedSource, SourceSpan};
@@ -44,16 +45,43 @@ impl Invalid {
 
     /// The error of a file whose lines are not known (a binary file, or one already parsed).
     pub fn in_file(self, path: &Path) -> Error {
-        Error::Input(Box::new(InputError {
-            path: path.to_owned(),
-            line: None,
-            key: self.key,
-            message: self.message,
-            help: self.help,
-            source_code: None,
-            span: None,
-        }))
+        self.placed(path, None)
     }
+
+    /// The error of a line of a text file, counted from 1.
+    pub fn at_line(self, path: &Path, line: usize) -> Error {
+        self.placed(path, Some(line))
+    }
+
+    /// The error of a range of bytes of a text file, whose line is found and shown.
+    pub fn in_text(self, path: &Path, text: &str, span: Range<usize>) -> Error {
+        let Range { start, end } = span;
+        let mut error = self.input_error(path, Some(text[..start].matches('\n').count() + 1));
+        if is_readable(text, start) {
+            // A value of many lines is shown by its first.
+            let end = text[start..end].find('\n').map_or(end, |newline| start + newline);
+            error.source_code = Some(NamedSource::new(path.display().to_string(), text.to_owned()));
+            error.span = Some((start..end).into());
+        }
+        Error::Input(Box::new(error))
+    }
+
+    fn placed(self, path: &Path, line: Option<usize>) -> Error {
+        Error::Input(Box::new(self.input_error(path, line)))
+    }
+
+    fn input_error(self, path: &Path, line: Option<usize>) -> InputError {
+        let Self { key, message, help } = self;
+        InputError { path: path.to_owned(), line, key, message, help, source_code: None, span: None }
+    }
+}
+
+/// Whether the line around a byte and its neighbours are short enough to be shown: documents that programs wrote may
+/// consist of a single line of megabytes.
+fn is_readable(text: &str, at: usize) -> bool {
+    const LONGEST_LINE: usize = 240;
+    let (before, after) = text.split_at(at);
+    before.rsplit('\n').take(2).chain(after.split('\n').take(2)).all(|part| part.len() <= LONGEST_LINE)
 }
 
 impl fmt::Display for Invalid {
@@ -108,14 +136,14 @@ pub enum Error {
     #[diagnostic(transparent)]
     Input(Box<InputError>),
     /// The operating system refused to read or write.
-    #[error("{}: cannot {action}: {source}", path.display())]
+    #[error("{}: cannot {action}: {reason}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
         /// What was attempted, as a verb: "read", "create the folder".
         action: &'static str,
-        /// The system's reason.
-        source: std::io::Error,
+        /// The system's reason. Part of the message, hence no `source` besides.
+        reason: std::io::Error,
     },
     /// A command line whose parts do not fit together.
     #[error("{message}")]
@@ -135,7 +163,7 @@ impl Error {
     }
 
     /// A refused read or write.
-    pub fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
-        Self::Io { path: path.to_owned(), action, source }
+    pub fn io(path: &Path, action: &'static str, reason: std::io::Error) -> Self {
+        Self::Io { path: path.to_owned(), action, reason }
     }
 }

@@ -17,7 +17,7 @@
 //! [`units`], [`math`] → [`spectrum`], [`image`] → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
 //! [`optics`], [`film`], [`sampler`] → [`integrator`]. [`sensor`], [`raw`] and [`develop`] see only units, math,
 //! spectrum and image: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
-//! these edges.
+//! these edges. [`validation`] compares pictures and sees units, math, image and raw.
 //!
 //! # Invariants
 //!
@@ -49,5 +49,6 @@ pub mod sensor;
 pub mod spectrum;
 pub mod texture;
 pub mod units;
+pub mod validation;
 
 pub use error::{Error, Invalid, Result};

@@ -76,3 +76,23 @@
 //!
 //! ## Fichet21
 //! A. Fichet, R. Pacanowski, A. Wilkie, "An OpenEXR Layout for Spectral Images", JCGT 10(3) (2021).
+//!
+//! ## Rousselle11
+//! F. Rousselle, C. Knaus, M. Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", ACM
+//! Transactions on Graphics 30(6) (2011).
+//!
+//! ## Sidak67
+//! Z. Šidák, "Rectangular Confidence Regions for the Means of Multivariate Normal Distributions", Journal of the
+//! American Statistical Association 62(318), 626–633 (1967).
+//!
+//! ## Stephens70
+//! M. A. Stephens, "Use of the Kolmogorov–Smirnov, Cramér–Von Mises and Related Statistics Without Extensive Tables",
+//! Journal of the Royal Statistical Society B 32(1), 115–122 (1970).
+//!
+//! ## Jung20
+//! A. Jung, J. Hanika, C. Dachsbacher, "Detecting Bias in Monte Carlo Renderers using Welch's t-test", JCGT 9(2)
+//! (2020).
+//!
+//! ## Brewer03
+//! M. Harrower, C. A. Brewer, "ColorBrewer.org: An Online Tool for Selecting Colour Schemes for Maps", The Cartographic
+//! Journal 40(1), 27–37 (2003).

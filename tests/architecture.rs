@@ -26,6 +26,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("raw", &["math", "spectrum", "image"]),
     ("sensor", &["math", "spectrum", "image", "raw"]),
     ("develop", &["math", "spectrum", "image", "raw"]),
+    ("validation", &["math", "image", "raw"]),
     (
         "io",
         &[
@@ -44,6 +45,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "raw",
             "sensor",
             "develop",
+            "validation",
         ],
     ),
 ];

@@ -8,8 +8,9 @@ use photosite::io::capture::{Capture, ExposureTime};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
 use photosite::sensor::{Exposure, NoiseKey, Stages, auto_exposure, expose};
+use photosite::spectrum::illuminant;
 use photosite::units::Electrons;
-use photosite::{Invalid, Result};
+use photosite::{Error, Invalid, Result};
 
 use super::report::{ExposureReport, SensorReport};
 
@@ -19,24 +20,39 @@ pub(super) struct Chain<'a> {
     colour: Option<CameraColour>,
 }
 
-/// An exposure and its frames.
+/// What the sensor counts on average during an exposure.
 pub(super) struct Exposed {
     pub(super) exposure: Exposure,
     /// Mean electrons with the variance that light transport leaves, e⁻ and e⁻².
     pub(super) electrons: Estimate,
-    /// At least one; each with noise of its own.
-    pub(super) frames: Vec<RawImage>,
 }
 
 impl<'a> Chain<'a> {
-    /// The white balance is that of the scene's own light through the lens.
-    pub(super) fn new(capture: &'a Capture, scene: &Scene) -> Result<Self> {
+    /// The white balance is that of the scene's own light through the lens. Where a channel does not see that light, as
+    /// in the dark, it is that of daylight, with a warning.
+    pub(super) fn new(capture: &'a Capture, scene: &Scene, warnings: &mut Vec<String>) -> Result<Self> {
+        let light = scene.light_spectrum();
+        if light.iter().any(|(_, value)| !value.is_finite()) {
+            let invalid = Invalid::new("scene", "its size or its lights are too large to compute with");
+            let help = "compare the geometry's unit with meters_per_unit, and look for a light of too many zeros";
+            return Err(capture.source.error(invalid.help(help)));
+        }
+        // Only the colour of the light counts; its level could leave the range of numbers.
+        let brightest = f64::from(light.max());
+        let light = if brightest > 0.0 { light.scale(1.0 / brightest) } else { light.clone() };
         let mut responses = capture.sensor.responses();
         for (_, response) in &mut responses {
             *response = response.product(&capture.lens.transmittance);
         }
-        let colour = camera_colour(&responses, scene.light_spectrum());
-        Ok(Self { capture, colour: colour.map_err(|invalid| capture.source.error(invalid.within("sensor")))? })
+        let colour = camera_colour(&responses, &light).or_else(|invalid| {
+            let colour = camera_colour(&responses, illuminant::d65())?;
+            if brightest > 0.0 {
+                warnings.push(format!("{}, so the white balance is that of D65", invalid.message));
+            }
+            Ok(colour)
+        });
+        let in_sensor = |invalid: Invalid| capture.source.error(invalid.within("sensor"));
+        Ok(Self { capture, colour: colour.map_err(in_sensor)? })
     }
 
     /// Electron rates (e⁻/s) of the sensor's channels.
@@ -44,24 +60,28 @@ impl<'a> Chain<'a> {
         film.estimate(self.capture.sensor.cfa.channels().iter().map(String::as_str))
     }
 
-    /// Exposes to electron rates.
+    /// Collects light at these electron rates.
     pub(super) fn expose(&self, rates: &Estimate) -> Result<Exposed> {
-        let Capture { sensor, lens, render, source, .. } = self.capture;
-        let in_exposure = |invalid: Invalid| source.error(invalid.within("exposure"));
-        let exposure = self.exposure(rates).map_err(in_exposure)?;
-        let electrons = rates.clone().scaled(exposure.time.0);
-        let frame = |frame| {
-            let key = NoiseKey { seed: render.seed, frame: u64::from(frame) };
-            let mut raw = expose(&electrons.mean, sensor, &exposure, Stages::ALL, key).map_err(in_exposure)?;
-            raw.metadata.f_number = Some(lens.f_number);
-            raw.metadata.focal_length_m = Some(lens.focal_length_m);
-            raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65);
-            raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a);
-            raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral);
-            Ok(raw)
-        };
-        let frames = (0..self.capture.exposure.frames).map(frame).collect::<Result<_>>()?;
-        Ok(Exposed { exposure, electrons, frames })
+        let exposure = self.exposure(rates).map_err(|invalid| self.in_exposure(invalid))?;
+        Ok(Exposed { exposure, electrons: rates.clone().scaled(exposure.time.0) })
+    }
+
+    /// Reads the sensor out; each frame has noise of its own.
+    pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
+        let Capture { sensor, lens, render, .. } = self.capture;
+        let Exposed { exposure, electrons } = exposed;
+        let key = NoiseKey { seed: render.seed, frame: u64::from(frame) };
+        let mut raw = expose(&electrons.mean, sensor, exposure, Stages::ALL, key).map_err(|e| self.in_exposure(e))?;
+        raw.metadata.f_number = Some(lens.f_number);
+        raw.metadata.focal_length_m = Some(lens.focal_length_m);
+        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65);
+        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a);
+        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral);
+        Ok(raw)
+    }
+
+    fn in_exposure(&self, invalid: Invalid) -> Error {
+        self.capture.source.error(invalid.within("exposure"))
     }
 
     /// Develops for display.
@@ -80,9 +100,14 @@ impl<'a> Chain<'a> {
     }
 
     /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
-    /// saturate do not count: no noise shows there. `None` where there is not enough light for an exposure.
-    pub(super) fn noise_ratio(&self, rates: &Estimate) -> Option<f64> {
-        let exposure = self.exposure(rates).ok()?;
+    /// saturate do not count: no noise shows there. `None` where there is not enough light for an exposure, and after a
+    /// single sample, which tells nothing of noise.
+    pub(super) fn noise_ratio(&self, film: &Film) -> Option<f64> {
+        if film.samples() < 2 {
+            return None;
+        }
+        let rates = self.rates(film);
+        let exposure = self.exposure(&rates).ok()?;
         let sensor = &self.capture.sensor;
         let (width, time) = (rates.mean.width(), exposure.time.0);
         let saturation = sensor.saturation_capacity(&exposure).0;
@@ -110,9 +135,8 @@ impl<'a> Chain<'a> {
         }
     }
 
-    pub(super) fn sensor_report(&self, exposed: &Exposed) -> SensorReport {
+    pub(super) fn sensor_report(&self, exposed: &Exposed, raw: &RawImage) -> SensorReport {
         let sensor = &self.capture.sensor;
-        let raw = &exposed.frames[0];
         SensorReport {
             name: sensor.name.clone(),
             resolution_px: sensor.resolution,

@@ -1,20 +1,23 @@
 //! `photosite info`: what a scene, capture, sensor, raw or EXR file holds.
 
+use std::f64::consts::PI;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite::image::Planes;
-use photosite::io::capture::{Capture, read_sensor_file};
+use photosite::io::capture::{Capture, ExposureTime, read_sensor_file};
 use photosite::io::exr::{Attribute, read_exr};
+use photosite::optics::Focus;
 use photosite::raw::{RawImage, read_dng, read_tiff};
-use photosite::scene::description::SceneDescription;
+use photosite::scene::description::{EnvironmentDescription, LightKind, MaterialDescription, SceneDescription};
 use photosite::sensor::SensorModel;
-use photosite::{Error, Result};
+use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
-use super::{print_json, println_out};
+use super::listing::listing;
+use super::{print_json, println_out, rounded};
 
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
@@ -31,28 +34,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
     if args.json {
         return print_json(&facts);
     }
-    let width = facts.keys().map(|key| key.chars().count()).max().unwrap_or(0);
-    for (key, value) in &facts {
-        let is_listed = |item: &Value| item.is_string() || item.is_object();
-        let listed = value.as_array().filter(|items| items.iter().any(is_listed));
-        println_out(&match listed {
-            Some(items) => items.iter().fold(format!("{key}:"), |text, item| text + "\n  " + &plain(item)),
-            None => format!("{key:width$}  {}", plain(value)),
-        })?;
-    }
-    Ok(())
-}
-
-/// A value without the quotes of JSON.
-fn plain(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        Value::Array(items) => items.iter().map(plain).collect::<Vec<_>>().join(" "),
-        Value::Object(map) => {
-            map.iter().map(|(key, value)| format!("{key} {}", plain(value))).collect::<Vec<_>>().join(", ")
-        }
-        Value::Null | Value::Bool(_) | Value::Number(_) => value.to_string(),
-    }
+    println_out(&listing(&facts))
 }
 
 /// What the file holds, by the kind that its name says.
@@ -77,11 +59,11 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
             Ok(facts)
         }
         "dng" => Ok(of_raw(&read_dng(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
-        "tif" | "tiff" => Ok(of_raw(&read_tiff(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
-        _ => Err(Error::Usage {
-            message: format!("{} is of no kind that photosite knows", path.display()),
-            help: Some("give a .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file".to_owned()),
-        }),
+        "tif" | "tiff" => Ok(of_numbers(&read_tiff(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
+        _ => {
+            let help = "give a .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file";
+            Err(Invalid::new("", "is of no kind that photosite knows").help(help).in_file(path))
+        }
     }
 }
 
@@ -97,43 +79,71 @@ fn map(facts: Value) -> Map<String, Value> {
 }
 
 fn of_capture(capture: &Capture) -> Map<String, Value> {
-    let mut facts = of_scene(&capture.scene);
-    let lens = &capture.lens;
+    let Capture { scene, lens, sensor, exposure, render, .. } = capture;
+    let mut facts = of_scene(scene);
     facts.extend(map(json!({
+        "camera_position_m": capture.camera_to_world.translation.to_array(),
         "lens": format!("{} mm f/{}", round(lens.focal_length_m * 1e3), round(lens.f_number)),
-        "sensor": capture.sensor.name,
-        "resolution_px": capture.sensor.resolution,
-        "samples_per_pixel": capture.render.samples_per_pixel,
+        "focus": match lens.focus {
+            Focus::Distance(u) => format!("{} m", round(u)),
+            Focus::Infinity => "infinity".to_owned(),
+            Focus::Autofocus { pixel: [x, y] } => format!("on what pixel {x}, {y} sees"),
+        },
+        "sensor": sensor.name,
+        "resolution_px": sensor.resolution,
+        "exposure_time_s": match exposure.time {
+            ExposureTime::Fixed(time) => json!(time.0),
+            ExposureTime::Auto(_) => json!("automatic"),
+        },
+        "gain_db": exposure.gain.0,
+        "frames": exposure.frames,
+        "samples_per_pixel": render.samples_per_pixel,
+        "warnings": scene.warnings,
     })));
     facts
 }
 
 fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
-    let placed = |f: &dyn Fn(usize) -> usize| scene.instances.iter().map(|i| f(i.mesh)).sum::<usize>();
-    let names = |names: Vec<&String>| names.into_iter().filter(|name| !name.is_empty()).cloned().collect::<Vec<_>>();
+    let triangles = |mesh: usize| scene.meshes[mesh].triangles.len();
+    let named = |name: &str| if name.is_empty() { "unnamed".to_owned() } else { name.to_owned() };
+    let emits = |m: &&MaterialDescription| m.emission.is_some();
+    let kind = |kind| match kind {
+        LightKind::Point => "point",
+        LightKind::Spot { .. } => "spot",
+        LightKind::Directional => "directional",
+    };
+    let environment = scene.environment.as_ref().map(|environment| match environment {
+        EnvironmentDescription::Constant { luminance_nit: Some(nit), .. } => {
+            format!("the same light everywhere, {} lux on a plane", round(PI * nit))
+        }
+        EnvironmentDescription::Constant { luminance_nit: None, .. } => "the same light everywhere".to_owned(),
+        EnvironmentDescription::Picture { image, .. } => {
+            format!("the picture {}, {} × {} pixels", image.name, image.width, image.height)
+        }
+    });
     map(json!({
         "meshes": scene.meshes.len(),
+        "triangles": (0..scene.meshes.len()).map(triangles).sum::<usize>(),
         "instances": scene.instances.len(),
-        "triangles": scene.meshes.iter().map(|m| m.triangles.len()).sum::<usize>(),
-        "triangles_placed": placed(&|mesh| scene.meshes[mesh].triangles.len()),
-        "pictures": scene.images.len(),
-        "lights": scene.lights.len(),
-        "environment": scene.environment.is_some(),
-        "cameras": names(scene.cameras.iter().map(|c| &c.name).collect()),
-        "materials": names(scene.materials.iter().map(|m| &m.name).collect()),
-        "warnings": scene.warnings,
+        "triangles_of_instances": scene.instances.iter().map(|i| triangles(i.mesh)).sum::<usize>(),
+        "textures": scene.images.len(),
+        "materials": scene.materials.iter().map(|m| named(&m.name)).collect::<Vec<_>>(),
+        "emitting_materials": scene.materials.iter().filter(emits).map(|m| named(&m.name)).collect::<Vec<_>>(),
+        "lights": scene.lights.iter().map(|l| json!({"name": named(&l.name), "type": kind(l.kind)})).collect::<Vec<_>>(),
+        "environment": environment,
+        "cameras": scene.cameras.iter().map(|c| named(&c.name)).collect::<Vec<_>>(),
     }))
 }
 
 fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
-    let peaks: Vec<_> = sensor.quantum_efficiency.iter().map(|qe| round(f64::from(qe.max()))).collect();
+    let peaks: Vec<_> = sensor.quantum_efficiency.iter().map(|qe| round(qe.max().into())).collect();
     map(json!({
         "name": sensor.name,
         "description": sensor.description,
         "source": sensor.source,
         "resolution_px": sensor.resolution,
         "pixel_pitch_um": sensor.pixel_pitch_m.map(|m| round(m * 1e6)),
-        "channels": sensor.cfa.channels().join(" "),
+        "channels": sensor.cfa.channels(),
         "peak_quantum_efficiency": peaks,
         "full_well_e": sensor.full_well.0,
         "read_noise_e": sensor.noise.read.0,
@@ -146,33 +156,42 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
     }))
 }
 
-fn of_raw(raw: &RawImage) -> Map<String, Value> {
+/// All that a TIFF file knows.
+fn of_numbers(raw: &RawImage) -> Map<String, Value> {
     let sum: f64 = raw.data.iter().map(|&dn| f64::from(dn)).sum();
+    map(json!({
+        "resolution_px": [raw.width, raw.height],
+        "minimum_dn": raw.data.iter().min(),
+        "mean_dn": sum / raw.data.len().max(1) as f64,
+        "maximum_dn": raw.data.iter().max(),
+    }))
+}
+
+fn of_raw(raw: &RawImage) -> Map<String, Value> {
     let (width, height) = raw.cfa.tile_size();
     let letters = |i: usize| raw.cfa.channels()[raw.cfa.channel_at(i % width, i / width)].as_str();
-    map(json!({
-        "camera_model": raw.metadata.camera_model,
-        "resolution_px": [raw.width, raw.height],
+    let mut facts = of_numbers(raw);
+    facts.extend(map(json!({
+        "saturated_pixels": raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count(),
         "cfa": (0..width * height).map(letters).collect::<String>(),
         "bits": raw.bits,
         "black_level_dn": raw.black_level_dn,
         "white_level_dn": raw.white_level_dn,
-        "minimum_dn": raw.data.iter().min(),
-        "mean_dn": round(sum / raw.data.len().max(1) as f64),
-        "maximum_dn": raw.data.iter().max(),
-        "saturated_pixels": raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count(),
+        "camera_model": raw.metadata.camera_model,
         "exposure_time_s": raw.metadata.exposure_time_s,
         "f_number": raw.metadata.f_number,
         "focal_length_mm": raw.metadata.focal_length_m.map(|m| round(m * 1e3)),
         "as_shot_neutral": raw.metadata.as_shot_neutral,
-    }))
+    })));
+    facts
 }
 
 fn of_planes(planes: &Planes) -> Map<String, Value> {
     let channel = |c: &photosite::image::Channel| {
         let sum: f64 = c.data.iter().map(|&v| f64::from(v)).sum();
         let (low, high) = c.data.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
-        json!({"channel": c.name, "minimum": low, "mean": (sum / c.data.len().max(1) as f64) as f32, "maximum": high})
+        let mean = sum / c.data.len().max(1) as f64;
+        json!({"name": c.name, "minimum": low, "mean": mean, "maximum": high})
     };
     map(json!({
         "resolution_px": [planes.width(), planes.height()],
@@ -180,11 +199,7 @@ fn of_planes(planes: &Planes) -> Map<String, Value> {
     }))
 }
 
-/// Six significant digits: what is said is for people.
+/// Six significant digits: no more are meant where units were converted.
 fn round(x: f64) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let scale = 10f64.powf(5.0 - x.abs().log10().floor());
-    (x * scale).round() / scale
+    rounded(x, 6)
 }

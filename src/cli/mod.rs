@@ -2,8 +2,11 @@
 //! library's.
 
 mod chain;
+mod compare;
+mod compare_text;
 mod export_mitsuba;
 mod info;
+mod listing;
 mod output_folder;
 mod progress;
 mod render;
@@ -29,31 +32,35 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Compare(compare::CompareArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     Info(info::InfoArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
 }
 
-/// Runs the command line of this process. Exit status 0: done, 1: failed, 2: wrong usage.
+/// Runs the command line of this process. Exit status 0: done, 1: failed (or pictures differ), 2: wrong usage.
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
-    // Colours and arrows are for people; a log file gets plain text.
-    let plain = !std::io::stderr().is_terminal();
+    // Colours, arrows and short lines are for people; a log file gets plain text, to be searched line by line.
+    let fancy = std::io::stderr().is_terminal();
     let handler = move |_: &_| -> Box<dyn miette::ReportHandler> {
-        Box::new(miette::MietteHandlerOpts::new().color(!plain).unicode(!plain).width(120).build())
+        let options = miette::MietteHandlerOpts::new().color(fancy).unicode(fancy);
+        Box::new(options.wrap_lines(fancy).break_words(false).build())
     };
     // Fails only if a handler was set before, and this is the only place that sets one.
     let _ = miette::set_hook(Box::new(handler));
+    let mut done = ExitCode::SUCCESS;
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
     };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => done,
         Err(error) => {
             let code = match error {
                 Error::Usage { .. } => 2,
@@ -63,6 +70,15 @@ pub(crate) fn run() -> ExitCode {
             ExitCode::from(code)
         }
     }
+}
+
+/// Significant digits, few enough for people.
+fn rounded(x: f64, digits: i32) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let scale = 10f64.powf(f64::from(digits - 1) - x.abs().log10().floor());
+    if scale.is_finite() && scale > 0.0 { (x * scale).round() / scale } else { x }
 }
 
 /// Prints an object as JSON on standard output.

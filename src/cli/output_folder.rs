@@ -6,41 +6,68 @@ use std::path::{Path, PathBuf};
 
 use photosite::develop::Picture8;
 use photosite::film::Film;
-use photosite::io::capture::{OutputSettings, RawFormat};
+use photosite::io::capture::{Capture, OutputSettings, RawFormat};
 use photosite::io::electrons::write_electrons;
-use photosite::io::output::{Sink, create_folder, write_whole};
+use photosite::io::output::{Sink, write_whole};
 use photosite::io::png::write_png;
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::raw::{RawImage, write_dng, write_npy, write_pgm, write_tiff};
-use photosite::{Error, Result};
+use photosite::{Error, Invalid, Result};
+use serde_json::Value;
 
 use super::chain::Exposed;
 use super::report::Report;
 
 /// The file whose presence says that a render was finished here.
-const REPORT: &str = "capture.json";
+pub(super) const REPORT: &str = "capture.json";
+/// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
+const RESULTS: [&str; 12] = [
+    REPORT,
+    "image.png",
+    "electrons.exr",
+    "irradiance.exr",
+    "raw.dng",
+    "raw.tiff",
+    "raw.pgm",
+    "raw.npy",
+    "raw-0000.dng",
+    "raw-0000.tiff",
+    "raw-0000.pgm",
+    "raw-0000.npy",
+];
 /// The picture that is there while a render runs.
 const PREVIEW: &str = "preview.png";
 
-/// A folder for results.
+/// A folder for results. One that is given up before there are any is left as it was found.
 pub(super) struct OutputFolder {
     path: PathBuf,
+    /// What of its path was made for this render, itself first.
+    created: Vec<PathBuf>,
     written: Vec<String>,
 }
 
 impl OutputFolder {
-    /// Creates the folder where missing. One that holds an earlier render is refused unless `force` is given.
+    /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given.
     pub(super) fn claim(path: &Path, force: bool) -> Result<Self> {
-        if path.join(REPORT).exists() && !force {
+        let in_the_way = RESULTS.iter().find(|name| path.join(name).exists());
+        if let Some(name) = in_the_way.filter(|_| !force) {
             return Err(Error::Usage {
-                message: format!("{} holds the results of an earlier render", path.display()),
-                help: Some("add --force to overwrite them, or choose another folder with -o".to_owned()),
+                message: match *name {
+                    REPORT => format!("{} holds the results of an earlier render", path.display()),
+                    name => format!("{} holds a file {name} already", path.display()),
+                },
+                help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
             });
         }
-        create_folder(path)?;
+        if let Some(file) = path.ancestors().find(|part| part.is_file()) {
+            return Err(unusable(file, "is a file, where a folder is needed for the results"));
+        }
+        let created = path.ancestors().take_while(|part| !part.exists()).map(Path::to_owned).collect();
+        fs::create_dir_all(path).map_err(|reason| unusable(path, format!("cannot create the folder: {reason}")))?;
         // Whether files can be made here shows now rather than after an hour of tracing.
-        tempfile::tempfile_in(path).map_err(|source| Error::io(path, "write into the folder", source))?;
-        Ok(Self { path: path.to_owned(), written: Vec::new() })
+        tempfile::tempfile_in(path)
+            .map_err(|reason| unusable(path, format!("cannot write into the folder: {reason}")))?;
+        Ok(Self { path: path.to_owned(), created, written: Vec::new() })
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -52,20 +79,40 @@ impl OutputFolder {
         self.written.clone()
     }
 
-    /// Everything but the report; takes the preview away.
-    pub(super) fn write_results(
+    /// Removes the results of an earlier render, its report first: none may pass for results of this one.
+    pub(super) fn remove_earlier(&self) -> Result<()> {
+        let report: Value = fs::read(self.path.join(REPORT))
+            .ok()
+            .and_then(|text| serde_json::from_slice(&text).ok())
+            .unwrap_or_default();
+        let files = report["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        // A report that somebody edited must not reach beyond the folder.
+        let files = files.filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
+        for path in std::iter::once(REPORT).chain(files).map(|name| self.path.join(name)) {
+            match fs::remove_file(&path) {
+                Err(reason) if reason.kind() != ErrorKind::NotFound => {
+                    return Err(Error::io(&path, "remove the earlier file", reason));
+                }
+                Ok(()) | Err(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// A raw picture in all formats that the capture asks for, numbered where there are several.
+    pub(super) fn write_frame(&mut self, capture: &Capture, frame: u32, raw: &RawImage) -> Result<()> {
+        let stem = if capture.exposure.frames == 1 { "raw".to_owned() } else { format!("raw-{frame:04}") };
+        capture.output.raw.iter().try_for_each(|format| self.write_raw(&stem, *format, raw))
+    }
+
+    /// What is no raw picture.
+    pub(super) fn write_pictures(
         &mut self,
         output: &OutputSettings,
         exposed: &Exposed,
         film: &Film,
         picture: &Picture8,
     ) -> Result<()> {
-        for (index, raw) in exposed.frames.iter().enumerate() {
-            let stem = if exposed.frames.len() == 1 { "raw".to_owned() } else { format!("raw-{index:04}") };
-            for format in &output.raw {
-                self.write_raw(&stem, *format, raw)?;
-            }
-        }
         if output.electrons {
             self.write("electrons.exr", |to| write_electrons(&exposed.electrons, exposed.exposure.time, to))?;
         }
@@ -74,12 +121,7 @@ impl OutputFolder {
             let irradiance = film.estimate(names.iter().map(String::as_str)).mean;
             self.write("irradiance.exr", |to| write_irradiance(&irradiance, to))?;
         }
-        self.write("image.png", |to| write_png(picture, to))?;
-        let preview = self.path.join(PREVIEW);
-        match fs::remove_file(&preview) {
-            Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::io(&preview, "remove", source)),
-            Ok(()) | Err(_) => Ok(()),
-        }
+        self.write("image.png", |to| write_png(picture, to))
     }
 
     fn write_raw(&mut self, stem: &str, format: RawFormat, raw: &RawImage) -> Result<()> {
@@ -108,4 +150,17 @@ impl OutputFolder {
         self.written.push(name.to_owned());
         Ok(())
     }
+}
+
+impl Drop for OutputFolder {
+    /// Takes away what only a render under way needs. Nothing depends on that, so failures are let pass.
+    fn drop(&mut self) {
+        let _ = fs::remove_file(self.path.join(PREVIEW));
+        // Only folders without files can be removed so.
+        self.created.iter().try_for_each(fs::remove_dir).unwrap_or_default();
+    }
+}
+
+fn unusable(path: &Path, message: impl Into<String>) -> Error {
+    Invalid::new("", message).help("choose another folder with -o").in_file(path)
 }

@@ -28,8 +28,9 @@ impl Progress {
         self.bar.inc(paths);
     }
 
-    /// A pass is over: every pixel has `samples`.
-    pub(super) fn pass(&self, samples: u32) {
+    /// A pass is over: every pixel has `samples`, and there will be about so many paths in all.
+    pub(super) fn pass(&self, samples: u32, expected_paths: u64) {
+        self.bar.set_length(expected_paths);
         let seconds = self.start.elapsed().as_secs_f64().max(1e-9);
         let rate = self.bar.position() as f64 / seconds / 1e6;
         self.bar.set_message(format!("{samples} samples a pixel, {rate:.2} M paths/s"));

@@ -13,10 +13,10 @@ use photosite::spectrum::Spectrum;
 use photosite::{Error, Result};
 
 use super::chain::Chain;
-use super::output_folder::OutputFolder;
-use super::print_json;
+use super::output_folder::{OutputFolder, REPORT};
 use super::report::{CameraReport, LensReport, RenderReport, Report, Timings};
 use super::trace::{Trace, trace};
+use super::{print_json, rounded};
 
 /// Render a scene as the camera of a capture file records it.
 ///
@@ -30,10 +30,10 @@ pub(super) struct RenderArgs {
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Seed of light transport and sensor noise.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Change a key of the capture file, for example --set lens.f_number=4.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -59,9 +59,6 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     overrides.extend(args.seed.map(|seed| format!("render.seed={seed}")));
     let mut capture = Capture::read(&args.input, &overrides)?;
     let mut timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
-    if !args.quiet {
-        capture.scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    }
     let mut folder =
         OutputFolder::claim(&args.output.clone().unwrap_or_else(|| default_folder(&args.input)), args.force)?;
 
@@ -69,10 +66,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let responses = responses(&capture);
     let importance = importance(&responses);
     let description = std::mem::take(&mut capture.scene);
-    let warnings = description.warnings.clone();
+    let mut warnings = description.warnings.clone();
     let scene = scene::build(description, &importance);
     let camera = place_camera(&capture, &scene)?;
-    let chain = Chain::new(&capture, &scene)?;
+    let chain = Chain::new(&capture, &scene, &mut warnings)?;
+    if !args.quiet {
+        warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    }
     timings.build_s = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -91,13 +91,25 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
     let rates = chain.rates(&film);
     let exposed = chain.expose(&rates)?;
+    let first = chain.read_out(&exposed, 0)?;
     timings.expose_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let picture = chain.develop(&exposed.frames[0])?;
+    let picture = chain.develop(&first)?;
     timings.develop_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    folder.write_results(&capture.output, &exposed, &film, &picture)?;
-    timings.write_s = start.elapsed().as_secs_f64();
+    let mut reading_out = 0.0;
+    folder.remove_earlier()?;
+    folder.write_frame(&capture, 0, &first)?;
+    // One after the other: a series may be larger than the memory.
+    for frame in 1..capture.exposure.frames {
+        let start = Instant::now();
+        let raw = chain.read_out(&exposed, frame)?;
+        reading_out += start.elapsed().as_secs_f64();
+        folder.write_frame(&capture, frame, &raw)?;
+    }
+    folder.write_pictures(&capture.output, &exposed, &film, &picture)?;
+    timings.expose_s += reading_out;
+    timings.write_s = start.elapsed().as_secs_f64() - reading_out;
 
     let [width, height] = pixels(&capture).map(u64::from);
     let paths = width * height * u64::from(film.samples());
@@ -106,11 +118,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         input: args.input.display().to_string(),
         overrides,
         seed: capture.render.seed,
-        camera: CameraReport::new(&camera, pixels(&capture)),
+        camera: CameraReport::new(&capture.lens, &camera, pixels(&capture)),
         lens: LensReport::new(&capture.lens, &camera),
-        sensor: chain.sensor_report(&exposed),
+        sensor: chain.sensor_report(&exposed, &first),
         exposure: chain.exposure_report(&exposed),
-        render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&rates)),
+        render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         files: folder.files(),
         warnings,
         timings,
@@ -198,12 +210,15 @@ fn render_report(
 
 fn summarise(report: &Report, folder: &OutputFolder) {
     let Report { timings, exposure, .. } = report;
+    let paths = match report.paths {
+        few @ ..1_000_000 => few.to_string(),
+        many => format!("{:.1} M", many as f64 / 1e6),
+    };
     eprintln!(
-        "traced {:.1} M paths in {:.1} s ({:.2} M paths/s) and exposed for {:.3} ms; wrote {} to {}",
-        report.paths as f64 / 1e6,
-        timings.trace_s,
+        "traced {paths} paths in {} s ({:.2} M paths/s) and exposed for {} ms; wrote {}, {REPORT} to {}",
+        rounded(timings.trace_s, 3),
         report.paths_per_s / 1e6,
-        exposure.time_s * 1e3,
+        rounded(exposure.time_s * 1e3, 4),
         report.files.join(", "),
         folder.path().display()
     );

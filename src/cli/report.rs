@@ -1,7 +1,7 @@
 //! `capture.json`: everything needed to reproduce a capture and to use its pictures.
 
 use glam::{DAffine3, DMat3, DVec3};
-use photosite::optics::{Camera, Intrinsics, LensDescription, LensKind};
+use photosite::optics::{Camera, Distortion, Intrinsics, LensDescription, LensKind};
 use serde::Serialize;
 
 /// The object that `capture.json` holds and `--json` prints.
@@ -31,6 +31,8 @@ pub(super) struct CameraReport {
     resolution_px: [u32; 2],
     /// fx, 0, cx; 0, fy, cy; 0, 0, 1 row by row, with the skew in the first row.
     camera_matrix: [[f64; 3]; 3],
+    /// k₁ k₂ p₁ p₂ k₃ in OpenCV's order.
+    distortion: [f64; 5],
     /// World → camera rotation, row by row: x_camera = R·x_world + t.
     rotation: [[f64; 3]; 3],
     translation_m: [f64; 3],
@@ -39,18 +41,23 @@ pub(super) struct CameraReport {
 }
 
 impl CameraReport {
-    pub(super) fn new(camera: &Camera, resolution_px: [u32; 2]) -> Self {
+    pub(super) fn new(lens: &LensDescription, camera: &Camera, resolution_px: [u32; 2]) -> Self {
         let Intrinsics { fx, fy, cx, cy, skew } = camera.intrinsics();
         let DAffine3 { matrix3, translation } = camera.to_world();
         // glTF's camera looks along −z with y up.
         let flip = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
         let rotation = flip * matrix3.transpose();
-        let rows = |m: DMat3| m.transpose().to_cols_array_2d();
+        // Adding zero makes zeros of negative ones.
+        let rows = |m: DMat3| m.transpose().to_cols_array_2d().map(|row| row.map(|x| x + 0.0));
         Self {
             resolution_px,
             camera_matrix: [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]],
+            distortion: match lens.distortion {
+                Distortion::None => [0.0; 5],
+                Distortion::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => [k1, k2, p1, p2, k3],
+            },
             rotation: rows(rotation),
-            translation_m: (-(rotation * translation)).to_array(),
+            translation_m: (DVec3::ZERO - rotation * translation).to_array(),
             position_m: translation.to_array(),
         }
     }
@@ -118,7 +125,8 @@ pub(super) struct RenderReport {
     pub(super) sampler: &'static str,
     pub(super) triangles: usize,
     pub(super) lights: usize,
-    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark.
+    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark and after a
+    /// single sample.
     pub(super) noise_ratio: Option<f64>,
 }
 

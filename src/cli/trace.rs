@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use photosite::Result;
 use photosite::film::{Film, FilmResponses, Response};
-use photosite::integrator::{RenderJob, Step, render};
+use photosite::integrator::{RenderJob, RenderSettings, Step, render};
 use photosite::io::capture::Capture;
 use photosite::optics::Camera;
 use photosite::scene::Scene;
@@ -42,11 +42,11 @@ pub(super) fn trace(t: &Trace<'_>) -> Result<Film> {
             ControlFlow::Continue(())
         }
         Step::Pass { film, elapsed } => {
-            progress.pass(film.samples());
-            let quiet_enough = |target| t.chain.noise_ratio(&t.chain.rates(film)).is_some_and(|ratio| ratio <= target);
+            let ratio = settings.noise_target.and_then(|_| t.chain.noise_ratio(film));
+            progress.pass(film.samples(), expected_paths(settings, film, elapsed, ratio, per_sample));
             let done = film.samples() >= settings.samples_per_pixel
                 || settings.time_limit.is_some_and(|limit| elapsed >= limit)
-                || settings.noise_target.is_some_and(quiet_enough);
+                || settings.noise_target.zip(ratio).is_some_and(|(target, ratio)| ratio <= target);
             if done || previews.lock().expect("nobody panics while holding it").show(t, film).is_err() {
                 return ControlFlow::Break(());
             }
@@ -69,6 +69,24 @@ pub(super) fn trace(t: &Trace<'_>) -> Result<Film> {
     }
 }
 
+/// How many paths there will be in all, as far as can be told after a pass: all that were asked for, or those that fit
+/// into the time, or that make the noise small enough.
+fn expected_paths(
+    settings: &RenderSettings,
+    film: &Film,
+    elapsed: Duration,
+    noise_ratio: Option<f64>,
+    per_sample: u64,
+) -> u64 {
+    let samples = f64::from(film.samples());
+    let in_time = settings.time_limit.map(|limit| samples * limit.as_secs_f64() / elapsed.as_secs_f64());
+    // Noise falls with the square root of the samples.
+    let to_target = settings.noise_target.zip(noise_ratio).map(|(target, ratio)| samples * (ratio / target).powi(2));
+    let asked_for = f64::from(settings.samples_per_pixel);
+    let expected = [in_time, to_target].into_iter().flatten().fold(asked_for, f64::min);
+    (expected.max(samples) * per_sample as f64) as u64
+}
+
 /// Pictures of a render that is under way.
 struct Previews {
     last: Instant,
@@ -83,7 +101,8 @@ impl Previews {
         }
         // Too little light for an exposure yet is no failure: there is nothing to show.
         let Ok(exposed) = t.chain.expose(&t.chain.rates(film)) else { return Ok(()) };
-        let shown = t.chain.develop(&exposed.frames[0]).and_then(|picture| t.folder.write_preview(&picture));
+        let raw = t.chain.read_out(&exposed, 0);
+        let shown = raw.and_then(|raw| t.chain.develop(&raw)).and_then(|picture| t.folder.write_preview(&picture));
         self.last = Instant::now();
         shown.map_err(|error| self.failure = Some(error))
     }

@@ -14,7 +14,7 @@ use crate::units::Seconds;
 use super::exr::{Attribute, read_exr, write_exr};
 
 /// What stands before the name of a channel's variance.
-const VARIANCE: &str = "variance.";
+pub(super) const VARIANCE: &str = "variance.";
 const UNIT: &str = "e-";
 
 /// Writes electrons with their variance.

@@ -25,8 +25,12 @@ pub(super) fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<B
         Invalid::new("", format!("cannot read {name}: {source}"))
             .help("paths are relative to the file that they are written in")
     })?;
-    let mut picture =
-        if bytes.starts_with(EXR_MAGIC) { decode_exr(&bytes, name)? } else { decode_picture(&bytes, name)? };
+    let mut picture = if bytes.starts_with(EXR_MAGIC) {
+        decode_exr(&bytes, name)?
+    } else {
+        let help = "the picture is damaged, or neither Radiance HDR (.hdr) nor OpenEXR (.exr); export it again";
+        decode_picture(&bytes, name).map_err(|invalid| invalid.help(help))?
+    };
     let Texels::Rgb32F(texels) = &mut picture.texels else {
         let message = format!("{} has no more than 16 bits, too few for a sky with a sun", picture.name);
         return Err(Invalid::new("", message).help("use a Radiance HDR (.hdr) or OpenEXR (.exr) picture"));

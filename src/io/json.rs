@@ -3,10 +3,8 @@
 use std::ops::Range;
 use std::path::Path;
 
-use miette::NamedSource;
-
 use crate::Error;
-use crate::error::{InputError, Invalid};
+use crate::error::Invalid;
 
 /// The error of a value in a JSON text whose key is a path such as `nodes[3].scale`, with its line if the text has it.
 pub(super) fn located(invalid: Invalid, path: &Path, json: &[u8]) -> Error {
@@ -14,18 +12,7 @@ pub(super) fn located(invalid: Invalid, path: &Path, json: &[u8]) -> Error {
     else {
         return invalid.in_file(path);
     };
-    let line = text[..span.start].matches('\n').count() + 1;
-    // A value of many lines is named by its first.
-    let end = text[span.clone()].find('\n').map_or(span.end, |newline| span.start + newline);
-    Error::Input(Box::new(InputError {
-        path: path.to_owned(),
-        line: Some(line),
-        key: invalid.key,
-        message: invalid.message,
-        help: invalid.help,
-        source_code: Some(NamedSource::new(path.display().to_string(), text.to_owned())),
-        span: Some((span.start..end).into()),
-    }))
+    invalid.in_text(path, text, span)
 }
 
 /// Bytes of the value at `path`, or of the innermost value around it that is there. `None` for the empty path.

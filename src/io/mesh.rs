@@ -28,7 +28,9 @@ pub(super) fn checked(mut mesh: MeshDescription) -> Result<(MeshDescription, Men
     for (i, triangle) in mesh.triangles.iter().enumerate() {
         if let Some(corner) = triangle.iter().find(|&&corner| corner as usize >= vertices) {
             let message = format!("triangle {i} uses vertex {corner}, but there are {vertices} (counted from 0)");
-            return Err(Invalid::new("indices", message));
+            let help =
+                "the file is damaged, or was put together from parts that do not belong together; export it again";
+            return Err(Invalid::new("indices", message).help(help));
         }
     }
     let triangles = mesh.triangles.len();
@@ -40,9 +42,9 @@ pub(super) fn checked(mut mesh: MeshDescription) -> Result<(MeshDescription, Men
     Ok((mesh, Mended { zero_area, normals }))
 }
 
-fn all_finite<T: std::fmt::Debug>(key: &str, values: &[T], is_finite: impl Fn(&T) -> bool) -> Result<(), Invalid> {
+fn all_finite<T: std::fmt::Display>(key: &str, values: &[T], is_finite: impl Fn(&T) -> bool) -> Result<(), Invalid> {
     match values.iter().position(|v| !is_finite(v)) {
-        Some(i) => Err(Invalid::new(key, format!("vertex {i} is not finite: {:?}", values[i])).help(
+        Some(i) => Err(Invalid::new(key, format!("vertex {i} is not finite: {}", values[i])).help(
             "the file is damaged, or the program that wrote it divided by zero; mend the vertex and export again",
         )),
         None => Ok(()),

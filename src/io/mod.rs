@@ -12,6 +12,7 @@ pub mod mitsuba;
 pub mod obj;
 pub mod output;
 mod picture;
+pub mod picture_file;
 pub mod png;
 pub mod spectral_exr;
 mod suggest;

@@ -15,7 +15,7 @@ impl<T: Write + Seek> Sink for T {}
 /// Writes `path` through a temporary file beside it, renamed into place once `write` has succeeded. On failure nothing
 /// is left behind and an older file of that name stays as it was.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>) -> Result<()> {
-    let failed = |source| Error::io(path, "write", source);
+    let failed = |reason| Error::io(path, "write", reason);
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let temporary = NamedTempFile::new_in(folder).map_err(failed)?;
     let mut buffered = BufWriter::new(temporary);
@@ -33,7 +33,7 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> std::io::Re
 
 /// Creates a folder and its parents.
 pub fn create_folder(path: &Path) -> Result<()> {
-    fs::create_dir_all(path).map_err(|source| Error::io(path, "create the folder", source))
+    fs::create_dir_all(path).map_err(|reason| Error::io(path, "create the folder", reason))
 }
 
 #[cfg(test)]

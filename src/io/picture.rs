@@ -1,9 +1,9 @@
 //! Pictures from files and from memory, as [`Bitmap`]s.
 
-use std::io::Cursor;
+use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 
-use image::{DynamicImage, ImageReader};
+use image::{DynamicImage, ImageError, ImageReader};
 
 use crate::Invalid;
 use crate::texture::{Bitmap, Texels};
@@ -25,22 +25,31 @@ pub(super) fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
 /// Decodes a PNG, JPEG, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep their
 /// encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
 pub(super) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
-    let bad = |source: &dyn std::fmt::Display| {
-        Invalid::new("", format!("cannot decode {name}: {source}"))
-            .help("PNG and JPEG pictures can be read; convert it to one of them")
+    let picture = decode(bytes, &name)?;
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    Ok(Bitmap { name, width, height, texels: texels(picture) })
+}
+
+/// The same, in whatever form the file has it.
+pub(super) fn decode(bytes: &[u8], name: &str) -> Result<DynamicImage, Invalid> {
+    let bad = |problem: &str| {
+        Invalid::new("", format!("cannot decode {name}: {problem}"))
+            .help("the picture is damaged, or neither PNG nor JPEG; export it again as one of them")
     };
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e))?;
+    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e.to_string()))?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
-    let picture = reader.decode().map_err(|e| bad(&e))?;
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    if width == 0 || height == 0 {
-        return Err(bad(&"it has no pixels"));
+    let picture = reader.decode().map_err(|e| {
+        let is_cut = matches!(&e, ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof);
+        if is_cut { bad("the file ends too early") } else { bad(&e.to_string()) }
+    })?;
+    if picture.width() == 0 || picture.height() == 0 {
+        return Err(bad("it has no pixels"));
     }
-    Ok(Bitmap { name, width, height, texels: texels(picture) })
+    Ok(picture)
 }
 
 fn texels(picture: DynamicImage) -> Texels {

@@ -59,14 +59,18 @@ pub fn read_irradiance<R: BufRead + Seek>(from: R) -> Result<Planes, Invalid> {
             );
         }
     }
+    bands(&picture.planes)
+}
+
+/// The planes named as spectral bands, sorted by wavelength, named by their central wavelengths in nm.
+pub(super) fn bands(planes: &Planes) -> Result<Planes, Invalid> {
     let wavelength =
         |name: &str| -> Option<f64> { name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?.replace(',', ".").parse().ok() };
     let mut bands: Vec<(f64, &Channel)> =
-        picture.planes.channels().iter().filter_map(|c| Some((wavelength(&c.name)?, c))).collect();
+        planes.channels().iter().filter_map(|c| Some((wavelength(&c.name)?, c))).collect();
     bands.sort_by(|a, b| a.0.total_cmp(&b.0));
     let channel = |(lambda_nm, c): (f64, &Channel)| Channel { name: format!("{lambda_nm}"), data: c.data.clone() };
-    let channels = bands.into_iter().map(channel).collect();
-    Planes::new(picture.planes.width(), picture.planes.height(), channels)
+    Planes::new(planes.width(), planes.height(), bands.into_iter().map(channel).collect())
 }
 
 /// R, G and B of what the observer sees.

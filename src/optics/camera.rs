@@ -59,8 +59,9 @@ impl Camera {
             Focus::Infinity => f64::INFINITY,
             Focus::Autofocus { .. } if autofocus_distance_m > f => autofocus_distance_m,
             Focus::Autofocus { .. } => {
-                let message =
-                    format!("what is there is {autofocus_distance_m} m away, within the focal length of {f} m");
+                // As precise as intersections are.
+                let distance = autofocus_distance_m as f32;
+                let message = format!("what is there is {distance} m away, within the focal length of {f} m");
                 return Err(
                     Invalid::new("autofocus_px", message).help("move the camera back or shorten the focal length")
                 );

@@ -14,8 +14,8 @@ mod tiff;
 
 pub use cfa::Cfa;
 pub use dng::write_dng;
-pub use npy::write_npy;
-pub use pgm::write_pgm;
+pub use npy::{read_npy, write_npy};
+pub use pgm::{read_pgm, write_pgm};
 pub use read::{read_dng, read_tiff};
 pub use tiff::write_tiff;
 
@@ -38,6 +38,15 @@ pub struct RawImage {
     pub white_level_dn: u16,
     /// How it was taken.
     pub metadata: RawMetadata,
+}
+
+impl RawImage {
+    /// Digital numbers of which a file says nothing but that they go up to `maximum`: those of a monochrome sensor.
+    fn bare(width: usize, height: usize, data: Vec<u16>, maximum: u16) -> Self {
+        let (cfa, metadata) = (Cfa::mono(), RawMetadata::default());
+        let bits = (u16::BITS - maximum.leading_zeros()).max(8);
+        Self { width, height, data, cfa, bits, black_level_dn: 0, white_level_dn: maximum, metadata }
+    }
 }
 
 /// How a raw picture was taken, and what its colours mean.

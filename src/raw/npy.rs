@@ -1,10 +1,15 @@
 //! The mosaic as a NumPy array of `uint16`, shape (rows, columns).
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 
-use npyz::WriterBuilder;
+use npyz::{NpyFile, Order, WriterBuilder};
+
+use crate::Invalid;
 
 use super::RawImage;
+
+/// Most pixels along a side.
+const MAX_SIDE: u64 = 65_535;
 
 /// Writes an NPY file.
 pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
@@ -12,4 +17,83 @@ pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
     let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(to).begin_nd()?;
     array.extend(raw.data.iter().copied())?;
     array.finish()
+}
+
+/// Reads an array of `uint16` with two axes as the numbers of a monochrome sensor: nothing in it says more.
+pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
+    let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as NPY: {error}"));
+    let array = NpyFile::new(from).map_err(|e| unreadable(&e))?;
+    let &[height, width] = array.shape() else {
+        return Err(unreadable(&format!("an array of shape {:?} is no mosaic", array.shape()))
+            .help("write an array of shape (rows, columns)"));
+    };
+    if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+        return Err(unreadable(&format!("{width} × {height} pixels are not a picture")));
+    }
+    if array.order() == Order::Fortran {
+        return Err(unreadable(&"its columns come first").help("write numpy.ascontiguousarray(array) instead"));
+    }
+    let numbers = array.data::<u16>().map_err(|e| unreadable(&e).help("write an array of uint16"))?;
+    // Not with the capacity that the header states, which may be damaged.
+    let mut data = Vec::new();
+    for number in numbers {
+        data.push(number.map_err(|e| unreadable(&e).help("the file is cut short"))?);
+    }
+    Ok(RawImage::bare(width as usize, height as usize, data, u16::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file() -> Vec<u8> {
+        let raw = RawImage::bare(7, 5, (0..35).map(|i| i * 1_801).collect(), u16::MAX);
+        let mut file = Vec::new();
+        write_npy(&raw, &mut file).expect("written");
+        assert_eq!(read_npy(&file[..]), Ok(raw));
+        file
+    }
+
+    #[test]
+    fn damaged_files_are_errors_and_no_panics() {
+        let whole = file();
+        for length in 0..whole.len() {
+            assert!(read_npy(&whole[..length]).is_err(), "cut to {length} bytes");
+        }
+        let mut file = whole.clone();
+        for at in 0..file.len() {
+            for value in [0x00, 0xff, b'9', file[at] ^ 0x10] {
+                file[at] = value;
+                let _ = read_npy(&file[..]);
+            }
+            file[at] = whole[at];
+        }
+    }
+
+    #[test]
+    fn only_rows_of_16_bit_numbers_are_a_mosaic() {
+        let read = |header: &str| {
+            let length = (header.len() as u16).to_le_bytes();
+            read_npy(&[b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), b"\x01\x02\x03\x04"].concat()[..])
+        };
+        let header = |dtype: &str, fortran: &str, shape: &str| {
+            read(&format!("{{'descr': '{dtype}', 'fortran_order': {fortran}, 'shape': {shape}}}"))
+        };
+        let big_endian = header(">u2", "False", "(1, 2)").expect("an array");
+        assert_eq!((big_endian.width, big_endian.height, big_endian.data), (2, 1, vec![0x102, 0x304]));
+        for (array, complaint) in [
+            (header("<u2", "False", "(2,)"), "shape [2]"),
+            (header("<u2", "False", "(0, 2)"), "not a picture"),
+            (header("<u2", "False", "(1, 99999)"), "not a picture"),
+            (header("<f4", "False", "(1, 1)"), "cannot read it as NPY"),
+            (header("<u2", "True", "(1, 2)"), "columns come first"),
+            (header("<u2", "False", "(2, 2)"), "cannot read it as NPY"),
+        ] {
+            let error = array.expect_err("refused");
+            assert!(
+                error.message.contains(complaint) && error.help.is_some() != complaint.contains("not a"),
+                "{error}"
+            );
+        }
+    }
 }

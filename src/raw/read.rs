@@ -61,8 +61,7 @@ pub fn read_tiff<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     if data.len() != width * height {
         return Err(Invalid::new("SamplesPerPixel", "the file holds more than one number a pixel"));
     }
-    let (cfa, metadata) = (Cfa::mono(), RawMetadata::default());
-    Ok(RawImage { width, height, data, cfa, bits: 16, black_level_dn: 0, white_level_dn: u16::MAX, metadata })
+    Ok(RawImage::bare(width, height, data, u16::MAX))
 }
 
 fn unreadable(error: TiffError) -> Invalid {

@@ -40,7 +40,7 @@ pub fn auto_exposure(
         if mosaic.is_empty() { 0.0 } else { f64::from(*mosaic.select_nth_unstable_by(bright, f32::total_cmp).1) };
     if !(rate.is_finite() && rate > 0.0) {
         let message = format!("no time suits a picture whose bright pixels receive {rate} electrons per second");
-        return Err(Invalid::new("exposure", message).help("write an exposure time, time_s = 0.01, or light the scene"));
+        return Err(Invalid::new("auto", message).help("write an exposure time, time_s = 0.01, or light the scene"));
     }
     let any_time = Exposure { time: Seconds(1.0), gain, temperature };
     let capacity = sensor.saturation_capacity(&any_time);

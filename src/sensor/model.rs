@@ -229,7 +229,7 @@ fn fraction(
     let spectrum = resolve(source).map_err(|e| e.within(key))?;
     let outside = spectrum.iter().find(|(_, value)| !(0.0..=1.0).contains(value));
     if let Some((lambda_nm, value)) = outside {
-        let message = format!("must lie between 0 and 1, but is {value} at {lambda_nm} nm");
+        let message = format!("must lie between 0 and 1, but is {} at {lambda_nm} nm", value as f32);
         return Err(Invalid::new(key, message).help("give a fraction, not a percentage"));
     }
     Ok(spectrum)

@@ -16,7 +16,6 @@ use std::fmt;
 use std::path::Path;
 
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Outside, Spectrum};
-use crate::error::InputError;
 use crate::{Error, Invalid};
 
 /// What is wrong with the text of a spectrum, and on which line.
@@ -44,15 +43,10 @@ impl CsvError {
 
     /// The error with the name of the file.
     pub fn in_file(self, path: &Path) -> Error {
-        Error::Input(Box::new(InputError {
-            path: path.to_owned(),
-            line: self.line,
-            key: self.invalid.key,
-            message: self.invalid.message,
-            help: self.invalid.help,
-            source_code: None,
-            span: None,
-        }))
+        match self.line {
+            Some(line) => self.invalid.at_line(path, line),
+            None => self.invalid.in_file(path),
+        }
     }
 }
 
@@ -156,7 +150,8 @@ impl SpectralTable {
         }
         let number = |field: &str| match field.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(number),
-            Ok(_) | Err(_) => Err(CsvError::at(line, format!("\"{field}\" is not a finite number"))),
+            Ok(_) | Err(_) => Err(CsvError::at(line, format!("\"{field}\" is not a finite number"))
+                .help("write rows of a wavelength in nm and values, as in `550,0.18`")),
         };
         let lambda = number(fields[0])?;
         if lambda <= 0.0 {

@@ -80,8 +80,8 @@ impl<'a> Finder<'a> {
         let outside = spectrum.iter().find(|(_, value)| !(0.0..=1.0).contains(value));
         match outside {
             Some((lambda, value)) => {
-                Err(Invalid::new("", format!("must lie between 0 and 1, but is {value} at {lambda} nm"))
-                    .help("give fractions, not percentages"))
+                let message = format!("must lie between 0 and 1, but is {} at {lambda} nm", value as f32);
+                Err(Invalid::new("", message).help("give fractions, not percentages"))
             }
             None => Ok(spectrum),
         }
@@ -207,7 +207,9 @@ fn not_negative_rgb(rgb: [f64; 3]) -> Result<[f32; 3], Invalid> {
 fn not_negative(spectrum: Spectrum) -> Result<Spectrum, Invalid> {
     let negative = spectrum.iter().find(|(_, value)| *value < 0.0);
     match negative {
-        Some((lambda, value)) => Err(Invalid::new("", format!("must not be negative, but is {value} at {lambda} nm"))),
+        Some((lambda, value)) => {
+            Err(Invalid::new("", format!("must not be negative, but is {} at {lambda} nm", value as f32)))
+        }
         None => Ok(spectrum),
     }
 }

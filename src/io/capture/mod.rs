@@ -88,7 +88,10 @@ impl Capture {
         let mut source = if is_scene_file(path) {
             CaptureSource::of_scene_file(path)
         } else {
-            CaptureSource::parse(path, read_text(path)?)?
+            let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+            let source = CaptureSource::parse(path, read_text(path)?);
+            // Syntax errors help nobody who gave a file of another kind.
+            if is_toml { source? } else { source.map_err(|_| unknown_kind(path))? }
         };
         for argument in overrides {
             overrides::set(&mut source, argument)?;
@@ -135,9 +138,15 @@ fn is_scene_file(path: &Path) -> bool {
 }
 
 fn read_text(path: &Path) -> Result<String> {
-    let bytes = fs::read(path).map_err(|source| Error::io(path, "read", source))?;
-    String::from_utf8(bytes).map_err(|_| {
-        let invalid = Invalid::new("", "is neither TOML nor a scene of a known kind");
-        invalid.help("give a capture file (.toml) or a scene (.gltf, .glb, .obj)").in_file(path)
-    })
+    if path.is_dir() {
+        let help = format!("give the capture file in it, for example {}", path.join("capture.toml").display());
+        return Err(Invalid::new("", "is a folder").help(help).in_file(path));
+    }
+    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    String::from_utf8(bytes).map_err(|_| unknown_kind(path))
+}
+
+fn unknown_kind(path: &Path) -> Error {
+    let invalid = Invalid::new("", "is neither TOML nor a scene of a known kind");
+    invalid.help("give a capture file (.toml) or a scene (.gltf, .glb, .obj)").in_file(path)
 }

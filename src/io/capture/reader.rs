@@ -128,7 +128,15 @@ impl<'de> Deserializer<'de> for Reader<'de> {
             Value::Float(value) => visitor.visit_f64(*value),
             Value::Boolean(value) => visitor.visit_bool(*value),
             Value::Datetime(text) => Err(ReadError::new(format!("found the date {text}, which nothing here needs"))),
-            Value::Array(array) => visitor.visit_seq(Elements(array.iter().enumerate())),
+            Value::Array(array) => {
+                let expected = expectation(&visitor);
+                let mut elements = Elements(array.iter().enumerate());
+                let value = visitor.visit_seq(&mut elements)?;
+                match elements.0.len() {
+                    0 => Ok(value),
+                    _ => Err(ReadError::new(format!("expected {expected}, found {}", array.len()))),
+                }
+            }
             Value::Table(table) => visitor.visit_map(Entries { entries: table.iter(), value: None }),
         }
     }
@@ -180,7 +188,7 @@ impl<'de> Deserializer<'de> for Reader<'de> {
 /// The elements of an array.
 struct Elements<'a>(std::iter::Enumerate<std::slice::Iter<'a, Node>>);
 
-impl<'de> SeqAccess<'de> for Elements<'de> {
+impl<'de> SeqAccess<'de> for &mut Elements<'de> {
     type Error = ReadError;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, ReadError> {
@@ -292,6 +300,7 @@ mod tests {
             ("f_number = 4\ncount = -1", "expected a whole number, not negative, found integer `-1`", "count"),
             ("f_number = 4\ncount = 1.5", "expected a whole number, not negative, found floating point `1.5`", "count"),
             ("f_number = 4\nplace = [1, 2]", "expected a list of 3 values, found 2", "place"),
+            ("f_number = 4\nplace = [1, 2, 3, 4]", "expected a list of 3 values, found 4", "place"),
             ("f_number = 4\nplace = [1, true, 3]", "expected a number, found boolean `true`", "place[1]"),
             ("f_number = 4\nmode = 'oneway'", "unknown value \"oneway\"; did you mean `one-way`?", "mode"),
             ("f_number = 4\nmode = 3", "expected a text", "mode"),

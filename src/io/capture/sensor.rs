@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::colour::Finder;
+use super::read_text;
 use super::source::CaptureSource;
 use super::tables::MergedSensor;
 use super::tree::{Node, Value, parse};
@@ -52,8 +53,7 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
 
 /// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.
 pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
-    let text = std::fs::read_to_string(path).map_err(|reason| Error::io(path, "read", reason))?;
-    let source = CaptureSource::parse(path, text)?;
+    let source = CaptureSource::parse(path, read_text(path)?)?;
     if !source.sections().any(|(key, _)| key == "adc") {
         return Ok(None);
     }

@@ -170,8 +170,12 @@ pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
 
 /// Reads `[output]`.
 pub(super) fn output(table: &OutputTable) -> Result<OutputSettings, Invalid> {
-    let mut raw = table.raw.clone().unwrap_or_else(|| vec![RawFormat::Dng]);
-    raw.dedup();
+    let mut raw = Vec::new();
+    for format in table.raw.as_deref().unwrap_or(&[RawFormat::Dng]) {
+        if !raw.contains(format) {
+            raw.push(*format);
+        }
+    }
     let preview = table.preview_interval_s.unwrap_or(10.0);
     Ok(OutputSettings {
         raw,

@@ -7,12 +7,10 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use miette::NamedSource;
 use serde::de::DeserializeOwned;
 
 use super::reader::{ReadError, Reader};
 use super::tree::{Entry, Node, Table, Value, join, parse};
-use crate::error::InputError;
 use crate::{Error, Invalid, Result};
 
 /// The values of a capture and where they come from.
@@ -144,15 +142,9 @@ impl CaptureSource {
         let (Some(span), Some(text)) = (span, text) else { return invalid.in_file(&self.path) };
         let end = (span.end - text.start).min(text.text.len());
         let start = (span.start - text.start).min(end);
-        // A table of many lines is shown by its first.
-        let end = text.text[start..end].find('\n').map_or(end, |newline| start + newline);
-        let Invalid { key, message, help } = invalid;
-        let (path, line) = match &text.origin {
-            Origin::File(path) => (path.clone(), Some(text.text[..start].matches('\n').count() + 1)),
-            Origin::Argument(argument) => (PathBuf::from(format!("--set {argument}")), None),
-        };
-        let source_code = Some(NamedSource::new(path.display().to_string(), text.text.clone()));
-        let span = Some((start..end).into());
-        Error::Input(Box::new(InputError { path, line, key, message, help, source_code, span }))
+        match &text.origin {
+            Origin::File(path) => invalid.in_text(path, &text.text, start..end),
+            Origin::Argument(argument) => invalid.in_file(format!("--set {argument}").as_ref()),
+        }
     }
 }

@@ -81,6 +81,7 @@ impl Buffers {
 /// The error of an index that points to nothing.
 pub(super) fn out_of_range(key: &str, array: &str, index: usize, len: usize) -> Invalid {
     Invalid::new(key, format!("refers to {array}[{index}], but the file has {len} of them (counted from 0)"))
+        .help("the file is damaged; correct the number, or export it again")
 }
 
 /// Reads what a URI stands for: a data URI, or a percent-encoded path relative to `folder`.

@@ -39,7 +39,11 @@ pub(super) fn read_mesh(
         let Some(description) = read_primitive(accessors, primitive, &key, name, default_material, warnings)? else {
             continue;
         };
-        let (description, mended_here) = checked(description).map_err(|e| e.within(&key))?;
+        let (description, mended_here) = checked(description).map_err(|e| {
+            // What is no index is an attribute.
+            let e = if e.key == "indices" { e } else { e.within("attributes") };
+            e.within(&key)
+        })?;
         mended.zero_area += mended_here.zero_area;
         mended.normals += mended_here.normals;
         if !description.triangles.is_empty() {

@@ -41,28 +41,33 @@ pub const SUPPORTED_EXTENSIONS: [&str; 4] =
 
 /// Reads a `.gltf` or `.glb` file.
 pub fn read(path: &Path) -> Result<SceneDescription> {
-    let bytes = fs::read(path).map_err(|source| Error::io(path, "read", source))?;
+    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
     read_bytes(&bytes, path)
 }
 
 /// Reads a document from memory; `path` is for messages and for what the document refers to.
 pub(super) fn read_bytes(bytes: &[u8], path: &Path) -> Result<SceneDescription> {
+    let is_glb = glb::is_glb(bytes);
     let (json, chunk) =
-        if glb::is_glb(bytes) { glb::split(bytes).map_err(|invalid| invalid.in_file(path))? } else { (bytes, None) };
+        if is_glb { glb::split(bytes).map_err(|invalid| invalid.in_file(path))? } else { (bytes, None) };
+    let root: Root = serde_json::from_slice(json).map_err(|error| {
+        let text = if error.is_eof() { "it ends too early".to_owned() } else { error.to_string() };
+        let problem = text.rsplit_once(" at line ").map_or(&*text, |(problem, _)| problem);
+        let invalid = Invalid::new("", format!("is no glTF document: {problem}")).help("export the scene as glTF 2.0");
+        // The lines of a binary file are nobody's, not even where its first bytes are missing.
+        let is_binary = is_glb || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+        if is_binary || json.is_empty() { invalid.in_file(path) } else { invalid.at_line(path, error.line()) }
+    })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let in_text =
-        |invalid| if chunk.is_none() { located(invalid, path, json) } else { Invalid::in_file(invalid, path) };
-    parse(json).and_then(|root| convert(&root, chunk, folder)).map_err(in_text).map(|(mut scene, warnings)| {
+    let in_text = |invalid| if is_glb { Invalid::in_file(invalid, path) } else { located(invalid, path, json) };
+    check(&root).and_then(|()| convert(&root, chunk, folder)).map_err(in_text).map(|(mut scene, warnings)| {
         scene.warnings = warnings.of_file(path);
         scene
     })
 }
 
-/// Parses the JSON text and checks what it needs from a reader.
-fn parse(json: &[u8]) -> Result<Root, Invalid> {
-    let root: Root = serde_json::from_slice(json).map_err(|source| {
-        Invalid::new("", format!("is no glTF document: {source}")).help("export the scene as glTF 2.0")
-    })?;
+/// Checks what a document needs from a reader.
+fn check(root: &Root) -> Result<(), Invalid> {
     let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
     if !version.starts_with("2.") || root.asset.min_version.as_ref().is_some_and(|v| v != "2.0") {
         return Err(Invalid::new("asset.version", format!("glTF {version} is not supported"))
@@ -75,7 +80,7 @@ fn parse(json: &[u8]) -> Result<Root, Invalid> {
                 .help(format!("export without it; supported are {}", SUPPORTED_EXTENSIONS.join(", "))));
         }
     }
-    Ok(root)
+    Ok(())
 }
 
 fn convert(root: &Root, chunk: Option<&[u8]>, folder: &Path) -> Result<(SceneDescription, Warnings), Invalid> {

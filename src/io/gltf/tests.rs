@@ -369,7 +369,7 @@ fn bad_vertices_are_named_with_mesh_primitive_and_line() {
     let positions = fixture.floats("VEC3", &[0., 0., 0., 1., 0., 0., 1., f32::NAN, 0., 0., 1., 0.]);
     fixture.primitive()["attributes"]["POSITION"] = json!(positions);
     let error = fixture.error();
-    assert!(error.contains("meshes[0].primitives[0].POSITION: vertex 2 is not finite"), "{error}");
+    assert!(error.contains("meshes[0].primitives[0].attributes.POSITION: vertex 2 is not finite"), "{error}");
     let line = error.split(':').nth(1).and_then(|line| line.parse::<usize>().ok());
     assert!(line.is_some_and(|line| line > 1), "{error}");
 

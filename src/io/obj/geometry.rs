@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::lines::{Statement, at_line, statements};
+use super::lines::{Statement, statements};
 use crate::io::warnings::Warnings;
 use crate::{Invalid, Result};
 
@@ -163,7 +163,8 @@ impl Geometry {
                 ] {
                     if let Some(index) = index.filter(|&i| i as usize >= len) {
                         let message = format!("refers to {what} {}, but the file has {len}", u64::from(index) + 1);
-                        return Err(at_line(path, face.line, Invalid::new("f", message)));
+                        let help = "indices count from 1, or backwards from −1; is a part of the file missing?";
+                        return Err(Invalid::new("f", message).help(help).at_line(path, face.line));
                     }
                 }
             }

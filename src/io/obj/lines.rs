@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::str::{FromStr, SplitWhitespace};
 
-use crate::error::InputError;
 use crate::{Error, Invalid};
 
 /// A statement: its keyword and the rest, with the line it begins on, counted from 1.
@@ -48,7 +47,7 @@ impl Statement<'_> {
     /// Places an error at this statement.
     pub(super) fn at(&self, invalid: Invalid, path: &Path) -> Error {
         let key = if invalid.key.is_empty() { self.keyword().to_owned() } else { invalid.key };
-        at_line(path, self.line, Invalid { key, ..invalid })
+        Invalid { key, ..invalid }.at_line(path, self.line)
     }
 }
 
@@ -73,19 +72,6 @@ pub(super) fn number(word: &str) -> Result<f32, Invalid> {
             .help("the program that wrote the file divided by zero; mend the line and export again")),
         Err(_) => Err(Invalid::new("", format!("{word:?} is no number"))),
     }
-}
-
-/// An error on a line of a text file.
-pub(super) fn at_line(path: &Path, line: usize, invalid: Invalid) -> Error {
-    Error::Input(Box::new(InputError {
-        path: path.to_owned(),
-        line: Some(line),
-        key: invalid.key,
-        message: invalid.message,
-        help: invalid.help,
-        source_code: None,
-        span: None,
-    }))
 }
 
 /// The statements of a file. A line that ends in a backslash goes on in the next.

@@ -30,9 +30,8 @@ use super::picture::read_picture;
 use super::warnings::Warnings;
 use crate::scene::description::{InstanceDescription, SceneDescription, TextureDescription};
 use crate::texture::{Bitmap, Texels};
-use crate::{Error, Result};
+use crate::{Error, Invalid, Result};
 use geometry::Geometry;
-use lines::at_line;
 use material::{MaterialTextures, describe, undescribed};
 use mtl::{Map, MtlMaterial};
 
@@ -89,8 +88,11 @@ pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
         warnings.once(super::zero_area_message(zero_area));
     }
     if scene.meshes.is_empty() {
-        let error = crate::Invalid::new("", "has no triangles").help("export the scene with its faces");
-        return Err(error.in_file(path));
+        let message = match zero_area {
+            0 => "has no triangles".to_owned(),
+            _ => format!("has no triangles but {zero_area} of zero area"),
+        };
+        return Err(Invalid::new("", message).help("export the scene with its faces").in_file(path));
     }
     scene.images = pictures.images;
     scene.warnings = warnings.of_file(path);
@@ -99,7 +101,7 @@ pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
 
 /// Bytes that are no UTF-8, as in comments and names of old files, become replacement characters.
 fn read_text(path: &Path) -> Result<String> {
-    let bytes = fs::read(path).map_err(|source| Error::io(path, "read", source))?;
+    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
     Ok(String::from_utf8(bytes).unwrap_or_else(|bad| String::from_utf8_lossy(bad.as_bytes()).into_owned()))
 }
 
@@ -164,7 +166,7 @@ impl Pictures {
         let image = match self.slots.get(&(path.clone(), is_opacity)) {
             Some(&slot) => slot,
             None => {
-                let mut picture = read_picture(&path).map_err(|e| at_line(library, map.line, e.within(&map.key)))?;
+                let mut picture = read_picture(&path).map_err(|e| e.within(&map.key).at_line(library, map.line))?;
                 if is_opacity {
                     to_opacity(&mut picture);
                 }

@@ -97,7 +97,7 @@ def pictures():
     write_png("holes.png", [[(dice.choice((0, 90, 255)),) * 3 for _ in range(8)] for _ in range(8)])
 
     def bump(i, j):
-        x, y = 0.5 * math.sin(2 * math.pi * i / 16), 0.4 * math.cos(2 * math.pi * (i + 2 * j) / 16)
+        x, y = 0.2 * math.sin(2 * math.pi * i / 16), 0.2 * math.cos(2 * math.pi * (i + 2 * j) / 16)
         z = math.sqrt(1 - x * x - y * y)
         return tuple(round(127.5 * (c + 1)) for c in (x, y, z))
 
@@ -135,6 +135,9 @@ def lamps():
     obj, dice = Obj(), random.Random(5)
     for n in range(81):
         x, z, y, half = dice.uniform(-1.8, 1.8), dice.uniform(-1.8, 1.0), dice.uniform(0.3, 2.2), 0.03
+        if n == 0:
+            # Out of the picture: its own pixels would outweigh all others.
+            y, z = 2.4, 0.8
         corners = ((x - half, y, z - half), (x + half, y, z - half), (x + half, y, z + half), (x - half, y, z + half))
         obj.add("bright" if n == 0 else "lamps", *quad(*corners))
     obj.write("lamps.obj")

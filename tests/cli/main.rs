@@ -1,0 +1,18 @@
+//! The command as a user runs it: the built binary, real files, what it prints and what it leaves behind.
+
+mod bad_captures;
+mod bad_geometry;
+mod bad_usage;
+mod documents;
+mod folder;
+mod frames;
+mod geometry_alone;
+mod gltf;
+mod info;
+mod interruption;
+mod limits;
+mod outputs;
+mod report;
+mod room;
+mod same_bytes;
+mod seeds;

@@ -1,0 +1,162 @@
+//! What a render leaves in its folder, and what it prints.
+
+use serde_json::{Value, json};
+
+use crate::folder::Folder;
+use crate::gltf::triangle;
+use crate::room::room;
+
+fn names(folder: &Folder, results: &str) -> Vec<String> {
+    folder.results(results).into_keys().collect()
+}
+
+#[test]
+fn the_usual_files_appear_and_one_line_says_so() {
+    let folder = room("[render]\nsamples_per_pixel = 2");
+    let outcome = folder.succeed("render capture.toml -o out");
+    assert_eq!(names(&folder, "out"), ["capture.json", "electrons.exr", "image.png", "raw.dng"]);
+    assert_eq!(outcome.stdout, "");
+    // Progress is for people at a terminal: no bar, no control characters.
+    assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
+    assert!(!outcome.stderr.contains(['\r', '\u{1b}']), "{:?}", outcome.stderr);
+    for words in ["traced 1536 paths", "exposed for 0.2 ms", "raw.dng, electrons.exr, image.png, capture.json to out"] {
+        assert!(outcome.stderr.contains(words), "{words:?} in {}", outcome.stderr);
+    }
+    let picture = image::load_from_memory(&folder.results("out")["image.png"]).expect("a picture");
+    assert_eq!((picture.width(), picture.height()), (32, 24));
+}
+
+#[test]
+fn other_formats_appear_on_request() {
+    let folder = room(
+        "[render]\nsamples_per_pixel = 2\n[output]\nraw = ['npy', 'dng', 'tiff', 'pgm', 'npy']\nelectrons = false\n\
+         irradiance = { bands_nm = [400, 700, 100] }\n",
+    );
+    folder.succeed("render capture.toml -o out");
+    let files = ["capture.json", "image.png", "irradiance.exr", "raw.dng", "raw.npy", "raw.pgm", "raw.tiff"];
+    assert_eq!(names(&folder, "out"), files);
+    let mut listed: Vec<Value> = folder.report("out")["files"].as_array().expect("a list").clone();
+    listed.push(json!("capture.json"));
+    listed.sort_by_key(Value::to_string);
+    assert_eq!(listed, files);
+    // The same mosaic in each of them: the numbers are the last bytes of PGM (big-endian) and NPY (little-endian).
+    let raw = folder.raw("out/raw.dng").data;
+    let results = folder.results("out");
+    let tiff = image::load_from_memory(&results["raw.tiff"]).expect("a picture").into_luma16();
+    assert_eq!(tiff.into_raw(), raw);
+    let tail = |name: &str| results[name][results[name].len() - 2 * raw.len()..].to_vec();
+    assert_eq!(tail("raw.pgm"), raw.iter().flat_map(|dn| dn.to_be_bytes()).collect::<Vec<_>>());
+    assert_eq!(tail("raw.npy"), raw.iter().flat_map(|dn| dn.to_le_bytes()).collect::<Vec<_>>());
+    let none = room("[render]\nsamples_per_pixel = 2\n[output]\nraw = []\n");
+    none.succeed("render capture.toml -o out");
+    assert_eq!(names(&none, "out"), ["capture.json", "electrons.exr", "image.png"]);
+}
+
+#[test]
+fn quiet_prints_nothing_not_even_warnings() {
+    let folder = Folder::new([("a.gltf", triangle().with("/extensionsUsed", json!(["KHR_unheard_of"])).text())]);
+    let small = "--set sensor.resolution_px=[8,8] --set render.samples_per_pixel=2";
+    let outcome = folder.succeed(&format!("render a.gltf --quiet -o out {small}"));
+    assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+    assert_eq!(folder.report("out")["warnings"].as_array().map(Vec::len), Some(1));
+}
+
+#[test]
+fn json_is_what_capture_json_holds() {
+    let folder = room("[render]\nsamples_per_pixel = 2");
+    let outcome = folder.succeed("render capture.toml --json -o out --set render.max_depth=3 --seed 5");
+    assert_eq!(outcome.stdout.as_bytes(), folder.results("out")["capture.json"]);
+    assert_eq!(outcome.stderr, "");
+    let report: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let seconds = |key: &str| report["timings"][key].as_f64().expect(key);
+    for key in ["load_s", "build_s", "trace_s", "expose_s", "develop_s", "write_s"] {
+        assert!((0.0..60.0).contains(&seconds(key)), "{key} is {}", seconds(key));
+    }
+    assert_eq!(report["paths"], 32 * 24 * 2);
+    let rate = report["paths_per_s"].as_f64().expect("a rate");
+    assert!((rate * seconds("trace_s") / 1536.0 - 1.0).abs() < 1e-9, "{rate}");
+    assert_eq!(report["overrides"], json!(["render.max_depth=3", "render.seed=5"]));
+    assert_eq!((&report["seed"], &report["render"]["max_depth"]), (&json!(5), &json!(3)));
+}
+
+#[test]
+fn set_changes_any_key() {
+    let folder = room("[render]\nsamples_per_pixel = 2");
+    folder.succeed(
+        "render capture.toml -o out --set lens.f_number=5.6 --set sensor.resolution_px=[20,10] --set sensor.adc.bits=10 \
+         --set exposure.time_s=0.05 --set render.sampler=independent --set lights.0.intensity_cd=1e3 \
+         --set materials.gold.metal=Cu --set camera.look_at_m=[0.0,0.5,0.1] --set lens.focus_distance_m=infinity",
+    );
+    let report = folder.report("out");
+    assert_eq!(report["lens"]["f_number"], 5.6);
+    assert_eq!(report["lens"]["focus_distance_m"], Value::Null);
+    assert_eq!(report["sensor"]["resolution_px"], json!([20, 10]));
+    assert_eq!(report["sensor"]["bits"], 10);
+    assert_eq!(report["exposure"]["time_s"], 0.05);
+    assert_eq!(report["render"]["sampler"], "independent");
+    assert_eq!(report["overrides"].as_array().map(Vec::len), Some(9));
+    // What the report does not name shows in the light.
+    for (key, value) in [("materials.gold.metal", "Cu"), ("lights.0.intensity_cd", "1e3"), ("lens.f_number", "5.6")] {
+        let name = format!("out-{key}");
+        folder.succeed(&format!("render capture.toml -o {name} --set {key}={value}"));
+        folder.succeed("render capture.toml -o plain --force");
+        assert!(folder.electrons(&name) != folder.electrons("plain"), "{key}");
+    }
+}
+
+/// A later render with other formats must leave nothing of the earlier one, but what is not a render's.
+#[test]
+fn force_replaces_all_of_the_earlier_results() {
+    let folder = room("[render]\nsamples_per_pixel = 2");
+    folder.succeed("render capture.toml -o out --set output.raw=['tiff','npy'] --set exposure.frames=2");
+    folder.add("out/notes.txt", "mine");
+    folder.succeed("render capture.toml -o out --force");
+    assert_eq!(names(&folder, "out"), ["capture.json", "electrons.exr", "image.png", "notes.txt", "raw.dng"]);
+
+    // An edited report must not lead out of the folder.
+    folder.add("precious.txt", "mine");
+    folder.add("out/capture.json", "{ \"files\": [\"../precious.txt\", \"..\", \"/etc/hosts\", 3] }");
+    folder.succeed("render capture.toml -o out --force");
+    assert!(folder.path("precious.txt").exists());
+    folder.add("out/capture.json", "no JSON");
+    folder.succeed("render capture.toml -o out --force");
+    assert_eq!(folder.report("out")["render"]["samples_per_pixel"], 2);
+}
+
+#[test]
+fn without_a_folder_the_input_names_it() {
+    let folder = room("[render]\nsamples_per_pixel = 1");
+    let capture = folder.results(".")["capture.toml"].clone();
+    let capture = String::from_utf8(capture).expect("UTF-8").replace("[\"", "[\"../").replace(", \"", ", \"../");
+    let capture = capture.replace("\"sky.hdr", "\"../sky.hdr");
+    folder.add("box/capture.toml", &capture);
+    folder.add("box/capture-night.toml", &capture);
+    folder.add("box/other.toml", &capture);
+    for (input, output) in [
+        ("capture.toml", "capture"),
+        ("box/capture.toml", "box"),
+        ("box/capture-night.toml", "box-night"),
+        ("box/other.toml", "other"),
+    ] {
+        folder.succeed(&format!("render {input}"));
+        assert!(folder.path(output).join("capture.json").is_file(), "{input}");
+    }
+}
+
+/// Infrared behind a filter that blocks it: there is light, but none that could balance the channels.
+#[test]
+fn light_that_the_sensor_does_not_see_leaves_a_dark_picture() {
+    let folder = room("[render]\nsamples_per_pixel = 2");
+    folder.add("infrared.csv", "950,0\n960,1\n970,0\n");
+    folder.add(
+        "capture.toml",
+        "[scene]\ngeometry = ['sails.gltf']\nenvironment = { spectrum = { file = 'infrared.csv' } }\n\
+         [sensor]\nresolution_px = [32, 24]\n[exposure]\ntime_s = 0.01\n",
+    );
+    let outcome = folder.succeed("render capture.toml -o out");
+    let warning = "does not see the light of the scene, so the white balance is that of D65";
+    assert_eq!(outcome.stderr.matches(warning).count(), 1, "{}", outcome.stderr);
+    // Read noise and offset are a few electrons, less than one digital number each.
+    let raw = folder.raw("out/raw.dng");
+    assert!(raw.data.iter().all(|dn| dn.abs_diff(raw.black_level_dn) < 8));
+}

@@ -1,0 +1,266 @@
+//! `photosite compare` as its users call it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use photosite::develop::Picture8;
+use photosite::image::{Channel, Estimate, Planes};
+use photosite::io::electrons::write_electrons;
+use photosite::io::output::write_whole;
+use photosite::io::png::write_png;
+use photosite::raw::{Cfa, RawImage, RawMetadata, write_dng, write_npy};
+use photosite::units::Seconds;
+use rstest::rstest;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const WIDTH: usize = 20;
+const HEIGHT: usize = 10;
+
+/// A folder of pictures to compare.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// `electrons.exr` of channels that hold `value(channel, pixel)` with the variance 4.
+    fn electrons(&self, name: &str, channels: &[&str], value: impl Fn(usize, usize) -> f32) -> String {
+        let plane = |(index, &name): (usize, &&str)| Channel {
+            name: name.to_owned(),
+            data: (0..WIDTH * HEIGHT).map(|pixel| value(index, pixel)).collect(),
+        };
+        let mean = Planes::new(WIDTH, HEIGHT, channels.iter().enumerate().map(plane).collect()).expect("right sizes");
+        let mut variance = Planes::zeros(WIDTH, HEIGHT, channels.iter().copied());
+        variance.channels_mut().iter_mut().for_each(|c| c.data.fill(4.0));
+        let electrons = Estimate { mean, variance };
+        write_whole(&self.path(name), |to| write_electrons(&electrons, Seconds(1.0), to)).expect("written");
+        name.to_owned()
+    }
+
+    fn png(&self, name: &str, [width, height]: [usize; 2], code: u8) -> String {
+        let picture = Picture8 { width, height, components: 3, data: vec![code; 3 * width * height] };
+        write_whole(&self.path(name), |to| write_png(&picture, to)).expect("written");
+        name.to_owned()
+    }
+
+    /// Runs the command in the folder.
+    fn compare(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_photosite"));
+        command.current_dir(self.0.path()).arg("compare").args(arguments).output().expect("the command starts")
+    }
+
+    /// Exit status and standard output; nothing must be on standard error.
+    fn said(&self, arguments: &[&str]) -> (i32, String) {
+        let output = self.compare(arguments);
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+        (status(&output), String::from_utf8(output.stdout).expect("UTF-8"))
+    }
+
+    fn json(&self, arguments: &[&str]) -> (i32, Value) {
+        let (status, text) = self.said(&[arguments, &["--json"]].concat());
+        (status, serde_json::from_str(&text).expect("JSON"))
+    }
+
+    /// Exit status and standard error in one line; nothing must be on standard output.
+    fn complaint(&self, arguments: &[&str]) -> (i32, String) {
+        let output = self.compare(arguments);
+        assert_eq!(String::from_utf8_lossy(&output.stdout), "");
+        let words = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+        (status(&output), words)
+    }
+}
+
+fn status(output: &Output) -> i32 {
+    output.status.code().expect("no signal")
+}
+
+fn bytes(path: &Path) -> Vec<u8> {
+    fs::read(path).expect("there")
+}
+
+/// Two pictures whose difference has the standard deviation √8 and is +√8 and −√8 by turns.
+fn agreeing(folder: &Folder) -> [String; 2] {
+    let swing = 8f32.sqrt();
+    [
+        folder.electrons("a.exr", &["R", "G"], |_, pixel| if pixel % 2 == 0 { 100.0 + swing } else { 100.0 - swing }),
+        folder.electrons("b.exr", &["R", "G"], |_, _| 100.0),
+    ]
+}
+
+#[test]
+fn pictures_that_noise_explains_agree() {
+    let folder = Folder::new();
+    let [a, b] = agreeing(&folder);
+    let (status, text) = folder.said(&[&a, &b]);
+    assert_eq!(status, 0);
+    assert!(text.contains("a.exr: 20 × 10, R G, e-, with variances"), "{text}");
+    assert!(text.trim_end().ends_with("402 tests)") && text.contains("\nagree\n"), "{text}");
+    let (status, report) = folder.json(&[&a, &b]);
+    assert_eq!((status, &report["outcome"]), (0, &Value::from("agree")));
+    let channel = &report["channels"][1];
+    assert_eq!((&channel["channel"], &channel["pixels"]), (&Value::from("G"), &Value::from(200)));
+    // z is ±1: a spread of √(200/199), but for the rounding of 102.8 to 24 bits, which is 1.4e-6 of √8.
+    let spread = channel["z_scores"]["spread"].as_f64().expect("a number");
+    assert!((spread - (200f64 / 199.0).sqrt()).abs() < 2e-6, "{spread}");
+    assert!((channel["rmse"].as_f64().expect("a number") - 8f64.sqrt()).abs() < 1e-5);
+    assert_eq!(report["verdict"]["tests"], 402);
+    assert_eq!((&report["resolution_px"], &report["epsilon"]), (&serde_json::json!([20, 10]), &Value::from(0.01)));
+    assert_eq!((&report["a"]["file"], &report["a"]["unit"]), (&Value::from("a.exr"), &Value::from("e-")));
+}
+
+#[test]
+fn one_pixel_that_noise_does_not_explain_makes_pictures_differ() {
+    let folder = Folder::new();
+    let a = folder.electrons("a.exr", &["R", "G"], |c, pixel| if (c, pixel) == (1, 47) { 120.0 } else { 100.0 });
+    let b = folder.electrons("b.exr", &["R", "G"], |_, _| 100.0);
+    let (status, text) = folder.said(&[&a, &b]);
+    assert_eq!(status, 1);
+    assert!(text.contains("\ndiffer\n  noise does not explain 1 pixel: |z| > 4.2"), "{text}");
+    let worst = text.lines().find(|line| line.starts_with("(7, 2)")).expect("the pixel is listed");
+    assert_eq!(
+        worst.split_whitespace().skip(2).take(5).collect::<Vec<_>>(),
+        ["G", "120.000", "100.000", "20.0000", "+7.07"]
+    );
+    assert_eq!(folder.said(&[&a, &b, "--channels", "R"]).0, 0);
+    assert_eq!(folder.said(&[&a, &b, "--alpha", "1e-12"]).0, 0, "7.07 σ happens to one in 6·10¹¹");
+    assert_eq!(folder.said(&[&a, &b, "--quiet"]), (1, String::new()));
+    let (_, report) = folder.json(&[&a, &b, "--worst", "1"]);
+    assert_eq!(report["worst"].as_array().map(Vec::len), Some(1));
+    assert_eq!(report["verdict"]["pixels_past_bound"], 1);
+    assert_eq!(report["failures"].as_array().map(Vec::len), Some(1));
+}
+
+#[rstest]
+#[case::mean_difference("--max-mean-difference", "10.0", "9.9", "mean difference")]
+#[case::rmse("--max-rmse", "10.0", "9.9", "RMSE")]
+#[case::relative_mse("--max-relative-mse", "0.0100", "0.0098", "relative MSE")]
+fn limits_judge_pictures_without_variances(
+    #[case] option: &str,
+    #[case] kept: &str,
+    #[case] passed: &str,
+    #[case] name: &str,
+) {
+    let folder = Folder::new();
+    let (a, b) = (folder.png("a.png", [3, 2], 110), folder.png("b.png", [3, 2], 100));
+    let (status, text) = folder.said(&[&a, &b]);
+    assert!(status == 0 && text.contains("not judged"), "{text}");
+    assert_eq!(folder.json(&[&a, &b]).1["outcome"], "not judged");
+    // The relative MSE is 10²/(100² + 0.01·100²) = 0.0099.
+    let (status, text) = folder.said(&[&a, &b, option, kept]);
+    assert!(status == 0 && text.trim_end().ends_with("agree"), "{text}");
+    let (status, text) = folder.said(&[&a, &b, option, passed]);
+    assert!(status == 1 && text.contains(&format!("\n  R: {name} ")), "{text}");
+}
+
+#[test]
+fn a_raw_file_is_compared_with_the_same_numbers_of_another_kind() {
+    let folder = Folder::new();
+    let raw = RawImage {
+        width: 4,
+        height: 2,
+        data: (0..8).map(|i| 100 + 50 * i).collect(),
+        cfa: Cfa::parse("RGGB").expect("known"),
+        bits: 12,
+        black_level_dn: 64,
+        white_level_dn: 4095,
+        metadata: RawMetadata::default(),
+    };
+    write_whole(&folder.path("a.dng"), |to| write_dng(&raw, to)).expect("written");
+    let mut brighter = raw.clone();
+    brighter.data[5] += 3;
+    write_whole(&folder.path("b.npy"), |to| write_npy(&brighter, to)).expect("written");
+    let (status, report) = folder.json(&["a.dng", "b.npy"]);
+    assert_eq!(status, 0);
+    let rows: Vec<_> = report["channels"]
+        .as_array()
+        .expect("channels")
+        .iter()
+        .map(|c| (&c["channel"], &c["pixels"], &c["mae"]))
+        .collect();
+    let row = |name: &str, pixels: i64, mae: f64| (Value::from(name), Value::from(pixels), Value::from(mae));
+    let expected = [row("raw", 8, 3.0 / 8.0), row("R", 2, 0.0), row("G", 4, 0.0), row("B", 2, 1.5)];
+    assert_eq!(rows, expected.each_ref().map(|(name, pixels, mae)| (name, pixels, mae)));
+    assert_eq!((&report["worst"][0]["x"], &report["worst"][0]["y"]), (&Value::from(1), &Value::from(1)));
+    assert_eq!(folder.said(&["a.dng", "a.dng", "--max-rmse", "0"]).0, 0);
+}
+
+#[test]
+fn the_picture_of_differences_is_written_once() {
+    let folder = Folder::new();
+    let [a, b] = agreeing(&folder);
+    let (_, report) = folder.json(&[&a, &b, "--picture", "z.png", "--range", "1"]);
+    assert_eq!(report["picture"], serde_json::json!({"file": "z.png", "shows": "z-scores", "range": 1.0}));
+    let picture = image::load_from_memory(&bytes(&folder.path("z.png"))).expect("a PNG file").into_rgb8();
+    assert_eq!(picture.dimensions(), (20 + 4 + 20, 10));
+    // The ends of the map, blue where a lies below.
+    assert_eq!([picture[(0, 0)].0, picture[(25, 0)].0], [[103, 0, 31], [5, 48, 97]]);
+    let (status, complaint) = folder.complaint(&[&a, &b, "--picture", "z.png"]);
+    assert!(status == 2 && complaint.contains("--force"), "{complaint}");
+    assert_eq!(folder.said(&[&a, &b, "--picture", "z.png", "--force"]).0, 0);
+    let (status, complaint) = folder.complaint(&[&a, &b, "--picture", "z.exr"]);
+    assert!(status == 2 && complaint.contains("ends with .png"), "{complaint}");
+}
+
+#[test]
+fn numbers_that_are_none_make_pictures_differ_and_keep_json_whole() {
+    let folder = Folder::new();
+    let a = folder.electrons("a.exr", &["Y"], |_, pixel| if pixel == 3 { f32::NAN } else { 0.0 });
+    let (status, report) = folder.json(&[&a, &a]);
+    assert_eq!((status, &report["outcome"]), (1, &Value::from("differ")));
+    let channel = &report["channels"][0];
+    assert_eq!((&channel["non_finite"], &channel["psnr_db"]), (&Value::from(1), &Value::Null));
+    assert_eq!((&report["worst"][0]["x"], &report["worst"][0]["a"]), (&Value::from(3), &Value::Null));
+    assert!(folder.said(&[&a, &a]).1.contains("Y: 1 of 200 pixels are not finite"));
+}
+
+#[test]
+fn pictures_that_do_not_fit_together_are_wrong_usage() {
+    let folder = Folder::new();
+    let colour = folder.electrons("colour.exr", &["R", "G", "B"], |_, _| 1.0);
+    let other = folder.electrons("other.exr", &["R", "G"], |_, _| 1.0);
+    let grey = folder.electrons("grey.exr", &["Y"], |_, _| 1.0);
+    let small = folder.png("small.png", [2, 2], 0);
+    let wide = folder.png("wide.png", [20, 10], 0);
+    for (arguments, complaint) in [
+        (vec![&colour[..], &small], "colour.exr has 20 × 10 pixels, small.png has 2 × 2"),
+        (vec![&colour, &wide], "colour.exr holds e-, wide.png holds codes up to 255"),
+        (vec![&colour, &grey], "have no channel in common"),
+        (vec![&colour, &other], "other.exr lacks B, which the other has"),
+        (vec![&colour, &other, "--channels", "R,B"], "other.exr has no channel \"B\""),
+        (vec![&colour, &other, "--channels", "R,g"], "there is no channel \"g\""),
+        (vec![&colour, &colour, "--alpha", "1"], "between 0 and 1"),
+        (vec![&colour, &colour, "--max-rmse", "nan"], "of at least 0"),
+        (vec![&colour, &colour, "--range", "1"], "--picture"),
+        (vec![&colour, "picture.docx"], "picture.docx is no picture of a kind that photosite knows"),
+        (vec![&colour], "<B>"),
+    ] {
+        let (status, said) = folder.complaint(&arguments);
+        assert!(status == 2 && said.contains(complaint), "{arguments:?}: {said}");
+    }
+    assert_eq!(folder.said(&[&colour, &other, "--channels", "R,G"]).0, 0);
+}
+
+#[test]
+fn broken_files_are_errors_that_name_the_file() {
+    let folder = Folder::new();
+    let whole = folder.electrons("whole.exr", &["Y"], |_, _| 1.0);
+    let png = folder.png("whole.png", [5, 5], 9);
+    fs::write(folder.path("torn.exr"), &bytes(&folder.path(&whole))[..300]).expect("written");
+    fs::write(folder.path("torn.png"), &bytes(&folder.path(&png))[..40]).expect("written");
+    for extension in ["dng", "tiff", "pgm", "npy", "exr", "png"] {
+        fs::write(folder.path(&format!("empty.{extension}")), b"").expect("written");
+        let (status, said) = folder.complaint(&[&whole, &format!("empty.{extension}")]);
+        assert!(status == 1 && said.contains(&format!("empty.{extension}: ")), "{said}");
+    }
+    for (file, complaint) in [("torn.exr", "torn.exr: "), ("torn.png", "torn.png: "), ("missing.exr", "cannot read")] {
+        let (status, said) = folder.complaint(&[file, &whole]);
+        assert!(status == 1 && said.contains(complaint), "{said}");
+    }
+}
