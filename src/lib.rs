@@ -17,7 +17,8 @@
 //! [`units`], [`math`] → [`spectrum`], [`image`] → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
 //! [`optics`], [`film`], [`sampler`] → [`integrator`]. [`sensor`], [`raw`] and [`develop`] see only units, math,
 //! spectrum and image: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
-//! these edges. [`validation`] compares pictures and sees units, math, image and raw.
+//! these edges. [`validation`] compares pictures and sees units, math, image and raw; [`io::mitsuba`] describes a capture to
+//! an independent renderer.
 //!
 //! # Invariants
 //!
