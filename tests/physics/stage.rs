@@ -61,6 +61,13 @@ impl Stage {
         self
     }
 
+    /// Says with which probability the mesh added last is there.
+    pub(crate) fn alpha(mut self, mode: AlphaMode, alpha: f32) -> Self {
+        let material = self.0.materials.last_mut().expect("a mesh was added");
+        (material.alpha, material.alpha_factor) = (mode, alpha);
+        self
+    }
+
     /// Adds a light.
     pub(crate) fn light(mut self, light: LightDescription) -> Self {
         self.0.lights.push(light);
