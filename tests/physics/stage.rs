@@ -80,9 +80,13 @@ impl Stage {
     }
 
     /// Surrounds the scene with the same spectral radiance in all directions, W·m⁻²·sr⁻¹·nm⁻¹.
-    pub(crate) fn sky(mut self, radiance: Spectrum) -> Self {
-        let colour = Colour::Spectrum(radiance);
-        self.0.environment = Some(EnvironmentDescription::Constant { colour, luminance_nit: None });
+    pub(crate) fn sky(self, radiance: Spectrum) -> Self {
+        self.surroundings(EnvironmentDescription::Constant { colour: Colour::Spectrum(radiance), luminance_nit: None })
+    }
+
+    /// Surrounds the scene with any environment.
+    pub(crate) fn surroundings(mut self, environment: EnvironmentDescription) -> Self {
+        self.0.environment = Some(environment);
         self
     }
 
