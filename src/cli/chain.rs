@@ -23,7 +23,7 @@ pub(super) struct Chain<'a> {
 /// What the sensor counts on average during an exposure.
 pub(super) struct Exposed {
     pub(super) exposure: Exposure,
-    /// Mean electrons with the variance that light transport leaves, e⁻ and e⁻².
+    /// Mean electrons with the variance that light transport leaves, e⁻ and (e⁻)².
     pub(super) electrons: Estimate,
 }
 

@@ -2,7 +2,7 @@
 //! in them.
 //!
 //! One channel for each of the sensor's (`R`, `G`, `B` or `Y`): mean electrons of that filter at every pixel, e⁻. Beside
-//! each its variance, `variance.R` …, e⁻². The attribute `unit` says `e-`, `exposureTime` the seconds that the electrons
+//! each its variance, `variance.R` …, (e⁻)². The attribute `unit` says `e-`, `exposureTime` the seconds that the electrons
 //! were collected for.
 
 use std::io::{self, BufRead, Seek, Write};

@@ -67,7 +67,7 @@ impl Environment {
         match self {
             Self::Constant { .. } => Pdf::new(0.25 * FRAC_1_PI),
             Self::Picture(picture) => {
-                let sin = (1.0 - towards.y * towards.y).max(0.0).sqrt();
+                let sin = towards.x.hypot(towards.z);
                 if sin == 0.0 {
                     return Pdf::new(0.0);
                 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Environment, SurfaceEmission, Tint};
+use super::{Environment, SurfaceEmission};
 use crate::geometry::Geometry;
 use crate::math::distribution::AliasTable;
 use crate::math::{Area, Pdf, SolidAngle, warp};
@@ -102,15 +102,15 @@ impl Lights {
         self.environment.as_ref()
     }
 
-    /// A direction from `point` towards a light. `tint_at(texture, triangle, barycentric)` looks up emission textures.
-    /// `None` where the chosen light cannot reach the point.
+    /// A direction from `point` towards a light. `emitted_at(light, barycentric)` is the radiance of a point of a
+    /// triangle. `None` where the chosen light cannot reach the point.
     #[inline]
     #[allow(clippy::too_many_arguments, reason = "tables, point and random numbers, each once")]
     pub fn sample(
         &self,
         spectra: &SpectrumTable,
         geometry: &Geometry,
-        tint_at: impl FnOnce(u32, u32, [f32; 2]) -> [f32; 3],
+        emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
         point: Vec3,
         u_light: f32,
         u: [f32; 2],
@@ -148,8 +148,8 @@ impl Lights {
                 pdf: Pdf::new(probability),
                 is_delta: true,
             }),
-            Light::Triangle(TriangleLight { triangle, emission }) => {
-                let [a, b, c] = geometry.corners(*triangle);
+            Light::Triangle(light) => {
+                let [a, b, c] = geometry.corners(light.triangle);
                 let barycentric = warp::uniform_triangle(u);
                 let across = (b - a).cross(c - a);
                 let double_area = across.length();
@@ -162,16 +162,11 @@ impl Lights {
                 let distance_squared = to_light.length_squared();
                 let wi = to_light / distance_squared.sqrt();
                 let cos = -normal.dot(wi);
-                if !(cos > 0.0 || emission.two_sided && cos < 0.0) {
+                if !(cos > 0.0 || light.emission.two_sided && cos < 0.0) {
                     return None;
                 }
-                let tint = match emission.tint {
-                    Tint::None => None,
-                    Tint::Textured { texture, .. } => Some(tint_at(texture, *triangle, barycentric)),
-                };
-                let tint = tint.map(|rgb| emission.tinted(rgb));
                 Some(LightSample {
-                    radiance: emission.radiance(spectra, tint, wavelengths),
+                    radiance: emitted_at(light, barycentric),
                     wi,
                     position: Some((position, normal)),
                     pdf: Pdf::<Area>::new(2.0 / double_area)

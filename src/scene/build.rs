@@ -30,7 +30,8 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
 
     let (geometry, accel, emitters) = place(meshes, &instances, |material| emissions[material].is_some());
     let (low, high) = accel.bounds();
-    let radius = f64::from((high - low).length()) * 0.5;
+    // The size weighs light from afar against lamps. Without geometry there is none, and any will do.
+    let radius = if geometry.triangles.is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
 
     let mut all = LightList { lights: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
     for range in emitters {
@@ -213,7 +214,7 @@ impl Builder<'_> {
     }
 
     fn environment(&mut self, e: &EnvironmentDescription, scene_radius: f64, list: &mut LightList) -> Environment {
-        let disk = std::f64::consts::PI * scene_radius.max(f64::MIN_POSITIVE).powi(2);
+        let disk = std::f64::consts::PI * scene_radius * scene_radius;
         let (environment, spectrum, solid_angle) = match e {
             EnvironmentDescription::Constant { colour, luminance_nit } => {
                 let spectrum = emission_spectrum(colour, *luminance_nit);

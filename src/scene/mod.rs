@@ -15,7 +15,7 @@ pub use material::{Alpha, ColourSource, Material, NormalMap, ScatteringModel};
 pub use shading::Shading;
 
 use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Ray, SurfacePoint};
-use crate::light::{LightSample, Lights, Tint};
+use crate::light::{LightSample, Lights, SurfaceEmission, Tint, TriangleLight};
 use crate::math::hash::{hash64, unit_f32};
 use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumTable, Wavelengths};
 use crate::texture::Texture;
@@ -80,13 +80,7 @@ impl Scene {
         if !emission.two_sided && wo.dot(point.geometric_normal) <= 0.0 {
             return SampledSpectrum::ZERO;
         }
-        let tint = match emission.tint {
-            Tint::None => None,
-            Tint::Textured { texture, .. } => {
-                Some(emission.tinted(self.texel(texture, point.triangle, point.barycentric)))
-            }
-        };
-        emission.radiance(&self.spectra, tint, wavelengths)
+        self.emitted_at(emission, point.triangle, point.barycentric, wavelengths)
     }
 
     /// Handle of the light that a surface point belongs to.
@@ -105,14 +99,48 @@ impl Scene {
         u: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
-        let tint_at = |texture, triangle, barycentric| self.texel(texture, triangle, barycentric);
-        self.lights.sample(&self.spectra, &self.geometry, tint_at, point, u_light, u, wavelengths)
+        let emitted_at = |light: &TriangleLight, barycentric| {
+            let emitted = self.emitted_at(&light.emission, light.triangle, barycentric, wavelengths);
+            // Where there are holes, rays that look for the light end in front of them.
+            if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
+        };
+        self.lights.sample(&self.spectra, &self.geometry, emitted_at, point, u_light, u, wavelengths)
     }
 
     /// Radiance from infinitely far in the unit direction `towards`.
     #[inline]
     pub fn environment_radiance(&self, towards: glam::Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
         self.lights.environment().map_or(SampledSpectrum::ZERO, |e| e.radiance(&self.spectra, towards, wavelengths))
+    }
+
+    /// Radiance of a point of a triangle on the side that shines.
+    #[inline]
+    fn emitted_at(
+        &self,
+        emission: &SurfaceEmission,
+        triangle: u32,
+        barycentric: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> SampledSpectrum {
+        let tint = match emission.tint {
+            Tint::None => None,
+            Tint::Textured { texture, .. } => Some(emission.tinted(self.texel(texture, triangle, barycentric))),
+        };
+        emission.radiance(&self.spectra, tint, wavelengths)
+    }
+
+    /// Probability with which a material's alpha says that there is a surface at a point of a triangle.
+    #[inline]
+    fn presence(&self, triangle: u32, barycentric: [f32; 2]) -> f32 {
+        let mesh = &self.geometry.meshes[self.geometry.triangles[triangle as usize].mesh as usize];
+        let coverage = |factor: f32, texture: Option<u32>| {
+            factor * texture.map_or(1.0, |texture| self.rgba_linear(texture, triangle, barycentric)[3])
+        };
+        match self.materials[mesh.material as usize].alpha {
+            Alpha::Opaque => 1.0,
+            Alpha::Mask { factor, texture, cutoff } => f32::from(u8::from(coverage(factor, texture) >= cutoff)),
+            Alpha::Blend { factor, texture } => coverage(factor, texture),
+        }
     }
 
     /// Linear RGB of an sRGB-encoded texture at a point of a triangle.
@@ -141,23 +169,15 @@ struct Holes<'a>(&'a Scene);
 impl HitFilter for Holes<'_> {
     #[inline]
     fn accept(&self, triangle: u32, barycentric: [f32; 2], ray: &Ray) -> bool {
-        let scene = self.0;
-        let mesh = &scene.geometry.meshes[scene.geometry.triangles[triangle as usize].mesh as usize];
-        let alpha = &scene.materials[mesh.material as usize].alpha;
-        let coverage = |factor: f32, texture: Option<u32>| {
-            factor * texture.map_or(1.0, |texture| scene.rgba_linear(texture, triangle, barycentric)[3])
-        };
-        match *alpha {
-            Alpha::Opaque => true,
-            Alpha::Mask { factor, texture, cutoff } => coverage(factor, texture) >= cutoff,
-            Alpha::Blend { factor, texture } => {
-                // There with probability alpha: the expected radiance is that of blending. The decision is a function of
-                // ray and triangle, so that it does not depend on the order of traversal.
-                let [x, y, z] = ray.direction.to_array().map(|c| u64::from(c.to_bits()));
-                let origin = u64::from(ray.origin.x.to_bits()) << 32 | u64::from(ray.origin.z.to_bits());
-                let key = hash64(hash64(x << 32 | y, z << 32 | u64::from(triangle)), origin);
-                unit_f32(key as u32) < coverage(factor, texture)
-            }
+        let presence = self.0.presence(triangle, barycentric);
+        if presence <= 0.0 || presence >= 1.0 {
+            return presence > 0.0;
         }
+        // There with probability alpha: the expected radiance is that of blending. The decision is a function of ray and
+        // triangle, so that it does not depend on the order of traversal.
+        let [x, y, z] = ray.direction.to_array().map(|c| u64::from(c.to_bits()));
+        let origin = u64::from(ray.origin.x.to_bits()) << 32 | u64::from(ray.origin.z.to_bits());
+        let key = hash64(hash64(x << 32 | y, z << 32 | u64::from(triangle)), origin);
+        unit_f32(key as u32) < presence
     }
 }

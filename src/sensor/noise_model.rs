@@ -6,7 +6,7 @@ use crate::units::{DigitalNumber, Electrons};
 use super::{Exposure, SensorModel};
 
 impl SensorModel {
-    /// Variance of a pixel's temporal noise, referred to electrons (e⁻²), at a mean of `mean` photo-electrons:
+    /// Variance of a pixel's temporal noise, referred to electrons ((e⁻)²), at a mean of `mean` photo-electrons:
     ///
     /// σ² = μ + μ_d + σ_read² + 1/(12·K²)
     ///
@@ -17,7 +17,7 @@ impl SensorModel {
         mean.0.max(0.0) + self.dark_variance(exposure)
     }
 
-    /// The part of [`Self::noise_variance`] that is there without light, e⁻².
+    /// The part of [`Self::noise_variance`] that is there without light, (e⁻)².
     fn dark_variance(&self, exposure: &Exposure) -> f64 {
         let dark = self.noise.dark_electrons(exposure.temperature, exposure.time);
         let gain = self.converter.system_gain(exposure.gain);

@@ -92,6 +92,13 @@ fn damaged_vertex() -> Document {
     "nodes[0].scale: the transform of the node \"sail\" is singular",
     "give every axis a scale other than 0"
 )]
+#[case::far_away(
+    "a.gltf",
+    triangle().with("/nodes/0/scale", json!([1, 1e30, 1])).text(),
+    "",
+    "reaches farther than 1e18 m",
+    "correct the scale of its nodes"
+)]
 #[case::texture("a.gltf", textured(triangle()).text(), "\"wood.png\"", "images[0].uri: cannot read wood.png", "put the file")]
 #[case::obj_index("a.obj", obj("f 1 2 9"), "f 1", "f: refers to vertex 9, but the file has 3", "indices count from 1")]
 #[case::obj_zero("a.obj", obj("f 0 1 2"), "f 0", "f: \"0\" refers to vertex 0", "indices count from 1")]

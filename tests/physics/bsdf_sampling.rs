@@ -11,13 +11,13 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::bsdf_cases::{Case, SAMPLES, Uniform, gold, visible_from, wide};
 use super::quadrature::{Cell, integrate_sphere};
 
-const ROWS: usize = 24;
-const COLUMNS: usize = 48;
+pub(crate) const ROWS: usize = 24;
+pub(crate) const COLUMNS: usize = 48;
 
 /// Probability that all cases together fail though every sampler is right.
 const SIGNIFICANCE: f64 = 0.01;
 
-fn bin(w: Vec3) -> usize {
+pub(crate) fn bin(w: Vec3) -> usize {
     let row = ((f64::from(w.z) + 1.0) * 0.5 * ROWS as f64) as usize;
     let turns = (f64::from(w.y).atan2(f64::from(w.x)) / (2.0 * PI)).rem_euclid(1.0);
     row.min(ROWS - 1) * COLUMNS + ((turns * COLUMNS as f64) as usize).min(COLUMNS - 1)
@@ -50,7 +50,7 @@ fn expectation(pdf: impl Fn(Vec3) -> f64) -> Vec<f64> {
 }
 
 /// Probability of a worse fit by chance.
-fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
+pub(crate) fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
     let (statistic, freedom) = chi_squared(observed, expected);
     if freedom == 0 {
         return 1.0;

@@ -12,6 +12,7 @@ mod bsdf_smooth;
 mod chain;
 mod develop_colour;
 mod lens;
+mod light_sampling;
 mod quadrature;
 mod sensor_cases;
 mod sensor_light;

@@ -61,6 +61,13 @@ impl Stage {
         self
     }
 
+    /// Says with which probability the mesh added last is there.
+    pub(crate) fn alpha(mut self, mode: AlphaMode, alpha: f32) -> Self {
+        let material = self.0.materials.last_mut().expect("a mesh was added");
+        (material.alpha, material.alpha_factor) = (mode, alpha);
+        self
+    }
+
     /// Adds a light.
     pub(crate) fn light(mut self, light: LightDescription) -> Self {
         self.0.lights.push(light);
@@ -73,9 +80,13 @@ impl Stage {
     }
 
     /// Surrounds the scene with the same spectral radiance in all directions, W·m⁻²·sr⁻¹·nm⁻¹.
-    pub(crate) fn sky(mut self, radiance: Spectrum) -> Self {
-        let colour = Colour::Spectrum(radiance);
-        self.0.environment = Some(EnvironmentDescription::Constant { colour, luminance_nit: None });
+    pub(crate) fn sky(self, radiance: Spectrum) -> Self {
+        self.surroundings(EnvironmentDescription::Constant { colour: Colour::Spectrum(radiance), luminance_nit: None })
+    }
+
+    /// Surrounds the scene with any environment.
+    pub(crate) fn surroundings(mut self, environment: EnvironmentDescription) -> Self {
+        self.0.environment = Some(environment);
         self
     }
 

@@ -6,8 +6,10 @@ use photosite::integrator::path::{PathLimits, radiance};
 use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::Scene;
-use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind, MaterialModel};
-use photosite::spectrum::{Spectrum, Wavelengths, library};
+use photosite::scene::description::{
+    AlphaMode, Colour, EmissionDescription, LightDescription, LightKind, MaterialModel,
+};
+use photosite::spectrum::{Spectrum, Wavelengths, illuminant, library};
 
 use crate::stage::{Stage, sphere, square};
 
@@ -89,6 +91,31 @@ fn a_square_lamp_gives_the_irradiance_of_its_form_factor() {
             0.6 / std::f64::consts::PI * 2.0 * 4.0 * x * x.atan(),
         );
     }
+}
+
+#[test]
+fn a_lamp_with_holes_gives_less_light() {
+    // The form factor of above; light is looked for and found by chance, and neither may see it where it is not.
+    for (mode, alpha, part) in [
+        (AlphaMode::Blend, 0.3, 0.3),
+        (AlphaMode::Mask { cutoff: 0.5 }, 0.3, 0.0),
+        (AlphaMode::Mask { cutoff: 0.5 }, 0.5, 1.0),
+        (AlphaMode::Opaque, 0.3, 1.0),
+    ] {
+        let lamp = square(Vec3::Y, Vec3::X, Vec3::Z, 2.0);
+        let got = floor_seen_from_above(Stage::default().diffuse(lamp, 0.0, 2.0).alpha(mode, alpha));
+        let x = 2.0 / 5f64.sqrt();
+        let whole = 0.6 / std::f64::consts::PI * 2.0 * 4.0 * x * x.atan();
+        assert_mean(&format!("{mode:?}, alpha {alpha}"), &got, part * whole);
+    }
+}
+
+#[test]
+fn surroundings_without_geometry_still_have_a_colour() {
+    let lamp = illuminant::a();
+    let light = Stage::default().sky(lamp.scale(1e-3)).build().light_spectrum().clone();
+    let ratio = |s: &Spectrum| f64::from(s.eval(650.0)) / f64::from(s.eval(450.0));
+    assert!((ratio(&light) / ratio(&lamp) - 1.0).abs() < 1e-5, "{}", ratio(&light));
 }
 
 #[test]

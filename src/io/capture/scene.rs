@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::colour::Finder;
 use super::light::{describe_environment, describe_lights};
@@ -13,7 +13,7 @@ use super::tables::{CaptureFile, NormalsName, SceneTable};
 use crate::io::obj::MissingNormals;
 use crate::io::warnings::Warnings;
 use crate::io::{gltf, obj};
-use crate::scene::description::{Colour, EnvironmentDescription, SceneDescription};
+use crate::scene::description::{Colour, EnvironmentDescription, MeshDescription, SceneDescription};
 use crate::spectrum::illuminant;
 use crate::{Invalid, Result};
 
@@ -64,8 +64,8 @@ impl ReadScene {
     /// Reads a file of geometry and adds what it holds.
     fn add(&mut self, source: &CaptureSource, table: &SceneTable, path: &Path, index: usize) -> Result<()> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        match extension.as_deref() {
-            Some("gltf" | "glb") => self.merge(gltf::read(path)?),
+        let scene = match extension.as_deref() {
+            Some("gltf" | "glb") => gltf::read(path)?,
             Some("obj") => {
                 let missing = match table.generate_normals {
                     None | Some(NormalsName::Flat) => MissingNormals::Flat,
@@ -77,14 +77,20 @@ impl ReadScene {
                     instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;
                 }
                 self.undescribed_materials.append(&mut file.undescribed_materials);
-                self.merge(file.scene);
+                file.scene
             }
             _ => {
                 let message = format!("{} is no scene of a known kind", path.display());
                 let invalid = Invalid::new(format!("scene.geometry[{index}]"), message);
                 return Err(source.error(invalid.help("geometry is read from .gltf, .glb and .obj files")));
             }
+        };
+        if !within_reach(&scene) {
+            let invalid = Invalid::new("", format!("reaches farther than {FARTHEST_M:e} m, too far to compute with"));
+            let help = "export it in metres, or correct the scale of its nodes or meters_per_unit";
+            return Err(invalid.help(help).in_file(path));
         }
+        self.merge(scene);
         Ok(())
     }
 
@@ -131,6 +137,20 @@ impl ReadScene {
         }
         Ok(self.scene)
     }
+}
+
+/// Coordinates beyond this have squares, such as areas, that come close to the largest number of single precision.
+const FARTHEST_M: f64 = 1e18;
+
+/// Whether all geometry lies within [`FARTHEST_M`] of the origin along each axis.
+fn within_reach(scene: &SceneDescription) -> bool {
+    let largest = |mesh: &MeshDescription| mesh.positions.iter().fold(Vec3::ZERO, |max, p| max.max(p.abs()));
+    let extents: Vec<DVec3> = scene.meshes.iter().map(|mesh| largest(mesh).as_dvec3()).collect();
+    scene.instances.iter().all(|instance| {
+        let DAffine3 { matrix3: m, translation } = instance.to_world;
+        let turned = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs()) * extents[instance.mesh];
+        (turned + translation.abs()).max_element() <= FARTHEST_M
+    })
 }
 
 /// Length of the unit of OBJ files, m.

@@ -1,0 +1,145 @@
+//! Where points look for light, against the densities that say so, and against the power of the lights.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+use photosite::geometry::Ray;
+use photosite::scene::Scene;
+use photosite::scene::description::{
+    Colour, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
+};
+use photosite::spectrum::{Spectrum, Wavelengths};
+use photosite::texture::{Bitmap, Texels};
+
+use crate::bsdf_cases::{SAMPLES, Uniform};
+use crate::bsdf_sampling::{COLUMNS, ROWS, bin, p_value};
+use crate::quadrature::{Cell, direction};
+use crate::stage::{Stage, square};
+
+fn lambda() -> Wavelengths {
+    Wavelengths::new([450.0, 500.0, 550.0, 600.0], [1.0; 4])
+}
+
+/// A dim sky with a sun of one texel, 16 × 8, turned by 40°.
+fn sky(level: f64) -> EnvironmentDescription {
+    let mut texels = vec![[0.2f32; 3]; 128];
+    texels[2 * 16 + 5] = [60.0, 50.0, 40.0];
+    let image = Arc::new(Bitmap { name: "sky".into(), width: 16, height: 8, texels: Texels::Rgb32F(texels) });
+    EnvironmentDescription::Picture { image, level: PictureLevel::NitPerUnit(level), rotation_deg: 40.0 }
+}
+
+/// Density of the direction `wi` from the origin: that of the lamp met there, if it shines this way, and that of the sky.
+fn density(scene: &Scene, wi: Vec3) -> f64 {
+    let of_lamp = scene.closest(&Ray::new(Vec3::ZERO, wi)).map_or(0.0, |hit| {
+        let point = scene.point(&hit);
+        let cos = -wi.dot(point.geometric_normal);
+        let light = scene.light_of(&point).filter(|_| cos > 0.0);
+        light.map_or(0.0, |light| scene.lights().triangle_pdf(light, scene.geometry(), hit.t, cos).0)
+    });
+    f64::from(of_lamp + scene.lights().environment_pdf(wi).0)
+}
+
+/// How many samples are expected in each bin, and in one more for those that find no light: the midpoint rule, since the
+/// edges of lamps and texels make jumps. A bin cut by an edge is off by less than a part in 48, most by far less.
+fn expectation(scene: &Scene) -> Vec<f64> {
+    let n = 48;
+    let at = |[low, high]: [f64; 2], i: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
+    let count = |cell: &Cell| {
+        let sum: f64 = (0..n * n).map(|i| density(scene, direction(at(cell.z, i / n), at(cell.phi, i % n)))).sum();
+        sum / (n * n) as f64 * 2.0 * TAU / (ROWS * COLUMNS) as f64 * SAMPLES as f64
+    };
+    let mut expected: Vec<f64> = Cell::sphere(ROWS, COLUMNS).iter().map(count).collect();
+    expected.push((SAMPLES as f64 - expected.iter().sum::<f64>()).max(1e-6));
+    expected
+}
+
+#[test]
+fn directions_to_light_are_distributed_as_the_density_says() {
+    let lamp = || square(Vec3::new(0.2, 0.1, 0.8), Vec3::X, Vec3::NEG_Y, 0.7);
+    // A radiance of 1 W·m⁻²·sr⁻¹·nm⁻¹ over the visible is some 7·10⁴ nit: lamp and sky are chosen about equally.
+    for (what, stage) in [
+        ("sky", Stage::default().surroundings(sky(1e3))),
+        ("lamp", Stage::default().diffuse(lamp(), 0.0, 1.0)),
+        ("lamp under the sky", Stage::default().diffuse(lamp(), 0.0, 1.0).surroundings(sky(1e4))),
+        ("lamp in uniform light", Stage::default().diffuse(lamp(), 0.0, 1.0).environment(0.1)),
+    ] {
+        let scene = stage.build();
+        let mut uniform = Uniform::new(7);
+        let expected = expectation(&scene);
+        let (mut observed, mut misjudged) = (vec![0.0; expected.len()], 0);
+        for _ in 0..SAMPLES {
+            let (u_light, u) = uniform.lobe_and_direction();
+            let Some(sample) = scene.sample_light(Vec3::ZERO, u_light, u, &lambda()) else {
+                observed[expected.len() - 1] += 1.0;
+                continue;
+            };
+            observed[bin(sample.wi)] += 1.0;
+            // A sample of the lamp does not know of the sky behind it, nor the other way round.
+            misjudged += u32::from(f64::from(sample.pdf.0) > density(&scene, sample.wi) * 1.001);
+        }
+        // Rounding takes a direction across the edge of a lamp or a texel, which are some 1e-5 of all.
+        assert!(misjudged < 20, "{what}: {misjudged} densities of {SAMPLES} are not those of the direction");
+        let p = p_value(&observed, &expected);
+        // The seed is fixed, so this either passes for good or the sampler is wrong.
+        assert!(p > 1e-3, "{what}: p = {p:e}");
+    }
+}
+
+#[test]
+fn the_sky_is_looked_at_where_it_is_bright() {
+    let scene = Stage::default().surroundings(sky(1e3)).build();
+    // Luminance 51.4 in one texel of sin θ·(π/8)² sr, 0.2 elsewhere.
+    let sun: f64 = (0.2126 * 60.0 + 0.7152 * 50.0 + 0.0722 * 40.0) * (2.5 * PI / 8.0).sin() * (PI / 8.0).powi(2);
+    let part_of_sun = sun / (sun + 0.2 * 2.0 * TAU);
+    let mut uniform = Uniform::new(8);
+    let n = 20_000;
+    let mut bright = 0.0;
+    for _ in 0..n {
+        let (u_light, u) = uniform.lobe_and_direction();
+        let sample = scene.sample_light(Vec3::ZERO, u_light, u, &lambda()).expect("the sky is everywhere");
+        bright += f64::from(u8::from(sample.radiance[2] > 1.5 * scene.environment_radiance(Vec3::NEG_Y, &lambda())[2]));
+    }
+    let part = bright / f64::from(n);
+    // Half of a texel's weight is its own, the other half is spread over its neighbours, which interpolation makes bright
+    // in part. Uniform directions would find the four half-lit texels 5 times in 100.
+    assert!(part > 0.5 * part_of_sun, "{part} of the samples for {part_of_sun} of the light");
+}
+
+#[test]
+fn lights_are_chosen_by_their_power() {
+    let lamp = |x: f64, intensity: f32| LightDescription {
+        name: String::new(),
+        to_world: DAffine3::from_translation(DVec3::X * x),
+        kind: LightKind::Point,
+        emission: EmissionDescription {
+            colour: Colour::Spectrum(Spectrum::constant(intensity)),
+            level: None,
+            texture: None,
+        },
+    };
+    // Powers: 4π·I of the points, π·A·L of the square of 0.04 m².
+    let (weak, strong) = (4.0 * PI * 0.01, 4.0 * PI * 0.04);
+    let panel = PI * 0.04 * 3.0;
+    let square = square(Vec3::Z, Vec3::X, Vec3::NEG_Y, 0.1);
+    let scene = Stage::default().diffuse(square, 0.0, 3.0).light(lamp(1.0, 0.01)).light(lamp(-1.0, 0.04)).build();
+    let n = 4000;
+    let mut found = [0.0; 3];
+    for i in 0..n {
+        let u_light = (i as f32 + 0.5) / n as f32;
+        let sample = scene.sample_light(Vec3::ZERO, u_light, [0.3, 0.4], &lambda()).expect("all can be seen");
+        let which = if sample.wi.x > 0.9 {
+            0
+        } else if sample.wi.x < -0.9 {
+            1
+        } else {
+            2
+        };
+        found[which] += 1.0 / f64::from(n);
+    }
+    for (found, power) in found.into_iter().zip([weak, strong, panel]) {
+        // Equally spaced numbers: each of a few intervals is off by one step at most at either end.
+        let expected = power / (weak + strong + panel);
+        assert!((found - expected).abs() < 10.0 / f64::from(n), "{found} instead of {expected}");
+    }
+}
