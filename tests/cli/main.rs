@@ -4,6 +4,7 @@ mod bad_captures;
 mod bad_geometry;
 mod bad_usage;
 mod documents;
+mod export_mitsuba;
 mod folder;
 mod frames;
 mod geometry_alone;

@@ -1,0 +1,127 @@
+//! `photosite export-mitsuba`: what it writes, and what it refuses. That Mitsuba sees the same in it is tested in
+//! `tests/mitsuba`.
+
+use std::collections::BTreeSet;
+
+use quick_xml::Reader;
+use quick_xml::events::Event;
+use rstest::rstest;
+
+use crate::folder::Folder;
+use crate::room::room;
+
+/// A triangle, and all else as Mitsuba has it too.
+const CAPTURE: &str = r#"
+[scene]
+geometry = ["triangle.obj"]
+environment = { illuminant = "D65", illuminance_lux = 500 }
+[materials.paint]
+type = "diffuse"
+reflectance = 0.5
+[camera]
+position_m = [0, 0, 3]
+look_at_m = [0, 0, 0]
+[lens]
+falloff = "none"
+[sensor]
+resolution_px = [16, 12]
+[exposure]
+time_s = 0.01
+"#;
+
+fn triangle() -> Folder {
+    let obj = "usemtl paint\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    Folder::new([("capture.toml", CAPTURE.into()), ("triangle.obj", obj.into())])
+}
+
+/// The tags of an XML file with the types of objects, and the values of `filename`.
+fn parsed(text: &str) -> (BTreeSet<String>, BTreeSet<String>) {
+    let (mut objects, mut files) = (BTreeSet::new(), BTreeSet::new());
+    let mut reader = Reader::from_str(text);
+    loop {
+        match reader.read_event().expect("well-formed XML") {
+            Event::Eof => return (objects, files),
+            Event::Start(element) | Event::Empty(element) => {
+                let attribute = |name: &str| {
+                    let found = element.try_get_attribute(name).expect("attributes");
+                    found.map(|a| a.value.into_owned())
+                };
+                if let Some(kind) = attribute("type") {
+                    objects.insert(kind);
+                }
+                if attribute("name").as_deref() == Some("filename") {
+                    files.extend(attribute("value"));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn a_scene_names_the_files_that_lie_beside_it() {
+    let folder = triangle();
+    let outcome = folder.succeed("export-mitsuba capture.toml -o out");
+    assert!(outcome.text().contains("wrote 2 files to out"), "{}", outcome.stderr);
+    let text = std::fs::read_to_string(folder.path("out/scene.xml")).expect("scene.xml");
+    let (objects, files) = parsed(&text);
+    for kind in ["path", "thinlens", "specfilm", "box", "twosided", "diffuse", "constant", "ply"] {
+        assert!(objects.contains(kind), "{kind} is missing in {objects:?}");
+    }
+    assert_eq!(files.into_iter().collect::<Vec<_>>(), ["meshes/0.ply"]);
+    let ply = std::fs::read(folder.path("out/meshes/0.ply")).expect("a mesh");
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                  property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    assert!(ply.starts_with(header.as_bytes()));
+    // Three corners of three floats; a count and three indices.
+    assert_eq!(ply.len() - header.len(), 3 * 12 + 1 + 12);
+}
+
+/// The material of the capture.
+const PAINT: &str = "type = \"diffuse\"\nreflectance = 0.5";
+
+#[rstest]
+#[case::falloff("falloff = \"none\"", "", "the falloff of [lens]")]
+#[case::blades("[lens]", "[lens]\nblades = 6", "an aperture with blades")]
+#[case::distortion(
+    "[lens]",
+    "[lens]\ndistortion = { model = \"brown-conrady\", k = [0.1, 0, 0], p = [0, 0] }",
+    "the distortion of [lens]"
+)]
+#[case::exposure("time_s = 0.01", "auto = true", "an automatic exposure")]
+#[case::shadowing(PAINT, "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4", "microfacets of material \"paint\"")]
+#[case::dispersion(PAINT, "type = \"dielectric\"\nglass = \"BK7\"", "the dispersion of material \"paint\"")]
+#[case::model(
+    PAINT,
+    "type = \"metallic-roughness\"\nbase_colour = 0.5\nroughness = 0.5",
+    "the metallic-roughness model of material"
+)]
+fn what_has_no_counterpart_is_refused_by_name_or_listed(#[case] from: &str, #[case] to: &str, #[case] named: &str) {
+    let folder = triangle();
+    folder.add("capture.toml", CAPTURE.replace(from, to));
+    let refusal = ["capture.toml", "Mitsuba has no exact counterpart for", named, "--approximate"];
+    folder.fail("export-mitsuba capture.toml -o out", 1, &refusal);
+    let outcome = folder.succeed("export-mitsuba capture.toml -o out --approximate");
+    assert!(outcome.text().contains("approximated: "), "{}", outcome.stderr);
+    assert!(outcome.text().contains(named), "{}", outcome.stderr);
+    parsed(&std::fs::read_to_string(folder.path("out/scene.xml")).expect("scene.xml"));
+}
+
+#[test]
+fn everything_of_a_room_can_be_approximated() {
+    let folder = room("[render]\nsamples_per_pixel = 1");
+    folder.succeed("export-mitsuba capture.toml -o out --approximate --quiet");
+    let (_, files) = parsed(&std::fs::read_to_string(folder.path("out/scene.xml")).expect("scene.xml"));
+    assert!(files.iter().any(|name| name.ends_with(".exr")) && files.iter().any(|name| name.ends_with(".ply")));
+    for name in files {
+        assert!(folder.path("out").join(&name).is_file(), "{name} is missing");
+    }
+}
+
+#[test]
+fn an_earlier_scene_is_kept_unless_told_otherwise() {
+    let folder = triangle();
+    folder.succeed("export-mitsuba capture.toml -o out");
+    folder.fail("export-mitsuba capture.toml -o out", 2, &["out holds a scene already", "--force"]);
+    folder.succeed("export-mitsuba capture.toml -o out --force");
+}
