@@ -69,6 +69,11 @@ fn spot_and_directional_lights_shine_where_they_point() {
     let spot = |outer_rad: f32| LightKind::Spot { inner_rad: outer_rad * 0.5, outer_rad };
     let lit = floor_seen_from_above(Stage::default().light(lamp(spot(0.3), DVec3::Y * 2.0, 3.0)));
     assert_mean("spot", &lit, 0.6 / std::f64::consts::PI * 3.0 / 4.0);
+    // Between the two angles, from (1, 2, 0): tan θ = 1/2, and the square of a ramp in cos θ (KHR_lights_punctual).
+    let (outer, cos) = (0.7f64, 2.0 / 5f64.sqrt());
+    let ramp = (cos - outer.cos()) / ((0.5 * outer).cos() - outer.cos());
+    let rim = floor_seen_from_above(Stage::default().light(lamp(spot(0.7), DVec3::new(1.0, 2.0, 0.0), 3.0)));
+    assert_mean("rim of the spot", &rim, 0.6 / std::f64::consts::PI * 3.0 / 5.0 * cos * ramp * ramp);
     // At 45° from a lamp over (2, 2, 0) the cone of 0.3 rad does not reach.
     let dark = floor_seen_from_above(Stage::default().light(lamp(spot(0.3), DVec3::new(2.0, 2.0, 0.0), 3.0)));
     assert_mean("beside the spot", &dark, 0.0);

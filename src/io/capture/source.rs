@@ -119,10 +119,15 @@ impl CaptureSource {
         let ReadError { message, help, path: inner, unknown_key } = error;
         let table = join(path, &inner);
         let Some(key) = unknown_key else { return self.error(Invalid { key: table, message, help }) };
-        let entry = self.get(&table).and_then(Node::as_table).and_then(|table| table.get(&key));
-        let span = entry.map(|entry| &entry.key_span);
+        let entries = self.get(&table).and_then(Node::as_table);
+        let span = entries.and_then(|entries| entries.get(&key)).map(|entry| &entry.key_span);
+        // A key that is right one table deeper, as `sensor.bits` for `sensor.adc.bits`.
+        let holds_key = |entry: &Entry| entry.node.as_table().is_some_and(|inner| inner.contains_key(&key));
+        let deeper = entries.into_iter().flatten().find(|(_, entry)| holds_key(entry));
         // "unknown key `x`; did you mean `y`?" gets the name of the table in its middle.
         let (unknown, suggestion) = message.split_at(message.find(';').unwrap_or(message.len()));
+        let suggestion =
+            deeper.map_or(suggestion.to_owned(), |(name, _)| format!("; did you mean `{}`?", join(name, &key)));
         let message = format!("{unknown} in [{table}]{suggestion}");
         self.error_at(span, Invalid { key: join(&table, &key), message, help })
     }

@@ -18,6 +18,7 @@ use super::*;
     5,
     "unknown key `resolution` in [sensor]; did you mean `resolution_px`?"
 )]
+#[case::key_of_a_sensor_table("[sensor]\nbits = 10", 5, "unknown key `bits` in [sensor]; did you mean `adc.bits`?")]
 #[case::key_sensor_deep(
     "[sensor]\n[sensor.noise]\nread_noise = 2",
     6,
