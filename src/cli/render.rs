@@ -69,6 +69,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let mut warnings = description.warnings.clone();
     let scene = scene::build(description, &importance);
     let camera = place_camera(&capture, &scene)?;
+    if let (Focus::Autofocus { pixel: [x, y] }, true) = (capture.lens.focus, camera.focus_distance_m().is_infinite()) {
+        warnings
+            .push(format!("autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"));
+    }
     let chain = Chain::new(&capture, &scene, &mut warnings)?;
     if !args.quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
@@ -117,6 +121,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         photosite_version: env!("CARGO_PKG_VERSION"),
         input: args.input.display().to_string(),
         overrides,
+        capture: capture.to_json()?,
         seed: capture.render.seed,
         camera: CameraReport::new(&capture.lens, &camera, pixels(&capture)),
         lens: LensReport::new(&capture.lens, &camera),

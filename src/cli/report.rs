@@ -10,6 +10,9 @@ pub(super) struct Report {
     pub(super) photosite_version: &'static str,
     pub(super) input: String,
     pub(super) overrides: Vec<String>,
+    /// Every key that was given: the capture file, the sensor's preset and `--set`, laid over each other. With the files
+    /// that it names it is a capture file again.
+    pub(super) capture: serde_json::Value,
     pub(super) seed: u64,
     pub(super) camera: CameraReport,
     pub(super) lens: LensReport,

@@ -39,21 +39,21 @@ fn parsed(text: &str) -> (BTreeSet<String>, BTreeSet<String>) {
     let (mut objects, mut files) = (BTreeSet::new(), BTreeSet::new());
     let mut reader = Reader::from_str(text);
     loop {
-        match reader.read_event().expect("well-formed XML") {
-            Event::Eof => return (objects, files),
-            Event::Start(element) | Event::Empty(element) => {
-                let attribute = |name: &str| {
-                    let found = element.try_get_attribute(name).expect("attributes");
-                    found.map(|a| a.value.into_owned())
-                };
-                if let Some(kind) = attribute("type") {
-                    objects.insert(kind);
-                }
-                if attribute("name").as_deref() == Some("filename") {
-                    files.extend(attribute("value"));
-                }
+        let event = reader.read_event().expect("well-formed XML");
+        if let Event::Start(element) | Event::Empty(element) = &event {
+            let attribute = |name: &str| {
+                let found = element.try_get_attribute(name).expect("attributes");
+                found.map(|a| a.value.into_owned())
+            };
+            if let Some(kind) = attribute("type") {
+                objects.insert(kind);
             }
-            _ => {}
+            if attribute("name").as_deref() == Some("filename") {
+                files.extend(attribute("value"));
+            }
+        }
+        if event == Event::Eof {
+            return (objects, files);
         }
     }
 }

@@ -6,6 +6,7 @@ use rstest::rstest;
 use serde_json::Value;
 
 use crate::folder::Folder;
+use crate::room::room;
 
 pub(crate) fn vector(value: &Value) -> DVec3 {
     DVec3::from_array(serde_json::from_value(value.clone()).expect("three numbers"))
@@ -86,4 +87,31 @@ fn a_lamp_is_where_the_parameters_put_it(#[case] lens: &str, #[values([0.55, 0.3
     let off = (centroid - expected).abs();
     let tolerance = 4.0 * sigma + 0.03;
     assert!(off.x < tolerance.x && off.y < tolerance.y, "at {centroid}, not {expected}: more than {tolerance} off");
+}
+
+/// What the file says of the capture, written as a capture file, gives the same picture.
+#[test]
+fn the_report_is_a_capture_file_again() {
+    let folder = room("[render]\nsamples_per_pixel = 2");
+    folder
+        .succeed("render capture.toml -o first --seed 5 --set lens.f_number=5.6 --set sensor.preset=sony-imx249-color");
+    let capture = folder.report("first")["capture"].clone();
+    assert_eq!(capture["lens"]["f_number"], 5.6);
+    folder.add("again.toml", toml::to_string(&capture).expect("a capture file has nothing that TOML has not"));
+    folder.succeed("render again.toml -o again");
+    for (name, bytes) in folder.results("first").iter().filter(|(name, _)| *name != "capture.json") {
+        assert!(folder.results("again")[name] == *bytes, "{name}");
+    }
+}
+
+#[test]
+fn autofocus_on_nothing_is_told() {
+    let folder = room("[render]\nsamples_per_pixel = 1");
+    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    // Above the room there is only sky.
+    let upwards = capture.replace("look_at_m = [0, 0.7, 0]", "look_at_m = [0.2, 9, 3.1]");
+    folder.add("capture.toml", upwards.replace("blades = 6", "blades = 6\nautofocus_px = [8, 9]"));
+    let outcome = folder.succeed("render capture.toml -o out");
+    assert!(outcome.text().contains("warning: autofocus: pixel 8, 9 sees nothing"), "{}", outcome.stderr);
+    assert_eq!(folder.report("out")["lens"]["focus_distance_m"], Value::Null);
 }

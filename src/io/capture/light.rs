@@ -12,6 +12,7 @@ use super::tables::{
 use crate::Invalid;
 use crate::io::environment::read_environment;
 use crate::io::warnings::Warnings;
+use crate::light::EnvironmentPicture;
 use crate::scene::description::{
     EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel, look_at,
 };
@@ -177,8 +178,12 @@ fn picture(
     if !rotation_deg.is_finite() {
         return Err(Invalid::new("rotation_deg", format!("must be finite, got {rotation_deg}")));
     }
-    let image = read_environment(&finder.path(image), warnings).map_err(|e| e.within("image"))?;
-    Ok(EnvironmentDescription::Picture { image: Arc::new(image), level, rotation_deg })
+    let image = Arc::new(read_environment(&finder.path(image), warnings).map_err(|e| e.within("image"))?);
+    if matches!(level, PictureLevel::HorizontalLux(_)) && EnvironmentPicture::luminous_integrals(&image).1 <= 0.0 {
+        let message = "cannot be reached: all light of the picture comes from below the horizon";
+        return Err(Invalid::new("illuminance_lux", message).help("give nit_per_unit, what a value of 1 means"));
+    }
+    Ok(EnvironmentDescription::Picture { image, level, rotation_deg })
 }
 
 /// Three finite coordinates.

@@ -47,7 +47,7 @@ use glam::DAffine3;
 use crate::integrator::RenderSettings;
 use crate::optics::LensDescription;
 use crate::scene::description::SceneDescription;
-use crate::sensor::SensorModel;
+use crate::sensor::{SensorModel, presets};
 use crate::{Error, Invalid, Result};
 
 use camera::place_camera;
@@ -104,6 +104,16 @@ impl Capture {
             ReadScene::of_capture(&source, &file.scene, folder)?
         };
         Self::assemble(&file, geometry, &source, folder).map_err(|invalid| source.error(invalid))
+    }
+
+    /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. A sensor file of the
+    /// user's own is taken up without its name.
+    pub fn to_json(&self) -> Result<serde_json::Value> {
+        let mut keys: serde_json::Value = self.source.read_whole()?;
+        if presets::names().any(|name| name == self.sensor.name) {
+            keys["sensor"]["preset"] = self.sensor.name.as_str().into();
+        }
+        Ok(keys)
     }
 
     /// Makes of the tables what they mean.

@@ -122,7 +122,7 @@ impl<'a> Accessors<'a> {
     }
 
     /// Replaces the elements that the sparse part of an accessor gives.
-    #[allow(clippy::too_many_arguments)]
+    #[allow(clippy::too_many_arguments, reason = "where the indices and the values lie, each with its type and name")]
     fn apply_sparse<T>(
         &self,
         sparse: &sparse::Sparse,

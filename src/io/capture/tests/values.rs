@@ -167,6 +167,16 @@ fn lights_stand_where_they_are_put() {
 }
 
 #[test]
+fn a_picture_dark_above_the_horizon_gives_no_illuminance() {
+    let files =
+        Files::new("[scene]\ngeometry = ['room.obj']\nenvironment = { image = 'sky.hdr', illuminance_lux = 9 }");
+    let pixels = image::Rgb32FImage::from_fn(2, 2, |_, y| image::Rgb([y as f32; 3]));
+    pixels.save(files.0.path().join("sky.hdr")).expect("written");
+    let error = files.read(&[]).expect_err("no light from above").to_string();
+    assert!(error.contains("scene.environment.illuminance_lux: cannot be reached"), "{error}");
+}
+
+#[test]
 fn environments_are_constant_or_pictures() {
     let with = |environment: &str| {
         let files = Files::new(&format!("[scene]\ngeometry = ['room.obj']\nenvironment = {environment}"));
