@@ -6,8 +6,9 @@
     python benches/mitsuba/compare.py
 
 Both programs get the same triangles, measured spectra, camera, depth, roulette and sensor: 256 × 256 pixels, box filter,
-64 samples a pixel, spectral, in the response functions of photosite's sensor (its quantum efficiency times photon count),
-so that both estimate the same three numbers a pixel. Runs of the two alternate. Mitsuba is warm: one render before the
+64 samples a pixel, spectral, in the response functions of photosite's sensor, so that both estimate the same three numbers
+a pixel, electrons. Mitsuba gets the capture from `photosite export-mitsuba`, which tests/mitsuba holds against scenes
+written by hand. Runs of the two alternate. Mitsuba is warm: one render before the
 measurement pays for tracing and compiling its kernels. Times are those of light transport alone: photosite's `trace_s`,
 Mitsuba's time in `render`. Loading, sensor and files are left out on both sides.
 
@@ -18,14 +19,12 @@ the reference's mean in that channel:
     efficiency = 1 / (relMSE · seconds), the reciprocal of the time to a relMSE of 1 with independent samples
 
 The reference's own noise adds samples/reference samples to the relMSE of independent samples, 1.6 % as it stands. relMSE
-says nothing about bias that picture and reference share; therefore the two references are compared with each other too,
-in absolute units: electrons a pixel.
+says nothing about bias that picture and reference share; therefore the two references are compared with each other too.
 """
 
 import argparse
 import glob
 import json
-import math
 import os
 import statistics
 import subprocess
@@ -40,10 +39,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 CAPTURE = HERE / "cornell-box.toml"
-SPECTRA = ROOT / "assets" / "spectra"
 EPSILON = 0.01
-PLANCK, LIGHT_SPEED = 6.62607015e-34, 299792458.0
-LUMENS_PER_WATT = 683.0
 
 
 def arguments():
@@ -55,67 +51,9 @@ def arguments():
     parser.add_argument("--roulette-depth", type=int, default=5, help="of both programs (default: %(default)s)")
     parser.add_argument("--threads", type=int, help="of both programs (default: all cores)")
     parser.add_argument("--variant", default="llvm_ad_spectral", help="of Mitsuba (default: %(default)s)")
-    parser.add_argument("--film", choices=("sensor", "rgb"), default="sensor", help="what Mitsuba estimates: the sensor's "
-                        "channels, as photosite does, or linear sRGB, its usual film (default: %(default)s)")
     parser.add_argument("--mitsuba-only", action="store_true", help="leave photosite out")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
     return parser.parse_args()
-
-
-# The data, as photosite reads it.
-
-
-def table(path):
-    """Columns of a CSV file of spectra, and whether it holds its end values outside."""
-    lines = path.read_text(encoding="utf-8").splitlines()
-    hold = any(line.replace(" ", "") == "#outside:hold" for line in lines)
-    rows = [line.split(",") for line in lines if line and not line.startswith("#")]
-    columns = np.array([[float(field) for field in row] for row in rows[1:]]).T
-    return dict(zip(rows[0], columns)), hold
-
-
-def at(path, wavelengths, column="value"):
-    """A tabulated spectrum at wavelengths in nm."""
-    columns, hold = table(path)
-    outside = {} if hold else {"left": 0.0, "right": 0.0}
-    return np.interp(wavelengths, columns["wavelength_nm"], columns[column], **outside)
-
-
-def sensor_responses(preset, wavelengths):
-    """Electrons per joule of a wavelength on the pixel, QE · τ · λ/(hc), by channel."""
-    path = ROOT / "assets" / "sensors" / f"{preset}.toml"
-    sensor = tomllib.loads(path.read_text(encoding="utf-8"))
-    filter_ = at(path.parent / sensor["filter"]["transmittance"]["file"], wavelengths) if "filter" in sensor else 1.0
-    per_photon = wavelengths * 1e-9 / (PLANCK * LIGHT_SPEED) * sensor["fill_factor"] * filter_
-    return {
-        name: at(path.parent / channel["quantum_efficiency"]["file"], wavelengths) * per_photon
-        for name, channel in sensor["channels"].items()
-    }
-
-
-def lamp_radiance(luminance):
-    """The published shape of the lamp, W·m⁻²·sr⁻¹·nm⁻¹, at a luminance in nit."""
-    shape, _ = table(SPECTRA / "cornell" / "light.csv")
-    wavelengths = np.arange(360.0, 831.0)
-    efficiency = at(SPECTRA / "cie-1931-2deg.csv", wavelengths, "y")
-    relative = at(SPECTRA / "cornell" / "light.csv", wavelengths)
-    return shape["wavelength_nm"], shape["value"] * luminance / (LUMENS_PER_WATT * np.sum(relative * efficiency))
-
-
-def meshes_by_material(path):
-    """Vertices of an OBJ file, and its polygons by material."""
-    vertices, faces, material = [], {}, None
-    for line in path.read_text(encoding="utf-8").splitlines():
-        word, *rest = line.split() or [""]
-        if word == "v":
-            vertices.append(rest)
-        elif word == "usemtl":
-            material = rest[0]
-        elif word == "f":
-            corners = [int(corner.split("/")[0]) for corner in rest]
-            corners = [corner if corner > 0 else len(vertices) + 1 + corner for corner in corners]
-            faces.setdefault(material, []).append(corners)
-    return vertices, faces
 
 
 # Mitsuba.
@@ -124,7 +62,7 @@ def meshes_by_material(path):
 class Mitsuba:
     """The scene in Mitsuba 3."""
 
-    def __init__(self, options, capture, folder):
+    def __init__(self, options, folder):
         # Mitsuba finds LLVM when its backend starts, by this variable or the loader's default names.
         if "llvm" in options.variant and "DRJIT_LIBLLVM_PATH" not in os.environ:
             found = sorted(glob.glob("/usr/lib/*/libLLVM.so.19*") + glob.glob("/usr/lib/llvm-19/lib/libLLVM*.so*"))
@@ -142,79 +80,12 @@ class Mitsuba:
             mitsuba.Thread.set_thread_count(options.threads)
         self.mitsuba = mitsuba
         self.name = f"Mitsuba {mitsuba.__version__} {options.variant}"
-        self.scene = mitsuba.load_dict(self._describe(options, capture, folder))
-
-    def _describe(self, options, capture, folder):
-        transform = self.mitsuba.ScalarTransform4f()
-        camera, lens, sensor = capture["camera"], capture["lens"], capture["sensor"]
-        columns, rows = sensor["resolution_px"]
-        width = columns * sensor["pixel_pitch_um"][0] * 1e-3
-        film = {"width": columns, "height": rows, "rfilter": {"type": "box"}}
-        if options.film == "rgb":
-            film |= {"type": "hdrfilm", "pixel_format": "rgb", "component_format": "float32"}
-        else:
-            # The lamp is dark outside 400–700 nm.
-            grid = np.arange(400.0, 701.0, 2.0)
-            film |= {"type": "specfilm", "component_format": "float32"}
-            responses = sensor_responses(sensor["preset"], grid)
-            self.scale = max(float(np.max(response)) for response in responses.values())
-            film |= {name: self._regular(grid, response / self.scale) for name, response in responses.items()}
-        scene = {
-            "type": "scene",
-            "integrator": {
-                "type": "path",
-                "max_depth": capture["render"]["max_depth"],
-                "rr_depth": options.roulette_depth,
-            },
-            "sensor": {
-                "type": "perspective",
-                "fov_axis": "x",
-                "fov": math.degrees(2 * math.atan(width / 2 / lens["focal_length_mm"])),
-                "near_clip": 0.01,
-                "far_clip": 10.0,
-                "to_world": transform.look_at(camera["position_m"], camera["look_at_m"], [0, 1, 0]),
-                "sampler": {"type": "independent"},
-                "film": film,
-            },
-        }
-        scale = capture["scene"]["meters_per_unit"]
-        vertices, faces = meshes_by_material(CAPTURE.parent / capture["scene"]["geometry"][0])
-        grid = np.arange(360.0, 833.0, 4.0)
-        for name, polygons in faces.items():
-            path = folder / f"{name}.obj"
-            lines = ["v " + " ".join(vertex) for vertex in vertices] + ["f " + " ".join(map(str, p)) for p in polygons]
-            path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-            material = capture["materials"][name]
-            reflectance = material["reflectance"]
-            if isinstance(reflectance, str):
-                reflectance = self._regular(grid, at(SPECTRA / f"{reflectance}.csv", grid))
-            else:
-                reflectance = {"type": "uniform", "value": reflectance}
-            scene[name] = {
-                "type": "obj",
-                "filename": str(path),
-                "face_normals": True,
-                "to_world": transform.scale(scale),
-                "bsdf": {"type": "diffuse", "reflectance": reflectance},
-            }
-            if "emission" in material:
-                wavelengths, radiance = lamp_radiance(material["emission"]["luminance_nit"])
-                irregular = {
-                    "type": "irregular",
-                    "wavelengths": ",".join(f"{value:g}" for value in wavelengths),
-                    "values": ",".join(f"{value:.9g}" for value in radiance),
-                }
-                scene[name]["emitter"] = {"type": "area", "radiance": irregular}
-        return scene
-
-    @staticmethod
-    def _regular(grid, values):
-        return {
-            "type": "regular",
-            "wavelength_min": float(grid[0]),
-            "wavelength_max": float(grid[-1]),
-            "values": ",".join(f"{value:.9g}" for value in values),
-        }
+        out = folder / "mitsuba"
+        command = [options.photosite, "export-mitsuba", CAPTURE, "-o", out, "--quiet"]
+        command += ["--set", f"render.roulette_depth={options.roulette_depth}"]
+        if subprocess.run([str(word) for word in command], check=False).returncode:
+            sys.exit("photosite cannot export the capture")
+        self.scene = mitsuba.load_file(str(out / "scene.xml"))
 
     def render(self, samples, seed):
         """A picture and the seconds it took."""
@@ -230,12 +101,6 @@ class Mitsuba:
         part = 256
         parts = max(1, samples // part)
         return sum(self.render(part, 1_000_000 + i)[0] for i in range(parts)) / parts
-
-    def electrons(self, picture, capture):
-        """Electrons a pixel of the camera that photosite has: E = π/4 · L/N² without falloff, times pixel area and time."""
-        area = math.prod(capture["sensor"]["pixel_pitch_um"]) * 1e-12
-        aperture = math.pi / 4 / capture["lens"]["f_number"] ** 2
-        return picture * self.scale * aperture * area * capture["exposure"]["time_s"]
 
 
 # photosite.
@@ -290,16 +155,16 @@ def relative_error(picture, reference):
 
 def main():
     options = arguments()
+    if not options.photosite.is_file():
+        sys.exit(f"{options.photosite} is missing: run cargo build --release first")
     capture = tomllib.loads(CAPTURE.read_text(encoding="utf-8"))
     columns, rows = capture["sensor"]["resolution_px"]
     paths = columns * rows * options.samples
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
-        mitsuba = Mitsuba(options, capture, folder)
+        mitsuba = Mitsuba(options, folder)
         renderers = [mitsuba]
         if not options.mitsuba_only:
-            if not options.photosite.is_file():
-                sys.exit(f"{options.photosite} is missing: run cargo build --release first")
             renderers += [Photosite(options, sampler, folder / sampler) for sampler in ("independent", "sobol")]
         cores = options.threads or os.cpu_count()
         print(f"Cornell box, {columns} × {rows} pixels, {options.samples} samples, "
@@ -334,8 +199,8 @@ def main():
     print("\nMedian seconds and mean relMSE of "
           f"{options.runs} runs; ratios are to Mitsuba, above 1 is better than Mitsuba.")
 
-    if not options.mitsuba_only and options.film == "sensor":
-        ours, theirs = references[renderers[-1].name], mitsuba.electrons(references[mitsuba.name], capture)
+    if not options.mitsuba_only:
+        ours, theirs = references[renderers[-1].name], references[mitsuba.name]
         ratio = ours.mean(axis=(0, 1)) / theirs.mean(axis=(0, 1))
         difference = relative_error(ours, theirs)
         results["agreement"] = {"mean_ratio": ratio.tolist(), "relmse": difference}
