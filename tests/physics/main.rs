@@ -14,6 +14,7 @@ mod develop_colour;
 mod lens;
 mod light_sampling;
 mod quadrature;
+mod sampling;
 mod sensor_cases;
 mod sensor_light;
 mod sensor_photon_transfer;
