@@ -32,7 +32,7 @@ SCENES = HERE / "scenes"
 PHOTOSITE = HERE.parents[1] / "target" / "release" / "photosite"
 BATCHES = 128
 # Fresh pictures for a check take this part of the samples of the stored ones.
-CHECK_PART = 8
+CHECK_PART = 2
 
 
 def names():
