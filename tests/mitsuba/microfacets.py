@@ -35,7 +35,17 @@ def fresnel_conductor(cos, eta, k):
     return 0.5 * (s + p)
 
 
-class CorrelatedRoughConductor(mi.BSDF):
+class Microfacets(mi.BSDF):
+    """What both have: a subclass computes value and density together, in eval_pdf."""
+
+    def eval(self, ctx, si, wo, active):
+        return self.eval_pdf(ctx, si, wo, active)[0]
+
+    def pdf(self, ctx, si, wo, active):
+        return self.eval_pdf(ctx, si, wo, active)[1]
+
+
+class CorrelatedRoughConductor(Microfacets):
     """Mitsuba's roughconductor with correlated shadowing."""
 
     def __init__(self, props):
@@ -63,12 +73,6 @@ class CorrelatedRoughConductor(mi.BSDF):
         weight = self.fresnel(si, dr.dot(si.wi, m), active) * correlated(distribution, si.wi, bs.wo, m)
         return bs, dr.select(active, weight / distribution.smith_g1(si.wi, m), 0)
 
-    def eval(self, ctx, si, wo, active):
-        return self.eval_pdf(ctx, si, wo, active)[0]
-
-    def pdf(self, ctx, si, wo, active):
-        return self.eval_pdf(ctx, si, wo, active)[1]
-
     def eval_pdf(self, ctx, si, wo, active):
         distribution = self.distribution()
         cos_i, cos_o = mi.Frame3f.cos_theta(si.wi), mi.Frame3f.cos_theta(wo)
@@ -79,7 +83,7 @@ class CorrelatedRoughConductor(mi.BSDF):
         return dr.select(active, value * self.fresnel(si, dr.dot(si.wi, m), active), 0), dr.select(active, pdf, 0)
 
 
-class CorrelatedRoughDielectric(mi.BSDF):
+class CorrelatedRoughDielectric(Microfacets):
     """Mitsuba's roughdielectric with correlated shadowing. Radiance is scaled by the squared index as it is carried over."""
 
     def __init__(self, props):
@@ -110,12 +114,6 @@ class CorrelatedRoughDielectric(mi.BSDF):
         value, bs.pdf = self.eval_pdf(ctx, si, bs.wo, active)
         active &= (bs.pdf > 0) & ((mi.Frame3f.cos_theta(bs.wo) * cos_i > 0) == reflects)
         return bs, dr.select(active, value / bs.pdf, 0)
-
-    def eval(self, ctx, si, wo, active):
-        return self.eval_pdf(ctx, si, wo, active)[0]
-
-    def pdf(self, ctx, si, wo, active):
-        return self.eval_pdf(ctx, si, wo, active)[1]
 
     def eval_pdf(self, ctx, si, wo, active):
         distribution = self.distribution()
