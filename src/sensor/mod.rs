@@ -8,6 +8,7 @@
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 
 mod auto_exposure;
+mod band_light;
 mod converter;
 mod dark_current;
 mod dark_offset;
@@ -23,6 +24,7 @@ mod read_noise;
 mod shot_noise;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
+pub use band_light::{BandRates, electron_rates};
 pub use description::{
     AdcDescription, ChannelDescription, ChargeDescription, CurveFile, FilterDescription, NoiseDescription,
     SensorDescription, SensorKind, SpectrumSource,

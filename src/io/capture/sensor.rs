@@ -13,7 +13,9 @@ use crate::spectrum::Outside;
 use crate::{Error, Invalid, Result};
 
 /// Makes the model of a sensor.
-pub(super) fn sensor_model(sensor: &MergedSensor, finder: &Finder<'_>) -> Result<SensorModel, Invalid> {
+pub(super) fn sensor_model(sensor: &MergedSensor) -> Result<SensorModel, Invalid> {
+    // Paths of curves have been made such that they can be used as they are.
+    let finder = Finder::new(Path::new(""), Vec::new());
     SensorModel::new(&sensor.name, &sensor.description, |spectrum| finder.spectrum(spectrum, Outside::Zero))
 }
 
@@ -49,6 +51,16 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     let description = source.read("sensor")?.ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
     let name = Path::new(&name).file_stem().map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
     Ok(MergedSensor { name, description })
+}
+
+/// Reads a sensor of which all keys are there, whatever preset they come from.
+pub(super) fn read_whole_sensor(source: &mut CaptureSource, name: &str) -> Result<MergedSensor> {
+    let mut table =
+        source.get("sensor").cloned().unwrap_or(Node { span: 0..0, value: Value::Table(Default::default()) });
+    table.remove("preset");
+    source.replace("sensor", table);
+    let description = source.read("sensor")?.ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
+    Ok(MergedSensor { name: name.to_owned(), description })
 }
 
 /// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.
@@ -92,7 +104,7 @@ fn unknown_preset(source: &CaptureSource, name: &str) -> Error {
 }
 
 /// Makes the paths of `{ file = "…" }` relative to `folder` rather than to the file that they stand in.
-fn anchor_files(node: &mut Node, folder: &Path) {
+pub(super) fn anchor_files(node: &mut Node, folder: &Path) {
     let Value::Table(table) = &mut node.value else { return };
     for (key, entry) in table {
         match &mut entry.node.value {
