@@ -7,7 +7,7 @@ use photosite::image::{Estimate, Planes};
 use photosite::io::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
-use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, auto_exposure, expose};
+use photosite::sensor::{Exposure, NoiseKey, SensorModel, auto_exposure, expose};
 use photosite::spectrum::{Spectrum, illuminant};
 use photosite::units::{Electrons, Seconds};
 use photosite::{Error, Invalid, Result};
@@ -109,6 +109,8 @@ impl<'a> Chain<'a> {
             Some(time) => Ok(self.at(time)),
             None => self.exposure(&light, collected),
         };
+        // The time of an automatic exposure is known only now.
+        let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
         let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
         let electrons = if exposure.time == collected { light } else { light.scaled(exposure.time.0 / collected.0) };
         Ok(Exposed { exposure, electrons })
@@ -116,10 +118,10 @@ impl<'a> Chain<'a> {
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
+        let Settings { sensor, exposure: ExposureSettings { stages, .. }, seed, .. } = self.settings;
         let Exposed { exposure, electrons } = exposed;
-        let key = NoiseKey { seed: self.settings.seed, frame: u64::from(frame) };
-        let raw = expose(&electrons.mean, self.settings.sensor, exposure, Stages::ALL, key);
-        let mut raw = raw.map_err(|e| self.in_exposure(e))?;
+        let key = NoiseKey { seed, frame: u64::from(frame) };
+        let mut raw = expose(&electrons.mean, sensor, exposure, *stages, key).map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = self.optics.f_number;
         raw.metadata.focal_length_m = self.optics.focal_length_m;
         raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65);
@@ -149,8 +151,8 @@ impl<'a> Chain<'a> {
     }
 
     fn at(&self, time: Seconds) -> Exposure {
-        let ExposureSettings { gain, temperature, .. } = *self.settings.exposure;
-        Exposure { time, gain, temperature }
+        let ExposureSettings { gain, temperature, frame_interval, .. } = *self.settings.exposure;
+        Exposure { time, gain, temperature, frame_interval }
     }
 
     /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
@@ -179,7 +181,7 @@ impl<'a> Chain<'a> {
     }
 
     pub(super) fn exposure_report(&self, exposed: &Exposed) -> ExposureReport {
-        let Exposure { time, gain, temperature } = exposed.exposure;
+        let Exposure { time, gain, temperature, .. } = exposed.exposure;
         ExposureReport {
             time_s: time.0,
             auto: matches!(self.settings.exposure.time, ExposureTime::Auto(_)),

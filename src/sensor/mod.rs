@@ -9,11 +9,15 @@
 
 mod auto_exposure;
 mod band_light;
+mod charge_generation;
+mod charge_plane;
 mod converter;
 mod dark_current;
 mod dark_offset;
 mod description;
 mod expose;
+mod exposure;
+mod fixed_pattern;
 mod full_well;
 mod model;
 mod noise_key;
@@ -22,6 +26,7 @@ mod photo_response;
 pub mod presets;
 mod read_noise;
 mod shot_noise;
+mod stage;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
 pub use band_light::{BandRates, electron_rates};
@@ -29,6 +34,8 @@ pub use description::{
     AdcDescription, ChannelDescription, ChargeDescription, CurveFile, FilterDescription, NoiseDescription,
     SensorDescription, SensorKind, SpectrumSource,
 };
-pub use expose::{Exposure, Stages, expose};
-pub use model::{Converter, Noise, SensorModel};
-pub use noise_key::{NoiseKey, NoiseStage};
+pub use expose::expose;
+pub use exposure::Exposure;
+pub use model::{Converter, FixedPattern, Noise, SensorModel};
+pub use noise_key::NoiseKey;
+pub use stage::{Stage, Stages};
