@@ -8,16 +8,20 @@
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 
 mod auto_exposure;
+mod brighter_fatter;
+mod ccd;
 mod converter;
 mod dark_current;
 mod dark_offset;
 mod description;
 mod expose;
 mod full_well;
+mod layers;
 mod model;
 mod noise_key;
 mod noise_model;
 mod photo_response;
+mod photon_counting;
 pub mod presets;
 mod read_noise;
 mod shot_noise;
