@@ -20,24 +20,26 @@ use crate::units::Seconds;
 /// takes as long as the exposure: with H rows of a line time t_l each, it is τ·(H/10)/(H·t_l), so
 ///
 /// τ = 10 · 10^(dB/20) · t_l.
-pub(in crate::sensor) fn interline_time(smear_db: f64, line_time: Seconds) -> Seconds {
+pub(super) fn interline_time(smear_db: f64, line_time: Seconds) -> Seconds {
     Seconds(10.0 * 10f64.powf(smear_db / 20.0) * line_time.0)
 }
 
 /// Adds smear to mean electrons, `width` in a row, of an exposure of which each passed row takes the part `ratio` = τ/t.
-/// `own_row`: whether the row of a packet itself counts among those that it passes.
-pub(in crate::sensor) fn add(mean_electrons: &mut [f32], width: usize, ratio: f64, own_row: bool) {
+/// `own_row`: whether the row of a packet itself counts among those that it passes. Returns, for each column, what a well
+/// collects that passes all rows.
+pub(super) fn add(mean_electrons: &mut [f32], width: usize, ratio: f64, own_row: bool) -> Vec<f32> {
     let mut sums = vec![0.0f64; width];
-    for row in mean_electrons.chunks_exact(width) {
+    for row in mean_electrons.chunks_exact(width.max(1)) {
         sums.iter_mut().zip(row).for_each(|(sum, &mean)| *sum += f64::from(mean));
     }
-    for row in mean_electrons.chunks_exact_mut(width) {
+    for row in mean_electrons.chunks_exact_mut(width.max(1)) {
         for (mean, sum) in row.iter_mut().zip(&sums) {
             let own = f64::from(*mean);
             let passed = if own_row { *sum } else { sum - own };
             *mean = (own + ratio * passed) as f32;
         }
     }
+    sums.into_iter().map(|sum| (ratio * sum) as f32).collect()
 }
 
 #[cfg(test)]
@@ -59,7 +61,8 @@ mod tests {
     fn a_spot_draws_a_line_through_its_column_alone() {
         let mut plane = spot();
         // A power of two, so that f32 holds every value.
-        add(&mut plane, WIDTH, 1.0 / 1024.0, false);
+        let passing = add(&mut plane, WIDTH, 1.0 / 1024.0, false);
+        assert_eq!(passing, [0.0, 0.0, 6.0, 0.0, 0.5]);
         for (i, &e) in plane.iter().enumerate() {
             let expected = match (i % WIDTH, i / WIDTH) {
                 (2, 17) => 4096.0 + 2.0,

@@ -21,7 +21,7 @@ use crate::math::philox::Philox;
 /// electrons that arrive after the last packet.
 ///
 /// Only whole electrons stay behind: a fraction, or a negative charge, goes with its packet.
-pub(in crate::sensor) fn shift_out(
+pub(super) fn shift_out(
     line: &mut [f64],
     inefficiency: f64,
     shifts: usize,
