@@ -17,23 +17,35 @@
 
 use rayon::prelude::*;
 
-/// Hands charge (e⁻, `width` in a row) over the boundaries. `per_e`: a_x and a_y, the correlation of neighbours along x
+use super::charge_plane::ChargePlane;
+use super::expose::Frame;
+use super::stage::Stage;
+
+/// Lets the boundaries of a whole picture move.
+pub(super) fn apply(frame: &Frame<'_>, charge: &mut ChargePlane) {
+    let per_e = frame.sensor.brighter_fatter_per_e;
+    if per_e != [0.0; 2] && frame.stages.has(Stage::BrighterFatter) {
+        spread(&mut charge.electrons, charge.width, charge.samples, per_e);
+    }
+}
+
+/// Hands charge (e⁻, `width` in a row, neighbours `samples` apart) over the boundaries. `per_e`: a_x and a_y, the correlation of neighbours along x
 /// and along y for each electron of a flat field, 1/e⁻; (a_x + a_y)·Q is at most 1 everywhere.
-pub(super) fn spread(charges: &mut [f32], width: usize, per_e: [f64; 2]) {
+fn spread(charges: &mut [f32], width: usize, samples: usize, per_e: [f64; 2]) {
     let [along_x, along_y] = per_e.map(|a| a / 4.0);
     let flow = |a: f64, from: f64, to: f64| a * (from * from - to * to);
     let before = charges.to_vec();
-    let rows: Vec<&[f32]> = before.chunks_exact(width).collect();
-    charges.par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| {
+    let rows: Vec<&[f32]> = before.chunks_exact(width.max(1)).collect();
+    charges.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, row)| {
         let above = y.checked_sub(1).map(|y| rows[y]);
         let below = rows.get(y + 1);
         for (x, charge) in row.iter_mut().enumerate() {
             let own = f64::from(rows[y][x]);
             let gain = |a: f64, neighbour: Option<&f32>| neighbour.map_or(0.0, |&q| flow(a, f64::from(q), own));
-            let left = x.checked_sub(1).and_then(|x| rows[y].get(x));
+            let left = x.checked_sub(samples).and_then(|x| rows[y].get(x));
             // A boundary's flow is computed alike on both of its sides, so that one gains what the other loses.
             let gained = gain(along_x, left)
-                + gain(along_x, rows[y].get(x + 1))
+                + gain(along_x, rows[y].get(x + samples))
                 + gain(along_y, above.map(|row| &row[x]))
                 + gain(along_y, below.map(|row| &row[x]));
             *charge = (own + gained) as f32;
@@ -52,7 +64,7 @@ mod tests {
     fn a_spot_grows_and_keeps_its_charge() {
         let mut plane = vec![0.0f32; 49];
         plane[24] = 40_000.0;
-        spread(&mut plane, 7, [1e-6, 2e-6]);
+        spread(&mut plane, 7, 1, [1e-6, 2e-6]);
         // a/4·Q²: 400 e⁻ to either side and 800 e⁻ up and down.
         assert_eq!([plane[23], plane[25], plane[17], plane[31]], [400.0, 400.0, 800.0, 800.0]);
         assert_eq!(plane[24], 40_000.0 - 2400.0);
@@ -62,12 +74,12 @@ mod tests {
     #[test]
     fn a_flat_field_is_left_alone_and_charge_conserved() {
         let mut flat = vec![12_345.0f32; 60];
-        spread(&mut flat, 6, [1e-6, 1e-6]);
+        spread(&mut flat, 6, 2, [1e-6, 1e-6]);
         assert!(flat.iter().all(|&q| q == 12_345.0));
         let mut plane: Vec<f32> = (0..600).map(|i| (i * 7919 % 30_011) as f32).collect();
         let total = |plane: &[f32]| plane.iter().map(|&q| f64::from(q)).sum::<f64>();
         let before = total(&plane);
-        spread(&mut plane, 20, [2e-6, 1e-6]);
+        spread(&mut plane, 20, 1, [2e-6, 1e-6]);
         // f32 rounds each of 600 pixels to 2⁻²⁴ of at most 2¹⁵.
         assert!((total(&plane) - before).abs() < 600.0 * 2f64.powi(-10), "{}", total(&plane) - before);
     }
@@ -78,7 +90,7 @@ mod tests {
         let (mean_e, per_e) = (20_000.0, [1e-6, 2e-6]);
         let mut plane: Vec<f32> =
             (0..SIDE * SIDE).map(|i| poisson(mean_e, &mut Philox::new(5, i as u64)) as f32).collect();
-        spread(&mut plane, SIDE, per_e);
+        spread(&mut plane, SIDE, 1, per_e);
         let inner = |x: usize, y: usize| f64::from(plane[y * SIDE + x]) - mean_e;
         let covariance = |dx: usize, dy: usize| -> f64 {
             let all = (1..SIDE - 2).flat_map(|y| (1..SIDE - 2).map(move |x| (x, y)));

@@ -8,8 +8,127 @@ use rand::RngExt;
 use rand::distr::Distribution;
 use rand_distr::{Binomial, Exp1, Gamma};
 
+use crate::Invalid;
 use crate::math::philox::Philox;
 use crate::units::Seconds;
+
+use super::charge_plane::{Row, RowStage};
+use super::description::{CountingMode, SpadDescription};
+use super::expose::Frame;
+use super::model::checks::{fraction_below_one, not_negative};
+use super::noise_key::Streams;
+use super::stage::Stage;
+
+/// A single-photon detector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spad {
+    /// What it counts.
+    pub counting: Counting,
+    /// Probability that a count is followed by another one without light, 0 to below 1.
+    pub afterpulsing: f64,
+}
+
+/// What a single-photon detector counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Counting {
+    /// Every photon that does not fall into the dead time of the one before.
+    FreeRunning {
+        /// Time after each count in which further photons are missed.
+        dead_time: Seconds,
+    },
+    /// Frames in which there was at least one photon.
+    OneBit {
+        /// Frames whose sum is one picture, 1 and more.
+        frames: u32,
+    },
+}
+
+impl Spad {
+    /// Keys of errors are those of the table `[spad]`.
+    pub(super) fn new(d: &SpadDescription) -> Result<Self, Invalid> {
+        let missing =
+            |key: &str, example: &str| Invalid::new(key, "missing").help(format!("for example {key} = {example}"));
+        let unused = |key: &str, mode: &str| {
+            Invalid::new(key, format!("says nothing of counting = {mode:?}")).help("leave it out")
+        };
+        let counting = match (d.counting, d.dead_time_ns, d.one_bit_frames) {
+            (CountingMode::FreeRunning, Some(dead_time_ns), None) => {
+                not_negative("dead_time_ns", dead_time_ns)?;
+                Counting::FreeRunning { dead_time: Seconds(dead_time_ns * 1e-9) }
+            }
+            (CountingMode::OneBit, None, Some(frames)) => {
+                if !(1..=MAX_FRAMES).contains(&frames) {
+                    let message = format!("must lie between 1 and {MAX_FRAMES}, got {frames}");
+                    return Err(Invalid::new("one_bit_frames", message).help("for example one_bit_frames = 255"));
+                }
+                Counting::OneBit { frames }
+            }
+            (CountingMode::FreeRunning, _, Some(_)) => return Err(unused("one_bit_frames", "free-running")),
+            (CountingMode::OneBit, Some(_), _) => return Err(unused("dead_time_ns", "one-bit")),
+            (CountingMode::FreeRunning, None, None) => return Err(missing("dead_time_ns", "50.0")),
+            (CountingMode::OneBit, None, None) => return Err(missing("one_bit_frames", "255")),
+        };
+        let afterpulsing = fraction_below_one("afterpulsing_percent", d.afterpulsing_percent / 100.0)
+            .map_err(|_| Invalid::new("afterpulsing_percent", "must be at least 0 and below 100"))?;
+        Ok(Self { counting, afterpulsing })
+    }
+
+    /// Counts of an exposure, drawn at random. `mean`: photons and dark counts that are detectable in it on average.
+    fn count(&self, mean: f64, time: Seconds, random: &mut Philox) -> f64 {
+        match self.counting {
+            Counting::FreeRunning { dead_time } => free_running(mean, time, dead_time, self.afterpulsing, random),
+            Counting::OneBit { frames } => one_bit_frames(mean, frames, self.afterpulsing, random),
+        }
+    }
+
+    /// Mean counts of an exposure, but for the first and last of its time.
+    fn mean_count(&self, mean: f64, time: Seconds) -> f64 {
+        match self.counting {
+            Counting::FreeRunning { dead_time } => mean / (1.0 - self.afterpulsing + mean * dead_time.0 / time.0),
+            Counting::OneBit { frames } => {
+                // The share of bright frames to which the chain of frames tends: p₁ = P + p·(1 − P)·p₁.
+                let dark = (-mean / f64::from(frames)).exp();
+                f64::from(frames) * (1.0 - dark) / (1.0 - self.afterpulsing * dark)
+            }
+        }
+    }
+}
+
+/// More one-bit frames than this do not fit into a raw file's numbers.
+const MAX_FRAMES: u32 = 65_535;
+
+/// Turns the detectable photons of all pixels into counts.
+#[derive(Clone, Debug)]
+pub(super) struct PhotonCounter<'a> {
+    spad: &'a Spad,
+    time: Seconds,
+    dark_counts: f64,
+    /// `None` for mean counts.
+    streams: Option<Streams>,
+}
+
+impl<'a> PhotonCounter<'a> {
+    /// `None` for sensors that do not count photons.
+    pub(super) fn new(frame: &Frame<'a>) -> Option<Self> {
+        let Frame { sensor, exposure, stages, .. } = frame;
+        let spad = sensor.architecture.spad().filter(|_| stages.has(Stage::PhotonCounting))?;
+        let dark = sensor.noise.dark_electrons(exposure.temperature, exposure.time);
+        let dark_counts = if stages.has(Stage::DarkCurrent) { dark.0 } else { 0.0 };
+        Some(Self { spad, time: exposure.time, dark_counts, streams: frame.temporal(Stage::ShotNoise) })
+    }
+}
+
+impl RowStage for PhotonCounter<'_> {
+    fn apply(&self, row: &mut Row<'_>) {
+        for (x, value) in row.values.iter_mut().enumerate() {
+            let mean = f64::from(*value) + self.dark_counts;
+            *value = match &self.streams {
+                Some(streams) => self.spad.count(mean, self.time, &mut streams.pixel(x, row.y)),
+                None => self.spad.mean_count(mean, self.time),
+            } as f32;
+        }
+    }
+}
 
 /// Counts of a diode that is free to fire whenever it is not dead, during a time.
 ///

@@ -11,9 +11,9 @@ mod model;
 mod smear;
 mod transfer;
 
+pub(super) use model::margin;
 pub use model::{Ccd, Overscan};
 
-use rand::RngExt;
 use rayon::prelude::*;
 
 use super::charge_plane::ChargePlane;
@@ -39,7 +39,8 @@ pub(super) fn smear(ccd: &Ccd, frame: &Frame<'_>, mean_electrons: &mut ChargePla
 /// Lets full wells overflow along their columns.
 pub(super) fn bloom(ccd: &Ccd, frame: &Frame<'_>, charge: &mut ChargePlane) {
     let full_well = frame.sensor.full_well.0;
-    if !charge.electrons.par_iter().any(|&e| f64::from(e) > full_well) {
+    let overflows = |charge: &ChargePlane| charge.electrons.par_iter().any(|&e| f64::from(e) > full_well);
+    if !frame.stages.has(Stage::Blooming) || !overflows(charge) {
         return;
     }
     let drain = (ccd.anti_blooming_factor - 1.0) * full_well;
@@ -83,9 +84,9 @@ pub(super) fn shift_out(ccd: &Ccd, frame: &Frame<'_>, charge: ChargePlane, passi
         return charge;
     }
     // The registers of several chips work side by side.
-    charge.map_lines(prescan_columns, columns, |x, y, line| {
+    charge.map_rows(prescan_columns, columns, |[first, step], y, line| {
         if let Some(streams) = &horizontal {
-            let random = |i| streams.pixel(x(i), y);
+            let random = |i| streams.pixel(first + i * step, y);
             transfer::shift_out(line, ccd.horizontal_inefficiency, prescan_columns + 1, random);
         }
     })

@@ -2,7 +2,7 @@
 
 use crate::Invalid;
 use crate::sensor::description::{CcdArchitecture, CcdDescription};
-use crate::sensor::model::checks::{at_least, fraction_below_one, not_negative, positive};
+use crate::sensor::model::checks::{fraction_below_one, not_negative, positive};
 use crate::units::Seconds;
 
 use super::smear;
@@ -43,13 +43,21 @@ impl Ccd {
             smear_row_time: smear_row_time(d)?,
             vertical_inefficiency: fraction_below_one("vertical_cti", d.vertical_cti)?,
             horizontal_inefficiency: fraction_below_one("horizontal_cti", d.horizontal_cti)?,
-            anti_blooming_factor: at_least("anti_blooming_factor", d.anti_blooming_factor, 1.0)?,
+            anti_blooming_factor: anti_blooming_factor(d.anti_blooming_factor)?,
             overscan: Overscan {
                 prescan_columns: margin("prescan_columns", d.prescan_columns)?,
                 columns: margin("overscan_columns", d.overscan_columns)?,
                 rows: margin("overscan_rows", d.overscan_rows)?,
             },
         })
+    }
+}
+
+fn anti_blooming_factor(factor: Option<f64>) -> Result<f64, Invalid> {
+    match factor.unwrap_or(1.0) {
+        factor if factor.is_finite() && factor >= 1.0 => Ok(factor),
+        factor => Err(Invalid::new("anti_blooming_factor", format!("must be 1 or more, got {factor}"))
+            .help("data sheets state it like anti_blooming_factor = 1000.0; leave it out for no drain")),
     }
 }
 

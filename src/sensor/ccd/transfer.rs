@@ -21,12 +21,7 @@ use crate::math::philox::Philox;
 /// electrons that arrive after the last packet.
 ///
 /// Only whole electrons stay behind: a fraction, or a negative charge, goes with its packet.
-pub(super) fn shift_out(
-    line: &mut [f64],
-    inefficiency: f64,
-    shifts: usize,
-    random: impl Fn(usize) -> Philox,
-) -> f64 {
+pub(super) fn shift_out(line: &mut [f64], inefficiency: f64, shifts: usize, random: impl Fn(usize) -> Philox) -> f64 {
     let mut late = 0.0;
     // From the far end, so that electrons which were left behind already are not shifted again.
     for i in (0..line.len()).rev() {

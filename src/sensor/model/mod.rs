@@ -3,12 +3,25 @@
 //! In: a [`SensorDescription`] and a way to find the spectra that it names. Out: a [`SensorModel`] whose numbers can be
 //! relied on. Reading files is left to the caller.
 
+mod architecture;
+pub(super) mod checks;
+mod converter;
+mod noise;
+
 use crate::Invalid;
 use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
-use crate::units::{Celsius, Decibels, Electrons, PLANCK, SPEED_OF_LIGHT};
+use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT};
 
-use super::description::{AdcDescription, NoiseDescription, SensorDescription, SensorKind, SpectrumSource};
+use super::MaskedPixels;
+use super::ccd::margin;
+use super::description::{ChannelDescription, SensorDescription, SpectrumSource};
+use super::layers;
+pub use architecture::Architecture;
+use checks::{fraction, not_negative, positive};
+pub use converter::Converter;
+pub(super) use converter::converter_range;
+pub use noise::{FixedPattern, Noise};
 
 /// An image sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,9 +33,11 @@ pub struct SensorModel {
     /// Where its numbers come from.
     pub source: String,
     /// Technology of the pixels.
-    pub kind: SensorKind,
+    pub architecture: Architecture,
     /// Columns and rows.
     pub resolution: [usize; 2],
+    /// Pixels around these that see no light.
+    pub masked: MaskedPixels,
     /// Pixel pitch along x and y, m.
     pub pixel_pitch_m: [f64; 2],
     /// Sensitive part of a pixel's area, above 0 up to 1.
@@ -37,51 +52,10 @@ pub struct SensorModel {
     pub noise: Noise,
     /// Most electrons that a pixel can hold.
     pub full_well: Electrons,
+    /// Brighter-fatter effect: correlation of neighbours along x and y for each electron of a flat field, 1/e⁻.
+    pub brighter_fatter_per_e: [f64; 2],
     /// Gain and converter.
     pub converter: Converter,
-}
-
-/// Noise sources, referred to electrons.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Noise {
-    /// Standard deviation of the read noise.
-    pub read: Electrons,
-    /// Dark current at the reference temperature, e⁻/s.
-    pub dark_current_e_per_s: f64,
-    /// Reference temperature of the dark current.
-    pub dark_current_reference: Celsius,
-    /// Rise of temperature that doubles the dark current, K.
-    pub dark_current_doubling_k: f64,
-    /// Spatial standard deviation of the photo response over its mean (PRNU, a ratio: 0.01 is 1 %).
-    pub prnu: f64,
-    /// Spatial standard deviation of the dark signal (DSNU).
-    pub dsnu: Electrons,
-}
-
-/// Analogue gain and analogue-to-digital converter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Converter {
-    /// Bits, 8–16.
-    pub bits: u32,
-    /// System gain K at 0 dB, DN/e⁻.
-    pub conversion_gain_dn_per_e: f64,
-    /// Digital number of no charge.
-    pub black_level_dn: u16,
-    /// Smallest and largest gain.
-    pub gain_range: [Decibels; 2],
-}
-
-impl Converter {
-    /// System gain K at a gain setting, DN/e⁻.
-    pub fn system_gain(&self, gain: Decibels) -> f64 {
-        self.conversion_gain_dn_per_e * gain.factor()
-    }
-
-    /// Largest digital number, 2^bits − 1.
-    pub fn max_dn(&self) -> u16 {
-        // At most 16 bits, so the sum of powers fits.
-        ((1u32 << self.bits) - 1) as u16
-    }
 }
 
 impl SensorModel {
@@ -123,17 +97,22 @@ impl SensorModel {
                     return Err(Invalid::new(format!("channels.{letter}"), message)
                         .help(format!("write [channels.{letter}] with a quantum_efficiency")));
                 };
-                let key = format!("channels.{letter}.quantum_efficiency");
-                fraction(&key, &channel.quantum_efficiency, &mut resolve)
+                quantum_efficiency(channel, &mut resolve).map_err(|e| e.within(&format!("channels.{letter}")))
             })
             .collect::<Result<_, _>>()?;
         positive("charge.full_well_e", d.charge.full_well_e, "10000.0")?;
+        let architecture = Architecture::new(d)?;
+        let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
         Ok(Self {
             name: name.to_owned(),
             description: d.description.clone(),
             source: d.source.clone(),
-            kind: d.kind,
+            architecture,
             resolution: d.resolution_px.map(|n| n as usize),
+            masked: MaskedPixels {
+                columns: margins("masked_columns", d.masked_columns)?,
+                rows: margins("masked_rows", d.masked_rows)?,
+            },
             pixel_pitch_m: d.pixel_pitch_um.map(|um| um * 1e-6),
             fill_factor: d.fill_factor,
             cfa,
@@ -141,7 +120,8 @@ impl SensorModel {
             quantum_efficiency,
             noise: Noise::new(&d.noise).map_err(|e| e.within("noise"))?,
             full_well: Electrons(d.charge.full_well_e),
-            converter: Converter::new(&d.adc).map_err(|e| e.within("adc"))?,
+            brighter_fatter_per_e: brighter_fatter(d)?,
+            converter,
         })
     }
 
@@ -169,89 +149,46 @@ impl SensorModel {
     }
 }
 
-/// Columns or rows beyond this are a slip of the pen: the largest sensors made have some 30 000.
-const MAX_RESOLUTION: u32 = 65_535;
-
-impl Noise {
-    fn new(d: &NoiseDescription) -> Result<Self, Invalid> {
-        not_negative("read_noise_e", d.read_noise_e)?;
-        not_negative("dark_current_e_per_s", d.dark_current_e_per_s)?;
-        finite("dark_current_reference_c", d.dark_current_reference_c)?;
-        positive("dark_current_doubling_k", d.dark_current_doubling_k, "8.0")?;
-        not_negative("prnu_percent", d.prnu_percent)?;
-        not_negative("dsnu_e", d.dsnu_e)?;
-        Ok(Self {
-            read: Electrons(d.read_noise_e),
-            dark_current_e_per_s: d.dark_current_e_per_s,
-            dark_current_reference: Celsius(d.dark_current_reference_c),
-            dark_current_doubling_k: d.dark_current_doubling_k,
-            prnu: d.prnu_percent / 100.0,
-            dsnu: Electrons(d.dsnu_e),
-        })
-    }
+fn margins(key: &str, [before, after]: [u32; 2]) -> Result<[usize; 2], Invalid> {
+    Ok([margin(key, before)?, margin(key, after)?])
 }
 
-impl Converter {
-    fn new(d: &AdcDescription) -> Result<Self, Invalid> {
-        if !(8..=16).contains(&d.bits) {
-            return Err(Invalid::new("bits", format!("must lie between 8 and 16, got {}", d.bits))
-                .help("for example bits = 12"));
-        }
-        positive("conversion_gain_dn_per_e", d.conversion_gain_dn_per_e, "0.4")?;
-        let max_dn = (1 << d.bits) - 1;
-        if d.black_level_dn >= max_dn {
-            let message = format!("{} leaves no room below the largest number, {max_dn}", d.black_level_dn);
-            return Err(Invalid::new("black_level_dn", message)
-                .help(format!("write less than {max_dn}, the largest number of {} bits", d.bits)));
-        }
-        let [low, high] = d.gain_db_range;
-        finite("gain_db_range", low)?;
-        finite("gain_db_range", high)?;
-        if low > high {
-            return Err(Invalid::new("gain_db_range", format!("{low} dB is above {high} dB"))
-                .help("write the smaller gain first"));
-        }
-        Ok(Self {
-            bits: d.bits,
-            conversion_gain_dn_per_e: d.conversion_gain_dn_per_e,
-            // Below 2^16 as checked above.
-            black_level_dn: d.black_level_dn as u16,
-            gain_range: [Decibels(low), Decibels(high)],
-        })
+fn brighter_fatter(d: &SensorDescription) -> Result<[f64; 2], Invalid> {
+    let per_e = d.charge.brighter_fatter_per_e;
+    for a in per_e {
+        not_negative("charge.brighter_fatter_per_e", a)?;
     }
+    // The model is of first order: where half of the charge changes sides it says nothing, and no real sensor is near.
+    let strongest = (per_e[0] + per_e[1]) * d.charge.full_well_e;
+    if strongest > 0.5 {
+        let message = format!("correlates neighbours at full well by {strongest}, which is beyond the model");
+        return Err(Invalid::new("charge.brighter_fatter_per_e", message).help("for example [2e-7, 3e-7]"));
+    }
+    Ok(per_e)
 }
 
-fn fraction(
-    key: &str,
-    source: &SpectrumSource,
+/// What a channel says of its quantum efficiency, in one of two ways.
+fn quantum_efficiency(
+    channel: &ChannelDescription,
     resolve: &mut impl FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>,
 ) -> Result<Spectrum, Invalid> {
-    let spectrum = resolve(source).map_err(|e| e.within(key))?;
-    let outside = spectrum.iter().find(|(_, value)| !(0.0..=1.0).contains(value));
-    if let Some((lambda_nm, value)) = outside {
-        let message = format!("must lie between 0 and 1, but is {} at {lambda_nm} nm", value as f32);
-        return Err(Invalid::new(key, message).help("give a fraction, not a percentage"));
+    let help = "write a quantum_efficiency, or the depths between which silicon absorbs, depth_um = [0.0, 3.0]";
+    match (&channel.quantum_efficiency, channel.depth_um) {
+        (Some(source), None) => fraction("quantum_efficiency", source, resolve),
+        (None, Some(depth_um @ [upper, lower])) => {
+            if !(upper.is_finite() && lower.is_finite() && 0.0 <= upper && upper < lower) {
+                let message = format!("{upper} to {lower} is no range of depths");
+                return Err(Invalid::new("depth_um", message).help("for example depth_um = [0.0, 3.0]"));
+            }
+            Ok(layers::quantum_efficiency(depth_um))
+        }
+        (Some(_), Some(_)) => Err(Invalid::new("depth_um", "says the same as quantum_efficiency").help(help)),
+        (None, None) => Err(Invalid::new("quantum_efficiency", "missing").help(help)),
     }
-    Ok(spectrum)
 }
 
-fn finite(key: &str, value: f64) -> Result<(), Invalid> {
-    if value.is_finite() { Ok(()) } else { Err(Invalid::new(key, format!("must be a finite number, got {value}"))) }
-}
-
-fn positive(key: &str, value: f64, example: &str) -> Result<(), Invalid> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Invalid::new(key, format!("must be above 0, got {value}")).help(format!("for example {key} = {example}")))
-}
-
-fn not_negative(key: &str, value: f64) -> Result<(), Invalid> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    Err(Invalid::new(key, format!("must not be negative, got {value}")).help("write 0 to leave this noise out"))
-}
+/// Columns or rows beyond this are a slip of the pen: the largest sensors made have some 30 000.
+const MAX_RESOLUTION: u32 = 65_535;
 
 #[cfg(test)]
 mod tests {
