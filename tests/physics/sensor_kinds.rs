@@ -30,14 +30,14 @@ fn counter(counting: Counting) -> SensorModel {
 
 #[test]
 fn detection_probability_of_a_one_bit_frame() {
-    let frames = 64;
+    let frames = 1024;
     let sensor = counter(Counting::OneBit { frames });
     // ηφτ of one frame: detectable photons.
     for photons in [0.05f64, 0.5, 1.0, 3.0] {
         let light = photons * f64::from(frames);
         let mean = moments(&numbers(&sensor, &EXPOSURE, light as f32, 0)).mean();
         let (found, expected) = (mean / f64::from(frames), 1.0 - (-photons).exp());
-        // 4.2 million frames: 5 σ is 0.1 % of P = 1 − e^(−0.05), the least of them.
+        // 67 million frames: 5 σ is 0.3 % of P = 1 − e^(−0.05), the least of them.
         let spread = 5.0 * (expected * (1.0 - expected) / (PIXELS * f64::from(frames))).sqrt();
         assert!(spread < 0.005 * expected, "the test could not tell half a percent");
         assert!((found - expected).abs() < spread, "{photons} photons: {found} for {expected}");
