@@ -11,7 +11,8 @@ use crate::raw::Cfa;
 
 use super::charge_plane::ChargePlane;
 
-/// The mean electrons of each pixel's own channel, e⁻: finite and not negative, or an error says where they are not.
+/// The mean electrons of each pixel's own channel, or of all channels beside each other where every pixel has them, e⁻:
+/// finite and not negative, or an error says where they are not.
 pub(super) fn collect(mean_electrons: &Planes, cfa: &Cfa) -> Result<ChargePlane, Invalid> {
     let channels = channel_planes(mean_electrons, cfa)?;
     let samples = cfa.samples_per_pixel();
