@@ -1,4 +1,5 @@
-//! The mosaic as a NumPy array of `uint16`, shape (rows, columns).
+//! The digital numbers as a NumPy array of `uint16`, shape (rows, columns), or (rows, columns, channels) where every
+//! pixel has all channels.
 
 use std::io::{self, Read, Write};
 
@@ -6,28 +7,32 @@ use npyz::{NpyFile, Order, WriterBuilder};
 
 use crate::Invalid;
 
-use super::RawImage;
-
-/// Most pixels along a side.
-const MAX_SIDE: u64 = 65_535;
+use super::{Cfa, MAX_SIDE, RawImage};
 
 /// Writes an NPY file.
 pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
-    let shape = [raw.height as u64, raw.width as u64];
-    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(to).begin_nd()?;
+    let shape = [raw.height, raw.width, raw.cfa.samples_per_pixel()].map(|n| n as u64);
+    let axes = if raw.cfa.is_full() { 3 } else { 2 };
+    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape[..axes]).writer(to).begin_nd()?;
     array.extend(raw.data.iter().copied())?;
     array.finish()
 }
 
-/// Reads an array of `uint16` with two axes as the numbers of a monochrome sensor: nothing in it says more.
+/// Reads an array of `uint16` with two axes as the numbers of a monochrome sensor, and one with a third axis of three
+/// channels as RGB: nothing in it says more.
 pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as NPY: {error}"));
     let array = NpyFile::new(from).map_err(|e| unreadable(&e))?;
-    let &[height, width] = array.shape() else {
-        return Err(unreadable(&format!("an array of shape {:?} is no mosaic", array.shape()))
-            .help("write an array of shape (rows, columns)"));
+    let (height, width, cfa) = match *array.shape() {
+        [height, width] => (height, width, Cfa::mono()),
+        [height, width, 3] => (height, width, Cfa::full(["R", "G", "B"])?),
+        _ => {
+            return Err(unreadable(&format!("an array of shape {:?} is no picture", array.shape()))
+                .help("write an array of shape (rows, columns), or (rows, columns, 3) for RGB"));
+        }
     };
-    if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+    let sides = 1..=MAX_SIDE as u64;
+    if !sides.contains(&width) || !sides.contains(&height) {
         return Err(unreadable(&format!("{width} × {height} pixels are not a picture")));
     }
     if array.order() == Order::Fortran {
@@ -39,7 +44,7 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     for number in numbers {
         data.push(number.map_err(|e| unreadable(&e).help("the file is cut short"))?);
     }
-    Ok(RawImage::bare(width as usize, height as usize, data, u16::MAX))
+    Ok(RawImage::bare(width as usize, height as usize, data, cfa, u16::MAX))
 }
 
 #[cfg(test)]
@@ -47,7 +52,7 @@ mod tests {
     use super::*;
 
     fn file() -> Vec<u8> {
-        let raw = RawImage::bare(7, 5, (0..35).map(|i| i * 1_801).collect(), u16::MAX);
+        let raw = RawImage::bare(7, 5, (0..35).map(|i| i * 1_801).collect(), Cfa::mono(), u16::MAX);
         let mut file = Vec::new();
         write_npy(&raw, &mut file).expect("written");
         assert_eq!(read_npy(&file[..]), Ok(raw));

@@ -11,22 +11,24 @@ use crate::raw::Cfa;
 
 use super::charge_plane::ChargePlane;
 
-/// The mean electrons of each pixel's own channel, e⁻: finite and not negative, or an error says where they are not.
+/// The mean electrons of each pixel's own channel, or of all channels beside each other where every pixel has them, e⁻:
+/// finite and not negative, or an error says where they are not.
 pub(super) fn collect(mean_electrons: &Planes, cfa: &Cfa) -> Result<ChargePlane, Invalid> {
     let channels = channel_planes(mean_electrons, cfa)?;
-    let mut mosaic = ChargePlane::empty(mean_electrons.width(), mean_electrons.height());
-    let width = mosaic.width;
-    mosaic.for_each_row(|row| {
+    let samples = cfa.samples_per_pixel();
+    let mut charge = ChargePlane::empty(mean_electrons.width() * samples, mean_electrons.height(), samples);
+    let (width, row_length) = (mean_electrons.width(), charge.width);
+    charge.for_each_row(|row| {
         let tile_width = cfa.tile_size().0;
-        // Pixels of one column of the tile share a channel, so the inner loop needs no look-up.
-        for column in 0..tile_width.min(width) {
+        // Numbers of one column of the tile share a channel, so the inner loop needs no look-up.
+        for column in 0..tile_width.min(row_length) {
             let plane = &channels[cfa.channel_at(column, row.y)][row.y * width..][..width];
-            for x in (column..width).step_by(tile_width) {
-                row.values[x] = plane[x];
+            for x in (column..row_length).step_by(tile_width) {
+                row.values[x] = plane[x / samples];
             }
         }
     });
-    Ok(mosaic)
+    Ok(charge)
 }
 
 /// The planes of the CFA's channels, in its order, checked to hold electrons.

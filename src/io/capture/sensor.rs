@@ -14,7 +14,7 @@ use crate::{Error, Invalid, Result};
 
 /// Makes the model of a sensor.
 pub(super) fn sensor_model(sensor: &MergedSensor) -> Result<SensorModel, Invalid> {
-    // Paths of curves have been made such that they can be used as they are.
+    // Its paths start at no folder any more.
     let finder = Finder::new(Path::new(""), Vec::new());
     SensorModel::new(&sensor.name, &sensor.description, |spectrum| finder.spectrum(spectrum, Outside::Zero))
 }
