@@ -16,7 +16,7 @@ use serde_json::{Map, Value};
 use super::chain::{Chain, Optics};
 use super::output_folder::{OutputFolder, REPORT};
 use super::report::{LightReport, Report, Timings, TracedReport};
-use super::results::write_results;
+use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
 use super::stored_light::StoredLight;
 use super::{print_json, rounded};
@@ -82,7 +82,14 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
     timings.expose_s = start.elapsed().as_secs_f64();
-    let first = write_results(&chain, &exposed, &mut folder, &mut timings, |_| Ok(()))?;
+    let first = write_results(
+        &chain,
+        &exposed,
+        Frames::All(capture.exposure.frames),
+        &mut folder,
+        &mut timings,
+        |_, _| Ok(()),
+    )?;
 
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),

@@ -22,11 +22,14 @@ use super::report::Report;
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
 /// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
-const RESULTS: [&str; 12] = [
+const RESULTS: [&str; 15] = [
     REPORT,
     "image.png",
     "electrons.exr",
     "irradiance.exr",
+    "image-0000.png",
+    "electrons-0000.exr",
+    "irradiance-0000.exr",
     "raw.dng",
     "raw.tiff",
     "raw.pgm",
@@ -102,31 +105,28 @@ impl OutputFolder {
 
     /// A raw picture in all these formats, numbered where there are several.
     pub(super) fn write_frame(&mut self, formats: &[RawFormat], number: Option<u32>, raw: &RawImage) -> Result<()> {
-        let stem = number.map_or_else(|| "raw".to_owned(), |number| format!("raw-{number:04}"));
-        formats.iter().try_for_each(|format| self.write_raw(&stem, *format, raw))
+        formats.iter().try_for_each(|format| match format {
+            RawFormat::Dng => self.write(&named("raw", number, "dng"), |to| write_dng(raw, to)),
+            RawFormat::Tiff => self.write(&named("raw", number, "tiff"), |to| write_tiff(raw, to)),
+            RawFormat::Pgm => self.write(&named("raw", number, "pgm"), |to| write_pgm(raw, to)),
+            RawFormat::Npy => self.write(&named("raw", number, "npy"), |to| write_npy(raw, to)),
+        })
     }
 
-    pub(super) fn write_electrons(&mut self, exposed: &Exposed) -> Result<()> {
-        self.write("electrons.exr", |to| write_electrons(&exposed.electrons, exposed.exposure.time, to))
+    pub(super) fn write_electrons(&mut self, number: Option<u32>, exposed: &Exposed) -> Result<()> {
+        self.write(&named("electrons", number, "exr"), |to| {
+            write_electrons(&exposed.electrons, exposed.exposure.time, to)
+        })
     }
 
-    pub(super) fn write_irradiance(&mut self, bands: &SpectralBands, film: &Film) -> Result<()> {
+    pub(super) fn write_irradiance(&mut self, number: Option<u32>, bands: &SpectralBands, film: &Film) -> Result<()> {
         let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
         let irradiance = film.estimate(names.iter().map(String::as_str)).mean;
-        self.write("irradiance.exr", |to| write_irradiance(&irradiance, to))
+        self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
     }
 
-    pub(super) fn write_picture(&mut self, picture: &Picture8) -> Result<()> {
-        self.write("image.png", |to| write_png(picture, to))
-    }
-
-    fn write_raw(&mut self, stem: &str, format: RawFormat, raw: &RawImage) -> Result<()> {
-        match format {
-            RawFormat::Dng => self.write(&format!("{stem}.dng"), |to| write_dng(raw, to)),
-            RawFormat::Tiff => self.write(&format!("{stem}.tiff"), |to| write_tiff(raw, to)),
-            RawFormat::Pgm => self.write(&format!("{stem}.pgm"), |to| write_pgm(raw, to)),
-            RawFormat::Npy => self.write(&format!("{stem}.npy"), |to| write_npy(raw, to)),
-        }
+    pub(super) fn write_picture(&mut self, number: Option<u32>, picture: &Picture8) -> Result<()> {
+        self.write(&named("image", number, "png"), |to| write_png(picture, to))
     }
 
     /// The picture as far as it has come.
@@ -153,6 +153,11 @@ impl Drop for OutputFolder {
         // Only folders without files can be removed so.
         self.created.iter().try_for_each(fs::remove_dir).unwrap_or_default();
     }
+}
+
+/// `raw.dng`, or with a number `raw-0007.dng`.
+fn named(stem: &str, number: Option<u32>, extension: &str) -> String {
+    number.map_or_else(|| format!("{stem}.{extension}"), |number| format!("{stem}-{number:04}.{extension}"))
 }
 
 fn unusable(path: &Path, message: impl Into<String>) -> Error {

@@ -4,20 +4,22 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::Result;
-use photosite::film::{Response, band_response};
+use photosite::film::{Film, Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
-use photosite::io::capture::Capture;
-use photosite::optics::{Camera, Focus, PixelGrid};
+use photosite::io::capture::{Capture, ExposureTime};
+use photosite::math::hash::hash64;
+use photosite::optics::{Camera, Focus, PixelGrid, Recording};
+use photosite::raw::RawImage;
 use photosite::scene::{self, Scene};
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
+use photosite::{Invalid, Result};
 
-use super::chain::{Chain, Optics, scene_light};
+use super::chain::{Chain, Exposed, Optics, scene_light};
 use super::output_folder::{OutputFolder, REPORT};
-use super::report::{CameraReport, LensReport, LightReport, RenderReport, Report, Timings, TracedReport};
-use super::results::write_results;
+use super::report::{CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport};
+use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
 use super::trace::{Trace, trace};
 use super::{print_json, rounded};
@@ -66,32 +68,30 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
     timings.build_s = start.elapsed().as_secs_f64();
 
-    let start = Instant::now();
-    let film = trace(&Trace {
+    let traced = Series {
         capture: &capture,
         scene: &scene,
-        camera: &camera,
+        camera,
+        chain: &chain,
         responses: &responses,
         importance: &importance,
-        chain: &chain,
-        folder: &folder,
-        silent: *quiet || *json,
-    })?;
-    timings.trace_s = start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
-    timings.expose_s = start.elapsed().as_secs_f64();
-    let first =
-        write_results(&chain, &exposed, &mut folder, &mut timings, |folder| match &capture.output.irradiance {
-            Some(bands) => folder.write_irradiance(bands, &film),
-            None => Ok(()),
-        })?;
+    };
+    let Recorded { film, camera, exposed, first, passes } =
+        traced.record(&mut folder, &mut timings, *quiet || *json)?;
 
     let [width, height] = pixels(&capture).map(u64::from);
-    let paths = width * height * u64::from(film.samples());
+    let paths = width * height * passes;
     let traced = TracedReport {
-        camera: CameraReport::new(&capture.lens, &camera, pixels(&capture)),
+        camera: CameraReport::new(
+            &capture.lens,
+            &camera,
+            pixels(&capture),
+            MotionReport::new(
+                capture.motion,
+                capture.sensor.row_time,
+                capture.exposure.frame_interval.unwrap_or(exposed.exposure.time),
+            ),
+        ),
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         scene_light: LightReport::new(&light),
@@ -119,6 +119,98 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         summarise(&report, paths, &folder);
     }
     Ok(())
+}
+
+/// All that the pictures of a series are made of.
+struct Series<'a> {
+    capture: &'a Capture,
+    scene: &'a Scene,
+    camera: Camera,
+    chain: &'a Chain<'a>,
+    responses: &'a [Response],
+    importance: &'a Spectrum,
+}
+
+/// The last light of a series and the first picture.
+struct Recorded {
+    film: Film,
+    camera: Camera,
+    exposed: Exposed,
+    first: RawImage,
+    /// Samples a pixel, over all light that was traced.
+    passes: u64,
+}
+
+impl Series<'_> {
+    /// Traces, exposes and writes. Where nothing moves, all frames see the same light, which is traced once.
+    fn record(&self, folder: &mut OutputFolder, timings: &mut Timings, silent: bool) -> Result<Recorded> {
+        let exposure = &self.capture.exposure;
+        if self.capture.motion.is_still() {
+            return self.picture(self.camera.clone(), Frames::All(exposure.frames), folder, timings, silent);
+        }
+        let ExposureTime::Fixed(time) = exposure.time else {
+            let invalid = Invalid::new("camera.motion", "needs an exposure time, which tells how far the camera comes");
+            return Err(self
+                .capture
+                .source
+                .error(invalid.help("write [exposure] with time_s, for example time_s = 0.01")));
+        };
+        let interval = exposure.frame_interval.unwrap_or(time);
+        let mut recorded: Option<Recorded> = None;
+        for frame in 0..exposure.frames {
+            let camera = self.camera.clone().recording(Recording {
+                motion: self.capture.motion,
+                start_s: f64::from(frame) * interval.0,
+                exposure_s: time.0,
+                row_time_s: self.capture.sensor.row_time.0,
+            });
+            let mut next = self.picture(camera, Frames::One(frame), folder, timings, silent)?;
+            if let Some(earlier) = recorded {
+                next.passes += earlier.passes;
+                next.first = earlier.first;
+            }
+            recorded = Some(next);
+        }
+        Ok(recorded.expect("there is at least one frame"))
+    }
+
+    fn picture(
+        &self,
+        camera: Camera,
+        frames: Frames,
+        folder: &mut OutputFolder,
+        timings: &mut Timings,
+        silent: bool,
+    ) -> Result<Recorded> {
+        let mut settings = self.capture.render.clone();
+        if let Frames::One(frame @ 1..) = frames {
+            // Noise of light that stays in its place from frame to frame would pass for a pattern.
+            settings.seed = hash64(settings.seed, u64::from(frame));
+        }
+        let start = Instant::now();
+        let film = trace(&Trace {
+            capture: self.capture,
+            settings: &settings,
+            scene: self.scene,
+            camera: &camera,
+            responses: self.responses,
+            importance: self.importance,
+            chain: self.chain,
+            folder,
+            silent,
+        })?;
+        timings.trace_s += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let exposed = self.chain.expose(self.chain.rates(&film), Seconds(1.0), None)?;
+        timings.expose_s += start.elapsed().as_secs_f64();
+        let write_light = |folder: &mut OutputFolder, number| match &self.capture.output.irradiance {
+            Some(bands) => folder.write_irradiance(number, bands, &film),
+            None => Ok(()),
+        };
+        let first = write_results(self.chain, &exposed, frames, folder, timings, write_light)?;
+        let passes = u64::from(film.samples());
+        Ok(Recorded { film, camera, exposed, first, passes })
+    }
 }
 
 /// `scenes/cornell-box/capture.toml` → `cornell-box`, `scenes/checker/capture-a.toml` → `checker-a`, `helmet.glb` →

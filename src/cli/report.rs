@@ -1,8 +1,9 @@
 //! `capture.json`: everything needed to reproduce a capture and to use its pictures.
 
 use glam::{DAffine3, DMat3, DVec3};
-use photosite::optics::{Camera, Distortion, Intrinsics, LensDescription, LensKind};
+use photosite::optics::{Camera, CameraMotion, Distortion, Intrinsics, LensDescription, LensKind};
 use photosite::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
+use photosite::units::Seconds;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -86,10 +87,39 @@ pub(super) struct CameraReport {
     translation_m: [f64; 3],
     /// Where the centre of the lens stands in the world (glTF axes, metres).
     position_m: [f64; 3],
+    /// Velocities from there at time 0; `null` for a camera that stands still.
+    motion: Option<MotionReport>,
+}
+
+/// Pose at the time t: position + velocity·t, and turned about the camera's own glTF axes. Row y of frame k sees light from
+/// t = k·interval + y·row time on, for the exposure time.
+#[derive(Serialize)]
+pub(super) struct MotionReport {
+    velocity_m_per_s: [f64; 3],
+    angular_velocity_deg_per_s: [f64; 3],
+    row_time_s: f64,
+    frame_interval_s: f64,
+}
+
+impl MotionReport {
+    pub(super) fn new(motion: CameraMotion, row_time: Seconds, frame_interval: Seconds) -> Option<Self> {
+        let CameraMotion { velocity_m_per_s, angular_velocity_rad_per_s } = motion;
+        (!motion.is_still()).then(|| Self {
+            velocity_m_per_s: velocity_m_per_s.to_array(),
+            angular_velocity_deg_per_s: angular_velocity_rad_per_s.to_array().map(f64::to_degrees),
+            row_time_s: row_time.0,
+            frame_interval_s: frame_interval.0,
+        })
+    }
 }
 
 impl CameraReport {
-    pub(super) fn new(lens: &LensDescription, camera: &Camera, resolution_px: [u32; 2]) -> Self {
+    pub(super) fn new(
+        lens: &LensDescription,
+        camera: &Camera,
+        resolution_px: [u32; 2],
+        motion: Option<MotionReport>,
+    ) -> Self {
         let Intrinsics { fx, fy, cx, cy, skew } = camera.intrinsics();
         let DAffine3 { matrix3, translation } = camera.to_world();
         // glTF's camera looks along −z with y up.
@@ -107,6 +137,7 @@ impl CameraReport {
             rotation: rows(rotation),
             translation_m: (DVec3::ZERO - rotation * translation).to_array(),
             position_m: translation.to_array(),
+            motion,
         }
     }
 }

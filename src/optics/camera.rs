@@ -6,7 +6,7 @@
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 use super::aperture::Aperture;
-use super::{Falloff, Focus, Intrinsics, LensDescription, LensKind};
+use super::{Falloff, Focus, Intrinsics, LensDescription, LensKind, Recording};
 use crate::Invalid;
 use crate::geometry::Ray;
 use crate::sabotage::{Fault, flip};
@@ -33,6 +33,8 @@ pub struct Camera {
     intrinsics: Intrinsics,
     distortion: super::Distortion,
     falloff: Falloff,
+    /// `None` for a camera that stands still.
+    recording: Option<Recording>,
 }
 
 /// A ray into the scene and what its radiance counts.
@@ -86,10 +88,23 @@ impl Camera {
             intrinsics,
             distortion: lens.distortion,
             falloff: lens.falloff,
+            recording: None,
         })
     }
 
-    /// Camera → world.
+    /// The same camera on the move. One that stands still is left as it is.
+    #[must_use]
+    pub fn recording(mut self, recording: Recording) -> Self {
+        self.recording = (!recording.motion.is_still()).then_some(recording);
+        self
+    }
+
+    /// Whether paths start at times of their own.
+    pub fn moves(&self) -> bool {
+        self.recording.is_some()
+    }
+
+    /// Camera → world, of a moving camera at time 0.
     pub fn to_world(&self) -> DAffine3 {
         self.to_world
     }
@@ -133,6 +148,16 @@ impl Camera {
     /// Without falloff cos θ is 1.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
+        self.generate_at(pixel, aperture_sample, 0.0)
+    }
+
+    /// The same ray at the sample `u_time` in [0, 1) of the exposure of the pixel's row.
+    #[inline]
+    pub fn generate_at(&self, pixel: DVec2, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
+        let to_world = match &self.recording {
+            None => self.to_world,
+            Some(recording) => recording.motion.pose(&self.to_world, recording.time_s(pixel.y.floor(), u_time)),
+        };
         let chief = self.chief_direction(pixel)?;
         let (opening, direction) = match self.kind {
             LensKind::Pinhole => (DVec2::ZERO, chief),
@@ -156,8 +181,8 @@ impl Camera {
                 cos2 * cos2
             }
         };
-        let origin = self.to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
-        let direction = self.to_world.transform_vector3(direction).normalize();
+        let origin = to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
+        let direction = to_world.transform_vector3(direction).normalize();
         let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
         Some(CameraRay { ray, weight: (self.aperture.area() * cos4 / (v * v)) as f32 })
     }

@@ -7,6 +7,8 @@ mod aperture;
 mod camera;
 mod description;
 mod distortion;
+mod recording;
 
 pub use camera::{Camera, CameraRay, PixelGrid};
 pub use description::{Distortion, Falloff, Focus, Intrinsics, LensDescription, LensKind};
+pub use recording::{CameraMotion, Recording};

@@ -39,8 +39,8 @@ pub use band_light::{BandRates, electron_rates};
 pub use ccd::{Ccd, Overscan};
 pub use description::{
     AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CountingMode, CurveFile,
-    DualGainDescription, FilterDescription, NoiseDescription, SensorDescription, SensorKind, SpadDescription,
-    SpectrumSource,
+    DualGainDescription, FilterDescription, NoiseDescription, SensorDescription, SensorKind, ShutterDescription,
+    ShutterKind, SpadDescription, SpectrumSource,
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;

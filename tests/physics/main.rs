@@ -13,6 +13,7 @@ mod chain;
 mod develop_colour;
 mod lens;
 mod light_sampling;
+mod motion;
 mod quadrature;
 mod sampling;
 mod sensor_cases;

@@ -6,10 +6,10 @@ use super::colour::Finder;
 use super::framing::{bounding_sphere, frame};
 use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens};
 use super::light::vector;
-use super::tables::{CameraTable, LensTable};
+use super::tables::{CameraTable, LensTable, MotionTable};
 use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
-use crate::optics::{Focus, LensDescription};
+use crate::optics::{CameraMotion, Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, look_at};
 use crate::sensor::SensorModel;
 
@@ -46,6 +46,18 @@ pub(super) fn place_camera(
     let default_focus = focus_distance.filter(|u| *u > 1.05 * focal_length_m).map(Focus::Distance);
     let lens = describe_lens(finder, lens, sensor, pose.vertical_fov_rad, default_focus);
     Ok((pose.to_world, lens.map_err(|invalid| invalid.within("lens"))?))
+}
+
+/// How the camera moves.
+pub(super) fn motion(table: Option<MotionTable>) -> Result<CameraMotion, Invalid> {
+    let Some(MotionTable { velocity_m_per_s, angular_velocity_deg_per_s }) = table else {
+        return Ok(CameraMotion::default());
+    };
+    let degrees = vector("angular_velocity_deg_per_s", angular_velocity_deg_per_s.unwrap_or_default())?;
+    Ok(CameraMotion {
+        velocity_m_per_s: vector("velocity_m_per_s", velocity_m_per_s.unwrap_or_default())?,
+        angular_velocity_rad_per_s: degrees * (std::f64::consts::PI / 180.0),
+    })
 }
 
 /// Where a camera stands, and what it sees if its file says so.

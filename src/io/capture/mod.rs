@@ -47,12 +47,12 @@ use std::path::Path;
 use glam::DAffine3;
 
 use crate::integrator::RenderSettings;
-use crate::optics::LensDescription;
+use crate::optics::{CameraMotion, LensDescription};
 use crate::scene::description::SceneDescription;
 use crate::sensor::{SensorModel, presets};
 use crate::{Error, Invalid, Result};
 
-use camera::place_camera;
+use camera::{motion, place_camera};
 use colour::Finder;
 use relocate::relocate;
 use scene::ReadScene;
@@ -72,6 +72,8 @@ pub struct Capture {
     pub scene: SceneDescription,
     /// Camera → world; the camera looks along −Z.
     pub camera_to_world: DAffine3,
+    /// How the camera moves from there.
+    pub motion: CameraMotion,
     /// The lens.
     pub lens: LensDescription,
     /// The sensor.
@@ -134,6 +136,7 @@ impl Capture {
             output: settings::output(&file.output).map_err(|invalid| invalid.within("output"))?,
             scene: geometry.with_tables(file, folder)?,
             camera_to_world,
+            motion: motion(file.camera.motion).map_err(|e| e.within("motion").within("camera"))?,
             lens,
             sensor,
             source: source.clone(),

@@ -31,6 +31,9 @@ pub struct SensorDescription {
     pub ccd: Option<CcdDescription>,
     /// How single photons are counted.
     pub spad: Option<SpadDescription>,
+    /// When rows are exposed. Left out: all at once.
+    #[serde(default)]
+    pub shutter: ShutterDescription,
     /// Columns and rows of pixels.
     pub resolution_px: [u32; 2],
     /// Columns of pixels to the left and to the right of these that are covered and see no light.
@@ -88,6 +91,29 @@ impl SensorKind {
             Self::Spad => "spad",
         }
     }
+}
+
+/// When rows are exposed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShutterDescription {
+    /// Left out: "global".
+    #[serde(default)]
+    pub kind: ShutterKind,
+    /// Time from the start of one row's exposure to that of the next, µs; of rolling shutters only.
+    #[serde(default)]
+    pub row_time_us: f64,
+}
+
+/// Kinds of shutters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShutterKind {
+    /// All rows at once.
+    #[default]
+    Global,
+    /// Row after row from the top.
+    Rolling,
 }
 
 /// A filter in front of all pixels.

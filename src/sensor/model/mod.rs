@@ -11,11 +11,11 @@ mod noise;
 use crate::Invalid;
 use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
-use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT};
+use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
 
 use super::MaskedPixels;
 use super::ccd::margin;
-use super::description::{ChannelDescription, SensorDescription, SpectrumSource};
+use super::description::{ChannelDescription, SensorDescription, ShutterDescription, ShutterKind, SpectrumSource};
 use super::layers;
 pub use architecture::Architecture;
 use checks::{fraction, not_negative, positive};
@@ -34,6 +34,8 @@ pub struct SensorModel {
     pub source: String,
     /// Technology of the pixels.
     pub architecture: Architecture,
+    /// Time from the start of one row's exposure to that of the next: 0 for a global shutter.
+    pub row_time: Seconds,
     /// Columns and rows.
     pub resolution: [usize; 2],
     /// Pixels around these that see no light.
@@ -108,6 +110,7 @@ impl SensorModel {
             description: d.description.clone(),
             source: d.source.clone(),
             architecture,
+            row_time: row_time(&d.shutter).map_err(|e| e.within("shutter"))?,
             resolution: d.resolution_px.map(|n| n as usize),
             masked: MaskedPixels {
                 columns: margins("masked_columns", d.masked_columns)?,
@@ -146,6 +149,20 @@ impl SensorModel {
             })
         };
         self.cfa.channels().iter().cloned().zip(self.quantum_efficiency.iter().map(response)).collect()
+    }
+}
+
+fn row_time(shutter: &ShutterDescription) -> Result<Seconds, Invalid> {
+    not_negative("row_time_us", shutter.row_time_us)?;
+    match shutter.kind {
+        ShutterKind::Rolling if shutter.row_time_us > 0.0 => Ok(Seconds(shutter.row_time_us * 1e-6)),
+        ShutterKind::Rolling => Err(Invalid::new("row_time_us", "a rolling shutter needs a time above 0")
+            .help("for example row_time_us = 20.0")),
+        ShutterKind::Global if shutter.row_time_us > 0.0 => {
+            Err(Invalid::new("row_time_us", "goes only with a rolling shutter")
+                .help("write kind = \"rolling\", or remove it"))
+        }
+        ShutterKind::Global => Ok(Seconds(0.0)),
     }
 }
 

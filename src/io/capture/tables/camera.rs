@@ -17,6 +17,19 @@ pub(crate) struct CameraTable {
     pub(crate) up: Option<[f64; 3]>,
     /// Name of a camera of the glTF files.
     pub(crate) gltf_camera: Option<String>,
+    /// How it moves while it records. Left out: not at all.
+    pub(crate) motion: Option<MotionTable>,
+}
+
+/// A motion at constant velocities; the pose of [camera] is that at the start of the first picture.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MotionTable {
+    /// Velocity of the lens along the world's axes, m/s. Left out: 0.
+    pub(crate) velocity_m_per_s: Option<[f64; 3]>,
+    /// Angular velocity about the camera's own axes (x right, y up, z backward), degrees per second; about y, above 0, it
+    /// pans to the left. Left out: 0.
+    pub(crate) angular_velocity_deg_per_s: Option<[f64; 3]>,
 }
 
 /// The lens.

@@ -17,7 +17,7 @@ use schemars::JsonSchema;
 use crate::sensor::SensorDescription;
 
 pub(super) use camera::{
-    AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType,
+    AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType, MotionTable,
 };
 pub(super) use camera::{DistortionModel, FalloffName};
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
