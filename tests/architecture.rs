@@ -27,6 +27,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("sensor", &["math", "spectrum", "image", "raw"]),
     ("develop", &["math", "spectrum", "image", "raw"]),
     ("validation", &["math", "image", "raw"]),
+    ("characterisation", &["math", "spectrum", "image", "raw", "sensor"]),
     (
         "io",
         &[
@@ -46,6 +47,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "sensor",
             "develop",
             "validation",
+            "characterisation",
         ],
     ),
 ];

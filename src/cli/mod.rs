@@ -4,7 +4,9 @@
 mod chain;
 mod compare;
 mod compare_text;
+mod emva1288;
 mod export_mitsuba;
+mod figures_text;
 mod info;
 mod listing;
 mod output_folder;
@@ -34,6 +36,8 @@ enum Command {
     Render(render::RenderArgs),
     Compare(compare::CompareArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
+    #[command(name = "emva1288")]
+    Emva1288(emva1288::Emva1288Args),
     Info(info::InfoArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
@@ -55,6 +59,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
+        Command::Emva1288(args) => emva1288::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::colour::Finder;
+use super::overrides;
 use super::read_text;
 use super::source::CaptureSource;
 use super::tables::MergedSensor;
@@ -62,6 +63,19 @@ pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
     let finder = Finder::new(folder, Vec::new());
     let model = SensorModel::new(&stem, &source.read_whole()?, |spectrum| finder.spectrum(spectrum, Outside::Zero));
     model.map(Some).map_err(|invalid| source.error(invalid))
+}
+
+/// A sensor by the name of a preset or the path of a sensor file, with the `key=value` of every `--set` laid over its
+/// keys.
+pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<SensorModel> {
+    let mut source = CaptureSource::of_scene_file(Path::new(name));
+    source.set("", format!("sensor.preset = {}", toml::Value::from(name)))?;
+    for argument in overrides {
+        overrides::set_below(&mut source, "sensor", argument)?;
+    }
+    let merged = read_sensor(&mut source, Path::new(""))?;
+    let finder = Finder::new(Path::new(""), Vec::new());
+    sensor_model(&merged, &finder).map_err(|invalid| source.error(invalid.within("sensor")))
 }
 
 /// The table of a preset or of a sensor file. Values of a preset are placed where it is named.
