@@ -14,7 +14,7 @@
 //! sensor's. Photons are counted on the whole area of a pixel, as the standard does. Symbols are the standard's: μ and σ²
 //! are mean and temporal variance, s² is spatial variance, y is in DN, e in electrons, p in photons.
 //!
-//! Files are left to [`io`](crate::io), plots to [`report`](crate::report).
+//! [`report`] makes a page of it; [`noise`] estimates the noise of any picture. Files are left to [`io`](crate::io).
 
 mod descriptor;
 mod evaluation;
@@ -23,8 +23,10 @@ mod figures;
 mod fit;
 mod flat_field;
 mod histogram;
+pub mod noise;
 mod pair;
 mod plan;
+pub mod report;
 mod spatial;
 mod spectrogram;
 

@@ -1,6 +1,7 @@
 //! Figures of EMVA 1288 as text: what image sets must show, and what they do show.
 
 use photosite::characterisation::Row;
+use photosite::characterisation::report::{ChannelReport, Report};
 use photosite::io::image_sets::ImageSets;
 
 use super::rounded;
@@ -15,7 +16,7 @@ pub(super) fn expected_text(sets: &ImageSets) -> String {
 }
 
 /// Rows of figures side by side.
-pub(super) fn table(heads: &[String], columns: &[Vec<Row>]) -> String {
+fn table(heads: &[String], columns: &[Vec<Row>]) -> String {
     let Some(first) = columns.first() else { return String::new() };
     let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |x| rounded(x, 5).to_string());
     let mut grid = vec![[vec![String::new(); 3], heads.to_vec()].concat()];
@@ -23,13 +24,39 @@ pub(super) fn table(heads: &[String], columns: &[Vec<Row>]) -> String {
         let values = columns.iter().map(|column| cell(column[i].value));
         grid.push([name, symbol, unit].iter().map(|s| (**s).to_owned()).chain(values).collect());
     }
+    aligned(&grid)
+}
+
+/// Cells in columns: three of words, then numbers.
+fn aligned(grid: &[Vec<String>]) -> String {
     let width = |column: usize| grid.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..grid[0].len()).map(width).collect();
     let line = |cells: &Vec<String>| {
-        let aligned = cells.iter().zip(&widths).enumerate().map(|(i, (cell, &width))| {
+        let cells = cells.iter().zip(&widths).enumerate().map(|(i, (cell, &width))| {
             if i < 3 { format!("{cell:width$}") } else { format!("{cell:>width$}") }
         });
-        aligned.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
     grid.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// What image sets show, beside what they are expected to show.
+pub(super) fn measured_text(report: &Report) -> String {
+    let channel = |channel: &ChannelReport| {
+        let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |x| rounded(x, 5).to_string());
+        let mut lines = vec![["", "", "", "measured", "expected", "deviation"].map(str::to_owned).to_vec()];
+        for line in channel.lines() {
+            let Row { name, symbol, unit, value } = line.measured;
+            lines.push(vec![
+                name.to_owned(),
+                symbol.to_owned(),
+                unit.to_owned(),
+                cell(value),
+                cell(line.expected),
+                line.deviation(),
+            ]);
+        }
+        format!("{}\n{}", channel.title, aligned(&lines))
+    };
+    report.channels.iter().map(channel).collect::<Vec<_>>().join("\n\n")
 }
