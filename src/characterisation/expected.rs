@@ -1,6 +1,6 @@
 //! What an exact measurement of a sensor's model finds: the truth behind an image set.
 
-use crate::sensor::{Exposure, SensorModel};
+use crate::sensor::{FixedPattern, SensorModel};
 use crate::units::{Electrons, Seconds, photon_energy};
 
 use super::figures::{Figures, SpatialFigures, sensitivity_threshold_e};
@@ -19,20 +19,19 @@ pub fn quantum_efficiency(sensor: &SensorModel, channel: usize, wavelength_nm: f
 /// Where the converter's range ends before the full well, that is what saturates. No linearity error is expected of a
 /// linear sensor, and of the dark current the mean and the variance tell the same.
 pub fn expected_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_time: Seconds) -> Figures {
-    let exposure = |time| Exposure { time, gain: point.gain, temperature: point.temperature };
     let gain = sensor.converter.system_gain(point.gain);
     let efficiency = quantum_efficiency(sensor, point.channel, point.wavelength_nm);
     // The variance at no exposure time, which includes quantisation's 1/(12·K²).
-    let dark_variance = sensor.noise_variance(Electrons(0.0), &exposure(Seconds(0.0)));
+    let dark_variance = sensor.noise_variance(Electrons(0.0), &point.exposure(Seconds(0.0)));
     let quantisation = 1.0 / (12.0 * gain * gain);
-    let saturation = sensor.saturation_capacity(&exposure(spatial_time)).0;
+    let saturation = sensor.saturation_capacity(&point.exposure(spatial_time)).0;
     let threshold = sensitivity_threshold_e(dark_variance.sqrt());
     let dark_current = sensor.noise.dark_current(point.temperature);
-    let single_pixels = |pixel: f64| SpatialFigures {
-        total: Some(pixel),
-        row: Some(0.0),
-        column: Some(0.0),
-        pixel: Some(pixel),
+    let pattern = |p: &FixedPattern, scale: f64| SpatialFigures {
+        total: Some(scale * p.total()),
+        row: Some(scale * p.row),
+        column: Some(scale * p.column),
+        pixel: Some(scale * p.pixel),
     };
     Figures {
         system_gain_dn_per_e: gain,
@@ -46,8 +45,8 @@ pub fn expected_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_ti
         sensitivity_threshold_e: threshold,
         snr_max: saturation.sqrt(),
         dynamic_range: saturation / threshold,
-        dsnu_e: single_pixels(sensor.noise.dsnu.0),
-        prnu_percent: single_pixels(100.0 * sensor.noise.prnu),
+        dsnu_e: pattern(&sensor.noise.dsnu, 1.0),
+        prnu_percent: pattern(&sensor.noise.prnu, 100.0),
         linearity_error_min_percent: Some(0.0),
         linearity_error_max_percent: Some(0.0),
         dark_current_mean_e_per_s: Some(dark_current),

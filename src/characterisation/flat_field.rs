@@ -3,7 +3,7 @@
 use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::raw::{Cfa, RawImage};
-use crate::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose};
+use crate::sensor::{NoiseKey, SensorModel, Stages, expose};
 use crate::units::Seconds;
 
 use super::expected::quantum_efficiency;
@@ -61,7 +61,7 @@ impl<'a> FlatField<'a> {
         };
         let channels = self.sensor.cfa.channels().iter().zip(&self.efficiencies).map(electrons).collect();
         let planes = Planes::new(width, height, channels);
-        let exposure = Exposure { time, gain: self.point.gain, temperature: self.point.temperature };
+        let exposure = self.point.exposure(time);
         frames.map(move |frame| {
             let planes = planes.as_ref().map_err(Clone::clone)?;
             let mosaic = expose(planes, self.sensor, &exposure, Stages::ALL, NoiseKey { seed, frame })?;

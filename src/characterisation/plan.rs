@@ -23,7 +23,12 @@ pub struct OperatingPoint {
 impl OperatingPoint {
     /// Refuses what this sensor cannot do.
     pub fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
-        Exposure { time: USUAL_TIME, gain: self.gain, temperature: self.temperature }.validate(sensor)
+        self.exposure(USUAL_TIME).validate(sensor)
+    }
+
+    /// An exposure of this time.
+    pub(super) fn exposure(&self, time: Seconds) -> Exposure {
+        Exposure { time, gain: self.gain, temperature: self.temperature, frame_interval: None }
     }
 }
 
@@ -132,7 +137,7 @@ fn both(name: &str, time: Seconds, photons: f64, images: u32) -> [Shot; 2] {
 /// The time at which the dark current's variance is `ratio` times that of all other dark noise, but its mean no more than
 /// a hundredth of saturation.
 fn telling_time(sensor: &SensorModel, point: &OperatingPoint, ratio: f64) -> Seconds {
-    let start = Exposure { time: Seconds(0.0), gain: point.gain, temperature: point.temperature };
+    let start = point.exposure(Seconds(0.0));
     let current = sensor.noise.dark_current(point.temperature);
     let electrons =
         (ratio * sensor.noise_variance(Electrons(0.0), &start)).min(0.01 * sensor.saturation_capacity(&start).0);
@@ -141,9 +146,8 @@ fn telling_time(sensor: &SensorModel, point: &OperatingPoint, ratio: f64) -> Sec
 
 /// Photons per pixel and second that saturate it in that time, together with the dark current.
 fn saturating_flux(sensor: &SensorModel, point: &OperatingPoint, time: Seconds) -> Result<f64, Invalid> {
-    let exposure = Exposure { time, gain: point.gain, temperature: point.temperature };
     let dark = sensor.noise.dark_electrons(point.temperature, time);
-    let free = sensor.saturation_capacity(&exposure).0 - dark.0;
+    let free = sensor.saturation_capacity(&point.exposure(time)).0 - dark.0;
     if free <= 0.0 {
         let message = format!("the dark current alone fills the pixels within {} s at {} °C", time.0, point.temperature.0);
         return Err(Invalid::new("", message).help("choose a lower temperature or a shorter saturation time"));
