@@ -214,3 +214,121 @@ fn non_uniformity(
         pixel: figure(|v| v.pixel),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    const GAIN: f64 = 0.25;
+    const EFFICIENCY: f64 = 0.5;
+    const CURRENT: f64 = 40.0;
+    const READ: f64 = 6.0;
+
+    /// What a linear sensor shows on average: 64 DN of black, saturation at 10⁴ e⁻, which step 46 of 50 reaches.
+    fn exact_points() -> Vec<TemporalPoint> {
+        let point = |step: u32| {
+            let time = f64::from(step) * 0.01;
+            let photons = 440.0 * f64::from(step);
+            let electrons = (EFFICIENCY * photons).min(1e4 - CURRENT * time);
+            let dark_variance = GAIN * GAIN * (READ * READ + CURRENT * time) + 1.0 / 12.0;
+            let is_saturated = EFFICIENCY * photons + CURRENT * time > 1e4;
+            TemporalPoint {
+                time: Seconds(time),
+                photons,
+                mean: 64.0 + GAIN * (electrons + CURRENT * time),
+                variance: if is_saturated { 0.01 } else { dark_variance + GAIN * GAIN * electrons },
+                dark_mean: 64.0 + GAIN * CURRENT * time,
+                dark_variance,
+            }
+        };
+        // Their order in a file means nothing.
+        (1..=50).rev().map(point).collect()
+    }
+
+    fn variances(mean: f64, parts: [f64; 3]) -> SpatialVariances {
+        let [row, column, pixel] = parts;
+        SpatialVariances { mean, temporal: 1.0, total: row + column + pixel, row, column, pixel }
+    }
+
+    #[test]
+    fn exact_moments_give_the_figures_that_they_were_made_of() {
+        // DSNU of 2 e⁻ in rows and columns of 1 and √2 and pixels of 1 e⁻; PRNU of 1 % of 4000 e⁻.
+        let [dark, bright] = [[1.0, 2.0, 1.0], [1.0, 2.0, 1601.0]].map(|parts| parts.map(|v| v * GAIN * GAIN));
+        let stacks = [variances(66.0, dark), variances(66.0 + GAIN * 4000.0, bright)];
+        let found = evaluate(exact_points(), Some(stacks)).expect("a set");
+        let f = found.figures;
+        let saturation = 440.0 * 45.0 * EFFICIENCY;
+        let threshold = (READ * READ + 1.0 / (12.0 * GAIN * GAIN) + 0.25f64).sqrt() + 0.5;
+        for (name, value, expected) in [
+            ("K", f.system_gain_dn_per_e, GAIN),
+            ("R", f.responsivity_dn_per_p, GAIN * EFFICIENCY),
+            ("η", f.quantum_efficiency, EFFICIENCY),
+            ("σ_d", f.dark_noise_e, READ),
+            ("σ_y.dark", f.dark_noise_dn, (GAIN * GAIN * READ * READ + 1.0 / 12.0f64).sqrt()),
+            ("μ_e.sat", f.saturation_e, saturation),
+            ("SNR", f.snr_max, saturation.sqrt()),
+            ("threshold", f.sensitivity_threshold_e, threshold),
+            ("DR", f.dynamic_range, saturation / threshold),
+            ("DSNU", f.dsnu_e.total.expect("not negative"), 2.0),
+            ("DSNU of columns", f.dsnu_e.column.expect("not negative"), 2.0f64.sqrt()),
+            ("PRNU", f.prnu_percent.total.expect("not negative"), 1.0),
+            ("μ_I.mean", f.dark_current_mean_e_per_s.expect("times"), CURRENT),
+            ("μ_I.var", f.dark_current_variance_e_per_s.expect("times"), CURRENT),
+        ] {
+            assert!((value / expected - 1.0).abs() < 1e-9, "{name}: {value} instead of {expected}");
+        }
+        assert!(f.linearity_error_max_percent.expect("points") < 1e-9);
+        assert!(f.linearity_error_min_percent.expect("points") > -1e-9);
+        // 70 % of the signal of point 45 (from 0 at 44) is that of point 31.5.
+        assert_eq!((found.saturation, found.last_fitted), (44, 30));
+    }
+
+    #[test]
+    fn a_bent_response_shows_in_the_linearity_error() {
+        let mut points = exact_points();
+        points.sort_by(|a, b| a.time.0.total_cmp(&b.time.0));
+        let bent = |p: &TemporalPoint| 1.0 - 0.02 * p.signal() / points[44].signal();
+        let bent: Vec<TemporalPoint> =
+            points.iter().map(|p| TemporalPoint { mean: p.dark_mean + bent(p) * p.signal(), ..*p }).collect();
+        let found = evaluate(bent, None).expect("a set");
+        let linearity = found.linearity.expect("points");
+        // The same fit by brute force: no line has a smaller sum of squared relative deviations.
+        let squares = |line: Line| -> f64 {
+            let inside = linearity.deviations_percent.iter().map(|&(photons, _)| photons);
+            let point = |photons: f64| found.points.iter().find(|p| p.photons == photons).expect("one of them");
+            inside.map(|photons| (line.at(photons) / point(photons).signal() - 1.0).powi(2)).sum()
+        };
+        let best = squares(linearity.fit);
+        for (slope, offset) in [(1e-4, 0.0), (-1e-4, 0.0), (0.0, 1e-3), (0.0, -1e-3), (1e-4, -1e-2), (-1e-4, 1e-2)] {
+            let Line { slope: a, offset: b } = linearity.fit;
+            assert!(squares(Line { slope: a * (1.0 + slope), offset: b + offset }) > best);
+        }
+        assert!(found.figures.linearity_error_max_percent.expect("points") > 0.1);
+    }
+
+    #[test]
+    fn an_outlier_beyond_saturation_is_not_its_top() {
+        let mut points = exact_points();
+        points.sort_by(|a, b| a.time.0.total_cmp(&b.time.0));
+        points[48].variance = 5.0;
+        assert_eq!(evaluate(points, None).expect("a set").saturation, 44);
+    }
+
+    #[test]
+    fn what_tells_nothing_is_refused() {
+        assert!(evaluate(Vec::new(), None).is_err());
+        assert!(evaluate(exact_points()[..2].to_vec(), None).is_err());
+        let flat = exact_points().into_iter().map(|p| TemporalPoint { mean: 64.0, dark_mean: 64.0, ..p });
+        assert!(evaluate(flat.collect(), None).is_err());
+        assert!(responsivity(&[]).is_err());
+    }
+
+    #[test]
+    fn doubling_temperatures() {
+        let currents = [15.0, 25.0, 45.0].map(|t: f64| (t, 3.0 * ((t - 20.0) / 7.5).exp2()));
+        assert_relative_eq!(doubling_temperature(currents.into_iter()).expect("three"), 7.5, max_relative = 1e-12);
+        assert_eq!(doubling_temperature([(25.0, 3.0), (35.0, 0.0)].into_iter()), None);
+    }
+}

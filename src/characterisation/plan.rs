@@ -95,13 +95,14 @@ impl Plan {
         Ok(Self { shots, half_time })
     }
 
-    /// A set for the quantum efficiency at one more wavelength: pairs at a third and two thirds of saturation with one
-    /// exposure time. `None` where the channel is blind at this wavelength.
+    /// A set for the quantum efficiency at one more wavelength: pairs at 20, 40 and 60 % of saturation with one exposure
+    /// time; with fewer, programs that look for saturation find no point below 70 % of it. `None` where the channel is
+    /// blind at this wavelength.
     pub fn spectral(sensor: &SensorModel, point: &OperatingPoint, time: Seconds) -> Option<Self> {
         let flux = saturating_flux(sensor, point, time).ok()?;
-        let [dark, _] = pair("pair", time, 0.0);
-        let bright = [1.0, 2.0].map(|third| {
-            let [_, bright] = pair(&format!("third-{third}"), time, flux * time.0 * third / 3.0);
+        let [dark, _] = pair("level-0", time, 0.0);
+        let bright = [1.0, 2.0, 3.0].map(|level| {
+            let [_, bright] = pair(&format!("level-{level}"), time, flux * time.0 * level / 5.0);
             bright
         });
         Some(Self { shots: std::iter::once(dark).chain(bright).collect(), half_time: time })

@@ -116,3 +116,61 @@ impl SpatialStack {
         Ok(SpatialVariances { mean, temporal, total, row, column, pixel })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use rand::RngExt;
+    use rand_distr::StandardNormal;
+
+    use super::*;
+    use crate::math::philox::Philox;
+
+    #[test]
+    fn a_stack_by_hand() {
+        // Columns deviate by ±1 and rows by ±2 from 10; the second image is brighter by 2 in its first pixel.
+        let mut stack = SpatialStack::new(2, 2);
+        stack.add(&[7, 9, 11, 13]).expect("fits");
+        stack.add(&[9, 9, 11, 13]).expect("fits");
+        assert_eq!(stack.average(), [8.0, 9.0, 11.0, 13.0]);
+        let found = stack.variances().expect("two images");
+        // The only pixel that changes has a variance of 2, averaged over four pixels ½.
+        assert_relative_eq!(found.temporal, 0.5);
+        assert_relative_eq!(found.mean, 10.25);
+        // Σ(y − 10.25)² = 5.0625 + 1.5625 + 0.5625 + 7.5625 = 14.75, over 3, less ½/2.
+        assert_relative_eq!(found.total, 14.75 / 3.0 - 0.25, max_relative = 1e-12);
+        assert!(SpatialStack::new(2, 2).variances().is_err());
+        assert!(stack.add(&[1, 2, 3]).is_err());
+    }
+
+    #[test]
+    fn rows_columns_and_pixels_are_told_apart() {
+        const SIZE: [usize; 2] = [240, 160];
+        let [row, column, pixel, temporal] = [20.0, 30.0, 50.0, 40.0];
+        let normal = |key: u64, i: usize| Philox::new(key, i as u64).sample::<f64, _>(StandardNormal);
+        let mut stack = SpatialStack::new(SIZE[0], SIZE[1]);
+        for image in 0..8 {
+            let value = |i: usize| {
+                let [x, y] = [i % SIZE[0], i / SIZE[0]];
+                let pattern = row * normal(1, y) + column * normal(2, x) + pixel * normal(3, i);
+                (2000.0 + pattern + temporal * normal(4 + image, i)).round() as u16
+            };
+            stack.add(&(0..SIZE[0] * SIZE[1]).map(value).collect::<Vec<u16>>()).expect("fits");
+        }
+        let found = stack.variances().expect("images");
+        assert_relative_eq!(found.row + found.column + found.pixel, found.total, max_relative = 1e-9);
+        // The pattern itself is a sample: a variance of n numbers spreads by √(2/n) of itself, 5 times that; columns and
+        // rows have 50²/160 and 50²/240 of the pixels' pattern, and what averaging leaves of the noise, on top.
+        let pixels = (SIZE[0] * SIZE[1]) as f64;
+        let left = temporal * temporal / 8.0;
+        for (name, value, expected, on_top, n) in [
+            ("temporal", found.temporal, temporal * temporal + 1.0 / 12.0, 0.0, 7.0 * pixels),
+            ("row", found.row, row * row, (pixel * pixel + left) / 240.0, 160.0),
+            ("column", found.column, column * column, (pixel * pixel + left) / 160.0, 240.0),
+            ("pixel", found.pixel, pixel * pixel, left, pixels),
+        ] {
+            let within = 5.0 * (2.0f64 / n).sqrt() * (expected + on_top);
+            assert!((value - expected).abs() < within, "{name}: {value} instead of {expected} ± {within}");
+        }
+    }
+}

@@ -160,7 +160,12 @@ impl Chart {
                     Mark::Points => vec![(x + 20, y - 4), (x + 20, y + 4)],
                     Mark::Line | Mark::Dashes => vec![(x, y), (x + 40, y)],
                 };
-                PathElement::new(sample, ShapeStyle { stroke_width: if mark == Mark::Points { 14 } else { 4 }, ..style })
+                let stroke_width = match mark {
+                    Mark::Points => 14,
+                    Mark::Line => 5,
+                    Mark::Dashes => 2,
+                };
+                PathElement::new(sample, ShapeStyle { stroke_width, ..style })
             });
         }
         if curves.iter().any(|curve| !curve.label.is_empty()) {

@@ -27,7 +27,7 @@ pub(super) fn photon_transfer(e: &Evaluation) -> Plot {
     let curves = vec![
         Curve::new("measured", Mark::Points, BLUE, points),
         Curve::new(format!("slope K = {}", digits(gain, 4)), Mark::Line, ORANGE, vec![(0.0, 0.0), (fitted, gain * fitted)]),
-        Curve::new("its continuation", Mark::Dashes, ORANGE, vec![(fitted, gain * fitted), (saturated, gain * saturated)]),
+        Curve::new("", Mark::Dashes, ORANGE, vec![(fitted, gain * fitted), (saturated, gain * saturated)]),
         Curve::new("saturation", Mark::Dashes, GREY, vec![(saturated, 0.0), (saturated, top)]),
     ];
     Plot {
@@ -36,8 +36,8 @@ pub(super) fn photon_transfer(e: &Evaluation) -> Plot {
                   the system gain."
             .to_owned(),
         chart: Chart {
-            x: Axis::linear("μ_y − μ_y.dark in DN"),
-            y: Axis::linear("σ²_y − σ²_y.dark in DN²").within(0.0, top),
+            x: Axis::linear("mean signal above dark in DN"),
+            y: Axis::linear("temporal variance above dark in DN²").within(0.0, top),
             curves,
             legend: SeriesLabelPosition::UpperLeft,
         },
@@ -56,7 +56,7 @@ pub(super) fn snr(e: &Evaluation) -> Plot {
         photons.iter().map(snr).collect::<Vec<_>>()
     };
     let mut curves = vec![
-        Curve::new("measured", Mark::Points, BLUE, e.points.iter().map(measured).collect()),
+        Curve::new("measured", Mark::Points, BLUE, e.points[..=e.saturation].iter().map(measured).collect()),
         Curve::new("from the figures", Mark::Line, ORANGE, line(&|electrons| dark + electrons)),
         Curve::new("shot noise alone", Mark::Dashes, GREY, line(&|electrons| electrons)),
     ];
@@ -70,8 +70,8 @@ pub(super) fn snr(e: &Evaluation) -> Plot {
         title: "Signal-to-noise ratio",
         caption: "Over the photons on a pixel, from the absolute sensitivity threshold, where it is 1, to saturation.".to_owned(),
         chart: Chart {
-            x: Axis::logarithmic("μ_p in photons per pixel").within(low, high),
-            y: Axis::logarithmic("SNR").within(0.5, top),
+            x: Axis::logarithmic("photons per pixel").within(low, high),
+            y: Axis::logarithmic("signal-to-noise ratio").within(0.5, top),
             curves,
             legend: SeriesLabelPosition::UpperLeft,
         },
@@ -87,8 +87,8 @@ pub(super) fn responsivity(e: &Evaluation) -> Plot {
         title: "Responsivity",
         caption: "Mean signal over photons. The slope up to 70 % of saturation is R = K·η.".to_owned(),
         chart: Chart {
-            x: Axis::linear("μ_p in photons per pixel"),
-            y: Axis::linear("μ_y − μ_y.dark in DN"),
+            x: Axis::linear("photons per pixel"),
+            y: Axis::linear("mean signal above dark in DN"),
             curves: vec![
                 Curve::new("measured", Mark::Points, BLUE, points),
                 Curve::new(format!("slope R = {}", digits(slope, 4)), Mark::Line, ORANGE, vec![(0.0, 0.0), (end, slope * end)]),
@@ -108,7 +108,7 @@ pub(super) fn linearity(e: &Evaluation) -> Option<Plot> {
         title: "Linearity error",
         caption: "Deviation of the mean signal from the line that fits 5 to 95 % of saturation best.".to_owned(),
         chart: Chart {
-            x: Axis::linear("μ_p in photons per pixel"),
+            x: Axis::linear("photons per pixel"),
             y: Axis::linear("deviation in %").within(-most, most),
             curves: vec![
                 Curve::new("", Mark::Dashes, GREY, ends.map(|x| (x, 0.0)).to_vec()),
@@ -141,8 +141,8 @@ pub(super) fn dark_signal(e: &Evaluation) -> Vec<Plot> {
         }
     };
     vec![
-        plot("Dark signal", "μ_y.dark in DN", |p| p.dark_mean, fits.mean),
-        plot("Dark noise", "σ²_y.dark in DN²", |p| p.dark_variance, fits.variance),
+        plot("Dark signal", "mean dark signal in DN", |p| p.dark_mean, fits.mean),
+        plot("Dark noise", "temporal dark variance in DN²", |p| p.dark_variance, fits.variance),
     ]
 }
 
@@ -160,16 +160,18 @@ pub(super) fn non_uniformity(f: &Figures, stacks: &[SpatialStack; 2], variances:
     let dark_floor = (dark_variances.temporal / f64::from(dark.count())).sqrt() / gain;
     let left = bright_variances.temporal / f64::from(bright.count()) + dark_variances.temporal / f64::from(dark.count());
     let response_floor = 100.0 * left.sqrt() / signal;
+    // Averages of whole numbers lie so far apart.
+    let step = 1.0 / f64::from(dark.count());
     vec![
-        histogram("DSNU histogram", "deviation of the dark signal in e⁻", &dark_image),
-        histogram("PRNU histogram", "deviation of the response in %", &response),
+        histogram("DSNU histogram", "deviation of the dark signal in e⁻", &dark_image, step / gain),
+        histogram("PRNU histogram", "deviation of the response in %", &response, 100.0 * step / signal),
         spectrogram("DSNU spectrogram", "e⁻", &dark_image, size, dark_floor),
         spectrogram("PRNU spectrogram", "%", &response, size, response_floor),
     ]
 }
 
-fn histogram(title: &'static str, label: &str, values: &[f64]) -> Plot {
-    let histogram = Histogram::new(values, BINS);
+fn histogram(title: &'static str, label: &str, values: &[f64], quantum: f64) -> Plot {
+    let histogram = Histogram::new(values, quantum, BINS);
     let (normal, counts): (Vec<_>, Vec<_>) =
         histogram.bins().map(|(x, count)| ((x, histogram.normal(x)), (x, count as f64))).unzip();
     let top = counts.iter().map(|p| p.1).fold(1.0, f64::max) * 2.0;
@@ -200,6 +202,13 @@ fn spectrogram(title: &'static str, unit: &str, image: &[f64], size: [usize; 2],
     let [rows, columns] = [Direction::Horizontal, Direction::Vertical].map(line);
     let values = || rows.iter().chain(&columns).map(|p| p.1).chain([floor]).filter(|&v| v > 0.0);
     let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
+    let label = format!("√power in {unit}");
+    // Room for the legend above; decades only where there are any.
+    let y = if high > 20.0 * low {
+        Axis::logarithmic(label).within(low / 2.0, high * 8.0)
+    } else {
+        Axis::linear(label).within(0.0, 1.5 * high)
+    };
     Plot {
         title,
         caption: "Along rows, where patterns of columns show, and along columns, where patterns of rows show. White noise is \
@@ -207,7 +216,7 @@ fn spectrogram(title: &'static str, unit: &str, image: &[f64], size: [usize; 2],
             .to_owned(),
         chart: Chart {
             x: Axis::linear("cycles per pixel").within(0.0, 0.5),
-            y: Axis::logarithmic(format!("√power in {unit}")).within(low / 2.0, high * 4.0),
+            y,
             curves: vec![
                 Curve::new("along rows", Mark::Line, BLUE, rows),
                 Curve::new("along columns", Mark::Line, ORANGE, columns),
@@ -231,7 +240,7 @@ pub(super) fn quantum_efficiency(points: &[SpectralPoint]) -> Option<Plot> {
         caption: "Over wavelength, in electrons per photon on the pixel's whole area.".to_owned(),
         chart: Chart {
             x: Axis::linear("wavelength in nm"),
-            y: Axis::linear("η in %").within(0.0, top),
+            y: Axis::linear("quantum efficiency in %").within(0.0, top),
             curves: vec![
                 Curve::new("expected", Mark::Line, ORANGE, expected),
                 Curve::new("measured", Mark::Points, BLUE, measured),

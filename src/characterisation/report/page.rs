@@ -89,8 +89,8 @@ impl Report {
             html,
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
              content=\"width=device-width\">\n<title>{sensor}: EMVA 1288</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
-             <h1>{sensor}</h1>\n<p class=\"subtitle\">{} Characterised after EMVA 1288, release 4.0 linear.</p>\n<dl>\n",
-            escaped(&self.description)
+             <h1>{sensor}</h1>\n<p class=\"subtitle\">{}Characterised after EMVA 1288, release 4.0 linear.</p>\n<dl>\n",
+            if self.description.is_empty() { String::new() } else { escaped(&self.description) + "<br>" }
         );
         for (name, value) in &self.conditions {
             let _ = writeln!(html, "<dt>{}</dt><dd>{}</dd>", escaped(name), escaped(value));
