@@ -107,7 +107,8 @@ impl Descriptor {
         let rest = rest.trim();
         let wrong = |help: &str| Err(Invalid::new(key, format!("cannot read {line:?}")).help(help));
         // Some programs write decimal commas.
-        let numbers: Option<Vec<f64>> = rest.split_whitespace().map(|word| word.replace(',', ".").parse().ok()).collect();
+        let numbers: Option<Vec<f64>> =
+            rest.split_whitespace().map(|word| word.replace(',', ".").parse().ok()).collect();
         let is_time = |ns: f64| ns.is_finite() && ns > 0.0;
         match (key, numbers.as_deref()) {
             ("v", _) => {}

@@ -88,11 +88,9 @@ const LEAST_DARK_VARIANCE: f64 = 0.24;
 /// - Linearity errors are the deviations, in percent of the fit, from the line that fits the points between 5 and 95 % of
 ///   saturation with weights 1/(μ_y − μ_y.dark)².
 /// - Dark current: slopes of μ_y.dark/K and σ_y.dark²/K² over exposure time.
-pub fn evaluate(
-    mut points: Vec<TemporalPoint>,
-    stacks: Option<[SpatialVariances; 2]>,
-) -> Result<Evaluation, Invalid> {
-    points.sort_by(|a, b| (a.time.0, a.photons).partial_cmp(&(b.time.0, b.photons)).unwrap_or(std::cmp::Ordering::Equal));
+pub fn evaluate(mut points: Vec<TemporalPoint>, stacks: Option<[SpatialVariances; 2]>) -> Result<Evaluation, Invalid> {
+    points
+        .sort_by(|a, b| (a.time.0, a.photons).partial_cmp(&(b.time.0, b.photons)).unwrap_or(std::cmp::Ordering::Equal));
     let saturation = saturation_point(&points)?;
     let last_fitted = last_fitted(&points, saturation)?;
     let fitted = &points[..=last_fitted];
@@ -104,7 +102,8 @@ pub fn evaluate(
     let efficiency = responsivity / gain;
 
     let dark_current = dark_current_fit(&points);
-    let dark_variance = dark_current.map_or(points[0].dark_variance, |fit| fit.variance.offset).max(LEAST_DARK_VARIANCE);
+    let dark_variance =
+        dark_current.map_or(points[0].dark_variance, |fit| fit.variance.offset).max(LEAST_DARK_VARIANCE);
     let threshold = sensitivity_threshold_e(dark_variance.sqrt() / gain);
     let saturation_p = points[saturation].photons;
     let linearity = linearity(&points, saturation);
@@ -123,9 +122,11 @@ pub fn evaluate(
         dynamic_range: efficiency * saturation_p / threshold,
         dsnu_e: non_uniformity(stacks, |[dark, _], part| part(dark), gain),
         prnu_percent: match stacks {
-            Some([dark, bright]) => {
-                non_uniformity(stacks, |[dark, bright], part| part(bright) - part(dark), (bright.mean - dark.mean) / 100.0)
-            }
+            Some([dark, bright]) => non_uniformity(
+                stacks,
+                |[dark, bright], part| part(bright) - part(dark),
+                (bright.mean - dark.mean) / 100.0,
+            ),
             None => non_uniformity(None, |_, _| 0.0, 1.0),
         },
         linearity_error_min_percent: errors.clone().reduce(f64::min),
@@ -147,7 +148,8 @@ pub fn responsivity(points: &[TemporalPoint]) -> Result<f64, Invalid> {
 /// The rise of temperature, K, that doubles a dark current known at several temperatures: 1 over the slope of
 /// log₂ I(T), by least squares. `None` unless two temperatures with a dark current are known.
 pub fn doubling_temperature(currents: impl Iterator<Item = (f64, f64)> + Clone) -> Option<f64> {
-    let points = currents.filter(|&(_, current)| current > 0.0).map(|(celsius, current)| (celsius, current.log2(), 1.0));
+    let points =
+        currents.filter(|&(_, current)| current > 0.0).map(|(celsius, current)| (celsius, current.log2(), 1.0));
     line(points).map(|fit| 1.0 / fit.slope)
 }
 

@@ -2,14 +2,14 @@
 
 use crate::Invalid;
 use crate::image::{Channel, Planes};
-use crate::raw::{Cfa, RawImage};
+use crate::raw::{BlackLevel, Cfa, RawImage, RawMetadata};
 use crate::sensor::{NoiseKey, SensorModel, Stages, expose};
 use crate::units::Seconds;
 
 use super::expected::quantum_efficiency;
 use super::plan::OperatingPoint;
 
-/// A sensor in front of even light, of which the pixels of one channel are looked at.
+/// A sensor in front of even light, of which the numbers of one channel are looked at.
 #[derive(Clone, Debug)]
 pub struct FlatField<'a> {
     sensor: &'a SensorModel,
@@ -23,7 +23,7 @@ pub struct FlatField<'a> {
 }
 
 impl<'a> FlatField<'a> {
-    /// `size`: columns and rows of the images, which show one pixel of every tile of the colour filter array, of channel
+    /// `size`: columns and rows of the images, which show one number of every tile of the colour filter array, of channel
     /// `point.channel`: programs that evaluate them know of no mosaics.
     pub fn new(sensor: &'a SensorModel, point: &OperatingPoint, size: [usize; 2]) -> Self {
         let channels = sensor.cfa.channels().len();
@@ -41,7 +41,7 @@ impl<'a> FlatField<'a> {
 
     /// Largest images that a sensor can give of one channel: a pixel for each whole tile.
     pub fn largest_size(sensor: &SensorModel) -> [usize; 2] {
-        let (columns, rows) = sensor.cfa.tile_size();
+        let [columns, rows] = pixels_of_tile(&sensor.cfa);
         [sensor.resolution[0] / columns, sensor.resolution[1] / rows]
     }
 
@@ -53,7 +53,7 @@ impl<'a> FlatField<'a> {
         seed: u64,
         frames: impl Iterator<Item = u64>,
     ) -> impl Iterator<Item = Result<RawImage, Invalid>> {
-        let (columns, rows) = self.sensor.cfa.tile_size();
+        let [columns, rows] = pixels_of_tile(&self.sensor.cfa);
         let [width, height] = [self.size[0] * columns, self.size[1] * rows];
         let electrons = |(name, efficiency): (&String, &f64)| Channel {
             name: name.clone(),
@@ -65,20 +65,31 @@ impl<'a> FlatField<'a> {
         frames.map(move |frame| {
             let planes = planes.as_ref().map_err(Clone::clone)?;
             let mosaic = expose(planes, self.sensor, &exposure, Stages::ALL, NoiseKey { seed, frame })?;
-            Ok(self.plane(mosaic))
+            Ok(self.plane(&mosaic))
         })
     }
 
-    /// The pixels of the channel.
-    fn plane(&self, mosaic: RawImage) -> RawImage {
-        if mosaic.cfa.tile_size() == (1, 1) {
-            return mosaic;
-        }
-        let (columns, rows) = mosaic.cfa.tile_size();
-        let lines = mosaic.data.chunks_exact(mosaic.width).skip(self.place[1]).step_by(rows);
+    /// The numbers of the channel.
+    fn plane(&self, raw: &RawImage) -> RawImage {
+        let raw = raw.cropped();
+        let (columns, rows) = raw.cfa.tile_size();
+        let lines = raw.data.chunks_exact(raw.row_length()).skip(self.place[1]).step_by(rows);
         let data = lines.flat_map(|line| line[self.place[0]..].iter().step_by(columns).copied()).collect();
-        let mut metadata = mosaic.metadata;
-        metadata.noise_profile.truncate(1);
-        RawImage { width: self.size[0], height: self.size[1], data, cfa: Cfa::mono(), metadata, ..mosaic }
+        let noise_profile = raw.metadata.noise_profile.get(self.point.channel).copied().into_iter().collect();
+        RawImage {
+            width: self.size[0],
+            height: self.size[1],
+            data,
+            cfa: Cfa::mono(),
+            black_level_dn: BlackLevel::uniform(raw.black_level_dn.at(self.place[0], self.place[1])),
+            metadata: RawMetadata { noise_profile, ..raw.metadata },
+            ..raw
+        }
     }
+}
+
+/// Columns and rows of pixels in the tile of an array: a tile of all channels at every pixel is one pixel.
+fn pixels_of_tile(cfa: &Cfa) -> [usize; 2] {
+    let (columns, rows) = cfa.tile_size();
+    [columns / cfa.samples_per_pixel(), rows]
 }

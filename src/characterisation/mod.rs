@@ -31,7 +31,9 @@ mod spatial;
 mod spectrogram;
 
 pub use descriptor::{Descriptor, Light, Series};
-pub use evaluation::{DarkCurrentFit, Evaluation, Linearity, TemporalPoint, doubling_temperature, evaluate, responsivity};
+pub use evaluation::{
+    DarkCurrentFit, Evaluation, Linearity, TemporalPoint, doubling_temperature, evaluate, responsivity,
+};
 pub use expected::{expected_figures, quantum_efficiency};
 pub use figures::{Decibel, Figures, Row, SpatialFigures};
 pub use fit::{Line, line, through_origin};

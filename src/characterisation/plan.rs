@@ -150,7 +150,8 @@ fn saturating_flux(sensor: &SensorModel, point: &OperatingPoint, time: Seconds) 
     let dark = sensor.noise.dark_electrons(point.temperature, time);
     let free = sensor.saturation_capacity(&point.exposure(time)).0 - dark.0;
     if free <= 0.0 {
-        let message = format!("the dark current alone fills the pixels within {} s at {} °C", time.0, point.temperature.0);
+        let message =
+            format!("the dark current alone fills the pixels within {} s at {} °C", time.0, point.temperature.0);
         return Err(Invalid::new("", message).help("choose a lower temperature or a shorter saturation time"));
     }
     let photons = free / quantum_efficiency(sensor, point.channel, point.wavelength_nm);

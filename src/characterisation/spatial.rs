@@ -96,8 +96,7 @@ impl SpatialStack {
         let measured = average.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / (pixels - 1.0);
         // Σ over pixels of (L·Σy² − (Σy)²), an exact integer.
         let of_sums: u128 = self.sums.iter().map(|&sum| u128::from(sum).pow(2)).sum();
-        let temporal =
-            (u128::from(self.count) * self.squares - of_sums) as f64 / (pixels * images * (images - 1.0));
+        let temporal = (u128::from(self.count) * self.squares - of_sums) as f64 / (pixels * images * (images - 1.0));
 
         let mut of_columns = vec![0.0; self.width];
         let mut row_average = -temporal / (images * columns);

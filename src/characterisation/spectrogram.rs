@@ -86,6 +86,10 @@ mod tests {
         let mean = image.iter().sum::<f64>() / 60.0;
         let variance = image.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / 60.0;
         let inner: f64 = spectrum.power[1..6].iter().sum();
-        assert_relative_eq!((spectrum.power[0] + 2.0 * inner + spectrum.power[6]) / 12.0, variance, max_relative = 1e-12);
+        assert_relative_eq!(
+            (spectrum.power[0] + 2.0 * inner + spectrum.power[6]) / 12.0,
+            variance,
+            max_relative = 1e-12
+        );
     }
 }

@@ -8,9 +8,7 @@ use photosite::characterisation::{
     Descriptor, FlatField, OperatingPoint, Plan, Series, Shot, expected_figures, quantum_efficiency,
 };
 use photosite::io::capture::read_named_sensor;
-use photosite::io::image_sets::{
-    CONTENTS, ChannelSets, ImageFormat, ImageSets, SetWriter, SpectralSet, ThermalSet,
-};
+use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageFormat, ImageSets, SetWriter, SpectralSet, ThermalSet};
 use photosite::io::output::write_whole;
 use photosite::sensor::SensorModel;
 use photosite::units::{Celsius, Decibels, Seconds};
@@ -205,7 +203,12 @@ fn works(args: &Emva1288Args, sensor: &SensorModel) -> Result<Vec<Work>> {
         Ok(Work {
             point,
             spectral: args.sweep.map_or_else(Vec::new, Range::values).into_iter().map(spectral).collect(),
-            thermal: args.temperatures.map_or_else(Vec::new, Range::values).into_iter().map(thermal).collect::<Result<_, _>>()?,
+            thermal: args
+                .temperatures
+                .map_or_else(Vec::new, Range::values)
+                .into_iter()
+                .map(thermal)
+                .collect::<Result<_, _>>()?,
             linear,
         })
     };
@@ -266,7 +269,12 @@ impl Camera<'_> {
             let mut path = None;
             if let Some(plan) = plan {
                 let name = format!("{wavelength_nm:04}");
-                self.take_set(path.insert(format!("{folder}/{name}.txt")), &folder, &point, &named(&name, &plan.shots))?;
+                self.take_set(
+                    path.insert(format!("{folder}/{name}.txt")),
+                    &folder,
+                    &point,
+                    &named(&name, &plan.shots),
+                )?;
             }
             wavelengths.push(SpectralSet {
                 wavelength_nm: *wavelength_nm,

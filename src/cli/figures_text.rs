@@ -11,7 +11,8 @@ pub(super) fn expected_text(sets: &ImageSets) -> String {
     let heads: Vec<String> =
         sets.channels.iter().map(|c| format!("{} at {} nm", c.channel, rounded(c.wavelength_nm, 6))).collect();
     let columns: Vec<Vec<Row>> = sets.channels.iter().map(|c| c.expected.rows()).collect();
-    let title = format!("{}: expected of {} × {} pixels at {} dB", sets.sensor, sets.size_px[0], sets.size_px[1], sets.gain_db);
+    let title =
+        format!("{}: expected of {} × {} pixels at {} dB", sets.sensor, sets.size_px[0], sets.size_px[1], sets.gain_db);
     format!("{title}\n\n{}", table(&heads, &columns))
 }
 
@@ -32,9 +33,11 @@ fn aligned(grid: &[Vec<String>]) -> String {
     let width = |column: usize| grid.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..grid[0].len()).map(width).collect();
     let line = |cells: &Vec<String>| {
-        let cells = cells.iter().zip(&widths).enumerate().map(|(i, (cell, &width))| {
-            if i < 3 { format!("{cell:width$}") } else { format!("{cell:>width$}") }
-        });
+        let cells = cells
+            .iter()
+            .zip(&widths)
+            .enumerate()
+            .map(|(i, (cell, &width))| if i < 3 { format!("{cell:width$}") } else { format!("{cell:>width$}") });
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
     grid.iter().map(line).collect::<Vec<_>>().join("\n")

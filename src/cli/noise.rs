@@ -127,7 +127,7 @@ fn read(path: &Path) -> Result<Input> {
     let file = File::open(path).map_err(|reason| Error::io(path, "read", reason))?;
     let raw = read_dng(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?;
     Ok(Input {
-        black: Some(f64::from(raw.black_level_dn)),
+        black: Some(f64::from(raw.black_level_dn.mean())),
         white: Some(f64::from(raw.white_level_dn)),
         step: Some(1.0),
         picture: Picture::from_raw(path.display().to_string(), raw),
@@ -176,16 +176,25 @@ fn text(report: &Report) -> String {
         };
         let mut lines = vec![("mean", format!("{} {unit}", number(e.mean)))];
         if let Some(t) = &e.temporal {
-            lines.push(("temporal noise", format!("{}; largest σ of a pixel {}", variance(&t.noise), number(t.largest_sigma))));
+            lines.push((
+                "temporal noise",
+                format!("{}; largest σ of a pixel {}", variance(&t.noise), number(t.largest_sigma)),
+            ));
             let pattern = t.pattern.as_ref().map_or("hidden by the temporal noise".to_owned(), variance);
             lines.push(("fixed pattern", pattern));
         }
         lines.push(("as an even patch", variance(&e.uniform)));
         let [a, b] = e.plane.slope;
-        lines.push(("after a plane", format!("{}; slope {} along x, {} along y a pixel", variance(&e.plane.noise), number(a), number(b))));
+        lines.push((
+            "after a plane",
+            format!("{}; slope {} along x, {} along y a pixel", variance(&e.plane.noise), number(a), number(b)),
+        ));
         if let Some(chi) = &e.plane.chi_squared {
             let [value, reduced, p] = [chi.value, chi.reduced, chi.p_value].map(number);
-            lines.push(("χ² of the plane", format!("{value} for {} degrees of freedom, reduced {reduced}, p = {p}", chi.freedom)));
+            lines.push((
+                "χ² of the plane",
+                format!("{value} for {} degrees of freedom, reduced {reduced}, p = {p}", chi.freedom),
+            ));
         }
         if let (Some(ratio), Some(db), Some(bits)) = (e.snr.ratio, e.snr.db, e.snr.bits) {
             lines.push(("signal over noise", format!("{} = {} dB = {} bit", number(ratio), number(db), number(bits))));
@@ -194,7 +203,9 @@ fn text(report: &Report) -> String {
             lines.push(("effective bits", number(bits)));
         }
         if let Some(q) = &e.quantisation {
-            let part = q.part_percent.map_or(String::new(), |part| format!(", {} % of the variance", number(rounded(part, 3))));
+            let part = q
+                .part_percent
+                .map_or(String::new(), |part| format!(", {} % of the variance", number(rounded(part, 3))));
             lines.push(("quantisation", format!("q²/12 = {}{part}", number(q.variance))));
         }
         let correlations = |lags: &[f64]| {
@@ -203,7 +214,10 @@ fn text(report: &Report) -> String {
         };
         let c = &e.autocovariance;
         if c.along_rows[0] > 0.0 && c.along_rows.len() > 1 && c.along_columns.len() > 1 {
-            lines.push(("correlation along rows", format!("{} (± {:.3})", correlations(&c.along_rows), c.correlation_error)));
+            lines.push((
+                "correlation along rows",
+                format!("{} (± {:.3})", correlations(&c.along_rows), c.correlation_error),
+            ));
             lines.push(("correlation along columns", correlations(&c.along_columns)));
         }
         let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);

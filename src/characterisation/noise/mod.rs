@@ -131,7 +131,8 @@ pub fn estimate(patches: &[Patch], known: &Knowledge, most_lag: usize) -> Result
     let Some(first) = patches.first() else { return Err(Invalid::new("", "there is no picture")) };
     let size = [first.width, first.height];
     if let Some(other) = patches.iter().find(|p| [p.width, p.height] != size) {
-        let message = format!("pictures of {size:?} and of {:?} pixels do not go together", [other.width, other.height]);
+        let message =
+            format!("pictures of {size:?} and of {:?} pixels do not go together", [other.width, other.height]);
         return Err(Invalid::new("", message));
     }
     let temporal = TemporalNoise::new(patches);
@@ -205,7 +206,11 @@ mod tests {
         let found = estimate(&pictures, &known, 4).expect("a patch");
         // Standard errors: σ²·√(2/freedom) with 7 degrees of freedom a pixel; 5 of them.
         let temporal = found.temporal.expect("several pictures");
-        assert_relative_eq!(temporal.noise.error, temporal.noise.variance * (2.0 / (7.0 * PIXELS)).sqrt(), max_relative = 1e-9);
+        assert_relative_eq!(
+            temporal.noise.error,
+            temporal.noise.variance * (2.0 / (7.0 * PIXELS)).sqrt(),
+            max_relative = 1e-9
+        );
         assert!((temporal.noise.variance - 9.0).abs() < 5.0 * temporal.noise.error, "{temporal:?}");
         // The average has the pattern's variance and an eighth of the noise's.
         assert!((found.uniform.variance - (25.0 + 9.0 / 8.0)).abs() < 5.0 * found.uniform.error);

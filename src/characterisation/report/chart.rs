@@ -1,11 +1,11 @@
 //! Plots of curves and points as SVG.
 
+use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::{
     ChartBuilder, Circle, DashedLineSeries, DrawingArea, DrawingAreaErrorKind, IntoDrawingArea, IntoFont, IntoLogRange,
     LineSeries, PathElement, RGBColor, Ranged, SVGBackend, SeriesLabelPosition, ShapeStyle, WHITE,
 };
-use plotters::coord::Shift;
 
 /// Measured points and the first of the lines.
 pub(super) const BLUE: RGBColor = RGBColor(31, 95, 168);
@@ -215,7 +215,11 @@ fn tick(value: &f64) -> String {
     let exponent = magnitude.log10().floor() as i32;
     let mantissa = value / 10f64.powi(exponent);
     let power: String = exponent.to_string().chars().map(superscript).collect();
-    if (mantissa - 1.0).abs() < 1e-6 { format!("10{power}") } else { format!("{}·10{power}", (mantissa * 1e3).round() / 1e3) }
+    if (mantissa - 1.0).abs() < 1e-6 {
+        format!("10{power}")
+    } else {
+        format!("{}·10{power}", (mantissa * 1e3).round() / 1e3)
+    }
 }
 
 fn superscript(c: char) -> char {

@@ -26,15 +26,21 @@ pub(super) fn photon_transfer(e: &Evaluation) -> Plot {
     let top = points.iter().map(|p| p.1).fold(0.0, f64::max).max(gain * saturated) * 1.08;
     let curves = vec![
         Curve::new("measured", Mark::Points, BLUE, points),
-        Curve::new(format!("slope K = {}", digits(gain, 4)), Mark::Line, ORANGE, vec![(0.0, 0.0), (fitted, gain * fitted)]),
+        Curve::new(
+            format!("slope K = {}", digits(gain, 4)),
+            Mark::Line,
+            ORANGE,
+            vec![(0.0, 0.0), (fitted, gain * fitted)],
+        ),
         Curve::new("", Mark::Dashes, ORANGE, vec![(fitted, gain * fitted), (saturated, gain * saturated)]),
         Curve::new("saturation", Mark::Dashes, GREY, vec![(saturated, 0.0), (saturated, top)]),
     ];
     Plot {
         title: "Photon transfer curve",
-        caption: "Temporal variance over mean signal, both without their dark parts. The slope up to 70 % of saturation is \
+        caption:
+            "Temporal variance over mean signal, both without their dark parts. The slope up to 70 % of saturation is \
                   the system gain."
-            .to_owned(),
+                .to_owned(),
         chart: Chart {
             x: Axis::linear("mean signal above dark in DN"),
             y: Axis::linear("temporal variance above dark in DN²").within(0.0, top),
@@ -68,7 +74,8 @@ pub(super) fn snr(e: &Evaluation) -> Plot {
     curves.push(Curve::new("saturation", Mark::Dashes, BLUE, vec![(f.saturation_p, 0.5), (f.saturation_p, top)]));
     Plot {
         title: "Signal-to-noise ratio",
-        caption: "Over the photons on a pixel, from the absolute sensitivity threshold, where it is 1, to saturation.".to_owned(),
+        caption: "Over the photons on a pixel, from the absolute sensitivity threshold, where it is 1, to saturation."
+            .to_owned(),
         chart: Chart {
             x: Axis::logarithmic("photons per pixel").within(low, high),
             y: Axis::logarithmic("signal-to-noise ratio").within(0.5, top),
@@ -91,7 +98,12 @@ pub(super) fn responsivity(e: &Evaluation) -> Plot {
             y: Axis::linear("mean signal above dark in DN"),
             curves: vec![
                 Curve::new("measured", Mark::Points, BLUE, points),
-                Curve::new(format!("slope R = {}", digits(slope, 4)), Mark::Line, ORANGE, vec![(0.0, 0.0), (end, slope * end)]),
+                Curve::new(
+                    format!("slope R = {}", digits(slope, 4)),
+                    Mark::Line,
+                    ORANGE,
+                    vec![(0.0, 0.0), (end, slope * end)],
+                ),
             ],
             legend: SeriesLabelPosition::UpperLeft,
         },
@@ -158,7 +170,8 @@ pub(super) fn non_uniformity(f: &Figures, stacks: &[SpatialStack; 2], variances:
         bright.average().iter().zip(dark.average()).map(|(b, d)| 100.0 * ((b - d) / signal - 1.0)).collect();
     // White noise that averaging leaves.
     let dark_floor = (dark_variances.temporal / f64::from(dark.count())).sqrt() / gain;
-    let left = bright_variances.temporal / f64::from(bright.count()) + dark_variances.temporal / f64::from(dark.count());
+    let left =
+        bright_variances.temporal / f64::from(bright.count()) + dark_variances.temporal / f64::from(dark.count());
     let response_floor = 100.0 * left.sqrt() / signal;
     // Averages of whole numbers lie so far apart.
     let step = 1.0 / f64::from(dark.count());

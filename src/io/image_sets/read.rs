@@ -93,7 +93,9 @@ impl ImageReader<'_> {
         let planes = &picture.mean;
         if [planes.width(), planes.height()] != [width, height] {
             let message = format!("{} × {} pixels instead of {width} × {height}", planes.width(), planes.height());
-            return Err(Invalid::new("", message).help("all images of a set have the size of its line n").in_file(&path));
+            return Err(Invalid::new("", message)
+                .help("all images of a set have the size of its line n")
+                .in_file(&path));
         }
         let is_number = |y: &f32| (0.0..=65_535.0).contains(y) && y.fract() == 0.0;
         let [plane] = planes.channels() else { return Err(no_digital_numbers(&path)) };
