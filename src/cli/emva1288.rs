@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use photosite::characterisation::{
-    Descriptor, FlatField, OperatingPoint, Plan, Series, Shot, expected_figures, quantum_efficiency,
+    Descriptor, FlatField, OperatingPoint, Plan, Series, Shot, doubling_temperature, expected_figures,
+    quantum_efficiency,
 };
 use photosite::io::capture::read_named_sensor;
 use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageFormat, ImageSets, SetWriter, SpectralSet, ThermalSet};
@@ -302,8 +303,10 @@ impl Camera<'_> {
             temperature_c: point.temperature.0,
             expected: expected_figures(sensor, point, linear.half_time),
             wavelengths,
+            doubling_temperature_k: doubling_temperature(
+                temperatures.iter().map(|set| (set.temperature_c, set.dark_current_e_per_s)),
+            ),
             temperatures,
-            doubling_temperature_k: sensor.noise.dark_current_doubling_k,
             channel,
         })
     }

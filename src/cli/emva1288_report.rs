@@ -164,8 +164,7 @@ fn of_channel(folder: &Path, sets: &ChannelSets, progress: &Progress) -> Result<
         });
     }
     let currents = report.thermal.iter().map(|p| (p.temperature_c, p.from_mean));
-    report.doubling_temperature_k =
-        doubling_temperature(currents).map(|measured| [sets.doubling_temperature_k, measured]);
+    report.doubling_temperature_k = sets.doubling_temperature_k.zip(doubling_temperature(currents)).map(Into::into);
     Ok((report, bits))
 }
 

@@ -94,7 +94,7 @@ class Judge:
             self.complaints.append(f"{name}: {ours} by photosite, {tool} by the tool")
 
 
-def standard_errors(result, pixels, images):
+def standard_errors(result, pixels):
     """Relative standard errors of the figures, from the moments of normal noise: a variance of n differences has a
     standard error of its sqrt(2/n), a mean of two images one of sigma/sqrt(2 n)."""
     t = result.temporal
@@ -115,8 +115,15 @@ def standard_errors(result, pixels, images):
     of_mean = numpy.sqrt(numpy.sum((slope * mean_error) ** 2)) / abs(numpy.sum(slope * t["u_ydark"]))
     of_variance = numpy.sqrt(numpy.sum((slope * variance_error) ** 2)) / abs(numpy.sum(slope * dark))
 
-    # A pattern's own spread over the image, and the temporal noise that averaging leaves of it.
-    of_stack = [numpy.sqrt(2 / pixels) * s for s in (result.s_2_y_measured_dark, result.s_2_y_measured)]
+    # A pattern's own spread over the image, and the temporal noise that averaging leaves of it; rows and columns are few.
+    def spatial(measured, row, column):
+        parts = [measured / numpy.sqrt(pixels), row / numpy.sqrt(result.spatial["M"]), column / numpy.sqrt(result.spatial["N"])]
+        return numpy.sqrt(2) * numpy.linalg.norm(parts)
+
+    of_stack = [
+        spatial(result.s_2_y_measured_dark, result.s_2_y_row_dark, result.s_2_y_col_dark),
+        spatial(result.s_2_y_measured, result.s_2_y_row, result.s_2_y_col),
+    ]
     of_dsnu = of_stack[0] / (2 * result.s_2_y_dark)
     of_prnu = numpy.hypot(*of_stack) / (2 * (result.s_2_y - result.s_2_y_dark))
     return {
@@ -188,8 +195,7 @@ def judge_channel(judge, folder, channel, report):
     put_in = channel["expected"]
     data, result = load_set(folder / channel["descriptor"])
     pixels = data["width"] * data["height"]
-    images = result.spatial["L"]
-    errors = standard_errors(result, pixels, images)
+    errors = standard_errors(result, pixels)
     found = {
         "K": (put_in["system_gain_dn_per_e"], result.K),
         "QE": (put_in["quantum_efficiency"], result.QE / 100),
@@ -229,7 +235,7 @@ def judge_channel(judge, folder, channel, report):
         current = of_temperature.u_I_mean_DN / result.K
         currents.append((point["temperature_c"], current))
         at = f"dark current at {point['temperature_c']:g} C"
-        its_errors = standard_errors(of_temperature, pixels, images)
+        its_errors = standard_errors(of_temperature, pixels)
         judge.figure(at, LIMITS["dark current, mean"], point["dark_current_e_per_s"], current, its_errors["dark current, mean"])
         if report:
             judge.same(at, current, report["temperatures"][i]["from_mean"])
