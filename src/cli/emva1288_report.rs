@@ -55,14 +55,7 @@ pub(super) fn run(args: &Emva1288ReportArgs) -> Result<()> {
             help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
         });
     }
-    let report = if is_folder {
-        let progress = Progress::over_images(0, args.quiet || args.json);
-        let report = of_folder(folder, &progress)?;
-        progress.finish();
-        report
-    } else {
-        of_descriptor(&args.input)?
-    };
+    let report = if is_folder { of_folder(folder, args.quiet || args.json)? } else { of_descriptor(&args.input)? };
     write_whole(&output, |to| to.write_all(report.html().as_bytes()))?;
     if args.json {
         print_json(&report.channels.iter().map(measured).collect::<Vec<_>>())
@@ -95,19 +88,21 @@ fn of_descriptor(path: &Path) -> Result<Report> {
 }
 
 /// The image sets that photosite took.
-fn of_folder(folder: &Path, progress: &Progress) -> Result<Report> {
+fn of_folder(folder: &Path, quiet: bool) -> Result<Report> {
     if !folder.join(CONTENTS).exists() {
         let help = "give a folder that photosite emva1288 filled, or a descriptor of images (.txt)";
         return Err(Invalid::new("", format!("holds no {CONTENTS}")).help(help).in_file(folder));
     }
     let sets = ImageSets::read(folder)?;
+    let progress = Progress::over_images(image_count(folder, &sets), quiet);
     let mut channels = Vec::new();
     let mut bits = 0;
     for channel in &sets.channels {
-        let (report, its_bits) = of_channel(folder, channel, progress)?;
+        let (report, its_bits) = of_channel(folder, channel, &progress)?;
         channels.push(report);
         bits = its_bits;
     }
+    progress.finish();
     let mut conditions = conditions(sets.size_px, bits);
     conditions.push(("Gain".to_owned(), format!("{} dB", sets.gain_db)));
     conditions.push(("Seed".to_owned(), sets.seed.to_string()));
@@ -115,6 +110,20 @@ fn of_folder(folder: &Path, progress: &Progress) -> Result<Report> {
         conditions.push(("Changed".to_owned(), sets.overrides.join(", ")));
     }
     Ok(Report { sensor: sets.sensor, description: sets.description, conditions, channels })
+}
+
+/// How many images all descriptors name.
+fn image_count(folder: &Path, sets: &ImageSets) -> u64 {
+    let of_channel = |c: &ChannelSets| {
+        let spectral = c.wavelengths.iter().filter_map(|set| set.descriptor.clone());
+        let thermal = c.temperatures.iter().map(|set| set.descriptor.clone());
+        std::iter::once(c.descriptor.clone()).chain(spectral).chain(thermal).collect::<Vec<_>>()
+    };
+    let lines = |path: String| {
+        let text = std::fs::read_to_string(folder.join(path)).unwrap_or_default();
+        text.lines().filter(|line| line.starts_with("i ")).count() as u64
+    };
+    sets.channels.iter().flat_map(of_channel).map(lines).sum()
 }
 
 fn conditions([width, height]: [usize; 2], bits: u32) -> Vec<(String, String)> {

@@ -75,8 +75,8 @@ fn earlier_sets_are_replaced_only_if_asked_for() {
 }
 
 #[rstest]
-#[case::sensor("emva1288 generic", 1, "photosite has no sensor \"generic\"")]
-#[case::file("emva1288 nowhere.toml", 1, "cannot read nowhere.toml")]
+#[case::sensor("emva1288 generic", 2, "photosite has no sensor \"generic\"")]
+#[case::file("emva1288 nowhere.toml", 1, "nowhere.toml: cannot read")]
 #[case::key("emva1288 sony-imx249-mono --set noise.read=2", 1, "--set noise.read=2: sensor.noise.read: unknown key")]
 #[case::value("emva1288 sony-imx249-mono --set noise.read_noise_e=-2", 1, "must not be negative, got -2")]
 #[case::channel("emva1288 sony-imx249-mono --channels R", 2, "has no channel \"R\"")]

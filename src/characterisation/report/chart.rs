@@ -192,7 +192,8 @@ fn bounds(axis: &Axis, values: impl Iterator<Item = f64>) -> [f64; 2] {
     match (low.is_finite() && high.is_finite(), axis.logarithmic) {
         (false, true) => [0.1, 10.0],
         (false, false) => [0.0, 1.0],
-        (true, true) => [low / 1.3, high * 1.3],
+        // Whole decades, so that there are at least two labels.
+        (true, true) => [low.log10().floor(), (high * 1.001).log10().ceil()].map(|exponent| 10f64.powf(exponent)),
         (true, false) => {
             let room = if high > low { 0.04 * (high - low) } else { low.abs().max(1.0) };
             // What begins at nothing is shown from nothing.

@@ -277,8 +277,8 @@ pub(super) fn temperature(points: &[ThermalPoint]) -> Option<Plot> {
             y: Axis::logarithmic("dark current in e⁻/s"),
             curves: vec![
                 Curve::new("expected", Mark::Line, ORANGE, curve(|p| p.expected)),
-                Curve::new("from the mean", Mark::Points, BLUE, curve(|p| p.from_mean)),
                 Curve::new("from the variance", Mark::Points, GREEN, curve(|p| p.from_variance)),
+                Curve::new("from the mean", Mark::Points, BLUE, curve(|p| p.from_mean)),
             ],
             legend: SeriesLabelPosition::UpperLeft,
         },
