@@ -83,11 +83,11 @@ impl SpatialStack {
         self.sums.iter().map(|&sum| f64::from(sum) / count).collect()
     }
 
-    /// The variances. The stack must hold at least two images of at least 2 × 2 pixels.
+    /// The variances. The stack must hold at least two images of at least 3 × 3 pixels.
     pub fn variances(&self) -> Result<SpatialVariances, Invalid> {
-        if self.count < 2 || self.width < 2 || self.height < 2 {
+        if self.count < 2 || self.width < 3 || self.height < 3 {
             let message = format!("{} images of {} × {} pixels tell no patterns", self.count, self.width, self.height);
-            return Err(Invalid::new("", message).help("take at least two images of at least 2 × 2 pixels"));
+            return Err(Invalid::new("", message).help("take at least two images of at least 3 × 3 pixels"));
         }
         let (columns, rows) = (self.width as f64, self.height as f64);
         let (pixels, images) = (columns * rows, f64::from(self.count));
@@ -127,18 +127,18 @@ mod tests {
 
     #[test]
     fn a_stack_by_hand() {
-        // Columns deviate by ±1 and rows by ±2 from 10; the second image is brighter by 2 in its first pixel.
-        let mut stack = SpatialStack::new(2, 2);
-        stack.add(&[7, 9, 11, 13]).expect("fits");
-        stack.add(&[9, 9, 11, 13]).expect("fits");
-        assert_eq!(stack.average(), [8.0, 9.0, 11.0, 13.0]);
+        // The second image is brighter by 2 in its first pixel, and the averages are 8, 9, 11, 13 and 10.
+        let mut stack = SpatialStack::new(3, 3);
+        stack.add(&[7, 9, 11, 13, 10, 10, 10, 10, 10]).expect("fits");
+        stack.add(&[9, 9, 11, 13, 10, 10, 10, 10, 10]).expect("fits");
+        assert_eq!(stack.average()[..4], [8.0, 9.0, 11.0, 13.0]);
         let found = stack.variances().expect("two images");
-        // The only pixel that changes has a variance of 2, averaged over four pixels ½.
-        assert_relative_eq!(found.temporal, 0.5);
-        assert_relative_eq!(found.mean, 10.25);
-        // Σ(y − 10.25)² = 5.0625 + 1.5625 + 0.5625 + 7.5625 = 14.75, over 3, less ½/2.
-        assert_relative_eq!(found.total, 14.75 / 3.0 - 0.25, max_relative = 1e-12);
-        assert!(SpatialStack::new(2, 2).variances().is_err());
+        // The only pixel that changes has a variance of 2.
+        assert_relative_eq!(found.temporal, 2.0 / 9.0, max_relative = 1e-12);
+        assert_relative_eq!(found.mean, 91.0 / 9.0, max_relative = 1e-12);
+        // Σy² − 91²/9 = 64 + 81 + 121 + 169 + 500 − 8281/9 = 134/9, over 8, less a half of 2/9: 1.75.
+        assert_relative_eq!(found.total, 1.75, max_relative = 1e-12);
+        assert!(SpatialStack::new(3, 3).variances().is_err());
         assert!(stack.add(&[1, 2, 3]).is_err());
     }
 

@@ -237,11 +237,11 @@ fn peak(sensor: &SensorModel, channel: usize) -> f64 {
 fn image_size(sensor: &SensorModel, wanted: Option<[usize; 2]>) -> Result<[usize; 2]> {
     let largest = FlatField::largest_size(sensor);
     let size = wanted.unwrap_or(largest.map(|side| side.min(512)));
-    if (0..2).any(|axis| size[axis] > largest[axis] || size[axis] < 2) {
+    if (0..2).any(|axis| size[axis] > largest[axis] || size[axis] < 3) {
         let [[w, h], [most_w, most_h]] = [size, largest];
         return Err(Error::Usage {
             message: format!("images of {w} × {h} pixels cannot be taken of one channel of sensor {}", sensor.name),
-            help: Some(format!("it has {most_w} × {most_h} pixels of each; write at least 2x2")),
+            help: Some(format!("it has {most_w} × {most_h} pixels of each; write at least 3x3")),
         });
     }
     Ok(size)
