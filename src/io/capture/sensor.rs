@@ -82,8 +82,7 @@ pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<SensorModel
         overrides::set_below(&mut source, "sensor", argument)?;
     }
     let merged = read_sensor(&mut source, Path::new(""))?;
-    let finder = Finder::new(Path::new(""), Vec::new());
-    sensor_model(&merged, &finder).map_err(|invalid| source.error(invalid.within("sensor")))
+    sensor_model(&merged).map_err(|invalid| source.error(invalid.within("sensor")))
 }
 
 /// The table of a preset or of a sensor file. Values of a preset are placed where it is named.
