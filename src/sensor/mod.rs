@@ -7,33 +7,44 @@
 //! Light is left to the renderer, which needs [`SensorModel::responses`] from here; files are left to
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 
+mod amplifiers;
 mod auto_exposure;
 mod charge_generation;
 mod charge_plane;
 mod converter;
+mod crosstalk;
 mod dark_current;
 mod dark_offset;
+mod dead_pixels;
+mod defective_numbers;
 mod description;
 mod expose;
 mod exposure;
 mod fixed_pattern;
+mod flicker;
+mod format;
 mod full_well;
+mod line_noise;
 mod model;
 mod noise_key;
 mod noise_model;
 mod photo_response;
 pub mod presets;
 mod read_noise;
+mod reset_noise;
 mod shot_noise;
 mod stage;
+mod telegraph;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
+pub use crosstalk::Kernel;
 pub use description::{
-    AdcDescription, ChannelDescription, ChargeDescription, CurveFile, FilterDescription, NoiseDescription,
-    SensorDescription, SensorKind, SpectrumSource,
+    AdcDescription, ChannelDescription, ChargeDescription, Converters, CurveFile, DarkCurrentLawName,
+    DefectsDescription, FilterDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription,
+    SensorDescription, SensorKind, SpectrumSource, TelegraphDescription,
 };
 pub use expose::expose;
 pub use exposure::Exposure;
-pub use model::{Converter, FixedPattern, Noise, SensorModel};
+pub use model::{Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph};
 pub use noise_key::NoiseKey;
 pub use stage::{Stage, Stages};

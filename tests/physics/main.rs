@@ -17,6 +17,8 @@ mod quadrature;
 mod sampling;
 mod sensor_cases;
 mod sensor_light;
+mod sensor_noise;
+mod sensor_patterns;
 mod sensor_photon_transfer;
 mod sensor_stages;
 mod stage;

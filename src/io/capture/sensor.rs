@@ -39,6 +39,12 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     };
     let mut merged = base(source, folder, &name, preset.as_ref().unwrap_or(&changes))?;
     anchor_files(&mut changes, folder);
+    let changed = |key| changes.as_table().is_some_and(|table| table.contains_key(key));
+    for [key, other] in ALTERNATIVES.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
+        if changed(key) && !changed(other) {
+            merged.remove(other);
+        }
+    }
     merged.lay_over(changes);
     // The place of the table as a whole is where the capture file speaks of it.
     if let Some(node) = source.get("sensor") {
@@ -50,6 +56,9 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     let name = Path::new(&name).file_stem().map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
     Ok(MergedSensor { name, description })
 }
+
+/// Keys of a sensor that say the same thing in two ways: one of them in a capture file takes the place of the other.
+const ALTERNATIVES: [[&str; 2]; 1] = [["pixel_pitch_um", "format"]];
 
 /// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.
 pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
