@@ -67,8 +67,8 @@ pub(crate) fn noisy_sensor() -> SensorModel {
     sensor
 }
 
-/// The same sensor without the effect of one stage.
-pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> SensorModel {
+/// The same sensor without the effect of one stage, where there can be such a sensor.
+pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> Option<SensorModel> {
     let mut ideal = sensor.clone();
     let (noise, converter) = (&mut ideal.noise, &mut ideal.converter);
     let none = Electrons(0.0);
@@ -77,12 +77,12 @@ pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> SensorModel {
         Stage::PhotoResponse => noise.prnu = FixedPattern::default(),
         Stage::DeadPixels => noise.defects.dead = 0.0,
         // Light without shot noise is not a sensor's to have.
-        Stage::ShotNoise => {}
+        Stage::ShotNoise => return None,
         Stage::DarkCurrent => noise.dark_current_e_per_s = 0.0,
         Stage::DarkCurrentNonuniformity => noise.dark_current_nonuniformity = 0.0,
         Stage::HotPixels => noise.defects.hot = 0.0,
         // The amplifiers bend with the charge over the full well, so that it cannot be changed alone.
-        Stage::FullWell => {}
+        Stage::FullWell => return None,
         Stage::ResetNoise => noise.reset = ResetNoise::Cancelled,
         Stage::Telegraph => noise.telegraph.pixels = 0.0,
         Stage::Flicker => noise.flicker.noise = none,
@@ -96,5 +96,5 @@ pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> SensorModel {
         Stage::StuckPixels => noise.defects.stuck = 0.0,
         Stage::TransmissionErrors => noise.transmission_errors = 0.0,
     }
-    ideal
+    Some(ideal)
 }

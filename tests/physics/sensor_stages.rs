@@ -149,14 +149,22 @@ fn added_by(stage: Stage, others: Stages, sensor: &SensorModel) -> Vec<i32> {
 #[test]
 fn switching_a_stage_off_changes_no_other_bit_by_bit() {
     let sensor = noisy_sensor();
-    let all = picture(&sensor, 2000.0, Stages::ALL, 11, 2).data;
-    let of_sensor = |stage: &Stage| !matches!(stage, Stage::ShotNoise | Stage::FullWell);
-    for stage in Stage::ALL.into_iter().filter(of_sensor) {
+    // Light and dark in turn, so that crosstalk has something to mix.
+    let mut light = flat(&sensor, SIDE, SIDE, 0.0);
+    for (i, electrons) in light.channels_mut()[0].data.iter_mut().enumerate() {
+        *electrons = 1500.0 + (i % 3 * 500) as f32;
+    }
+    let run = |sensor: &SensorModel, stages| {
+        expose(&light, sensor, &EXPOSURE, stages, NoiseKey { seed: 11, frame: 2 }).expect("a valid exposure").data
+    };
+    let all = run(&sensor, Stages::ALL);
+    for stage in Stage::ALL {
+        let off = run(&sensor, Stages::ALL.without(stage));
+        assert!(all != off, "{stage:?} does nothing");
         // A sensor without the effect must give the bytes of one whose stage is switched off.
-        let ideal = without(&sensor, stage);
-        let off = picture(&sensor, 2000.0, Stages::ALL.without(stage), 11, 2).data;
-        assert_eq!(picture(&ideal, 2000.0, Stages::ALL, 11, 2).data, off, "{stage:?}");
-        assert_ne!(all, off, "{stage:?} does nothing");
+        if let Some(ideal) = without(&sensor, stage) {
+            assert!(run(&ideal, Stages::ALL) == off, "{stage:?}");
+        }
     }
 }
 
