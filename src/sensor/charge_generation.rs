@@ -11,18 +11,20 @@ use crate::raw::Cfa;
 
 use super::charge_plane::ChargePlane;
 
-/// The mean electrons of each pixel's own channel, e⁻: finite and not negative, or an error says where they are not.
+/// The mean electrons of each pixel's own channel, or of all channels beside each other where every pixel has them, e⁻:
+/// finite and not negative, or an error says where they are not.
 pub(super) fn collect(mean_electrons: &Planes, cfa: &Cfa) -> Result<ChargePlane, Invalid> {
     let channels = channel_planes(mean_electrons, cfa)?;
-    let mut mosaic = ChargePlane::empty(mean_electrons.width(), mean_electrons.height());
-    let width = mosaic.width;
+    let (width, samples) = (mean_electrons.width(), cfa.samples_per_pixel());
+    let mut mosaic = ChargePlane::empty(width * samples, mean_electrons.height());
+    let row_length = mosaic.width;
     mosaic.for_each_row(|row| {
         let tile_width = cfa.tile_size().0;
-        // Pixels of one column of the tile share a channel, so the inner loop needs no look-up.
-        for column in 0..tile_width.min(width) {
+        // Numbers of one column of the tile share a channel, so the inner loop needs no look-up.
+        for column in 0..tile_width.min(row_length) {
             let plane = &channels[cfa.channel_at(column, row.y)][row.y * width..][..width];
-            for x in (column..width).step_by(tile_width) {
-                row.values[x] = plane[x];
+            for x in (column..row_length).step_by(tile_width) {
+                row.values[x] = plane[x / samples];
             }
         }
     });

@@ -58,7 +58,8 @@ pub fn expose(
     key: NoiseKey,
 ) -> Result<RawImage, Invalid> {
     exposure.validate(sensor)?;
-    let size = [mean_electrons.width(), mean_electrons.height()];
+    let [width, height] = [mean_electrons.width(), mean_electrons.height()];
+    let size = [width * sensor.cfa.samples_per_pixel(), height];
     let frame = Frame { sensor, exposure, stages, key, size };
 
     // Light and heat free electrons in each pixel.
@@ -112,20 +113,21 @@ pub fn expose(
         transmission_errors.apply(numbers);
     });
 
-    let [width, height] = size;
     Ok(RawImage {
         width,
         height,
         data,
         cfa: sensor.cfa.clone(),
         bits: sensor.converter.bits,
-        black_level_dn: sensor.converter.black_level_dn,
+        black_level_dn: sensor.converter.black_level_dn.into(),
         white_level_dn: sensor.white_level_dn(exposure),
         metadata: RawMetadata {
             camera_model: sensor.name.clone(),
             exposure_time_s: exposure.time.0,
+            pixel_pitch_m: Some(sensor.pixel_pitch_m),
             noise_profile: vec![sensor.noise_profile(exposure); sensor.cfa.channels().len()],
             ..RawMetadata::default()
         },
+        ..RawImage::default()
     })
 }
