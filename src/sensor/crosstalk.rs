@@ -61,10 +61,12 @@ pub(super) fn spread(charge: &mut ChargePlane, frame: &Frame<'_>) {
 /// The same charge, collected where the kernels of the channels say, one for each of the CFA's.
 fn spread_by(charge: &ChargePlane, kernels: &[Kernel], cfa: &Cfa) -> ChargePlane {
     let (width, height) = (charge.width as isize, charge.height as isize);
+    // Where each pixel has a number of every channel, the next one of the same channel is so many further.
+    let step = cfa.samples_per_pixel() as isize;
     let displacements: Vec<(usize, isize, isize, f32)> = kernels
         .iter()
         .enumerate()
-        .flat_map(|(channel, kernel)| kernel.displacements().map(move |(dx, dy, part)| (channel, dx, dy, part)))
+        .flat_map(|(channel, kernel)| kernel.displacements().map(move |(dx, dy, part)| (channel, dx * step, dy, part)))
         .collect();
     let inside = |x: isize, y: isize| (0..width).contains(&x) && (0..height).contains(&y);
     let at = |x: isize, y: isize| charge.electrons[(y * width + x) as usize];
@@ -114,6 +116,15 @@ mod tests {
             expected.electrons[y * 5 + x] = electrons;
         }
         assert_eq!(spread, expected);
+    }
+
+    #[test]
+    fn channels_of_one_pixel_do_not_mix() {
+        let cfa = Cfa::full(["R", "G"]).expect("two channels");
+        let mut charge = ChargePlane::empty(6, 1);
+        charge.electrons.copy_from_slice(&[0.0, 0.0, 64.0, 8.0, 0.0, 0.0]);
+        let spread = spread_by(&charge, &[kernel(&[&[0.25, 0.5, 0.25]]), Kernel::keep()], &cfa);
+        assert_eq!(spread.electrons, [16.0, 0.0, 32.0, 8.0, 16.0, 0.0]);
     }
 
     #[test]
