@@ -5,6 +5,7 @@ use crate::math::hash::{hash64, unit_f32};
 use super::charge_plane::Row;
 use super::description::Converters;
 use super::expose::Frame;
+use super::model::Converter;
 use super::stage::Stage;
 
 /// The converters of a sensor.
@@ -81,12 +82,13 @@ pub(super) fn dnl_variance_dn2(dnl_dn: f64) -> f64 {
 
 impl Digitiser {
     pub(super) fn new(frame: &Frame<'_>) -> Self {
-        let converter = &frame.sensor.converter;
-        Self {
-            black_level_dn: f64::from(converter.black_level_dn),
-            max_dn: f64::from(converter.max_dn()),
-            nonlinearity: Nonlinearity::new(frame),
-        }
+        Self { nonlinearity: Nonlinearity::new(frame), ..Self::ideal(&frame.sensor.converter) }
+    }
+
+    /// A converter of equal steps.
+    pub(super) fn ideal(converter: &Converter) -> Self {
+        let (black_level_dn, max_dn) = (converter.black_level_dn.into(), converter.max_dn().into());
+        Self { black_level_dn, max_dn, nonlinearity: None }
     }
 
     /// round(y + black level), clamped to 0 … 2^bits − 1. Noise that goes below zero is kept by the black level.
@@ -95,7 +97,7 @@ impl Digitiser {
         match &self.nonlinearity {
             None => {
                 for (signal, number) in row.values.iter().zip(numbers.values.iter_mut()) {
-                    *number = self.clamp(f64::from(*signal) + self.black_level_dn);
+                    *number = self.number(f64::from(*signal));
                 }
             }
             Some(nonlinearity) => {
@@ -105,6 +107,11 @@ impl Digitiser {
                 }
             }
         }
+    }
+
+    #[inline]
+    pub(super) fn number(&self, signal_dn: f64) -> u16 {
+        self.clamp(signal_dn + self.black_level_dn)
     }
 
     #[inline]
@@ -163,6 +170,6 @@ mod tests {
         let nonlinearity = Nonlinearity { inl_dn: 20.0, displacement_dn: 0.0, per_column: false, key: 5 };
         let digitiser = Digitiser { black_level_dn: 0.0, max_dn: 4095.0, nonlinearity: Some(nonlinearity) };
         // 20·4·x·(1 − x) at 0, ¼, ½, ¾ and 1.
-        assert_eq!(numbers(&digitiser, &mut [0.0, 1023.75, 2047.5, 3071.25, 4095.0]), [0, 1039, 2068, 3086, 4095],);
+        assert_eq!(numbers(&digitiser, &mut [0.0, 1023.75, 2047.5, 3071.25, 4095.0]), [0, 1039, 2068, 3086, 4095]);
     }
 }

@@ -6,9 +6,9 @@
 
 use crate::raw::Cfa;
 
+use super::SensorModel;
 use super::charge_plane::ChargePlane;
-use super::expose::Frame;
-use super::stage::Stage;
+use super::stage::{Stage, Stages};
 
 /// Where the electrons of a pixel are collected: parts that sum to 1, an odd number of rows and columns around the pixel
 /// itself.
@@ -52,9 +52,9 @@ impl Kernel {
 }
 
 /// Spreads mean electrons to neighbours.
-pub(super) fn spread(charge: &mut ChargePlane, frame: &Frame<'_>) {
-    if let (Some(kernels), true) = (&frame.sensor.crosstalk, frame.stages.has(Stage::Crosstalk)) {
-        *charge = spread_by(charge, kernels, &frame.sensor.cfa);
+pub(super) fn spread(charge: &mut ChargePlane, sensor: &SensorModel, stages: Stages) {
+    if let (Some(kernels), true) = (&sensor.crosstalk, stages.has(Stage::Crosstalk)) {
+        *charge = spread_by(charge, kernels, &sensor.cfa);
     }
 }
 
@@ -62,7 +62,7 @@ pub(super) fn spread(charge: &mut ChargePlane, frame: &Frame<'_>) {
 fn spread_by(charge: &ChargePlane, kernels: &[Kernel], cfa: &Cfa) -> ChargePlane {
     let (width, height) = (charge.width as isize, charge.height as isize);
     // Where each pixel has a number of every channel, the next one of the same channel is so many further.
-    let step = cfa.samples_per_pixel() as isize;
+    let step = charge.samples as isize;
     let displacements: Vec<(usize, isize, isize, f32)> = kernels
         .iter()
         .enumerate()
@@ -70,7 +70,7 @@ fn spread_by(charge: &ChargePlane, kernels: &[Kernel], cfa: &Cfa) -> ChargePlane
         .collect();
     let inside = |x: isize, y: isize| (0..width).contains(&x) && (0..height).contains(&y);
     let at = |x: isize, y: isize| charge.electrons[(y * width + x) as usize];
-    let mut spread = ChargePlane::empty(charge.width, charge.height);
+    let mut spread = ChargePlane::empty(charge.width, charge.height, charge.samples);
     spread.for_each_row(|row| {
         let y = row.y as isize;
         for (x, collected) in (0..width).zip(row.values.iter_mut()) {
@@ -104,12 +104,12 @@ mod tests {
             kernel(&[&[1.0]]),
             kernel(&[&[0.25, 0.75, 0.0]]),
         ];
-        let mut charge = ChargePlane::empty(5, 4);
+        let mut charge = ChargePlane::empty(5, 4, 1);
         charge.electrons[2 * 5 + 2] = 800.0; // R
         charge.electrons[1] = 64.0; // G
         charge.electrons[3 * 5 + 3] = 400.0; // B
         let spread = spread_by(&charge, &kernels, &cfa);
-        let mut expected = ChargePlane::empty(5, 4);
+        let mut expected = ChargePlane::empty(5, 4, 1);
         for (x, y, electrons) in
             [(2, 2, 400.0), (3, 2, 200.0), (2, 1, 100.0), (2, 3, 200.0), (1, 0, 64.0), (3, 3, 300.0)]
         {
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn channels_of_one_pixel_do_not_mix() {
         let cfa = Cfa::full(["R", "G"]).expect("two channels");
-        let mut charge = ChargePlane::empty(6, 1);
+        let mut charge = ChargePlane::empty(6, 1, 2);
         charge.electrons.copy_from_slice(&[0.0, 0.0, 64.0, 8.0, 0.0, 0.0]);
         let spread = spread_by(&charge, &[kernel(&[&[0.25, 0.5, 0.25]]), Kernel::keep()], &cfa);
         assert_eq!(spread.electrons, [16.0, 0.0, 32.0, 8.0, 16.0, 0.0]);
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn flat_light_stays_flat_up_to_the_edges() {
-        let mut charge = ChargePlane::empty(7, 5);
+        let mut charge = ChargePlane::empty(7, 5, 1);
         charge.electrons.fill(128.0);
         let spread =
             spread_by(&charge, &[kernel(&[&[1.0, 2.0, 1.0], &[2.0, 4.0, 2.0], &[1.0, 2.0, 1.0]])], &Cfa::mono());

@@ -9,6 +9,8 @@
 
 mod amplifiers;
 mod auto_exposure;
+mod brighter_fatter;
+mod ccd;
 mod charge_generation;
 mod charge_plane;
 mod converter;
@@ -18,17 +20,21 @@ mod dark_offset;
 mod dead_pixels;
 mod defective_numbers;
 mod description;
+mod dual_gain;
 mod expose;
 mod exposure;
 mod fixed_pattern;
 mod flicker;
 mod format;
 mod full_well;
+mod layers;
 mod line_noise;
+mod masked_pixels;
 mod model;
 mod noise_key;
 mod noise_model;
 mod photo_response;
+mod photon_counting;
 pub mod presets;
 mod read_noise;
 mod reset_noise;
@@ -37,14 +43,21 @@ mod stage;
 mod telegraph;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
+pub use ccd::{Ccd, Overscan};
 pub use crosstalk::Kernel;
 pub use description::{
-    AdcDescription, ChannelDescription, ChargeDescription, Converters, CurveFile, DarkCurrentLawName,
-    DefectsDescription, FilterDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription,
-    SensorDescription, SensorKind, SpectrumSource, TelegraphDescription,
+    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, Converters, CountingMode,
+    CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription, FilterDescription, FlickerDescription,
+    FlickerOrder, NoiseDescription, ResetDescription, SensorDescription, SensorKind, SpadDescription, SpectrumSource,
+    TelegraphDescription,
 };
+pub use dual_gain::DualGain;
 pub use expose::expose;
 pub use exposure::Exposure;
-pub use model::{Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph};
+pub use masked_pixels::MaskedPixels;
+pub use model::{
+    Architecture, Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph,
+};
 pub use noise_key::NoiseKey;
+pub use photon_counting::{Counting, Spad};
 pub use stage::{Stage, Stages};

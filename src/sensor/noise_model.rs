@@ -4,7 +4,7 @@
 use crate::units::{DigitalNumber, Electrons};
 
 use super::converter::dnl_variance_dn2;
-use super::{Exposure, SensorModel};
+use super::{Converter, Exposure, SensorModel};
 
 impl SensorModel {
     /// Variance of a pixel's temporal noise, referred to electrons ((e⁻)²), at a mean of `mean` photo-electrons:
@@ -27,16 +27,22 @@ impl SensorModel {
         let hot = noise.defects.hot * noise.hot_electrons(temperature, time).0;
         let gaussian = [noise.read, noise.reset.standard_deviation(temperature), noise.row, noise.column];
         let gaussian: f64 = gaussian.iter().chain([&noise.flicker.noise]).map(|sigma| sigma.0 * sigma.0).sum();
-        let gain = self.converter.system_gain(exposure.gain);
-        let quantisation = (1.0 / 12.0 + dnl_variance_dn2(self.converter.dnl_dn)) / (gain * gain);
-        dark + hot + gaussian + noise.telegraph.variance() + quantisation
+        let quantisation = |converter: &Converter| {
+            (1.0 / 12.0 + dnl_variance_dn2(converter.dnl_dn)) / converter.system_gain(exposure.gain).powi(2)
+        };
+        let before_merging = self.converter.dual_gain.as_ref().map_or(0.0, |dual| quantisation(&dual.high));
+        dark + hot + gaussian + noise.telegraph.variance() + before_merging + quantisation(&self.converter)
     }
 
     /// Electrons at which a pixel saturates: the full well or the end of the converter's range, whichever comes first.
     pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
         let converter = &self.converter;
-        let range_dn = f64::from(converter.max_dn() - converter.black_level_dn);
-        Electrons(self.full_well.0.min(self.charge_for(range_dn / converter.system_gain(exposure.gain))))
+        let range = |converter: &Converter| {
+            let range_dn = f64::from(converter.max_dn() - converter.black_level_dn);
+            self.charge_for(range_dn / converter.system_gain(exposure.gain))
+        };
+        let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| range(&dual.low));
+        Electrons(self.full_well.0.min(range(converter)).min(before_merging))
     }
 
     /// Smallest whole digital number at which a noise-free pixel is saturated, always above the black level.

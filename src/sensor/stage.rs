@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 pub enum Stage {
     /// Electrons that are collected by a neighbour of the pixel that the light fell on.
     Crosstalk = 7,
+    /// Light that reaches the columns of a CCD while their charge is on the move.
+    Smear = 40,
     /// Pixels that respond a little more or less to light than others (PRNU).
     PhotoResponse = 1,
     /// Pixels that do not see light.
@@ -23,18 +25,30 @@ pub enum Stage {
     DarkCurrentNonuniformity = 9,
     /// Pixels with far more dark current than others.
     HotPixels = 10,
+    /// The dead time and the saturation of single-photon counters.
+    PhotonCounting = 41,
+    /// Boundaries between pixels that move with their charge.
+    BrighterFatter = 42,
+    /// Charge that overflows into the neighbours along a column.
+    Blooming = 43,
     /// The end of what a pixel can hold.
     FullWell = 6,
+    /// Electrons that stay behind when rows are shifted.
+    VerticalTransfer = 44,
+    /// Electrons that stay behind in the read-out register.
+    HorizontalTransfer = 45,
+    /// Noise whose power falls with frequency (1/f).
+    Flicker = 13,
     /// Noise of resetting the sense node (kTC).
     ResetNoise = 11,
     /// Pixels that jump between two levels.
     Telegraph = 12,
-    /// Noise whose power falls with frequency (1/f).
-    Flicker = 13,
     /// Pixels whose read-out starts from an offset of their own (DSNU).
     DarkOffset = 4,
     /// Noise of the amplifiers.
     ReadNoise = 5,
+    /// The same of the second amplifier of sensors with two gains.
+    LowGainReadNoise = 46,
     /// Noise that the pixels of a row share.
     RowNoise = 14,
     /// Noise that the pixels of a column share.
@@ -53,20 +67,27 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order of the chain.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 27] = [
         Self::Crosstalk,
+        Self::Smear,
         Self::PhotoResponse,
         Self::DeadPixels,
         Self::ShotNoise,
         Self::DarkCurrent,
         Self::DarkCurrentNonuniformity,
         Self::HotPixels,
+        Self::PhotonCounting,
+        Self::BrighterFatter,
+        Self::Blooming,
         Self::FullWell,
+        Self::VerticalTransfer,
+        Self::HorizontalTransfer,
+        Self::Flicker,
         Self::ResetNoise,
         Self::Telegraph,
-        Self::Flicker,
         Self::DarkOffset,
         Self::ReadNoise,
+        Self::LowGainReadNoise,
         Self::RowNoise,
         Self::ColumnNoise,
         Self::AmplifierNonlinearity,

@@ -35,8 +35,9 @@ fn folder(capture: String) -> Folder {
     "leave it"
 )]
 fn impossible_sensors_are_refused_with_key_and_line(#[case] more: &str, #[case] message: &str, #[case] help: &str) {
-    let line = 3 + more.lines().count();
-    // A missing table has no line of its own.
+    // A table that should not be there is at fault from its first line on, a value in its own.
+    let line = if message.starts_with("has no channel") { 4 } else { 3 + more.lines().count() };
+    // What a preset lacks has no line.
     let place =
         if message == "sensor.channels." { "capture.toml:".to_owned() } else { format!("capture.toml:{line}: ") };
     folder(format!("{HEAD}{more}\n")).fail("render capture.toml", 1, &[&place, message, help]);

@@ -7,7 +7,7 @@ use photosite::sensor::{
 };
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 
-use crate::sensor_cases::{EXPOSURE, flat, noisy_sensor, quiet_sensor, without};
+use crate::sensor_cases::{EXPOSURE, flat, noisy_sensor, noisy_sensor_with, quiet_sensor, without};
 
 const SIDE: usize = 256;
 const PIXELS: f64 = (SIDE * SIDE) as f64;
@@ -148,17 +148,17 @@ fn added_by(stage: Stage, others: Stages, sensor: &SensorModel) -> Vec<i32> {
 
 #[test]
 fn switching_a_stage_off_changes_no_other_bit_by_bit() {
-    let sensor = noisy_sensor();
-    // Light and dark in turn, so that crosstalk has something to mix.
-    let mut light = flat(&sensor, SIDE, SIDE, 0.0);
-    for (i, electrons) in light.channels_mut()[0].data.iter_mut().enumerate() {
-        *electrons = 1500.0 + (i % 3 * 500) as f32;
-    }
-    let run = |sensor: &SensorModel, stages| {
-        expose(&light, sensor, &EXPOSURE, stages, NoiseKey { seed: 11, frame: 2 }).expect("a valid exposure").data
-    };
-    let all = run(&sensor, Stages::ALL);
     for stage in Stage::ALL {
+        let sensor = noisy_sensor_with(stage);
+        // Light and dark in turn, so that crosstalk has something to mix.
+        let mut light = flat(&sensor, SIDE, SIDE, 0.0);
+        for (i, electrons) in light.channels_mut()[0].data.iter_mut().enumerate() {
+            *electrons = 1500.0 + (i % 3 * 500) as f32;
+        }
+        let run = |sensor: &SensorModel, stages| {
+            expose(&light, sensor, &EXPOSURE, stages, NoiseKey { seed: 11, frame: 2 }).expect("a valid exposure").data
+        };
+        let all = run(&sensor, Stages::ALL);
         let off = run(&sensor, Stages::ALL.without(stage));
         assert!(all != off, "{stage:?} does nothing");
         // A sensor without the effect must give the bytes of one whose stage is switched off.

@@ -1,6 +1,7 @@
 //! Amplifiers and converter of a sensor.
 
 use crate::Invalid;
+use crate::sensor::DualGain;
 use crate::sensor::description::{AdcDescription, Converters};
 use crate::units::Decibels;
 
@@ -30,6 +31,8 @@ pub struct Converter {
     pub column_gain: f64,
     /// Spatial standard deviation of the columns' offsets, DN.
     pub column_offset_dn: f64,
+    /// The two converters behind this one, where its numbers are merged from theirs.
+    pub dual_gain: Option<Box<DualGain>>,
 }
 
 /// Beyond this, steps of a converter would have to vanish or change places.
@@ -47,23 +50,43 @@ impl Converter {
         ((1u32 << self.bits) - 1) as u16
     }
 
+    /// A converter of 16 bits at 1 DN/e⁻ without black level, whose amplifiers are all alike and linear.
+    pub fn ideal() -> Self {
+        Self {
+            bits: 16,
+            conversion_gain_dn_per_e: 1.0,
+            black_level_dn: 0,
+            gain_range: [Decibels(0.0); 2],
+            amplifier_nonlinearity: Vec::new(),
+            inl_dn: 0.0,
+            dnl_dn: 0.0,
+            converters: Converters::PerColumn,
+            column_gain: 0.0,
+            column_offset_dn: 0.0,
+            dual_gain: None,
+        }
+    }
+
     pub(super) fn new(d: &AdcDescription) -> Result<Self, Invalid> {
-        if !(8..=16).contains(&d.bits) {
-            return Err(Invalid::new("bits", format!("must lie between 8 and 16, got {}", d.bits))
-                .help("for example bits = 12"));
-        }
+        let black_level_dn = converter_range(d.bits, d.black_level_dn)?;
         let max_dn = (1 << d.bits) - 1;
-        if d.black_level_dn >= max_dn {
-            let message = format!("{} leaves no room below the largest number, {max_dn}", d.black_level_dn);
-            return Err(Invalid::new("black_level_dn", message)
-                .help(format!("write less than {max_dn}, the largest number of {} bits", d.bits)));
-        }
         let [low, high] = d.gain_db_range;
         finite("gain_db_range", low)?;
         finite("gain_db_range", high)?;
         if low > high {
             return Err(Invalid::new("gain_db_range", format!("{low} dB is above {high} dB"))
                 .help("write the smaller gain first"));
+        }
+        let gain_range = [Decibels(low), Decibels(high)];
+        let dual_gain = d.dual_gain.as_ref().map(|dual| DualGain::new(dual, gain_range));
+        let of_one_converter = [
+            ("inl_dn", d.inl_dn),
+            ("dnl_dn", d.dnl_dn),
+            ("column_gain_percent", d.column_gain_percent),
+            ("column_offset_dn", d.column_offset_dn),
+        ];
+        if let (Some(_), Some((key, _))) = (&dual_gain, of_one_converter.iter().find(|(_, value)| *value != 0.0)) {
+            return Err(Invalid::new(*key, "cannot go with dual_gain").help("its converters are taken to be alike"));
         }
         let inl_dn = finite("inl_dn", d.inl_dn)?;
         // A steeper bend would make the converter's numbers fall with rising voltage: the slope at the ends is 1 ± 4·INL/max.
@@ -85,15 +108,15 @@ impl Converter {
         Ok(Self {
             bits: d.bits,
             conversion_gain_dn_per_e: positive("conversion_gain_dn_per_e", d.conversion_gain_dn_per_e, "0.4")?,
-            // Below 2^16 as checked above.
-            black_level_dn: d.black_level_dn as u16,
-            gain_range: [Decibels(low), Decibels(high)],
+            black_level_dn,
+            gain_range,
             amplifier_nonlinearity,
             inl_dn,
             dnl_dn,
             converters: d.converters,
             column_gain: not_negative("column_gain_percent", d.column_gain_percent)? / 100.0,
             column_offset_dn: not_negative("column_offset_dn", d.column_offset_dn)?,
+            dual_gain: dual_gain.transpose().map_err(|e| e.within("dual_gain"))?.map(Box::new),
         })
     }
 }
@@ -106,4 +129,20 @@ fn rises(coefficients: &[f64]) -> bool {
     };
     // Polynomials of a few terms have nothing between a thousand places.
     (0..=1000).all(|i| slope(f64::from(i) / 1000.0) > 0.0)
+}
+
+/// Checks bits and black level of a converter, and returns the latter.
+pub(in crate::sensor) fn converter_range(bits: u32, black_level_dn: u32) -> Result<u16, Invalid> {
+    if !(8..=16).contains(&bits) {
+        let message = format!("must lie between 8 and 16, got {bits}");
+        return Err(Invalid::new("bits", message).help("for example bits = 12"));
+    }
+    let max_dn = (1 << bits) - 1;
+    if black_level_dn >= max_dn {
+        let message = format!("{black_level_dn} leaves no room below the largest number, {max_dn}");
+        return Err(Invalid::new("black_level_dn", message)
+            .help(format!("write less than {max_dn}, the largest number of {bits} bits")));
+    }
+    // Below 2^16, as there are at most 16 bits.
+    Ok(black_level_dn as u16)
 }
