@@ -9,6 +9,7 @@
 
 mod amplifiers;
 mod auto_exposure;
+mod band_light;
 mod brighter_fatter;
 mod ccd;
 mod charge_generation;
@@ -43,6 +44,7 @@ mod stage;
 mod telegraph;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
+pub use band_light::{BandRates, electron_rates};
 pub use ccd::{Ccd, Overscan};
 pub use crosstalk::Kernel;
 pub use description::{

@@ -6,6 +6,7 @@ mod bad_sensors;
 mod bad_usage;
 mod documents;
 mod export_mitsuba;
+mod expose;
 mod folder;
 mod frames;
 mod geometry_alone;

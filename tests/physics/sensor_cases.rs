@@ -108,7 +108,27 @@ pub(crate) fn noisy_sensor_with(stage: Stage) -> SensorModel {
             let dual_gain = DualGain { high: branch(8.0), low: branch(1.0), low_read_noise: Electrons(50.0) };
             sensor.converter.dual_gain = Some(Box::new(dual_gain));
         }
-        _ => {}
+        Stage::Crosstalk
+        | Stage::PhotoResponse
+        | Stage::DeadPixels
+        | Stage::ShotNoise
+        | Stage::DarkCurrent
+        | Stage::DarkCurrentNonuniformity
+        | Stage::HotPixels
+        | Stage::BrighterFatter
+        | Stage::FullWell
+        | Stage::Flicker
+        | Stage::ResetNoise
+        | Stage::Telegraph
+        | Stage::DarkOffset
+        | Stage::ReadNoise
+        | Stage::RowNoise
+        | Stage::ColumnNoise
+        | Stage::AmplifierNonlinearity
+        | Stage::ColumnAmplifiers
+        | Stage::ConverterNonlinearity
+        | Stage::StuckPixels
+        | Stage::TransmissionErrors => {}
     }
     sensor
 }

@@ -70,20 +70,14 @@ fn rows_and_columns_share_their_noise_in_one_picture_only() {
     let (few, many) = (4, 20_000);
     for (stage, size, expected) in [(Stage::RowNoise, [few, many], 120.0), (Stage::ColumnNoise, [many, few], 80.0)] {
         let [a, b] = [0, 1].map(|frame| noise(&sensor, size, 1000.0, &[stage], frame));
-        let of_lines = match stage {
-            Stage::RowNoise => row_means(&a, size[0]),
-            _ => column_means(&a, size[0]),
-        };
+        let (rows, columns) = (row_means(&a, size[0]), column_means(&a, size[0]));
+        let (of_lines, across) = if stage == Stage::RowNoise { (rows, columns) } else { (columns, rows) };
         // 1/√(2·20000) = 0.5 %; 3 % is 6 σ.
         let sigma = of_lines.variance().sqrt();
         assert!((sigma / expected - 1.0).abs() < 0.03, "{stage:?}: {sigma}");
         // The pixels of a line are all the same, and across lines their mean is.
         let m = moments(&a);
         assert!((m.variance() / of_lines.variance() - 1.0).abs() < 1e-3);
-        let across = match stage {
-            Stage::RowNoise => column_means(&a, size[0]),
-            _ => row_means(&a, size[0]),
-        };
         assert!(across.variance() < 1e-3, "{}", across.variance());
         let covariance = a.iter().zip(&b).map(|(a, b)| a * b).sum::<f64>() / a.len() as f64;
         assert!(covariance.abs() < 5.0 * expected * expected / (many as f64).sqrt(), "{covariance}");
