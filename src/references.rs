@@ -30,6 +30,9 @@
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!
+//! ## T81
+//! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).
+//!
 //! ## Mikkelsen08
 //! M. S. Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, master's thesis, University of Copenhagen (2008).
 //!
