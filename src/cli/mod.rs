@@ -5,14 +5,20 @@ mod chain;
 mod compare;
 mod compare_text;
 mod export_mitsuba;
+mod expose;
+
 mod info;
 mod listing;
 mod output_folder;
+mod pretty_json;
 mod progress;
 mod render;
 mod report;
+mod results;
+mod run_args;
 mod schema;
 mod sensors;
+mod stored_light;
 mod trace;
 
 use std::io::IsTerminal;
@@ -32,6 +38,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Expose(expose::ExposeArgs),
     Compare(compare::CompareArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     Info(info::InfoArgs),
@@ -53,6 +60,7 @@ pub(crate) fn run() -> ExitCode {
     let mut done = ExitCode::SUCCESS;
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Expose(args) => expose::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Info(args) => info::run(&args),
@@ -83,8 +91,7 @@ fn rounded(x: f64, digits: i32) -> f64 {
 
 /// Prints an object as JSON on standard output.
 fn print_json(value: &impl serde::Serialize) -> photosite::Result<()> {
-    let text = serde_json::to_string_pretty(value).expect("our own structures have string keys and finite numbers");
-    println_out(&text)
+    println_out(&pretty_json::pretty_json(value))
 }
 
 /// Prints a line on standard output. A reader that went away (a closed pipe) is an error like any other, not a panic.

@@ -5,6 +5,7 @@ mod bad_geometry;
 mod bad_usage;
 mod documents;
 mod export_mitsuba;
+mod expose;
 mod folder;
 mod frames;
 mod geometry_alone;

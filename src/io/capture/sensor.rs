@@ -53,6 +53,16 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     Ok(MergedSensor { name, description })
 }
 
+/// Reads a sensor of which all keys are there, whatever preset they come from.
+pub(super) fn read_whole_sensor(source: &mut CaptureSource, name: &str) -> Result<MergedSensor> {
+    let mut table =
+        source.get("sensor").cloned().unwrap_or(Node { span: 0..0, value: Value::Table(Default::default()) });
+    table.remove("preset");
+    source.replace("sensor", table);
+    let description = source.read("sensor")?.ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
+    Ok(MergedSensor { name: name.to_owned(), description })
+}
+
 /// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.
 pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
     let source = CaptureSource::parse(path, read_text(path)?)?;
@@ -94,7 +104,7 @@ fn unknown_preset(source: &CaptureSource, name: &str) -> Error {
 }
 
 /// Makes the paths of `{ file = "…" }` relative to `folder` rather than to the file that they stand in.
-fn anchor_files(node: &mut Node, folder: &Path) {
+pub(super) fn anchor_files(node: &mut Node, folder: &Path) {
     let Value::Table(table) = &mut node.value else { return };
     for (key, entry) in table {
         match &mut entry.node.value {

@@ -30,6 +30,13 @@ pub struct ExposureSettings {
     pub stages: Stages,
 }
 
+impl ExposureSettings {
+    /// Whether pictures of the same light are exposed in the same way, however many there are.
+    pub fn is_like(&self, other: &Self) -> bool {
+        Self { frames: 1, ..*self } == Self { frames: 1, ..*other }
+    }
+}
+
 /// How long an exposure takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExposureTime {
