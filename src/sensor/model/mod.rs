@@ -130,6 +130,11 @@ impl SensorModel {
         self.pixel_pitch_m[0] * self.pixel_pitch_m[1]
     }
 
+    /// Quantum efficiency of every channel behind the filter, η_c(λ)·T(λ).
+    pub fn efficiencies(&self) -> Vec<Spectrum> {
+        self.quantum_efficiency.iter().map(|qe| qe.product(&self.filter)).collect()
+    }
+
     /// Spectral response of every channel: electrons per second for each W·m⁻²·nm⁻¹ of irradiance and nm of bandwidth,
     ///
     /// R_c(λ) = A · FF · η_c(λ) · T(λ) · λ/(h·c),
@@ -139,13 +144,13 @@ impl SensorModel {
     /// (the sensitivity model of [Emva1288](crate::references#emva1288), integrated over wavelength).
     pub fn responses(&self) -> Vec<(String, Spectrum)> {
         let area = self.pixel_area_m2() * self.fill_factor;
-        let response = |quantum_efficiency: &Spectrum| {
-            quantum_efficiency.product(&self.filter).map(|lambda_nm, electrons_per_photon| {
+        let response = |efficiency: Spectrum| {
+            efficiency.map(|lambda_nm, electrons_per_photon| {
                 let photons_per_joule = lambda_nm * 1e-9 / (PLANCK * SPEED_OF_LIGHT);
                 area * electrons_per_photon * photons_per_joule
             })
         };
-        self.cfa.channels().iter().cloned().zip(self.quantum_efficiency.iter().map(response)).collect()
+        self.cfa.channels().iter().cloned().zip(self.efficiencies().into_iter().map(response)).collect()
     }
 }
 
