@@ -28,6 +28,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("sensor", &["math", "spectrum", "image", "raw"]),
     ("develop", &["math", "spectrum", "image", "raw"]),
     ("validation", &["math", "image", "raw"]),
+    ("characterisation", &["math", "spectrum", "image", "raw", "sensor"]),
     (
         "io",
         &[
@@ -47,6 +48,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "sensor",
             "develop",
             "validation",
+            "characterisation",
         ],
     ),
 ];

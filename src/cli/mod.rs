@@ -4,11 +4,14 @@
 mod chain;
 mod compare;
 mod compare_text;
+mod emva1288;
+mod emva1288_report;
 mod export_mitsuba;
 mod expose;
-
+mod figures_text;
 mod info;
 mod listing;
+mod noise;
 mod output_folder;
 mod pretty_json;
 mod progress;
@@ -41,7 +44,12 @@ enum Command {
     Expose(expose::ExposeArgs),
     Compare(compare::CompareArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
+    #[command(name = "emva1288")]
+    Emva1288(emva1288::Emva1288Args),
+    #[command(name = "emva1288-report")]
+    Emva1288Report(emva1288_report::Emva1288ReportArgs),
     Info(info::InfoArgs),
+    Noise(noise::NoiseArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
 }
@@ -63,7 +71,10 @@ pub(crate) fn run() -> ExitCode {
         Command::Expose(args) => expose::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
+        Command::Emva1288(args) => emva1288::run(&args),
+        Command::Emva1288Report(args) => emva1288_report::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Noise(args) => noise::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
     };

@@ -6,6 +6,7 @@ pub mod electrons;
 mod environment;
 pub mod exr;
 pub mod gltf;
+pub mod image_sets;
 mod json;
 mod mesh;
 pub mod mitsuba;

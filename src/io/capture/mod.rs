@@ -60,7 +60,7 @@ use sensor::sensor_model;
 use tables::CaptureFile;
 
 pub use schema::capture_schema;
-pub use sensor::read_sensor_file;
+pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
