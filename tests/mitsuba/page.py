@@ -105,8 +105,8 @@ def cos4():
 
 What Mitsuba's irradiance meters measure behind a round hole under a uniform sky (way *hole*), and by a lamp of the hole's
 size over a white floor (way *lamp*), from f/1.4 to f/16 and up to 40° off the axis (`irradiance.py`): differences from the
-closed form in percent, with standard errors. `cargo test --release --test mitsuba` demands that our lens be within 0.5 % of
-each.
+closed form in percent, with standard errors. Those of one way share their random numbers and go together. `cargo test
+--release --test mitsuba` demands that our lens be within 0.5 % of each.
 
 """ + head + "\n".join(rows) + "\n"
 
