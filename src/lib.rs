@@ -14,7 +14,7 @@
 //!
 //! # What depends on what
 //!
-//! [`units`], [`math`] → [`spectrum`], [`image`] → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
+//! [`units`], [`math`] → [`spectrum`], [`image`] → [`colour`]; → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
 //! [`optics`], [`film`], [`sampler`] → [`integrator`]. [`sensor`], [`raw`] and [`develop`] see only units, math,
 //! spectrum and image: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
 //! these edges. [`validation`] compares pictures and sees units, math, image and raw; [`io::mitsuba`] describes a capture to
@@ -32,6 +32,7 @@
 //! - No input file panics the program; what a user can cause is an [`Error`]. No output is half-written.
 
 pub mod bsdf;
+pub mod colour;
 pub mod develop;
 pub mod error;
 pub mod film;

@@ -96,3 +96,29 @@
 //! ## Brewer03
 //! M. Harrower, C. A. Brewer, "ColorBrewer.org: An Online Tool for Selecting Colour Schemes for Maps", The Cartographic
 //! Journal 40(1), 27–37 (2003).
+//!
+//! ## Icc4
+//! International Color Consortium, *Image technology colour management – Architecture, profile format, and data
+//! structure*, ICC.1:2022 (profile version 4.4).
+//!
+//! ## Sharma05
+//! G. Sharma, W. Wu, E. N. Dalal, "The CIEDE2000 Color-Difference Formula: Implementation Notes, Supplementary Test Data,
+//! and Mathematical Observations", Color Research & Application 30(1), 21–30 (2005).
+//!
+//! ## Smith78
+//! A. R. Smith, "Color Gamut Transform Pairs", SIGGRAPH (1978).
+//!
+//! ## Joblove78
+//! G. H. Joblove, D. Greenberg, "Color Spaces for Computer Graphics", SIGGRAPH (1978).
+//!
+//! ## Gonzalez18
+//! R. C. Gonzalez, R. E. Woods, *Digital Image Processing*, 4th edition (2018).
+//!
+//! ## SmpteEg432
+//! SMPTE EG 432-1:2010, *Digital Source Processing – Color Processing for D-Cinema*.
+//!
+//! ## Bt2020
+//! ITU-R BT.2020-2, *Parameter values for ultra-high definition television systems* (2015).
+//!
+//! ## Aces14
+//! Academy of Motion Picture Arts and Sciences, S-2014-004, *ACEScg – A Working Space for CGI Render and Compositing*.

@@ -14,6 +14,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("spectrum", &["math"]),
     ("image", &["math"]),
+    ("colour", &["math", "spectrum"]),
     ("geometry", &["math"]),
     ("texture", &["math", "spectrum"]),
     ("bsdf", &["math", "spectrum"]),
@@ -25,13 +26,14 @@ const EDGES: &[(&str, &[&str])] = &[
     ("integrator", &["math", "spectrum", "geometry", "bsdf", "light", "scene", "optics", "film", "sampler"]),
     ("raw", &["math", "spectrum", "image"]),
     ("sensor", &["math", "spectrum", "image", "raw"]),
-    ("develop", &["math", "spectrum", "image", "raw"]),
+    ("develop", &["math", "spectrum", "colour", "image", "raw"]),
     ("validation", &["math", "image", "raw"]),
     (
         "io",
         &[
             "math",
             "spectrum",
+            "colour",
             "image",
             "geometry",
             "texture",
