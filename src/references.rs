@@ -122,3 +122,37 @@
 //!
 //! ## Aces14
 //! Academy of Motion Picture Arts and Sciences, S-2014-004, *ACEScg – A Working Space for CGI Render and Compositing*.
+//!
+//! ## Malvar04
+//! H. S. Malvar, L. He, R. Cutler, "High-Quality Linear Interpolation for Demosaicing of Bayer-Patterned Color Images",
+//! ICASSP (2004).
+//!
+//! ## Hirakawa05
+//! K. Hirakawa, T. W. Parks, "Adaptive Homogeneity-Directed Demosaicing Algorithm", IEEE Transactions on Image Processing
+//! 14(3), 360–369 (2005).
+//!
+//! ## Knutsson93
+//! H. Knutsson, C.-F. Westin, "Normalized and Differential Convolution", CVPR (1993).
+//!
+//! ## Narkowicz16
+//! K. Narkowicz, "ACES Filmic Tone Mapping Curve", knarkowicz.wordpress.com (2016).
+//!
+//! ## Tomasi98
+//! C. Tomasi, R. Manduchi, "Bilateral Filtering for Gray and Color Images", ICCV (1998).
+//!
+//! ## Buades05
+//! A. Buades, B. Coll, J.-M. Morel, "A Non-Local Algorithm for Image Denoising", CVPR (2005).
+//!
+//! ## Makitalo13
+//! M. Mäkitalo, A. Foi, "Optimal Inversion of the Generalized Anscombe Transformation for Poisson-Gaussian Noise", IEEE
+//! Transactions on Image Processing 22(1), 91–103 (2013).
+//!
+//! ## Immerkaer96
+//! J. Immerkær, "Fast Noise Variance Estimation", Computer Vision and Image Understanding 64(2), 300–302 (1996).
+//!
+//! ## Wang04
+//! Z. Wang, A. C. Bovik, H. R. Sheikh, E. P. Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
+//! Similarity", IEEE Transactions on Image Processing 13(4), 600–612 (2004).
+//!
+//! ## Iso12233
+//! ISO 12233:2017, *Photography – Electronic still picture imaging – Resolution and spatial frequency responses*.

@@ -89,9 +89,8 @@ mod tests {
                 assert!((t / temperature - 1.0).abs() < 1e-4 && (found - tint).abs() < 1e-2, "{t} K, tint {found}");
             }
         }
-        let [x, y] = chromaticity(5000.0, 100.0).expect("in range");
-        let [x0, y0] = chromaticity(5000.0, 0.0).expect("in range");
-        assert!(y > y0 && x < x0, "a positive tint is greener");
+        let [green, neutral] = [100.0, 0.0].map(|tint| chromaticity(5000.0, tint).expect("in range"));
+        assert!(green[1] > neutral[1] + 0.01, "a positive tint is greener");
         assert!(
             [(900.0, 0.0), (f64::NAN, 0.0), (5000.0, f64::NAN), (5000.0, 1e9)].map(|(t, d)| chromaticity(t, d))
                 == [None; 4]
