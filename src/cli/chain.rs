@@ -74,9 +74,9 @@ impl<'a> Chain<'a> {
         let mut raw = expose(&electrons.mean, sensor, exposure, Stages::ALL, key).map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = Some(lens.f_number);
         raw.metadata.focal_length_m = Some(lens.focal_length_m);
-        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65);
-        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a);
-        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral);
+        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65.to_vec());
+        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a.to_vec());
+        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral.to_vec());
         Ok(raw)
     }
 
@@ -110,11 +110,13 @@ impl<'a> Chain<'a> {
         let exposure = self.exposure(&rates).ok()?;
         let sensor = &self.capture.sensor;
         let (width, time) = (rates.mean.width(), exposure.time.0);
+        let samples = sensor.cfa.samples_per_pixel();
+        let row_length = width * samples;
         let saturation = sensor.saturation_capacity(&exposure).0;
         let (mut of_light, mut of_sensor) = (0.0, 0.0);
-        for pixel in 0..width * rates.mean.height() {
-            let channel = sensor.cfa.channel_at(pixel % width, pixel / width);
-            let at = |planes: &Planes| f64::from(planes.channels()[channel].data[pixel]);
+        for i in 0..row_length * rates.mean.height() {
+            let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
+            let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
             let mean = at(&rates.mean) * time;
             if mean < saturation {
                 of_light += at(&rates.variance) * time * time;
@@ -143,13 +145,13 @@ impl<'a> Chain<'a> {
             pixel_pitch_um: sensor.pixel_pitch_m.map(|m| (m * 1e9).round() / 1e3),
             channels: sensor.cfa.channels().to_vec(),
             bits: raw.bits,
-            black_level_dn: raw.black_level_dn,
+            black_level_dn: raw.black_level_dn.mean(),
             white_level_dn: raw.white_level_dn,
             system_gain_dn_per_e: sensor.converter.system_gain(exposed.exposure.gain),
             saturation_capacity_e: sensor.saturation_capacity(&exposed.exposure).0,
             read_noise_e: sensor.noise.read.0,
-            as_shot_neutral: raw.metadata.as_shot_neutral,
-            colour_matrix_d65: raw.metadata.colour_matrix_d65,
+            as_shot_neutral: raw.metadata.as_shot_neutral.clone(),
+            colour_matrix_d65: raw.metadata.colour_matrix_d65.clone(),
         }
     }
 }

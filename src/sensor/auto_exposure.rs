@@ -47,11 +47,12 @@ pub fn auto_exposure(
     Ok(Seconds(target.level * capacity.0 / (rate + sensor.noise.dark_current(temperature))))
 }
 
-/// The plane of each pixel's own channel.
+/// The numbers of the picture, each from the plane of its own channel.
 fn mosaic_of(planes: &Planes, cfa: &Cfa) -> Result<Vec<f32>, Invalid> {
     let channels = super::expose::channel_planes(planes, cfa)?;
-    let width = planes.width().max(1);
-    Ok((0..planes.width() * planes.height())
-        .map(|pixel| channels[cfa.channel_at(pixel % width, pixel / width)][pixel])
+    let samples = cfa.samples_per_pixel();
+    let row_length = (planes.width() * samples).max(1);
+    Ok((0..planes.width() * samples * planes.height())
+        .map(|i| channels[cfa.channel_at(i % row_length, i / row_length)][i / samples])
         .collect())
 }

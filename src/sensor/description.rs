@@ -27,7 +27,9 @@ pub struct SensorDescription {
     /// measured for whole pixels, as EMVA 1288 does.
     #[serde(default = "one")]
     pub fill_factor: f64,
-    /// Colour filter array: "RGGB", "BGGR", "GRBG", "GBRG" (top-left, top-right, bottom-left, bottom-right) or "mono".
+    /// Colour filter array: "mono"; a tile, row by row from the top-left pixel ("RGGB", or "RGRG/GBGB" with its rows apart);
+    /// "quad-bayer", "nona-bayer", "x-trans", "rgbw", "rgb-ir", "rccb", "rccc", "ryyb" or "cygm"; or "full:RGB" for all
+    /// channels at every pixel.
     pub cfa: String,
     /// A filter in front of all pixels, such as one that blocks infrared.
     #[serde(default)]

@@ -108,6 +108,7 @@ pub fn expose(
     let read_noise = ReadNoise::new(sensor.noise.read, key);
     let digitiser = Digitiser::new(&sensor.converter, exposure.gain);
 
+    // The numbers of a pixel with several come from detectors of their own, each with its own noise.
     let digital_number = |mean_e: f32, pixel: usize| -> u16 {
         let mut charge = f64::from(mean_e);
         if stages.photo_response {
@@ -132,15 +133,16 @@ pub fn expose(
     };
 
     let (width, height) = (mean_electrons.width(), mean_electrons.height());
-    let mut data = vec![0u16; width * height];
-    data.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
-        let first = y * width;
+    let samples = sensor.cfa.samples_per_pixel();
+    let row_length = width * samples;
+    let mut data = vec![0u16; row_length * height];
+    data.par_chunks_mut(row_length.max(1)).enumerate().for_each(|(y, row)| {
         let tile_width = sensor.cfa.tile_size().0;
-        // Pixels of one column of the tile share a channel, so the inner loop needs no look-up.
+        // Numbers of one column of the tile share a channel, so the inner loop needs no look-up.
         for column in 0..tile_width {
-            let plane = &channels[sensor.cfa.channel_at(column, y)][first..first + width];
-            for x in (column..width).step_by(tile_width) {
-                row[x] = digital_number(plane[x], first + x);
+            let plane = &channels[sensor.cfa.channel_at(column, y)][y * width..(y + 1) * width];
+            for x in (column..row_length).step_by(tile_width) {
+                row[x] = digital_number(plane[x / samples], y * row_length + x);
             }
         }
     });
@@ -151,14 +153,16 @@ pub fn expose(
         data,
         cfa: sensor.cfa.clone(),
         bits: sensor.converter.bits,
-        black_level_dn: sensor.converter.black_level_dn,
+        black_level_dn: sensor.converter.black_level_dn.into(),
         white_level_dn: sensor.white_level_dn(exposure),
         metadata: RawMetadata {
             camera_model: sensor.name.clone(),
             exposure_time_s: exposure.time.0,
+            pixel_pitch_m: Some(sensor.pixel_pitch_m),
             noise_profile: vec![sensor.noise_profile(exposure); sensor.cfa.channels().len()],
             ..RawMetadata::default()
         },
+        ..RawImage::default()
     })
 }
 

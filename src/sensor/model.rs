@@ -311,7 +311,7 @@ mod tests {
             ("[64, 48]", "[64, 0]", "resolution_px"),
             ("[5.0, 4.0]", "[5.0, -4.0]", "pixel_pitch_um"),
             ("fill_factor = 0.5", "fill_factor = 1.5", "fill_factor"),
-            ("\"RGGB\"", "\"RGBG\"", "cfa"),
+            ("\"RGGB\"", "\"RGG\"", "cfa"),
             ("\"RGGB\"", "\"mono\"", "channels.B"),
             ("channels.G.quantum_efficiency = 0.7", "", "channels.G"),
             ("quantum_efficiency = 0.6", "quantum_efficiency = 60", "channels.R.quantum_efficiency"),

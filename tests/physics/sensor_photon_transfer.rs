@@ -75,7 +75,7 @@ fn a_raw_file_tells_the_same_noise() {
     sensor.noise.dark_current_e_per_s = 12.0;
     sensor.converter.conversion_gain_dn_per_e = 0.5;
     let raw = expose(&flat(&sensor, 1, 1, 0.0), &sensor, &EXPOSURE, Stages::ALL, NoiseKey::default()).expect("valid");
-    let range = f64::from(raw.white_level_dn - raw.black_level_dn);
+    let range = f64::from(raw.white_level_dn) - f64::from(raw.black_level_dn.mean());
     let [slope, offset] = raw.metadata.noise_profile[0];
     for mean_e in [0.0, 500.0, 20_000.0] {
         // x = K·μ/range, Var(x) = K²·σ²/range².
