@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use photosite::develop::colour_matrix::camera_colour;
 use photosite::develop::{DevelopSettings, develop};
 use photosite::image::Planes;
+use photosite::io::developed::write_png;
 use photosite::io::output::{create_folder, write_whole};
-use photosite::io::png::write_png;
 use photosite::raw::{RawImage, write_dng};
 use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
 use photosite::spectrum::{Spectrum, illuminant, library};
@@ -56,9 +56,9 @@ fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photos
     }
     let mut raw = expose(&light_on_sensor, sensor, &exposure, Stages::NONE, NoiseKey::default())?;
     if let Some(colour) = camera_colour(&responses, light)? {
-        raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65.to_vec());
-        raw.metadata.colour_matrix_a = Some(colour.matrix_a.to_vec());
-        raw.metadata.as_shot_neutral = Some(colour.neutral.to_vec());
+        raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65);
+        raw.metadata.colour_matrix_a = Some(colour.matrix_a);
+        raw.metadata.as_shot_neutral = Some(colour.neutral);
     }
     Ok(raw)
 }

@@ -1,7 +1,7 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
 use photosite::develop::colour_matrix::{CameraColour, camera_colour};
-use photosite::develop::{DevelopSettings, Picture8, develop};
+use photosite::develop::{EncodedPicture, develop};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
 use photosite::io::capture::{Capture, ExposureTime};
@@ -74,9 +74,9 @@ impl<'a> Chain<'a> {
         let mut raw = expose(&electrons.mean, sensor, exposure, Stages::ALL, key).map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = Some(lens.f_number);
         raw.metadata.focal_length_m = Some(lens.focal_length_m);
-        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65.to_vec());
-        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a.to_vec());
-        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral.to_vec());
+        raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
+        raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
+        raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
         Ok(raw)
     }
 
@@ -85,8 +85,8 @@ impl<'a> Chain<'a> {
     }
 
     /// Develops for display.
-    pub(super) fn develop(&self, raw: &RawImage) -> Result<Picture8> {
-        develop(raw, &DevelopSettings::default()).map_err(|invalid| self.capture.source.error(invalid))
+    pub(super) fn develop(&self, raw: &RawImage) -> Result<EncodedPicture> {
+        develop(raw, &self.capture.develop).map_err(|invalid| self.capture.source.error(invalid.within("develop")))
     }
 
     /// The exposure that the capture asks for, its time found from the light where it is automatic.

@@ -4,6 +4,7 @@
 mod chain;
 mod compare;
 mod compare_text;
+mod develop;
 mod export_mitsuba;
 mod info;
 mod listing;
@@ -32,6 +33,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Develop(develop::DevelopArgs),
     Compare(compare::CompareArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     Info(info::InfoArgs),
@@ -53,6 +55,7 @@ pub(crate) fn run() -> ExitCode {
     let mut done = ExitCode::SUCCESS;
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Develop(args) => develop::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Info(args) => info::run(&args),

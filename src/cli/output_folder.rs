@@ -4,12 +4,12 @@ use std::fs;
 use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
-use photosite::develop::Picture8;
+use photosite::develop::EncodedPicture;
 use photosite::film::Film;
 use photosite::io::capture::{Capture, OutputSettings, RawFormat};
+use photosite::io::developed::write_png;
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
-use photosite::io::png::write_png;
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::raw::{RawImage, write_dng, write_npy, write_pgm, write_tiff};
 use photosite::{Error, Invalid, Result};
@@ -111,7 +111,7 @@ impl OutputFolder {
         output: &OutputSettings,
         exposed: &Exposed,
         film: &Film,
-        picture: &Picture8,
+        picture: &EncodedPicture,
     ) -> Result<()> {
         if output.electrons {
             self.write("electrons.exr", |to| write_electrons(&exposed.electrons, exposed.exposure.time, to))?;
@@ -134,7 +134,7 @@ impl OutputFolder {
     }
 
     /// The picture as far as it has come.
-    pub(super) fn write_preview(&self, picture: &Picture8) -> Result<()> {
+    pub(super) fn write_preview(&self, picture: &EncodedPicture) -> Result<()> {
         write_whole(&self.path.join(PREVIEW), |to| write_png(picture, to))
     }
 

@@ -65,13 +65,13 @@ mod tests {
         for text in ["RGGB", "x-trans", "mono", "full:RGB"] {
             let cfa = Cfa::parse(text).expect("known");
             let samples = cfa.samples_per_pixel();
-            let (width, height) = (24, 20);
-            // An edge at column 12 and a bright column 4, with differing channels.
-            let scene = |x: usize, _: usize| if x >= 12 || x == 4 { 0.8 } else { 0.1 };
+            let (width, height) = (48, 20);
+            // An edge at column 36 and a bright column 4, with differing channels.
+            let scene = |x: usize, _: usize| if x >= 36 || x == 4 { 0.8 } else { 0.1 };
             let clean: Vec<f32> =
                 (0..width * samples * height).map(|i| scene(i / samples % width, i / samples / width)).collect();
             let mut mosaic = clean.clone();
-            let hot = [7 * width + 8, 15 * width + 18].map(|i| i * samples);
+            let hot = [7 * width + 20, 15 * width + 43].map(|i| i * samples);
             mosaic[hot[0]] = 1.0;
             mosaic[hot[1]] = 0.0;
             correct(&mut mosaic, [width, height], &cfa, Defects::Median);

@@ -8,7 +8,7 @@ use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::raw::RawImage;
 
-use super::encode::{EncodedPicture, Encoding, encode};
+use super::encode::{EncodedPicture, encode};
 use super::linearisation::Linearisation;
 use super::neighbours::densest;
 use super::settings::{Demosaic, DevelopSettings};
@@ -31,15 +31,7 @@ pub struct Development {
 
 /// Develops to a picture for display; grey for a monochrome sensor.
 pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPicture, Invalid> {
-    let encoding = Encoding {
-        colour_space: settings.colour_space,
-        transfer: settings.transfer(),
-        bits: settings.bits,
-        dither: settings.dither,
-        sharpening: settings.sharpening,
-        sharpening_radius_px: settings.sharpening_radius_px(),
-    };
-    Ok(encode(develop_linear(raw, settings)?.0, &encoding))
+    Ok(encode(develop_linear(raw, settings)?.0, &settings.encoding()))
 }
 
 /// Develops to linear planes of the colour space, `R`, `G` and `B` (`X`, `Y` and `Z`), or `Y` for a monochrome sensor. 1 is

@@ -192,7 +192,10 @@ mod tests {
                         };
                     // Powers and products in f32 are off by a few 2⁻²⁴ of the largest code.
                     let tolerance = 0.5 + largest * 8.0 / 16_777_216.0;
-                    assert!((f64::from(*code) - exact).abs() <= tolerance, "{transfer:?} {bits} bits: {v} {code} {exact}");
+                    assert!(
+                        (f64::from(*code) - exact).abs() <= tolerance,
+                        "{transfer:?} {bits} bits: {v} {code} {exact}"
+                    );
                 }
             }
         }

@@ -38,6 +38,4 @@ mod window;
 
 pub use develop::{Development, develop, develop_linear};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
-pub use settings::{
-    Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance,
-};
+pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

@@ -57,7 +57,8 @@ pub(super) fn radius_for_all(cfa: &Cfa) -> usize {
 /// The channel that most pixels see; the second of two equals, which is green among R, G and B.
 pub(super) fn densest(cfa: &Cfa) -> usize {
     let (columns, rows) = cfa.tile_size();
-    let count = |channel: usize| (0..columns * rows).filter(|i| cfa.channel_at(i % columns, i / columns) == channel).count();
+    let count =
+        |channel: usize| (0..columns * rows).filter(|i| cfa.channel_at(i % columns, i / columns) == channel).count();
     let counts: Vec<usize> = (0..cfa.channels().len()).map(count).collect();
     let most = counts.iter().copied().max().unwrap_or(0);
     let green = cfa.channels().iter().position(|name| name == "G").filter(|&green| counts[green] == most);
@@ -76,7 +77,7 @@ mod tests {
         assert_eq!(reds.len(), 4);
         assert_eq!(reds[0], Step { dx: -1, dy: -1 });
         let x_trans = Cfa::parse("x-trans").expect("known");
-        assert_eq!((radius_for_all(&x_trans), densest(&x_trans)), (2, 1));
+        assert_eq!((radius_for_all(&x_trans), densest(&x_trans)), (1, 1), "every 3 × 3 pixels have all three");
         assert_eq!(steps(&x_trans, [0, 0], 1, 0), [Step { dx: 0, dy: 0 }], "its top left is green");
         assert_eq!(Step { dx: -1, dy: 0 }.from(0, 3, [4, 4]), None);
         assert_eq!(Step { dx: 1, dy: -3 }.from(0, 3, [4, 4]), Some((1, 0)));

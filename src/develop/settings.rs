@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::encode::Encoding;
 use crate::Invalid;
 use crate::colour::{ColourSpace, Transfer, temperature};
 
@@ -207,7 +208,12 @@ impl DevelopSettings {
         for (key, is_given, fits, wanted) in [
             ("temperature_k", self.temperature_k.is_some(), with_temperature, "white_balance = \"temperature\""),
             ("tint", self.tint.is_some(), with_temperature, "white_balance = \"temperature\""),
-            ("patch_px", self.patch_px.is_some(), self.white_balance == WhiteBalance::Patch, "white_balance = \"patch\""),
+            (
+                "patch_px",
+                self.patch_px.is_some(),
+                self.white_balance == WhiteBalance::Patch,
+                "white_balance = \"patch\"",
+            ),
             ("noise_radius_px", self.noise_radius_px.is_some(), smooths, "a noise_filter"),
             (
                 "noise_strength",
@@ -219,7 +225,9 @@ impl DevelopSettings {
             ("sharpening_radius_px", self.sharpening_radius_px.is_some(), self.sharpening != 0.0, "sharpening above 0"),
         ] {
             if is_given && !fits {
-                return Err(Invalid::new(key, format!("goes only with {wanted}")).help(format!("add it, or remove {key}")));
+                return Err(
+                    Invalid::new(key, format!("goes only with {wanted}")).help(format!("add it, or remove {key}"))
+                );
             }
         }
         let [coldest, hottest] = temperature::TEMPERATURE_RANGE_K;
@@ -272,16 +280,23 @@ impl DevelopSettings {
     }
 
     /// Standard deviation of the unsharp mask, pixels.
-    pub fn sharpening_radius_px(&self) -> f64 {
+    fn sharpening_radius_px(&self) -> f64 {
         self.sharpening_radius_px.unwrap_or(1.0)
     }
 
     /// How linear values become the codes of a picture.
-    pub fn transfer(&self) -> Transfer {
-        match self.tone_curve {
-            ToneCurve::Linear => Transfer::Linear,
-            ToneCurve::Srgb | ToneCurve::Filmic => Transfer::Srgb,
-            ToneCurve::Gamma => Transfer::Gamma(self.gamma.unwrap_or(2.2)),
+    pub fn encoding(&self) -> Encoding {
+        Encoding {
+            colour_space: self.colour_space,
+            transfer: match self.tone_curve {
+                ToneCurve::Linear => Transfer::Linear,
+                ToneCurve::Srgb | ToneCurve::Filmic => Transfer::Srgb,
+                ToneCurve::Gamma => Transfer::Gamma(self.gamma.unwrap_or(2.2)),
+            },
+            bits: self.bits,
+            dither: self.dither,
+            sharpening: self.sharpening,
+            sharpening_radius_px: self.sharpening_radius_px(),
         }
     }
 }

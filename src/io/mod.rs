@@ -2,10 +2,12 @@
 
 pub mod capture;
 mod complete;
+pub mod developed;
 pub mod electrons;
 mod environment;
 pub mod exr;
 pub mod gltf;
+mod icc;
 mod json;
 mod mesh;
 pub mod mitsuba;
@@ -13,7 +15,6 @@ pub mod obj;
 pub mod output;
 mod picture;
 pub mod picture_file;
-pub mod png;
 pub mod spectral_exr;
 mod suggest;
 mod tangents;

@@ -30,6 +30,7 @@ pub(super) mod tag {
     pub(crate) const UNIQUE_CAMERA_MODEL: Tag = Tag::Unknown(50708);
     pub(crate) const CFA_PLANE_COLOR: Tag = Tag::Unknown(50710);
     pub(crate) const CFA_LAYOUT: Tag = Tag::Unknown(50711);
+    pub(crate) const LINEARIZATION_TABLE: Tag = Tag::Unknown(50712);
     pub(crate) const BLACK_LEVEL_REPEAT_DIM: Tag = Tag::Unknown(50713);
     pub(crate) const BLACK_LEVEL: Tag = Tag::Unknown(50714);
     pub(crate) const WHITE_LEVEL: Tag = Tag::Unknown(50717);
@@ -145,6 +146,9 @@ fn write_mosaic<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
     ifd.write_tag(tag::DEFAULT_CROP_ORIGIN, &[0u32, 0][..])?;
     ifd.write_tag(tag::DEFAULT_CROP_SIZE, &[width, height][..])?;
     ifd.write_tag(tag::ACTIVE_AREA, &[0, 0, height, width][..])?;
+    if !raw.metadata.linearisation.is_empty() {
+        ifd.write_tag(tag::LINEARIZATION_TABLE, &raw.metadata.linearisation[..])?;
+    }
     if !raw.metadata.noise_profile.is_empty() {
         ifd.write_tag(tag::NOISE_PROFILE, raw.metadata.noise_profile.as_flattened())?;
     }

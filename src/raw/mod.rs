@@ -138,6 +138,8 @@ pub struct RawMetadata {
     pub colour_matrix_a: Option<Vec<[f64; 3]>>,
     /// The camera's response to the scene's white, per channel, the largest 1; `None` for monochrome.
     pub as_shot_neutral: Option<Vec<f64>>,
+    /// Linear digital number of every number of the file (DNG LinearizationTable); empty where they are linear.
+    pub linearisation: Vec<u16>,
     /// Per channel (S, O): variance of the normalised signal x in 0–1 is S·x + O (DNG NoiseProfile).
     pub noise_profile: Vec<[f64; 2]>,
 }

@@ -182,6 +182,7 @@ impl<R: Read + Seek> Tags<R> {
             colour_matrix_d65: self.array(main, tag::COLOR_MATRIX_1)?.map(matrix),
             colour_matrix_a: self.array(main, tag::COLOR_MATRIX_2)?.map(matrix),
             as_shot_neutral: self.array::<3>(main, tag::AS_SHOT_NEUTRAL)?.map(|neutral| neutral.to_vec()),
+            linearisation: self.numbers(mosaic, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect(),
             noise_profile: self.numbers(mosaic, tag::NOISE_PROFILE)?.as_chunks::<2>().0.to_vec(),
             ..RawMetadata::default()
         })
@@ -231,6 +232,7 @@ mod tests {
                 colour_matrix_d65: colour.then_some(vec![[0.75, -0.25, -0.125], [-0.5, 1.25, 0.25], [0.0, 0.125, 0.5]]),
                 colour_matrix_a: colour.then_some(vec![[0.875, -0.25, -0.125], [-0.5, 1.5, 0.25], [0.0, 0.25, 0.5]]),
                 as_shot_neutral: colour.then_some(vec![0.5, 1.0, 0.75]),
+                linearisation: if colour { (0..=4095).map(|i| i * 16).collect() } else { Vec::new() },
                 noise_profile: vec![[1e-4, 2e-7]; cfa.channels().len()],
                 ..RawMetadata::default()
             },

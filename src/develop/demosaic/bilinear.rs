@@ -90,18 +90,12 @@ impl Tent {
         if weights > 0.0 {
             return sum / weights;
         }
-        // The nearest of the channel lies further inwards: at a place of the tile that is shifted into the picture.
-        let inwards = |i: usize, tile: usize, side: usize| {
-            if i < tile && i + tile < side {
-                i + tile
-            } else if i >= tile {
-                i - tile
-            } else {
-                i
-            }
-        };
-        let (inner_x, inner_y) = (inwards(x, self.columns, size[0]), inwards(y, self.rows, size[1]));
-        let inside = taps.iter().find_map(|(step, _)| step.from(inner_x, inner_y, size).or(step.from(inner_x, y, size)));
+        // All lie outside: at the same place of a neighbouring tile some lie inside.
+        let shifts = |tile: usize| [0, tile as isize, -(tile as isize)];
+        let (columns, rows) = (shifts(self.columns), shifts(self.rows));
+        let places = rows.into_iter().flat_map(|dy| columns.map(|dx| Step { dx, dy }));
+        let mut places = places.filter_map(|shift| shift.from(x, y, size));
+        let inside = places.find_map(|(x, y)| taps.iter().find_map(|(step, _)| step.from(x, y, size)));
         // A picture smaller than a tile may lack a channel altogether.
         inside.map_or(0.0, |(x, y)| value(y * size[0] + x))
     }

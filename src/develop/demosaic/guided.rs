@@ -28,6 +28,8 @@ pub(super) fn demosaic(mosaic: &[f32], width: usize, height: usize, cfa: &Cfa) -
 /// The smallest radius at which every pixel has a neighbour of this channel.
 fn radius_for(cfa: &Cfa, channel: usize) -> usize {
     let (columns, rows) = cfa.tile_size();
-    let seen = |radius: usize| (0..columns * rows).all(|i| !steps(cfa, [i % columns, i / columns], channel, radius).is_empty());
+    let seen = |radius: usize| {
+        (0..columns * rows).all(|i| !steps(cfa, [i % columns, i / columns], channel, radius).is_empty())
+    };
     (0..columns.max(rows)).find(|&radius| seen(radius)).unwrap_or(columns.max(rows))
 }

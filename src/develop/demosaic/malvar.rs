@@ -41,8 +41,7 @@ pub(super) fn demosaic(mosaic: &[f32], width: usize, height: usize, cfa: &Cfa) -
                     let along_row = at_green(&lines, x, false);
                     let along_column = at_green(&lines, x, true);
                     green[x] = here;
-                    (red[x], blue[x]) =
-                        if beside == 0 { (along_row, along_column) } else { (along_column, along_row) };
+                    (red[x], blue[x]) = if beside == 0 { (along_row, along_column) } else { (along_column, along_row) };
                 } else {
                     green[x] = green_at_coloured(&lines, x);
                     let other = other_at_coloured(&lines, x);
@@ -69,8 +68,7 @@ fn at_green(m: &[&[f32]; 5], x: usize, in_column: bool) -> f32 {
     let column = [m[0][x + 2], m[1][x + 2], m[3][x + 2], m[4][x + 2]];
     let (along, across) = if in_column { (column, row) } else { (row, column) };
     let diagonal = m[1][x + 1] + m[1][x + 3] + m[3][x + 1] + m[3][x + 3];
-    (5.0 * m[2][x + 2] + 4.0 * (along[1] + along[2]) - diagonal - along[0] - along[3]
-        + 0.5 * (across[0] + across[3]))
+    (5.0 * m[2][x + 2] + 4.0 * (along[1] + along[2]) - diagonal - along[0] - along[3] + 0.5 * (across[0] + across[3]))
         * 0.125
 }
 

@@ -28,11 +28,13 @@ const GREEN: usize = 1;
 /// Whether the method works: R, G and B with green densest and near along all directions.
 pub(super) fn fits(cfa: &Cfa) -> bool {
     let (columns, rows) = cfa.tile_size();
-    let is_rgb = cfa.channels() == ["R", "G", "B"] && !cfa.is_full() && densest(cfa) == GREEN && radius_for_all(cfa) <= 2;
-    is_rgb && (0..columns * rows).all(|i| {
-        let has_green = |direction: usize| Line::new(cfa, [i % columns, i / columns], direction).is_some();
-        cfa.channel_at(i % columns, i / columns) == GREEN || (0..4).all(has_green)
-    })
+    let is_rgb =
+        cfa.channels() == ["R", "G", "B"] && !cfa.is_full() && densest(cfa) == GREEN && radius_for_all(cfa) <= 2;
+    is_rgb
+        && (0..columns * rows).all(|i| {
+            let has_green = |direction: usize| Line::new(cfa, [i % columns, i / columns], direction).is_some();
+            cfa.channel_at(i % columns, i / columns) == GREEN || (0..4).all(has_green)
+        })
 }
 
 /// The nearest green pixels on both sides along a direction: steps and weights.
@@ -241,8 +243,7 @@ impl<'a> Band<'a> {
     fn count_even(&mut self) {
         let inset = REACH as usize + 4;
         let [a, b, c, d] = &self.bends;
-        let limit: Vec<f32> =
-            (0..a.len()).map(|i| 8.0 * a[i].min(b[i]).min(c[i]).min(d[i]) + 1e-12).collect();
+        let limit: Vec<f32> = (0..a.len()).map(|i| 8.0 * a[i].min(b[i]).min(c[i]).min(d[i]) + 1e-12).collect();
         for (bends, even) in self.bends.iter().zip(&mut self.even) {
             for y in inset..self.height - inset {
                 for x in inset..self.width - inset {

@@ -66,7 +66,8 @@ pub(super) fn method_for(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invali
     }
     let name = format!("{method:?}").to_lowercase();
     let message = format!("{name} does not work for the filter array {cfa}");
-    Err(Invalid::new("demosaic", message).help("write \"auto\", \"nearest\", \"bilinear\" or \"guided\", which work for any"))
+    Err(Invalid::new("demosaic", message)
+        .help("write \"auto\", \"nearest\", \"bilinear\" or \"guided\", which work for any"))
 }
 
 /// Empty planes of a filter array's channels.

@@ -6,12 +6,7 @@
 
 use rayon::prelude::*;
 
-pub(super) fn filter(
-    planes: &[Vec<f32>],
-    [width, height]: [usize; 2],
-    radius: usize,
-    strength: f32,
-) -> Vec<Vec<f32>> {
+pub(super) fn filter(planes: &[Vec<f32>], [width, height]: [usize; 2], radius: usize, strength: f32) -> Vec<Vec<f32>> {
     let sigma = radius as f32 / 3.0 + 0.5;
     let range = -0.5 / (3.0 * strength).powi(2) / planes.len() as f32;
     let r = radius as isize;

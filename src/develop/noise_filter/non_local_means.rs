@@ -12,12 +12,7 @@ const PATCH: usize = 1;
 /// Rows that a thread works on at a time.
 const BAND: usize = 32;
 
-pub(super) fn filter(
-    planes: &[Vec<f32>],
-    [width, height]: [usize; 2],
-    radius: usize,
-    strength: f32,
-) -> Vec<Vec<f32>> {
+pub(super) fn filter(planes: &[Vec<f32>], [width, height]: [usize; 2], radius: usize, strength: f32) -> Vec<Vec<f32>> {
     let r = radius as isize;
     let offsets: Vec<(isize, isize)> = (-r..=r).flat_map(|dy| (-r..=r).map(move |dx| (dx, dy))).collect();
     let starts: Vec<usize> = (0..height).step_by(BAND).collect();
@@ -59,7 +54,8 @@ pub(super) fn filter(
                         continue;
                     }
                     let distance = (a..b).map(|y| across[(y - first) * width + x]).sum::<f32>() / (b - a) as f32;
-                    let weight = if (dx, dy) == (0, 0) { 1.0 } else { (-(distance - 2.0).max(0.0) / strength.powi(2)).exp() };
+                    let weight =
+                        if (dx, dy) == (0, 0) { 1.0 } else { (-(distance - 2.0).max(0.0) / strength.powi(2)).exp() };
                     let (i, j) = ((y - top) * width + x, at(x, y));
                     weights[i] += weight;
                     sums.iter_mut().zip(planes).for_each(|(sum, plane)| sum[i] += weight * plane[j]);
