@@ -4,10 +4,10 @@ use photosite::develop::colour_matrix::{CameraColour, camera_colour};
 use photosite::develop::{EncodedPicture, develop};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
-use photosite::io::capture::{Capture, ExposureTime};
+use photosite::io::capture::{Capture, ExposureSettings, ExposureTime};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
-use photosite::sensor::{Exposure, NoiseKey, Stages, auto_exposure, expose};
+use photosite::sensor::{Exposure, NoiseKey, auto_exposure, expose};
 use photosite::spectrum::illuminant;
 use photosite::units::Electrons;
 use photosite::{Error, Invalid, Result};
@@ -68,10 +68,10 @@ impl<'a> Chain<'a> {
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
-        let Capture { sensor, lens, render, .. } = self.capture;
+        let Capture { sensor, lens, render, exposure: ExposureSettings { stages, .. }, .. } = self.capture;
         let Exposed { exposure, electrons } = exposed;
         let key = NoiseKey { seed: render.seed, frame: u64::from(frame) };
-        let mut raw = expose(&electrons.mean, sensor, exposure, Stages::ALL, key).map_err(|e| self.in_exposure(e))?;
+        let mut raw = expose(&electrons.mean, sensor, exposure, *stages, key).map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = Some(lens.f_number);
         raw.metadata.focal_length_m = Some(lens.focal_length_m);
         raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
@@ -96,7 +96,11 @@ impl<'a> Chain<'a> {
             ExposureTime::Fixed(time) => time,
             ExposureTime::Auto(target) => auto_exposure(&rates.mean, sensor, wanted.gain, wanted.temperature, target)?,
         };
-        Ok(Exposure { time, gain: wanted.gain, temperature: wanted.temperature })
+        let ExposureSettings { gain, temperature, frame_interval, .. } = *wanted;
+        let exposure = Exposure { time, gain, temperature, frame_interval };
+        // The time of an automatic exposure is known only now.
+        exposure.validate(sensor)?;
+        Ok(exposure)
     }
 
     /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
@@ -127,7 +131,7 @@ impl<'a> Chain<'a> {
     }
 
     pub(super) fn exposure_report(&self, exposed: &Exposed) -> ExposureReport {
-        let Exposure { time, gain, temperature } = exposed.exposure;
+        let Exposure { time, gain, temperature, .. } = exposed.exposure;
         ExposureReport {
             time_s: time.0,
             auto: matches!(self.capture.exposure.time, ExposureTime::Auto(_)),
