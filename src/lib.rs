@@ -17,7 +17,7 @@
 //! [`units`], [`math`] → [`spectrum`], [`image`] → [`colour`]; → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
 //! [`optics`], [`film`], [`sampler`] → [`integrator`]. [`sensor`], [`raw`] and [`develop`] see only units, math,
 //! spectrum and image: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
-//! these edges. [`validation`] compares pictures and sees units, math, image and raw; [`io::mitsuba`] describes a capture to
+//! these edges. [`validation`] compares pictures and sees units, math, image and raw; [`measure`] takes figures from pictures; [`io::mitsuba`] describes a capture to
 //! an independent renderer.
 //!
 //! # Invariants
@@ -42,6 +42,7 @@ pub mod integrator;
 pub mod io;
 pub mod light;
 pub mod math;
+pub mod measure;
 pub mod optics;
 pub mod raw;
 pub mod references;

@@ -28,6 +28,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("sensor", &["math", "spectrum", "image", "raw"]),
     ("develop", &["math", "spectrum", "colour", "image", "raw"]),
     ("validation", &["math", "image", "raw"]),
+    ("measure", &["math", "colour", "image"]),
     (
         "io",
         &[

@@ -8,6 +8,7 @@ mod develop;
 mod export_mitsuba;
 mod info;
 mod listing;
+mod measure;
 mod output_folder;
 mod progress;
 mod render;
@@ -35,6 +36,7 @@ enum Command {
     Render(render::RenderArgs),
     Develop(develop::DevelopArgs),
     Compare(compare::CompareArgs),
+    Measure(measure::MeasureArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     Info(info::InfoArgs),
     Sensors(sensors::SensorsArgs),
@@ -57,6 +59,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Develop(args) => develop::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
+        Command::Measure(args) => measure::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Sensors(args) => sensors::run(&args),

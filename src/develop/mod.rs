@@ -27,6 +27,7 @@ mod demosaic;
 mod develop;
 mod encode;
 mod highlights;
+mod ideal;
 mod linearisation;
 mod neighbours;
 mod noise_filter;
@@ -38,4 +39,5 @@ mod window;
 
 pub use develop::{Development, develop, develop_linear};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
+pub use ideal::ideal;
 pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

@@ -3,6 +3,7 @@
 mod bad_captures;
 mod bad_geometry;
 mod bad_usage;
+mod develop;
 mod documents;
 mod export_mitsuba;
 mod folder;
