@@ -46,6 +46,7 @@ pub mod measure;
 pub mod optics;
 pub mod raw;
 pub mod references;
+mod sabotage;
 pub mod sampler;
 pub mod scene;
 pub mod sensor;

@@ -30,6 +30,9 @@
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!
+//! ## T81
+//! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).
+//!
 //! ## Mikkelsen08
 //! M. S. Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, master's thesis, University of Copenhagen (2008).
 //!
@@ -160,3 +163,37 @@
 //!
 //! ## Iso12233
 //! ISO 12233:2017, *Photography – Electronic still picture imaging – Resolution and spatial frequency responses*.
+//! ## Green08
+//! M. A. Green, "Self-consistent optical parameters of intrinsic silicon at 300 K including temperature coefficients",
+//! Solar Energy Materials and Solar Cells 92, 1305–1310 (2008).
+//!
+//! ## Janesick01
+//! J. R. Janesick, *Scientific Charge-Coupled Devices*, SPIE Press (2001).
+//!
+//! ## Ruyten99
+//! W. Ruyten, "Smear correction for frame transfer charge-coupled-device cameras", Optics Letters 24(13), 878–880 (1999).
+//!
+//! ## Antilogus14
+//! P. Antilogus, P. Astier, P. Doherty, A. Guyonnet, N. Regnault, "The brighter-fatter effect and pixel correlations in
+//! CCD sensors", Journal of Instrumentation 9, C03048 (2014).
+//!
+//! ## Guyonnet15
+//! A. Guyonnet, P. Astier, P. Antilogus, N. Regnault, P. Doherty, "Evidence for self-interaction of charge distribution in
+//! charge-coupled devices", Astronomy & Astrophysics 575, A41 (2015).
+//!
+//! ## Knoll10
+//! G. F. Knoll, *Radiation Detection and Measurement*, 4th edition (2010).
+//!
+//! ## Ma20
+//! S. Ma, S. Gupta, A. C. Ulku, C. Bruschini, E. Charbon, M. Gupta, "Quanta Burst Photography", ACM Transactions on
+//! Graphics 39(4) (2020).
+//!
+//! ## Lyon02
+//! R. F. Lyon, P. M. Hubel, "Eyeing the Camera: into the Next Century", IS&T/SID 10th Color Imaging Conference,
+//! 349–355 (2002).
+//!
+//! ## Catmull74
+//! E. Catmull, R. Rom, "A Class of Local Interpolating Splines", in *Computer Aided Geometric Design* (1974).
+//!
+//! ## NelderMead65
+//! J. A. Nelder, R. Mead, "A Simplex Method for Function Minimization", The Computer Journal 7(4), 308–313 (1965).

@@ -1,7 +1,5 @@
 //! `photosite develop`: from a raw file to a picture.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -10,7 +8,6 @@ use photosite::develop::{DevelopSettings, Development, develop_linear, encode};
 use photosite::io::capture::read_develop_settings;
 use photosite::io::developed::{PictureFormat, write_encoded, write_linear};
 use photosite::io::output::write_whole;
-use photosite::raw::{RawImage, read_dng, read_npy, read_pgm, read_tiff};
 use photosite::{Error, Result};
 use serde::Serialize;
 
@@ -23,7 +20,7 @@ use super::{print_json, rounded};
 /// files hold linear light. TIFF, PGM and NPY files do not say what filters their pixels have and become grey.
 #[derive(Args)]
 pub(super) struct DevelopArgs {
-    /// A raw file: .dng, .tiff, .pgm or .npy.
+    /// A raw file: DNG, TIFF, PGM, PPM or NPY.
     raw: PathBuf,
     /// The picture: .png, .tiff, .jpg, .ppm or .exr [default: the raw file's name with .png, in the current folder].
     #[arg(short, long, value_name = "FILE")]
@@ -87,7 +84,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         });
     }
     let start = Instant::now();
-    let raw = read_raw(&args.raw)?;
+    let raw = photosite::raw::read(&args.raw)?;
     let load_s = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -128,25 +125,6 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         summarise(&report);
     }
     Ok(())
-}
-
-/// Reads a raw file by the kind that its name says.
-fn read_raw(path: &Path) -> Result<RawImage> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let read: fn(BufReader<File>) -> _ = match extension.as_str() {
-        "dng" => |file| read_dng(file),
-        "tif" | "tiff" => |file| read_tiff(file),
-        "pgm" => |file| read_pgm(file),
-        "npy" => |file| read_npy(file),
-        _ => {
-            return Err(Error::Usage {
-                message: format!("{} is no name of a raw file that photosite can read", path.display()),
-                help: Some("give a .dng, .tiff, .pgm or .npy file".to_owned()),
-            });
-        }
-    };
-    let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
-    read(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
 }
 
 fn summarise(report: &Report<'_>) {

@@ -219,7 +219,7 @@ fn patch_of(material: &MaterialDescription, spectra: &[Spectrum]) -> Option<usiz
 
 /// For every pixel the patch that it shows, with all of its surroundings.
 fn shown_patches(capture: &Capture, scene: &Scene, patch_of_material: &[Option<usize>]) -> Result<Vec<Option<usize>>> {
-    let camera = place_camera(capture, scene)?;
+    let camera = place_camera(capture, |ray| scene.closest(ray))?;
     let [width, height] = pixels(capture).map(|n| n as usize);
     let patch = |i: usize| {
         let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);

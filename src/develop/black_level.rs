@@ -2,12 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::linearisation::Linearisation;
 use crate::raw::RawImage;
 
-/// x = (DN − black)/(white − black) for every number, after linearisation; black is 0 where it is not to be subtracted.
+/// x = (DN − black)/(white − black) for every number; black is 0 where it is not to be subtracted.
 /// Noise below black stays negative.
-pub(super) fn subtract(raw: &RawImage, linearisation: &Linearisation<'_>, subtract: bool) -> Vec<f32> {
+pub(super) fn subtract(raw: &RawImage, subtract: bool) -> Vec<f32> {
     let white = f32::from(raw.white_level_dn);
     let factor = |black: f32| 1.0 / (white - black).max(1.0);
     let mut signal = vec![0.0; raw.data.len()];
@@ -18,13 +17,13 @@ pub(super) fn subtract(raw: &RawImage, linearisation: &Linearisation<'_>, subtra
         Some(black) => {
             let factor = factor(black);
             for (signal, &dn) in signal.iter_mut().zip(numbers) {
-                *signal = (linearisation.linear(dn) - black) * factor;
+                *signal = (f32::from(dn) - black) * factor;
             }
         }
         None => {
             for (x, (signal, &dn)) in signal.iter_mut().zip(numbers).enumerate() {
                 let black = raw.black_level_dn.at(x, y);
-                *signal = (linearisation.linear(dn) - black) * factor(black);
+                *signal = (f32::from(dn) - black) * factor(black);
             }
         }
     });

@@ -9,10 +9,11 @@ use crate::image::{Channel, Planes};
 use crate::raw::RawImage;
 
 use super::encode::{EncodedPicture, encode};
-use super::linearisation::Linearisation;
 use super::neighbours::densest;
 use super::settings::{Demosaic, DevelopSettings};
-use super::{black_level, colour, defects, demosaic, highlights, noise_filter, tone, white_balance};
+use super::{
+    black_level, colour, defects, demosaic, distortion, highlights, lens_falloff, noise_filter, tone, white_balance,
+};
 
 /// What was found out on the way.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,15 +43,20 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Pla
     let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { Cow::Borrowed(raw) };
     let size = [raw.width, raw.height];
 
-    let linearisation = Linearisation::new(&raw, settings.linearisation);
-    let mut signal = black_level::subtract(&raw, &linearisation, settings.black_level);
+    let mut signal = black_level::subtract(&raw, settings.black_level);
     defects::correct(&mut signal, size, &raw.cfa, settings.defects);
+    if settings.lens_falloff {
+        lens_falloff::correct(&mut signal, &raw);
+    }
     let neutral = white_balance::neutral(&raw, &signal, settings)?;
     white_balance::apply(&mut signal, &raw, &neutral, highlights::ceiling(settings.highlights));
     let mut picture = demosaic::demosaic(&signal, size, &raw.cfa, settings.demosaic)?;
     drop(signal);
     highlights::recover(&mut picture, &neutral, settings.highlights);
     noise_filter::apply(&mut picture, settings, &raw.metadata.noise_profile, &neutral);
+    if settings.distortion {
+        picture = distortion::correct(picture, raw.metadata.warp.as_ref());
+    }
     let mut picture = to_colour_space(picture, &raw, &neutral, settings)?;
     tone::apply(&mut picture, settings.tone_curve);
 

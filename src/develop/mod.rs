@@ -6,12 +6,14 @@
 //!
 //! | step | file |
 //! |---|---|
-//! | linearisation, black level | `linearisation.rs`, `black_level.rs` |
+//! | black level | `black_level.rs`; numbers are linear already, a DNG file's table is applied when it is read |
 //! | defective pixels | `defects.rs` |
+//! | lens falloff | `lens_falloff.rs` |
 //! | white balance | `white_balance.rs` |
 //! | demosaicking | `demosaic/`, one file a method |
 //! | highlights | `highlights.rs`; clipping comes before demosaicking, so that edges are not coloured |
 //! | noise | `noise_filter/`, one file a filter |
+//! | distortion | `distortion.rs`; after demosaicking, since a mosaic cannot be moved |
 //! | colour matrix, colour space, exposure | `colour.rs` |
 //! | tone, encoding, sharpening, dithering | `tone.rs`, `encode.rs`, `sharpening.rs` |
 //!
@@ -25,10 +27,11 @@ mod defects;
 mod demosaic;
 #[expect(clippy::module_inception, reason = "the step that all others are steps of")]
 mod develop;
+mod distortion;
 mod encode;
 mod highlights;
 mod ideal;
-mod linearisation;
+mod lens_falloff;
 mod neighbours;
 mod noise_filter;
 mod settings;

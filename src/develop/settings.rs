@@ -11,8 +11,6 @@ use crate::colour::{ColourSpace, Transfer, temperature};
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DevelopSettings {
-    /// Undoes the converter's nonlinearity, where the raw file has a table of it. Left out: true.
-    pub linearisation: bool,
     /// Subtracts the black level. Left out: true.
     pub black_level: bool,
     /// What becomes of defective pixels. Left out: "none".
@@ -169,7 +167,6 @@ pub enum ToneCurve {
 impl Default for DevelopSettings {
     fn default() -> Self {
         Self {
-            linearisation: true,
             black_level: true,
             defects: Defects::default(),
             lens_falloff: true,

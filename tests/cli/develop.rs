@@ -82,7 +82,7 @@ fn what_goes_wrong_is_told() {
         ("out/raw.dng -o out/image.png", 2, &["exists already", "--force"]),
         ("missing.dng", 1, &["missing.dng", "cannot read"]),
         ("torn.dng", 1, &["torn.dng"]),
-        ("notes.txt", 2, &["notes.txt", ".dng"]),
+        ("notes.txt", 1, &["notes.txt", "no raw file", "DNG"]),
         ("out/raw.dng -o p.png --set develop.demosaic=menan", 1, &["menan", "did you mean", "menon"]),
         ("out/raw.dng -o p.png --set develop.demosaik=menon", 1, &["demosaik", "demosaic"]),
         ("out/raw.dng -o p.png --set demosaic=menon", 2, &["[develop]", "develop.demosaic=menon"]),
