@@ -11,6 +11,7 @@ mod bsdf_sampling;
 mod bsdf_smooth;
 mod chain;
 mod develop_colour;
+mod develop_neutral;
 mod lens;
 mod light_sampling;
 mod quadrature;
