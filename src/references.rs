@@ -163,6 +163,12 @@
 //!
 //! ## Iso12233
 //! ISO 12233:2017, *Photography – Electronic still picture imaging – Resolution and spatial frequency responses*.
+//! ## TruccoVerri98
+//! E. Trucco, A. Verri, *Introductory Techniques for 3-D Computer Vision* (1998), chapter 2.
+//!
+//! ## WilsonHilferty31
+//! E. B. Wilson, M. M. Hilferty, "The Distribution of Chi-Square", Proceedings of the National Academy of Sciences 17
+//! (1931).
 //! ## Green08
 //! M. A. Green, "Self-consistent optical parameters of intrinsic silicon at 300 K including temperature coefficients",
 //! Solar Energy Materials and Solar Cells 92, 1305–1310 (2008).

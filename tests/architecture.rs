@@ -30,6 +30,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("develop", &["math", "spectrum", "colour", "image", "raw"]),
     ("validation", &["math", "image", "raw"]),
     ("measure", &["math", "colour", "image"]),
+    ("characterisation", &["math", "spectrum", "image", "raw", "sensor"]),
     (
         "io",
         &[
@@ -50,6 +51,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "sensor",
             "develop",
             "validation",
+            "characterisation",
         ],
     ),
 ];

@@ -8,6 +8,7 @@
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 
 mod auto_exposure;
+mod band_light;
 mod brighter_fatter;
 mod ccd;
 mod charge_generation;
@@ -34,6 +35,7 @@ mod shot_noise;
 mod stage;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
+pub use band_light::{BandRates, electron_rates};
 pub use ccd::{Ccd, Overscan};
 pub use description::{
     AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CountingMode, CurveFile,

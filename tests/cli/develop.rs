@@ -117,3 +117,19 @@ fn measures_of_pictures() {
     folder.fail("measure mtf out/image.png --region 1,2,3", 2, &["3 numbers instead of 4"]);
     folder.fail("measure checker out/image.png --capture capture.toml", 1, &["no patch"]);
 }
+
+#[test]
+fn the_ideal_picture_lies_beside_the_developed_one() {
+    let folder = room("[render]\nsamples_per_pixel = 16\n[output]\nideal = true\n");
+    folder.succeed("render capture.toml -o out");
+    folder.succeed("develop out/raw.dng -o out/developed.exr");
+    let found: Value =
+        serde_json::from_str(&folder.succeed("measure similarity out/developed.exr out/ideal.exr --json").stdout)
+            .expect("JSON");
+    // The same light and scale; noise of a few electrons and a mosaic of 32 × 24 pixels lie between them.
+    for channel in found["channels"].as_array().expect("a list") {
+        let psnr = channel["psnr_db"].as_f64().expect("they differ");
+        assert!(psnr > 12.0, "{found}");
+    }
+    assert!(bytes(&folder, "out/ideal.png").starts_with(b"\x89PNG"));
+}

@@ -35,7 +35,8 @@ fn photograph(sensor: &SensorModel, light: &Spectrum, seed: u64) -> RawImage {
 fn a_grey_wall_is_neutral_in_any_light_and_by_any_balance() {
     let sensor = presets::model("generic-cmos-color").expect("a preset");
     let white = ColourSpace::Srgb.white();
-    for (seed, light) in ["A", "D50", "D65", "D75", "E", "FL2", "FL11", "LED-B1", "3000K", "10000K"].iter().enumerate() {
+    for (seed, light) in ["A", "D50", "D65", "D75", "E", "FL2", "FL11", "LED-B1", "3000K", "10000K"].iter().enumerate()
+    {
         let raw = photograph(&sensor, &illuminant::illuminant(light).expect("known"), seed as u64);
         for white_balance in [WhiteBalance::AsShot, WhiteBalance::GreyWorld] {
             let settings = DevelopSettings { white_balance, ..DevelopSettings::default() };

@@ -10,6 +10,7 @@ mod bsdf_robustness;
 mod bsdf_sampling;
 mod bsdf_smooth;
 mod chain;
+mod characterisation;
 mod develop_colour;
 mod develop_neutral;
 mod lens;

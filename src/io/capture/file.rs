@@ -31,7 +31,7 @@ impl CaptureFile {
     }
 }
 
-fn refuse_unknown_sections(source: &CaptureSource) -> Result<()> {
+pub(super) fn refuse_unknown_sections(source: &CaptureSource) -> Result<()> {
     match source.sections().find(|(key, _)| !SECTIONS.contains(key)) {
         Some((key, _)) => {
             let message = format!("unknown key `{key}`{}", did_you_mean(key, SECTIONS));
