@@ -4,6 +4,7 @@ mod bad_captures;
 mod bad_geometry;
 mod bad_sensors;
 mod bad_usage;
+mod develop;
 mod documents;
 mod emva1288;
 mod export_mitsuba;

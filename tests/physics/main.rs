@@ -12,6 +12,7 @@ mod bsdf_smooth;
 mod chain;
 mod characterisation;
 mod develop_colour;
+mod develop_neutral;
 mod lens;
 mod light_sampling;
 mod quadrature;
