@@ -1,7 +1,7 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
 use photosite::develop::colour_matrix::{CameraColour, camera_colour};
-use photosite::develop::{DevelopSettings, Picture8, develop};
+use photosite::develop::{DevelopSettings, EncodedPicture, develop};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
 use photosite::io::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
@@ -20,6 +20,7 @@ pub(super) struct Settings<'a> {
     pub(super) sensor: &'a SensorModel,
     pub(super) exposure: &'a ExposureSettings,
     pub(super) output: &'a OutputSettings,
+    pub(super) develop: &'a DevelopSettings,
     /// Seed of sensor noise.
     pub(super) seed: u64,
     pub(super) source: &'a CaptureSource,
@@ -27,15 +28,15 @@ pub(super) struct Settings<'a> {
 
 impl<'a> From<&'a Capture> for Settings<'a> {
     fn from(capture: &'a Capture) -> Self {
-        let Capture { sensor, exposure, output, render, source, .. } = capture;
-        Self { sensor, exposure, output, seed: render.seed, source }
+        let Capture { sensor, exposure, output, develop, render, source, .. } = capture;
+        Self { sensor, exposure, output, develop, seed: render.seed, source }
     }
 }
 
 impl<'a> From<&'a StoredCapture> for Settings<'a> {
     fn from(capture: &'a StoredCapture) -> Self {
-        let StoredCapture { sensor, exposure, output, seed, source, .. } = capture;
-        Self { sensor, exposure, output, seed: *seed, source }
+        let StoredCapture { sensor, exposure, output, develop, seed, source, .. } = capture;
+        Self { sensor, exposure, output, develop, seed: *seed, source }
     }
 }
 
@@ -124,9 +125,9 @@ impl<'a> Chain<'a> {
         let mut raw = expose(&electrons.mean, sensor, exposure, *stages, key).map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = self.optics.f_number;
         raw.metadata.focal_length_m = self.optics.focal_length_m;
-        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65.to_vec());
-        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a.to_vec());
-        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral.to_vec());
+        raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
+        raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
+        raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
         Ok(raw)
     }
 
@@ -135,8 +136,9 @@ impl<'a> Chain<'a> {
     }
 
     /// Develops for display.
-    pub(super) fn develop(&self, raw: &RawImage) -> Result<Picture8> {
-        develop(raw, &DevelopSettings::default()).map_err(|invalid| self.settings.source.error(invalid))
+    pub(super) fn develop(&self, raw: &RawImage) -> Result<EncodedPicture> {
+        let developed = develop(raw, self.settings.develop);
+        developed.map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
     /// The exposure that the capture asks for, its time found from the light where it is automatic.

@@ -4,12 +4,14 @@ use std::fs;
 use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
-use photosite::develop::Picture8;
+use photosite::colour::ColourSpace;
+use photosite::develop::{DevelopSettings, EncodedPicture, encode};
 use photosite::film::Film;
+use photosite::image::Planes;
 use photosite::io::capture::{RawFormat, SpectralBands};
+use photosite::io::developed::{write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
-use photosite::io::png::write_png;
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::raw::{RawImage, write_dng, write_npy, write_pgm, write_tiff};
 use photosite::{Error, Invalid, Result};
@@ -22,9 +24,11 @@ use super::report::Report;
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
 /// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
-const RESULTS: [&str; 12] = [
+const RESULTS: [&str; 14] = [
     REPORT,
     "image.png",
+    "ideal.exr",
+    "ideal.png",
     "electrons.exr",
     "irradiance.exr",
     "raw.dng",
@@ -116,7 +120,17 @@ impl OutputFolder {
         self.write("irradiance.exr", |to| write_irradiance(&irradiance, to))
     }
 
-    pub(super) fn write_picture(&mut self, picture: &Picture8) -> Result<()> {
+    /// The picture of an ideal observer: linear, and as it is shown. Codes cannot hold X, Y and Z.
+    pub(super) fn write_ideal(&mut self, picture: Planes, settings: &DevelopSettings) -> Result<()> {
+        self.write("ideal.exr", |to| write_linear(&picture, settings.colour_space, to))?;
+        if settings.colour_space == ColourSpace::Xyz {
+            return Ok(());
+        }
+        let encoded = encode(picture, &settings.encoding());
+        self.write("ideal.png", |to| write_png(&encoded, to))
+    }
+
+    pub(super) fn write_picture(&mut self, picture: &EncodedPicture) -> Result<()> {
         self.write("image.png", |to| write_png(picture, to))
     }
 
@@ -130,7 +144,7 @@ impl OutputFolder {
     }
 
     /// The picture as far as it has come.
-    pub(super) fn write_preview(&self, picture: &Picture8) -> Result<()> {
+    pub(super) fn write_preview(&self, picture: &EncodedPicture) -> Result<()> {
         write_whole(&self.path.join(PREVIEW), |to| write_png(picture, to))
     }
 

@@ -15,6 +15,7 @@ use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
 
 use super::chain::{Chain, Optics, scene_light};
+use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
 use super::report::{CameraReport, LensReport, LightReport, RenderReport, Report, Timings, TracedReport};
 use super::results::write_results;
@@ -82,11 +83,16 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
     let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
     timings.expose_s = start.elapsed().as_secs_f64();
-    let first =
-        write_results(&chain, &exposed, &mut folder, &mut timings, |folder| match &capture.output.irradiance {
+    let first = write_results(&chain, &exposed, &mut folder, &mut timings, |folder| {
+        if capture.output.ideal {
+            let picture = ideal::picture(&film, &capture, &light, &exposed.exposure)?;
+            folder.write_ideal(picture, &capture.develop)?;
+        }
+        match &capture.output.irradiance {
             Some(bands) => folder.write_irradiance(bands, &film),
             None => Ok(()),
-        })?;
+        }
+    })?;
 
     let [width, height] = pixels(&capture).map(u64::from);
     let paths = width * height * u64::from(film.samples());
@@ -136,7 +142,8 @@ fn default_folder(input: &Path) -> PathBuf {
 pub(super) fn responses(capture: &Capture) -> Vec<Response> {
     let channels = capture.sensor.responses().into_iter().map(|(name, spectrum)| Response { name, spectrum });
     let bands = capture.output.irradiance.iter().flat_map(|bands| (0..bands.count).map(|band| bands.edges_nm(band)));
-    channels.chain(bands.map(band_response)).collect()
+    let observer = capture.output.ideal.then(ideal::responses);
+    channels.chain(bands.map(band_response)).chain(observer.into_iter().flatten()).collect()
 }
 
 /// How much each wavelength matters: the sum of all responses, each scaled to a peak of 1.

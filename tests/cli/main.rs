@@ -2,7 +2,9 @@
 
 mod bad_captures;
 mod bad_geometry;
+mod bad_sensors;
 mod bad_usage;
+mod develop;
 mod documents;
 mod emva1288;
 mod export_mitsuba;

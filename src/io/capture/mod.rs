@@ -15,12 +15,14 @@
 //! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
+//! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
 //!
 //! The keys are documented where they are declared, in `tables/`; [`capture_schema`] makes a JSON Schema of that.
 //! Rendering is left to others.
 
 mod camera;
 mod colour;
+mod develop;
 mod file;
 mod framing;
 mod lens;
@@ -46,6 +48,7 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
 use crate::optics::LensDescription;
 use crate::scene::description::SceneDescription;
@@ -59,6 +62,7 @@ use scene::ReadScene;
 use sensor::sensor_model;
 use tables::CaptureFile;
 
+pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
@@ -80,6 +84,8 @@ pub struct Capture {
     pub exposure: ExposureSettings,
     /// How light is traced.
     pub render: RenderSettings,
+    /// How the raw picture is developed.
+    pub develop: DevelopSettings,
     /// What is written.
     pub output: OutputSettings,
     /// Where all this stands: for errors that show up later.
@@ -131,6 +137,7 @@ impl Capture {
         Ok(Self {
             exposure: settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?,
             render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
+            develop: develop::checked(&file.develop)?,
             output: settings::output(&file.output).map_err(|invalid| invalid.within("output"))?,
             scene: geometry.with_tables(file, folder)?,
             camera_to_world,
