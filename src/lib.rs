@@ -44,6 +44,7 @@ pub mod math;
 pub mod optics;
 pub mod raw;
 pub mod references;
+mod sabotage;
 pub mod sampler;
 pub mod scene;
 pub mod sensor;

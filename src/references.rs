@@ -103,3 +103,32 @@
 //! ## Brewer03
 //! M. Harrower, C. A. Brewer, "ColorBrewer.org: An Online Tool for Selecting Colour Schemes for Maps", The Cartographic
 //! Journal 40(1), 27–37 (2003).
+//!
+//! ## Green08
+//! M. A. Green, "Self-consistent optical parameters of intrinsic silicon at 300 K including temperature coefficients",
+//! Solar Energy Materials and Solar Cells 92, 1305–1310 (2008).
+//!
+//! ## Janesick01
+//! J. R. Janesick, *Scientific Charge-Coupled Devices*, SPIE Press (2001).
+//!
+//! ## Ruyten99
+//! W. Ruyten, "Smear correction for frame transfer charge-coupled-device cameras", Optics Letters 24(13), 878–880 (1999).
+//!
+//! ## Antilogus14
+//! P. Antilogus, P. Astier, P. Doherty, A. Guyonnet, N. Regnault, "The brighter-fatter effect and pixel correlations in
+//! CCD sensors", Journal of Instrumentation 9, C03048 (2014).
+//!
+//! ## Guyonnet15
+//! A. Guyonnet, P. Astier, P. Antilogus, N. Regnault, P. Doherty, "Evidence for self-interaction of charge distribution in
+//! charge-coupled devices", Astronomy & Astrophysics 575, A41 (2015).
+//!
+//! ## Knoll10
+//! G. F. Knoll, *Radiation Detection and Measurement*, 4th edition (2010).
+//!
+//! ## Ma20
+//! S. Ma, S. Gupta, A. C. Ulku, C. Bruschini, E. Charbon, M. Gupta, "Quanta Burst Photography", ACM Transactions on
+//! Graphics 39(4) (2020).
+//!
+//! ## Lyon02
+//! R. F. Lyon, P. M. Hubel, "Eyeing the Camera: into the Next Century", IS&T/SID 10th Color Imaging Conference,
+//! 349–355 (2002).

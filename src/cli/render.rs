@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use photosite::film::{Response, band_response};
+use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
 use photosite::io::capture::Capture;
 use photosite::optics::{Camera, Focus, PixelGrid};
@@ -68,7 +69,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
     let scene = scene::build(description, &importance);
-    let camera = place_camera(&capture, &scene)?;
+    let camera = place_camera(&capture, |ray| scene.closest(ray))?;
     if let (Focus::Autofocus { pixel: [x, y] }, true) = (capture.lens.focus, camera.focus_distance_m().is_infinite()) {
         warnings
             .push(format!("autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"));
@@ -174,8 +175,8 @@ pub(super) fn pixels(capture: &Capture) -> [u32; 2] {
     capture.sensor.resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"))
 }
 
-/// Puts the lens in its place, focused on what autofocus finds.
-pub(super) fn place_camera(capture: &Capture, scene: &Scene) -> Result<Camera> {
+/// Puts the lens in its place, focused on what autofocus finds: `closest` is asked for it then only.
+pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<Hit>) -> Result<Camera> {
     let grid = PixelGrid { resolution: pixels(capture), pitch_m: capture.sensor.pixel_pitch_m };
     let place = |lens: &_, distance| {
         let camera = Camera::new(lens, &grid, capture.camera_to_world, distance);
@@ -187,7 +188,7 @@ pub(super) fn place_camera(capture: &Capture, scene: &Scene) -> Result<Camera> {
     let mut distance = f64::INFINITY;
     for _ in 0..4 {
         lens.focus = if distance.is_finite() { Focus::Distance(distance) } else { Focus::Infinity };
-        let hit = place(&lens, distance)?.chief_ray(pixel.into()).and_then(|ray| scene.closest(&ray));
+        let hit = place(&lens, distance)?.chief_ray(pixel.into()).and_then(|ray| closest(&ray));
         distance = hit.map_or(f64::INFINITY, |hit| f64::from(hit.t));
         if distance <= lens.focal_length_m {
             break;

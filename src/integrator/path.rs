@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::math::{Pdf, SolidAngle};
+use crate::sabotage::{Fault, flip};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, Shading};
 use crate::spectrum::{SampledSpectrum, Wavelengths};
@@ -118,7 +119,8 @@ fn direct_light(
         return SampledSpectrum::ZERO;
     }
     let scattering = shading.bsdf.eval(wo_local, wi_local);
-    let contribution = light.radiance * scattering.f * (wi_local.z.abs() / light.pdf.0);
+    let cos = flip(Fault::CosineMissing, wi_local.z.abs(), 1.0);
+    let contribution = light.radiance * scattering.f * (cos / light.pdf.0);
     if contribution.is_black() || scene.occluded(&shadow_ray(point, light.wi, light.position)) {
         return SampledSpectrum::ZERO;
     }

@@ -32,7 +32,7 @@ impl Digitiser {
     }
 
     #[inline]
-    fn number(&self, charge_e: f64) -> u16 {
+    pub(super) fn number(&self, charge_e: f64) -> u16 {
         let level = self.system_gain * charge_e + self.black_level_dn;
         // Adding a half and cutting rounds halves up, which is right for the levels of 0 and more that are left.
         (level.clamp(0.0, self.max_dn) + 0.5) as u16
@@ -45,8 +45,13 @@ mod tests {
 
     #[test]
     fn levels_are_rounded_and_clamped() {
-        let converter =
-            Converter { bits: 12, conversion_gain_dn_per_e: 0.5, black_level_dn: 10, gain_range: [Decibels(0.0); 2] };
+        let converter = Converter {
+            bits: 12,
+            conversion_gain_dn_per_e: 0.5,
+            black_level_dn: 10,
+            gain_range: [Decibels(0.0); 2],
+            dual_gain: None,
+        };
         let at = |gain, charge| Digitiser::new(&converter, Decibels(gain)).number(charge);
         assert_eq!([at(0.0, 0.0), at(0.0, 2.0), at(0.0, 2.98), at(0.0, 3.02)], [10, 11, 11, 12]);
         assert_eq!([at(0.0, -8.0), at(0.0, -1e9), at(0.0, 1e9)], [6, 0, 4095]);

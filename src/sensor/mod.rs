@@ -8,32 +8,43 @@
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 
 mod auto_exposure;
+mod brighter_fatter;
+mod ccd;
 mod charge_generation;
 mod charge_plane;
 mod converter;
 mod dark_current;
 mod dark_offset;
 mod description;
+mod dual_gain;
 mod expose;
 mod exposure;
 mod fixed_pattern;
 mod full_well;
+mod layers;
+mod masked_pixels;
 mod model;
 mod noise_key;
 mod noise_model;
 mod photo_response;
+mod photon_counting;
 pub mod presets;
 mod read_noise;
 mod shot_noise;
 mod stage;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
+pub use ccd::{Ccd, Overscan};
 pub use description::{
-    AdcDescription, ChannelDescription, ChargeDescription, CurveFile, FilterDescription, NoiseDescription,
-    SensorDescription, SensorKind, SpectrumSource,
+    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CountingMode, CurveFile,
+    DualGainDescription, FilterDescription, NoiseDescription, SensorDescription, SensorKind, SpadDescription,
+    SpectrumSource,
 };
+pub use dual_gain::DualGain;
 pub use expose::expose;
 pub use exposure::Exposure;
-pub use model::{Converter, FixedPattern, Noise, SensorModel};
+pub use masked_pixels::MaskedPixels;
+pub use model::{Architecture, Converter, FixedPattern, Noise, SensorModel};
 pub use noise_key::NoiseKey;
+pub use photon_counting::{Counting, Spad};
 pub use stage::{Stage, Stages};

@@ -59,11 +59,17 @@ impl Streams {
         Philox::new(self.key, (y as u64) << 32 | x as u64)
     }
 
+    /// A standard normal number of the pixel at column x, row y.
+    #[inline]
+    pub(super) fn normal(&self, x: usize, y: usize) -> f32 {
+        self.pixel(x, y).sample(StandardNormal)
+    }
+
     /// Hands each value of a row to `apply`: its column, the value, and a standard normal number of its pixel's.
     #[inline]
     pub(super) fn normals(&self, row: &mut Row<'_>, apply: impl Fn(usize, f32, f32) -> f32) {
         for (x, value) in row.values.iter_mut().enumerate() {
-            *value = apply(x, *value, self.pixel(x, row.y).sample(StandardNormal));
+            *value = apply(x, *value, self.normal(x, row.y));
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::units::{DigitalNumber, Electrons};
 
-use super::{Exposure, SensorModel};
+use super::{Converter, Exposure, SensorModel};
 
 impl SensorModel {
     /// Variance of a pixel's temporal noise, referred to electrons ((e⁻)²), at a mean of `mean` photo-electrons:
@@ -20,15 +20,19 @@ impl SensorModel {
     /// The part of [`Self::noise_variance`] that is there without light, (e⁻)².
     fn dark_variance(&self, exposure: &Exposure) -> f64 {
         let dark = self.noise.dark_electrons(exposure.temperature, exposure.time);
-        let gain = self.converter.system_gain(exposure.gain);
-        dark.0 + self.noise.read.0.powi(2) + 1.0 / (12.0 * gain * gain)
+        let quantisation = |converter: &Converter| 1.0 / (12.0 * converter.system_gain(exposure.gain).powi(2));
+        let before_merging = self.converter.dual_gain.as_ref().map_or(0.0, |dual| quantisation(&dual.high));
+        dark.0 + self.noise.read.0.powi(2) + before_merging + quantisation(&self.converter)
     }
 
     /// Electrons at which a pixel saturates: the full well or the end of the converter's range, whichever comes first.
     pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
         let converter = &self.converter;
-        let range_dn = f64::from(converter.max_dn() - converter.black_level_dn);
-        Electrons(self.full_well.0.min(range_dn / converter.system_gain(exposure.gain)))
+        let range = |converter: &Converter| {
+            f64::from(converter.max_dn() - converter.black_level_dn) / converter.system_gain(exposure.gain)
+        };
+        let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| range(&dual.low));
+        Electrons(self.full_well.0.min(range(converter)).min(before_merging))
     }
 
     /// Smallest whole digital number at which a noise-free pixel is saturated, always above the black level.

@@ -9,24 +9,51 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
+    /// Light that reaches the columns of a CCD while their charge is on the move.
+    Smear = 40,
     /// Pixels that respond a little more or less to light than others (PRNU).
     PhotoResponse = 1,
     /// Whole photo-electrons, freed at random.
     ShotNoise = 2,
     /// Thermal electrons, freed at random.
     DarkCurrent = 3,
+    /// The dead time and the saturation of single-photon counters.
+    PhotonCounting = 41,
+    /// Boundaries between pixels that move with their charge.
+    BrighterFatter = 42,
+    /// Charge that overflows into the neighbours along a column.
+    Blooming = 43,
     /// The end of what a pixel can hold.
     FullWell = 6,
+    /// Electrons that stay behind when rows are shifted.
+    VerticalTransfer = 44,
+    /// Electrons that stay behind in the read-out register.
+    HorizontalTransfer = 45,
     /// Pixels whose read-out starts from an offset of their own (DSNU).
     DarkOffset = 4,
     /// Noise of the amplifiers.
     ReadNoise = 5,
+    /// The same of the second amplifier of sensors with two gains.
+    LowGainReadNoise = 46,
 }
 
 impl Stage {
     /// All stages, in the order of the chain.
-    pub const ALL: [Self; 6] =
-        [Self::PhotoResponse, Self::ShotNoise, Self::DarkCurrent, Self::FullWell, Self::DarkOffset, Self::ReadNoise];
+    pub const ALL: [Self; 13] = [
+        Self::Smear,
+        Self::PhotoResponse,
+        Self::ShotNoise,
+        Self::DarkCurrent,
+        Self::PhotonCounting,
+        Self::BrighterFatter,
+        Self::Blooming,
+        Self::FullWell,
+        Self::VerticalTransfer,
+        Self::HorizontalTransfer,
+        Self::DarkOffset,
+        Self::ReadNoise,
+        Self::LowGainReadNoise,
+    ];
 }
 
 /// Which stages take part. Leaving one out leaves the random numbers of all others as they were.

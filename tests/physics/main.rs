@@ -16,6 +16,8 @@ mod light_sampling;
 mod quadrature;
 mod sampling;
 mod sensor_cases;
+mod sensor_ccd;
+mod sensor_kinds;
 mod sensor_light;
 mod sensor_photon_transfer;
 mod sensor_stages;

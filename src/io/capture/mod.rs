@@ -124,7 +124,7 @@ impl Capture {
         folder: &Path,
     ) -> Result<Self, Invalid> {
         let finder = Finder::new(folder, Vec::new());
-        let sensor = sensor_model(&file.sensor, &finder).map_err(|invalid| invalid.within("sensor"))?;
+        let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
         let focus_on_scene = is_scene_file(source.path());
         let (camera_to_world, lens) =
             place_camera(&file.camera, &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;

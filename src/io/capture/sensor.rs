@@ -13,7 +13,9 @@ use crate::spectrum::Outside;
 use crate::{Error, Invalid, Result};
 
 /// Makes the model of a sensor.
-pub(super) fn sensor_model(sensor: &MergedSensor, finder: &Finder<'_>) -> Result<SensorModel, Invalid> {
+pub(super) fn sensor_model(sensor: &MergedSensor) -> Result<SensorModel, Invalid> {
+    // Its paths start at no folder any more.
+    let finder = Finder::new(Path::new(""), Vec::new());
     SensorModel::new(&sensor.name, &sensor.description, |spectrum| finder.spectrum(spectrum, Outside::Zero))
 }
 

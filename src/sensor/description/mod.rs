@@ -1,6 +1,7 @@
 //! What a sensor file says, before it is checked: the keys of `assets/sensors/*.toml` and of a capture file's
 //! `[sensor]` table, in the units that they name. Doc comments become the JSON Schema's descriptions.
 
+mod architecture;
 mod noise;
 mod read_out;
 
@@ -9,6 +10,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use architecture::{CcdArchitecture, CcdDescription, CountingMode, DualGainDescription, SpadDescription};
 pub use noise::NoiseDescription;
 pub use read_out::{AdcDescription, ChargeDescription};
 
@@ -25,8 +27,18 @@ pub struct SensorDescription {
     /// Technology of the pixels.
     #[serde(default)]
     pub kind: SensorKind,
+    /// How a CCD moves its charge.
+    pub ccd: Option<CcdDescription>,
+    /// How single photons are counted.
+    pub spad: Option<SpadDescription>,
     /// Columns and rows of pixels.
     pub resolution_px: [u32; 2],
+    /// Columns of pixels to the left and to the right of these that are covered and see no light.
+    #[serde(default)]
+    pub masked_columns: [u32; 2],
+    /// Covered rows of pixels above and below.
+    #[serde(default)]
+    pub masked_rows: [u32; 2],
     /// Distance between pixel centres along x and y, µm.
     pub pixel_pitch_um: [f64; 2],
     /// Part of a pixel's area that is sensitive to light, above 0 up to 1. Leave it at 1 where the quantum efficiency was
@@ -61,6 +73,21 @@ pub enum SensorKind {
     /// Charge becomes a voltage inside each pixel.
     #[default]
     Cmos,
+    /// Charge is moved out of all pixels to one amplifier; [ccd] says how.
+    Ccd,
+    /// Single photons are counted in each pixel; [spad] says how.
+    Spad,
+}
+
+impl SensorKind {
+    /// Its name in sensor files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cmos => "cmos",
+            Self::Ccd => "ccd",
+            Self::Spad => "spad",
+        }
+    }
 }
 
 /// A filter in front of all pixels.
@@ -75,8 +102,12 @@ pub struct FilterDescription {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelDescription {
-    /// Photo-electrons per photon that reaches the pixel, colour filter included, 0–1 at every wavelength.
-    pub quantum_efficiency: SpectrumSource,
+    /// Photo-electrons per photon that reaches the pixel, colour filter included, 0–1 at every wavelength; for a
+    /// single-photon detector, its photon detection probability.
+    pub quantum_efficiency: Option<SpectrumSource>,
+    /// In its place: the depths of silicon, µm, between which photons are absorbed into this channel, the upper one first,
+    /// as in the layers of a stacked pixel. What is reflected before the silicon belongs to the filter.
+    pub depth_um: Option<[f64; 2]>,
 }
 
 /// A function of wavelength: a number (the same at every wavelength), the name of a spectrum that ships with photosite,

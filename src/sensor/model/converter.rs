@@ -1,6 +1,7 @@
 //! Gain and converter of a sensor.
 
 use crate::Invalid;
+use crate::sensor::DualGain;
 use crate::sensor::description::AdcDescription;
 use crate::units::Decibels;
 
@@ -17,6 +18,8 @@ pub struct Converter {
     pub black_level_dn: u16,
     /// Smallest and largest gain.
     pub gain_range: [Decibels; 2],
+    /// The two converters behind this one, where its numbers are merged from theirs.
+    pub dual_gain: Option<Box<DualGain>>,
 }
 
 impl Converter {
@@ -34,17 +37,8 @@ impl Converter {
 
 impl Converter {
     pub(super) fn new(d: &AdcDescription) -> Result<Self, Invalid> {
-        if !(8..=16).contains(&d.bits) {
-            return Err(Invalid::new("bits", format!("must lie between 8 and 16, got {}", d.bits))
-                .help("for example bits = 12"));
-        }
+        let black_level_dn = converter_range(d.bits, d.black_level_dn)?;
         positive("conversion_gain_dn_per_e", d.conversion_gain_dn_per_e, "0.4")?;
-        let max_dn = (1 << d.bits) - 1;
-        if d.black_level_dn >= max_dn {
-            let message = format!("{} leaves no room below the largest number, {max_dn}", d.black_level_dn);
-            return Err(Invalid::new("black_level_dn", message)
-                .help(format!("write less than {max_dn}, the largest number of {} bits", d.bits)));
-        }
         let [low, high] = d.gain_db_range;
         finite("gain_db_range", low)?;
         finite("gain_db_range", high)?;
@@ -52,12 +46,30 @@ impl Converter {
             return Err(Invalid::new("gain_db_range", format!("{low} dB is above {high} dB"))
                 .help("write the smaller gain first"));
         }
+        let gain_range = [Decibels(low), Decibels(high)];
+        let dual_gain = d.dual_gain.as_ref().map(|dual| DualGain::new(dual, gain_range));
         Ok(Self {
             bits: d.bits,
             conversion_gain_dn_per_e: d.conversion_gain_dn_per_e,
-            // Below 2^16 as checked above.
-            black_level_dn: d.black_level_dn as u16,
-            gain_range: [Decibels(low), Decibels(high)],
+            black_level_dn,
+            gain_range,
+            dual_gain: dual_gain.transpose().map_err(|e| e.within("dual_gain"))?.map(Box::new),
         })
     }
+}
+
+/// Checks bits and black level of a converter, and returns the latter.
+pub(in crate::sensor) fn converter_range(bits: u32, black_level_dn: u32) -> Result<u16, Invalid> {
+    if !(8..=16).contains(&bits) {
+        let message = format!("must lie between 8 and 16, got {bits}");
+        return Err(Invalid::new("bits", message).help("for example bits = 12"));
+    }
+    let max_dn = (1 << bits) - 1;
+    if black_level_dn >= max_dn {
+        let message = format!("{black_level_dn} leaves no room below the largest number, {max_dn}");
+        return Err(Invalid::new("black_level_dn", message)
+            .help(format!("write less than {max_dn}, the largest number of {bits} bits")));
+    }
+    // Below 2^16, as there are at most 16 bits.
+    Ok(black_level_dn as u16)
 }

@@ -3,7 +3,8 @@
 //! In: a [`SensorDescription`] and a way to find the spectra that it names. Out: a [`SensorModel`] whose numbers can be
 //! relied on. Reading files is left to the caller.
 
-mod checks;
+mod architecture;
+pub(super) mod checks;
 mod converter;
 mod noise;
 
@@ -12,9 +13,14 @@ use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
 use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT};
 
-use super::description::{SensorDescription, SensorKind, SpectrumSource};
-use checks::{fraction, positive};
+use super::MaskedPixels;
+use super::ccd::margin;
+use super::description::{ChannelDescription, SensorDescription, SpectrumSource};
+use super::layers;
+pub use architecture::Architecture;
+use checks::{fraction, not_negative, positive};
 pub use converter::Converter;
+pub(super) use converter::converter_range;
 pub use noise::{FixedPattern, Noise};
 
 /// An image sensor.
@@ -27,9 +33,11 @@ pub struct SensorModel {
     /// Where its numbers come from.
     pub source: String,
     /// Technology of the pixels.
-    pub kind: SensorKind,
+    pub architecture: Architecture,
     /// Columns and rows.
     pub resolution: [usize; 2],
+    /// Pixels around these that see no light.
+    pub masked: MaskedPixels,
     /// Pixel pitch along x and y, m.
     pub pixel_pitch_m: [f64; 2],
     /// Sensitive part of a pixel's area, above 0 up to 1.
@@ -44,6 +52,8 @@ pub struct SensorModel {
     pub noise: Noise,
     /// Most electrons that a pixel can hold.
     pub full_well: Electrons,
+    /// Brighter-fatter effect: correlation of neighbours along x and y for each electron of a flat field, 1/e⁻.
+    pub brighter_fatter_per_e: [f64; 2],
     /// Gain and converter.
     pub converter: Converter,
 }
@@ -87,17 +97,22 @@ impl SensorModel {
                     return Err(Invalid::new(format!("channels.{letter}"), message)
                         .help(format!("write [channels.{letter}] with a quantum_efficiency")));
                 };
-                let key = format!("channels.{letter}.quantum_efficiency");
-                fraction(&key, &channel.quantum_efficiency, &mut resolve)
+                quantum_efficiency(channel, &mut resolve).map_err(|e| e.within(&format!("channels.{letter}")))
             })
             .collect::<Result<_, _>>()?;
         positive("charge.full_well_e", d.charge.full_well_e, "10000.0")?;
+        let architecture = Architecture::new(d)?;
+        let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
         Ok(Self {
             name: name.to_owned(),
             description: d.description.clone(),
             source: d.source.clone(),
-            kind: d.kind,
+            architecture,
             resolution: d.resolution_px.map(|n| n as usize),
+            masked: MaskedPixels {
+                columns: margins("masked_columns", d.masked_columns)?,
+                rows: margins("masked_rows", d.masked_rows)?,
+            },
             pixel_pitch_m: d.pixel_pitch_um.map(|um| um * 1e-6),
             fill_factor: d.fill_factor,
             cfa,
@@ -105,7 +120,8 @@ impl SensorModel {
             quantum_efficiency,
             noise: Noise::new(&d.noise).map_err(|e| e.within("noise"))?,
             full_well: Electrons(d.charge.full_well_e),
-            converter: Converter::new(&d.adc).map_err(|e| e.within("adc"))?,
+            brighter_fatter_per_e: brighter_fatter(d)?,
+            converter,
         })
     }
 
@@ -130,6 +146,44 @@ impl SensorModel {
             })
         };
         self.cfa.channels().iter().cloned().zip(self.quantum_efficiency.iter().map(response)).collect()
+    }
+}
+
+fn margins(key: &str, [before, after]: [u32; 2]) -> Result<[usize; 2], Invalid> {
+    Ok([margin(key, before)?, margin(key, after)?])
+}
+
+fn brighter_fatter(d: &SensorDescription) -> Result<[f64; 2], Invalid> {
+    let per_e = d.charge.brighter_fatter_per_e;
+    for a in per_e {
+        not_negative("charge.brighter_fatter_per_e", a)?;
+    }
+    // The model is of first order: where half of the charge changes sides it says nothing, and no real sensor is near.
+    let strongest = (per_e[0] + per_e[1]) * d.charge.full_well_e;
+    if strongest > 0.5 {
+        let message = format!("correlates neighbours at full well by {strongest}, which is beyond the model");
+        return Err(Invalid::new("charge.brighter_fatter_per_e", message).help("for example [2e-7, 3e-7]"));
+    }
+    Ok(per_e)
+}
+
+/// What a channel says of its quantum efficiency, in one of two ways.
+fn quantum_efficiency(
+    channel: &ChannelDescription,
+    resolve: &mut impl FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>,
+) -> Result<Spectrum, Invalid> {
+    let help = "write a quantum_efficiency, or the depths between which silicon absorbs, depth_um = [0.0, 3.0]";
+    match (&channel.quantum_efficiency, channel.depth_um) {
+        (Some(source), None) => fraction("quantum_efficiency", source, resolve),
+        (None, Some(depth_um @ [upper, lower])) => {
+            if !(upper.is_finite() && lower.is_finite() && 0.0 <= upper && upper < lower) {
+                let message = format!("{upper} to {lower} is no range of depths");
+                return Err(Invalid::new("depth_um", message).help("for example depth_um = [0.0, 3.0]"));
+            }
+            Ok(layers::quantum_efficiency(depth_um))
+        }
+        (Some(_), Some(_)) => Err(Invalid::new("depth_um", "says the same as quantum_efficiency").help(help)),
+        (None, None) => Err(Invalid::new("quantum_efficiency", "missing").help(help)),
     }
 }
 
