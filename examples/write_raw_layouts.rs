@@ -72,17 +72,23 @@ fn picture(layout: &str, width: usize, height: usize, bits: u32) -> Result<RawIm
 /// The same with a frame of masked pixels, a black level for each channel, and a lens to correct.
 fn masked(raw: RawImage) -> Result<RawImage, photosite::Invalid> {
     let levels: Vec<f32> = (0..raw.cfa.channels().len()).map(|channel| 200.0 + 10.0 * channel as f32).collect();
+    let (samples, area) = (raw.cfa.samples_per_pixel(), Area { x: 10, y: 8, width: 316, height: 200 });
+    let black_level_dn = BlackLevel::of_channels(&raw.cfa, &levels)?;
+    let mut data = raw.data;
+    for (i, dn) in data.iter_mut().enumerate() {
+        let (x, y) = (i % (raw.width * samples), i / (raw.width * samples));
+        let sees_light =
+            (area.x..area.x + area.width).contains(&(x / samples)) && (area.y..area.y + area.height).contains(&y);
+        if !sees_light {
+            *dn = black_level_dn.at(x, y) as u16;
+        }
+    }
     let metadata = RawMetadata {
         gain_map: Some(GainMap::new(3, 3, vec![1.5, 1.25, 1.5, 1.25, 1.0, 1.25, 1.5, 1.25, 1.5])?),
         warp: Some(Warp::brown_conrady([-0.1, 0.02, 0.0], [1e-3, 0.0], 400.0, [160.0, 100.0], [316, 200])),
         ..raw.metadata
     };
-    Ok(RawImage {
-        active_area: Some(Area { x: 11, y: 7, width: 316, height: 200 }),
-        black_level_dn: BlackLevel::of_channels(&raw.cfa, &levels)?,
-        metadata,
-        ..raw
-    })
+    Ok(RawImage { data, active_area: Some(area), black_level_dn, metadata, ..raw })
 }
 
 fn write_all(raw: &RawImage, compression: DngCompression, folder: &Path) -> photosite::Result<()> {

@@ -4,7 +4,8 @@ use photosite::develop::colour_matrix::{CameraColour, camera_colour};
 use photosite::develop::{DevelopSettings, Picture8, develop};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
-use photosite::io::capture::{Capture, ExposureSettings, ExposureTime};
+use photosite::io::capture::{Capture, ExposureSettings, ExposureTime, RawFormat};
+use photosite::optics::Camera;
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
 use photosite::sensor::{Exposure, NoiseKey, auto_exposure, expose};
@@ -12,12 +13,15 @@ use photosite::spectrum::illuminant;
 use photosite::units::Electrons;
 use photosite::{Error, Invalid, Result};
 
+use super::lens_corrections;
 use super::report::{ExposureReport, SensorReport};
 
 /// The steps after light transport, with what they need of the capture.
 pub(super) struct Chain<'a> {
     capture: &'a Capture,
     colour: Option<CameraColour>,
+    /// Where it is known, raw files say how to correct the lens.
+    camera: Option<&'a Camera>,
 }
 
 /// What the sensor counts on average during an exposure.
@@ -52,7 +56,15 @@ impl<'a> Chain<'a> {
             Ok(colour)
         });
         let in_sensor = |invalid: Invalid| capture.source.error(invalid.within("sensor"));
-        Ok(Self { capture, colour: colour.map_err(in_sensor)? })
+        Ok(Self { capture, colour: colour.map_err(in_sensor)?, camera: None })
+    }
+
+    /// The same, with a camera whose lens raw files tell of.
+    pub(super) fn with_camera(self, camera: &'a Camera, warnings: &mut Vec<String>) -> Self {
+        if self.capture.output.raw.contains(&RawFormat::Dng) {
+            warnings.extend(lens_corrections::warning(&self.capture.lens, camera));
+        }
+        Self { camera: Some(camera), ..self }
     }
 
     /// Electron rates (e⁻/s) of the sensor's channels.
@@ -77,6 +89,9 @@ impl<'a> Chain<'a> {
         raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65.to_vec());
         raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a.to_vec());
         raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral.to_vec());
+        if let Some(camera) = self.camera {
+            lens_corrections::add(lens, camera, &mut raw);
+        }
         Ok(raw)
     }
 

@@ -6,6 +6,7 @@ mod compare;
 mod compare_text;
 mod export_mitsuba;
 mod info;
+mod lens_corrections;
 mod listing;
 mod output_folder;
 mod progress;

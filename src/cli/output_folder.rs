@@ -11,7 +11,7 @@ use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::png::write_png;
 use photosite::io::spectral_exr::write_irradiance;
-use photosite::raw::{RawImage, write_dng, write_npy, write_pgm, write_tiff};
+use photosite::raw::{DngCompression, RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
@@ -102,7 +102,8 @@ impl OutputFolder {
     /// A raw picture in all formats that the capture asks for, numbered where there are several.
     pub(super) fn write_frame(&mut self, capture: &Capture, frame: u32, raw: &RawImage) -> Result<()> {
         let stem = if capture.exposure.frames == 1 { "raw".to_owned() } else { format!("raw-{frame:04}") };
-        capture.output.raw.iter().try_for_each(|format| self.write_raw(&stem, *format, raw))
+        let compression = capture.output.dng_compression;
+        capture.output.raw.iter().try_for_each(|format| self.write_raw(&stem, *format, compression, raw))
     }
 
     /// What is no raw picture.
@@ -124,9 +125,9 @@ impl OutputFolder {
         self.write("image.png", |to| write_png(picture, to))
     }
 
-    fn write_raw(&mut self, stem: &str, format: RawFormat, raw: &RawImage) -> Result<()> {
+    fn write_raw(&mut self, stem: &str, format: RawFormat, compression: DngCompression, raw: &RawImage) -> Result<()> {
         match format {
-            RawFormat::Dng => self.write(&format!("{stem}.dng"), |to| write_dng(raw, to)),
+            RawFormat::Dng => self.write(&format!("{stem}.dng"), |to| write_compressed_dng(raw, compression, to)),
             RawFormat::Tiff => self.write(&format!("{stem}.tiff"), |to| write_tiff(raw, to)),
             RawFormat::Pgm => self.write(&format!("{stem}.pgm"), |to| write_pgm(raw, to)),
             RawFormat::Npy => self.write(&format!("{stem}.npy"), |to| write_npy(raw, to)),

@@ -74,7 +74,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         warnings
             .push(format!("autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"));
     }
-    let chain = Chain::new(&capture, &scene, &mut warnings)?;
+    let chain = Chain::new(&capture, &scene, &mut warnings)?.with_camera(&camera, &mut warnings);
     if !args.quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
