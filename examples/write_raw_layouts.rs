@@ -23,6 +23,7 @@ fn main() -> miette::Result<()> {
     };
     for layout in LAYOUTS {
         for (compression_name, compression) in COMPRESSIONS {
+            // Several whole tiles, odd sides, and a single tile or strip.
             for (width, height, bits) in [(640, 480, 12), (333, 217, 16), (64, 31, 8)] {
                 let name = format!("{layout}-{width}x{height}-{bits}bit-{compression_name}").replace(':', "-");
                 let raw = picture(layout, width, height, bits).map_err(|error| miette::miette!("{error}"))?;
