@@ -139,7 +139,7 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
 }
 
 fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
-    let peaks: Vec<_> = sensor.quantum_efficiency.iter().map(|qe| round(qe.max().into())).collect();
+    let peaks: Vec<_> = sensor.efficiencies().iter().map(|qe| round(qe.max().into())).collect();
     map(json!({
         "name": sensor.name,
         "kind": sensor.architecture.name(),

@@ -3,7 +3,7 @@
 use photosite::image::Planes;
 use photosite::sensor::{AutoExposure, Exposure, NoiseKey, Stages, auto_exposure, expose, presets};
 use photosite::spectrum::Spectrum;
-use photosite::units::{Celsius, Decibels, Electrons};
+use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 
 use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
 
@@ -41,7 +41,7 @@ fn auto_exposure_brings_the_bright_pixels_to_the_level() {
         let target = AutoExposure { brighter_part: 0.01, level: 0.8 };
         let [least, most] = sensor.converter.gain_range;
         let (gain, temperature) = (Decibels(6.0f64.clamp(least.0, most.0)), Celsius(25.0));
-        let time = auto_exposure(&rates, &sensor, gain, temperature, target).expect("there is light");
+        let time = auto_exposure(&rates, Seconds(1.0), &sensor, gain, temperature, target).expect("there is light");
         let exposure = Exposure { time, gain, temperature, frame_interval: None };
         let raw = expose(&rates.scaled(time.0), &sensor, &exposure, Stages::NONE, NoiseKey::default()).expect("valid");
         let numbers = raw.cropped().data;
@@ -61,7 +61,7 @@ fn black_pictures_have_no_exposure_time() {
     let target = AutoExposure::default();
     let gain = Decibels(0.0);
     for rates in [flat(&sensor, 8, 8, 0.0), flat(&sensor, 0, 0, 0.0)] {
-        assert!(auto_exposure(&rates, &sensor, gain, Celsius(25.0), target).is_err());
+        assert!(auto_exposure(&rates, Seconds(1.0), &sensor, gain, Celsius(25.0), target).is_err());
     }
     assert_eq!(sensor.saturation_capacity(&EXPOSURE), Electrons(60_000.0));
 }

@@ -233,12 +233,7 @@ impl<R: Read + Seek> Tags<R> {
     }
 
     /// A matrix, and whether it is that of illuminant A.
-    fn colour_matrix(
-        &mut self,
-        main: &Directory,
-        matrix: Tag,
-        light: Tag,
-    ) -> Result<Option<(Vec<[f64; 3]>, bool)>, Invalid> {
+    fn colour_matrix(&mut self, main: &Directory, matrix: Tag, light: Tag) -> Result<Option<LitMatrix>, Invalid> {
         let entries = self.numbers(main, matrix)?;
         let is_a = self.number(main, light)? == Some(f64::from(tag::STANDARD_LIGHT_A));
         let (rows, rest) = entries.as_chunks::<3>();
@@ -254,6 +249,9 @@ impl<R: Read + Seek> Tags<R> {
         Ok(x.and_then(pitch).zip(y.and_then(pitch)).map(|(x, y)| [x, y]))
     }
 }
+
+/// Rows of a colour matrix, and whether it is that of illuminant A.
+type LitMatrix = (Vec<[f64; 3]>, bool);
 
 fn number(tag: Tag, value: Value) -> Result<f64, Invalid> {
     let signed = value.clone().into_i64().map(|v| v as f64);

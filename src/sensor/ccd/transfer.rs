@@ -93,14 +93,13 @@ mod tests {
         let wells = shifts + line.len();
         let mut register = vec![0.0; wells];
         register[shifts - 1..shifts - 1 + line.len()].copy_from_slice(line);
-        let mut out = Vec::new();
-        for _ in 0..wells - 1 {
-            out.push(0.0);
+        let mut out = vec![0.0; wells - 1];
+        for arrived in &mut out {
             for well in 0..wells {
                 let moved = register[well] * (1.0 - inefficiency);
                 register[well] -= moved;
                 match well {
-                    0 => *out.last_mut().expect("just pushed") += moved,
+                    0 => *arrived += moved,
                     _ => register[well - 1] += moved,
                 }
             }
