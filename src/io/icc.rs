@@ -44,7 +44,7 @@ fn profile(space: ColourSpace, transfer: Transfer, grey: bool) -> ColorProfile {
     profile.media_white_point = Some(xyz(D50.to_array()));
     profile.chromatic_adaptation = Some(Matrix3d { v: rows });
     profile.creation_date_time =
-        ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, ..ColorDateTime::default() };
+        ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, hours: 0, minutes: 0, seconds: 0 };
     profile.description = text(&if grey { format!("Grey, {name}") } else { name });
     profile.copyright = text("No copyright");
     if grey {
