@@ -104,6 +104,15 @@
 //! M. Harrower, C. A. Brewer, "ColorBrewer.org: An Online Tool for Selecting Colour Schemes for Maps", The Cartographic
 //! Journal 40(1), 27–37 (2003).
 //!
+//! ## Janesick01
+//! J. R. Janesick, *Scientific Charge-Coupled Devices*, SPIE Press (2001).
+//!
+//! ## Varshni67
+//! Y. P. Varshni, "Temperature dependence of the energy gap in semiconductors", Physica 34(1), 149–154 (1967).
+//!
+//! ## Konnik14
+//! M. Konnik, J. Welsh, "High-level numerical simulations of noise in CCD and CMOS photosensors: review and tutorial",
+//! arXiv:1412.4031 (2014).
 //! ## Icc4
 //! International Color Consortium, *Image technology colour management – Architecture, profile format, and data
 //! structure*, ICC.1:2022 (profile version 4.4).

@@ -190,7 +190,8 @@ fn text(report: &Report) -> String {
             format!("{}; slope {} along x, {} along y a pixel", variance(&e.plane.noise), number(a), number(b)),
         ));
         if let Some(chi) = &e.plane.chi_squared {
-            let [value, reduced, p] = [chi.value, chi.reduced, chi.p_value].map(number);
+            let [value, reduced] = [chi.value, chi.reduced].map(number);
+            let p = if chi.p_value < 1e-4 { format!("{:.0e}", chi.p_value) } else { number(rounded(chi.p_value, 3)) };
             lines.push((
                 "χ² of the plane",
                 format!("{value} for {} degrees of freedom, reduced {reduced}, p = {p}", chi.freedom),

@@ -2,6 +2,7 @@
 
 mod bad_captures;
 mod bad_geometry;
+mod bad_sensors;
 mod bad_usage;
 mod develop;
 mod documents;

@@ -21,6 +21,8 @@ mod sensor_cases;
 mod sensor_ccd;
 mod sensor_kinds;
 mod sensor_light;
+mod sensor_noise;
+mod sensor_patterns;
 mod sensor_photon_transfer;
 mod sensor_stages;
 mod stage;

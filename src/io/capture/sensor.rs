@@ -42,6 +42,12 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     };
     let mut merged = base(source, folder, &name, preset.as_ref().unwrap_or(&changes))?;
     anchor_files(&mut changes, folder);
+    let changed = |key| changes.as_table().is_some_and(|table| table.contains_key(key));
+    for [key, other] in ALTERNATIVES.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
+        if changed(key) && !changed(other) {
+            merged.remove(other);
+        }
+    }
     merged.lay_over(changes);
     // The place of the table as a whole is where the capture file speaks of it.
     if let Some(node) = source.get("sensor") {
@@ -53,6 +59,9 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     let name = Path::new(&name).file_stem().map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
     Ok(MergedSensor { name, description })
 }
+
+/// Keys of a sensor that say the same thing in two ways: one of them in a capture file takes the place of the other.
+const ALTERNATIVES: [[&str; 2]; 1] = [["pixel_pitch_um", "format"]];
 
 /// Reads a sensor of which all keys are there, whatever preset they come from.
 pub(super) fn read_whole_sensor(source: &mut CaptureSource, name: &str) -> Result<MergedSensor> {

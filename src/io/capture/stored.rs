@@ -116,7 +116,7 @@ impl StoredCapture {
         };
         Ok(Self {
             exposure: settings::exposure(&exposure, &sensor).map_err(at("exposure"))?,
-            output: settings::output(&output).map_err(at("output"))?,
+            output: settings::output(&output, &sensor).map_err(at("output"))?,
             develop: develop::checked(&source.read("develop")?.unwrap_or_default()).map_err(|e| source.error(e))?,
             seed: render.map_err(at("render"))?.seed,
             sensor,
