@@ -122,10 +122,8 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
 /// `None` where the report does not say enough.
 fn placed_lens(recorded: &StoredCapture, report: &Map<String, Value>) -> Option<(LensDescription, Camera)> {
     let said = report.get("lens")?;
-    let focus = match said.get("focus_distance_m")? {
-        Value::Null => Focus::Infinity,
-        distance => Focus::Distance(distance.as_f64()?),
-    };
+    // `null` stands for infinity.
+    let focus = said.get("focus_distance_m")?.as_f64().map_or(Focus::Infinity, Focus::Distance);
     let focal_length_m = said["focal_length_mm"].as_f64()? / 1e3;
     let lens = LensDescription { focus, focal_length_m, ..recorded.lens.clone() };
     let sensor = &recorded.sensor;
