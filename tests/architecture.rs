@@ -15,6 +15,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("spectrum", &["math"]),
     ("image", &["math"]),
+    ("colour", &["math", "spectrum"]),
     ("geometry", &["math"]),
     ("texture", &["math", "spectrum"]),
     ("bsdf", &["math", "spectrum"]),
@@ -26,13 +27,16 @@ const EDGES: &[(&str, &[&str])] = &[
     ("integrator", &["math", "spectrum", "geometry", "bsdf", "light", "scene", "optics", "film", "sampler"]),
     ("raw", &["math", "spectrum", "image"]),
     ("sensor", &["math", "spectrum", "image", "raw"]),
-    ("develop", &["math", "spectrum", "image", "raw"]),
+    ("develop", &["math", "spectrum", "colour", "image", "raw"]),
     ("validation", &["math", "image", "raw"]),
+    ("measure", &["math", "colour", "image"]),
+    ("characterisation", &["math", "spectrum", "image", "raw", "sensor"]),
     (
         "io",
         &[
             "math",
             "spectrum",
+            "colour",
             "image",
             "geometry",
             "texture",
@@ -47,6 +51,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "sensor",
             "develop",
             "validation",
+            "characterisation",
         ],
     ),
 ];

@@ -1,10 +1,13 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
 use photosite::develop::colour_matrix::{CameraColour, camera_colour};
-use photosite::develop::{DevelopSettings, Picture8, develop};
+use photosite::develop::{DevelopSettings, EncodedPicture, develop};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
-use photosite::io::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
+use photosite::io::capture::{
+    Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, RawFormat, StoredCapture,
+};
+use photosite::optics::{Camera, LensDescription};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
 use photosite::sensor::{Exposure, NoiseKey, SensorModel, auto_exposure, expose};
@@ -12,6 +15,7 @@ use photosite::spectrum::{Spectrum, illuminant};
 use photosite::units::{Electrons, Seconds};
 use photosite::{Error, Invalid, Result};
 
+use super::lens_corrections;
 use super::report::{ExposureReport, SensorReport};
 
 /// What the chain needs of a capture.
@@ -20,6 +24,7 @@ pub(super) struct Settings<'a> {
     pub(super) sensor: &'a SensorModel,
     pub(super) exposure: &'a ExposureSettings,
     pub(super) output: &'a OutputSettings,
+    pub(super) develop: &'a DevelopSettings,
     /// Seed of sensor noise.
     pub(super) seed: u64,
     pub(super) source: &'a CaptureSource,
@@ -27,15 +32,15 @@ pub(super) struct Settings<'a> {
 
 impl<'a> From<&'a Capture> for Settings<'a> {
     fn from(capture: &'a Capture) -> Self {
-        let Capture { sensor, exposure, output, render, source, .. } = capture;
-        Self { sensor, exposure, output, seed: render.seed, source }
+        let Capture { sensor, exposure, output, develop, render, source, .. } = capture;
+        Self { sensor, exposure, output, develop, seed: render.seed, source }
     }
 }
 
 impl<'a> From<&'a StoredCapture> for Settings<'a> {
     fn from(capture: &'a StoredCapture) -> Self {
-        let StoredCapture { sensor, exposure, output, seed, source, .. } = capture;
-        Self { sensor, exposure, output, seed: *seed, source }
+        let StoredCapture { sensor, exposure, output, develop, seed, source, .. } = capture;
+        Self { sensor, exposure, output, develop, seed: *seed, source }
     }
 }
 
@@ -51,6 +56,8 @@ pub(super) struct Chain<'a> {
     pub(super) settings: Settings<'a>,
     optics: Optics,
     colour: Option<CameraColour>,
+    /// What raw files say of falloff and distortion comes from these.
+    lens: Option<(&'a LensDescription, &'a Camera)>,
 }
 
 /// What the sensor counts on average during an exposure.
@@ -94,7 +101,15 @@ impl<'a> Chain<'a> {
             Ok(colour)
         });
         let in_sensor = |invalid: Invalid| settings.source.error(invalid.within("sensor"));
-        Ok(Self { settings, optics, colour: colour.map_err(in_sensor)? })
+        Ok(Self { settings, optics, colour: colour.map_err(in_sensor)?, lens: None })
+    }
+
+    /// The same, with a lens whose falloff and distortion raw files tell of.
+    pub(super) fn with_lens(self, lens: &'a LensDescription, camera: &'a Camera, warnings: &mut Vec<String>) -> Self {
+        if self.settings.output.raw.contains(&RawFormat::Dng) {
+            warnings.extend(lens_corrections::warning(lens, camera));
+        }
+        Self { lens: Some((lens, camera)), ..self }
     }
 
     /// Electron rates (e⁻/s) of the sensor's channels.
@@ -124,9 +139,12 @@ impl<'a> Chain<'a> {
         let mut raw = expose(&electrons.mean, sensor, exposure, *stages, key).map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = self.optics.f_number;
         raw.metadata.focal_length_m = self.optics.focal_length_m;
-        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65.to_vec());
-        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a.to_vec());
-        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral.to_vec());
+        raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
+        raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
+        raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
+        if let Some((lens, camera)) = self.lens {
+            lens_corrections::add(lens, camera, &mut raw);
+        }
         Ok(raw)
     }
 
@@ -135,8 +153,9 @@ impl<'a> Chain<'a> {
     }
 
     /// Develops for display.
-    pub(super) fn develop(&self, raw: &RawImage) -> Result<Picture8> {
-        develop(raw, &DevelopSettings::default()).map_err(|invalid| self.settings.source.error(invalid))
+    pub(super) fn develop(&self, raw: &RawImage) -> Result<EncodedPicture> {
+        let developed = develop(raw, self.settings.develop);
+        developed.map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
     /// The exposure that the capture asks for, its time found from the light where it is automatic.

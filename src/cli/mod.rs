@@ -4,11 +4,18 @@
 mod chain;
 mod compare;
 mod compare_text;
+mod develop;
+mod emva1288;
+mod emva1288_report;
 mod export_mitsuba;
 mod expose;
-
+mod figures_text;
+mod ideal;
 mod info;
+mod lens_corrections;
 mod listing;
+mod measure;
+mod noise;
 mod output_folder;
 mod pretty_json;
 mod progress;
@@ -38,10 +45,17 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Develop(develop::DevelopArgs),
     Expose(expose::ExposeArgs),
     Compare(compare::CompareArgs),
+    Measure(measure::MeasureArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
+    #[command(name = "emva1288")]
+    Emva1288(emva1288::Emva1288Args),
+    #[command(name = "emva1288-report")]
+    Emva1288Report(emva1288_report::Emva1288ReportArgs),
     Info(info::InfoArgs),
+    Noise(noise::NoiseArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
 }
@@ -60,10 +74,15 @@ pub(crate) fn run() -> ExitCode {
     let mut done = ExitCode::SUCCESS;
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Develop(args) => develop::run(&args),
         Command::Expose(args) => expose::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
+        Command::Measure(args) => measure::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
+        Command::Emva1288(args) => emva1288::run(&args),
+        Command::Emva1288Report(args) => emva1288_report::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Noise(args) => noise::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
     };

@@ -4,14 +4,16 @@ use std::fs;
 use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
-use photosite::develop::Picture8;
+use photosite::colour::ColourSpace;
+use photosite::develop::{DevelopSettings, EncodedPicture, encode};
 use photosite::film::Film;
-use photosite::io::capture::{RawFormat, SpectralBands};
+use photosite::image::Planes;
+use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands};
+use photosite::io::developed::{write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
-use photosite::io::png::write_png;
 use photosite::io::spectral_exr::write_irradiance;
-use photosite::raw::{RawImage, write_dng, write_npy, write_pgm, write_tiff};
+use photosite::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
@@ -22,12 +24,15 @@ use super::report::Report;
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
 /// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
-const RESULTS: [&str; 15] = [
+const RESULTS: [&str; 18] = [
     REPORT,
     "image.png",
+    "ideal.exr",
+    "ideal.png",
     "electrons.exr",
     "irradiance.exr",
     "image-0000.png",
+    "ideal-0000.exr",
     "electrons-0000.exr",
     "irradiance-0000.exr",
     "raw.dng",
@@ -103,10 +108,12 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// A raw picture in all these formats, numbered where there are several.
-    pub(super) fn write_frame(&mut self, formats: &[RawFormat], number: Option<u32>, raw: &RawImage) -> Result<()> {
-        formats.iter().try_for_each(|format| match format {
-            RawFormat::Dng => self.write(&named("raw", number, "dng"), |to| write_dng(raw, to)),
+    /// A raw picture in all formats that are asked for, numbered where there are several.
+    pub(super) fn write_frame(&mut self, output: &OutputSettings, number: Option<u32>, raw: &RawImage) -> Result<()> {
+        output.raw.iter().try_for_each(|format| match format {
+            RawFormat::Dng => {
+                self.write(&named("raw", number, "dng"), |to| write_compressed_dng(raw, output.dng_compression, to))
+            }
             RawFormat::Tiff => self.write(&named("raw", number, "tiff"), |to| write_tiff(raw, to)),
             RawFormat::Pgm => self.write(&named("raw", number, "pgm"), |to| write_pgm(raw, to)),
             RawFormat::Npy => self.write(&named("raw", number, "npy"), |to| write_npy(raw, to)),
@@ -125,12 +132,27 @@ impl OutputFolder {
         self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
     }
 
-    pub(super) fn write_picture(&mut self, number: Option<u32>, picture: &Picture8) -> Result<()> {
+    /// The picture of an ideal observer: linear, and as it is shown. Codes cannot hold X, Y and Z.
+    pub(super) fn write_ideal(
+        &mut self,
+        number: Option<u32>,
+        picture: Planes,
+        settings: &DevelopSettings,
+    ) -> Result<()> {
+        self.write(&named("ideal", number, "exr"), |to| write_linear(&picture, settings.colour_space, to))?;
+        if settings.colour_space == ColourSpace::Xyz {
+            return Ok(());
+        }
+        let encoded = encode(picture, &settings.encoding());
+        self.write(&named("ideal", number, "png"), |to| write_png(&encoded, to))
+    }
+
+    pub(super) fn write_picture(&mut self, number: Option<u32>, picture: &EncodedPicture) -> Result<()> {
         self.write(&named("image", number, "png"), |to| write_png(picture, to))
     }
 
     /// The picture as far as it has come.
-    pub(super) fn write_preview(&self, picture: &Picture8) -> Result<()> {
+    pub(super) fn write_preview(&self, picture: &EncodedPicture) -> Result<()> {
         write_whole(&self.path.join(PREVIEW), |to| write_png(picture, to))
     }
 

@@ -4,19 +4,22 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use glam::DAffine3;
 use photosite::film::{Film, Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
-use photosite::io::capture::{Capture, ExposureTime};
+use photosite::io::capture::Capture;
 use photosite::math::hash::hash64;
-use photosite::optics::{Camera, Focus, PixelGrid, Recording};
+use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
 use photosite::raw::RawImage;
 use photosite::scene::{self, Scene};
+use photosite::sensor::SensorModel;
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
 use photosite::{Invalid, Result};
 
 use super::chain::{Chain, Exposed, Optics, scene_light};
+use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
 use super::report::{CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport};
 use super::results::{Frames, write_results};
@@ -63,6 +66,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         transmittance: capture.lens.transmittance.clone(),
     };
     let chain = Chain::new((&capture).into(), optics, &light, &mut warnings)?;
+    let chain = chain.with_lens(&capture.lens, &camera, &mut warnings);
     if !quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
@@ -71,13 +75,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let traced = Series {
         capture: &capture,
         scene: &scene,
-        camera,
+        camera: &camera,
+        light: &light,
         chain: &chain,
         responses: &responses,
         importance: &importance,
     };
-    let Recorded { film, camera, exposed, first, passes } =
-        traced.record(&mut folder, &mut timings, *quiet || *json)?;
+    let Recorded { film, exposed, first, passes } = traced.record(&mut folder, &mut timings, *quiet || *json)?;
 
     let [width, height] = pixels(&capture).map(u64::from);
     let paths = width * height * passes;
@@ -86,11 +90,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
             &capture.lens,
             &camera,
             pixels(&capture),
-            MotionReport::new(
-                capture.motion,
-                capture.sensor.row_time,
-                capture.exposure.frame_interval.unwrap_or(exposed.exposure.time),
-            ),
+            capture.recording.as_ref().map(MotionReport::new),
         ),
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
@@ -125,7 +125,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 struct Series<'a> {
     capture: &'a Capture,
     scene: &'a Scene,
-    camera: Camera,
+    camera: &'a Camera,
+    light: &'a Spectrum,
     chain: &'a Chain<'a>,
     responses: &'a [Response],
     importance: &'a Spectrum,
@@ -134,7 +135,6 @@ struct Series<'a> {
 /// The last light of a series and the first picture.
 struct Recorded {
     film: Film,
-    camera: Camera,
     exposed: Exposed,
     first: RawImage,
     /// Samples a pixel, over all light that was traced.
@@ -144,72 +144,64 @@ struct Recorded {
 impl Series<'_> {
     /// Traces, exposes and writes. Where nothing moves, all frames see the same light, which is traced once.
     fn record(&self, folder: &mut OutputFolder, timings: &mut Timings, silent: bool) -> Result<Recorded> {
-        let exposure = &self.capture.exposure;
-        if self.capture.motion.is_still() {
-            return self.picture(self.camera.clone(), Frames::All(exposure.frames), folder, timings, silent);
-        }
-        let ExposureTime::Fixed(time) = exposure.time else {
-            let invalid = Invalid::new("camera.motion", "needs an exposure time, which tells how far the camera comes");
-            return Err(self
-                .capture
-                .source
-                .error(invalid.help("write [exposure] with time_s, for example time_s = 0.01")));
+        let count = self.capture.exposure.frames;
+        let Some(recording) = &self.capture.recording else {
+            return self.picture(self.camera, Frames::All(count), folder, timings, silent);
         };
-        let interval = exposure.frame_interval.unwrap_or(time);
-        let mut recorded: Option<Recorded> = None;
-        for frame in 0..exposure.frames {
-            let camera = self.camera.clone().recording(Recording {
-                motion: self.capture.motion,
-                start_s: f64::from(frame) * interval.0,
-                exposure_s: time.0,
-                row_time_s: self.capture.sensor.row_time.0,
-            });
-            let mut next = self.picture(camera, Frames::One(frame), folder, timings, silent)?;
-            if let Some(earlier) = recorded {
-                next.passes += earlier.passes;
-                next.first = earlier.first;
-            }
-            recorded = Some(next);
+        let frame = |number: u32, folder: &mut OutputFolder, timings: &mut Timings| {
+            let camera = self.camera.clone().recording(recording.later(number));
+            self.picture(&camera, Frames::One { number, of: count }, folder, timings, silent)
+        };
+        let mut recorded = frame(0, folder, timings)?;
+        for number in 1..count {
+            let Recorded { film, exposed, passes, .. } = frame(number, folder, timings)?;
+            recorded = Recorded { film, exposed, passes: recorded.passes + passes, ..recorded };
         }
-        Ok(recorded.expect("there is at least one frame"))
+        Ok(recorded)
     }
 
     fn picture(
         &self,
-        camera: Camera,
+        camera: &Camera,
         frames: Frames,
         folder: &mut OutputFolder,
         timings: &mut Timings,
         silent: bool,
     ) -> Result<Recorded> {
-        let mut settings = self.capture.render.clone();
-        if let Frames::One(frame @ 1..) = frames {
+        let Self { capture, chain, .. } = *self;
+        let mut settings = capture.render.clone();
+        if let Frames::One { number: number @ 1.., .. } = frames {
             // Noise of light that stays in its place from frame to frame would pass for a pattern.
-            settings.seed = hash64(settings.seed, u64::from(frame));
+            settings.seed = hash64(settings.seed, u64::from(number));
         }
         let start = Instant::now();
         let film = trace(&Trace {
-            capture: self.capture,
+            capture,
             settings: &settings,
             scene: self.scene,
-            camera: &camera,
+            camera,
             responses: self.responses,
             importance: self.importance,
-            chain: self.chain,
+            chain,
             folder,
             silent,
         })?;
         timings.trace_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let exposed = self.chain.expose(self.chain.rates(&film), Seconds(1.0), None)?;
+        let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
         timings.expose_s += start.elapsed().as_secs_f64();
-        let write_light = |folder: &mut OutputFolder, number| match &self.capture.output.irradiance {
-            Some(bands) => folder.write_irradiance(number, bands, &film),
-            None => Ok(()),
-        };
-        let first = write_results(self.chain, &exposed, frames, folder, timings, write_light)?;
+        let first = write_results(chain, &exposed, frames, folder, timings, |folder, number| {
+            if capture.output.ideal {
+                let picture = ideal::picture(&film, capture, self.light, &exposed.exposure)?;
+                folder.write_ideal(number, picture, &capture.develop)?;
+            }
+            match &capture.output.irradiance {
+                Some(bands) => folder.write_irradiance(number, bands, &film),
+                None => Ok(()),
+            }
+        })?;
         let passes = u64::from(film.samples());
-        Ok(Recorded { film, camera, exposed, first, passes })
+        Ok(Recorded { film, exposed, first, passes })
     }
 }
 
@@ -228,7 +220,8 @@ fn default_folder(input: &Path) -> PathBuf {
 pub(super) fn responses(capture: &Capture) -> Vec<Response> {
     let channels = capture.sensor.responses().into_iter().map(|(name, spectrum)| Response { name, spectrum });
     let bands = capture.output.irradiance.iter().flat_map(|bands| (0..bands.count).map(|band| bands.edges_nm(band)));
-    channels.chain(bands.map(band_response)).collect()
+    let observer = capture.output.ideal.then(ideal::responses);
+    channels.chain(bands.map(band_response)).chain(observer.into_iter().flatten()).collect()
 }
 
 /// How much each wavelength matters: the sum of all responses, each scaled to a peak of 1.
@@ -240,14 +233,29 @@ pub(super) fn importance(responses: &[Response]) -> Spectrum {
 
 /// Columns and rows of the picture.
 pub(super) fn pixels(capture: &Capture) -> [u32; 2] {
-    capture.sensor.resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"))
+    in_u32(capture.sensor.resolution)
+}
+
+fn in_u32(resolution: [usize; 2]) -> [u32; 2] {
+    resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"))
+}
+
+/// The camera that lens and sensor make.
+pub(super) fn camera_of(
+    lens: &LensDescription,
+    sensor: &SensorModel,
+    to_world: DAffine3,
+    autofocus_distance_m: f64,
+) -> Result<Camera, Invalid> {
+    let grid = PixelGrid { resolution: in_u32(sensor.pixel_array()), pitch_m: sensor.pixel_pitch_m };
+    let camera = Camera::new(lens, &grid, to_world, autofocus_distance_m)?;
+    Ok(if sensor.shutter.scans() { camera.scanning() } else { camera })
 }
 
 /// Puts the lens in its place, focused on what autofocus finds: `closest` is asked for it then only.
 pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<Hit>) -> Result<Camera> {
-    let grid = PixelGrid { resolution: pixels(capture), pitch_m: capture.sensor.pixel_pitch_m };
     let place = |lens: &_, distance| {
-        let camera = Camera::new(lens, &grid, capture.camera_to_world, distance);
+        let camera = camera_of(lens, &capture.sensor, capture.camera_to_world, distance);
         camera.map_err(|invalid| capture.source.error(invalid.within("lens")))
     };
     let Focus::Autofocus { pixel } = capture.lens.focus else { return place(&capture.lens, f64::NAN) };

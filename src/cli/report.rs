@@ -1,9 +1,8 @@
 //! `capture.json`: everything needed to reproduce a capture and to use its pictures.
 
 use glam::{DAffine3, DMat3, DVec3};
-use photosite::optics::{Camera, CameraMotion, Distortion, Intrinsics, LensDescription, LensKind};
+use photosite::optics::{Camera, CameraMotion, Distortion, Intrinsics, LensDescription, LensKind, Recording};
 use photosite::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
-use photosite::units::Seconds;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -87,29 +86,56 @@ pub(super) struct CameraReport {
     translation_m: [f64; 3],
     /// Where the centre of the lens stands in the world (glTF axes, metres).
     position_m: [f64; 3],
-    /// Velocities from there at time 0; `null` for a camera that stands still.
+    /// How it moves; the rest is where it is at time 0. `null` for a camera that stands still.
     motion: Option<MotionReport>,
 }
 
-/// Pose at the time t: position + velocity·t, and turned about the camera's own glTF axes. Row y of frame k sees light from
-/// t = k·interval + y·row time on, for the exposure time.
+/// Row y of frame k sees light from t = k·interval + y·row time on, for the exposure time.
 #[derive(Serialize)]
 pub(super) struct MotionReport {
-    velocity_m_per_s: [f64; 3],
-    angular_velocity_deg_per_s: [f64; 3],
+    #[serde(flatten)]
+    path: PathReport,
+    exposure_s: f64,
     row_time_s: f64,
     frame_interval_s: f64,
 }
 
+/// The pose at the time t.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PathReport {
+    /// position + velocity·t, and turned about the camera's own glTF axes.
+    Steady { velocity_m_per_s: [f64; 3], angular_velocity_deg_per_s: [f64; 3] },
+    /// Between two poses, position linear in t, rotation on the shortest way.
+    Poses { poses: Vec<PoseReport> },
+}
+
+#[derive(Serialize)]
+struct PoseReport {
+    time_s: f64,
+    position_m: [f64; 3],
+    /// Camera (glTF axes) → world, as a quaternion x, y, z, w.
+    rotation_xyzw: [f64; 4],
+}
+
 impl MotionReport {
-    pub(super) fn new(motion: CameraMotion, row_time: Seconds, frame_interval: Seconds) -> Option<Self> {
-        let CameraMotion { velocity_m_per_s, angular_velocity_rad_per_s } = motion;
-        (!motion.is_still()).then(|| Self {
-            velocity_m_per_s: velocity_m_per_s.to_array(),
-            angular_velocity_deg_per_s: angular_velocity_rad_per_s.to_array().map(f64::to_degrees),
-            row_time_s: row_time.0,
-            frame_interval_s: frame_interval.0,
-        })
+    pub(super) fn new(recording: &Recording) -> Self {
+        let path = match &recording.motion {
+            CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s } => PathReport::Steady {
+                velocity_m_per_s: velocity_m_per_s.to_array(),
+                angular_velocity_deg_per_s: angular_velocity_rad_per_s.to_array().map(f64::to_degrees),
+            },
+            CameraMotion::Poses(poses) => {
+                let poses = poses.iter().map(|pose| PoseReport {
+                    time_s: pose.time_s,
+                    position_m: pose.position_m.to_array(),
+                    rotation_xyzw: pose.rotation.to_array(),
+                });
+                PathReport::Poses { poses: poses.collect() }
+            }
+        };
+        let Recording { exposure_s, row_time_s, frame_interval_s, .. } = *recording;
+        Self { path, exposure_s, row_time_s, frame_interval_s }
     }
 }
 

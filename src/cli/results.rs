@@ -14,8 +14,8 @@ use super::report::Timings;
 pub(super) enum Frames {
     /// So many, all of them.
     All(u32),
-    /// The one of this number, out of a series in which each has light of its own.
-    One(u32),
+    /// The one of this number, out of a series of so many in which each has light of its own.
+    One { number: u32, of: u32 },
 }
 
 /// Reads out the frames and writes them; develops the first, which is returned. `write_light` writes what is left of the
@@ -31,7 +31,8 @@ pub(super) fn write_results(
     let (first_frame, light_number, raw_number, more) = match frames {
         Frames::All(1) => (0, None, None, 1..1),
         Frames::All(count) => (0, None, Some(0), 1..count),
-        Frames::One(number) => (number, Some(number), Some(number), 1..1),
+        Frames::One { number, of: 1 } => (number, None, None, 1..1),
+        Frames::One { number, .. } => (number, Some(number), Some(number), 1..1),
     };
     let start = Instant::now();
     let first = chain.read_out(exposed, first_frame)?;
@@ -45,16 +46,16 @@ pub(super) fn write_results(
     if first_frame == 0 {
         folder.remove_earlier()?;
     }
-    let formats = &chain.settings.output.raw;
-    folder.write_frame(formats, raw_number, &first)?;
+    let output = chain.settings.output;
+    folder.write_frame(output, raw_number, &first)?;
     // One after the other: a series may be larger than the memory.
     for frame in more {
         let start = Instant::now();
         let raw = chain.read_out(exposed, frame)?;
         reading_out += start.elapsed().as_secs_f64();
-        folder.write_frame(formats, Some(frame), &raw)?;
+        folder.write_frame(output, Some(frame), &raw)?;
     }
-    if chain.settings.output.electrons {
+    if output.electrons {
         folder.write_electrons(light_number, exposed)?;
     }
     write_light(folder, light_number)?;

@@ -70,7 +70,7 @@ fn row(name: &'static str, model: &SensorModel) -> Row {
         resolution_px: model.resolution,
         pixel_pitch_um: model.pixel_pitch_m.map(|m| (m * 1e9).round() / 1e3),
         cfa: model.cfa.to_string(),
-        peak_quantum_efficiency: model.quantum_efficiency.iter().map(Spectrum::max).fold(0.0, f32::max),
+        peak_quantum_efficiency: model.efficiencies().iter().map(Spectrum::max).fold(0.0, f32::max),
         full_well_e: model.full_well.0,
         read_noise_e: model.noise.read.0,
         dark_current_e_per_s: model.noise.dark_current_e_per_s,

@@ -35,6 +35,8 @@ pub struct Camera {
     falloff: Falloff,
     /// `None` for a camera that stands still.
     recording: Option<Recording>,
+    /// Whether all lines of the picture are seen by one row of pixels.
+    scans: bool,
 }
 
 /// A ray into the scene and what its radiance counts.
@@ -89,14 +91,20 @@ impl Camera {
             distortion: lens.distortion,
             falloff: lens.falloff,
             recording: None,
+            scans: false,
         })
     }
 
-    /// The same camera on the move. One that stands still is left as it is.
+    /// The same camera on the move.
     #[must_use]
-    pub fn recording(mut self, recording: Recording) -> Self {
-        self.recording = (!recording.motion.is_still()).then_some(recording);
-        self
+    pub fn recording(self, recording: Recording) -> Self {
+        Self { recording: Some(recording), ..self }
+    }
+
+    /// The same camera with a single row of pixels, which sees every line of the picture. Its grid has one row.
+    #[must_use]
+    pub fn scanning(self) -> Self {
+        Self { scans: true, ..self }
     }
 
     /// Whether paths start at times of their own.
@@ -129,7 +137,8 @@ impl Camera {
     #[inline]
     fn chief_direction(&self, pixel: DVec2) -> Option<DVec3> {
         let i = &self.intrinsics;
-        let y = (pixel.y - i.cy) / i.fy;
+        let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
+        let y = (row - i.cy) / i.fy;
         let x = (pixel.x - i.cx - i.skew * y) / i.fx;
         let ideal = self.distortion.undistort(DVec2::new(x, y))?;
         Some(DVec3::new(ideal.x, -ideal.y, -1.0))
@@ -172,19 +181,42 @@ impl Camera {
             }
         };
         let v = self.image_distance_m;
-        let cos4 = match self.falloff {
+        let cos4 = self.falloff_at(chief, opening);
+        let origin = to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
+        let direction = to_world.transform_vector3(direction).normalize();
+        let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
+        Some(CameraRay { ray, weight: (self.aperture.area() * cos4 / (v * v)) as f32 })
+    }
+
+    /// cos⁴θ of the way from a sensor point to a point of the opening, or 1 without falloff.
+    #[inline]
+    fn falloff_at(&self, chief: DVec3, opening: DVec2) -> f64 {
+        match self.falloff {
             Falloff::None => 1.0,
             Falloff::Cos4 => {
+                let v = self.image_distance_m;
                 // The sensor point is where the undistorted chief ray, carried on behind the lens, meets z = v.
                 let across = opening + DVec2::new(chief.x, chief.y) * v;
                 let cos2 = v * v / (v * v + across.length_squared());
                 cos2 * cos2
             }
+        }
+    }
+
+    /// Irradiance at a pixel position over that on the axis, under even light: the mean of cos⁴θ over the opening, over
+    /// the same on the axis. `None` where the position sees nothing.
+    pub fn relative_illumination(&self, pixel: DVec2) -> Option<f64> {
+        // The integrand is smooth: 16 × 16 cells leave an error below 1e-4 even at f/1.
+        const CELLS: u16 = 16;
+        let mean = |chief: DVec3| -> f64 {
+            let centre = |i: u16| (f32::from(i) + 0.5) / f32::from(CELLS);
+            let opening = |i: u16| match self.kind {
+                LensKind::Pinhole => DVec2::ZERO,
+                LensKind::Thin => self.aperture.sample([centre(i % CELLS), centre(i / CELLS)]),
+            };
+            (0..CELLS * CELLS).map(|i| self.falloff_at(chief, opening(i))).sum()
         };
-        let origin = to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
-        let direction = to_world.transform_vector3(direction).normalize();
-        let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
-        Some(CameraRay { ray, weight: (self.aperture.area() * cos4 / (v * v)) as f32 })
+        Some(mean(self.chief_direction(pixel)?) / mean(DVec3::NEG_Z))
     }
 
     /// Where a world point appears: continuous pixel coordinates of its sharp picture, without distortion; `None`

@@ -15,24 +15,24 @@ pub(super) struct ChargePlane {
     pub(super) electrons: Vec<f32>,
 }
 
-/// One row of values: electrons, and behind the amplifiers digital numbers that are not yet rounded.
+/// One row of values: electrons, behind the amplifiers signals in DN, and behind the converter digital numbers.
 #[derive(Debug)]
-pub(super) struct Row<'a> {
+pub(super) struct Row<'a, T = f32> {
     /// Its number from the top.
     pub(super) y: usize,
-    pub(super) values: &'a mut [f32],
+    pub(super) values: &'a mut [T],
 }
 
 /// An effect that each pixel suffers by itself. A stage that is switched off or that the sensor does not have is `None`,
 /// and does nothing.
-pub(super) trait RowStage {
+pub(super) trait RowStage<T = f32> {
     /// Changes a row.
-    fn apply(&self, row: &mut Row<'_>);
+    fn apply(&self, row: &mut Row<'_, T>);
 }
 
-impl<S: RowStage> RowStage for Option<S> {
+impl<T, S: RowStage<T>> RowStage<T> for Option<S> {
     #[inline]
-    fn apply(&self, row: &mut Row<'_>) {
+    fn apply(&self, row: &mut Row<'_, T>) {
         if let Some(stage) = self {
             stage.apply(row);
         }
@@ -97,11 +97,12 @@ impl ChargePlane {
     }
 
     /// Reads all rows out, in any order, into the digital numbers of their pixels.
-    pub(super) fn read_out(mut self, read: impl Fn(&mut Row<'_>, &mut [u16]) + Sync) -> Vec<u16> {
+    pub(super) fn read_out(mut self, read: impl Fn(&mut Row<'_>, &mut Row<'_, u16>) + Sync) -> Vec<u16> {
         let mut numbers = vec![0; self.electrons.len()];
         let width = self.width.max(1);
         let rows = self.electrons.par_chunks_mut(width).zip(numbers.par_chunks_mut(width));
-        rows.enumerate().for_each(|(y, (values, numbers))| read(&mut Row { y, values }, numbers));
+        rows.enumerate()
+            .for_each(|(y, (values, numbers))| read(&mut Row { y, values }, &mut Row { y, values: numbers }));
         numbers
     }
 }

@@ -43,7 +43,7 @@ impl DualGain {
             conversion_gain_dn_per_e,
             black_level_dn,
             gain_range,
-            dual_gain: None,
+            ..Converter::ideal()
         };
         Ok(Self {
             high: converter(d.high_gain_dn_per_e),
@@ -61,6 +61,8 @@ pub(super) struct DualGainDigitiser {
     /// From this number on the high gain does not count.
     threshold_dn: u16,
     merged: Digitiser,
+    /// That of the merged numbers, DN/e⁻.
+    system_gain: f64,
 }
 
 /// One amplifier and its converter.
@@ -69,8 +71,8 @@ struct Branch {
     read_noise_e: f32,
     streams: Option<Streams>,
     digitiser: Digitiser,
-    electrons_per_dn: f32,
-    black_level_dn: f32,
+    system_gain: f64,
+    black_level_dn: f64,
 }
 
 impl DualGainDigitiser {
@@ -81,21 +83,22 @@ impl DualGainDigitiser {
         let branch = |converter: &Converter, noise: Electrons, stage| Branch {
             read_noise_e: noise.0 as f32,
             streams: frame.temporal(stage),
-            digitiser: Digitiser::new(converter, gain),
-            electrons_per_dn: (1.0 / converter.system_gain(gain)) as f32,
+            digitiser: Digitiser::ideal(converter),
+            system_gain: converter.system_gain(gain),
             black_level_dn: converter.black_level_dn.into(),
         };
         Some(Self {
             high: branch(high, frame.sensor.noise.read, Stage::ReadNoise),
             low: branch(low, *low_read_noise, Stage::LowGainReadNoise),
             threshold_dn: high.max_dn() - high.max_dn() / 16,
-            merged: Digitiser::new(converter, gain),
+            merged: Digitiser::ideal(converter),
+            system_gain: converter.system_gain(gain),
         })
     }
 
     /// Converts a row of charges twice and merges the numbers.
-    pub(super) fn convert(&self, row: &mut Row<'_>, numbers: &mut [u16]) {
-        for (x, number) in numbers.iter_mut().enumerate() {
+    pub(super) fn convert(&self, row: &mut Row<'_>, numbers: &mut Row<'_, u16>) {
+        for (x, number) in numbers.values.iter_mut().enumerate() {
             let charge_e = row.values[x];
             let high = self.high.convert(charge_e, x, row.y);
             let estimate_e = if high < self.threshold_dn {
@@ -103,7 +106,7 @@ impl DualGainDigitiser {
             } else {
                 self.low.electrons(self.low.convert(charge_e, x, row.y))
             };
-            *number = self.merged.number(f64::from(estimate_e));
+            *number = self.merged.number(self.system_gain * estimate_e);
         }
     }
 }
@@ -111,11 +114,11 @@ impl DualGainDigitiser {
 impl Branch {
     fn convert(&self, charge_e: f32, x: usize, y: usize) -> u16 {
         let noise_e = self.streams.as_ref().map_or(0.0, |streams| self.read_noise_e * streams.normal(x, y));
-        self.digitiser.number(f64::from(charge_e + noise_e))
+        self.digitiser.number(self.system_gain * f64::from(charge_e + noise_e))
     }
 
     /// The charge that a number stands for.
-    fn electrons(&self, number: u16) -> f32 {
-        (f32::from(number) - self.black_level_dn) * self.electrons_per_dn
+    fn electrons(&self, number: u16) -> f64 {
+        (f64::from(number) - self.black_level_dn) / self.system_gain
     }
 }

@@ -4,18 +4,26 @@ use crate::Invalid;
 use crate::image::Planes;
 use crate::raw::{Area, Cfa, RawImage, RawMetadata};
 
+use super::amplifiers::{AmplifierNonlinearity, ColumnAmplifiers, Gain};
 use super::charge_plane::RowStage;
 use super::converter::Digitiser;
-use super::dark_current::DarkCurrent;
+use super::crosstalk::spread;
+use super::dark_current::{DarkCurrent, HotPixels};
 use super::dark_offset::DarkOffset;
+use super::dead_pixels::DeadPixels;
+use super::defective_numbers::{StuckPixels, TransmissionErrors};
 use super::dual_gain::DualGainDigitiser;
+use super::flicker::add_flicker;
 use super::full_well::FullWell;
+use super::line_noise::{ColumnNoise, RowNoise};
 use super::noise_key::Streams;
 use super::photo_response::PhotoResponse;
 use super::photon_counting::PhotonCounter;
 use super::read_noise::ReadNoise;
+use super::reset_noise::ResetNoise;
 use super::shot_noise::ShotNoise;
 use super::stage::{Stage, Stages};
+use super::telegraph::Telegraph;
 use super::{Exposure, NoiseKey, SensorModel, brighter_fatter, ccd, charge_generation};
 
 /// What every stage of one picture may know.
@@ -37,7 +45,9 @@ impl Frame<'_> {
 
     /// Random numbers that stay from frame to frame, unless the stage is switched off.
     pub(super) fn fixed(&self, stage: Stage) -> Option<Streams> {
-        self.stages.has(stage).then(|| self.key.fixed(stage))
+        let streams = || self.key.fixed(stage);
+        let scans = self.sensor.shutter.scans();
+        self.stages.has(stage).then(|| if scans { streams().of_one_row() } else { streams() })
     }
 }
 
@@ -54,21 +64,27 @@ pub fn expose(
     exposure.validate(sensor)?;
 
     // Light and heat free electrons in each pixel.
-    let mut charge = sensor.masked.surround(charge_generation::collect(mean_electrons, &sensor.cfa)?);
+    let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
+    spread(&mut charge, sensor, stages);
+    let mut charge = sensor.masked.surround(charge);
     let frame = Frame { sensor, exposure, stages, key, size: [charge.width, charge.height] };
     let ccd = sensor.architecture.ccd();
     let passing = ccd.map(|ccd| ccd::smear(ccd, &frame, &mut charge)).unwrap_or_default();
     let photo_response = PhotoResponse::new(&frame);
+    let dead_pixels = DeadPixels::new(&frame);
     let photon_counter = PhotonCounter::new(&frame);
     let shot_noise = ShotNoise::new(&frame);
     let dark_current = DarkCurrent::new(&frame);
+    let hot_pixels = HotPixels::new(&frame);
     charge.for_each_row(|row| {
         photo_response.apply(row);
+        dead_pixels.apply(row);
         match &photon_counter {
             Some(photon_counter) => photon_counter.apply(row),
             None => {
                 shot_noise.apply(row);
                 dark_current.apply(row);
+                hot_pixels.apply(row);
             }
         }
     });
@@ -88,19 +104,38 @@ pub fn expose(
     let frame = Frame { size: [charge.width, charge.height], ..frame };
 
     // Amplifiers turn charge into voltages, converters those into digital numbers.
+    add_flicker(&mut charge, &frame);
+    let reset_noise = ResetNoise::new(&frame);
+    let telegraph = Telegraph::new(&frame);
     let dark_offset = DarkOffset::new(&frame);
     let read_noise = ReadNoise::new(&frame);
-    let digitiser = Digitiser::new(&sensor.converter, exposure.gain);
+    let row_noise = RowNoise::new(&frame);
+    let column_noise = ColumnNoise::new(&frame);
+    let amplifier_nonlinearity = AmplifierNonlinearity::new(&frame);
+    let gain = Gain::new(&frame);
+    let column_amplifiers = ColumnAmplifiers::new(&frame);
+    let digitiser = Digitiser::new(&frame);
     let dual_gain = DualGainDigitiser::new(&frame);
+    let stuck_pixels = StuckPixels::new(&frame);
+    let transmission_errors = TransmissionErrors::new(&frame);
     let data = charge.read_out(|row, numbers| {
+        reset_noise.apply(row);
+        telegraph.apply(row);
         dark_offset.apply(row);
+        row_noise.apply(row);
+        column_noise.apply(row);
+        amplifier_nonlinearity.apply(row);
         match &dual_gain {
             Some(dual_gain) => dual_gain.convert(row, numbers),
             None => {
                 read_noise.apply(row);
+                gain.apply(row);
+                column_amplifiers.apply(row);
                 digitiser.convert(row, numbers);
             }
         }
+        stuck_pixels.apply(numbers);
+        transmission_errors.apply(numbers);
     });
 
     let [row_length, height] = frame.size;

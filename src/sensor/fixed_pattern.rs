@@ -24,8 +24,7 @@ const COLUMNS: u64 = 1;
 impl Deviations {
     /// The deviations of a picture of `width` columns; `None` for a pattern that is flat.
     pub(super) fn new(pattern: &FixedPattern, width: usize, streams: Streams) -> Option<Self> {
-        let column = |x| pattern.column as f32 * streams.part(COLUMNS).stream(x).sample::<f32, _>(StandardNormal);
-        let columns = if pattern.column > 0.0 { (0..width).map(column).collect() } else { Vec::new() };
+        let columns = streams.part(COLUMNS).normals_of_columns(pattern.column, width);
         let [pixel, row] = [pattern.pixel, pattern.row].map(|part| part as f32);
         (pattern.total() > 0.0).then_some(Self { pixel, row, columns, streams })
     }
@@ -33,7 +32,7 @@ impl Deviations {
     /// Hands each value of a row to `apply` with the deviation of its pixel.
     #[inline]
     pub(super) fn apply(&self, row: &mut Row<'_>, apply: impl Fn(f32, f32) -> f32) {
-        let normal: f32 = self.streams.part(ROWS).stream(row.y).sample(StandardNormal);
+        let normal: f32 = self.streams.part(ROWS).row(row.y).sample(StandardNormal);
         let shared = |x: usize| self.row * normal + self.columns.get(x).unwrap_or(&0.0);
         if self.pixel > 0.0 {
             self.streams.normals(row, |x, value, n| apply(value, self.pixel * n + shared(x)));

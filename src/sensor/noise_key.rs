@@ -26,12 +26,12 @@ const SENSOR: u64 = 0x7365_6e73_6f72;
 impl NoiseKey {
     /// Streams of a stage whose noise differs from frame to frame.
     pub(super) fn temporal(self, stage: Stage) -> Streams {
-        Streams { key: hash64(self.fixed(stage).key, hash64(1, self.frame)) }
+        Streams { key: hash64(self.fixed(stage).key, hash64(1, self.frame)), row_mask: usize::MAX }
     }
 
     /// Streams of a stage that marks the sensor: the same in every frame.
     pub(super) fn fixed(self, stage: Stage) -> Streams {
-        Streams { key: hash64(hash64(SENSOR, self.seed), stage as u64) }
+        Streams { key: hash64(hash64(SENSOR, self.seed), stage as u64), row_mask: usize::MAX }
     }
 }
 
@@ -39,12 +39,24 @@ impl NoiseKey {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Streams {
     key: u64,
+    /// 0 where all rows of a picture come from the same row of pixels, else all ones.
+    row_mask: usize,
 }
 
 impl Streams {
     /// Streams for another need of the same stage, such as the part of a pattern that a row shares.
     pub(super) fn part(self, number: u64) -> Self {
-        Self { key: hash64(self.key, hash64(2, number)) }
+        Self { key: hash64(self.key, hash64(2, number)), ..self }
+    }
+
+    /// The same streams for every row of a picture, as one row of pixels sees them all.
+    pub(super) fn of_one_row(self) -> Self {
+        Self { row_mask: 0, ..self }
+    }
+
+    /// What all of them are derived from, for numbers that are better hashed than drawn.
+    pub(super) fn key(&self) -> u64 {
+        self.key
     }
 
     /// The stream with this number.
@@ -53,10 +65,52 @@ impl Streams {
         Philox::new(self.key, number as u64)
     }
 
+    /// The stream that the pixels of row y share.
+    #[inline]
+    pub(super) fn row(&self, y: usize) -> Philox {
+        self.stream(y & self.row_mask)
+    }
+
     /// The stream of the pixel at column x, row y.
     #[inline]
     pub(super) fn pixel(&self, x: usize, y: usize) -> Philox {
-        Philox::new(self.key, (y as u64) << 32 | x as u64)
+        Philox::new(self.key, self.number(x, y))
+    }
+
+    /// Many streams of the pixel at column x, row y.
+    pub(super) fn part_of_pixel(self, x: usize, y: usize) -> Self {
+        self.part(self.number(x, y))
+    }
+
+    #[inline]
+    fn number(&self, x: usize, y: usize) -> u64 {
+        ((y & self.row_mask) as u64) << 32 | x as u64
+    }
+
+    /// A standard normal number for each of the streams 0 … count − 1, times `scale`; none where that is 0.
+    pub(super) fn normals_of_columns(&self, scale: f64, count: usize) -> Vec<f32> {
+        let normal = |x| (scale * self.stream(x).sample::<f64, _>(StandardNormal)) as f32;
+        if scale > 0.0 { (0..count).map(normal).collect() } else { Vec::new() }
+    }
+
+    /// The columns of some pixels of a row, each of which is taken with the same probability, from left to right. Which
+    /// they are does not depend on the width of the picture.
+    pub(super) fn chosen(&self, probability: f64, y: usize, width: usize) -> impl Iterator<Item = usize> {
+        let mut random = self.row(y);
+        // Gaps between the chosen are geometrically distributed: P(gap ≥ n) = (1 − p)ⁿ.
+        let per_pixel = (-probability).ln_1p();
+        let mut next = 0usize;
+        std::iter::from_fn(move || {
+            if probability <= 0.0 {
+                return None;
+            }
+            // In (0, 1], so that the logarithm is finite.
+            let uniform = 1.0 - random.random::<f64>();
+            let gap = uniform.ln() / per_pixel;
+            let x = next.saturating_add(gap as usize);
+            next = x.saturating_add(1);
+            (x < width).then_some(x)
+        })
     }
 
     /// A standard normal number of the pixel at column x, row y.
@@ -79,6 +133,22 @@ mod tests {
     use rand::Rng;
 
     use super::*;
+
+    #[test]
+    fn pixels_are_chosen_with_their_probability_and_independently_of_the_width() {
+        let streams = NoiseKey { seed: 3, frame: 0 }.fixed(Stage::DeadPixels);
+        for probability in [0.0, 1e-3, 0.3, 1.0] {
+            let (width, rows) = (1000, 500);
+            let count: usize = (0..rows).map(|y| streams.chosen(probability, y, width).count()).sum();
+            let n = (width * rows) as f64;
+            // Binomial, 5 σ.
+            let tolerance = 5.0 * (n * probability * (1.0 - probability)).sqrt();
+            assert!((count as f64 - n * probability).abs() <= tolerance, "{count} for {probability}");
+            let narrow: Vec<_> = streams.chosen(probability, 7, 600).collect();
+            let wide: Vec<_> = streams.chosen(probability, 7, width).take_while(|&x| x < 600).collect();
+            assert_eq!(narrow, wide);
+        }
+    }
 
     #[test]
     fn fixed_patterns_ignore_the_frame_and_temporal_noise_does_not() {

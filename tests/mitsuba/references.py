@@ -7,8 +7,8 @@
 
 A scene is a folder scenes/NAME with capture.toml and what it names. Mitsuba gets it from `photosite export-mitsuba`, unless
 mitsuba.py in that folder says otherwise: a function load(mitsuba, folder, export) that returns a Mitsuba scene whose film
-has the channels of the capture's sensor and counts electrons, or a list of scenes that have some of the channels each. It describes the scene by hand, or calls export(), which
-returns the path of the exported one, to change that.
+has the channels of the capture's sensor and counts electrons, or a list of scenes that have some of the channels each. It
+describes the scene by hand, or calls export(), which returns the path of the exported one, to change that.
 
 Beside the capture are stored reference.exr, the picture with its variances, and reference.json, where it comes from.
 Needs Python 3.11, `pip install -r requirements.txt`, LLVM 17 or later (Debian: apt install libllvm19) and

@@ -24,6 +24,7 @@ impl CaptureFile {
             lens: source.read("lens")?.unwrap_or_default(),
             exposure: source.read("exposure")?.unwrap_or_default(),
             render: source.read("render")?.unwrap_or_default(),
+            develop: source.read("develop")?.unwrap_or_default(),
             output: source.read("output")?.unwrap_or_default(),
             sensor: read_sensor(source, folder)?,
         })

@@ -15,16 +15,19 @@
 //! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
+//! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
 //!
 //! The keys are documented where they are declared, in `tables/`; [`capture_schema`] makes a JSON Schema of that.
 //! Rendering is left to others.
 
 mod camera;
 mod colour;
+mod develop;
 mod file;
 mod framing;
 mod lens;
 mod light;
+mod motion;
 mod material;
 mod overrides;
 mod reader;
@@ -46,21 +49,23 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
-use crate::optics::{CameraMotion, LensDescription};
+use crate::optics::{LensDescription, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::{SensorModel, presets};
 use crate::{Error, Invalid, Result};
 
-use camera::{motion, place_camera};
+use camera::place_camera;
 use colour::Finder;
 use relocate::relocate;
 use scene::ReadScene;
 use sensor::sensor_model;
 use tables::CaptureFile;
 
+pub use develop::read_develop_settings;
 pub use schema::capture_schema;
-pub use sensor::read_sensor_file;
+pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
@@ -72,8 +77,8 @@ pub struct Capture {
     pub scene: SceneDescription,
     /// Camera → world; the camera looks along −Z.
     pub camera_to_world: DAffine3,
-    /// How the camera moves from there.
-    pub motion: CameraMotion,
+    /// The first picture of a camera that moves from there; `None` for one that stands still.
+    pub recording: Option<Recording>,
     /// The lens.
     pub lens: LensDescription,
     /// The sensor.
@@ -82,6 +87,8 @@ pub struct Capture {
     pub exposure: ExposureSettings,
     /// How light is traced.
     pub render: RenderSettings,
+    /// How the raw picture is developed.
+    pub develop: DevelopSettings,
     /// What is written.
     pub output: OutputSettings,
     /// Where all this stands: for errors that show up later.
@@ -128,15 +135,18 @@ impl Capture {
         let finder = Finder::new(folder, Vec::new());
         let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
         let focus_on_scene = is_scene_file(source.path());
+        let motion = motion::motion(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
         let (camera_to_world, lens) =
-            place_camera(&file.camera, &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
+            place_camera(&file.camera, motion.as_ref(), &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
+        let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
         Ok(Self {
-            exposure: settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?,
+            recording: motion.map(|motion| motion::recording(motion, &exposure, &sensor)).transpose()?,
+            exposure,
             render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
-            output: settings::output(&file.output).map_err(|invalid| invalid.within("output"))?,
+            develop: develop::checked(&file.develop)?,
+            output: settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?,
             scene: geometry.with_tables(file, folder)?,
             camera_to_world,
-            motion: motion(file.camera.motion).map_err(|e| e.within("motion").within("camera"))?,
             lens,
             sensor,
             source: source.clone(),

@@ -92,6 +92,11 @@ impl CaptureSource {
         })
     }
 
+    /// Whether a value is given at a path such as `lens.f_number`.
+    pub fn has(&self, path: &str) -> bool {
+        self.get(path).is_some()
+    }
+
     /// The value at a path such as `materials.red.reflectance` or `lights[0].type`.
     pub(super) fn get(&self, path: &str) -> Option<&Node> {
         Some(self.root.find(path)).filter(|(_, is_exact)| *is_exact).map(|(node, _)| node)

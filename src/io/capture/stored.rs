@@ -9,13 +9,15 @@ use serde_json::{Map, Value, json};
 
 use super::colour::Finder;
 use super::file::refuse_unknown_sections;
+use super::lens::describe_lens;
 use super::sensor::{anchor_files, read_sensor, read_whole_sensor, sensor_model};
 use super::source::CaptureSource;
 use super::tables::{LensTable, MergedSensor, SECTIONS};
 use super::tree::from_json;
-use super::{ExposureSettings, OutputSettings, keys_of, overrides, read_text, settings};
+use super::{ExposureSettings, OutputSettings, develop, keys_of, overrides, read_text, settings};
+use crate::develop::DevelopSettings;
+use crate::optics::{Focus, LensDescription};
 use crate::sensor::SensorModel;
-use crate::spectrum::Spectrum;
 use crate::{Error, Invalid, Result};
 
 /// The part of a capture that stored light leaves open.
@@ -27,10 +29,12 @@ pub struct StoredCapture {
     pub exposure: ExposureSettings,
     /// What is written.
     pub output: OutputSettings,
+    /// How the raw picture is developed.
+    pub develop: DevelopSettings,
     /// Seed of sensor noise.
     pub seed: u64,
-    /// Transmittance of the lens, which the stored light has passed.
-    pub transmittance: Spectrum,
+    /// The lens that the stored light has passed. What a glTF camera or autofocus decided of it is not known here.
+    pub lens: LensDescription,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
 }
@@ -107,16 +111,14 @@ impl StoredCapture {
             move |invalid: Invalid| source.error(invalid.within(table))
         };
         let sensor = sensor_model(&sensor).map_err(at("sensor"))?;
-        let transmittance = match &lens.transmittance {
-            Some(transmittance) => finder.fraction(transmittance).map_err(|e| at("lens")(e.within("transmittance")))?,
-            None => Spectrum::constant(1.0),
-        };
+        let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity)).map_err(at("lens"))?;
         Ok(Self {
             exposure: settings::exposure(&exposure, &sensor).map_err(at("exposure"))?,
-            output: settings::output(&output).map_err(at("output"))?,
+            output: settings::output(&output, &sensor).map_err(at("output"))?,
+            develop: develop::checked(&source.read("develop")?.unwrap_or_default()).map_err(|e| source.error(e))?,
             seed: render.map_err(at("render"))?.seed,
             sensor,
-            transmittance,
+            lens,
             source: source.clone(),
         })
     }
@@ -137,14 +139,14 @@ fn changes(path: &Path, arguments: &[String]) -> Result<CaptureSource> {
     for argument in arguments {
         let mut one = CaptureSource::of_scene_file(path);
         overrides::set(&mut one, argument)?;
-        let is_open = ["sensor", "exposure", "output"].iter().any(|table| one.get(table).is_some())
+        let is_open = ["sensor", "exposure", "develop", "output"].iter().any(|table| one.get(table).is_some())
             || one.get("render.seed").is_some();
         // An unknown table gets its own message later.
         let is_known = SECTIONS.iter().any(|section| one.get(section).is_some());
         if is_known && !is_open {
             return Err(Error::Usage {
                 message: format!("--set {argument}: the light is traced already, and this cannot change it any more"),
-                help: Some("set keys of sensor, exposure or output, or render again".to_owned()),
+                help: Some("set keys of sensor, exposure, develop or output, or render again".to_owned()),
             });
         }
         overrides::set(&mut changes, argument)?;

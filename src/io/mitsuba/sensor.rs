@@ -52,7 +52,7 @@ pub(super) fn sensor(
 ) -> Element {
     let lens = &capture.lens;
     let [width, height] = capture.sensor.resolution;
-    if !capture.motion.is_still() {
+    if capture.recording.is_some() {
         out.approximate("the motion of [camera]: it stands where it starts");
     }
     if lens.falloff != Falloff::None {

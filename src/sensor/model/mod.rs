@@ -13,15 +13,17 @@ use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
 use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
 
-use super::MaskedPixels;
+use super::{MaskedPixels, Shutter};
 use super::ccd::margin;
-use super::description::{ChannelDescription, SensorDescription, ShutterDescription, ShutterKind, SpectrumSource};
+use super::crosstalk::Kernel;
+use super::description::{ChannelDescription, SensorDescription, SpectrumSource};
+use super::format;
 use super::layers;
 pub use architecture::Architecture;
 use checks::{fraction, not_negative, positive};
 pub use converter::Converter;
 pub(super) use converter::converter_range;
-pub use noise::{FixedPattern, Noise};
+pub use noise::{DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, Telegraph};
 
 /// An image sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,9 +36,9 @@ pub struct SensorModel {
     pub source: String,
     /// Technology of the pixels.
     pub architecture: Architecture,
-    /// Time from the start of one row's exposure to that of the next: 0 for a global shutter.
-    pub row_time: Seconds,
-    /// Columns and rows.
+    /// When each row sees light.
+    pub shutter: Shutter,
+    /// Columns and rows of a picture.
     pub resolution: [usize; 2],
     /// Pixels around these that see no light.
     pub masked: MaskedPixels,
@@ -46,10 +48,12 @@ pub struct SensorModel {
     pub fill_factor: f64,
     /// Colour filter array.
     pub cfa: Cfa,
-    /// Transmittance of the filter in front of all pixels, 0–1.
+    /// Transmittance of all filters in front of the pixels together, 0–1.
     pub filter: Spectrum,
     /// Quantum efficiency η(λ), 0–1, one for each of the CFA's channels in their order.
     pub quantum_efficiency: Vec<Spectrum>,
+    /// Where electrons are collected, one for each of the CFA's channels in their order; `None` for each in its own pixel.
+    pub crosstalk: Option<Vec<Kernel>>,
     /// Noise sources.
     pub noise: Noise,
     /// Most electrons that a pixel can hold.
@@ -72,19 +76,23 @@ impl SensorModel {
             let message = format!("must lie between 1 and {MAX_RESOLUTION}, got {}", d.resolution_px[axis]);
             return Err(Invalid::new("resolution_px", message).help("for example resolution_px = [1920, 1200]"));
         }
-        for pitch in d.pixel_pitch_um {
-            positive("pixel_pitch_um", pitch, "[3.45, 3.45]")?;
-        }
+        let pixel_pitch_m = pixel_pitch_m(d)?;
         positive("fill_factor", d.fill_factor, "1.0")?;
         if d.fill_factor > 1.0 {
             return Err(Invalid::new("fill_factor", format!("must be at most 1, got {}", d.fill_factor))
                 .help("it is the part of a pixel's area that is sensitive to light"));
         }
         let cfa = Cfa::parse(&d.cfa)?;
-        let filter = match &d.filter.transmittance {
-            Some(source) => fraction("filter.transmittance", source, &mut resolve)?,
-            None => Spectrum::constant(1.0),
-        };
+        let mut filter = Spectrum::constant(1.0);
+        for (key, source) in [
+            ("filter.transmittance", &d.filter.transmittance),
+            ("filter.cover_glass", &d.filter.cover_glass),
+            ("filter.microlenses", &d.filter.microlenses),
+        ] {
+            if let Some(source) = source {
+                filter = filter.product(&fraction(key, source, &mut resolve)?);
+            }
+        }
         if let Some(surplus) = d.channels.keys().find(|name| !cfa.channels().contains(name)) {
             let message = format!("the colour filter array {:?} has no channel {surplus:?}", d.cfa);
             let help = format!("its channels are {}", cfa.channels().join(", "));
@@ -104,33 +112,63 @@ impl SensorModel {
             .collect::<Result<_, _>>()?;
         positive("charge.full_well_e", d.charge.full_well_e, "10000.0")?;
         let architecture = Architecture::new(d)?;
+        let shutter = Shutter::new(&d.shutter).map_err(|e| e.within("shutter"))?;
+        shutter.check(d, &cfa)?;
         let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
         Ok(Self {
             name: name.to_owned(),
             description: d.description.clone(),
             source: d.source.clone(),
             architecture,
-            row_time: row_time(&d.shutter).map_err(|e| e.within("shutter"))?,
+            shutter,
             resolution: d.resolution_px.map(|n| n as usize),
             masked: MaskedPixels {
                 columns: margins("masked_columns", d.masked_columns)?,
                 rows: margins("masked_rows", d.masked_rows)?,
             },
-            pixel_pitch_m: d.pixel_pitch_um.map(|um| um * 1e-6),
+            pixel_pitch_m,
             fill_factor: d.fill_factor,
+            crosstalk: crosstalk(d, &cfa)?,
             cfa,
             filter,
             quantum_efficiency,
-            noise: Noise::new(&d.noise).map_err(|e| e.within("noise"))?,
+            noise: Noise::new(&d.noise, &d.defects)?,
             full_well: Electrons(d.charge.full_well_e),
             brighter_fatter_per_e: brighter_fatter(d)?,
             converter,
         })
     }
 
+    /// Columns and rows of pixels that there are: of a scanning sensor one row, whatever the lines of a picture.
+    pub fn pixel_array(&self) -> [usize; 2] {
+        let [columns, rows] = self.resolution;
+        [columns, if self.shutter.scans() { 1 } else { rows }]
+    }
+
+    /// Rows of a picture as it is read out, covered ones among them.
+    pub fn rows_read_out(&self) -> usize {
+        self.masked.rows[0] + self.resolution[1] + self.masked.rows[1]
+    }
+
+    /// Time from the start of one picture of a series to that of the next: as stated, else as short as the exposure and
+    /// rows that follow each other allow.
+    pub fn frame_interval(&self, exposure: Seconds, stated: Option<Seconds>) -> Seconds {
+        stated.unwrap_or(Seconds(exposure.0.max(self.rows_read_out() as f64 * self.shutter.row_time().0)))
+    }
+
+    /// Width of a pixel over its height.
+    pub fn pixel_aspect(&self) -> f64 {
+        self.pixel_pitch_m[0] / self.pixel_pitch_m[1]
+    }
+
     /// Area of a pixel, m².
     pub fn pixel_area_m2(&self) -> f64 {
         self.pixel_pitch_m[0] * self.pixel_pitch_m[1]
+    }
+
+    /// Quantum efficiency of every channel behind the filter, η_c(λ)·T(λ).
+    pub fn efficiencies(&self) -> Vec<Spectrum> {
+        self.quantum_efficiency.iter().map(|qe| qe.product(&self.filter)).collect()
     }
 
     /// Spectral response of every channel: electrons per second for each W·m⁻²·nm⁻¹ of irradiance and nm of bandwidth,
@@ -142,28 +180,58 @@ impl SensorModel {
     /// (the sensitivity model of [Emva1288](crate::references#emva1288), integrated over wavelength).
     pub fn responses(&self) -> Vec<(String, Spectrum)> {
         let area = self.pixel_area_m2() * self.fill_factor;
-        let response = |quantum_efficiency: &Spectrum| {
-            quantum_efficiency.product(&self.filter).map(|lambda_nm, electrons_per_photon| {
+        let response = |efficiency: Spectrum| {
+            efficiency.map(|lambda_nm, electrons_per_photon| {
                 let photons_per_joule = lambda_nm * 1e-9 / (PLANCK * SPEED_OF_LIGHT);
                 area * electrons_per_photon * photons_per_joule
             })
         };
-        self.cfa.channels().iter().cloned().zip(self.quantum_efficiency.iter().map(response)).collect()
+        self.cfa.channels().iter().cloned().zip(self.efficiencies().into_iter().map(response)).collect()
     }
 }
 
-fn row_time(shutter: &ShutterDescription) -> Result<Seconds, Invalid> {
-    not_negative("row_time_us", shutter.row_time_us)?;
-    match shutter.kind {
-        ShutterKind::Rolling if shutter.row_time_us > 0.0 => Ok(Seconds(shutter.row_time_us * 1e-6)),
-        ShutterKind::Rolling => Err(Invalid::new("row_time_us", "a rolling shutter needs a time above 0")
-            .help("for example row_time_us = 20.0")),
-        ShutterKind::Global if shutter.row_time_us > 0.0 => {
-            Err(Invalid::new("row_time_us", "goes only with a rolling shutter")
-                .help("write kind = \"rolling\", or remove it"))
+/// The pitch as stated, or that of a format.
+fn pixel_pitch_m(d: &SensorDescription) -> Result<[f64; 2], Invalid> {
+    match (&d.pixel_pitch_um, &d.format) {
+        (Some(_), Some(_)) => {
+            Err(Invalid::new("format", "cannot go with pixel_pitch_um").help("keep the one that is known better"))
         }
-        ShutterKind::Global => Ok(Seconds(0.0)),
+        (None, None) => Err(Invalid::new("pixel_pitch_um", "is missing")
+            .help("for example pixel_pitch_um = [3.45, 3.45], or format = \"2/3\"")),
+        (Some(pitch), None) => {
+            for &um in pitch {
+                positive("pixel_pitch_um", um, "[3.45, 3.45]")?;
+            }
+            Ok(pitch.map(|um| um * 1e-6))
+        }
+        (None, Some(name)) => {
+            let [width, height] = format::format_m(name).ok_or_else(|| {
+                Invalid::new("format", format!("there is no sensor format {name:?}"))
+                    .help(format!("known are {} inch; any other size is given by pixel_pitch_um", format::names()))
+            })?;
+            Ok([width / f64::from(d.resolution_px[0]), height / f64::from(d.resolution_px[1])])
+        }
     }
+}
+
+/// The kernel of each channel, if any has one.
+fn crosstalk(d: &SensorDescription, cfa: &Cfa) -> Result<Option<Vec<Kernel>>, Invalid> {
+    let kernel = |key: &str, rows: &[Vec<f64>]| {
+        let sum: f64 = rows.iter().flatten().sum();
+        // Parts are written with few digits; what is missing to 1 is rounding.
+        Kernel::new(rows).filter(|_| (sum - 1.0).abs() < 1e-6).ok_or_else(|| {
+            let message = format!("must be an odd number of rows of equal, odd length and sum to 1, got {rows:?}");
+            Invalid::new(key, message).help("for example [[0, 0.01, 0], [0.01, 0.96, 0.01], [0, 0.01, 0]]")
+        })
+    };
+    let of_all = d.crosstalk.as_deref().map(|rows| kernel("crosstalk", rows)).transpose()?;
+    let of_channel = |letter: &String| match d.channels.get(letter).and_then(|channel| channel.crosstalk.as_deref()) {
+        Some(rows) => kernel(&format!("channels.{letter}.crosstalk"), rows).map(Some),
+        None => Ok(of_all.clone()),
+    };
+    let kernels: Vec<Option<Kernel>> = cfa.channels().iter().map(of_channel).collect::<Result<_, _>>()?;
+    let any = kernels.iter().any(Option::is_some);
+    Ok(any.then(|| kernels.into_iter().map(|kernel| kernel.unwrap_or_else(Kernel::keep)).collect()))
 }
 
 fn margins(key: &str, [before, after]: [u32; 2]) -> Result<[usize; 2], Invalid> {
@@ -276,6 +344,27 @@ mod tests {
             ("dark_current_doubling_k = 8.0", "dark_current_doubling_k = 0", "noise.dark_current_doubling_k"),
             ("prnu_percent = 1.0", "prnu_percent = nan", "noise.prnu_percent"),
             ("dsnu_e = 0.5", "dsnu_e = inf", "noise.dsnu_e"),
+            ("dark_current_doubling_k = 8.0, ", "", "noise.dark_current_doubling_k"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, row_noise_e = -1", "noise.row_noise_e"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, reset = { noise_e = 3, capacitance_ff = 1 }", "noise.reset.capacitance_ff"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, flicker.exponent = 3", "noise.flicker.exponent"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, telegraph.high_s = 0", "noise.telegraph.high_s"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, read_noise_degrees_of_freedom = 2", "noise.read_noise_degrees_of_freedom"),
+            (
+                "dsnu_e = 0.5",
+                "dsnu_e = 0.5, transmission_errors_per_million = 2e6",
+                "noise.transmission_errors_per_million",
+            ),
+            ("fill_factor = 0.5", "defects.hot_per_million = -1", "defects.hot_per_million"),
+            ("fill_factor = 0.5", "format = \"2/3\"", "format"),
+            ("pixel_pitch_um = [5.0, 4.0]", "", "pixel_pitch_um"),
+            ("pixel_pitch_um = [5.0, 4.0]", "format = \"3/2\"", "format"),
+            ("fill_factor = 0.5", "crosstalk = [[0.5, 0.4, 0.0]]", "crosstalk"),
+            ("fill_factor = 0.5", "channels.R.crosstalk = [[0.5, 0.5]]", "channels.R.crosstalk"),
+            ("bits = 12", "bits = 12, inl_dn = 2000", "adc.inl_dn"),
+            ("bits = 12", "bits = 12, dnl_dn = 0.5", "adc.dnl_dn"),
+            ("bits = 12", "bits = 12, amplifier_nonlinearity_percent = [-60]", "adc.amplifier_nonlinearity_percent"),
+            ("bits = 12", "bits = 12, column_gain_percent = nan", "adc.column_gain_percent"),
             ("full_well_e = 10000.0", "full_well_e = 0", "charge.full_well_e"),
             ("bits = 12", "bits = 0", "adc.bits"),
             ("bits = 12", "bits = 40", "adc.bits"),
@@ -285,6 +374,82 @@ mod tests {
         ] {
             assert!(TOML.contains(from), "{from}");
             let error = model(&TOML.replacen(from, to, 1)).expect_err(to);
+            assert_eq!(error.key, key, "{error}");
+        }
+    }
+
+    #[test]
+    fn a_format_over_the_resolution_is_the_pitch() {
+        let sensor = model(&TOML.replace("pixel_pitch_um = [5.0, 4.0]", "format = '2/3\"'")).expect("valid");
+        assert_eq!(sensor.pixel_pitch_m, [8.8e-3 / 64.0, 6.6e-3 / 48.0]);
+        assert_eq!(sensor.pixel_aspect(), 1.0);
+    }
+
+    #[test]
+    fn filters_follow_one_another() {
+        let text = TOML.replace("filter.transmittance = 0.8", "filter = { cover_glass = 0.5, microlenses = 0.25 }");
+        assert_eq!(model(&text).expect("valid").filter.eval(500.0), 0.125);
+    }
+
+    #[test]
+    fn figures_of_other_kinds_of_sensors_are_refused_by_key() {
+        let interline = "kind = 'ccd'\nccd = { smear_db = -80.0, line_time_us = 30.0 }";
+        let one_bit = "kind = 'spad'\nspad = { counting = 'one-bit', one_bit_frames = 16 }";
+        let dual = "adc.dual_gain = { bits = 11, black_level_dn = 20, high_gain_dn_per_e = 4.0, low_gain_dn_per_e = 0.1, \
+                    low_gain_read_noise_e = 5.0 }";
+        let toml = TOML.replace(
+            "adc = { bits = 12, conversion_gain_dn_per_e = 0.4, black_level_dn = 64, \
+                                 gain_db_range = [0.0, 24.0] }",
+            "",
+        );
+        let adc =
+            "adc.bits = 16\nadc.conversion_gain_dn_per_e = 4.0\nadc.black_level_dn = 64\nadc.gain_db_range = [0, 0]";
+        for (lines, from, to, key) in [
+            (interline, "'ccd'", "'cmos'", "ccd"),
+            (interline, "'ccd'", "'spad'", "ccd"),
+            (interline, "-80.0", "80.0", "ccd.smear_db"),
+            (interline, ", line_time_us = 30.0", "", "ccd.line_time_us"),
+            (interline, "smear_db = -80.0", "row_shift_time_us = 1.0", "ccd.row_shift_time_us"),
+            (interline, "smear_db = -80.0", "vertical_cti = 1.0", "ccd.vertical_cti"),
+            (interline, "smear_db = -80.0", "horizontal_cti = -1e-6", "ccd.horizontal_cti"),
+            (interline, "smear_db = -80.0", "anti_blooming_factor = 0.5", "ccd.anti_blooming_factor"),
+            (interline, "smear_db = -80.0", "overscan_rows = 70000", "ccd.overscan_rows"),
+            (interline, "ccd =", "masked_rows = [0, 5000]\nccd =", "masked_rows"),
+            (one_bit, "'spad'", "'cmos'", "spad"),
+            (one_bit, "\nspad = { counting = 'one-bit', one_bit_frames = 16 }", "", "spad"),
+            (one_bit, ", one_bit_frames = 16", "", "spad.one_bit_frames"),
+            (one_bit, "16", "0", "spad.one_bit_frames"),
+            (one_bit, "one-bit", "free-running", "spad.one_bit_frames"),
+            (one_bit, "one_bit_frames = 16", "dead_time_ns = 50.0", "spad.dead_time_ns"),
+            (one_bit, "16", "16, afterpulsing_percent = 100.0", "spad.afterpulsing_percent"),
+            (dual, "bits = 11", "bits = 40", "adc.dual_gain.bits"),
+            (dual, "black_level_dn = 20", "black_level_dn = 2047", "adc.dual_gain.black_level_dn"),
+            (dual, "high_gain_dn_per_e = 4.0", "high_gain_dn_per_e = 0.05", "adc.dual_gain.low_gain_dn_per_e"),
+            (dual, "noise_e = 5.0", "noise_e = -5.0", "adc.dual_gain.low_gain_read_noise_e"),
+        ] {
+            // Keys of the whole sensor come before any table.
+            let text = |lines: &str| format!("{lines}\n{adc}\n{toml}");
+            model(&text(lines)).expect("valid");
+            assert!(lines.contains(from), "{from}");
+            let error = model(&text(&lines.replacen(from, to, 1))).expect_err(to);
+            assert_eq!(error.key, key, "{error}");
+        }
+        for (from, to, key) in [
+            ("full_well_e = 10000.0", "brighter_fatter_per_e = [1e-3, 0.0]", "charge.brighter_fatter_per_e"),
+            ("R.quantum_efficiency = 0.6", "R.depth_um = [0.5, 0.2]", "channels.R.depth_um"),
+            ("R.quantum_efficiency = 0.6", "R = {}", "channels.R.quantum_efficiency"),
+            (
+                "G.quantum_efficiency = 0.7",
+                "G = { quantum_efficiency = 0.7, depth_um = [0, 1] }",
+                "channels.G.depth_um",
+            ),
+        ] {
+            let to = if key.starts_with("charge") {
+                format!("full_well_e = 10000.0\n        charge.{to}")
+            } else {
+                to.to_owned()
+            };
+            let error = model(&TOML.replacen(from, &to, 1)).expect_err(&to);
             assert_eq!(error.key, key, "{error}");
         }
     }

@@ -1,4 +1,4 @@
-//! Demosaicking: the two channels that each pixel of a Bayer mosaic did not see are found from its neighbours.
+//! Demosaicking along edges, for Bayer mosaics.
 //!
 //! Green is interpolated along rows and along columns; where colour differences change less along one of the two, that
 //! direction is an edge's, and its result is taken. Red and blue follow as differences to green along the chosen
@@ -10,6 +10,7 @@
 
 use rayon::prelude::*;
 
+use crate::develop::window::mirror;
 use crate::image::{Channel, Planes};
 use crate::raw::Cfa;
 
@@ -84,9 +85,9 @@ impl Tile {
     /// Copies the piece at column `left`, row `top`, with its margin.
     fn load(&mut self, mosaic: &[f32], [width, height]: [usize; 2], [left, top]: [usize; 2]) {
         for (y, row) in self.mosaic.chunks_exact_mut(Self::WIDTH).enumerate() {
-            let from = &mosaic[mirror(top + y, height) * width..][..width];
+            let from = &mosaic[mirror(top + y, MARGIN, height) * width..][..width];
             for (x, value) in row.iter_mut().enumerate() {
-                *value = from[mirror(left + x, width)];
+                *value = from[mirror(left + x, MARGIN, width)];
             }
         }
     }
@@ -232,18 +233,6 @@ fn pixels(y: usize, inset: usize, parity: usize) -> impl Iterator<Item = usize> 
     (first..Tile::WIDTH - inset).step_by(2).map(move |x| y * Tile::WIDTH + x)
 }
 
-/// The pixel of a line of `n` that lies `MARGIN` before `i` after reflection at the first and last pixel, which keeps
-/// even and odd apart.
-fn mirror(i: usize, n: usize) -> usize {
-    if n == 1 {
-        return 0;
-    }
-    let period = 2 * (n - 1);
-    // MARGIN is less than MARGIN periods.
-    let i = (i + MARGIN * period - MARGIN) % period;
-    i.min(period - i)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -358,12 +347,5 @@ mod tests {
                 assert!(planes.channels().iter().all(|c| c.data.len() == width * height));
             }
         }
-    }
-
-    #[test]
-    fn mirroring_keeps_even_and_odd_apart() {
-        let line: Vec<usize> = (MARGIN - 4..MARGIN + 8).map(|i| mirror(i, 4)).collect();
-        assert_eq!(line, [2, 3, 2, 1, 0, 1, 2, 3, 2, 1, 0, 1]);
-        assert!((0..100).all(|i| mirror(i, 2) == i % 2));
     }
 }
