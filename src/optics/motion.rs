@@ -80,11 +80,8 @@ mod tests {
 
     #[test]
     fn poses_are_passed_at_their_times() {
-        let pose = |time_s, x, angle| TimedPose {
-            time_s,
-            position_m: DVec3::X * x,
-            rotation: DQuat::from_rotation_y(angle),
-        };
+        let pose =
+            |time_s, x, angle| TimedPose { time_s, position_m: DVec3::X * x, rotation: DQuat::from_rotation_y(angle) };
         let motion = CameraMotion::Poses(vec![pose(1.0, 2.0, 0.0), pose(3.0, 6.0, FRAC_PI_2), pose(4.0, 0.0, 0.0)]);
         for (time_s, x, angle) in [
             (0.0, 2.0, 0.0),

@@ -35,7 +35,7 @@ impl Shutter {
             let missing = || Invalid::new("row_time_us", "missing; rows that follow each other need it");
             let us = d.row_time_us.ok_or_else(|| missing().help("for example row_time_us = 20.0"))?;
             positive("row_time_us", us, "20.0")?;
-            Ok::<_, Invalid>(Seconds(us * 1e-6))
+            Ok::<_, Invalid>(Seconds(us / 1e6))
         };
         match (d.kind, d.row_time_us) {
             (ShutterKind::Global, None) => Ok(Self::Global),
@@ -50,7 +50,9 @@ impl Shutter {
     pub(super) fn check(&self, d: &SensorDescription, cfa: &Cfa) -> Result<(), Invalid> {
         if *self != Self::Global && d.kind == SensorKind::Ccd {
             let message = "a CCD takes up the charge of all its rows at once";
-            return Err(Invalid::new("shutter.kind", message).help("leave it out, or write kind = \"cmos\" for the sensor"));
+            return Err(
+                Invalid::new("shutter.kind", message).help("leave it out, or write kind = \"cmos\" for the sensor")
+            );
         }
         if !self.scans() {
             return Ok(());

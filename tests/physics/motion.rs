@@ -126,10 +126,8 @@ fn a_line_camera_that_moves_makes_an_ellipse_of_a_circle() {
     let grid = PixelGrid { resolution: [RESOLUTION[0], 1], pitch_m: [2e-3 / FX; 2] };
     // The disk is in the middle of 120 lines.
     let start = DAffine3::from_translation(DVec3::Y * (60.0 * line_time_s * speed));
-    let motion = CameraMotion::Steady {
-        velocity_m_per_s: DVec3::NEG_Y * speed,
-        angular_velocity_rad_per_s: DVec3::ZERO,
-    };
+    let motion =
+        CameraMotion::Steady { velocity_m_per_s: DVec3::NEG_Y * speed, angular_velocity_rad_per_s: DVec3::ZERO };
     let recording = Recording { motion, exposure_s: 1e-9, row_time_s: line_time_s, ..steady(0.0, 0.0) };
     let camera = camera(&lens, &grid, start).scanning().recording(recording);
     let picture = irradiance(&scene, &camera, RESOLUTION, &SETTINGS);

@@ -35,7 +35,9 @@ pub(super) fn motion(camera: &CameraTable) -> Result<Option<CameraMotion>, Inval
     let poses: Vec<TimedPose> =
         poses.iter().enumerate().map(|(i, pose)| timed_pose(pose).map_err(at(i))).collect::<Result<_, _>>()?;
     if poses.len() < 2 {
-        return Err(Invalid::new("poses", "a motion needs at least two").help("for a camera that stands still, write [camera]"));
+        return Err(
+            Invalid::new("poses", "a motion needs at least two").help("for a camera that stands still, write [camera]")
+        );
     }
     if let Some(i) = (1..poses.len()).find(|&i| poses[i].time_s <= poses[i - 1].time_s) {
         let message = format!("{} s is not after {} s", poses[i].time_s, poses[i - 1].time_s);
@@ -69,7 +71,9 @@ pub(super) fn recording(
 ) -> Result<Recording, Invalid> {
     let ExposureTime::Fixed(time) = exposure.time else {
         let message = "needs an exposure time, which tells how far the camera comes meanwhile";
-        return Err(Invalid::new("camera.motion", message).help("write [exposure] with time_s, for example time_s = 0.01"));
+        return Err(
+            Invalid::new("camera.motion", message).help("write [exposure] with time_s, for example time_s = 0.01")
+        );
     };
     Ok(Recording {
         motion,
