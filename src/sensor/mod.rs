@@ -51,8 +51,8 @@ pub use crosstalk::Kernel;
 pub use description::{
     AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, Converters, CountingMode,
     CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription, FilterDescription, FlickerDescription,
-    FlickerOrder, NoiseDescription, ResetDescription, SensorDescription, SensorKind, ShutterDescription, ShutterKind,
-    SpadDescription, SpectrumSource, TelegraphDescription,
+    FlickerOrder, NoiseDescription, ResetDescription, RowOrder, SensorDescription, SensorKind, ShutterDescription,
+    ShutterKind, SpadDescription, SpectrumSource, TelegraphDescription,
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;
