@@ -73,11 +73,11 @@ fn exact_points(sensor: &SensorModel, point: &OperatingPoint, shots: &[Shot]) ->
     let moments = |photons: f64, time: Seconds| {
         let exposure = point.exposure(time);
         let dark = sensor.noise.dark_electrons(point.temperature, time).0;
-        let pattern = (sensor.noise.prnu.total() * efficiency * photons).hypot(sensor.noise.dsnu.total());
         let of_pixel = |deviation: f64| {
-            let electrons = efficiency * photons + pattern * deviation;
-            let noise = sensor.signal_variance(Electrons(electrons), &exposure).sqrt();
-            let number = |z: f64| sensor.number(Electrons(electrons + dark + noise * z), point.gain);
+            let light = efficiency * photons * (1.0 + sensor.noise.prnu.total() * deviation);
+            let charge = light + dark + sensor.noise.dsnu.total() * deviation;
+            let noise = sensor.signal_variance(Electrons(light), &exposure).sqrt();
+            let number = |z: f64| sensor.number(Electrons(charge + noise * z), point.gain);
             let numbers: Vec<(f64, f64)> = samples.iter().map(|&(z, part)| (number(z), part)).collect();
             let mean: f64 = numbers.iter().map(|(number, part)| part * number).sum();
             (mean, numbers.iter().map(|(number, part)| part * (number - mean).powi(2)).sum::<f64>())
