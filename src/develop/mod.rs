@@ -17,7 +17,7 @@
 //! | colour matrix, colour space, exposure | `colour.rs` |
 //! | tone, encoding, sharpening, dithering | `tone.rs`, `encode.rs`, `sharpening.rs` |
 //!
-//! [`colour_matrix`] computes what a raw file says about its colours from the sensor's spectral responses. Files are
+//! [`with_layout`] turns a mosaic into one that more developers know. [`colour_matrix`] computes what a raw file says about its colours from the sensor's spectral responses. Files are
 //! left to [`raw`](crate::raw) and [`io`](crate::io).
 
 mod black_level;
@@ -31,6 +31,7 @@ mod distortion;
 mod encode;
 mod highlights;
 mod ideal;
+mod layout;
 mod lens_falloff;
 mod neighbours;
 mod noise_filter;
@@ -43,4 +44,5 @@ mod window;
 pub use develop::{Development, develop, develop_linear};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;
+pub use layout::{RawLayout, with_layout};
 pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

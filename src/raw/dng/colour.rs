@@ -7,6 +7,7 @@ use tiff::TiffResult;
 use tiff::encoder::SRational;
 
 use super::{Ifd, tag};
+use crate::colour::adaptation::bradford;
 use crate::raw::RawMetadata;
 use crate::raw::rational::{rational, srational};
 use crate::spectrum::{cie, illuminant};
@@ -51,14 +52,8 @@ fn forward_matrix(colour_matrix: &[[f64; 3]], white: [f64; 3]) -> Option<DMat3> 
     let rows: [[f64; 3]; 3] = colour_matrix.try_into().ok()?;
     let from_xyz = DMat3::from_cols_array_2d(&rows).transpose();
     let white = DVec3::from_array(white) / white[1];
-    let forward = adaptation(white, D50) * from_xyz.inverse() * DMat3::from_diagonal(from_xyz * white);
+    let forward = bradford(white, D50) * from_xyz.inverse() * DMat3::from_diagonal(from_xyz * white);
     forward.is_finite().then_some(forward)
-}
-
-/// XYZ seen under one white → XYZ that looks the same under another: the Bradford transform.
-fn adaptation(from: DVec3, to: DVec3) -> DMat3 {
-    let cones = DMat3::from_cols_array(&[0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296]);
-    cones.inverse() * DMat3::from_diagonal((cones * to) / (cones * from)) * cones
 }
 
 #[cfg(test)]
