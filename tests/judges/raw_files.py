@@ -30,6 +30,8 @@ import tifffile
 
 CFA_LETTERS = "RGBCMYW"
 DEFLATE = 8
+# EXIF's number for D65 as a light source.
+D65 = 21
 # RawTherapee leaves out a frame whose pixels have too few neighbours.
 RAWTHERAPEE_FRAME = 8
 
@@ -219,9 +221,10 @@ class Judge:
                 pairs = set(zip(read.flatten().tolist(), written.flatten().tolist()))
                 self.check(len(pairs) == len({colour for colour, _ in pairs}), f"LibRaw's mosaic {read.tolist()}")
                 return
+        second = 2 if tags.get("IFD0:CalibrationIlluminant2") == D65 else 1
         # LibRaw does not give the matrix itself but what follows from it: camera -> sRGB for balanced channels, that is
-        # the inverse of ColorMatrix1 times (sRGB -> XYZ) with every row's sum brought to 1.
-        matrix = numpy.array([float(x) for x in tags["IFD0:ColorMatrix1"].split()]).reshape(3, 3)
+        # the inverse of the matrix for D65 times (sRGB -> XYZ) with every row's sum brought to 1.
+        matrix = numpy.array([float(x) for x in tags[f"IFD0:ColorMatrix{second}"].split()]).reshape(3, 3)
         from_srgb = matrix @ SRGB_TO_XYZ
         to_srgb = numpy.linalg.inv(from_srgb / from_srgb.sum(axis=1, keepdims=True))
         # Its sRGB matrix has seven digits, and the inverse of a camera matrix multiplies an error by less than 10.

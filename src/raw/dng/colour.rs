@@ -16,14 +16,18 @@ use crate::spectrum::{cie, illuminant};
 const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
 
 pub(super) fn write<W: Write + Seek>(metadata: &RawMetadata, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
-    // D65 comes first because many developers use the first matrix only.
     let [d65, a] = [cie::xyz(illuminant::d65()), cie::xyz(&illuminant::a())];
     let first = [tag::COLOR_MATRIX_1, tag::CALIBRATION_ILLUMINANT_1, tag::FORWARD_MATRIX_1, tag::CAMERA_CALIBRATION_1];
     let second = [tag::COLOR_MATRIX_2, tag::CALIBRATION_ILLUMINANT_2, tag::FORWARD_MATRIX_2, tag::CAMERA_CALIBRATION_2];
-    for (matrix, light, white, [matrix_tag, light_tag, forward_tag, calibration_tag]) in [
-        (&metadata.colour_matrix_d65, tag::D65, d65, first),
-        (&metadata.colour_matrix_a, tag::STANDARD_LIGHT_A, a, second),
-    ] {
+    // Developers that use one matrix only look for that of D65; dcraw takes the last.
+    let places = if metadata.colour_matrix_a.is_some() { [first, second] } else { [second, first] };
+    for ((matrix, light, white), [matrix_tag, light_tag, forward_tag, calibration_tag]) in [
+        (&metadata.colour_matrix_a, tag::STANDARD_LIGHT_A, a),
+        (&metadata.colour_matrix_d65, tag::D65, d65),
+    ]
+    .into_iter()
+    .zip(places)
+    {
         let Some(matrix) = matrix else { continue };
         ifd.write_tag(matrix_tag, &entries(matrix.as_flattened())[..])?;
         ifd.write_tag(light_tag, light)?;
