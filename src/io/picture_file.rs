@@ -178,7 +178,8 @@ mod tests {
         let mut variance = Planes::zeros(2, 2, ["B", "G", "R"]);
         variance.channels_mut()[2].data[3] = 0.25;
         let mut file = Vec::new();
-        write_electrons(&Estimate { mean, variance: variance.clone() }, Seconds(1.0), &mut file).expect("written");
+        write_electrons(&Estimate { mean, variance: variance.clone() }, Seconds(1.0), Cursor::new(&mut file))
+            .expect("written");
         let picture = read("exr", &file).expect("read");
         assert_eq!(channels(&picture.mean), ["R", "G", "B"].map(|name| (name, &[0.0; 4][..])));
         assert_eq!(picture.variance, variance);
@@ -189,7 +190,7 @@ mod tests {
     fn a_variance_of_nothing_is_a_channel_like_any_other() {
         let mut file = Vec::new();
         let planes = Planes::zeros(1, 1, ["Y", "variance.X"]);
-        write_exr(&planes, &[("unit", Attribute::Text("lux".to_owned()))], &mut file).expect("written");
+        write_exr(&planes, &[("unit", Attribute::Text("lux".to_owned()))], Cursor::new(&mut file)).expect("written");
         let picture = read("exr", &file).expect("read");
         assert_eq!(picture.mean, planes);
         assert!(picture.variance.channels().is_empty());
@@ -199,7 +200,7 @@ mod tests {
     fn spectral_pictures_leave_their_preview_behind() {
         let planes = Planes::zeros(2, 1, ["355", "1095"]);
         let mut file = Vec::new();
-        write_irradiance(&planes, &mut file).expect("written");
+        write_irradiance(&planes, Cursor::new(&mut file)).expect("written");
         assert_eq!(read("exr", &file).expect("read").mean, planes);
     }
 
@@ -223,7 +224,7 @@ mod tests {
         write_npy(&raw, &mut npy).expect("written");
         let png = png(DynamicImage::ImageLuma16(ImageBuffer::from_raw(4, 2, raw.data.clone()).expect("8 pixels")));
         let mut exr = Vec::new();
-        write_raw_exr(&raw, &mut exr).expect("written");
+        write_raw_exr(&raw, Cursor::new(&mut exr)).expect("written");
         for (extension, file) in [("dng", dng), ("TIFF", tiff), ("pgm", pgm), ("npy", npy), ("exr", exr), ("png", png)]
         {
             let picture = read(extension, &file).expect("read");

@@ -3,14 +3,14 @@
 //! The planes are those that [`read_picture_file`](super::picture_file::read_picture_file) makes of any raw file: `raw`, or
 //! one for each channel where every pixel has all. Attributes: `unit` "DN", `cfa`, `blackLevel` (the mean), `whiteLevel`.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 
 use super::exr::{Attribute, write_exr};
 use crate::raw::RawImage;
 use crate::validation::Picture;
 
 /// Writes an EXR file. The picture must have pixels.
-pub fn write_raw_exr<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
+pub fn write_raw_exr<W: Write + Seek>(raw: &RawImage, to: W) -> io::Result<()> {
     let attributes = [
         ("unit", Attribute::Text("DN".to_owned())),
         ("cfa", Attribute::Text(raw.cfa.to_string())),

@@ -40,6 +40,7 @@ pub mod presets;
 mod read_noise;
 mod reset_noise;
 mod shot_noise;
+mod shutter;
 mod stage;
 mod telegraph;
 
@@ -50,8 +51,8 @@ pub use crosstalk::Kernel;
 pub use description::{
     AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, Converters, CountingMode,
     CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription, FilterDescription, FlickerDescription,
-    FlickerOrder, NoiseDescription, ResetDescription, SensorDescription, SensorKind, SpadDescription, SpectrumSource,
-    TelegraphDescription,
+    FlickerOrder, NoiseDescription, ResetDescription, SensorDescription, SensorKind, ShutterDescription, ShutterKind,
+    SpadDescription, SpectrumSource, TelegraphDescription,
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;
@@ -62,4 +63,5 @@ pub use model::{
 };
 pub use noise_key::NoiseKey;
 pub use photon_counting::{Counting, Spad};
+pub use shutter::Shutter;
 pub use stage::{Stage, Stages};

@@ -21,12 +21,10 @@ pub(super) fn write<W: Write + Seek>(metadata: &RawMetadata, ifd: &mut Ifd<'_, W
     let second = [tag::COLOR_MATRIX_2, tag::CALIBRATION_ILLUMINANT_2, tag::FORWARD_MATRIX_2, tag::CAMERA_CALIBRATION_2];
     // Developers that use one matrix only look for that of D65; dcraw takes the last.
     let places = if metadata.colour_matrix_a.is_some() { [first, second] } else { [second, first] };
-    for ((matrix, light, white), [matrix_tag, light_tag, forward_tag, calibration_tag]) in [
-        (&metadata.colour_matrix_a, tag::STANDARD_LIGHT_A, a),
-        (&metadata.colour_matrix_d65, tag::D65, d65),
-    ]
-    .into_iter()
-    .zip(places)
+    for ((matrix, light, white), [matrix_tag, light_tag, forward_tag, calibration_tag]) in
+        [(&metadata.colour_matrix_a, tag::STANDARD_LIGHT_A, a), (&metadata.colour_matrix_d65, tag::D65, d65)]
+            .into_iter()
+            .zip(places)
     {
         let Some(matrix) = matrix else { continue };
         ifd.write_tag(matrix_tag, &entries(matrix.as_flattened())[..])?;
