@@ -30,6 +30,10 @@
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!
+//! ## Iso12232
+//! ISO 12232:2019, *Photography – Digital still cameras – Determination of exposure index, ISO speed ratings, standard output
+//! sensitivity, and recommended exposure index*.
+//!
 //! ## T81
 //! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).
 //!

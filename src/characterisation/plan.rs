@@ -28,7 +28,8 @@ impl OperatingPoint {
 
     /// An exposure of this time.
     pub(super) fn exposure(&self, time: Seconds) -> Exposure {
-        Exposure { time, gain: self.gain, temperature: self.temperature, frame_interval: None }
+        let Self { gain, temperature, .. } = *self;
+        Exposure { time, gain, digital_gain: Decibels(0.0), temperature, frame_interval: None }
     }
 }
 

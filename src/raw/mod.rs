@@ -133,6 +133,8 @@ pub struct RawMetadata {
     pub pixel_pitch_m: Option<[f64; 2]>,
     /// Exposure time, s.
     pub exposure_time_s: f64,
+    /// Saturation-based ISO speed, where it is known.
+    pub iso: Option<u32>,
     /// f-number, where there is a lens.
     pub f_number: Option<f64>,
     /// Focal length, m.

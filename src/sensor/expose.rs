@@ -12,6 +12,7 @@ use super::dark_current::{DarkCurrent, HotPixels};
 use super::dark_offset::DarkOffset;
 use super::dead_pixels::DeadPixels;
 use super::defective_numbers::{StuckPixels, TransmissionErrors};
+use super::digital_gain::DigitalGain;
 use super::dual_gain::DualGainDigitiser;
 use super::flicker::add_flicker;
 use super::full_well::FullWell;
@@ -115,6 +116,7 @@ pub fn expose(
     let digitiser = Digitiser::new(&frame);
     let dual_gain = DualGainDigitiser::new(&frame);
     let stuck_pixels = StuckPixels::new(&frame);
+    let digital_gain = DigitalGain::new(&frame);
     let transmission_errors = TransmissionErrors::new(&frame);
     let data = charge.read_out(|row, numbers| {
         reset_noise.apply(row);
@@ -133,6 +135,7 @@ pub fn expose(
             }
         }
         stuck_pixels.apply(numbers);
+        digital_gain.apply(numbers);
         transmission_errors.apply(numbers);
     });
 
@@ -151,6 +154,7 @@ pub fn expose(
         metadata: RawMetadata {
             camera_model: sensor.name.clone(),
             exposure_time_s: exposure.time.0,
+            iso: Some(sensor.iso(exposure).round() as u32),
             pixel_pitch_m: Some(sensor.pixel_pitch_m),
             noise_profile: vec![sensor.noise_profile(exposure); sensor.cfa.channels().len()],
             ..RawMetadata::default()

@@ -4,15 +4,17 @@
 use crate::units::{DigitalNumber, Electrons};
 
 use super::converter::dnl_variance_dn2;
+use super::digital_gain::rounding_variance_e2;
 use super::{Converter, Exposure, SensorModel};
 
 impl SensorModel {
     /// Variance of a pixel's temporal noise, referred to electrons ((e⁻)²), at a mean of `mean` photo-electrons:
     ///
-    /// σ² = μ + μ_d + σ_read² + σ_reset² + σ_row² + σ_column² + σ_flicker² + σ_telegraph² + (1/12 + σ_DNL²)/K²
+    /// σ² = μ + μ_d + σ_read² + σ_reset² + σ_row² + σ_column² + σ_flicker² + σ_telegraph² + (1/12 + σ_DNL²)/K² + σ_digital²
     ///
     /// shot noise of light and dark current, noise of the read-out, quantisation (the linear model of
-    /// [Emva1288](crate::references#emva1288), whose σ_d² is all but the first and the last). Hot pixels and telegraph
+    /// [Emva1288](crate::references#emva1288), whose σ_d² is all but the first and the last two), and the rounding that follows
+    /// a digital gain. Hot pixels and telegraph
     /// signals count with their part of all pixels. Fixed patterns are no temporal noise, and what transmission errors do
     /// has no useful variance. Valid below saturation, and for amplifiers that are nearly linear.
     pub fn noise_variance(&self, mean: Electrons, exposure: &Exposure) -> f64 {
@@ -31,18 +33,18 @@ impl SensorModel {
             (1.0 / 12.0 + dnl_variance_dn2(converter.dnl_dn)) / converter.system_gain(exposure.gain).powi(2)
         };
         let before_merging = self.converter.dual_gain.as_ref().map_or(0.0, |dual| quantisation(&dual.high));
-        dark + hot + gaussian + noise.telegraph.variance() + before_merging + quantisation(&self.converter)
+        let quantisation = before_merging + quantisation(&self.converter) + rounding_variance_e2(self, exposure);
+        dark + hot + gaussian + noise.telegraph.variance() + quantisation
     }
 
-    /// Electrons at which a pixel saturates: the full well or the end of the converter's range, whichever comes first.
+    /// Electrons at which a pixel saturates: the full well, the end of the converter's range, or the end of what a digital
+    /// gain leaves of that, whichever comes first.
     pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
         let converter = &self.converter;
-        let range = |converter: &Converter| {
-            let range_dn = f64::from(converter.max_dn() - converter.black_level_dn);
-            self.charge_for(range_dn / converter.system_gain(exposure.gain))
-        };
-        let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| range(&dual.low));
-        Electrons(self.full_well.0.min(range(converter)).min(before_merging))
+        let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
+        let digital = exposure.digital_gain.factor();
+        let signal = before_merging.min(converter.range_e() / digital) / exposure.gain.factor();
+        Electrons(self.full_well.0.min(self.charge_for(signal)))
     }
 
     /// Smallest whole digital number at which a noise-free pixel is saturated, always above the black level.
@@ -50,7 +52,7 @@ impl SensorModel {
         let converter = &self.converter;
         let signal = self.amplified(self.saturation_capacity(exposure).0);
         let black = f64::from(converter.black_level_dn);
-        let level = DigitalNumber(black + signal * converter.system_gain(exposure.gain) + 0.5);
+        let level = DigitalNumber(black + signal * self.system_gain(exposure) + 0.5);
         (level.0 as u16).clamp(converter.black_level_dn + 1, converter.max_dn())
     }
 
@@ -61,7 +63,7 @@ impl SensorModel {
     ///
     /// where σ_0² is the noise without light, in (e⁻)².
     pub(super) fn noise_profile(&self, exposure: &Exposure) -> [f64; 2] {
-        let gain = self.converter.system_gain(exposure.gain);
+        let gain = self.system_gain(exposure);
         let range = f64::from(self.white_level_dn(exposure) - self.converter.black_level_dn);
         [gain / range, self.dark_variance(exposure) * (gain / range).powi(2)]
     }

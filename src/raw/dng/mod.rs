@@ -193,6 +193,11 @@ fn write_exif<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
     if let Some(f_number) = metadata.f_number {
         ifd.write_tag(tag::F_NUMBER, rational(f_number))?;
     }
+    if let Some(iso) = metadata.iso {
+        ifd.write_tag(tag::PHOTOGRAPHIC_SENSITIVITY, u16::try_from(iso).unwrap_or(u16::MAX))?;
+        ifd.write_tag(tag::SENSITIVITY_TYPE, tag::IS_ISO_SPEED)?;
+        ifd.write_tag(tag::ISO_SPEED, iso)?;
+    }
     if let Some(focal_length_m) = metadata.focal_length_m {
         ifd.write_tag(tag::FOCAL_LENGTH, rational(focal_length_m * 1e3))?;
     }

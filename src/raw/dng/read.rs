@@ -221,6 +221,7 @@ impl<R: Read + Seek> Tags<R> {
             camera_model,
             pixel_pitch_m: self.pixel_pitch(&exif)?,
             exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
+            iso: self.iso(&exif)?,
             f_number: self.number(&exif, tag::F_NUMBER)?,
             focal_length_m: self.number(&exif, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
             colour_matrix_d65: d65,
@@ -230,6 +231,15 @@ impl<R: Read + Seek> Tags<R> {
             gain_map: opcodes::read_gain_map(&self.bytes(picture, tag::OPCODE_LIST_2)?, size),
             warp: opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?),
         })
+    }
+
+    /// The speed, which has a number of its own where 16 bits are too few.
+    fn iso(&mut self, exif: &Directory) -> Result<Option<u32>, Invalid> {
+        let iso = match self.number(exif, tag::ISO_SPEED)? {
+            Some(iso) => Some(iso),
+            None => self.number(exif, tag::PHOTOGRAPHIC_SENSITIVITY)?,
+        };
+        Ok(iso.filter(|iso| *iso > 0.0).map(|iso| iso as u32))
     }
 
     /// A matrix, and whether it is that of illuminant A.

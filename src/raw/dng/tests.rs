@@ -23,6 +23,7 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
             camera_model: "a camera".to_owned(),
             pixel_pitch_m: Some([5e-6, 2.5e-6]),
             exposure_time_s: 0.01,
+            iso: Some(if colour { 100 } else { 102_400 }),
             f_number: Some(2.8),
             focal_length_m: colour.then_some(0.016),
             colour_matrix_d65: colour.then(|| matrix(1.0)),

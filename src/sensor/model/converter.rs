@@ -44,6 +44,11 @@ impl Converter {
         self.conversion_gain_dn_per_e * gain.factor()
     }
 
+    /// The signal at the end of the range at 0 dB, referred to electrons.
+    pub(in crate::sensor) fn range_e(&self) -> f64 {
+        f64::from(self.max_dn() - self.black_level_dn) / self.conversion_gain_dn_per_e
+    }
+
     /// Largest digital number, 2^bits − 1.
     pub fn max_dn(&self) -> u16 {
         // At most 16 bits, so the sum of powers fits.
