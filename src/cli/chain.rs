@@ -217,6 +217,7 @@ impl<'a> Chain<'a> {
             bits: raw.bits,
             black_level_dn: raw.black_level_dn.mean(),
             white_level_dn: raw.white_level_dn,
+            linearisation_dn: raw.linearisation.clone(),
             system_gain_dn_per_e: sensor.system_gain(&exposed.exposure),
             saturation_capacity_e: sensor.saturation_capacity(&exposed.exposure).0,
             read_noise_e: sensor.noise.read.0,

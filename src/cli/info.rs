@@ -156,7 +156,7 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "dark_current_e_per_s": sensor.noise.dark_current_e_per_s,
         "prnu_percent": round(sensor.noise.prnu.total() * 100.0),
         "dsnu_e": round(sensor.noise.dsnu.total()),
-        "base_iso": sensor.base_iso().round(),
+        "base_iso": sensor.base_iso().map(f64::round),
         "gain_db_range": sensor.converter.gain_range.map(|gain| gain.0),
         "bits": sensor.converter.bits,
         "conversion_gain_dn_per_e": sensor.converter.conversion_gain_dn_per_e,

@@ -147,6 +147,8 @@ pub(super) struct SensorReport {
     pub(super) bits: u32,
     pub(super) black_level_dn: f32,
     pub(super) white_level_dn: u16,
+    /// What makes the numbers linear, which the levels are of; `null` where they are so already.
+    pub(super) linearisation_dn: Option<Vec<u16>>,
     /// K at the exposure's gains.
     pub(super) system_gain_dn_per_e: f64,
     /// The smaller of full well and converter range at these gains.
@@ -162,8 +164,8 @@ pub(super) struct ExposureReport {
     pub(super) auto: bool,
     pub(super) gain_db: f64,
     pub(super) digital_gain_db: f64,
-    /// Saturation-based ISO speed at these gains.
-    pub(super) iso: f64,
+    /// Saturation-based ISO speed at these gains; `null` for logarithmic sensors.
+    pub(super) iso: Option<f64>,
     pub(super) temperature_c: f64,
     pub(super) frames: u32,
 }

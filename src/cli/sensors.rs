@@ -28,7 +28,7 @@ struct Row {
     full_well_e: f64,
     read_noise_e: f64,
     dark_current_e_per_s: f64,
-    base_iso: f64,
+    base_iso: Option<f64>,
     bits: u32,
     source: String,
 }
@@ -57,7 +57,7 @@ pub(super) fn run(args: &SensorsArgs) -> photosite::Result<()> {
             100.0 * r.peak_quantum_efficiency,
             r.full_well_e,
             r.read_noise_e,
-            r.base_iso,
+            r.base_iso.map_or_else(|| "–".to_owned(), |iso| iso.to_string()),
             r.bits
         ))?;
     }
@@ -76,7 +76,7 @@ fn row(name: &'static str, model: &SensorModel) -> Row {
         full_well_e: model.full_well.0,
         read_noise_e: model.noise.read.0,
         dark_current_e_per_s: model.noise.dark_current_e_per_s,
-        base_iso: model.base_iso().round(),
+        base_iso: model.base_iso().map(f64::round),
         bits: model.converter.bits,
         source: model.source.clone(),
     }

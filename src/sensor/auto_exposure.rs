@@ -57,6 +57,10 @@ pub fn auto_exposure(
     wanted: &Exposure,
     target: AutoExposure,
 ) -> Result<Exposure, Invalid> {
+    if sensor.logarithmic.is_some() {
+        let message = format!("sensor {} is logarithmic and saturates at no time in particular", sensor.name);
+        return Err(Invalid::new("auto", message).help("write the time over which its pixels average, time_s = 0.01"));
+    }
     let dark = sensor.noise.dark_current(wanted.temperature);
     let mosaic = charge_generation::collect(electrons, &sensor.cfa)?.electrons;
     let per_capacity = match target.metering {

@@ -14,6 +14,7 @@ mod brighter_fatter;
 mod ccd;
 mod charge_generation;
 mod charge_plane;
+mod companding;
 mod converter;
 mod crosstalk;
 mod dark_current;
@@ -32,6 +33,8 @@ mod full_well;
 mod iso;
 mod layers;
 mod line_noise;
+mod linearisation;
+mod logarithmic;
 mod masked_pixels;
 mod model;
 mod noise_key;
@@ -48,9 +51,10 @@ mod telegraph;
 pub use auto_exposure::{AutoExposure, Metering, auto_exposure};
 pub use band_light::{BandRates, electron_rates};
 pub use ccd::{Ccd, Overscan};
+pub use companding::{Companding, CompandingCurve};
 pub use crosstalk::Kernel;
 pub use description::{
-    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, Converters, CountingMode,
+    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CompandingDescription, Converters, CountingMode,
     CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription, FilterDescription, FlickerDescription,
     FlickerOrder, NoiseDescription, ResetDescription, SensorDescription, SensorKind, SpadDescription, SpectrumSource,
     TelegraphDescription,
@@ -58,6 +62,8 @@ pub use description::{
 pub use dual_gain::DualGain;
 pub use expose::expose;
 pub use exposure::Exposure;
+pub use linearisation::Linearisation;
+pub use logarithmic::Logarithmic;
 pub use masked_pixels::MaskedPixels;
 pub use model::{
     Architecture, Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph,

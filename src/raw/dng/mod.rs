@@ -54,6 +54,8 @@ pub fn write_compressed_dng<W: Write + Seek>(raw: &RawImage, compression: DngCom
         return Err(io::Error::other("the picture has no pixels"));
     }
     raw.validate().map_err(io::Error::other)?;
+    // Floating-point numbers have no tables.
+    let raw = if compression == DngCompression::Deflate { &*raw.linear() } else { raw };
     let codes = filters::codes(&raw.cfa).map_err(io::Error::other)?;
     write_directories(raw, &codes, compression, to).map_err(io_error)
 }
@@ -84,7 +86,7 @@ fn write_directories<W: Write + Seek>(
 /// The thumbnail, and what holds for the file as a whole.
 fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
     let metadata = &raw.metadata;
-    numbers::write_thumbnail(&thumbnail::thumbnail(&raw.cropped()), ifd)?;
+    numbers::write_thumbnail(&thumbnail::thumbnail(&raw.linear().cropped()), ifd)?;
     ifd.write_tag(Tag::NewSubfileType, tag::REDUCED)?;
     ifd.write_tag(Tag::XResolution, Rational { n: 72, d: 1 })?;
     ifd.write_tag(Tag::YResolution, Rational { n: 72, d: 1 })?;
@@ -166,6 +168,9 @@ fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
             let delta = |i: usize| srational(deltas.get(i).copied().unwrap_or(0.0).into());
             ifd.write_tag(tag, &(0..side).map(delta).collect::<Vec<_>>()[..])?;
         }
+    }
+    if let Some(table) = &raw.linearisation {
+        ifd.write_tag(tag::LINEARIZATION_TABLE, &table[..])?;
     }
     ifd.write_tag(tag::WHITE_LEVEL, &vec![u32::from(raw.white_level_dn); samples][..])?;
     let noise = &raw.metadata.noise_profile;

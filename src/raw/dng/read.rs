@@ -12,7 +12,7 @@ use tiff::{Directory, TiffError};
 
 use super::{filters, opcodes, read_numbers, tag};
 use crate::Invalid;
-use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata};
+use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata, bits_for};
 
 /// Reads a DNG file.
 pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
@@ -39,7 +39,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         return Err(Invalid::new("WhiteLevel", message));
     }
     // The file does not keep the converter's bits; those that the white level needs are what matters.
-    let bits = (u32::BITS - (white as u32).leading_zeros()).max(8);
+    let bits = bits_for(white as u16);
     let metadata = file.metadata(&main, picture, [active.width, active.height])?;
     Ok(RawImage {
         width,
@@ -48,6 +48,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         cfa,
         active_area: area,
         bits,
+        linearisation: None,
         black_level_dn,
         white_level_dn: white as u16,
         metadata,

@@ -69,6 +69,19 @@ fn pictures_come_back_as_they_went() {
 }
 
 #[test]
+fn bent_numbers_come_back_linear() {
+    let raw = picture("RGGB", 37, 23);
+    let table: Vec<u16> = (0..1024u32).map(|code| (code * code / 255).min(4095) as u16).collect();
+    let data = raw.data.iter().map(|dn| dn % 1024).collect();
+    let raw = RawImage { data, bits: 10, linearisation: Some(table), ..raw };
+    let linear = raw.linear();
+    assert_eq!((linear.data[3], linear.bits), ((u32::from(raw.data[3]).pow(2) / 255).min(4095) as u16, 12));
+    for compression in COMPRESSIONS {
+        assert_eq!(read(&file(&raw, compression)).as_ref(), Ok(&*linear), "{compression:?}");
+    }
+}
+
+#[test]
 fn masked_pixels_and_black_levels_come_back() {
     for cfa in ["GRBG", "x-trans", "mono", "full:RGB"] {
         let raw = picture(cfa, 40, 30);

@@ -15,7 +15,7 @@ pub use noise::{
     DarkCurrentLawName, DefectsDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription,
     TelegraphDescription,
 };
-pub use read_out::{AdcDescription, ChargeDescription, Converters};
+pub use read_out::{AdcDescription, ChargeDescription, CompandingDescription, Converters};
 
 /// An image sensor: pixels, colour filters, noise, charge capacity and converter.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]

@@ -1,7 +1,7 @@
 //! Amplifiers and converter of a sensor.
 
 use crate::Invalid;
-use crate::sensor::DualGain;
+use crate::sensor::{Companding, DualGain};
 use crate::sensor::description::{AdcDescription, Converters};
 use crate::units::Decibels;
 
@@ -31,6 +31,8 @@ pub struct Converter {
     pub column_gain: f64,
     /// Spatial standard deviation of the columns' offsets, DN.
     pub column_offset_dn: f64,
+    /// What makes of its numbers those that leave the sensor; `None` for nothing.
+    pub companding: Option<Companding>,
     /// The two converters behind this one, where its numbers are merged from theirs.
     pub dual_gain: Option<Box<DualGain>>,
 }
@@ -68,6 +70,7 @@ impl Converter {
             converters: Converters::PerColumn,
             column_gain: 0.0,
             column_offset_dn: 0.0,
+            companding: None,
             dual_gain: None,
         }
     }
@@ -121,6 +124,11 @@ impl Converter {
             converters: d.converters,
             column_gain: not_negative("column_gain_percent", d.column_gain_percent)? / 100.0,
             column_offset_dn: not_negative("column_offset_dn", d.column_offset_dn)?,
+            companding: d
+                .companding
+                .as_ref()
+                .map(|companding| Companding::new(companding, d.bits).map_err(|e| e.within("companding")))
+                .transpose()?,
             dual_gain: dual_gain.transpose().map_err(|e| e.within("dual_gain"))?.map(Box::new),
         })
     }
