@@ -46,7 +46,8 @@ impl SensorModel {
 
     /// d(signal)/d(charge) of the pixel at a charge.
     pub(super) fn pixel_slope(&self, charge_e: f64, time: Seconds) -> f64 {
-        self.logarithmic.map_or(1.0, |logarithmic| 1.0 / (1.0 + charge_e.max(0.0) / (logarithmic.reference_e_per_s * time.0)))
+        self.logarithmic
+            .map_or(1.0, |logarithmic| 1.0 / (1.0 + charge_e.max(0.0) / (logarithmic.reference_e_per_s * time.0)))
     }
 }
 

@@ -54,10 +54,10 @@ pub use ccd::{Ccd, Overscan};
 pub use companding::{Companding, CompandingCurve};
 pub use crosstalk::Kernel;
 pub use description::{
-    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CompandingDescription, Converters, CountingMode,
-    CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription, FilterDescription, FlickerDescription,
-    FlickerOrder, NoiseDescription, ResetDescription, SensorDescription, SensorKind, SpadDescription, SpectrumSource,
-    TelegraphDescription,
+    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CompandingDescription,
+    Converters, CountingMode, CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription,
+    FilterDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription, SensorDescription,
+    SensorKind, SpadDescription, SpectrumSource, TelegraphDescription,
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;

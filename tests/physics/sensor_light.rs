@@ -44,7 +44,8 @@ fn auto_exposure_brings_the_bright_pixels_to_the_level() {
         let [least, most] = sensor.converter.gain_range;
         let wanted = Exposure { gain: Decibels(6.0f64.clamp(least.0, most.0)), ..EXPOSURE };
         let exposure = auto_exposure(&rates, Seconds(1.0), &sensor, &wanted, target).expect("there is light");
-        let raw = expose(&rates.scaled(exposure.time.0), &sensor, &exposure, Stages::NONE, NoiseKey::default()).expect("valid");
+        let raw = expose(&rates.scaled(exposure.time.0), &sensor, &exposure, Stages::NONE, NoiseKey::default())
+            .expect("valid");
         let numbers = raw.cropped().data;
         let saturation = sensor.saturation_capacity(&exposure).0 * sensor.system_gain(&exposure);
         let level = f64::from(raw.black_level_dn.mean()) + 0.8 * saturation;

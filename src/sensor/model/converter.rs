@@ -1,8 +1,8 @@
 //! Amplifiers and converter of a sensor.
 
 use crate::Invalid;
-use crate::sensor::{Companding, DualGain};
 use crate::sensor::description::{AdcDescription, Converters};
+use crate::sensor::{Companding, DualGain};
 use crate::units::Decibels;
 
 use super::checks::{finite, not_negative, positive};

@@ -13,12 +13,12 @@ use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
 use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT};
 
-use super::{Logarithmic, MaskedPixels};
 use super::ccd::margin;
 use super::crosstalk::Kernel;
 use super::description::{ChannelDescription, SensorDescription, SensorKind, SpectrumSource};
 use super::format;
 use super::layers;
+use super::{Logarithmic, MaskedPixels};
 pub use architecture::Architecture;
 use checks::{fraction, not_negative, positive};
 pub use converter::Converter;
