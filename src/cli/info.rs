@@ -159,6 +159,7 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "base_iso": sensor.base_iso().map(f64::round),
         "gain_db_range": sensor.converter.gain_range.map(|gain| gain.0),
         "bits": sensor.converter.bits,
+        "output_bits": sensor.output_bits(),
         "conversion_gain_dn_per_e": sensor.converter.conversion_gain_dn_per_e,
         "black_level_dn": sensor.converter.black_level_dn,
     }))
