@@ -118,6 +118,9 @@
 //! ## Varshni67
 //! Y. P. Varshni, "Temperature dependence of the energy gap in semiconductors", Physica 34(1), 149–154 (1967).
 //!
+//! ## Shoemake85
+//! K. Shoemake, "Animating Rotation with Quaternion Curves", Proc. SIGGRAPH, 245–254 (1985).
+//!
 //! ## Konnik14
 //! M. Konnik, J. Welsh, "High-level numerical simulations of noise in CCD and CMOS photosensors: review and tutorial",
 //! arXiv:1412.4031 (2014).

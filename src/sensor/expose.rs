@@ -48,7 +48,9 @@ impl Frame<'_> {
 
     /// Random numbers that stay from frame to frame, unless the stage is switched off.
     pub(super) fn fixed(&self, stage: Stage) -> Option<Streams> {
-        self.stages.has(stage).then(|| self.key.fixed(stage))
+        let streams = || self.key.fixed(stage);
+        let scans = self.sensor.shutter.scans();
+        self.stages.has(stage).then(|| if scans { streams().of_one_row() } else { streams() })
     }
 }
 

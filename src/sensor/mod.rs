@@ -45,6 +45,7 @@ pub mod presets;
 mod read_noise;
 mod reset_noise;
 mod shot_noise;
+mod shutter;
 mod stage;
 mod telegraph;
 
@@ -57,7 +58,7 @@ pub use description::{
     AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CompandingDescription,
     Converters, CountingMode, CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription,
     FilterDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription, SensorDescription,
-    SensorKind, SpadDescription, SpectrumSource, TelegraphDescription,
+    SensorKind, ShutterDescription, ShutterKind, SpadDescription, SpectrumSource, TelegraphDescription,
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;
@@ -70,4 +71,5 @@ pub use model::{
 };
 pub use noise_key::NoiseKey;
 pub use photon_counting::{Counting, Spad};
+pub use shutter::Shutter;
 pub use stage::{Stage, Stages};

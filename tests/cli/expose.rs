@@ -1,5 +1,7 @@
 //! `photosite expose`: stored light exposed again.
 
+use std::io::Cursor;
+
 use photosite::io::exr::{Attribute, read_exr, write_exr};
 use photosite::math::statistics::Moments;
 use rstest::rstest;
@@ -242,10 +244,10 @@ fn what_cannot_be_exposed_is_told() {
 fn pictures_of_something_else_are_refused() {
     let folder = rendered("");
     let file = folder.results("out")["electrons.exr"].clone();
-    let planes = read_exr(std::io::Cursor::new(&file)).expect("readable").planes;
+    let planes = read_exr(Cursor::new(&file)).expect("readable").planes;
     let write = |attributes: &[(&str, Attribute)]| {
         let mut bytes = Vec::new();
-        write_exr(&planes, attributes, &mut bytes).expect("written");
+        write_exr(&planes, attributes, Cursor::new(&mut bytes)).expect("written");
         bytes
     };
     let text = |value: &str| Attribute::Text(value.to_owned());

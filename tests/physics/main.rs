@@ -15,6 +15,7 @@ mod develop_colour;
 mod develop_neutral;
 mod lens;
 mod light_sampling;
+mod motion;
 mod quadrature;
 mod sampling;
 mod sensor_cases;

@@ -11,14 +11,14 @@ mod noise;
 use crate::Invalid;
 use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
-use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT};
+use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
 
 use super::ccd::margin;
 use super::crosstalk::Kernel;
 use super::description::{ChannelDescription, SensorDescription, SensorKind, SpectrumSource};
 use super::format;
 use super::layers;
-use super::{Logarithmic, MaskedPixels};
+use super::{Logarithmic, MaskedPixels, Shutter};
 pub use architecture::Architecture;
 use checks::{fraction, not_negative, positive};
 pub use converter::Converter;
@@ -36,7 +36,9 @@ pub struct SensorModel {
     pub source: String,
     /// Technology of the pixels.
     pub architecture: Architecture,
-    /// Columns and rows.
+    /// When each row sees light.
+    pub shutter: Shutter,
+    /// Columns and rows of a picture.
     pub resolution: [usize; 2],
     /// Pixels around these that see no light.
     pub masked: MaskedPixels,
@@ -112,6 +114,8 @@ impl SensorModel {
             .collect::<Result<_, _>>()?;
         positive("charge.full_well_e", d.charge.full_well_e, "10000.0")?;
         let architecture = Architecture::new(d)?;
+        let shutter = Shutter::new(&d.shutter).map_err(|e| e.within("shutter"))?;
+        shutter.check(d, &cfa)?;
         let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
         let logarithmic = logarithmic(d, &converter)?;
         Ok(Self {
@@ -119,6 +123,7 @@ impl SensorModel {
             description: d.description.clone(),
             source: d.source.clone(),
             architecture,
+            shutter,
             resolution: d.resolution_px.map(|n| n as usize),
             masked: MaskedPixels {
                 columns: margins("masked_columns", d.masked_columns)?,
@@ -136,6 +141,23 @@ impl SensorModel {
             logarithmic,
             converter,
         })
+    }
+
+    /// Columns and rows of pixels that there are: of a scanning sensor one row, whatever the lines of a picture.
+    pub fn pixel_array(&self) -> [usize; 2] {
+        let [columns, rows] = self.resolution;
+        [columns, if self.shutter.scans() { 1 } else { rows }]
+    }
+
+    /// Rows of a picture as it is read out, covered ones among them.
+    pub fn rows_read_out(&self) -> usize {
+        self.masked.rows[0] + self.resolution[1] + self.masked.rows[1]
+    }
+
+    /// Time from the start of one picture of a series to that of the next: as stated, else as short as the exposure and
+    /// rows that follow each other allow.
+    pub fn frame_interval(&self, exposure: Seconds, stated: Option<Seconds>) -> Seconds {
+        stated.unwrap_or(Seconds(exposure.0.max(self.rows_read_out() as f64 * self.shutter.row_time().0)))
     }
 
     /// Width of a pixel over its height.
