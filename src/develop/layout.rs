@@ -50,7 +50,7 @@ pub fn with_layout(raw: &RawImage, layout: RawLayout) -> Result<RawImage, Invali
     if layout == RawLayout::Sensor || raw.cfa.is_full() {
         return Ok(raw.clone());
     }
-    let raw = raw.cropped();
+    let raw = raw.linear().cropped();
     let size = [raw.width, raw.height];
     let neutral = raw.metadata.as_shot_neutral.clone().unwrap_or_else(|| vec![1.0; raw.cfa.channels().len()]);
     let mut signal = black_level::subtract(&raw, true);
@@ -103,6 +103,7 @@ mod tests {
             active_area: Some(Area { x: 3, y: 1, width: 33, height: 25 }),
             metadata: RawMetadata { as_shot_neutral: Some(vec![0.5, 1.0, 0.7]), ..RawMetadata::default() },
             cfa,
+            ..RawImage::default()
         }
     }
 

@@ -56,6 +56,8 @@ pub fn write_compressed_dng<W: Write + Seek>(raw: &RawImage, compression: DngCom
         return Err(io::Error::other("the picture has no pixels"));
     }
     raw.validate().map_err(io::Error::other)?;
+    // Floating-point numbers have no tables.
+    let raw = if compression == DngCompression::Deflate { &*raw.linear() } else { raw };
     let codes = filters::codes(&raw.cfa).map_err(io::Error::other)?;
     write_directories(raw, &codes, compression, to).map_err(io_error)
 }
@@ -74,7 +76,7 @@ fn write_directories<W: Write + Seek>(
     write_lens(raw, &mut ifd)?;
     let picture = ifd.finish_with_offsets()?;
     let mut preview = file.extra_directory()?;
-    let shown = raw.cropped();
+    let shown = raw.linear().cropped();
     numbers::write_preview(&thumbnail::thumbnail(&shown, PREVIEW_SIDE), &mut preview)?;
     let preview = preview.finish_with_offsets()?;
     let mut exif = file.extra_directory()?;
@@ -178,6 +180,9 @@ fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
             ifd.write_tag(tag, &(0..side).map(delta).collect::<Vec<_>>()[..])?;
         }
     }
+    if let Some(table) = &raw.linearisation {
+        ifd.write_tag(tag::LINEARIZATION_TABLE, &table[..])?;
+    }
     ifd.write_tag(tag::WHITE_LEVEL, &vec![u32::from(raw.white_level_dn); samples][..])?;
     let noise = &raw.metadata.noise_profile;
     if noise.is_empty() { Ok(()) } else { ifd.write_tag(tag::NOISE_PROFILE, noise.as_flattened()) }
@@ -203,6 +208,11 @@ fn write_exif<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
     ifd.write_tag(tag::EXPOSURE_TIME, rational(metadata.exposure_time_s))?;
     if let Some(f_number) = metadata.f_number {
         ifd.write_tag(tag::F_NUMBER, rational(f_number))?;
+    }
+    if let Some(iso) = metadata.iso {
+        ifd.write_tag(tag::PHOTOGRAPHIC_SENSITIVITY, u16::try_from(iso).unwrap_or(u16::MAX))?;
+        ifd.write_tag(tag::SENSITIVITY_TYPE, tag::IS_ISO_SPEED)?;
+        ifd.write_tag(tag::ISO_SPEED, iso)?;
     }
     if let Some(focal_length_m) = metadata.focal_length_m {
         ifd.write_tag(tag::FOCAL_LENGTH, rational(focal_length_m * 1e3))?;

@@ -101,7 +101,9 @@ pub(super) fn write_preview<W: Write + Seek>(preview: &Thumbnail, ifd: &mut Ifd<
 /// Bits that hold every number, and as many as the converter has.
 fn bits_needed(raw: &RawImage) -> u16 {
     let largest = raw.data.par_iter().copied().max().unwrap_or(0);
-    (u16::BITS - largest.leading_zeros()).max(raw.bits).clamp(8, 16) as u16
+    // dcraw takes 8 bits without a mosaic for a picture that was developed already.
+    let least = if raw.cfa.is_mono() || raw.cfa.is_full() { 9 } else { 8 };
+    (u16::BITS - largest.leading_zeros()).max(raw.bits).clamp(least, 16) as u16
 }
 
 /// Rows of numbers of so many bits, the most significant bit first; each row begins with a byte. 16 bits are in the
