@@ -99,7 +99,8 @@ fn two_exposures_take_a_sensor_for_cars_to_128_db() {
     let exposure = Exposure { time: Seconds(times[1]), ..EXPOSURE };
     let noise_e = sensor.noise_variance(Electrons(0.0), &exposure).sqrt();
     let formula_db = 20.0 * (sensor.saturation_capacity(&exposure).0 / noise_e * times[1] / times[0]).log10();
-    // A variance of 16 384 pixels: 5 σ are 5.5 % or 0.24 dB of the noise; the short exposure adds 0.01 % of information.
-    assert!((found_db - formula_db).abs() < 0.25, "{found_db} dB for {formula_db} dB");
+    // A variance of 16 384 pixels: 5 σ are 5.5 % or 0.24 dB of the noise; the short exposure adds 0.01 % of information. The
+    // model counts 1/12 for numbers that merging need not round here: 2 % of the variance, 0.09 dB.
+    assert!((found_db - formula_db).abs() < 0.24 + 0.09, "{found_db} dB for {formula_db} dB");
     assert!(found_db > 120.0, "{found_db} dB");
 }
