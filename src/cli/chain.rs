@@ -1,7 +1,8 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
 use photosite::develop::colour_matrix::{CameraColour, camera_colour};
-use photosite::develop::{DevelopSettings, EncodedPicture, develop};
+use photosite::develop::merge::Merged;
+use photosite::develop::{DevelopSettings, EncodedPicture, develop, develop_merged};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
 use photosite::io::capture::{
@@ -146,7 +147,17 @@ impl<'a> Chain<'a> {
         Ok(raw)
     }
 
-    fn in_exposure(&self, invalid: Invalid) -> Error {
+    /// The times of the bracket that is asked for, if one is.
+    pub(super) fn bracket(&self, exposed: &Exposed) -> Result<Option<Vec<Seconds>>> {
+        let Settings { sensor, exposure: wanted, .. } = self.settings;
+        let Some(times) = wanted.bracket.as_ref().map(|bracket| bracket.times(exposed.exposure.time)) else {
+            return Ok(None);
+        };
+        let valid = times.iter().try_for_each(|&time| Exposure { time, ..exposed.exposure }.validate(sensor));
+        valid.map_err(|invalid| self.in_exposure(invalid)).map(|()| Some(times))
+    }
+
+    pub(super) fn in_exposure(&self, invalid: Invalid) -> Error {
         self.settings.source.error(invalid.within("exposure"))
     }
 
@@ -154,6 +165,12 @@ impl<'a> Chain<'a> {
     pub(super) fn develop(&self, raw: &RawImage) -> Result<EncodedPicture> {
         let developed = develop(raw, self.settings.develop);
         developed.map_err(|invalid| self.settings.source.error(invalid.within("develop")))
+    }
+
+    /// Develops the light of a bracket to linear planes.
+    pub(super) fn develop_merged(&self, merged: Merged) -> Result<Planes> {
+        let developed = develop_merged(merged, self.settings.develop);
+        developed.map(|(planes, _)| planes).map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
     /// The exposure that the capture asks for, its time found from the light where it is automatic.
@@ -205,6 +222,12 @@ impl<'a> Chain<'a> {
             iso: self.settings.sensor.iso(&exposed.exposure),
             temperature_c: temperature.0,
             frames: self.settings.exposure.frames,
+            bracket_s: self
+                .settings
+                .exposure
+                .bracket
+                .as_ref()
+                .map(|bracket| bracket.times(time).iter().map(|time| time.0).collect()),
         }
     }
 

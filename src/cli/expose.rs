@@ -215,7 +215,7 @@ impl Stored {
 /// time is exact; what a moving camera saw is known for the rendered ones alone. A scanning sensor sees all lines from one
 /// row in any case.
 fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) -> Result<(), Invalid> {
-    let [was, is] = [recorded, capture].map(|c| (c.sensor.shutter, c.exposure));
+    let [was, is] = [recorded, capture].map(|c| (c.sensor.shutter, &c.exposure));
     if was.0.scans() != is.0.scans() || moves && was.0 != is.0 {
         let message = "the rows of this sensor see light at other times than those of the rendered one";
         return Err(
@@ -227,6 +227,10 @@ fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) ->
         let key = if was.1.time == is.1.time { "exposure.frame_interval_s" } else { "exposure.time_s" };
         let message = "the camera moves, and what it sees at other times is not stored";
         return Err(Invalid::new(key, message).help(help));
+    }
+    if moves && is.1.bracket.is_some() {
+        let message = "the camera moves, and the pictures of a bracket would differ";
+        return Err(Invalid::new("exposure", message).help("remove the bracket"));
     }
     if moves && is.1.frames > was.1.frames {
         let message = format!("the camera moves, and the light of {} pictures is stored", was.1.frames);

@@ -4,10 +4,11 @@
     raw_files.py [--developers] FOLDER...
 
 Each FOLDER holds raw.dng and raw.tiff, and may hold raw.pgm and raw.npy of the same picture. Adobe's DNG SDK (through
-dngpy), LibRaw (through rawpy), dcraw and tifffile must find the very same digital numbers in the DNG as tifffile does in the TIFF, and LibRaw the same
-black level, white level, colour filter array and colour matrix as exiftool finds in the tags; exiftool must find nothing
-to warn about. With --developers, RawTherapee and darktable must develop the DNG to a picture of the right size. Where
-the folder holds a capture.json too, the tags must say the exposure, lens and levels that it says.
+dngpy), LibRaw (through rawpy), dcraw and tifffile must find the very same digital numbers in the DNG as tifffile does in
+the TIFF; LibRaw and dcraw those that the table of capture.json makes of them where a sensor is not linear. LibRaw must
+find the same black level, white level, colour filter array and colour matrix as exiftool finds in the tags; exiftool must
+find nothing to warn about. With --developers, RawTherapee and darktable must develop the DNG to a picture of the right
+size. Where the folder holds a capture.json too, the tags must say the exposure, lens and levels that it says.
 Exit status 0 where all is well, 1 otherwise.
 
 What these programs cannot do is not asked of them: dcraw knows no floating-point numbers, which is what Deflate holds;
@@ -97,6 +98,7 @@ class Judge:
         self.exiftool(self.folder / "raw.tiff")
         found = self.mosaics()
         numbers = found["raw.tiff"]
+        linear = self.linear(numbers)
         is_float = tags["SubIFD:Compression"] == DEFLATE
         with tifffile.TiffFile(path) as file:
             found["raw.dng by tifffile"] = file.pages[0].pages[0].asarray()
@@ -108,16 +110,16 @@ class Judge:
             if read.ndim == 3:
                 read = read[:, :, : numbers.shape[2]]
             if is_float:
-                self.scaled(read, numbers)
+                self.scaled(read, linear)
             else:
-                found["raw.dng by LibRaw"] = read
+                self.check(numpy.array_equal(read, linear), "LibRaw finds other linear numbers than the table makes")
                 self.levels(raw, tags)
             self.colour(raw, tags)
         tile = tags.get("SubIFD:CFARepeatPatternDim", "2 2")
         # Of pictures with several numbers a pixel, dcraw takes the corner instead of the active area.
         moved = numbers.ndim == 3 and self.active(tags)[:2] != [0, 0]
         if not is_float and not moved and tile in ("2 2", "6 6"):
-            self.dcraw(path, tags, numbers)
+            self.dcraw(path, tags, linear)
         if (self.folder / "capture.json").exists():
             self.capture(tags)
         for name, pixels in found.items():
@@ -138,6 +140,12 @@ class Judge:
     @staticmethod
     def active(tags):
         return [int(n) for n in tags["SubIFD:ActiveArea"].split()]
+
+    def linear(self, numbers):
+        """What programs that know LinearizationTable must make of the numbers."""
+        path = self.folder / "capture.json"
+        table = json.loads(path.read_text())["sensor"].get("linearisation_dn") if path.exists() else None
+        return numbers if table is None else numpy.array(table, "uint16")[numbers]
 
     def dcraw(self, path, tags, numbers):
         run = subprocess.run(["dcraw", "-D", "-4", "-t", "0", "-c", str(path)], capture_output=True)
@@ -189,6 +197,7 @@ class Judge:
         sensor = capture["sensor"]
         for tag, expected in {
             "ExifIFD:ExposureTime": capture["exposure"]["time_s"],
+            "ExifIFD:ISO": min(round(capture["exposure"]["iso"]), 65535) if capture["exposure"]["iso"] else None,
             "ExifIFD:FNumber": capture["lens"]["f_number"],
             "ExifIFD:FocalLength": capture["lens"]["focal_length_mm"],
             "SubIFD:BlackLevel": sensor["black_level_dn"],
@@ -196,6 +205,9 @@ class Judge:
             "SubIFD:ImageWidth": sensor["resolution_px"][0],
             "SubIFD:ImageHeight": sensor["resolution_px"][1],
         }.items():
+            if expected is None:
+                self.check(tag not in tags, f"{tag} is {tags.get(tag)}, where there is none")
+                continue
             for value in str(tags[tag]).split():
                 self.check(math.isclose(float(value), expected, rel_tol=1e-6), f"{tag} is {value}, not {expected}")
 
