@@ -24,6 +24,7 @@ impl OperatingPoint {
     /// Refuses what this sensor cannot do, and single-photon counters, of which the standard's linear model does not hold:
     /// their counts bend with the light, and the noise of counts that saturate falls to nothing.
     pub fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
+        self.exposure(USUAL_TIME).validate(sensor)?;
         if sensor.architecture.spad().is_some() {
             let message = format!("{} counts single photons, and EMVA 1288 (linear) does not apply to it", sensor.name);
             return Err(Invalid::new("", message).help(
@@ -31,12 +32,21 @@ impl OperatingPoint {
                  noise takes the figures of its pictures",
             ));
         }
-        self.exposure(USUAL_TIME).validate(sensor)
+        let bent = [
+            ("charge.logarithmic_reference_e_per_s", sensor.logarithmic.is_some()),
+            ("adc.companding", sensor.converter.companding.is_some()),
+        ];
+        match bent.iter().find(|(_, is_bent)| *is_bent) {
+            Some((key, _)) => Err(Invalid::new(*key, "makes numbers that are not in proportion to light")
+                .help("EMVA 1288 measures linear sensors; leave it out")),
+            None => Ok(()),
+        }
     }
 
     /// An exposure of this time.
     pub(super) fn exposure(&self, time: Seconds) -> Exposure {
-        Exposure { time, gain: self.gain, temperature: self.temperature, frame_interval: None }
+        let Self { gain, temperature, .. } = *self;
+        Exposure { time, gain, digital_gain: Decibels(0.0), temperature, frame_interval: None }
     }
 }
 

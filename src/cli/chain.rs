@@ -1,7 +1,8 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
 use photosite::develop::colour_matrix::{CameraColour, camera_colour};
-use photosite::develop::{DevelopSettings, EncodedPicture, develop};
+use photosite::develop::merge::Merged;
+use photosite::develop::{DevelopSettings, EncodedPicture, develop, develop_merged};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
 use photosite::io::capture::{
@@ -118,12 +119,9 @@ impl<'a> Chain<'a> {
     }
 
     /// Exposes to light that frees these electrons within the time `collected`; electron rates are those of one second.
-    /// `known_time` stands in for what an automatic exposure would find.
-    pub(super) fn expose(&self, light: Estimate, collected: Seconds, known_time: Option<Seconds>) -> Result<Exposed> {
-        let exposure = match known_time {
-            Some(time) => Ok(self.at(time)),
-            None => self.exposure(&light, collected),
-        };
+    /// `known` stands in for what an automatic exposure would find.
+    pub(super) fn expose(&self, light: Estimate, collected: Seconds, known: Option<Exposure>) -> Result<Exposed> {
+        let exposure = known.map_or_else(|| self.exposure(&light, collected), Ok);
         // The time of an automatic exposure is known only now.
         let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
         let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
@@ -142,13 +140,24 @@ impl<'a> Chain<'a> {
         raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
         raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
         raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
+        raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
         if let Some((lens, camera)) = self.lens {
             lens_corrections::add(lens, camera, &mut raw);
         }
         Ok(raw)
     }
 
-    fn in_exposure(&self, invalid: Invalid) -> Error {
+    /// The times of the bracket that is asked for, if one is.
+    pub(super) fn bracket(&self, exposed: &Exposed) -> Result<Option<Vec<Seconds>>> {
+        let Settings { sensor, exposure: wanted, .. } = self.settings;
+        let Some(times) = wanted.bracket.as_ref().map(|bracket| bracket.times(exposed.exposure.time)) else {
+            return Ok(None);
+        };
+        let valid = times.iter().try_for_each(|&time| Exposure { time, ..exposed.exposure }.validate(sensor));
+        valid.map_err(|invalid| self.in_exposure(invalid)).map(|()| Some(times))
+    }
+
+    pub(super) fn in_exposure(&self, invalid: Invalid) -> Error {
         self.settings.source.error(invalid.within("exposure"))
     }
 
@@ -158,20 +167,22 @@ impl<'a> Chain<'a> {
         developed.map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
+    /// Develops the light of a bracket to linear planes.
+    pub(super) fn develop_merged(&self, merged: Merged) -> Result<Planes> {
+        let developed = develop_merged(merged, self.settings.develop);
+        developed.map(|(planes, _)| planes).map_err(|invalid| self.settings.source.error(invalid.within("develop")))
+    }
+
     /// The exposure that the capture asks for, its time found from the light where it is automatic.
     fn exposure(&self, light: &Estimate, collected: Seconds) -> Result<Exposure, Invalid> {
         let Settings { sensor, exposure: wanted, .. } = self.settings;
-        Ok(self.at(match wanted.time {
-            ExposureTime::Fixed(time) => time,
+        match wanted.time {
+            ExposureTime::Fixed(time) => Ok(wanted.at(time)),
+            // Any time serves to tell the rest.
             ExposureTime::Auto(target) => {
-                auto_exposure(&light.mean, collected, sensor, wanted.gain, wanted.temperature, target)?
+                auto_exposure(&light.mean, collected, sensor, &wanted.at(Seconds(1.0)), target)
             }
-        }))
-    }
-
-    fn at(&self, time: Seconds) -> Exposure {
-        let ExposureSettings { gain, temperature, frame_interval, .. } = *self.settings.exposure;
-        Exposure { time, gain, temperature, frame_interval }
+        }
     }
 
     /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
@@ -202,13 +213,21 @@ impl<'a> Chain<'a> {
     }
 
     pub(super) fn exposure_report(&self, exposed: &Exposed) -> ExposureReport {
-        let Exposure { time, gain, temperature, .. } = exposed.exposure;
+        let Exposure { time, gain, digital_gain, temperature, .. } = exposed.exposure;
         ExposureReport {
             time_s: time.0,
             auto: matches!(self.settings.exposure.time, ExposureTime::Auto(_)),
             gain_db: gain.0,
+            digital_gain_db: digital_gain.0,
+            iso: self.settings.sensor.iso(&exposed.exposure),
             temperature_c: temperature.0,
             frames: self.settings.exposure.frames,
+            bracket_s: self
+                .settings
+                .exposure
+                .bracket
+                .as_ref()
+                .map(|bracket| bracket.times(time).iter().map(|time| time.0).collect()),
         }
     }
 
@@ -222,7 +241,8 @@ impl<'a> Chain<'a> {
             bits: raw.bits,
             black_level_dn: raw.black_level_dn.mean(),
             white_level_dn: raw.white_level_dn,
-            system_gain_dn_per_e: sensor.converter.system_gain(exposed.exposure.gain),
+            linearisation_dn: raw.linearisation.clone(),
+            system_gain_dn_per_e: sensor.system_gain(&exposed.exposure),
             saturation_capacity_e: sensor.saturation_capacity(&exposed.exposure).0,
             read_noise_e: sensor.noise.read.0,
             as_shot_neutral: raw.metadata.as_shot_neutral.clone(),

@@ -5,6 +5,7 @@ use std::time::Instant;
 use photosite::Result;
 use photosite::raw::RawImage;
 
+use super::bracket::write_bracket;
 use super::chain::{Chain, Exposed};
 use super::output_folder::OutputFolder;
 use super::report::Timings;
@@ -18,7 +19,7 @@ pub(super) enum Frames {
     One { number: u32, of: u32 },
 }
 
-/// Reads out the frames and writes them; develops the first, which is returned. `write_light` writes what is left of the
+/// Reads out the frames and writes them, or those of a bracket; develops the first, which is returned. `write_light` writes what is left of the
 /// light beside the electrons, numbered where there are several.
 pub(super) fn write_results(
     chain: &Chain<'_>,
@@ -28,6 +29,9 @@ pub(super) fn write_results(
     timings: &mut Timings,
     write_light: impl FnOnce(&mut OutputFolder, Option<u32>) -> Result<()>,
 ) -> Result<RawImage> {
+    if let Some(times) = chain.bracket(exposed)? {
+        return write_bracket(chain, exposed, &times, folder, timings, |folder| write_light(folder, None));
+    }
     let (first_frame, light_number, raw_number, more) = match frames {
         Frames::All(1) => (0, None, None, 1..1),
         Frames::All(count) => (0, None, Some(0), 1..count),

@@ -3,7 +3,7 @@
 use photosite::math::statistics::Moments;
 use photosite::raw::RawImage;
 use photosite::sensor::{
-    DarkCurrentLaw, Exposure, FixedPattern, NoiseKey, SensorModel, Stage, Stages, expose, presets,
+    DarkCurrentLaw, Exposure, FixedPattern, NoiseKey, SensorModel, Shutter, Stage, Stages, expose, presets,
 };
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 

@@ -7,22 +7,27 @@ use serde::Deserialize;
 
 use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
 use crate::Invalid;
+use crate::develop::RawLayout;
 use crate::integrator::RenderSettings;
 use crate::raw::{Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
-use crate::sensor::{AutoExposure, Exposure, SensorModel, Stages};
+use crate::sensor::{AutoExposure, Exposure, Metering, SensorModel, Stages};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
 /// How the sensor is exposed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ExposureSettings {
     /// How long.
     pub time: ExposureTime,
-    /// Analogue gain.
+    /// Analogue gain; automatic gain control starts from here.
     pub gain: Decibels,
+    /// Gain of the numbers behind the converter, likewise.
+    pub digital_gain: Decibels,
     /// Temperature of the sensor.
     pub temperature: Celsius,
+    /// Other times for which the same light is exposed, in place of frames.
+    pub bracket: Option<Bracket>,
     /// How many pictures of the same light, at least 1.
     pub frames: u32,
     /// Time from the start of one picture to that of the next, where it is longer than the exposure.
@@ -34,7 +39,44 @@ pub struct ExposureSettings {
 impl ExposureSettings {
     /// Whether pictures of the same light are exposed in the same way, however many there are.
     pub fn is_like(&self, other: &Self) -> bool {
-        Self { frames: 1, ..*self } == Self { frames: 1, ..*other }
+        Self { frames: 1, ..self.clone() } == Self { frames: 1, ..other.clone() }
+    }
+
+    /// An exposure of this time.
+    pub fn at(&self, time: Seconds) -> Exposure {
+        let &Self { gain, digital_gain, temperature, frame_interval, .. } = self;
+        Exposure { time, gain, digital_gain, temperature, frame_interval }
+    }
+}
+
+/// Times of a bracket.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bracket {
+    /// Steps from the time of the exposure, EV.
+    Steps(Vec<f64>),
+    /// These times.
+    Times(Vec<Seconds>),
+}
+
+impl Bracket {
+    /// The times, in the order in which they were written, around that of the exposure.
+    pub fn times(&self, exposure: Seconds) -> Vec<Seconds> {
+        match self {
+            Self::Steps(steps) => steps.iter().map(|step| Seconds(exposure.0 * step.exp2())).collect(),
+            Self::Times(times) => times.clone(),
+        }
+    }
+
+    /// The time that stands for all: that in the middle of the sorted ones.
+    fn middle(&self) -> Option<Seconds> {
+        match self {
+            Self::Steps(_) => None,
+            Self::Times(times) => {
+                let mut times = times.clone();
+                times.sort_by(|a, b| a.0.total_cmp(&b.0));
+                times.get((times.len() - 1) / 2).copied()
+            }
+        }
     }
 }
 
@@ -54,6 +96,10 @@ pub struct OutputSettings {
     pub raw: Vec<RawFormat>,
     /// How DNG files are compressed.
     pub dng_compression: DngCompression,
+    /// By how much developers brighten DNG files unasked, EV.
+    pub dng_baseline_exposure_ev: f64,
+    /// The filters that raw files tell of.
+    pub raw_layout: RawLayout,
     /// Whether the mean electrons are written.
     pub electrons: bool,
     /// The bands in which the spectral irradiance is written, if it is.
@@ -76,6 +122,8 @@ pub enum RawFormat {
     Pgm,
     /// NumPy array of the digital numbers.
     Npy,
+    /// OpenEXR picture of the digital numbers as 32-bit floats.
+    Exr,
 }
 
 /// Spectral bands of equal width next to each other.
@@ -110,7 +158,10 @@ impl SpectralBands {
 
 /// Reads `[exposure]`.
 pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
-    let time = match (table.time_s, table.auto) {
+    let [gain, digital_gain] = gains(table, sensor)?;
+    let bracket = bracket(table)?;
+    let time_s = table.time_s.or(bracket.as_ref().and_then(Bracket::middle).map(|time| time.0));
+    let time = match (time_s, table.auto) {
         (Some(_), Some(true)) => {
             return Err(Invalid::new("auto", "cannot go with time_s").help("keep one of them"));
         }
@@ -118,36 +169,100 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         (None, Some(false)) => {
             return Err(Invalid::new("auto", "is off, and there is no time").help("for example time_s = 0.01"));
         }
-        (None, None | Some(true)) => ExposureTime::Auto(auto_exposure(table)?),
+        (None, None | Some(true)) => ExposureTime::Auto(auto_exposure(table, sensor, gain.0 + digital_gain.0)?),
     };
-    if let (ExposureTime::Fixed(_), Some(key)) = (
-        time,
-        [("auto_target", table.auto_target), ("auto_brighter_part", table.auto_brighter_part)]
-            .iter()
-            .find_map(|(key, value)| value.map(|_| *key)),
-    ) {
-        return Err(Invalid::new(key, "goes only with automatic exposure").help("remove it, or remove time_s"));
+    let of_automatic = [
+        ("auto_target", table.auto_target),
+        ("auto_brighter_part", table.auto_brighter_part),
+        ("auto_mean", table.auto_mean),
+        ("max_time_s", table.max_time_s),
+        ("max_gain_db", table.max_gain_db),
+    ];
+    if let (ExposureTime::Fixed(_), Some((key, _))) = (time, of_automatic.iter().find(|(_, value)| value.is_some())) {
+        return Err(Invalid::new(*key, "goes only with automatic exposure").help("remove it, or remove time_s"));
     }
-    let [lowest, highest] = sensor.converter.gain_range.map(|gain| gain.0);
     let settings = ExposureSettings {
         time,
-        gain: Decibels(table.gain_db.unwrap_or(0f64.clamp(lowest, highest))),
+        gain,
+        digital_gain,
         temperature: Celsius(table.temperature_c.unwrap_or(25.0)),
         frames: table.frames.unwrap_or(1),
         frame_interval: table.frame_interval_s.map(Seconds),
         stages: stages(table)?,
+        bracket,
     };
+    if settings.bracket.is_some() && settings.frames != 1 {
+        let message = "cannot go with a bracket, whose pictures are a series already";
+        return Err(Invalid::new("frames", message).help("remove it, or the bracket"));
+    }
     if settings.frames == 0 {
         return Err(Invalid::new("frames", "must be at least 1, got 0").help("for example frames = 1"));
     }
-    let ExposureSettings { gain, temperature, frame_interval, .. } = settings;
     // Any time serves to check the rest of an automatic exposure.
     let exposure = match settings.time {
-        ExposureTime::Fixed(time) => Exposure { time, gain, temperature, frame_interval },
-        ExposureTime::Auto(_) => Exposure { time: Seconds(1.0), gain, temperature, frame_interval: None },
+        ExposureTime::Fixed(time) => settings.at(time),
+        ExposureTime::Auto(_) => Exposure { frame_interval: None, ..settings.at(Seconds(1.0)) },
     };
     exposure.validate(sensor)?;
+    if let (ExposureTime::Fixed(time), Some(bracket)) = (settings.time, &settings.bracket) {
+        bracket.times(time).into_iter().try_for_each(|time| settings.at(time).validate(sensor))?;
+    }
+    if let (Some(bracket), true) = (&settings.bracket, sensor.logarithmic.is_some()) {
+        let key = match bracket {
+            Bracket::Steps(_) => "bracket_ev",
+            Bracket::Times(_) => "bracket_times_s",
+        };
+        return Err(Invalid::new(key, "has no use for a logarithmic sensor").help("it sees the whole range at once"));
+    }
     Ok(settings)
+}
+
+/// The bracket that is asked for.
+fn bracket(table: &ExposureTable) -> Result<Option<Bracket>, Invalid> {
+    const MOST: usize = 32;
+    let (key, values, example) = match (&table.bracket_ev, &table.bracket_times_s) {
+        (None, None) => return Ok(None),
+        (Some(_), Some(_)) => {
+            return Err(Invalid::new("bracket_times_s", "cannot go with bracket_ev").help("keep one of them"));
+        }
+        (Some(steps), None) => ("bracket_ev", steps, "[-4, 0, 4]"),
+        (None, Some(times)) => ("bracket_times_s", times, "[0.001, 0.016]"),
+    };
+    let wrong = |message: String| Invalid::new(key, message).help(format!("for example {key} = {example}"));
+    if !(2..=MOST).contains(&values.len()) {
+        return Err(wrong(format!("must be 2 to {MOST} exposures, got {}", values.len())));
+    }
+    if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+        return Err(wrong(format!("must be finite numbers, got {value}")));
+    }
+    if let Some((_, twice)) = values.iter().enumerate().find(|(i, value)| values[..*i].contains(value)) {
+        return Err(wrong(format!("has {twice} twice")));
+    }
+    if table.bracket_ev.is_some() {
+        return Ok(Some(Bracket::Steps(values.clone())));
+    }
+    if let Some(time) = values.iter().find(|time| **time <= 0.0) {
+        return Err(wrong(format!("must be above 0, got {time}")));
+    }
+    let clash = [("time_s", table.time_s.is_some()), ("auto", table.auto == Some(true))];
+    if let Some((other, _)) = clash.iter().find(|(_, is_given)| *is_given) {
+        return Err(Invalid::new(key, format!("cannot go with {other}")).help("keep one of them, or write bracket_ev"));
+    }
+    Ok(Some(Bracket::Times(values.iter().copied().map(Seconds).collect())))
+}
+
+/// The analogue and the digital gain that are asked for.
+fn gains(table: &ExposureTable, sensor: &SensorModel) -> Result<[Decibels; 2], Invalid> {
+    let Some(iso) = table.iso else {
+        let [lowest, highest] = sensor.converter.gain_range.map(|gain| gain.0);
+        let gain = table.gain_db.unwrap_or(0f64.clamp(lowest, highest));
+        return Ok([gain, table.digital_gain_db.unwrap_or(0.0)].map(Decibels));
+    };
+    let explicit = [("gain_db", table.gain_db), ("digital_gain_db", table.digital_gain_db)];
+    if let Some((key, _)) = explicit.iter().find(|(_, value)| value.is_some()) {
+        return Err(Invalid::new("iso", format!("cannot go with {key}")).help("keep one of them"));
+    }
+    sensor.gains_for_iso(iso)
 }
 
 fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {
@@ -159,21 +274,57 @@ fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {
     }
 }
 
-fn auto_exposure(table: &ExposureTable) -> Result<AutoExposure, Invalid> {
-    let default = AutoExposure::default();
-    let auto = AutoExposure {
-        level: table.auto_target.unwrap_or(default.level),
-        brighter_part: table.auto_brighter_part.unwrap_or(default.brighter_part),
+/// `gain_db` is what automatic gain control starts from.
+fn auto_exposure(table: &ExposureTable, sensor: &SensorModel, gain_db: f64) -> Result<AutoExposure, Invalid> {
+    let max_time = table.max_time_s.map(|time| positive_number("max_time_s", time, "0.04").map(Seconds)).transpose()?;
+    if let (None, Some(_)) = (max_time, table.max_gain_db) {
+        let message = "has no meaning where the time has no limit";
+        return Err(Invalid::new("max_gain_db", message).help("write max_time_s, too: gain rises where time may not"));
+    }
+    if let Some(most) = table.max_gain_db.filter(|most| !(most.is_finite() && *most >= gain_db)) {
+        let message = format!("must be at least {gain_db}, where the gain starts, got {most}");
+        return Err(Invalid::new("max_gain_db", message).help("for example max_gain_db = 24.0"));
+    }
+    let is_stated = table.gain_db.is_some() || table.digital_gain_db.is_some() || table.iso.is_some();
+    let [_, highest] = sensor.converter.gain_range;
+    let default = (max_time.is_some() && !is_stated).then_some(highest);
+    Ok(AutoExposure { metering: metering(table)?, max_time, max_gain: table.max_gain_db.map(Decibels).or(default) })
+}
+
+fn metering(table: &ExposureTable) -> Result<Metering, Invalid> {
+    let (default_part, default_level) = match Metering::default() {
+        Metering::Highlights { brighter_part, level } => (brighter_part, level),
+        Metering::Mean(level) => (0.0, level),
     };
-    if !(auto.level > 0.0 && auto.level <= 1.0) {
-        let message = format!("must lie above 0 and up to 1, got {}", auto.level);
+    if let Some(mean) = table.auto_mean {
+        let others = [("auto_target", table.auto_target), ("auto_brighter_part", table.auto_brighter_part)];
+        if let Some((key, _)) = others.iter().find(|(_, value)| value.is_some()) {
+            return Err(Invalid::new("auto_mean", format!("cannot go with {key}")).help("keep one of them"));
+        }
+        if !(mean > 0.0 && mean < 1.0) {
+            let message = format!("must lie between 0 and 1, got {mean}");
+            return Err(Invalid::new("auto_mean", message).help("for example auto_mean = 0.18"));
+        }
+        return Ok(Metering::Mean(mean));
+    }
+    let level = table.auto_target.unwrap_or(default_level);
+    let brighter_part = table.auto_brighter_part.unwrap_or(default_part);
+    if !(level > 0.0 && level <= 1.0) {
+        let message = format!("must lie above 0 and up to 1, got {level}");
         return Err(Invalid::new("auto_target", message).help("for example auto_target = 0.85"));
     }
-    if !(0.0..1.0).contains(&auto.brighter_part) {
-        let message = format!("must lie from 0 to below 1, got {}", auto.brighter_part);
+    if !(0.0..1.0).contains(&brighter_part) {
+        let message = format!("must lie from 0 to below 1, got {brighter_part}");
         return Err(Invalid::new("auto_brighter_part", message).help("for example auto_brighter_part = 0.005"));
     }
-    Ok(auto)
+    Ok(Metering::Highlights { brighter_part, level })
+}
+
+fn positive_number(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    Err(Invalid::new(key, format!("must be above 0, got {value}")).help(format!("for example {key} = {example}")))
 }
 
 /// Reads `[render]`.
@@ -198,9 +349,20 @@ pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
 
 /// Reads `[output]`.
 pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<OutputSettings, Invalid> {
+    let raw_layout = table.raw_layout.unwrap_or_default();
+    raw_layout.check(&sensor.cfa)?;
+    let full = Cfa::full(["R", "G", "B"])?;
+    let cfa = if raw_layout == RawLayout::Linear { &full } else { &sensor.cfa };
+    let baseline = table.dng_baseline_exposure_ev.unwrap_or(0.0);
+    if !(-10.0..=10.0).contains(&baseline) {
+        let message = format!("must be from -10 to 10, got {baseline}");
+        return Err(
+            Invalid::new("dng_baseline_exposure_ev", message).help("for example dng_baseline_exposure_ev = 0.5")
+        );
+    }
     let mut raw = Vec::new();
     for format in table.raw.as_deref().unwrap_or(&[RawFormat::Dng]) {
-        can_hold(*format, &sensor.cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
+        can_hold(*format, cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
         if !raw.contains(format) {
             raw.push(*format);
         }
@@ -209,6 +371,8 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
     Ok(OutputSettings {
         raw,
         dng_compression: table.dng_compression.unwrap_or_default(),
+        dng_baseline_exposure_ev: baseline,
+        raw_layout,
         electrons: table.electrons.unwrap_or(true),
         ideal: table.ideal.unwrap_or(false),
         irradiance: match table.irradiance {
@@ -230,7 +394,7 @@ fn can_hold(format: RawFormat, cfa: &Cfa) -> Result<(), Invalid> {
             let message = format!("PGM and PPM have no pixels of {} numbers", cfa.samples_per_pixel());
             Err(Invalid::new("raw", message).help("write raw = [\"tiff\"] or [\"npy\"], which hold any channels"))
         }
-        RawFormat::Pgm | RawFormat::Tiff | RawFormat::Npy => Ok(()),
+        RawFormat::Pgm | RawFormat::Tiff | RawFormat::Npy | RawFormat::Exr => Ok(()),
     }
 }
 

@@ -10,14 +10,15 @@ use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 use tiff::{Directory, TiffError};
 
+use super::openable::{Openable, open};
 use super::{filters, opcodes, read_numbers, tag};
 use crate::Invalid;
-use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata};
+use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata, bits_for};
 
 /// Reads a DNG file.
 pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
-    let mut file = Tags { decoder: Decoder::new(from).map_err(unreadable)? };
-    let Some(pointer) = file.decoder.ifd_pointer() else { return Err(Invalid::new("", "the file is empty")) };
+    let (decoder, pointer) = open(from).map_err(unreadable)?;
+    let mut file = Tags { decoder };
     let main = file.decoder.read_directory(pointer).map_err(unreadable)?;
     let beneath = if file.is_picture(&main)? { None } else { Some(file.find_picture(&main)?) };
     let picture = beneath.as_ref().unwrap_or(&main);
@@ -39,7 +40,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         return Err(Invalid::new("WhiteLevel", message));
     }
     // The file does not keep the converter's bits; those that the white level needs are what matters.
-    let bits = (u32::BITS - (white as u32).leading_zeros()).max(8);
+    let bits = bits_for(white as u16);
     let metadata = file.metadata(&main, picture, [active.width, active.height])?;
     Ok(RawImage {
         width,
@@ -48,10 +49,20 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         cfa,
         active_area: area,
         bits,
+        linearisation: None,
         black_level_dn,
         white_level_dn: white as u16,
         metadata,
     })
+}
+
+/// Whether a TIFF file says in its first directory that it is DNG.
+pub(in crate::raw) fn is_dng<R: Read + Seek>(from: R) -> bool {
+    let version = open(from).and_then(|(mut decoder, pointer)| {
+        let main = decoder.read_directory(pointer)?;
+        decoder.read_directory_tags(&main).find_tag(tag::DNG_VERSION)
+    });
+    matches!(version, Ok(Some(_)))
 }
 
 pub(super) fn unreadable(error: TiffError) -> Invalid {
@@ -60,7 +71,7 @@ pub(super) fn unreadable(error: TiffError) -> Invalid {
 
 /// A file whose tags can be asked for.
 pub(super) struct Tags<R: Read + Seek> {
-    pub(super) decoder: Decoder<R>,
+    pub(super) decoder: Decoder<Openable<R>>,
 }
 
 impl<R: Read + Seek> Tags<R> {
@@ -221,15 +232,26 @@ impl<R: Read + Seek> Tags<R> {
             camera_model,
             pixel_pitch_m: self.pixel_pitch(&exif)?,
             exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
+            iso: self.iso(&exif)?,
             f_number: self.number(&exif, tag::F_NUMBER)?,
             focal_length_m: self.number(&exif, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
             colour_matrix_d65: d65,
             colour_matrix_a: a,
             as_shot_neutral: (!neutral.is_empty()).then_some(neutral),
             noise_profile: noise.as_chunks::<2>().0.to_vec(),
+            baseline_exposure_ev: self.number(main, tag::BASELINE_EXPOSURE)?.filter(|ev| ev.is_finite()).unwrap_or(0.0),
             gain_map: opcodes::read_gain_map(&self.bytes(picture, tag::OPCODE_LIST_2)?, size),
             warp: opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?),
         })
+    }
+
+    /// The speed, which has a number of its own where 16 bits are too few.
+    fn iso(&mut self, exif: &Directory) -> Result<Option<u32>, Invalid> {
+        let iso = match self.number(exif, tag::ISO_SPEED)? {
+            Some(iso) => Some(iso),
+            None => self.number(exif, tag::PHOTOGRAPHIC_SENSITIVITY)?,
+        };
+        Ok(iso.filter(|iso| *iso > 0.0).map(|iso| iso as u32))
     }
 
     /// A matrix, and whether it is that of illuminant A.

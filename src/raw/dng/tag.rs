@@ -2,11 +2,17 @@
 
 use tiff::tags::Tag;
 
+pub(super) const YCBCR_SUBSAMPLING: Tag = Tag::Unknown(530);
+pub(super) const YCBCR_POSITIONING: Tag = Tag::Unknown(531);
+pub(super) const REFERENCE_BLACK_WHITE: Tag = Tag::Unknown(532);
 pub(super) const XMP: Tag = Tag::Unknown(700);
 pub(super) const CFA_REPEAT_PATTERN_DIM: Tag = Tag::Unknown(33421);
 pub(super) const CFA_PATTERN: Tag = Tag::Unknown(33422);
 pub(super) const EXPOSURE_TIME: Tag = Tag::Unknown(33434);
 pub(super) const F_NUMBER: Tag = Tag::Unknown(33437);
+pub(super) const PHOTOGRAPHIC_SENSITIVITY: Tag = Tag::Unknown(34855);
+pub(super) const SENSITIVITY_TYPE: Tag = Tag::Unknown(34864);
+pub(super) const ISO_SPEED: Tag = Tag::Unknown(34867);
 pub(super) const EXIF_VERSION: Tag = Tag::ExifVersion;
 pub(super) const FOCAL_LENGTH: Tag = Tag::Unknown(37386);
 pub(super) const FOCAL_PLANE_X_RESOLUTION: Tag = Tag::Unknown(41486);
@@ -38,6 +44,7 @@ pub(super) const ACTIVE_AREA: Tag = Tag::Unknown(50829);
 pub(super) const MASKED_AREAS: Tag = Tag::Unknown(50830);
 pub(super) const FORWARD_MATRIX_1: Tag = Tag::Unknown(50964);
 pub(super) const FORWARD_MATRIX_2: Tag = Tag::Unknown(50965);
+pub(super) const PREVIEW_COLOR_SPACE: Tag = Tag::Unknown(50970);
 pub(super) const OPCODE_LIST_2: Tag = Tag::Unknown(51009);
 pub(super) const OPCODE_LIST_3: Tag = Tag::Unknown(51022);
 pub(super) const NOISE_PROFILE: Tag = Tag::Unknown(51041);
@@ -61,11 +68,15 @@ pub(super) const FLOATING_POINT: u16 = 3;
 /// SampleFormat of floating-point numbers.
 pub(super) const FLOAT: u16 = 3;
 
+/// PreviewColorSpace of sRGB.
+pub(super) const SRGB: u32 = 2;
 /// EXIF's number for D65 as a light source.
 pub(super) const D65: u16 = 21;
 /// EXIF's number for CIE illuminant A.
 pub(super) const STANDARD_LIGHT_A: u16 = 17;
 /// NewSubfileType of a picture of reduced resolution; 0 is the picture itself.
 pub(super) const REDUCED: u32 = 1;
+/// SensitivityType of an ISO speed.
+pub(super) const IS_ISO_SPEED: u16 = 3;
 /// EXIF's number for resolutions per centimetre.
 pub(super) const PER_CENTIMETRE: u16 = 3;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::develop::RawLayout;
 use crate::io::capture::settings::RawFormat;
 use crate::raw::DngCompression;
 use crate::sensor::Stage;
@@ -19,10 +20,26 @@ pub(crate) struct ExposureTable {
     pub(crate) auto_target: Option<f64>,
     /// Part of the pixels that automatic exposure lets be brighter than that. Left out: 0.005.
     pub(crate) auto_brighter_part: Option<f64>,
+    /// In place of these: the mean of the picture that automatic exposure aims at, as a part of saturation, such as 0.18.
+    pub(crate) auto_mean: Option<f64>,
+    /// Longest time that automatic exposure may choose, s. Where it would need more, the gain rises, unless it is stated.
+    pub(crate) max_time_s: Option<f64>,
+    /// Gain up to which it rises, analogue and digital together, dB. Left out: the sensor's largest analogue gain.
+    pub(crate) max_gain_db: Option<f64>,
     /// Analogue gain, dB. Left out: 0, or the sensor's smallest above it.
     pub(crate) gain_db: Option<f64>,
+    /// Gain of the numbers behind the converter, dB, 0 to 48. Left out: 0.
+    pub(crate) digital_gain_db: Option<f64>,
+    /// In place of the two gains: saturation-based ISO speed, from the sensor's base ISO on (`photosite info` tells it).
+    /// Analogue gain gives as much of it as the sensor has, digital gain the rest.
+    pub(crate) iso: Option<f64>,
     /// Temperature of the sensor, °C. Left out: 25.
     pub(crate) temperature_c: Option<f64>,
+    /// Exposures of the same light in steps of so many EV from the time, such as [-4, 0, 4], each a raw file of its own with
+    /// noise of its own; hdr.exr merges them.
+    pub(crate) bracket_ev: Option<Vec<f64>>,
+    /// The same by the times themselves, s, in place of time_s; the one in the middle takes its place.
+    pub(crate) bracket_times_s: Option<Vec<f64>>,
     /// How many pictures to take of the same light. Left out: 1.
     pub(crate) frames: Option<u32>,
     /// Time from the start of one picture to that of the next, s. Left out: one exposure follows another.
@@ -70,9 +87,15 @@ pub(crate) enum SamplerName {
 pub(crate) struct OutputTable {
     /// Formats of the raw picture. Left out: ["dng"].
     pub(crate) raw: Option<Vec<RawFormat>>,
-    /// How DNG files are compressed, always without loss: "none", "lossless-jpeg", which every developer reads, or
-    /// "deflate", for which numbers become floating-point ones. Left out: "none".
+    /// How DNG files are compressed, always without loss: "none"; "packed", with no more bits than numbers need;
+    /// "lossless-jpeg", which every developer reads; or "deflate", for which numbers become floating-point ones. Left out:
+    /// "none".
     pub(crate) dng_compression: Option<DngCompression>,
+    /// By how much developers, this one among them, are to brighten a DNG file unasked, EV (BaselineExposure). Left out: 0.
+    pub(crate) dng_baseline_exposure_ev: Option<f64>,
+    /// The filters that raw files tell of: those of the "sensor"; a "bayer" mosaic made from blocks of pixels of one colour
+    /// (Quad Bayer); or red, green and blue at every pixel, "linear", made from any mosaic of them. Left out: "sensor".
+    pub(crate) raw_layout: Option<RawLayout>,
     /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Left out: false.
     pub(crate) irradiance: Option<IrradianceSource>,
     /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise, mosaic
