@@ -21,7 +21,12 @@ fn mean_electrons(channels: &[String], full_well_e: f32) -> Planes {
 fn expose_24_megapixels(bencher: Bencher<'_, '_>, preset: &str) {
     let sensor = presets::model(preset).expect("a preset");
     let mean_electrons = mean_electrons(sensor.cfa.channels(), sensor.full_well.0 as f32);
-    let exposure =
-        Exposure { time: Seconds(0.01), gain: Decibels(0.0), temperature: Celsius(25.0), frame_interval: None };
+    let exposure = Exposure {
+        time: Seconds(0.01),
+        gain: Decibels(0.0),
+        digital_gain: Decibels(0.0),
+        temperature: Celsius(25.0),
+        frame_interval: None,
+    };
     bencher.bench_local(|| black_box(expose(&mean_electrons, &sensor, &exposure, Stages::ALL, NoiseKey::default())));
 }

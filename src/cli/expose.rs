@@ -8,9 +8,9 @@ use glam::DAffine3;
 use photosite::image::Estimate;
 use photosite::io::capture::{StoredCapture, StoredReport};
 use photosite::optics::{Camera, Focus, LensDescription};
-use photosite::sensor::{SensorModel, electron_rates};
+use photosite::sensor::{Exposure, SensorModel, electron_rates};
 use photosite::spectrum::{Spectrum, illuminant};
-use photosite::units::Seconds;
+use photosite::units::{Decibels, Seconds};
 use photosite::{Error, Invalid, Result};
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -43,7 +43,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     let start = Instant::now();
     let overrides = args.common.overrides();
     let stored = Stored::read(&args.input, &overrides)?;
-    let Stored { capture, light, later, recorded, report } = stored;
+    let Stored { capture, light, later, recorded, gains, report } = stored;
     let mut timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let folder = output.clone().unwrap_or_else(|| default_folder(&args.input));
     refuse_own_folder(&folder, &args.input)?;
@@ -72,12 +72,15 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
         warnings.push(other_pitch(&recorded.sensor, &capture.sensor));
     }
-    // What is asked for again as it was takes the time that automatic exposure found then, to the last bit.
+    // What is asked for again as it was takes what automatic exposure found then, to the last bit.
     let same = recorded.is_some_and(|r| r.sensor == capture.sensor && r.exposure.is_like(&capture.exposure));
+    let known_gains = gains.filter(|_| same);
     let expose = |light: StoredLight| -> Result<(Exposed, Vec<String>)> {
         match light {
             StoredLight::Electrons { electrons, collected } => {
-                Ok((chain.expose(electrons, collected, same.then_some(collected))?, Vec::new()))
+                let at = capture.exposure.at(collected);
+                let known = known_gains.map(|[gain, digital_gain]| Exposure { gain, digital_gain, ..at });
+                Ok((chain.expose(electrons, collected, known)?, Vec::new()))
             }
             StoredLight::Irradiance { path, bands } => {
                 let rates =
@@ -156,6 +159,8 @@ struct Stored {
     later: Vec<PathBuf>,
     /// The capture as it was rendered, where that is known.
     recorded: Option<StoredCapture>,
+    /// The analogue and the digital gain that it was exposed with.
+    gains: Option<[Decibels; 2]>,
     /// What the report says of the light: [`TracedReport::KEYS`].
     report: Map<String, Value>,
 }
@@ -179,7 +184,7 @@ impl Stored {
             let light = StoredLight::read(input)?;
             let capture = StoredCapture::of_picture(input, light.resolution(), overrides)?;
             light.check(&capture)?;
-            return Ok(Self { capture, light, later: Vec::new(), recorded: None, report: Map::new() });
+            return Ok(Self { capture, light, later: Vec::new(), recorded: None, gains: None, report: Map::new() });
         };
         let recorded = StoredCapture::of_report(&path, &report, &[])?;
         let capture = StoredCapture::of_report(&path, &report, overrides)?;
@@ -199,8 +204,10 @@ impl Stored {
             return Err(no_irradiance(folder));
         }
         light.check(&capture)?;
+        let gain = |key: &str| report.values.get("exposure").and_then(|exposure| exposure[key].as_f64()).map(Decibels);
+        let gains = gain("gain_db").zip(gain("digital_gain_db")).map(|(analogue, digital)| [analogue, digital]);
         let report = report.values.into_iter().filter(|(key, _)| TracedReport::KEYS.contains(&key.as_str())).collect();
-        Ok(Self { capture, light, later, recorded: Some(recorded), report })
+        Ok(Self { capture, light, later, recorded: Some(recorded), gains, report })
     }
 }
 

@@ -204,9 +204,11 @@ pub(super) struct SensorReport {
     pub(super) bits: u32,
     pub(super) black_level_dn: f32,
     pub(super) white_level_dn: u16,
-    /// K at the exposure's gain.
+    /// What makes the numbers linear, which the levels are of; `null` where they are so already.
+    pub(super) linearisation_dn: Option<Vec<u16>>,
+    /// K at the exposure's gains.
     pub(super) system_gain_dn_per_e: f64,
-    /// The smaller of full well and converter range at this gain.
+    /// The smaller of full well and converter range at these gains.
     pub(super) saturation_capacity_e: f64,
     pub(super) read_noise_e: f64,
     pub(super) as_shot_neutral: Option<Vec<f64>>,
@@ -218,6 +220,9 @@ pub(super) struct ExposureReport {
     pub(super) time_s: f64,
     pub(super) auto: bool,
     pub(super) gain_db: f64,
+    pub(super) digital_gain_db: f64,
+    /// Saturation-based ISO speed at these gains; `null` for logarithmic sensors.
+    pub(super) iso: Option<f64>,
     pub(super) temperature_c: f64,
     pub(super) frames: u32,
 }

@@ -5,6 +5,9 @@ use crate::units::{Celsius, Decibels, Seconds};
 
 use super::{SensorModel, Shutter};
 
+/// Beyond this, a single step of an 8-bit converter fills the range of numbers.
+const MAX_DIGITAL_GAIN_DB: f64 = 48.0;
+
 /// Settings of one exposure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exposure {
@@ -12,6 +15,8 @@ pub struct Exposure {
     pub time: Seconds,
     /// Analogue gain on top of the sensor's conversion gain.
     pub gain: Decibels,
+    /// Gain of the numbers that leave the converter, 0 dB and more.
+    pub digital_gain: Decibels,
     /// Temperature of the sensor.
     pub temperature: Celsius,
     /// Time from the start of one picture of a series to that of the next, where it is longer than it has to be.
@@ -29,6 +34,10 @@ impl Exposure {
         if !(low.0..=high.0).contains(&self.gain.0) {
             let message = format!("{} dB is not among the gains of sensor {}", self.gain.0, sensor.name);
             return Err(Invalid::new("gain_db", message).help(format!("write {} to {} dB", low.0, high.0)));
+        }
+        if !(0.0..=MAX_DIGITAL_GAIN_DB).contains(&self.digital_gain.0) {
+            let message = format!("must lie from 0 to {MAX_DIGITAL_GAIN_DB}, got {}", self.digital_gain.0);
+            return Err(Invalid::new("digital_gain_db", message).help("smaller numbers would never reach white"));
         }
         let dark = sensor.noise.dark_electrons(self.temperature, self.time);
         if !(self.temperature.0 > -crate::units::ZERO_CELSIUS && dark.0.is_finite()) {

@@ -25,6 +25,7 @@ mod sensor_light;
 mod sensor_noise;
 mod sensor_patterns;
 mod sensor_photon_transfer;
+mod sensor_response;
 mod sensor_stages;
 mod stage;
 mod transport;

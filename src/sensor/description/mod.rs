@@ -16,7 +16,7 @@ pub use noise::{
     DarkCurrentLawName, DefectsDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription,
     TelegraphDescription,
 };
-pub use read_out::{AdcDescription, ChargeDescription, Converters};
+pub use read_out::{AdcDescription, ChargeDescription, CompandingDescription, Converters};
 pub use shutter::{ShutterDescription, ShutterKind};
 
 /// An image sensor: pixels, colour filters, noise, charge capacity and converter.

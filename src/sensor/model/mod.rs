@@ -15,10 +15,10 @@ use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
 
 use super::ccd::margin;
 use super::crosstalk::Kernel;
-use super::description::{ChannelDescription, SensorDescription, SpectrumSource};
+use super::description::{ChannelDescription, SensorDescription, SensorKind, SpectrumSource};
 use super::format;
 use super::layers;
-use super::{MaskedPixels, Shutter};
+use super::{Logarithmic, MaskedPixels, Shutter};
 pub use architecture::Architecture;
 use checks::{fraction, not_negative, positive};
 pub use converter::Converter;
@@ -60,6 +60,8 @@ pub struct SensorModel {
     pub full_well: Electrons,
     /// Brighter-fatter effect: correlation of neighbours along x and y for each electron of a flat field, 1/e⁻.
     pub brighter_fatter_per_e: [f64; 2],
+    /// Response of the pixels where it is logarithmic; `None` for linear ones.
+    pub logarithmic: Option<Logarithmic>,
     /// Gain and converter.
     pub converter: Converter,
 }
@@ -115,6 +117,7 @@ impl SensorModel {
         let shutter = Shutter::new(&d.shutter).map_err(|e| e.within("shutter"))?;
         shutter.check(d, &cfa)?;
         let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
+        let logarithmic = logarithmic(d, &converter)?;
         Ok(Self {
             name: name.to_owned(),
             description: d.description.clone(),
@@ -135,6 +138,7 @@ impl SensorModel {
             noise: Noise::new(&d.noise, &d.defects)?,
             full_well: Electrons(d.charge.full_well_e),
             brighter_fatter_per_e: brighter_fatter(d)?,
+            logarithmic,
             converter,
         })
     }
@@ -211,6 +215,21 @@ fn pixel_pitch_m(d: &SensorDescription) -> Result<[f64; 2], Invalid> {
             })?;
             Ok([width / f64::from(d.resolution_px[0]), height / f64::from(d.resolution_px[1])])
         }
+    }
+}
+
+/// Logarithmic pixels are those of CMOS sensors with one converter range.
+fn logarithmic(d: &SensorDescription, converter: &Converter) -> Result<Option<Logarithmic>, Invalid> {
+    const KEY: &str = "charge.logarithmic_reference_e_per_s";
+    let Some(reference_e_per_s) = d.charge.logarithmic_reference_e_per_s else { return Ok(None) };
+    positive(KEY, reference_e_per_s, "100.0")?;
+    let clash = match d.kind {
+        SensorKind::Cmos => converter.dual_gain.as_ref().map(|_| "adc.dual_gain".to_owned()),
+        SensorKind::Ccd | SensorKind::Spad => Some(format!("kind = {:?}", d.kind.name())),
+    };
+    match clash {
+        Some(other) => Err(Invalid::new(KEY, format!("cannot go with {other}")).help("keep one of them")),
+        None => Ok(Some(Logarithmic { reference_e_per_s })),
     }
 }
 
