@@ -107,7 +107,7 @@ impl<'a> Chain<'a> {
     /// The same, with a lens whose falloff and distortion raw files tell of.
     pub(super) fn with_lens(self, lens: &'a LensDescription, camera: &'a Camera, warnings: &mut Vec<String>) -> Self {
         if self.settings.output.raw.contains(&RawFormat::Dng) {
-            warnings.extend(lens_corrections::warning(lens, camera));
+            warnings.extend(lens_corrections::warning(lens, camera, &self.settings.exposure.window));
         }
         Self { lens: Some((lens, camera)), ..self }
     }
@@ -140,7 +140,7 @@ impl<'a> Chain<'a> {
         raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
         raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
         if let Some((lens, camera)) = self.lens {
-            lens_corrections::add(lens, camera, &mut raw);
+            lens_corrections::add(lens, camera, &exposure.window, &mut raw);
         }
         Ok(raw)
     }
@@ -181,13 +181,14 @@ impl<'a> Chain<'a> {
         let samples = sensor.cfa.samples_per_pixel();
         let row_length = width * samples;
         let saturation = sensor.saturation_capacity(&exposure).0;
+        let pixels = exposure.window.binning.pixels() as f64;
         let (mut of_light, mut of_sensor) = (0.0, 0.0);
         for i in 0..row_length * rates.mean.height() {
             let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
             let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
             let mean = at(&rates.mean) * time;
             if mean < saturation {
-                of_light += at(&rates.variance) * time * time;
+                of_light += at(&rates.variance) * time * time / pixels;
                 of_sensor += sensor.noise_variance(Electrons(mean), &exposure);
             }
         }
@@ -211,8 +212,8 @@ impl<'a> Chain<'a> {
         let sensor = self.settings.sensor;
         SensorReport {
             name: sensor.name.clone(),
-            resolution_px: sensor.resolution,
-            pixel_pitch_um: sensor.pixel_pitch_m.map(|m| (m * 1e9).round() / 1e3),
+            resolution_px: [raw.active().width, raw.active().height],
+            pixel_pitch_um: raw.metadata.pixel_pitch_m.unwrap_or(sensor.pixel_pitch_m).map(|m| (m * 1e9).round() / 1e3),
             channels: sensor.cfa.channels().to_vec(),
             bits: raw.bits,
             black_level_dn: raw.black_level_dn.mean(),
