@@ -9,11 +9,12 @@ use photosite::develop::{DevelopSettings, EncodedPicture, encode};
 use photosite::film::Film;
 use photosite::image::Planes;
 use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands};
-use photosite::io::developed::{write_linear, write_png};
+use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
+use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
@@ -24,9 +25,10 @@ use super::report::Report;
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
 /// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
-const RESULTS: [&str; 18] = [
+const RESULTS: [&str; 19] = [
     REPORT,
     "image.png",
+    "hdr.exr",
     "ideal.exr",
     "ideal.png",
     "electrons.exr",
@@ -130,6 +132,11 @@ impl OutputFolder {
         let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
         let irradiance = film.estimate(names.iter().map(String::as_str)).mean;
         self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
+    }
+
+    /// The light of a bracket, in which 1 saturates the longest exposure.
+    pub(super) fn write_hdr(&mut self, light: &Planes, space: ColourSpace, longest: Seconds) -> Result<()> {
+        self.write("hdr.exr", |to| write_hdr(light, space, longest, to))
     }
 
     /// The picture of an ideal observer: linear, and as it is shown. Codes cannot hold X, Y and Z.

@@ -18,6 +18,8 @@
 //! | colour matrix, colour space, exposure | `colour.rs` |
 //! | tone, encoding, sharpening, dithering | `tone.rs`, `encode.rs`, `sharpening.rs` |
 //!
+//! [`mod@merge`] makes one signal of several exposures, and [`develop_merged`] a picture of that.
+//!
 //! [`colour_matrix`] computes what a raw file says about its colours from the sensor's spectral responses. Files are
 //! left to [`raw`](crate::raw) and [`io`](crate::io).
 
@@ -33,6 +35,7 @@ mod encode;
 mod highlights;
 mod ideal;
 mod lens_falloff;
+pub mod merge;
 mod neighbours;
 mod noise_filter;
 mod settings;
@@ -41,7 +44,7 @@ mod tone;
 mod white_balance;
 mod window;
 
-pub use develop::{Development, develop, develop_linear};
+pub use develop::{Development, develop, develop_linear, develop_merged};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;
 pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

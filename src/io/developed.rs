@@ -23,6 +23,7 @@ use super::output::Sink;
 use crate::colour::ColourSpace;
 use crate::develop::{Codes, DevelopSettings, EncodedPicture};
 use crate::image::Planes;
+use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
 
 /// Formats of developed pictures.
@@ -95,6 +96,14 @@ pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut d
 /// Writes linear planes as EXR, with the chromaticities of their colour space.
 pub fn write_linear<W: Write + Seek>(planes: &Planes, space: ColourSpace, to: W) -> io::Result<()> {
     let attributes = [("colorSpace", Attribute::Text(space.name().to_owned()))];
+    write_exr(planes, &attributes, to)
+}
+
+/// Writes the linear planes of a bracket as EXR, with the exposure time that a value of 1 saturates in the attribute
+/// `exposureTime`.
+pub fn write_hdr<W: Write + Seek>(planes: &Planes, space: ColourSpace, time: Seconds, to: W) -> io::Result<()> {
+    let attributes =
+        [("colorSpace", Attribute::Text(space.name().to_owned())), ("exposureTime", Attribute::Number(time.0))];
     write_exr(planes, &attributes, to)
 }
 

@@ -94,6 +94,28 @@ fn folder(capture: String) -> Folder {
     "logarithmic_reference_e_per_s: must be above 0",
     "100"
 )]
+#[case::single_bracket(
+    "[exposure]\nbracket_ev = [0]",
+    "exposure.bracket_ev: must be 2 to 32 exposures, got 1",
+    "[-4, 0, 4]"
+)]
+#[case::twice("[exposure]\nbracket_ev = [0, 1, 1]", "exposure.bracket_ev: has 1 twice", "for example")]
+#[case::infinite("[exposure]\nbracket_ev = [0, inf]", "exposure.bracket_ev: must be finite numbers, got inf", "")]
+#[case::no_time_at_all(
+    "[exposure]\nbracket_times_s = [0.1, 0]",
+    "exposure.bracket_times_s: must be above 0, got 0",
+    "for example"
+)]
+#[case::bracket_and_time(
+    "[exposure]\ntime_s = 1\nbracket_times_s = [0.1, 1]",
+    "exposure.bracket_times_s: cannot go with time_s",
+    "bracket_ev"
+)]
+#[case::bracket_and_frames(
+    "[exposure]\nbracket_ev = [0, 2]\nframes = 3",
+    "exposure.frames: cannot go with a bracket",
+    "remove it"
+)]
 fn impossible_sensors_are_refused_with_key_and_line(#[case] more: &str, #[case] message: &str, #[case] help: &str) {
     // A table that should not be there is at fault from its first line on, a value in its own.
     let line = if message.starts_with("has no channel") { 4 } else { 3 + more.lines().count() };

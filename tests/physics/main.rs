@@ -1,5 +1,6 @@
 //! Physics: every quantity against a closed form, a numerical integral or a published figure.
 
+mod bracket;
 mod bsdf_cases;
 mod bsdf_energy;
 mod bsdf_fresnel;

@@ -15,7 +15,7 @@ use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
 /// How the sensor is exposed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ExposureSettings {
     /// How long.
     pub time: ExposureTime,
@@ -25,6 +25,8 @@ pub struct ExposureSettings {
     pub digital_gain: Decibels,
     /// Temperature of the sensor.
     pub temperature: Celsius,
+    /// Other times for which the same light is exposed, in place of frames.
+    pub bracket: Option<Bracket>,
     /// How many pictures of the same light, at least 1.
     pub frames: u32,
     /// Time from the start of one picture to that of the next, where it is longer than the exposure.
@@ -38,13 +40,44 @@ pub struct ExposureSettings {
 impl ExposureSettings {
     /// Whether pictures of the same light are exposed in the same way, however many there are.
     pub fn is_like(&self, other: &Self) -> bool {
-        Self { frames: 1, ..*self } == Self { frames: 1, ..*other }
+        Self { frames: 1, ..self.clone() } == Self { frames: 1, ..other.clone() }
     }
 
     /// An exposure of this time.
     pub fn at(&self, time: Seconds) -> Exposure {
-        let Self { gain, digital_gain, temperature, frame_interval, window, .. } = *self;
+        let &Self { gain, digital_gain, temperature, frame_interval, window, .. } = self;
         Exposure { time, gain, digital_gain, temperature, frame_interval, window }
+    }
+}
+
+/// Times of a bracket.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bracket {
+    /// Steps from the time of the exposure, EV.
+    Steps(Vec<f64>),
+    /// These times.
+    Times(Vec<Seconds>),
+}
+
+impl Bracket {
+    /// The times, in the order in which they were written, around that of the exposure.
+    pub fn times(&self, exposure: Seconds) -> Vec<Seconds> {
+        match self {
+            Self::Steps(steps) => steps.iter().map(|step| Seconds(exposure.0 * step.exp2())).collect(),
+            Self::Times(times) => times.clone(),
+        }
+    }
+
+    /// The time that stands for all: that in the middle of the sorted ones.
+    fn middle(&self) -> Option<Seconds> {
+        match self {
+            Self::Steps(_) => None,
+            Self::Times(times) => {
+                let mut times = times.clone();
+                times.sort_by(|a, b| a.0.total_cmp(&b.0));
+                times.get((times.len() - 1) / 2).copied()
+            }
+        }
     }
 }
 
@@ -122,7 +155,9 @@ impl SpectralBands {
 pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
     let window = window(table, sensor)?;
     let [gain, digital_gain] = gains(table, sensor, window.binning)?;
-    let time = match (table.time_s, table.auto) {
+    let bracket = bracket(table)?;
+    let time_s = table.time_s.or(bracket.as_ref().and_then(Bracket::middle).map(|time| time.0));
+    let time = match (time_s, table.auto) {
         (Some(_), Some(true)) => {
             return Err(Invalid::new("auto", "cannot go with time_s").help("keep one of them"));
         }
@@ -151,7 +186,12 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         frame_interval: table.frame_interval_s.map(Seconds),
         window,
         stages: stages(table)?,
+        bracket,
     };
+    if settings.bracket.is_some() && settings.frames != 1 {
+        let message = "cannot go with a bracket, whose pictures are a series already";
+        return Err(Invalid::new("frames", message).help("remove it, or the bracket"));
+    }
     if settings.frames == 0 {
         return Err(Invalid::new("frames", "must be at least 1, got 0").help("for example frames = 1"));
     }
@@ -161,7 +201,51 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         ExposureTime::Auto(_) => Exposure { frame_interval: None, ..settings.at(Seconds(1.0)) },
     };
     exposure.validate(sensor)?;
+    if let (ExposureTime::Fixed(time), Some(bracket)) = (settings.time, &settings.bracket) {
+        bracket.times(time).into_iter().try_for_each(|time| settings.at(time).validate(sensor))?;
+    }
+    if let (Some(bracket), true) = (&settings.bracket, sensor.logarithmic.is_some()) {
+        let key = match bracket {
+            Bracket::Steps(_) => "bracket_ev",
+            Bracket::Times(_) => "bracket_times_s",
+        };
+        return Err(Invalid::new(key, "has no use for a logarithmic sensor").help("it sees the whole range at once"));
+    }
     Ok(settings)
+}
+
+/// The bracket that is asked for.
+fn bracket(table: &ExposureTable) -> Result<Option<Bracket>, Invalid> {
+    const MOST: usize = 32;
+    let (key, values, example) = match (&table.bracket_ev, &table.bracket_times_s) {
+        (None, None) => return Ok(None),
+        (Some(_), Some(_)) => {
+            return Err(Invalid::new("bracket_times_s", "cannot go with bracket_ev").help("keep one of them"));
+        }
+        (Some(steps), None) => ("bracket_ev", steps, "[-4, 0, 4]"),
+        (None, Some(times)) => ("bracket_times_s", times, "[0.001, 0.016]"),
+    };
+    let wrong = |message: String| Invalid::new(key, message).help(format!("for example {key} = {example}"));
+    if !(2..=MOST).contains(&values.len()) {
+        return Err(wrong(format!("must be 2 to {MOST} exposures, got {}", values.len())));
+    }
+    if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+        return Err(wrong(format!("must be finite numbers, got {value}")));
+    }
+    if let Some((_, twice)) = values.iter().enumerate().find(|(i, value)| values[..*i].contains(value)) {
+        return Err(wrong(format!("has {twice} twice")));
+    }
+    if table.bracket_ev.is_some() {
+        return Ok(Some(Bracket::Steps(values.clone())));
+    }
+    if let Some(time) = values.iter().find(|time| **time <= 0.0) {
+        return Err(wrong(format!("must be above 0, got {time}")));
+    }
+    let clash = [("time_s", table.time_s.is_some()), ("auto", table.auto == Some(true))];
+    if let Some((other, _)) = clash.iter().find(|(_, is_given)| *is_given) {
+        return Err(Invalid::new(key, format!("cannot go with {other}")).help("keep one of them, or write bracket_ev"));
+    }
+    Ok(Some(Bracket::Times(values.iter().copied().map(Seconds).collect())))
 }
 
 /// The analogue and the digital gain that are asked for.

@@ -34,6 +34,11 @@ pub(crate) struct ExposureTable {
     pub(crate) iso: Option<f64>,
     /// Temperature of the sensor, °C. Left out: 25.
     pub(crate) temperature_c: Option<f64>,
+    /// Exposures of the same light in steps of so many EV from the time, such as [-4, 0, 4], each a raw file of its own with
+    /// noise of its own; hdr.exr merges them.
+    pub(crate) bracket_ev: Option<Vec<f64>>,
+    /// The same by the times themselves, s, in place of time_s; the one in the middle takes its place.
+    pub(crate) bracket_times_s: Option<Vec<f64>>,
     /// How many pictures to take of the same light. Left out: 1.
     pub(crate) frames: Option<u32>,
     /// Time from the start of one picture to that of the next, s. Left out: one exposure follows another.
