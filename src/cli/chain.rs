@@ -140,6 +140,7 @@ impl<'a> Chain<'a> {
         raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
         raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
         raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
+        raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
         if let Some((lens, camera)) = self.lens {
             lens_corrections::add(lens, camera, &exposure.window, &mut raw);
         }

@@ -11,7 +11,7 @@
 //! estimate L, found in a few rounds, and not that of each noisy x_i: low samples would get more weight than high ones, and
 //! the result would be too dark.
 //!
-//! Signals within 5 σ of saturation are left out, those that noise took below included ([LEFT_OUT_SIGMA]). Where that is all
+//! Signals within 5 σ of saturation are left out, those that noise took below included ([`LEFT_OUT_SIGMA`]). Where that is all
 //! of a pixel's, the shortest exposure stands for it.
 
 use rayon::prelude::*;

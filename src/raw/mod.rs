@@ -189,6 +189,8 @@ pub struct RawMetadata {
     pub as_shot_neutral: Option<Vec<f64>>,
     /// Per channel (S, O): variance of the normalised signal x in 0–1 is S·x + O (DNG NoiseProfile).
     pub noise_profile: Vec<[f64; 2]>,
+    /// By how much a developer brightens the picture unasked, so that it looks as it should, EV (DNG BaselineExposure).
+    pub baseline_exposure_ev: f64,
     /// Gains that undo the lens's falloff, where it is known.
     pub gain_map: Option<GainMap>,
     /// Where the lens's distortion puts pixels, where it is known.

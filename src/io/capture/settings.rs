@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
 use crate::Invalid;
+use crate::develop::RawLayout;
 use crate::integrator::RenderSettings;
 use crate::raw::{Area, Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
@@ -97,6 +98,10 @@ pub struct OutputSettings {
     pub raw: Vec<RawFormat>,
     /// How DNG files are compressed.
     pub dng_compression: DngCompression,
+    /// By how much developers brighten DNG files unasked, EV.
+    pub dng_baseline_exposure_ev: f64,
+    /// The filters that raw files tell of.
+    pub raw_layout: RawLayout,
     /// Whether the mean electrons are written.
     pub electrons: bool,
     /// The bands in which the spectral irradiance is written, if it is.
@@ -119,6 +124,8 @@ pub enum RawFormat {
     Pgm,
     /// NumPy array of the digital numbers.
     Npy,
+    /// OpenEXR picture of the digital numbers as 32-bit floats.
+    Exr,
 }
 
 /// Spectral bands of equal width next to each other.
@@ -360,9 +367,20 @@ pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
 
 /// Reads `[output]`.
 pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<OutputSettings, Invalid> {
+    let raw_layout = table.raw_layout.unwrap_or_default();
+    raw_layout.check(&sensor.cfa)?;
+    let full = Cfa::full(["R", "G", "B"])?;
+    let cfa = if raw_layout == RawLayout::Linear { &full } else { &sensor.cfa };
+    let baseline = table.dng_baseline_exposure_ev.unwrap_or(0.0);
+    if !(-10.0..=10.0).contains(&baseline) {
+        let message = format!("must be from -10 to 10, got {baseline}");
+        return Err(
+            Invalid::new("dng_baseline_exposure_ev", message).help("for example dng_baseline_exposure_ev = 0.5")
+        );
+    }
     let mut raw = Vec::new();
     for format in table.raw.as_deref().unwrap_or(&[RawFormat::Dng]) {
-        can_hold(*format, &sensor.cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
+        can_hold(*format, cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
         if !raw.contains(format) {
             raw.push(*format);
         }
@@ -371,6 +389,8 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
     Ok(OutputSettings {
         raw,
         dng_compression: table.dng_compression.unwrap_or_default(),
+        dng_baseline_exposure_ev: baseline,
+        raw_layout,
         electrons: table.electrons.unwrap_or(true),
         ideal: table.ideal.unwrap_or(false),
         irradiance: match table.irradiance {
@@ -392,7 +412,7 @@ fn can_hold(format: RawFormat, cfa: &Cfa) -> Result<(), Invalid> {
             let message = format!("PGM and PPM have no pixels of {} numbers", cfa.samples_per_pixel());
             Err(Invalid::new("raw", message).help("write raw = [\"tiff\"] or [\"npy\"], which hold any channels"))
         }
-        RawFormat::Pgm | RawFormat::Tiff | RawFormat::Npy => Ok(()),
+        RawFormat::Pgm | RawFormat::Tiff | RawFormat::Npy | RawFormat::Exr => Ok(()),
     }
 }
 

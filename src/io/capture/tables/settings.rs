@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::develop::RawLayout;
 use crate::io::capture::settings::RawFormat;
 use crate::raw::DngCompression;
 use crate::sensor::{BinningMethod, Stage};
@@ -94,9 +95,15 @@ pub(crate) enum SamplerName {
 pub(crate) struct OutputTable {
     /// Formats of the raw picture. Left out: ["dng"].
     pub(crate) raw: Option<Vec<RawFormat>>,
-    /// How DNG files are compressed, always without loss: "none", "lossless-jpeg", which every developer reads, or
-    /// "deflate", for which numbers become floating-point ones. Left out: "none".
+    /// How DNG files are compressed, always without loss: "none"; "packed", with no more bits than numbers need;
+    /// "lossless-jpeg", which every developer reads; or "deflate", for which numbers become floating-point ones. Left out:
+    /// "none".
     pub(crate) dng_compression: Option<DngCompression>,
+    /// By how much developers, this one among them, are to brighten a DNG file unasked, EV (BaselineExposure). Left out: 0.
+    pub(crate) dng_baseline_exposure_ev: Option<f64>,
+    /// The filters that raw files tell of: those of the "sensor"; a "bayer" mosaic made from blocks of pixels of one colour
+    /// (Quad Bayer); or red, green and blue at every pixel, "linear", made from any mosaic of them. Left out: "sensor".
+    pub(crate) raw_layout: Option<RawLayout>,
     /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Left out: false.
     pub(crate) irradiance: Option<IrradianceSource>,
     /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise, mosaic
