@@ -27,6 +27,9 @@
 //! W. Jakob, J. Hanika, "A Low-Dimensional Function Space for Efficient Spectral Upsampling", Computer Graphics Forum
 //! 38(2) (2019).
 //!
+//! ## Png3
+//! W3C, *Portable Network Graphics (PNG) Specification*, 3rd edition (2025); its code points are those of ITU-T H.273.
+//!
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!

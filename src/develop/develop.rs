@@ -98,7 +98,7 @@ fn to_colour_space(
     neutral: &[f64],
     settings: &DevelopSettings,
 ) -> Result<Planes, Invalid> {
-    let factor = settings.exposure_ev.exp2();
+    let factor = (raw.metadata.baseline_exposure_ev + settings.exposure_ev).exp2();
     let matrix = if settings.colour_matrix {
         colour::camera_to_rgb(&raw.metadata, neutral, settings.colour_space)?
     } else {

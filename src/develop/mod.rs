@@ -20,7 +20,8 @@
 //!
 //! [`mod@merge`] makes one signal of several exposures, and [`develop_merged`] a picture of that.
 //!
-//! [`colour_matrix`] computes what a raw file says about its colours from the sensor's spectral responses. Files are
+//! [`with_layout`] turns a mosaic into one that more developers know. [`colour_matrix`] computes what a raw file says
+//! about its colours from the sensor's spectral responses. Files are
 //! left to [`raw`](crate::raw) and [`io`](crate::io).
 
 mod black_level;
@@ -34,6 +35,7 @@ mod distortion;
 mod encode;
 mod highlights;
 mod ideal;
+mod layout;
 mod lens_falloff;
 pub mod merge;
 mod neighbours;
@@ -47,4 +49,5 @@ mod window;
 pub use develop::{Development, develop, develop_linear, develop_merged};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;
+pub use layout::{RawLayout, with_layout};
 pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

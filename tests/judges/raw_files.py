@@ -3,12 +3,12 @@
 
     raw_files.py [--developers] FOLDER...
 
-Each FOLDER holds raw.dng and raw.tiff, and may hold raw.pgm and raw.npy of the same picture. LibRaw (through rawpy),
-dcraw and tifffile must find the very same digital numbers in the DNG as tifffile does in the TIFF; LibRaw and dcraw those
-that the table of capture.json makes of them where a sensor is not linear. LibRaw must find the same black level, white
-level, colour filter array and colour matrix as exiftool finds in the tags; exiftool must find nothing to warn about.
-With --developers, RawTherapee and darktable must develop the DNG to a picture of the right size. Where the folder holds
-a capture.json too, the tags must say the exposure, lens and levels that it says.
+Each FOLDER holds raw.dng and raw.tiff, and may hold raw.pgm and raw.npy of the same picture. Adobe's DNG SDK (through
+dngpy), LibRaw (through rawpy), dcraw and tifffile must find the very same digital numbers in the DNG as tifffile does in
+the TIFF; LibRaw and dcraw those that the table of capture.json makes of them where a sensor is not linear. LibRaw must
+find the same black level, white level, colour filter array and colour matrix as exiftool finds in the tags; exiftool must
+find nothing to warn about. With --developers, RawTherapee and darktable must develop the DNG to a picture of the right
+size. Where the folder holds a capture.json too, the tags must say the exposure, lens and levels that it says.
 Exit status 0 where all is well, 1 otherwise.
 
 What these programs cannot do is not asked of them: dcraw knows no floating-point numbers, which is what Deflate holds;
@@ -18,24 +18,42 @@ for what they do otherwise on purpose, which is said where it is left out.
 Needs: pip install -r requirements.txt, apt-get install libimage-exiftool-perl dcraw rawtherapee darktable.
 """
 
+import contextlib
 import json
 import math
+import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+import dngpy
 import numpy
 import rawpy
 import tifffile
 
 CFA_LETTERS = "RGBCMYW"
 DEFLATE = 8
+# EXIF's number for D65 as a light source.
+D65 = 21
 # RawTherapee leaves out a frame whose pixels have too few neighbours.
 RAWTHERAPEE_FRAME = 8
 
 # IEC 61966-2-1, as LibRaw has it.
 SRGB_TO_XYZ = numpy.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]])
+
+
+@contextlib.contextmanager
+def silence():
+    """No warnings that pixels at the very edge are shown."""
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 class Judge:
@@ -84,6 +102,9 @@ class Judge:
         is_float = tags["SubIFD:Compression"] == DEFLATE
         with tifffile.TiffFile(path) as file:
             found["raw.dng by tifffile"] = file.pages[0].pages[0].asarray()
+        # It refuses what breaks the specification.
+        with silence():
+            found["raw.dng by Adobe's SDK"] = numpy.squeeze(dngpy.Dng(str(path)).raw_pixels)
         with rawpy.imread(str(path)) as raw:
             read = raw.raw_image.copy()
             if read.ndim == 3:
@@ -231,9 +252,10 @@ class Judge:
                 pairs = set(zip(read.flatten().tolist(), written.flatten().tolist()))
                 self.check(len(pairs) == len({colour for colour, _ in pairs}), f"LibRaw's mosaic {read.tolist()}")
                 return
+        second = 2 if tags.get("IFD0:CalibrationIlluminant2") == D65 else 1
         # LibRaw does not give the matrix itself but what follows from it: camera -> sRGB for balanced channels, that is
-        # the inverse of ColorMatrix1 times (sRGB -> XYZ) with every row's sum brought to 1.
-        matrix = numpy.array([float(x) for x in tags["IFD0:ColorMatrix1"].split()]).reshape(3, 3)
+        # the inverse of the matrix for D65 times (sRGB -> XYZ) with every row's sum brought to 1.
+        matrix = numpy.array([float(x) for x in tags[f"IFD0:ColorMatrix{second}"].split()]).reshape(3, 3)
         from_srgb = matrix @ SRGB_TO_XYZ
         to_srgb = numpy.linalg.inv(from_srgb / from_srgb.sum(axis=1, keepdims=True))
         # Its sRGB matrix has seven digits, and the inverse of a camera matrix multiplies an error by less than 10.

@@ -28,5 +28,6 @@ mod sensor_patterns;
 mod sensor_photon_transfer;
 mod sensor_response;
 mod sensor_stages;
+mod sensor_window;
 mod stage;
 mod transport;
