@@ -11,13 +11,16 @@ mod shading;
 
 pub use build::build;
 pub(crate) use build::{emission_spectrum, nit_per_unit};
-pub use material::{Alpha, ColourSource, Material, NormalMap, ScatteringModel};
+pub use material::{
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
+    ScatteringModel,
+};
 pub use shading::Shading;
 
 use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Ray, SurfacePoint};
 use crate::light::{LightSample, Lights, SurfaceEmission, Tint, TriangleLight};
 use crate::math::hash::{hash64, unit_f32};
-use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumTable, Wavelengths};
+use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 use crate::texture::Texture;
 
 /// Everything that light transport needs to know of a scene. Immutable.
@@ -26,6 +29,7 @@ pub struct Scene {
     geometry: Geometry,
     accel: Accel,
     materials: Vec<Material>,
+    layered: Vec<LayeredMaterial>,
     textures: Vec<Texture>,
     spectra: SpectrumTable,
     lights: Lights,
@@ -81,6 +85,33 @@ impl Scene {
             return SampledSpectrum::ZERO;
         }
         self.emitted_at(emission, point.triangle, point.barycentric, wavelengths)
+    }
+
+    /// The medium that light from `point` to the unit direction `wo` has come through, where `point` is seen from within a
+    /// volume: its absorption, m⁻¹.
+    #[inline]
+    pub fn absorption_behind(&self, point: &SurfacePoint, wo: glam::Vec3) -> Option<SpectrumId> {
+        self.materials[point.material as usize].absorption.filter(|_| wo.dot(point.geometric_normal) < 0.0)
+    }
+
+    /// The medium beyond `point` for light that passes it in the direction `wi` and was in `medium` before.
+    #[inline]
+    pub fn medium_across(
+        &self,
+        point: &SurfacePoint,
+        wi: glam::Vec3,
+        medium: Option<SpectrumId>,
+    ) -> Option<SpectrumId> {
+        match self.materials[point.material as usize].absorption {
+            Some(absorption) => (wi.dot(point.geometric_normal) < 0.0).then_some(absorption),
+            None => medium,
+        }
+    }
+
+    /// The part of the light that is left after `distance` (m) in a medium: exp(−σ·d).
+    #[inline]
+    pub fn transmittance(&self, absorption: SpectrumId, distance: f32, wavelengths: &Wavelengths) -> SampledSpectrum {
+        self.spectra.sample(absorption, wavelengths).map(|per_m| (-per_m * distance).exp())
     }
 
     /// Handle of the light that a surface point belongs to.

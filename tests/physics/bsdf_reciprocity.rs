@@ -2,9 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use photosite::bsdf::Bsdf;
-
-use super::bsdf_cases::{Uniform, wide};
+use super::bsdf_cases::{Uniform, squared_index, wide};
 use super::quadrature::direction;
 
 #[test]
@@ -17,19 +15,7 @@ fn swapping_the_directions_changes_nothing_but_the_index_factor() {
             let (a, b) = (random(), random());
             let (there, back) = (case.bsdf.eval(a, b).f, case.bsdf.eval(b, a).f);
             // η²·f(wo, wi) = f(wi, wo), η the index on the side of wi over that on the side of wo.
-            let factor = match case.bsdf {
-                Bsdf::Dielectric { eta, .. } if a.z * b.z < 0.0 => {
-                    if b.z < 0.0 {
-                        eta[0] * eta[0]
-                    } else {
-                        1.0 / (eta[0] * eta[0])
-                    }
-                }
-                Bsdf::Diffuse { .. }
-                | Bsdf::Conductor { .. }
-                | Bsdf::Dielectric { .. }
-                | Bsdf::MetallicRoughness { .. } => 1.0,
-            };
+            let factor = squared_index(&case.bsdf, a, b);
             for lane in 0..4 {
                 let (there, back) = (there[lane] * factor, back[lane]);
                 // Half vectors of refraction are right to 6e-8·(1 + η)/|η − 1| = 4e-7, ln D changes by up to 2/α = 20 a

@@ -9,6 +9,7 @@
 
 mod accessor;
 mod buffers;
+mod extensions;
 mod glb;
 mod light;
 mod material;
@@ -36,8 +37,24 @@ use buffers::Buffers;
 use texture::Textures;
 
 /// Extensions that a file may require.
-pub const SUPPORTED_EXTENSIONS: [&str; 4] =
-    ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization", "KHR_texture_transform"];
+pub const SUPPORTED_EXTENSIONS: &[&str] = &[
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
 
 /// Reads a `.gltf` or `.glb` file.
 pub fn read(path: &Path) -> Result<SceneDescription> {

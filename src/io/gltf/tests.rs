@@ -241,17 +241,11 @@ fn a_material_keeps_all_it_says() {
     assert_eq!((material.name.as_str(), material.double_sided, material.alpha_factor), ("paint", true, 0.4));
     assert_eq!(material.alpha, AlphaMode::Mask { cutoff: 0.5 });
     assert!(material.alpha_texture.is_some());
-    let MaterialModel::MetallicRoughness {
-        base_colour: Colour::Rgb(base),
-        base_colour_texture: Some(texture),
-        metallic,
-        roughness,
-        ..
-    } = &material.model
-    else {
-        panic!("{:?}", material.model)
+    let MaterialModel::Layered(layers) = &material.model else { panic!("{:?}", material.model) };
+    let (Colour::Rgb(base), Some(texture)) = (&layers.base_colour.colour, &layers.base_colour.texture) else {
+        panic!("{:?}", layers.base_colour)
     };
-    assert_eq!((*base, *metallic, *roughness), ([0.1, 0.2, 0.3], 0.5, 0.6));
+    assert_eq!((*base, layers.metallic.value, layers.roughness.value), ([0.1, 0.2, 0.3], 0.5, 0.6));
     assert_eq!(texture.uv_set, 0, "the transform overrides texCoord");
     assert_eq!(texture.sampler.wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
     assert_eq!(texture.sampler.filter, Filter::Nearest);
@@ -314,10 +308,59 @@ fn tangents_are_generated_where_a_normal_map_needs_them_only() {
 fn required_extensions_are_refused_by_name_and_optional_ones_reported_once() {
     let error = Fixture::square().with("/extensionsRequired", json!(["KHR_draco_mesh_compression"])).error();
     assert!(error.contains("KHR_draco_mesh_compression"), "{error}");
-    let used = json!(["KHR_materials_clearcoat", "KHR_materials_clearcoat", "KHR_lights_punctual"]);
+    let used = json!(["KHR_materials_subsurface", "KHR_materials_subsurface", "KHR_lights_punctual"]);
     let scene = Fixture::square().with("/extensionsUsed", used).scene();
     assert_eq!(scene.warnings.len(), 1);
-    assert!(scene.warnings[0].starts_with("scene.gltf: ") && scene.warnings[0].contains("KHR_materials_clearcoat"));
+    assert!(scene.warnings[0].starts_with("scene.gltf: ") && scene.warnings[0].contains("KHR_materials_subsurface"));
+}
+
+#[test]
+fn extensions_of_materials_are_read_with_their_defaults() {
+    let with = |extensions: Value| {
+        let scene = Fixture::square().with("/materials", json!([{ "extensions": extensions }])).scene();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        match &scene.materials[0].model {
+            MaterialModel::Layered(layers) => layers.clone(),
+            other => panic!("{other:?}"),
+        }
+    };
+    let plain = with(json!({}));
+    assert!((plain.index.index(589.0) - 1.5).abs() < 1e-9 && plain.metallic.value == 1.0);
+    assert!(plain.coat.is_none() && plain.sheen.is_none() && plain.film.is_none() && plain.absorption_per_m.is_none());
+    let index = with(json!({ "KHR_materials_ior": { "ior": 1.7 }, "KHR_materials_dispersion": { "dispersion": 0.5 } }));
+    assert!((index.index.abbe_number() - 40.0).abs() < 0.01 && (index.index.index(587.5618) - 1.7).abs() < 1e-4);
+    assert_eq!(with(json!({ "KHR_materials_ior": { "ior": 0 } })).normal_reflectance, Some(1.0));
+    let thin = with(json!({ "KHR_materials_transmission": { "transmissionFactor": 0.8 }, "KHR_materials_volume": {} }));
+    assert!(thin.transmission.value == 0.8 && thin.absorption_per_m.is_none());
+    let volume = json!({ "thicknessFactor": 0.1, "attenuationDistance": 0.5, "attenuationColor": [0.25, 0.25, 0.25] });
+    let thick = with(json!({ "KHR_materials_volume": volume }));
+    // A grey of 1/4 after half a metre: ln 4 / 0.5 m at every wavelength.
+    let absorption = thick.absorption_per_m.expect("a volume");
+    assert!((f64::from(absorption.eval(500.0)) - 4f64.ln() / 0.5).abs() < 1e-5);
+    let coat = with(json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1.0, "clearcoatRoughnessFactor": 0.2 } }));
+    assert!(coat.coat.is_some_and(|coat| coat.weight.value == 1.0 && coat.roughness.value == 0.2));
+    let film = with(json!({ "KHR_materials_iridescence": { "iridescenceFactor": 1.0 } })).film.expect("a film");
+    assert_eq!((film.index, film.thickness_nm), (1.3, [100.0, 400.0]));
+    assert!(with(json!({ "KHR_materials_sheen": {} })).sheen.is_none());
+    let leaf = json!({ "diffuseTransmissionFactor": 0.4 });
+    let (part, _) = with(json!({ "KHR_materials_diffuse_transmission": leaf })).diffuse_transmission.expect("a leaf");
+    assert_eq!(part.value, 0.4);
+    let glossy = json!({ "glossinessFactor": 0.75, "specularFactor": [0.5, 0.25, 0.125] });
+    let glossy = with(json!({ "KHR_materials_pbrSpecularGlossiness": glossy }));
+    assert_eq!((glossy.roughness.value, glossy.metallic.value, glossy.normal_reflectance), (0.25, 0.0, Some(1.0)));
+    assert!(matches!(glossy.specular_colour.colour, Colour::Rgb([0.5, 0.25, 0.125])));
+}
+
+#[rstest]
+#[case::index("KHR_materials_ior", json!({ "ior": 0.5 }), "materials[0].extensions.KHR_materials_ior.ior: must be at least 1")]
+#[case::film("KHR_materials_iridescence", json!({ "iridescenceIor": -1 }), "iridescenceIor: must be at least 1")]
+#[case::distance("KHR_materials_volume", json!({ "thicknessFactor": 1, "attenuationDistance": 0 }), "must be above 0")]
+#[case::negative("KHR_materials_dispersion", json!({ "dispersion": -1 }), "must not be negative")]
+#[case::kind("KHR_materials_sheen", json!({ "sheenColorFactor": "red" }), "KHR_materials_sheen: invalid type")]
+#[case::texture("KHR_materials_clearcoat", json!({ "clearcoatTexture": { "index": 7 } }), "refers to textures[7]")]
+fn impossible_extensions_are_refused(#[case] name: &str, #[case] table: Value, #[case] message: &str) {
+    let error = Fixture::square().with("/materials", json!([{ "extensions": { name: table } }])).error();
+    assert!(error.contains(message), "{error}");
 }
 
 #[test]

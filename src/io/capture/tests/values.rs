@@ -111,7 +111,7 @@ fn metals_indices_and_textures_come_in_several_shapes() {
         ("type = 'dielectric'\nindex = { file = 'k.csv' }", "Table"),
         (
             "type = 'metallic-roughness'\nbase_colour = { texture = 'a.png', tiles = [2, 3], wrap = 'clamp' }\nroughness = 0.5\nnormal_map = { texture = 'a.png' }\nmetallic_roughness_map = { texture = 'a.png' }",
-            "MetallicRoughness",
+            "Layered",
         ),
     ] {
         let files = Files::new(&room(&format!("[materials.wall]\n{table}")));
@@ -121,7 +121,9 @@ fn metals_indices_and_textures_come_in_several_shapes() {
         let capture = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));
         let wall = material(&capture, "wall");
         assert!(format!("{:?}", wall.model).contains(check), "{table}");
-        if let MaterialModel::MetallicRoughness { base_colour_texture: Some(texture), .. } = &wall.model {
+        if let MaterialModel::Layered(layers) = &wall.model
+            && let Some(texture) = &layers.base_colour.texture
+        {
             assert_eq!(texture.sampler.wrap, [Wrap::ClampToEdge; 2]);
             assert_eq!(capture.scene.images.len(), 1, "a picture is read once");
             let mesh = &capture.scene.meshes[0];
