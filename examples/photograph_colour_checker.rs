@@ -37,7 +37,8 @@ fn main() -> miette::Result<()> {
 
 /// A noise-free picture in which white would just saturate.
 fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photosite::Invalid> {
-    let exposure = Exposure { time: Seconds(0.01), gain: Decibels(0.0), temperature: Celsius(25.0) };
+    let exposure =
+        Exposure { time: Seconds(0.01), gain: Decibels(0.0), temperature: Celsius(25.0), frame_interval: None };
     let responses = sensor.responses();
     let electrons = |reflectance: &Spectrum| -> Vec<f64> {
         responses.iter().map(|(_, r)| r.product(&light.product(reflectance)).integral()).collect()
@@ -56,9 +57,9 @@ fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photos
     }
     let mut raw = expose(&light_on_sensor, sensor, &exposure, Stages::NONE, NoiseKey::default())?;
     if let Some(colour) = camera_colour(&responses, light)? {
-        raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65);
-        raw.metadata.colour_matrix_a = Some(colour.matrix_a);
-        raw.metadata.as_shot_neutral = Some(colour.neutral);
+        raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65.to_vec());
+        raw.metadata.colour_matrix_a = Some(colour.matrix_a.to_vec());
+        raw.metadata.as_shot_neutral = Some(colour.neutral.to_vec());
     }
     Ok(raw)
 }

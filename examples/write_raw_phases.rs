@@ -33,19 +33,21 @@ fn picture(cfa: &str, width: usize, height: usize, bits: u32) -> miette::Result<
         height,
         data: data.collect(),
         bits,
-        black_level_dn: 1 << (bits - 6),
+        black_level_dn: (1 << (bits - 6)).into(),
         white_level_dn: (max_dn - (1 << (bits - 5))) as u16,
         metadata: RawMetadata {
             camera_model: "test pattern".to_owned(),
             exposure_time_s: 1.0 / 125.0,
             f_number: Some(2.8),
             focal_length_m: Some(0.016),
-            colour_matrix_d65: colour.then_some([[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]),
-            colour_matrix_a: colour.then_some([[0.9, -0.35, -0.15], [-0.3, 1.1, 0.25], [0.0, 0.1, 0.7]]),
-            as_shot_neutral: colour.then_some([0.5, 1.0, 0.7]),
+            colour_matrix_d65: colour.then_some(vec![[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]),
+            colour_matrix_a: colour.then_some(vec![[0.9, -0.35, -0.15], [-0.3, 1.1, 0.25], [0.0, 0.1, 0.7]]),
+            as_shot_neutral: colour.then_some(vec![0.5, 1.0, 0.7]),
             noise_profile: vec![[1e-4, 2e-7]; cfa.channels().len()],
+            ..RawMetadata::default()
         },
         cfa,
+        ..RawImage::default()
     })
 }
 

@@ -64,6 +64,10 @@
 //! D. Menon, S. Andriani, G. Calvagno, "Demosaicing With Directional Filtering and a posteriori Decision", IEEE
 //! Transactions on Image Processing 16(1), 132–141 (2007).
 //!
+//! ## Compton07
+//! J. T. Compton, J. F. Hamilton Jr., "Image sensor with improved light sensitivity", US patent application 2007/0024931
+//! (Eastman Kodak, 2007).
+//!
 //! ## Karis13
 //! B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH course notes (2013).
 //!

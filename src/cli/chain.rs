@@ -4,10 +4,10 @@ use photosite::develop::colour_matrix::{CameraColour, camera_colour};
 use photosite::develop::{DevelopSettings, Picture8, develop};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
-use photosite::io::capture::{Capture, ExposureTime};
+use photosite::io::capture::{Capture, ExposureSettings, ExposureTime};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
-use photosite::sensor::{Exposure, NoiseKey, Stages, auto_exposure, expose};
+use photosite::sensor::{Exposure, NoiseKey, auto_exposure, expose};
 use photosite::spectrum::illuminant;
 use photosite::units::Electrons;
 use photosite::{Error, Invalid, Result};
@@ -68,15 +68,15 @@ impl<'a> Chain<'a> {
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
-        let Capture { sensor, lens, render, .. } = self.capture;
+        let Capture { sensor, lens, render, exposure: ExposureSettings { stages, .. }, .. } = self.capture;
         let Exposed { exposure, electrons } = exposed;
         let key = NoiseKey { seed: render.seed, frame: u64::from(frame) };
-        let mut raw = expose(&electrons.mean, sensor, exposure, Stages::ALL, key).map_err(|e| self.in_exposure(e))?;
+        let mut raw = expose(&electrons.mean, sensor, exposure, *stages, key).map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = Some(lens.f_number);
         raw.metadata.focal_length_m = Some(lens.focal_length_m);
-        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65);
-        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a);
-        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral);
+        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65.to_vec());
+        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a.to_vec());
+        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral.to_vec());
         Ok(raw)
     }
 
@@ -96,7 +96,11 @@ impl<'a> Chain<'a> {
             ExposureTime::Fixed(time) => time,
             ExposureTime::Auto(target) => auto_exposure(&rates.mean, sensor, wanted.gain, wanted.temperature, target)?,
         };
-        Ok(Exposure { time, gain: wanted.gain, temperature: wanted.temperature })
+        let ExposureSettings { gain, temperature, frame_interval, .. } = *wanted;
+        let exposure = Exposure { time, gain, temperature, frame_interval };
+        // The time of an automatic exposure is known only now.
+        exposure.validate(sensor)?;
+        Ok(exposure)
     }
 
     /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
@@ -110,11 +114,13 @@ impl<'a> Chain<'a> {
         let exposure = self.exposure(&rates).ok()?;
         let sensor = &self.capture.sensor;
         let (width, time) = (rates.mean.width(), exposure.time.0);
+        let samples = sensor.cfa.samples_per_pixel();
+        let row_length = width * samples;
         let saturation = sensor.saturation_capacity(&exposure).0;
         let (mut of_light, mut of_sensor) = (0.0, 0.0);
-        for pixel in 0..width * rates.mean.height() {
-            let channel = sensor.cfa.channel_at(pixel % width, pixel / width);
-            let at = |planes: &Planes| f64::from(planes.channels()[channel].data[pixel]);
+        for i in 0..row_length * rates.mean.height() {
+            let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
+            let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
             let mean = at(&rates.mean) * time;
             if mean < saturation {
                 of_light += at(&rates.variance) * time * time;
@@ -125,7 +131,7 @@ impl<'a> Chain<'a> {
     }
 
     pub(super) fn exposure_report(&self, exposed: &Exposed) -> ExposureReport {
-        let Exposure { time, gain, temperature } = exposed.exposure;
+        let Exposure { time, gain, temperature, .. } = exposed.exposure;
         ExposureReport {
             time_s: time.0,
             auto: matches!(self.capture.exposure.time, ExposureTime::Auto(_)),
@@ -143,13 +149,13 @@ impl<'a> Chain<'a> {
             pixel_pitch_um: sensor.pixel_pitch_m.map(|m| (m * 1e9).round() / 1e3),
             channels: sensor.cfa.channels().to_vec(),
             bits: raw.bits,
-            black_level_dn: raw.black_level_dn,
+            black_level_dn: raw.black_level_dn.mean(),
             white_level_dn: raw.white_level_dn,
             system_gain_dn_per_e: sensor.converter.system_gain(exposed.exposure.gain),
             saturation_capacity_e: sensor.saturation_capacity(&exposed.exposure).0,
             read_noise_e: sensor.noise.read.0,
-            as_shot_neutral: raw.metadata.as_shot_neutral,
-            colour_matrix_d65: raw.metadata.colour_matrix_d65,
+            as_shot_neutral: raw.metadata.as_shot_neutral.clone(),
+            colour_matrix_d65: raw.metadata.colour_matrix_d65.clone(),
         }
     }
 }

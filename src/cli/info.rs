@@ -143,13 +143,14 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "source": sensor.source,
         "resolution_px": sensor.resolution,
         "pixel_pitch_um": sensor.pixel_pitch_m.map(|m| round(m * 1e6)),
+        "cfa": sensor.cfa.to_string(),
         "channels": sensor.cfa.channels(),
         "peak_quantum_efficiency": peaks,
         "full_well_e": sensor.full_well.0,
         "read_noise_e": sensor.noise.read.0,
         "dark_current_e_per_s": sensor.noise.dark_current_e_per_s,
-        "prnu_percent": round(sensor.noise.prnu * 100.0),
-        "dsnu_e": sensor.noise.dsnu.0,
+        "prnu_percent": round(sensor.noise.prnu.total() * 100.0),
+        "dsnu_e": round(sensor.noise.dsnu.total()),
         "bits": sensor.converter.bits,
         "conversion_gain_dn_per_e": sensor.converter.conversion_gain_dn_per_e,
         "black_level_dn": sensor.converter.black_level_dn,
@@ -168,16 +169,16 @@ fn of_numbers(raw: &RawImage) -> Map<String, Value> {
 }
 
 fn of_raw(raw: &RawImage) -> Map<String, Value> {
-    let (width, height) = raw.cfa.tile_size();
-    let letters = |i: usize| raw.cfa.channels()[raw.cfa.channel_at(i % width, i / width)].as_str();
     let mut facts = of_numbers(raw);
     facts.extend(map(json!({
+        "active_area_px": raw.active_area.map(|area| [area.x, area.y, area.width, area.height]),
         "saturated_pixels": raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count(),
-        "cfa": (0..width * height).map(letters).collect::<String>(),
+        "cfa": raw.cfa.to_string(),
         "bits": raw.bits,
-        "black_level_dn": raw.black_level_dn,
+        "black_level_dn": raw.black_level_dn.mean(),
         "white_level_dn": raw.white_level_dn,
         "camera_model": raw.metadata.camera_model,
+        "pixel_pitch_um": raw.metadata.pixel_pitch_m.map(|pitch| pitch.map(|m| round(m * 1e6))),
         "exposure_time_s": raw.metadata.exposure_time_s,
         "f_number": raw.metadata.f_number,
         "focal_length_mm": raw.metadata.focal_length_m.map(|m| round(m * 1e3)),

@@ -100,15 +100,15 @@ pub(super) struct SensorReport {
     pub(super) pixel_pitch_um: [f64; 2],
     pub(super) channels: Vec<String>,
     pub(super) bits: u32,
-    pub(super) black_level_dn: u16,
+    pub(super) black_level_dn: f32,
     pub(super) white_level_dn: u16,
     /// K at the exposure's gain.
     pub(super) system_gain_dn_per_e: f64,
     /// The smaller of full well and converter range at this gain.
     pub(super) saturation_capacity_e: f64,
     pub(super) read_noise_e: f64,
-    pub(super) as_shot_neutral: Option<[f64; 3]>,
-    pub(super) colour_matrix_d65: Option<[[f64; 3]; 3]>,
+    pub(super) as_shot_neutral: Option<Vec<f64>>,
+    pub(super) colour_matrix_d65: Option<Vec<[f64; 3]>>,
 }
 
 #[derive(Serialize)]

@@ -58,16 +58,12 @@ pub(super) fn run(args: &SensorsArgs) -> photosite::Result<()> {
 }
 
 fn row(name: &'static str, model: &SensorModel) -> Row {
-    let (width, height) = model.cfa.tile_size();
-    let channels = model.cfa.channels();
-    let tile: String =
-        (0..width * height).map(|i| channels[model.cfa.channel_at(i % width, i / width)].as_str()).collect();
     Row {
         name,
         description: model.description.clone(),
         resolution_px: model.resolution,
         pixel_pitch_um: model.pixel_pitch_m.map(|m| (m * 1e9).round() / 1e3),
-        cfa: if model.cfa.is_mono() { "mono".to_owned() } else { tile },
+        cfa: model.cfa.to_string(),
         peak_quantum_efficiency: model.quantum_efficiency.iter().map(Spectrum::max).fold(0.0, f32::max),
         full_well_e: model.full_well.0,
         read_noise_e: model.noise.read.0,

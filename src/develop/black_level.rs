@@ -4,9 +4,17 @@ use rayon::prelude::*;
 
 use crate::raw::RawImage;
 
-/// x = (DN − black)/(white − black) for every pixel. Noise below black stays negative.
+/// x = (DN − black)/(white − black) for every number. Noise below black stays negative.
 pub(super) fn subtract(raw: &RawImage) -> Vec<f32> {
-    let black = f32::from(raw.black_level_dn);
-    let range = (f32::from(raw.white_level_dn) - black).max(1.0);
-    raw.data.par_iter().map(|&dn| (f32::from(dn) - black) / range).collect()
+    let white = f32::from(raw.white_level_dn);
+    let mut signal = vec![0.0; raw.data.len()];
+    let row_length = raw.row_length().max(1);
+    let rows = signal.par_chunks_mut(row_length).zip(raw.data.par_chunks(row_length));
+    rows.enumerate().for_each(|(y, (signal, numbers))| {
+        for (x, (signal, &dn)) in signal.iter_mut().zip(numbers).enumerate() {
+            let black = raw.black_level_dn.at(x, y);
+            *signal = (f32::from(dn) - black) / (white - black).max(1.0);
+        }
+    });
+    signal
 }

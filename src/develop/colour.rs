@@ -15,8 +15,8 @@ use crate::spectrum::rgb;
 /// between those of D65 and illuminant A, by reciprocal colour temperature; that matrix and the response to white give
 /// the scene's white point, from which colours are adapted to sRGB's.
 pub(super) fn camera_to_srgb(metadata: &RawMetadata, neutral: [f64; 3]) -> Result<DMat3, Invalid> {
-    let Some(d65) = metadata.colour_matrix_d65 else { return Ok(DMat3::IDENTITY) };
-    let a = metadata.colour_matrix_a.unwrap_or(d65);
+    let Some(d65) = three_channels(&metadata.colour_matrix_d65, "ColorMatrix1")? else { return Ok(DMat3::IDENTITY) };
+    let a = three_channels(&metadata.colour_matrix_a, "ColorMatrix2")?.unwrap_or(d65);
     let neutral = DVec3::from_array(neutral);
     let mut camera_to_xyz = interpolated(d65, a, 0.0).inverse();
     // The matrix depends on the white point and the white point on the matrix: a fixed point, reached within a few rounds.
@@ -35,6 +35,13 @@ pub(super) fn camera_to_srgb(metadata: &RawMetadata, neutral: [f64; 3]) -> Resul
         let message = format!("{d65:?} and the response to white {neutral} do not give a colour");
         Err(Invalid::new("ColorMatrix1", message).help("the file is damaged, or its camera cannot tell colours apart"))
     }
+}
+
+/// The matrix of a camera of three channels.
+fn three_channels(matrix: &Option<Vec<[f64; 3]>>, key: &str) -> Result<Option<[[f64; 3]; 3]>, Invalid> {
+    let Some(rows) = matrix else { return Ok(None) };
+    let refused = |_| Invalid::new(key, format!("a matrix of {} channels instead of 3", rows.len()));
+    rows.as_slice().try_into().map(Some).map_err(refused)
 }
 
 /// Enough for the fixed point to settle to 1e-6: the matrices differ little, so each round gains a digit or more.
@@ -95,8 +102,8 @@ mod tests {
     #[test]
     fn white_stays_white_whatever_the_neutral_is() {
         let metadata = RawMetadata {
-            colour_matrix_d65: Some([[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]),
-            colour_matrix_a: Some([[0.9, -0.35, -0.15], [-0.3, 1.1, 0.25], [0.0, 0.1, 0.7]]),
+            colour_matrix_d65: Some(vec![[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]),
+            colour_matrix_a: Some(vec![[0.9, -0.35, -0.15], [-0.3, 1.1, 0.25], [0.0, 0.1, 0.7]]),
             ..RawMetadata::default()
         };
         for neutral in [[0.5, 1.0, 0.7], [1.0, 0.9, 0.2], [0.2, 1.0, 1.0]] {

@@ -25,9 +25,13 @@ pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<Picture8, I
 /// Develops to linear sRGB, planes `R`, `G` and `B`, or `Y` for a monochrome sensor. 1 is white at saturation, before
 /// the exposure correction.
 pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<Planes, Invalid> {
-    if raw.data.len() != raw.width * raw.height {
-        let message = format!("{} numbers for {} × {} pixels", raw.data.len(), raw.width, raw.height);
-        return Err(Invalid::new("", message));
+    raw.validate()?;
+    if raw.active_area.is_some() {
+        return develop_linear(&raw.cropped(), settings);
+    }
+    if !(raw.cfa.is_mono() || raw.cfa.is_bayer()) {
+        let message = format!("a picture with the colour filter array {} cannot be developed", raw.cfa);
+        return Err(Invalid::new("cfa", message).help("photosite develops Bayer mosaics and monochrome pictures"));
     }
     let mut mosaic = black_level::subtract(raw);
     if raw.cfa.is_mono() {

@@ -19,7 +19,14 @@ impl WhiteBalance {
     /// The response to white, the largest component 1.
     pub(super) fn neutral(self, raw: &RawImage) -> Result<[f64; 3], Invalid> {
         let neutral = match self {
-            Self::AsShot => raw.metadata.as_shot_neutral.unwrap_or([1.0; 3]),
+            Self::AsShot => match raw.metadata.as_shot_neutral.as_deref() {
+                None => [1.0; 3],
+                Some(&[r, g, b]) => [r, g, b],
+                Some(other) => {
+                    let message = format!("{} numbers instead of 3", other.len());
+                    return Err(Invalid::new("AsShotNeutral", message));
+                }
+            },
             Self::Neutral(neutral) => neutral,
         };
         if neutral.iter().any(|n| !(n.is_finite() && *n > 0.0)) {

@@ -158,7 +158,7 @@ mod tests {
     use crate::io::electrons::write_electrons;
     use crate::io::exr::{Attribute, write_exr};
     use crate::io::spectral_exr::write_irradiance;
-    use crate::raw::{Cfa, RawImage, RawMetadata, write_dng, write_npy, write_pgm, write_tiff};
+    use crate::raw::{Cfa, RawImage, write_dng, write_npy, write_pgm, write_tiff};
     use crate::units::Seconds;
 
     /// Reads a file of that extension.
@@ -211,9 +211,9 @@ mod tests {
             data: vec![0, 1, 255, 256, 4095, 64, 300, 65_535],
             cfa: Cfa::parse("GRBG").expect("known"),
             bits: 12,
-            black_level_dn: 64,
+            black_level_dn: 64.into(),
             white_level_dn: 4095,
-            metadata: RawMetadata::default(),
+            ..RawImage::default()
         };
         let data: Vec<f32> = raw.data.iter().map(|&dn| f32::from(dn)).collect();
         let [mut dng, mut tiff, mut pgm, mut npy] = [const { Vec::new() }; 4];

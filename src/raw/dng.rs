@@ -64,6 +64,12 @@ pub fn write_dng<W: Write + Seek>(raw: &RawImage, to: W) -> io::Result<()> {
     if raw.data.is_empty() {
         return Err(io::Error::other("the picture has no pixels"));
     }
+    if !(raw.cfa.is_bayer() || raw.cfa.is_mono())
+        || raw.active_area.is_some()
+        || raw.black_level_dn.as_uniform().is_none()
+    {
+        return Err(io::Error::other(format!("DNG files cannot hold pictures of the layout {}", raw.cfa)));
+    }
     write_directories(raw, to).map_err(io_error)
 }
 
@@ -102,8 +108,8 @@ fn write_main<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
     ifd.write_tag(tag::BASELINE_EXPOSURE, SRational { n: 0, d: 1 })?;
     // D65 comes first because many developers use the first matrix only.
     for (matrix, matrix_tag, light_tag, light) in [
-        (metadata.colour_matrix_d65, tag::COLOR_MATRIX_1, tag::CALIBRATION_ILLUMINANT_1, D65),
-        (metadata.colour_matrix_a, tag::COLOR_MATRIX_2, tag::CALIBRATION_ILLUMINANT_2, STANDARD_LIGHT_A),
+        (&metadata.colour_matrix_d65, tag::COLOR_MATRIX_1, tag::CALIBRATION_ILLUMINANT_1, D65),
+        (&metadata.colour_matrix_a, tag::COLOR_MATRIX_2, tag::CALIBRATION_ILLUMINANT_2, STANDARD_LIGHT_A),
     ] {
         if let Some(matrix) = matrix {
             let entries: Vec<SRational> = matrix.as_flattened().iter().map(|&entry| srational(entry)).collect();
@@ -111,8 +117,8 @@ fn write_main<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
             ifd.write_tag(light_tag, light)?;
         }
     }
-    if let Some(neutral) = metadata.as_shot_neutral {
-        ifd.write_tag(tag::AS_SHOT_NEUTRAL, &neutral.map(rational)[..])?;
+    if let Some(neutral) = &metadata.as_shot_neutral {
+        ifd.write_tag(tag::AS_SHOT_NEUTRAL, &neutral.iter().copied().map(rational).collect::<Vec<_>>()[..])?;
     }
     Ok(())
 }
@@ -133,7 +139,7 @@ fn write_mosaic<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
         ifd.write_tag(tag::CFA_LAYOUT, 1u16)?;
     }
     ifd.write_tag(tag::BLACK_LEVEL_REPEAT_DIM, &[1u16, 1][..])?;
-    ifd.write_tag(tag::BLACK_LEVEL, raw.black_level_dn)?;
+    ifd.write_tag(tag::BLACK_LEVEL, raw.black_level_dn.mean() as u16)?;
     ifd.write_tag(tag::WHITE_LEVEL, u32::from(raw.white_level_dn))?;
     ifd.write_tag(tag::DEFAULT_SCALE, &[Rational { n: 1, d: 1 }, Rational { n: 1, d: 1 }][..])?;
     ifd.write_tag(tag::DEFAULT_CROP_ORIGIN, &[0u32, 0][..])?;

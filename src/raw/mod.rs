@@ -3,6 +3,8 @@
 //! In: digital numbers from [`sensor`](crate::sensor). Out: files (DNG, TIFF, PGM, NPY). Development to RGB is left to
 //! [`develop`](crate::develop).
 
+mod area;
+mod black_level;
 mod cfa;
 mod dng;
 mod npy;
@@ -12,40 +14,107 @@ mod read;
 mod thumbnail;
 mod tiff;
 
-pub use cfa::Cfa;
+pub use area::Area;
+pub use black_level::BlackLevel;
+pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
 pub use dng::write_dng;
 pub use npy::{read_npy, write_npy};
 pub use pgm::{read_pgm, write_pgm};
 pub use read::{read_dng, read_tiff};
 pub use tiff::write_tiff;
 
-/// A mosaic of digital numbers.
+use crate::Invalid;
+
+/// A picture of digital numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawImage {
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// width × height digital numbers, row by row from the top-left pixel.
+    /// Digital numbers, row by row from the top-left pixel: one a pixel in a mosaic, or those of all channels, one beside
+    /// the other ([`Cfa::samples_per_pixel`]).
     pub data: Vec<u16>,
-    /// Which channel each pixel belongs to.
+    /// Which channel each number belongs to.
     pub cfa: Cfa,
+    /// The pixels that see light; `None` where all do. The others are masked and show the black level.
+    pub active_area: Option<Area>,
     /// Bits of the converter, 8–16.
     pub bits: u32,
     /// Digital number of no light, DN.
-    pub black_level_dn: u16,
+    pub black_level_dn: BlackLevel,
     /// Smallest digital number at which a pixel counts as saturated, DN.
     pub white_level_dn: u16,
     /// How it was taken.
     pub metadata: RawMetadata,
 }
 
+impl Default for RawImage {
+    /// A monochrome picture of 16 bits that has no pixels yet.
+    fn default() -> Self {
+        Self {
+            width: 0,
+            height: 0,
+            data: Vec::new(),
+            cfa: Cfa::mono(),
+            active_area: None,
+            bits: 16,
+            black_level_dn: BlackLevel::default(),
+            white_level_dn: u16::MAX,
+            metadata: RawMetadata::default(),
+        }
+    }
+}
+
 impl RawImage {
-    /// Digital numbers of which a file says nothing but that they go up to `maximum`: those of a monochrome sensor.
-    fn bare(width: usize, height: usize, data: Vec<u16>, maximum: u16) -> Self {
-        let (cfa, metadata) = (Cfa::mono(), RawMetadata::default());
+    /// Digital numbers of which a file says nothing but that they go up to `maximum`.
+    fn bare(width: usize, height: usize, data: Vec<u16>, cfa: Cfa, maximum: u16) -> Self {
         let bits = (u16::BITS - maximum.leading_zeros()).max(8);
-        Self { width, height, data, cfa, bits, black_level_dn: 0, white_level_dn: maximum, metadata }
+        Self { width, height, data, cfa, bits, white_level_dn: maximum, ..Self::default() }
+    }
+
+    /// Numbers in a row of `data`.
+    pub fn row_length(&self) -> usize {
+        self.width * self.cfa.samples_per_pixel()
+    }
+
+    /// The pixels that see light.
+    pub fn active(&self) -> Area {
+        self.active_area.unwrap_or(Area { x: 0, y: 0, width: self.width, height: self.height })
+    }
+
+    /// Refuses a picture whose parts do not belong together.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        if self.data.len() != self.row_length() * self.height {
+            let message = format!("{} numbers for {} × {} pixels", self.data.len(), self.width, self.height);
+            let help = format!("each pixel has {}", self.cfa.samples_per_pixel());
+            return Err(Invalid::new("", message).help(help));
+        }
+        let area = self.active();
+        let fits = |first: usize, length: usize, side: usize| first.checked_add(length).is_some_and(|end| end <= side);
+        if !(fits(area.x, area.width, self.width) && fits(area.y, area.height, self.height)) {
+            let message = format!("the active area {area} goes beyond {} × {} pixels", self.width, self.height);
+            return Err(Invalid::new("active_area", message));
+        }
+        Ok(())
+    }
+
+    /// The active area alone, as a picture of its own.
+    pub fn cropped(&self) -> Self {
+        let Some(Area { x, y, width, height }) = self.active_area else { return self.clone() };
+        let (samples, row_length) = (self.cfa.samples_per_pixel(), self.row_length());
+        let rows = self.data.chunks(row_length.max(1)).skip(y).take(height);
+        Self {
+            width,
+            height,
+            data: rows.flat_map(|row| &row[x * samples..(x + width) * samples]).copied().collect(),
+            cfa: self.cfa.from(x, y),
+            active_area: None,
+            bits: self.bits,
+            black_level_dn: self.black_level_dn.from(&self.cfa, x, y),
+            white_level_dn: self.white_level_dn,
+            metadata: self.metadata.clone(),
+        }
     }
 }
 
@@ -54,18 +123,21 @@ impl RawImage {
 pub struct RawMetadata {
     /// Sensor preset or name.
     pub camera_model: String,
+    /// Pixel pitch along x and y, m; pixels are taken for square where it is not known.
+    pub pixel_pitch_m: Option<[f64; 2]>,
     /// Exposure time, s.
     pub exposure_time_s: f64,
     /// f-number, where there is a lens.
     pub f_number: Option<f64>,
     /// Focal length, m.
     pub focal_length_m: Option<f64>,
-    /// XYZ → camera for colours under D65, rows per channel in the order of the CFA's channels; `None` for monochrome.
-    pub colour_matrix_d65: Option<[[f64; 3]; 3]>,
+    /// XYZ → camera for colours under D65, rows per channel in the order of the CFA's channels; `None` where it is not
+    /// known or has no meaning.
+    pub colour_matrix_d65: Option<Vec<[f64; 3]>>,
     /// The same for colours under CIE illuminant A, where it is known.
-    pub colour_matrix_a: Option<[[f64; 3]; 3]>,
-    /// The camera's response to the scene's white, the largest component 1; `None` for monochrome.
-    pub as_shot_neutral: Option<[f64; 3]>,
+    pub colour_matrix_a: Option<Vec<[f64; 3]>>,
+    /// The camera's response to the scene's white, per channel, the largest 1; `None` for monochrome.
+    pub as_shot_neutral: Option<Vec<f64>>,
     /// Per channel (S, O): variance of the normalised signal x in 0–1 is S·x + O (DNG NoiseProfile).
     pub noise_profile: Vec<[f64; 2]>,
 }

@@ -1,4 +1,5 @@
-//! The mosaic as a NumPy array of `uint16`, shape (rows, columns).
+//! The digital numbers as a NumPy array of `uint16`, shape (rows, columns), or (rows, columns, channels) where every
+//! pixel has all channels.
 
 use std::io::{self, Read, Write};
 
@@ -6,15 +7,16 @@ use npyz::{NpyFile, Order, WriterBuilder};
 
 use crate::Invalid;
 
-use super::RawImage;
+use super::{Cfa, RawImage};
 
 /// Most pixels along a side.
 const MAX_SIDE: u64 = 65_535;
 
 /// Writes an NPY file.
 pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
-    let shape = [raw.height as u64, raw.width as u64];
-    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(to).begin_nd()?;
+    let shape = [raw.height, raw.width, raw.cfa.samples_per_pixel()].map(|n| n as u64);
+    let axes = if raw.cfa.is_full() { 3 } else { 2 };
+    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape[..axes]).writer(to).begin_nd()?;
     array.extend(raw.data.iter().copied())?;
     array.finish()
 }
@@ -39,7 +41,7 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     for number in numbers {
         data.push(number.map_err(|e| unreadable(&e).help("the file is cut short"))?);
     }
-    Ok(RawImage::bare(width as usize, height as usize, data, u16::MAX))
+    Ok(RawImage::bare(width as usize, height as usize, data, Cfa::mono(), u16::MAX))
 }
 
 #[cfg(test)]
@@ -47,7 +49,7 @@ mod tests {
     use super::*;
 
     fn file() -> Vec<u8> {
-        let raw = RawImage::bare(7, 5, (0..35).map(|i| i * 1_801).collect(), u16::MAX);
+        let raw = RawImage::bare(7, 5, (0..35).map(|i| i * 1_801).collect(), Cfa::mono(), u16::MAX);
         let mut file = Vec::new();
         write_npy(&raw, &mut file).expect("written");
         assert_eq!(read_npy(&file[..]), Ok(raw));

@@ -1,19 +1,25 @@
-//! The mosaic as binary PGM of 16 bits, most significant byte first (Netpbm's `pgm(5)`).
+//! The digital numbers as binary PGM of 16 bits, most significant byte first (Netpbm's `pgm(5)`), or PPM where every pixel
+//! has three channels (`ppm(5)`).
 
 use std::io::{self, BufRead, Read, Write};
 
 use crate::Invalid;
 
-use super::RawImage;
+use super::{Cfa, RawImage};
 
 /// Most pixels along a side.
 const MAX_SIDE: u32 = 65_535;
 
 /// Writes a PGM file. Its maximum is 65535 whatever the converter's bits, so that no reader rescales the numbers.
 pub fn write_pgm<W: Write>(raw: &RawImage, mut to: W) -> io::Result<()> {
-    write!(to, "P5\n{} {}\n65535\n", raw.width, raw.height)?;
-    let mut row_bytes = Vec::with_capacity(2 * raw.width);
-    for row in raw.data.chunks(raw.width.max(1)) {
+    let magic = match raw.cfa.samples_per_pixel() {
+        1 => "P5",
+        3 => "P6",
+        other => return Err(io::Error::other(format!("pixels of {other} numbers fit neither PGM nor PPM"))),
+    };
+    write!(to, "{magic}\n{} {}\n65535\n", raw.width, raw.height)?;
+    let mut row_bytes = Vec::with_capacity(2 * raw.row_length());
+    for row in raw.data.chunks(raw.row_length().max(1)) {
         row_bytes.clear();
         row_bytes.extend(row.iter().flat_map(|dn| dn.to_be_bytes()));
         to.write_all(&row_bytes)?;
@@ -53,7 +59,7 @@ pub fn read_pgm<R: BufRead>(mut from: R) -> Result<RawImage, Invalid> {
     } else {
         bytes.into_iter().map(u16::from).collect()
     };
-    Ok(RawImage::bare(width as usize, height as usize, data, maximum))
+    Ok(RawImage::bare(width as usize, height as usize, data, Cfa::mono(), maximum))
 }
 
 /// The next number of the header, with the one white space behind it. Comments go from # to the end of the line.
@@ -80,7 +86,7 @@ mod tests {
 
     #[test]
     fn numbers_come_back_as_they_went() {
-        let raw = RawImage::bare(7, 5, (0..35).map(|i| i * 1_801).collect(), u16::MAX);
+        let raw = RawImage::bare(7, 5, (0..35).map(|i| i * 1_801).collect(), Cfa::mono(), u16::MAX);
         let mut file = Vec::new();
         write_pgm(&raw, &mut file).expect("written");
         assert_eq!(read_pgm(&file[..]), Ok(raw));

@@ -44,9 +44,10 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         data,
         cfa: file.cfa(&mosaic)?,
         bits,
-        black_level_dn: black as u16,
+        black_level_dn: (black as u16).into(),
         white_level_dn: white as u16,
         metadata: file.metadata(&main, &mosaic)?,
+        ..RawImage::default()
     })
 }
 
@@ -61,7 +62,7 @@ pub fn read_tiff<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     if data.len() != width * height {
         return Err(Invalid::new("SamplesPerPixel", "the file holds more than one number a pixel"));
     }
-    Ok(RawImage::bare(width, height, data, u16::MAX))
+    Ok(RawImage::bare(width, height, data, Cfa::mono(), u16::MAX))
 }
 
 fn unreadable(error: TiffError) -> Invalid {
@@ -172,7 +173,7 @@ impl<R: Read + Seek> Tags<R> {
             Some(text) => text.into_string().map_err(unreadable)?,
             None => String::new(),
         };
-        let matrix = |entries: [f64; 9]| [0, 3, 6].map(|row| [entries[row], entries[row + 1], entries[row + 2]]);
+        let matrix = |entries: [f64; 9]| entries.as_chunks::<3>().0.to_vec();
         Ok(RawMetadata {
             camera_model,
             exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
@@ -180,8 +181,9 @@ impl<R: Read + Seek> Tags<R> {
             focal_length_m: self.number(&exif, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
             colour_matrix_d65: self.array(main, tag::COLOR_MATRIX_1)?.map(matrix),
             colour_matrix_a: self.array(main, tag::COLOR_MATRIX_2)?.map(matrix),
-            as_shot_neutral: self.array(main, tag::AS_SHOT_NEUTRAL)?,
+            as_shot_neutral: self.array::<3>(main, tag::AS_SHOT_NEUTRAL)?.map(|neutral| neutral.to_vec()),
             noise_profile: self.numbers(mosaic, tag::NOISE_PROFILE)?.as_chunks::<2>().0.to_vec(),
+            ..RawMetadata::default()
         })
     }
 }
@@ -219,19 +221,21 @@ mod tests {
             height,
             data: (0..width * height).map(|i| (i as u16).wrapping_mul(40_503)).collect(),
             bits: 12,
-            black_level_dn: 64,
+            black_level_dn: 64.into(),
             white_level_dn: 4095,
             metadata: RawMetadata {
                 camera_model: "a camera".to_owned(),
                 exposure_time_s: 0.01,
                 f_number: Some(2.8),
                 focal_length_m: colour.then_some(0.016),
-                colour_matrix_d65: colour.then_some([[0.75, -0.25, -0.125], [-0.5, 1.25, 0.25], [0.0, 0.125, 0.5]]),
-                colour_matrix_a: colour.then_some([[0.875, -0.25, -0.125], [-0.5, 1.5, 0.25], [0.0, 0.25, 0.5]]),
-                as_shot_neutral: colour.then_some([0.5, 1.0, 0.75]),
+                colour_matrix_d65: colour.then_some(vec![[0.75, -0.25, -0.125], [-0.5, 1.25, 0.25], [0.0, 0.125, 0.5]]),
+                colour_matrix_a: colour.then_some(vec![[0.875, -0.25, -0.125], [-0.5, 1.5, 0.25], [0.0, 0.25, 0.5]]),
+                as_shot_neutral: colour.then_some(vec![0.5, 1.0, 0.75]),
                 noise_profile: vec![[1e-4, 2e-7]; cfa.channels().len()],
+                ..RawMetadata::default()
             },
             cfa,
+            ..RawImage::default()
         }
     }
 

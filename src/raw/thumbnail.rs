@@ -36,12 +36,12 @@ fn block_colour(raw: &RawImage, columns: std::ops::Range<usize>, rows: std::ops:
     for y in rows.start..rows.end.min(raw.height) {
         for x in columns.start..columns.end.min(raw.width) {
             let channel = raw.cfa.channel_at(x, y);
-            sums[channel] += f64::from(raw.data[y * raw.width + x]) - f64::from(raw.black_level_dn);
+            sums[channel] += f64::from(raw.data[y * raw.width + x]) - f64::from(raw.black_level_dn.at(x, y));
             counts[channel] += 1;
         }
     }
-    let range = f64::from(raw.white_level_dn.saturating_sub(raw.black_level_dn).max(1));
-    let neutral = raw.metadata.as_shot_neutral.unwrap_or([1.0; 3]);
+    let range = f64::from((f32::from(raw.white_level_dn) - raw.black_level_dn.mean()).max(1.0));
+    let neutral = raw.metadata.as_shot_neutral.as_deref().unwrap_or(&[1.0; 3]);
     std::array::from_fn(|component| {
         let channel = if raw.cfa.is_mono() { 0 } else { component };
         let balance = if raw.cfa.is_mono() { 1.0 } else { neutral[component].max(1e-6) };
@@ -53,7 +53,7 @@ fn block_colour(raw: &RawImage, columns: std::ops::Range<usize>, rows: std::ops:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raw::{Cfa, RawMetadata};
+    use crate::raw::Cfa;
 
     fn grey(width: usize, height: usize, cfa: &str) -> RawImage {
         RawImage {
@@ -62,9 +62,9 @@ mod tests {
             data: vec![1024; width * height],
             cfa: Cfa::parse(cfa).expect("known"),
             bits: 12,
-            black_level_dn: 24,
+            black_level_dn: 24.into(),
             white_level_dn: 4024,
-            metadata: RawMetadata::default(),
+            ..RawImage::default()
         }
     }
 

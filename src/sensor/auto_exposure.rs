@@ -1,10 +1,10 @@
 //! Auto-exposure: the time at which the bright parts of a picture just stay below saturation.
 
+use crate::Invalid;
 use crate::image::Planes;
 use crate::units::{Celsius, Decibels, Seconds};
-use crate::{Invalid, raw::Cfa};
 
-use super::{Exposure, SensorModel};
+use super::{Exposure, SensorModel, charge_generation};
 
 /// What auto-exposure aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub fn auto_exposure(
     temperature: Celsius,
     target: AutoExposure,
 ) -> Result<Seconds, Invalid> {
-    let mut mosaic = mosaic_of(rates, &sensor.cfa)?;
+    let mut mosaic = charge_generation::collect(rates, &sensor.cfa)?.electrons;
     let bright = ((1.0 - target.brighter_part).clamp(0.0, 1.0) * mosaic.len() as f64) as usize;
     let bright = bright.min(mosaic.len().saturating_sub(1));
     let rate =
@@ -42,16 +42,7 @@ pub fn auto_exposure(
         let message = format!("no time suits a picture whose bright pixels receive {rate} electrons per second");
         return Err(Invalid::new("auto", message).help("write an exposure time, time_s = 0.01, or light the scene"));
     }
-    let any_time = Exposure { time: Seconds(1.0), gain, temperature };
+    let any_time = Exposure { time: Seconds(1.0), gain, temperature, frame_interval: None };
     let capacity = sensor.saturation_capacity(&any_time);
     Ok(Seconds(target.level * capacity.0 / (rate + sensor.noise.dark_current(temperature))))
-}
-
-/// The plane of each pixel's own channel.
-fn mosaic_of(planes: &Planes, cfa: &Cfa) -> Result<Vec<f32>, Invalid> {
-    let channels = super::expose::channel_planes(planes, cfa)?;
-    let width = planes.width().max(1);
-    Ok((0..planes.width() * planes.height())
-        .map(|pixel| channels[cfa.channel_at(pixel % width, pixel / width)][pixel])
-        .collect())
 }

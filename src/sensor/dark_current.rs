@@ -5,8 +5,11 @@ use rand_distr::Poisson;
 
 use crate::units::{Celsius, Electrons, Seconds};
 
+use super::charge_plane::{Row, RowStage};
+use super::expose::Frame;
 use super::model::Noise;
-use super::noise_key::{NoiseKey, NoiseStage, PixelStreams};
+use super::noise_key::Streams;
+use super::stage::Stage;
 
 impl Noise {
     /// Dark current at a temperature, e⁻/s:
@@ -28,24 +31,28 @@ impl Noise {
 /// Adds thermal electrons, which have shot noise of their own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DarkCurrent {
-    /// The same for all pixels, so prepared once; `None` for no dark current.
-    distribution: Option<Poisson<f64>>,
-    streams: PixelStreams,
+    /// The same for all pixels, so prepared once.
+    distribution: Poisson<f64>,
+    streams: Streams,
 }
 
 impl DarkCurrent {
-    /// `mean`: thermal electrons of the exposure, finite. More than the distribution can take fills any well.
-    pub(super) fn new(mean: Electrons, key: NoiseKey) -> Self {
-        let distribution = Poisson::new(mean.0.min(Poisson::<f64>::MAX_LAMBDA)).ok();
-        Self { distribution, streams: key.temporal(NoiseStage::DarkCurrent) }
+    pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
+        let Frame { sensor, exposure, .. } = frame;
+        let mean = sensor.noise.dark_electrons(exposure.temperature, exposure.time);
+        let streams = frame.temporal(Stage::DarkCurrent)?;
+        // More than the distribution can take fills any well; without any dark current there is no distribution.
+        let distribution = Poisson::new(mean.0.min(Poisson::<f64>::MAX_LAMBDA)).ok()?;
+        Some(Self { distribution, streams })
     }
+}
 
-    /// The pixel's charge with thermal electrons added.
+impl RowStage for DarkCurrent {
+    /// The charge with thermal electrons added.
     #[inline]
-    pub(super) fn apply(&self, charge_e: f64, pixel: usize) -> f64 {
-        match &self.distribution {
-            Some(distribution) => charge_e + distribution.sample(&mut self.streams.pixel(pixel)),
-            None => charge_e,
+    fn apply(&self, row: &mut Row<'_>) {
+        for (x, charge) in row.values.iter_mut().enumerate() {
+            *charge += self.distribution.sample(&mut self.streams.pixel(x, row.y)) as f32;
         }
     }
 }

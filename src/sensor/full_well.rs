@@ -1,9 +1,25 @@
 //! Full well: a pixel holds only so many electrons; what comes on top is lost.
 
-use crate::units::Electrons;
+use super::charge_plane::{Row, RowStage};
+use super::expose::Frame;
+use super::stage::Stage;
 
-/// The charge that stays in the pixel, e⁻.
-#[inline]
-pub(super) fn clip(charge_e: f64, full_well: Electrons) -> f64 {
-    charge_e.min(full_well.0)
+/// The end of what pixels can hold.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FullWell {
+    capacity_e: f32,
+}
+
+impl FullWell {
+    pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
+        frame.stages.has(Stage::FullWell).then_some(Self { capacity_e: frame.sensor.full_well.0 as f32 })
+    }
+}
+
+impl RowStage for FullWell {
+    /// The charge that stays in the pixels, e⁻.
+    #[inline]
+    fn apply(&self, row: &mut Row<'_>) {
+        row.values.iter_mut().for_each(|charge| *charge = charge.min(self.capacity_e));
+    }
 }

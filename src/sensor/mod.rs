@@ -8,11 +8,15 @@
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 
 mod auto_exposure;
+mod charge_generation;
+mod charge_plane;
 mod converter;
 mod dark_current;
 mod dark_offset;
 mod description;
 mod expose;
+mod exposure;
+mod fixed_pattern;
 mod full_well;
 mod model;
 mod noise_key;
@@ -21,12 +25,15 @@ mod photo_response;
 pub mod presets;
 mod read_noise;
 mod shot_noise;
+mod stage;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
 pub use description::{
     AdcDescription, ChannelDescription, ChargeDescription, CurveFile, FilterDescription, NoiseDescription,
     SensorDescription, SensorKind, SpectrumSource,
 };
-pub use expose::{Exposure, Stages, expose};
-pub use model::{Converter, Noise, SensorModel};
-pub use noise_key::{NoiseKey, NoiseStage};
+pub use expose::expose;
+pub use exposure::Exposure;
+pub use model::{Converter, FixedPattern, Noise, SensorModel};
+pub use noise_key::NoiseKey;
+pub use stage::{Stage, Stages};

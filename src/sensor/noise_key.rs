@@ -1,8 +1,15 @@
 //! Where the sensor's random numbers come from: one stream for every (seed, frame, stage, pixel), so that the noise of a
-//! pixel does not depend on threads, on the order of pixels, or on whether other stages are switched on.
+//! pixel does not depend on threads, on the order of pixels, on the size of the picture, or on whether other stages are
+//! switched on.
+
+use rand::RngExt;
+use rand_distr::StandardNormal;
 
 use crate::math::hash::hash64;
 use crate::math::philox::Philox;
+
+use super::charge_plane::Row;
+use super::stage::Stage;
 
 /// What the noise of one picture is keyed by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,48 +20,51 @@ pub struct NoiseKey {
     pub frame: u64,
 }
 
-/// The stages that draw random numbers. Their numbers are part of what a seed means: append, never reorder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u64)]
-pub enum NoiseStage {
-    /// Fixed pattern of the response (PRNU).
-    PhotoResponse = 1,
-    /// Number of photo-electrons.
-    ShotNoise = 2,
-    /// Number of thermal electrons.
-    DarkCurrent = 3,
-    /// Fixed pattern of the dark signal (DSNU).
-    DarkOffset = 4,
-    /// Noise of the read-out.
-    ReadNoise = 5,
-}
-
 /// Distinguishes the sensor's keys from those that other parts of the program derive from the same seed.
 const SENSOR: u64 = 0x7365_6e73_6f72;
 
 impl NoiseKey {
     /// Streams of a stage whose noise differs from frame to frame.
-    pub(super) fn temporal(self, stage: NoiseStage) -> PixelStreams {
-        PixelStreams { key: hash64(self.fixed(stage).key, hash64(1, self.frame)) }
+    pub(super) fn temporal(self, stage: Stage) -> Streams {
+        Streams { key: hash64(self.fixed(stage).key, hash64(1, self.frame)) }
     }
 
     /// Streams of a stage that marks the sensor: the same in every frame.
-    pub(super) fn fixed(self, stage: NoiseStage) -> PixelStreams {
-        PixelStreams { key: hash64(hash64(SENSOR, self.seed), stage as u64) }
+    pub(super) fn fixed(self, stage: Stage) -> Streams {
+        Streams { key: hash64(hash64(SENSOR, self.seed), stage as u64) }
     }
 }
 
-/// The random numbers of one stage, a stream for each pixel.
+/// The random numbers of one stage, a stream for each pixel, row or column.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PixelStreams {
+pub(super) struct Streams {
     key: u64,
 }
 
-impl PixelStreams {
-    /// The stream of the pixel with this index, counted row by row.
+impl Streams {
+    /// Streams for another need of the same stage, such as the part of a pattern that a row shares.
+    pub(super) fn part(self, number: u64) -> Self {
+        Self { key: hash64(self.key, hash64(2, number)) }
+    }
+
+    /// The stream with this number.
     #[inline]
-    pub(super) fn pixel(self, index: usize) -> Philox {
-        Philox::new(self.key, index as u64)
+    pub(super) fn stream(&self, number: usize) -> Philox {
+        Philox::new(self.key, number as u64)
+    }
+
+    /// The stream of the pixel at column x, row y.
+    #[inline]
+    pub(super) fn pixel(&self, x: usize, y: usize) -> Philox {
+        Philox::new(self.key, (y as u64) << 32 | x as u64)
+    }
+
+    /// Hands each value of a row to `apply`: its column, the value, and a standard normal number of its pixel's.
+    #[inline]
+    pub(super) fn normals(&self, row: &mut Row<'_>, apply: impl Fn(usize, f32, f32) -> f32) {
+        for (x, value) in row.values.iter_mut().enumerate() {
+            *value = apply(x, *value, self.pixel(x, row.y).sample(StandardNormal));
+        }
     }
 }
 
@@ -66,13 +76,16 @@ mod tests {
 
     #[test]
     fn fixed_patterns_ignore_the_frame_and_temporal_noise_does_not() {
-        let first = |streams: PixelStreams| streams.pixel(3).next_u64();
+        let first = |streams: Streams| streams.pixel(3, 5).next_u64();
         let (a, b) = (NoiseKey { seed: 7, frame: 0 }, NoiseKey { seed: 7, frame: 1 });
-        let stage = NoiseStage::DarkOffset;
+        let stage = Stage::DarkOffset;
         assert_eq!(first(a.fixed(stage)), first(b.fixed(stage)));
         assert_ne!(first(a.temporal(stage)), first(b.temporal(stage)));
         assert_ne!(first(a.temporal(stage)), first(a.fixed(stage)));
         assert_ne!(first(a.fixed(stage)), first(NoiseKey { seed: 8, frame: 0 }.fixed(stage)));
-        assert_ne!(first(a.fixed(stage)), first(a.fixed(NoiseStage::PhotoResponse)));
+        assert_ne!(first(a.fixed(stage)), first(a.fixed(Stage::PhotoResponse)));
+        assert_ne!(first(a.fixed(stage)), first(a.fixed(stage).part(0)));
+        assert_ne!(first(a.fixed(stage).part(1)), first(a.fixed(stage).part(0)));
+        assert_ne!(first(a.fixed(stage)), a.fixed(stage).pixel(5, 3).next_u64());
     }
 }

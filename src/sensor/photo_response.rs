@@ -1,28 +1,28 @@
 //! Photo response non-uniformity (PRNU): pixels differ in size, thickness and filter, so each turns a little more or
 //! less of the light into charge. A fixed pattern, the same in every frame.
 
-use rand::RngExt;
-use rand_distr::StandardNormal;
-
-use super::noise_key::{NoiseKey, NoiseStage, PixelStreams};
+use super::charge_plane::{Row, RowStage};
+use super::expose::Frame;
+use super::fixed_pattern::Deviations;
+use super::stage::Stage;
 
 /// The response pattern of a sensor.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct PhotoResponse {
-    standard_deviation: f64,
-    streams: PixelStreams,
+    deviations: Deviations,
 }
 
 impl PhotoResponse {
-    /// `prnu`: spatial standard deviation over mean (PRNU₁₂₈₈, [Emva1288](crate::references#emva1288)).
-    pub(super) fn new(prnu: f64, key: NoiseKey) -> Self {
-        Self { standard_deviation: prnu, streams: key.fixed(NoiseStage::PhotoResponse) }
+    pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
+        let streams = frame.fixed(Stage::PhotoResponse)?;
+        Some(Self { deviations: Deviations::new(&frame.sensor.noise.prnu, frame.size[0], streams)? })
     }
+}
 
-    /// Mean electrons of this very pixel: μ·(1 + PRNU·n) with n standard normal. No pixel responds negatively.
+impl RowStage for PhotoResponse {
+    /// Mean electrons of these very pixels: μ·(1 + δ) with the pattern's deviation δ. No pixel responds negatively.
     #[inline]
-    pub(super) fn apply(&self, mean_e: f64, pixel: usize) -> f64 {
-        let deviation: f64 = self.streams.pixel(pixel).sample(StandardNormal);
-        mean_e * (1.0 + self.standard_deviation * deviation).max(0.0)
+    fn apply(&self, row: &mut Row<'_>) {
+        self.deviations.apply(row, |mean, deviation| mean * (1.0 + deviation).max(0.0));
     }
 }

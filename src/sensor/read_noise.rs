@@ -1,28 +1,29 @@
 //! Read noise: what the amplifiers between pixel and converter add, referred to the charge at their input.
 
-use rand::RngExt;
-use rand_distr::StandardNormal;
-
-use crate::units::Electrons;
-
-use super::noise_key::{NoiseKey, NoiseStage, PixelStreams};
+use super::charge_plane::{Row, RowStage};
+use super::expose::Frame;
+use super::noise_key::Streams;
+use super::stage::Stage;
 
 /// Adds normally distributed noise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReadNoise {
-    standard_deviation: f64,
-    streams: PixelStreams,
+    standard_deviation_e: f32,
+    streams: Streams,
 }
 
 impl ReadNoise {
-    pub(super) fn new(standard_deviation: Electrons, key: NoiseKey) -> Self {
-        Self { standard_deviation: standard_deviation.0, streams: key.temporal(NoiseStage::ReadNoise) }
+    pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
+        let standard_deviation_e = frame.sensor.noise.read.0 as f32;
+        let streams = frame.temporal(Stage::ReadNoise).filter(|_| standard_deviation_e > 0.0)?;
+        Some(Self { standard_deviation_e, streams })
     }
+}
 
+impl RowStage for ReadNoise {
     /// The signal with noise, e⁻; below zero it stays.
     #[inline]
-    pub(super) fn apply(&self, charge_e: f64, pixel: usize) -> f64 {
-        let deviation: f64 = self.streams.pixel(pixel).sample(StandardNormal);
-        charge_e + self.standard_deviation * deviation
+    fn apply(&self, row: &mut Row<'_>) {
+        self.streams.normals(row, |_, charge, n| charge + self.standard_deviation_e * n);
     }
 }

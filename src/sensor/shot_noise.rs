@@ -6,23 +6,30 @@ use rand_distr::{Poisson, StandardNormal};
 
 use crate::math::philox::Philox;
 
-use super::noise_key::{NoiseKey, NoiseStage, PixelStreams};
+use super::charge_plane::{Row, RowStage};
+use super::expose::Frame;
+use super::noise_key::Streams;
+use super::stage::Stage;
 
 /// Turns mean electrons into counted ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShotNoise {
-    streams: PixelStreams,
+    streams: Streams,
 }
 
 impl ShotNoise {
-    pub(super) fn new(key: NoiseKey) -> Self {
-        Self { streams: key.temporal(NoiseStage::ShotNoise) }
+    pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
+        frame.temporal(Stage::ShotNoise).map(|streams| Self { streams })
     }
+}
 
-    /// A number of electrons with the Poisson distribution of mean `mean_e`.
+impl RowStage for ShotNoise {
+    /// Numbers of electrons with the Poisson distributions of their means.
     #[inline]
-    pub(super) fn apply(&self, mean_e: f64, pixel: usize) -> f64 {
-        poisson(mean_e, &mut self.streams.pixel(pixel))
+    fn apply(&self, row: &mut Row<'_>) {
+        for (x, charge) in row.values.iter_mut().enumerate() {
+            *charge = poisson(f64::from(*charge), &mut self.streams.pixel(x, row.y)) as f32;
+        }
     }
 }
 
@@ -42,14 +49,15 @@ pub(super) fn poisson(mean: f64, random: &mut Philox) -> f64 {
 mod tests {
     use super::*;
     use crate::math::statistics::{Moments, chi_squared};
+    use crate::sensor::NoiseKey;
     use statrs::distribution::{ChiSquared, ContinuousCDF, Discrete, Poisson as Reference};
 
     #[test]
     fn moments_are_those_of_a_poisson_distribution() {
         const N: usize = 20_000;
-        let noise = ShotNoise::new(NoiseKey { seed: 1, frame: 0 });
+        let streams = NoiseKey { seed: 1, frame: 0 }.temporal(Stage::ShotNoise);
         for mean in [0.01, 0.7, 11.9, 12.1, 250.0, 1e5, 1e7] {
-            let m: Moments = (0..N).map(|i| noise.apply(mean, i)).collect();
+            let m: Moments = (0..N).map(|i| poisson(mean, &mut streams.stream(i))).collect();
             // σ of the mean: √(λ/N). Variance of the sample variance: (μ₄ − σ⁴)/N with μ₄ = λ + 3λ². 5 σ each.
             let n = N as f64;
             assert!((m.mean() - mean).abs() < 5.0 * (mean / n).sqrt(), "mean {} for {mean}", m.mean());
@@ -61,11 +69,11 @@ mod tests {
     #[test]
     fn counts_follow_the_distribution() {
         const N: usize = 20_000;
-        let noise = ShotNoise::new(NoiseKey { seed: 2, frame: 0 });
+        let streams = NoiseKey { seed: 2, frame: 0 }.temporal(Stage::ShotNoise);
         for mean in [0.5, 8.0, 20.0] {
             let mut observed = vec![0.0; 64];
             for i in 0..N {
-                observed[(noise.apply(mean, i) as usize).min(63)] += 1.0;
+                observed[(poisson(mean, &mut streams.stream(i)) as usize).min(63)] += 1.0;
             }
             let reference = Reference::new(mean).expect("a mean above 0");
             let expected: Vec<f64> = (0..64).map(|k| reference.pmf(k) * N as f64).collect();
@@ -78,8 +86,8 @@ mod tests {
 
     #[test]
     fn no_light_and_impossible_light_do_not_fail() {
-        let noise = ShotNoise::new(NoiseKey::default());
-        assert_eq!(noise.apply(0.0, 0), 0.0);
-        assert!((noise.apply(1e30, 0) / 1e30 - 1.0).abs() < 1e-12);
+        let mut random = NoiseKey::default().temporal(Stage::ShotNoise).stream(0);
+        assert_eq!(poisson(0.0, &mut random), 0.0);
+        assert!((poisson(1e30, &mut random) / 1e30 - 1.0).abs() < 1e-12);
     }
 }

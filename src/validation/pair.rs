@@ -176,7 +176,7 @@ mod tests {
     use rstest::rstest;
 
     use super::*;
-    use crate::raw::{RawImage, RawMetadata};
+    use crate::raw::RawImage;
     use crate::validation::picture::tests::picture;
 
     fn names(pairs: &[Pair<'_>]) -> Vec<String> {
@@ -194,9 +194,8 @@ mod tests {
             data: (0..6).collect(),
             cfa: Cfa::parse(cfa).expect("known"),
             bits: 12,
-            black_level_dn: 0,
             white_level_dn: 4095,
-            metadata: RawMetadata::default(),
+            ..RawImage::default()
         };
         Picture::from_raw(format!("{cfa}.dng"), raw)
     }

@@ -24,17 +24,22 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A raw picture: one plane, [`MOSAIC`], of the digital numbers as they are, black level included.
+    /// A raw picture: the digital numbers as they are, black level included. A mosaic is one plane, [`MOSAIC`]; a picture
+    /// that has all channels at every pixel is a plane of each.
     pub fn from_raw(name: String, raw: RawImage) -> Self {
-        let mut mean = Planes::zeros(raw.width, raw.height, [MOSAIC]);
-        mean.channels_mut()[0].data = raw.data.into_iter().map(f32::from).collect();
+        let samples = raw.cfa.samples_per_pixel();
+        let names = if raw.cfa.is_full() { raw.cfa.channels() } else { &[MOSAIC.to_owned()] };
+        let mut mean = Planes::zeros(raw.width, raw.height, names);
+        for (first, channel) in mean.channels_mut().iter_mut().enumerate() {
+            channel.data = raw.data.iter().skip(first).step_by(samples).copied().map(f32::from).collect();
+        }
         Self {
             name,
             variance: Planes::zeros(raw.width, raw.height, [""; 0]),
             mean,
             unit: Some("DN".to_owned()),
             full_scale: Some(f64::from(raw.white_level_dn)),
-            mosaic: (!raw.cfa.is_mono()).then_some(raw.cfa),
+            mosaic: (!raw.cfa.is_mono() && !raw.cfa.is_full()).then_some(raw.cfa),
         }
     }
 }

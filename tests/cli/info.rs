@@ -79,7 +79,7 @@ fn of_results() {
         assert_eq!(line(&text, "resolution_px"), "32 × 24", "{name}");
     }
     let dng = facts(&folder, "out/raw.dng");
-    assert_eq!((&dng["cfa"], &dng["bits"], &dng["black_level_dn"]), (&json!("RGGB"), &json!(12), &json!(64)));
+    assert_eq!((&dng["cfa"], &dng["bits"], &dng["black_level_dn"]), (&json!("RGGB"), &json!(12), &json!(64.0)));
     let close = |key: &str, value: f64| (dng[key].as_f64().expect(key) / value - 1.0).abs() < 1e-6;
     assert!(close("exposure_time_s", 0.0002) && close("f_number", 1.4) && close("focal_length_mm", 4.0), "{dng}");
 

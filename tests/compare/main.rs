@@ -9,7 +9,7 @@ use photosite::image::{Channel, Estimate, Planes};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::write_whole;
 use photosite::io::png::write_png;
-use photosite::raw::{Cfa, RawImage, RawMetadata, write_dng, write_npy};
+use photosite::raw::{Cfa, RawImage, write_dng, write_npy};
 use photosite::units::Seconds;
 use rstest::rstest;
 use serde_json::Value;
@@ -168,9 +168,9 @@ fn a_raw_file_is_compared_with_the_same_numbers_of_another_kind() {
         data: (0..8).map(|i| 100 + 50 * i).collect(),
         cfa: Cfa::parse("RGGB").expect("known"),
         bits: 12,
-        black_level_dn: 64,
+        black_level_dn: 64.into(),
         white_level_dn: 4095,
-        metadata: RawMetadata::default(),
+        ..RawImage::default()
     };
     write_whole(&folder.path("a.dng"), |to| write_dng(&raw, to)).expect("written");
     let mut brighter = raw.clone();

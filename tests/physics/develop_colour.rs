@@ -35,9 +35,9 @@ fn photograph(patches: &[Spectrum], sensor: &SensorModel, light: &Spectrum) -> R
     }
     let mut raw = expose(&planes, sensor, &EXPOSURE, Stages::NONE, NoiseKey::default()).expect("valid");
     let colour = camera_colour(&responses, light).expect("distinct channels").expect("a colour sensor");
-    raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65);
-    raw.metadata.colour_matrix_a = Some(colour.matrix_a);
-    raw.metadata.as_shot_neutral = Some(colour.neutral);
+    raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65.to_vec());
+    raw.metadata.colour_matrix_a = Some(colour.matrix_a.to_vec());
+    raw.metadata.as_shot_neutral = Some(colour.neutral.to_vec());
     raw
 }
 
@@ -157,9 +157,9 @@ fn monochrome_pictures_are_grey_and_broken_ones_refused() {
     assert!(develop(&short, &DevelopSettings::default()).is_err());
     let colour = presets::model("generic-cmos-color").expect("a preset");
     let mut raw = photograph(&[Spectrum::constant(0.5)], &colour, illuminant::d65());
-    raw.metadata.as_shot_neutral = Some([0.0, 1.0, 1.0]);
+    raw.metadata.as_shot_neutral = Some(vec![0.0, 1.0, 1.0]);
     assert!(develop(&raw, &DevelopSettings::default()).is_err());
     raw.metadata.as_shot_neutral = None;
-    raw.metadata.colour_matrix_d65 = Some([[0.0; 3]; 3]);
+    raw.metadata.colour_matrix_d65 = Some(vec![[0.0; 3]; 3]);
     assert!(develop(&raw, &DevelopSettings::default()).is_err());
 }

@@ -41,10 +41,10 @@ fn auto_exposure_brings_the_bright_pixels_to_the_level() {
         let target = AutoExposure { brighter_part: 0.01, level: 0.8 };
         let (gain, temperature) = (Decibels(6.0), Celsius(25.0));
         let time = auto_exposure(&rates, &sensor, gain, temperature, target).expect("there is light");
-        let exposure = Exposure { time, gain, temperature };
+        let exposure = Exposure { time, gain, temperature, frame_interval: None };
         let raw = expose(&rates.scaled(time.0), &sensor, &exposure, Stages::NONE, NoiseKey::default()).expect("valid");
         let saturation = sensor.saturation_capacity(&exposure).0 * sensor.converter.system_gain(gain);
-        let level = f64::from(raw.black_level_dn) + 0.8 * saturation;
+        let level = f64::from(raw.black_level_dn.mean()) + 0.8 * saturation;
         // The dark current, which is left out here, is less than a DN of it.
         let brighter = raw.data.iter().filter(|&&dn| f64::from(dn) > level + 1.0).count();
         let close = raw.data.iter().filter(|&&dn| f64::from(dn) > level - 0.01 * saturation).count();

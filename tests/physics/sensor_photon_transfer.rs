@@ -1,7 +1,7 @@
 //! The photon transfer curve: what the noise of flat pictures tells of a sensor must be what went in (EMVA 1288).
 
 use photosite::math::statistics::Moments;
-use photosite::sensor::{NoiseKey, SensorModel, Stages, expose};
+use photosite::sensor::{FixedPattern, NoiseKey, SensorModel, Stages, expose};
 use photosite::units::{Decibels, Electrons};
 
 use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
@@ -28,8 +28,8 @@ fn variance_over_mean_is_the_system_gain() {
         let mut sensor = quiet_sensor();
         sensor.noise.read = Electrons(5.0);
         sensor.noise.dark_current_e_per_s = 30.0;
-        sensor.noise.prnu = 0.01;
-        sensor.noise.dsnu = Electrons(3.0);
+        sensor.noise.prnu = FixedPattern::of_pixels(0.01);
+        sensor.noise.dsnu = FixedPattern::of_pixels(3.0);
         sensor.converter.conversion_gain_dn_per_e = 0.25;
         let (dark_mean, dark_variance) = mean_and_temporal_variance(&sensor, 0.0, gain_db, 1);
         // A line through the origin: slope = Σ x·v / Σ x². The sample variance of N differences has the standard
@@ -55,8 +55,8 @@ fn noise_is_what_the_model_foretells() {
     let mut sensor = quiet_sensor();
     sensor.noise.read = Electrons(3.0);
     sensor.noise.dark_current_e_per_s = 12.0;
-    sensor.noise.prnu = 0.02;
-    sensor.noise.dsnu = Electrons(4.0);
+    sensor.noise.prnu = FixedPattern::of_pixels(0.02);
+    sensor.noise.dsnu = FixedPattern::of_pixels(4.0);
     for mean_e in [0.0, 10.0, 1000.0, 40_000.0] {
         let (mean, variance) = mean_and_temporal_variance(&sensor, mean_e, 0.0, 7);
         let foretold = sensor.noise_variance(Electrons(f64::from(mean_e)), &EXPOSURE);
@@ -75,7 +75,7 @@ fn a_raw_file_tells_the_same_noise() {
     sensor.noise.dark_current_e_per_s = 12.0;
     sensor.converter.conversion_gain_dn_per_e = 0.5;
     let raw = expose(&flat(&sensor, 1, 1, 0.0), &sensor, &EXPOSURE, Stages::ALL, NoiseKey::default()).expect("valid");
-    let range = f64::from(raw.white_level_dn - raw.black_level_dn);
+    let range = f64::from(raw.white_level_dn) - f64::from(raw.black_level_dn.mean());
     let [slope, offset] = raw.metadata.noise_profile[0];
     for mean_e in [0.0, 500.0, 20_000.0] {
         // x = K·μ/range, Var(x) = K²·σ²/range².

@@ -2,10 +2,10 @@
 
 use photosite::math::statistics::Moments;
 use photosite::raw::RawImage;
-use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
+use photosite::sensor::{Exposure, FixedPattern, NoiseKey, SensorModel, Stage, Stages, expose, presets};
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 
-use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
+use crate::sensor_cases::{EXPOSURE, flat, noisy_sensor, quiet_sensor, without};
 
 const SIDE: usize = 256;
 const PIXELS: f64 = (SIDE * SIDE) as f64;
@@ -22,11 +22,11 @@ fn moments(raw: &RawImage) -> Moments {
 #[test]
 fn the_full_well_clips_every_pixel() {
     for mut sensor in [quiet_sensor(), presets::model("generic-cmos-color").expect("a preset")] {
-        // All noise but that of the read-out, which comes after the well; ten times as much light as fits.
+        // All noise of collecting charge, none of reading it out; ten times as much light as fits.
         sensor.full_well = Electrons(10_000.0);
-        sensor.noise.prnu = 0.01;
-        sensor.noise.dsnu = Electrons(20.0);
+        sensor.noise.prnu = FixedPattern::of_pixels(0.01);
         sensor.noise.dark_current_e_per_s = 50.0;
+        sensor.noise.dsnu = FixedPattern::of_pixels(0.0);
         sensor.noise.read = Electrons(0.0);
         let raw = picture(&sensor, 100_000.0, Stages::ALL, 3, 0);
         assert!(raw.data.iter().all(|&dn| dn == raw.white_level_dn));
@@ -72,15 +72,15 @@ fn dark_current_doubles_every_so_many_kelvin() {
 #[test]
 fn prnu_is_the_spatial_deviation_of_the_response() {
     let mut sensor = quiet_sensor();
-    sensor.noise.prnu = 0.008;
-    let raw = picture(&sensor, 20_000.0, Stages { photo_response: true, ..Stages::NONE }, 5, 0);
+    sensor.noise.prnu = FixedPattern::of_pixels(0.008);
+    let raw = picture(&sensor, 20_000.0, Stages::only(&[Stage::PhotoResponse]), 5, 0);
     let m = moments(&raw);
     let prnu = (m.variance() - 1.0 / 12.0).sqrt() / 20_000.0;
     // The sample deviation of N normal numbers has the relative standard deviation 1/√(2N); 5 σ.
     assert!((prnu / 0.008 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt(), "{prnu}");
     assert!((m.mean() - 21_000.0).abs() < 5.0 * 160.0 / PIXELS.sqrt());
     // It scales with the light: twice the light, twice the deviation, pixel by pixel.
-    let dim = picture(&sensor, 10_000.0, Stages { photo_response: true, ..Stages::NONE }, 5, 0);
+    let dim = picture(&sensor, 10_000.0, Stages::only(&[Stage::PhotoResponse]), 5, 0);
     let differs = |(&bright, &dim): (&u16, &u16)| (f64::from(bright) - 1000.0 - 2.0 * (f64::from(dim) - 1000.0)).abs();
     assert!(
         raw.data.iter().zip(&dim.data).map(differs).all(|d| d <= 1.5),
@@ -91,9 +91,9 @@ fn prnu_is_the_spatial_deviation_of_the_response() {
 #[test]
 fn dsnu_is_the_spatial_deviation_of_the_dark_signal() {
     let mut sensor = quiet_sensor();
-    sensor.noise.dsnu = Electrons(9.0);
+    sensor.noise.dsnu = FixedPattern::of_pixels(9.0);
     for mean_e in [0.0, 20_000.0] {
-        let raw = picture(&sensor, mean_e, Stages { dark_offset: true, ..Stages::NONE }, 5, 0);
+        let raw = picture(&sensor, mean_e, Stages::only(&[Stage::DarkOffset]), 5, 0);
         let m = moments(&raw);
         let dsnu = (m.variance() - 1.0 / 12.0).sqrt();
         assert!((dsnu / 9.0 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt(), "{dsnu}");
@@ -104,13 +104,13 @@ fn dsnu_is_the_spatial_deviation_of_the_dark_signal() {
 #[test]
 fn fixed_patterns_stay_from_frame_to_frame_and_temporal_noise_does_not() {
     let mut sensor = quiet_sensor();
-    sensor.noise.prnu = 0.01;
-    sensor.noise.dsnu = Electrons(5.0);
+    sensor.noise.prnu = FixedPattern::of_pixels(0.01);
+    sensor.noise.dsnu = FixedPattern::of_pixels(5.0);
     sensor.noise.read = Electrons(5.0);
-    let fixed = Stages { photo_response: true, dark_offset: true, ..Stages::NONE };
+    let fixed = Stages::only(&[Stage::PhotoResponse, Stage::DarkOffset]);
     assert_eq!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 1, 9).data);
     assert_ne!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 2, 0).data);
-    for stages in [Stages { shot_noise: true, ..Stages::NONE }, Stages { read_noise: true, ..Stages::NONE }] {
+    for stages in [Stages::only(&[Stage::ShotNoise]), Stages::only(&[Stage::ReadNoise])] {
         let (a, b) = (picture(&sensor, 5000.0, stages, 1, 0), picture(&sensor, 5000.0, stages, 1, 1));
         // The correlation of N independent pairs has the standard deviation 1/√N; 5 σ.
         let (ma, mb) = (moments(&a), moments(&b));
@@ -137,41 +137,36 @@ fn the_black_level_keeps_negative_noise() {
     assert!((lost.mean() - expected).abs() < 5.0 * spread / PIXELS.sqrt() + 2e-3, "{} for {expected}", lost.mean());
 }
 
-/// The stages whose contribution can be told apart exactly: they add to the charge, and at 1 DN/e⁻ a whole number of
-/// electrons passes the converter unchanged, whatever else is in the pixel.
+/// What a stage adds to every pixel, with all of `others` beside it.
+fn added_by(stage: Stage, others: Stages, sensor: &SensorModel) -> Vec<i32> {
+    let run = |stages| picture(sensor, 2000.0, stages, 11, 2).data;
+    let (with, without) = (run(others.with(stage)), run(others.without(stage)));
+    with.into_iter().zip(without).map(|(a, b)| i32::from(a) - i32::from(b)).collect()
+}
+
 #[test]
 fn switching_a_stage_off_changes_no_other_bit_by_bit() {
-    let mut sensor = quiet_sensor();
-    sensor.noise.dark_current_e_per_s = 40.0;
-    sensor.noise.dsnu = Electrons(6.0);
-    sensor.noise.read = Electrons(4.0);
-    let on = |shot_noise, dark_current, dark_offset, read_noise| Stages {
-        shot_noise,
-        dark_current,
-        dark_offset,
-        read_noise,
-        full_well: true,
-        photo_response: false,
-    };
-    let run = |stages| picture(&sensor, 500.0, stages, 11, 2).data;
-    let added = |with: Stages, without: Stages| -> Vec<i32> {
-        run(with).into_iter().zip(run(without)).map(|(a, b)| i32::from(a) - i32::from(b)).collect()
-    };
-    let thermal_alone = added(on(false, true, false, false), on(false, false, false, false));
-    let shot_alone = added(on(true, false, false, false), on(false, false, false, false));
-    for bits in 0..8 {
-        let [a, b, c] = [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0];
-        assert_eq!(added(on(a, true, b, c), on(a, false, b, c)), thermal_alone, "dark current among {a} {b} {c}");
-        assert_eq!(added(on(true, a, b, c), on(false, a, b, c)), shot_alone, "shot noise among {a} {b} {c}");
+    let sensor = noisy_sensor();
+    let all = picture(&sensor, 2000.0, Stages::ALL, 11, 2).data;
+    for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::ShotNoise) {
+        // A sensor without the effect must give the bytes of one whose stage is switched off.
+        let ideal = without(&sensor, stage);
+        let off = picture(&sensor, 2000.0, Stages::ALL.without(stage), 11, 2).data;
+        assert_eq!(picture(&ideal, 2000.0, Stages::ALL, 11, 2).data, off, "{stage:?}");
+        assert_ne!(all, off, "{stage:?} does nothing");
     }
-    // The others add fractions, which rounding hides; but whole electrons beside them change nothing.
-    for (with, without) in [
-        (on(false, false, false, true), on(false, false, false, false)),
-        (on(false, false, true, false), on(false, false, false, false)),
-        (on(false, false, true, true), on(false, false, true, false)),
-    ] {
-        let all = |s: Stages| Stages { shot_noise: true, dark_current: true, ..s };
-        assert_eq!(added(with, without), added(all(with), all(without)));
+}
+
+#[test]
+fn what_a_stage_adds_does_not_depend_on_the_others() {
+    let sensor = noisy_sensor();
+    for stage in [Stage::DarkCurrent, Stage::DarkOffset, Stage::ReadNoise] {
+        let alone = added_by(stage, Stages::NONE, &sensor);
+        for other in Stage::ALL.into_iter().filter(|&other| other != stage && other != Stage::FullWell) {
+            let beside = added_by(stage, Stages::NONE.with(other), &sensor);
+            // Two differences of numbers rounded by half a DN each.
+            assert!(alone.iter().zip(&beside).all(|(a, b)| (a - b).abs() <= 2), "{stage:?} beside {other:?}");
+        }
     }
 }
 
@@ -225,4 +220,38 @@ fn impossible_exposures_are_refused_by_key() {
     let colour = presets::model("generic-cmos-color").expect("a preset");
     let error = expose(&flat(&sensor, 2, 2, 1.0), &colour, &EXPOSURE, Stages::ALL, NoiseKey::default());
     assert!(error.expect_err("refused").message.contains("channel R"));
+}
+
+#[test]
+fn rows_and_columns_of_a_pattern_stand_apart() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.dsnu = FixedPattern { pixel: 200.0, row: 120.0, column: 70.0 };
+    sensor.noise.prnu = FixedPattern { pixel: 0.02, row: 0.012, column: 0.007 };
+    for (mean_e, stage) in [(10_000.0, Stage::PhotoResponse), (0.0, Stage::DarkOffset)] {
+        let raw = picture(&sensor, mean_e, Stages::only(&[stage]), 6, 0);
+        let at = |x: usize, y: usize| f64::from(raw.data[y * SIDE + x]);
+        let row_means: Moments = (0..SIDE).map(|y| (0..SIDE).map(|x| at(x, y)).sum::<f64>() / SIDE as f64).collect();
+        let column_means: Moments = (0..SIDE).map(|x| (0..SIDE).map(|y| at(x, y)).sum::<f64>() / SIDE as f64).collect();
+        // Means of rows have the variance of rows, and of pixels over their number. The sample deviation of 256 normal
+        // numbers is good to 1/√512; 4 σ. Rounding adds 1/12 DN² to pixels.
+        let expected = |shared: f64| (shared.powi(2) + (200.0 * 200.0 + 1.0 / 12.0) / SIDE as f64).sqrt();
+        let tolerance = 4.0 / (2.0 * SIDE as f64).sqrt();
+        for (means, shared) in [(row_means, 120.0), (column_means, 70.0)] {
+            let ratio = means.variance().sqrt() / expected(shared);
+            assert!((ratio - 1.0).abs() < tolerance, "{stage:?}: {ratio} of {shared}");
+        }
+        let residual: Moments = (0..SIDE * SIDE)
+            .map(|i| {
+                let (x, y) = (i % SIDE, i / SIDE);
+                let row = (0..SIDE).map(|x| at(x, y)).sum::<f64>() / SIDE as f64;
+                let next = (0..SIDE).map(|x| at(x, (y + 1) % SIDE)).sum::<f64>() / SIDE as f64;
+                // Differences down a column drop its part; row means drop the rows'.
+                (at(x, y) - row) - (at(x, (y + 1) % SIDE) - next)
+            })
+            .collect();
+        // Differences of neighbours: variance 2σ², correlated −½ with the next one, which makes their sample variance
+        // worth 2/3 as many: relative 1/√(2·2N/3); 5 σ. Row means take 1/256 away.
+        let pixel = (residual.variance() / 2.0 / (1.0 - 1.0 / SIDE as f64)).sqrt();
+        assert!((pixel / 200.0 - 1.0).abs() < 5.0 * (0.75 / PIXELS).sqrt(), "{stage:?}: {pixel}");
+    }
 }

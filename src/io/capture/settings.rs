@@ -9,7 +9,7 @@ use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, S
 use crate::Invalid;
 use crate::integrator::RenderSettings;
 use crate::sampler::SamplerKind;
-use crate::sensor::{AutoExposure, Exposure, SensorModel};
+use crate::sensor::{AutoExposure, Exposure, SensorModel, Stages};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
@@ -24,6 +24,10 @@ pub struct ExposureSettings {
     pub temperature: Celsius,
     /// How many pictures of the same light, at least 1.
     pub frames: u32,
+    /// Time from the start of one picture to that of the next, where it is longer than the exposure.
+    pub frame_interval: Option<Seconds>,
+    /// The stages of the sensor that take part.
+    pub stages: Stages,
 }
 
 /// How long an exposure takes.
@@ -118,17 +122,29 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         gain: Decibels(table.gain_db.unwrap_or(0f64.clamp(lowest, highest))),
         temperature: Celsius(table.temperature_c.unwrap_or(25.0)),
         frames: table.frames.unwrap_or(1),
+        frame_interval: table.frame_interval_s.map(Seconds),
+        stages: stages(table)?,
     };
     if settings.frames == 0 {
         return Err(Invalid::new("frames", "must be at least 1, got 0").help("for example frames = 1"));
     }
+    let ExposureSettings { gain, temperature, frame_interval, .. } = settings;
     // Any time serves to check the rest of an automatic exposure.
-    let time = match settings.time {
-        ExposureTime::Fixed(time) => time,
-        ExposureTime::Auto(_) => Seconds(1.0),
+    let exposure = match settings.time {
+        ExposureTime::Fixed(time) => Exposure { time, gain, temperature, frame_interval },
+        ExposureTime::Auto(_) => Exposure { time: Seconds(1.0), gain, temperature, frame_interval: None },
     };
-    Exposure { time, gain: settings.gain, temperature: settings.temperature }.validate(sensor)?;
+    exposure.validate(sensor)?;
     Ok(settings)
+}
+
+fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {
+    match (&table.stages, &table.stages_off) {
+        (None, None) => Ok(Stages::ALL),
+        (Some(on), None) => Ok(Stages::only(on)),
+        (None, Some(off)) => Ok(off.iter().fold(Stages::ALL, |stages, &stage| stages.without(stage))),
+        (Some(_), Some(_)) => Err(Invalid::new("stages_off", "cannot go with stages").help("keep one of them")),
+    }
 }
 
 fn auto_exposure(table: &ExposureTable) -> Result<AutoExposure, Invalid> {

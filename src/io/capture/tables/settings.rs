@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::io::capture::settings::RawFormat;
+use crate::sensor::Stage;
 
 /// How long, at what gain and temperature.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -23,6 +24,13 @@ pub(crate) struct ExposureTable {
     pub(crate) temperature_c: Option<f64>,
     /// How many pictures to take of the same light. Left out: 1.
     pub(crate) frames: Option<u32>,
+    /// Time from the start of one picture to that of the next, s. Left out: one exposure follows another.
+    pub(crate) frame_interval_s: Option<f64>,
+    /// The stages of the sensor that take part, such as ["shot-noise"] to see that noise alone; [] for none. Left out:
+    /// all.
+    pub(crate) stages: Option<Vec<Stage>>,
+    /// Stages of the sensor to leave out, such as ["read-noise", "full-well"]; the noise of all others stays as it is.
+    pub(crate) stages_off: Option<Vec<Stage>>,
 }
 
 /// How light is traced.

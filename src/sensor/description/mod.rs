@@ -1,10 +1,16 @@
 //! What a sensor file says, before it is checked: the keys of `assets/sensors/*.toml` and of a capture file's
 //! `[sensor]` table, in the units that they name. Doc comments become the JSON Schema's descriptions.
 
+mod noise;
+mod read_out;
+
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+pub use noise::NoiseDescription;
+pub use read_out::{AdcDescription, ChargeDescription};
 
 /// An image sensor: pixels, colour filters, noise, charge capacity and converter.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -27,7 +33,9 @@ pub struct SensorDescription {
     /// measured for whole pixels, as EMVA 1288 does.
     #[serde(default = "one")]
     pub fill_factor: f64,
-    /// Colour filter array: "RGGB", "BGGR", "GRBG", "GBRG" (top-left, top-right, bottom-left, bottom-right) or "mono".
+    /// Colour filter array: "mono"; a tile, row by row from the top-left pixel ("RGGB", or "RGRG/GBGB" with its rows apart);
+    /// "quad-bayer", "nona-bayer", "x-trans", "rgbw", "rgb-ir", "rccb", "rccc", "ryyb" or "cygm"; or "full:RGB" for all
+    /// channels at every pixel.
     pub cfa: String,
     /// A filter in front of all pixels, such as one that blocks infrared.
     #[serde(default)]
@@ -90,44 +98,4 @@ pub enum SpectrumSource {
 pub struct CurveFile {
     /// Its path, relative to the file that names it.
     pub file: String,
-}
-
-/// Noise sources, all at a gain of 0 dB and referred to electrons.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct NoiseDescription {
-    /// Temporal dark noise of the read-out, standard deviation in e⁻.
-    pub read_noise_e: f64,
-    /// Dark current at the reference temperature, e⁻/s per pixel.
-    pub dark_current_e_per_s: f64,
-    /// Temperature at which the dark current is as stated, °C.
-    pub dark_current_reference_c: f64,
-    /// Rise of temperature that doubles the dark current, K.
-    pub dark_current_doubling_k: f64,
-    /// Photo response non-uniformity: spatial standard deviation of the response in percent of its mean.
-    pub prnu_percent: f64,
-    /// Dark signal non-uniformity: spatial standard deviation of the dark signal, e⁻.
-    pub dsnu_e: f64,
-}
-
-/// Charge storage.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ChargeDescription {
-    /// Most electrons that a pixel can hold.
-    pub full_well_e: f64,
-}
-
-/// Analogue gain and analogue-to-digital converter.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AdcDescription {
-    /// Bits of the converter, 8–16.
-    pub bits: u32,
-    /// System gain K at 0 dB, DN per electron.
-    pub conversion_gain_dn_per_e: f64,
-    /// Digital number of no charge.
-    pub black_level_dn: u32,
-    /// Smallest and largest gain that an exposure may ask for, dB.
-    pub gain_db_range: [f64; 2],
 }

@@ -3,12 +3,19 @@
 //! In: a [`SensorDescription`] and a way to find the spectra that it names. Out: a [`SensorModel`] whose numbers can be
 //! relied on. Reading files is left to the caller.
 
+mod checks;
+mod converter;
+mod noise;
+
 use crate::Invalid;
 use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
-use crate::units::{Celsius, Decibels, Electrons, PLANCK, SPEED_OF_LIGHT};
+use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT};
 
-use super::description::{AdcDescription, NoiseDescription, SensorDescription, SensorKind, SpectrumSource};
+use super::description::{SensorDescription, SensorKind, SpectrumSource};
+use checks::{fraction, positive};
+pub use converter::Converter;
+pub use noise::{FixedPattern, Noise};
 
 /// An image sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,49 +46,6 @@ pub struct SensorModel {
     pub full_well: Electrons,
     /// Gain and converter.
     pub converter: Converter,
-}
-
-/// Noise sources, referred to electrons.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Noise {
-    /// Standard deviation of the read noise.
-    pub read: Electrons,
-    /// Dark current at the reference temperature, e⁻/s.
-    pub dark_current_e_per_s: f64,
-    /// Reference temperature of the dark current.
-    pub dark_current_reference: Celsius,
-    /// Rise of temperature that doubles the dark current, K.
-    pub dark_current_doubling_k: f64,
-    /// Spatial standard deviation of the photo response over its mean (PRNU, a ratio: 0.01 is 1 %).
-    pub prnu: f64,
-    /// Spatial standard deviation of the dark signal (DSNU).
-    pub dsnu: Electrons,
-}
-
-/// Analogue gain and analogue-to-digital converter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Converter {
-    /// Bits, 8–16.
-    pub bits: u32,
-    /// System gain K at 0 dB, DN/e⁻.
-    pub conversion_gain_dn_per_e: f64,
-    /// Digital number of no charge.
-    pub black_level_dn: u16,
-    /// Smallest and largest gain.
-    pub gain_range: [Decibels; 2],
-}
-
-impl Converter {
-    /// System gain K at a gain setting, DN/e⁻.
-    pub fn system_gain(&self, gain: Decibels) -> f64 {
-        self.conversion_gain_dn_per_e * gain.factor()
-    }
-
-    /// Largest digital number, 2^bits − 1.
-    pub fn max_dn(&self) -> u16 {
-        // At most 16 bits, so the sum of powers fits.
-        ((1u32 << self.bits) - 1) as u16
-    }
 }
 
 impl SensorModel {
@@ -172,87 +136,6 @@ impl SensorModel {
 /// Columns or rows beyond this are a slip of the pen: the largest sensors made have some 30 000.
 const MAX_RESOLUTION: u32 = 65_535;
 
-impl Noise {
-    fn new(d: &NoiseDescription) -> Result<Self, Invalid> {
-        not_negative("read_noise_e", d.read_noise_e)?;
-        not_negative("dark_current_e_per_s", d.dark_current_e_per_s)?;
-        finite("dark_current_reference_c", d.dark_current_reference_c)?;
-        positive("dark_current_doubling_k", d.dark_current_doubling_k, "8.0")?;
-        not_negative("prnu_percent", d.prnu_percent)?;
-        not_negative("dsnu_e", d.dsnu_e)?;
-        Ok(Self {
-            read: Electrons(d.read_noise_e),
-            dark_current_e_per_s: d.dark_current_e_per_s,
-            dark_current_reference: Celsius(d.dark_current_reference_c),
-            dark_current_doubling_k: d.dark_current_doubling_k,
-            prnu: d.prnu_percent / 100.0,
-            dsnu: Electrons(d.dsnu_e),
-        })
-    }
-}
-
-impl Converter {
-    fn new(d: &AdcDescription) -> Result<Self, Invalid> {
-        if !(8..=16).contains(&d.bits) {
-            return Err(Invalid::new("bits", format!("must lie between 8 and 16, got {}", d.bits))
-                .help("for example bits = 12"));
-        }
-        positive("conversion_gain_dn_per_e", d.conversion_gain_dn_per_e, "0.4")?;
-        let max_dn = (1 << d.bits) - 1;
-        if d.black_level_dn >= max_dn {
-            let message = format!("{} leaves no room below the largest number, {max_dn}", d.black_level_dn);
-            return Err(Invalid::new("black_level_dn", message)
-                .help(format!("write less than {max_dn}, the largest number of {} bits", d.bits)));
-        }
-        let [low, high] = d.gain_db_range;
-        finite("gain_db_range", low)?;
-        finite("gain_db_range", high)?;
-        if low > high {
-            return Err(Invalid::new("gain_db_range", format!("{low} dB is above {high} dB"))
-                .help("write the smaller gain first"));
-        }
-        Ok(Self {
-            bits: d.bits,
-            conversion_gain_dn_per_e: d.conversion_gain_dn_per_e,
-            // Below 2^16 as checked above.
-            black_level_dn: d.black_level_dn as u16,
-            gain_range: [Decibels(low), Decibels(high)],
-        })
-    }
-}
-
-fn fraction(
-    key: &str,
-    source: &SpectrumSource,
-    resolve: &mut impl FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>,
-) -> Result<Spectrum, Invalid> {
-    let spectrum = resolve(source).map_err(|e| e.within(key))?;
-    let outside = spectrum.iter().find(|(_, value)| !(0.0..=1.0).contains(value));
-    if let Some((lambda_nm, value)) = outside {
-        let message = format!("must lie between 0 and 1, but is {} at {lambda_nm} nm", value as f32);
-        return Err(Invalid::new(key, message).help("give a fraction, not a percentage"));
-    }
-    Ok(spectrum)
-}
-
-fn finite(key: &str, value: f64) -> Result<(), Invalid> {
-    if value.is_finite() { Ok(()) } else { Err(Invalid::new(key, format!("must be a finite number, got {value}"))) }
-}
-
-fn positive(key: &str, value: f64, example: &str) -> Result<(), Invalid> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Invalid::new(key, format!("must be above 0, got {value}")).help(format!("for example {key} = {example}")))
-}
-
-fn not_negative(key: &str, value: f64) -> Result<(), Invalid> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    Err(Invalid::new(key, format!("must not be negative, got {value}")).help("write 0 to leave this noise out"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -311,7 +194,7 @@ mod tests {
             ("[64, 48]", "[64, 0]", "resolution_px"),
             ("[5.0, 4.0]", "[5.0, -4.0]", "pixel_pitch_um"),
             ("fill_factor = 0.5", "fill_factor = 1.5", "fill_factor"),
-            ("\"RGGB\"", "\"RGBG\"", "cfa"),
+            ("\"RGGB\"", "\"RGG\"", "cfa"),
             ("\"RGGB\"", "\"mono\"", "channels.B"),
             ("channels.G.quantum_efficiency = 0.7", "", "channels.G"),
             ("quantum_efficiency = 0.6", "quantum_efficiency = 60", "channels.R.quantum_efficiency"),

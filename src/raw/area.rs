@@ -1,0 +1,22 @@
+//! Rectangles of pixels.
+
+use std::fmt;
+
+/// Pixels x … x + width − 1 of rows y … y + height − 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Area {
+    /// First column.
+    pub x: usize,
+    /// First row.
+    pub y: usize,
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl fmt::Display for Area {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} × {} at {}, {}", self.width, self.height, self.x, self.y)
+    }
+}

@@ -1,0 +1,46 @@
+//! The settings of one exposure.
+
+use crate::Invalid;
+use crate::units::{Celsius, Decibels, Seconds};
+
+use super::SensorModel;
+
+/// Settings of one exposure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exposure {
+    /// How long light and dark current are collected.
+    pub time: Seconds,
+    /// Analogue gain on top of the sensor's conversion gain.
+    pub gain: Decibels,
+    /// Temperature of the sensor.
+    pub temperature: Celsius,
+    /// Time from the start of one picture of a series to that of the next, where it is longer than the exposure.
+    pub frame_interval: Option<Seconds>,
+}
+
+impl Exposure {
+    /// Refuses what this sensor cannot do. Keys are those of the capture file's `[exposure]` table.
+    pub fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
+        if !(self.time.0.is_finite() && self.time.0 > 0.0) {
+            return Err(Invalid::new("time_s", format!("must be above 0, got {}", self.time.0))
+                .help("for example time_s = 0.01"));
+        }
+        let [low, high] = sensor.converter.gain_range;
+        if !(low.0..=high.0).contains(&self.gain.0) {
+            let message = format!("{} dB is not among the gains of sensor {}", self.gain.0, sensor.name);
+            return Err(Invalid::new("gain_db", message).help(format!("write {} to {} dB", low.0, high.0)));
+        }
+        let dark = sensor.noise.dark_electrons(self.temperature, self.time);
+        if !(self.temperature.0 > -crate::units::ZERO_CELSIUS && dark.0.is_finite()) {
+            let message = format!("no sensor works at {} °C", self.temperature.0);
+            return Err(Invalid::new("temperature_c", message).help("for example temperature_c = 25.0"));
+        }
+        if let Some(interval) = self.frame_interval
+            && !(interval.0.is_finite() && interval.0 >= self.time.0)
+        {
+            let message = format!("{} s is shorter than the exposure of {} s", interval.0, self.time.0);
+            return Err(Invalid::new("frame_interval_s", message).help("leave it out for one exposure after another"));
+        }
+        Ok(())
+    }
+}
