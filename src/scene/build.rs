@@ -392,6 +392,7 @@ fn append(
         normals_from: from(!mesh.normals.is_empty(), geometry.normals.len()),
         tangents_from: from(!mesh.tangents.is_empty(), geometry.tangents.len()),
         uvs_from: [0, 1].map(|set| from(mesh.uvs.len() > set, geometry.uvs[set].len())),
+        colours_from: from(!mesh.colours.is_empty(), geometry.colours.len()),
     };
     geometry.positions.extend(mesh.positions.iter().map(point));
     geometry.normals.extend(mesh.normals.iter().map(normal));
@@ -404,6 +405,7 @@ fn append(
     for (all, own) in geometry.uvs.iter_mut().zip(&mesh.uvs) {
         all.extend_from_slice(own);
     }
+    geometry.colours.extend_from_slice(&mesh.colours);
     let mesh_handle = geometry.meshes.len() as u32;
     geometry.triangles.extend(mesh.triangles.iter().map(|&[a, b, c]| {
         // A mirroring transform turns corners clockwise; the front stays the front.

@@ -47,6 +47,8 @@ pub struct MeshDescription {
     pub tangents: Vec<Vec4>,
     /// UV sets, each with one entry per position; at most two.
     pub uvs: Vec<Vec<Vec2>>,
+    /// Linear RGBA, 0–1, that multiplies the base colour, one per position, or empty.
+    pub colours: Vec<Vec4>,
     /// Corner indices, counter-clockwise seen from the front. In range, no triangle of zero area.
     pub triangles: Vec<[u32; 3]>,
 }

@@ -165,6 +165,7 @@ impl Scene {
     fn presence(&self, triangle: u32, barycentric: [f32; 2]) -> f32 {
         let mesh = &self.geometry.meshes[self.geometry.triangles[triangle as usize].mesh as usize];
         let coverage = |factor: f32, texture: Option<u32>| {
+            let factor = factor * self.geometry.colour(triangle, barycentric).map_or(1.0, |colour| colour.w);
             factor * texture.map_or(1.0, |texture| self.rgba_linear(texture, triangle, barycentric)[3])
         };
         match self.materials[mesh.material as usize].alpha {

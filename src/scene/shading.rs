@@ -64,7 +64,7 @@ impl Scene {
         let specular_colour = m.specular_colour.map_or(SampledSpectrum::ONE, colour);
         let alpha = factor(m.roughness) * factor(m.roughness);
         let mut layers = Layered {
-            base_colour: colour(m.base_colour),
+            base_colour: self.base_colour(m.base_colour, point, wavelengths),
             metallic: factor(m.metallic),
             distribution: Ggx::new(alpha, alpha),
             specular: factor(m.specular),
@@ -131,6 +131,24 @@ impl Scene {
                 source.value * self.rgba_linear(texture, point.triangle, point.barycentric)[channel]
             }
             None => source.value,
+        }
+    }
+
+    /// A colour times that of the vertices (§3.7.2.1, `COLOR_0`). An RGB colour is upsampled after the product.
+    #[inline]
+    fn base_colour(&self, source: ColourSource, point: &SurfacePoint, wavelengths: &Wavelengths) -> SampledSpectrum {
+        let Some(vertex) = self.geometry.colour(point.triangle, point.barycentric) else {
+            return self.colour(source, point, wavelengths);
+        };
+        let vertex = [vertex.x, vertex.y, vertex.z];
+        match source {
+            ColourSource::Texture { factor, texture } => {
+                let factor = [0, 1, 2].map(|i| factor[i] * vertex[i]);
+                self.colour(ColourSource::Texture { factor, texture }, point, wavelengths)
+            }
+            ColourSource::Spectrum(_) | ColourSource::SpectrumTexture { .. } => {
+                self.colour(source, point, wavelengths) * reflectance_polynomial(vertex).sample(wavelengths)
+            }
         }
     }
 

@@ -76,13 +76,17 @@ impl<'a> Textures<'a> {
         let texture = textures
             .get(index)
             .ok_or_else(|| out_of_range(&format!("{key}.index"), "textures", index, textures.len()))?;
-        let image = texture.source.value();
+        let named = |name: &str| texture.extensions.as_ref().and_then(|e| e.others.get(name)?.get("source")?.as_u64());
+        // A file may offer a PNG beside the WebP; the WebP is the better one.
+        let image = named("EXT_texture_webp").map_or(texture.source.value(), |image| image as usize);
         if image == u32::MAX as usize {
-            return Err(Invalid::new(
-                format!("textures[{index}]"),
-                "has no source: its image is of a kind that is not supported",
-            )
-            .help("export the textures as PNG or JPEG"));
+            let message = match named("KHR_texture_basisu") {
+                Some(_) => "has an image of Basis Universal (KTX2, KHR_texture_basisu) alone, which is not supported",
+                None => "has no source: its image is of a kind that is not supported",
+            };
+            return Err(
+                Invalid::new(format!("textures[{index}]"), message).help("export the textures as PNG, JPEG or WebP")
+            );
         }
         if image >= self.root.images.len() {
             return Err(out_of_range(&format!("textures[{index}].source"), "images", image, self.root.images.len()));

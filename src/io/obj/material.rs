@@ -137,9 +137,9 @@ mod tests {
         assert!(
             matches!(model(&plain), MaterialModel::Diffuse { reflectance } if matches!(reflectance.colour, Colour::Rgb([0.2, 0.4, 0.6])))
         );
-        let layers = |mtl: &MtlMaterial| match model(mtl) {
-            MaterialModel::Layered(layers) => (layers.metallic.value, layers.roughness.value),
-            other => panic!("{other:?}"),
+        let layers = |mtl: &MtlMaterial| {
+            let MaterialModel::Layered(layers) = model(mtl) else { panic!("not layered") };
+            (layers.metallic.value, layers.roughness.value)
         };
         let shiny = MtlMaterial { specular: Some([0.5; 3]), shininess: Some(30.0), ..plain.clone() };
         // α = √(2/32) = 1/4, so the perceptual roughness is 1/2.
