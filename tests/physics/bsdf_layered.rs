@@ -25,17 +25,21 @@ fn power(bsdf: &Bsdf, wo: glam::Vec3) -> [f64; 4] {
 
 #[test]
 fn white_materials_give_back_everything() {
-    // Albedos are interpolated linearly between 12 to 32 nodes in √μ and √α. Against finer tables they are off by up to
-    // 4e-3 each where two or three tables come together; the quadrature adds 1e-3.
+    // Albedos are interpolated linearly between 12 to 32 nodes in √μ and √α: each is off by up to 4e-3, and two or three
+    // come together; the quadrature adds 1e-3. What a layer hides, and what glass loses, is tabulated for isotropic facets
+    // only, from which anisotropic ones differ by up to another 0.02.
     const TOLERANCE: f64 = 0.01;
+    const ANISOTROPIC: f64 = 0.03;
     let mut wrong = Vec::new();
     for (name, layers) in layered(SampledSpectrum::ONE, &[[0.6, 0.6], [1.0, 1.0], [0.5, 0.9]]) {
         // Not compensated: see `layered::view`.
         let loses = layers.film.is_some() && !layers.is_two_sided();
+        let [x, y] = layers.distribution.alpha();
+        let tolerance = if x == y { TOLERANCE } else { ANISOTROPIC };
         let bsdf = Bsdf::Layered(layers);
         for (from, wo) in visible_from(&bsdf) {
             for (lane, power) in power(&bsdf, wo).into_iter().enumerate() {
-                if power > 1.0 + TOLERANCE || !loses && power < 1.0 - TOLERANCE {
+                if power > 1.0 + tolerance || !loses && power < 1.0 - tolerance {
                     wrong.push(format!("{name} {from} lane {lane}: {power:.4}"));
                 }
             }

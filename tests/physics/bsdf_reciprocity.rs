@@ -2,8 +2,20 @@
 
 use std::f64::consts::TAU;
 
-use super::bsdf_cases::{Uniform, squared_index, wide};
+use glam::Vec3;
+use photosite::bsdf::Bsdf;
+use photosite::spectrum::SampledSpectrum;
+
+use super::bsdf_cases::{Uniform, is_seen_from_below, squared_index, wide};
 use super::quadrature::direction;
+
+/// f as the integrator asks for it: a surface of two equal sides is turned towards `wo`.
+fn eval(bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> SampledSpectrum {
+    if wo.z < 0.0 && !is_seen_from_below(bsdf) && bsdf.transmits() {
+        return bsdf.eval(Vec3::new(wo.x, wo.y, -wo.z), Vec3::new(wi.x, wi.y, -wi.z)).f;
+    }
+    bsdf.eval(wo, wi).f
+}
 
 #[test]
 fn swapping_the_directions_changes_nothing_but_the_index_factor() {
@@ -13,7 +25,7 @@ fn swapping_the_directions_changes_nothing_but_the_index_factor() {
         for _ in 0..4000 {
             let mut random = || direction(2.0 * f64::from(uniform.next()) - 1.0, TAU * f64::from(uniform.next()));
             let (a, b) = (random(), random());
-            let (there, back) = (case.bsdf.eval(a, b).f, case.bsdf.eval(b, a).f);
+            let (there, back) = (eval(&case.bsdf, a, b), eval(&case.bsdf, b, a));
             // η²·f(wo, wi) = f(wi, wo), η the index on the side of wi over that on the side of wo.
             let factor = squared_index(&case.bsdf, a, b);
             for lane in 0..4 {

@@ -383,7 +383,11 @@ impl<'a> View<'a> {
             lobes.facets += metal * (seen.white * self.reflectance(layers.base_colour, self.wo.z)).mean();
         }
         if let Some(volume) = self.refracting {
-            let reflected = self.clear_reflectance(volume, self.wo.z.min(1.0));
+            let mut reflected = self.clear_reflectance(volume, self.wo.z.min(1.0));
+            if !self.passes_undisturbed() {
+                // Where the surface as a whole reflects all or nothing, some of its facets do not.
+                reflected = SampledSpectrum(reflected.0.clamp(Vec4::splat(0.1), Vec4::splat(0.9)));
+            }
             lobes.facets += clear * reflected.mean();
             lobes.through = clear * ((ONE - reflected) * layers.base_colour).mean();
         } else if clear > 0.0 {
@@ -391,6 +395,26 @@ impl<'a> View<'a> {
             lobes.through = clear * (at_least_zero(seen.white - seen.dielectric) * layers.base_colour).mean();
         }
         lobes.normalised()
+    }
+
+    /// How much of what is left is sampled evenly over the hemisphere rather than by the cosine: what facets leave comes
+    /// mostly from near the surface, where the cosine seldom looks.
+    #[inline]
+    fn even_part(&self) -> f32 {
+        let [_, coloured, _] = self.layers.parts();
+        if coloured < 1.0 { 0.5 } else { 0.0 }
+    }
+
+    /// Density of what [`Self::sample_base`] draws, at the cosine `z`.
+    #[inline]
+    fn base_density(&self, z: f32) -> f32 {
+        let even = self.even_part();
+        FRAC_1_PI * ((1.0 - even) * z + even * 0.5)
+    }
+
+    #[inline]
+    fn sample_base(&self, u_part: f32, u: [f32; 2]) -> Vec3 {
+        if u_part < self.even_part() { warp::uniform_cone(u, 0.0) } else { warp::cosine_hemisphere(u) }
     }
 
     /// Whether light passes in one direction only.
@@ -438,7 +462,7 @@ impl<'a> View<'a> {
         let layers = self.layers;
         let other = self.share(&self.under(wi));
         let mut f = self.base(&other, false);
-        let mut pdf = self.lobes.base * wi.z * FRAC_1_PI;
+        let mut pdf = self.lobes.base * self.base_density(wi.z);
         if !layers.distribution.is_smooth() && self.lobes.facets > 0.0 {
             let kernel = layers.distribution.reflection(self.wo, wi);
             f += self.facets(kernel.cos_facet, &other) * kernel.value;
@@ -469,7 +493,7 @@ impl<'a> View<'a> {
         let mirror = dielectric::mirrored(wi);
         let other = self.share(&self.under(mirror));
         let mut f = self.base(&other, true);
-        let mut pdf = self.lobes.base_behind * mirror.z * FRAC_1_PI;
+        let mut pdf = self.lobes.base_behind * self.base_density(mirror.z);
         if clear > 0.0 && !self.passes_undisturbed() {
             let tint = layers.base_colour * clear;
             match self.refracting {
@@ -499,13 +523,13 @@ impl<'a> View<'a> {
     #[inline]
     pub(super) fn sample(&self, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         let layers = self.layers;
-        let Lobes { coat, sheen, facets, through, base, base_behind: _ } = self.lobes;
-        let mut above = u_lobe;
-        let mut chosen = |probability: f32| {
-            above -= probability;
-            above < 0.0
-        };
-        let wi = if chosen(coat) {
+        let Lobes { coat, sheen, facets, through, base, base_behind } = self.lobes;
+        // Where u_lobe lies among the probabilities laid end to end.
+        let [to_coat, to_sheen] = [coat, coat + sheen];
+        let to_facets = to_sheen + facets;
+        let to_through = to_facets + through;
+        let to_base = to_through + base;
+        let wi = if u_lobe < to_coat {
             let layer = layers.coat?;
             let frame = Frame::from_normal(layer.normal);
             let wo = frame.to_local(self.wo);
@@ -518,24 +542,27 @@ impl<'a> View<'a> {
                 return is_above(wi).then(|| BsdfSample::mirrored(SampledSpectrum::splat(part), wi, coat));
             }
             frame.to_world(layer.distribution.sample_reflection(wo, u)?.0)
-        } else if chosen(sheen) {
+        } else if u_lobe < to_sheen {
             warp::uniform_cone(u, 0.0)
-        } else if chosen(facets) {
+        } else if u_lobe < to_facets {
             if layers.distribution.is_smooth() {
                 let wi = Vec3::new(-self.wo.x, -self.wo.y, self.wo.z);
                 let other = self.share(&self.under(wi));
                 return Some(BsdfSample::mirrored(self.facets(self.wo.z.min(1.0), &other), wi, facets));
             }
             layers.distribution.sample_reflection(self.wo, u)?.0
-        } else if chosen(through) {
+        } else if u_lobe < to_through {
             if self.passes_undisturbed() {
                 return self.pass_undisturbed();
             }
             self.sample_through(u)?
-        } else if chosen(base) {
-            warp::cosine_hemisphere(u)
+        } else if u_lobe < to_base {
+            self.sample_base((u_lobe - to_through) / base, u)
+        } else if base_behind > 0.0 {
+            dielectric::mirrored(self.sample_base((u_lobe - to_base) / base_behind, u))
         } else {
-            dielectric::mirrored(warp::cosine_hemisphere(u))
+            // Rounding of the sum.
+            return None;
         };
         if wi.z.abs() <= GRAZING {
             return None;
