@@ -5,11 +5,12 @@
 
 use std::path::PathBuf;
 
+use photosite::colour::ColourSpace;
 use photosite::develop::colour_matrix::camera_colour;
-use photosite::develop::{DevelopSettings, develop};
+use photosite::develop::{DevelopSettings, ToneCurve, develop};
 use photosite::image::Planes;
+use photosite::io::developed::{PictureFormat, write_encoded, write_png};
 use photosite::io::output::{create_folder, write_whole};
-use photosite::io::png::write_png;
 use photosite::raw::{RawImage, write_dng};
 use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
 use photosite::spectrum::{Spectrum, illuminant, library};
@@ -25,12 +26,24 @@ fn main() -> miette::Result<()> {
         return Err(miette::miette!("usage: photograph_colour_checker FOLDER"));
     };
     for sensor in presets::names().filter_map(presets::model).filter(|sensor| !sensor.cfa.is_mono()) {
-        let raw = photograph(&sensor, illuminant::d65()).map_err(|error| miette::miette!("{error}"))?;
-        let picture = develop(&raw, &DevelopSettings::default()).map_err(|error| miette::miette!("{error}"))?;
-        let folder = folder.join(&sensor.name);
-        create_folder(&folder)?;
-        write_whole(&folder.join("raw.dng"), |to| write_dng(&raw, to))?;
-        write_whole(&folder.join("image.png"), |to| write_png(&picture, to))?;
+        for light in ["D65", "D50", "A"] {
+            let spectrum = illuminant::illuminant(light).ok_or_else(|| miette::miette!("{light} is unknown"))?;
+            let raw = photograph(&sensor, &spectrum).map_err(|error| miette::miette!("{error}"))?;
+            let developed = |settings| develop(&raw, &settings).map_err(|error| miette::miette!("{error}"));
+            let picture = developed(DevelopSettings::default())?;
+            // A space wide enough that no patch is clipped.
+            let wide = developed(DevelopSettings {
+                colour_space: ColourSpace::Rec2020,
+                tone_curve: ToneCurve::Linear,
+                bits: 16,
+                ..DevelopSettings::default()
+            })?;
+            let folder = folder.join(format!("{}-{light}", sensor.name));
+            create_folder(&folder)?;
+            write_whole(&folder.join("raw.dng"), |to| write_dng(&raw, to))?;
+            write_whole(&folder.join("image.png"), |to| write_png(&picture, to))?;
+            write_whole(&folder.join("wide.tiff"), |to| write_encoded(&wide, PictureFormat::Tiff, to))?;
+        }
     }
     Ok(())
 }
@@ -57,9 +70,9 @@ fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photos
     }
     let mut raw = expose(&light_on_sensor, sensor, &exposure, Stages::NONE, NoiseKey::default())?;
     if let Some(colour) = camera_colour(&responses, light)? {
-        raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65.to_vec());
-        raw.metadata.colour_matrix_a = Some(colour.matrix_a.to_vec());
-        raw.metadata.as_shot_neutral = Some(colour.neutral.to_vec());
+        raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65);
+        raw.metadata.colour_matrix_a = Some(colour.matrix_a);
+        raw.metadata.as_shot_neutral = Some(colour.neutral);
     }
     Ok(raw)
 }

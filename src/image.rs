@@ -57,6 +57,11 @@ impl Planes {
         &mut self.channels
     }
 
+    /// The planes, given away.
+    pub fn into_channels(self) -> Vec<Channel> {
+        self.channels
+    }
+
     /// The values of the plane called `name`.
     pub fn plane(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|c| c.name == name).map(|c| &c.data[..])
@@ -79,7 +84,7 @@ impl Planes {
 pub struct Estimate {
     /// The estimated quantity.
     pub mean: Planes,
-    /// Variance of the mean, in the squared unit. With a stratified sampler (Sobol) this is an upper bound in practice,
+    /// Variance of the mean, in the squared unit; channels of which it is not known are missing. With a stratified sampler (Sobol) this is an upper bound in practice,
     /// since it is computed as if samples were independent.
     pub variance: Planes,
 }

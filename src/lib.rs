@@ -14,10 +14,12 @@
 //!
 //! # What depends on what
 //!
-//! [`units`], [`math`] → [`spectrum`], [`image`] → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
+//! [`units`], [`math`] → [`spectrum`], [`image`] → [`colour`]; → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
 //! [`optics`], [`film`], [`sampler`] → [`integrator`]. [`sensor`], [`raw`] and [`develop`] see only units, math,
 //! spectrum and image: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
-//! these edges. [`validation`] compares pictures and sees units, math, image and raw; [`io::mitsuba`] describes a capture to
+//! these edges. [`validation`] compares pictures and sees units, math, image and raw; [`measure`] takes
+//! figures from pictures; [`characterisation`] takes and evaluates
+//! images of even light as EMVA 1288 has it and sees sensor and what sensor sees; [`io::mitsuba`] describes a capture to
 //! an independent renderer.
 //!
 //! # Invariants
@@ -32,6 +34,8 @@
 //! - No input file panics the program; what a user can cause is an [`Error`]. No output is half-written.
 
 pub mod bsdf;
+pub mod characterisation;
+pub mod colour;
 pub mod develop;
 pub mod error;
 pub mod film;
@@ -41,9 +45,11 @@ pub mod integrator;
 pub mod io;
 pub mod light;
 pub mod math;
+pub mod measure;
 pub mod optics;
 pub mod raw;
 pub mod references;
+mod sabotage;
 pub mod sampler;
 pub mod scene;
 pub mod sensor;

@@ -30,6 +30,9 @@
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!
+//! ## T81
+//! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).
+//!
 //! ## Mikkelsen08
 //! M. S. Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, master's thesis, University of Copenhagen (2008).
 //!
@@ -106,3 +109,112 @@
 //! ## Brewer03
 //! M. Harrower, C. A. Brewer, "ColorBrewer.org: An Online Tool for Selecting Colour Schemes for Maps", The Cartographic
 //! Journal 40(1), 27–37 (2003).
+//!
+//! ## Janesick01
+//! J. R. Janesick, *Scientific Charge-Coupled Devices*, SPIE Press (2001).
+//!
+//! ## Varshni67
+//! Y. P. Varshni, "Temperature dependence of the energy gap in semiconductors", Physica 34(1), 149–154 (1967).
+//!
+//! ## Konnik14
+//! M. Konnik, J. Welsh, "High-level numerical simulations of noise in CCD and CMOS photosensors: review and tutorial",
+//! arXiv:1412.4031 (2014).
+//! ## Icc4
+//! International Color Consortium, *Image technology colour management – Architecture, profile format, and data
+//! structure*, ICC.1:2022 (profile version 4.4).
+//!
+//! ## Sharma05
+//! G. Sharma, W. Wu, E. N. Dalal, "The CIEDE2000 Color-Difference Formula: Implementation Notes, Supplementary Test Data,
+//! and Mathematical Observations", Color Research & Application 30(1), 21–30 (2005).
+//!
+//! ## Smith78
+//! A. R. Smith, "Color Gamut Transform Pairs", SIGGRAPH (1978).
+//!
+//! ## Joblove78
+//! G. H. Joblove, D. Greenberg, "Color Spaces for Computer Graphics", SIGGRAPH (1978).
+//!
+//! ## Gonzalez18
+//! R. C. Gonzalez, R. E. Woods, *Digital Image Processing*, 4th edition (2018).
+//!
+//! ## SmpteEg432
+//! SMPTE EG 432-1:2010, *Digital Source Processing – Color Processing for D-Cinema*.
+//!
+//! ## Bt2020
+//! ITU-R BT.2020-2, *Parameter values for ultra-high definition television systems* (2015).
+//!
+//! ## Aces14
+//! Academy of Motion Picture Arts and Sciences, S-2014-004, *ACEScg – A Working Space for CGI Render and Compositing*.
+//!
+//! ## Malvar04
+//! H. S. Malvar, L. He, R. Cutler, "High-Quality Linear Interpolation for Demosaicing of Bayer-Patterned Color Images",
+//! ICASSP (2004).
+//!
+//! ## Hirakawa05
+//! K. Hirakawa, T. W. Parks, "Adaptive Homogeneity-Directed Demosaicing Algorithm", IEEE Transactions on Image Processing
+//! 14(3), 360–369 (2005).
+//!
+//! ## Knutsson93
+//! H. Knutsson, C.-F. Westin, "Normalized and Differential Convolution", CVPR (1993).
+//!
+//! ## Narkowicz16
+//! K. Narkowicz, "ACES Filmic Tone Mapping Curve", knarkowicz.wordpress.com (2016).
+//!
+//! ## Tomasi98
+//! C. Tomasi, R. Manduchi, "Bilateral Filtering for Gray and Color Images", ICCV (1998).
+//!
+//! ## Buades05
+//! A. Buades, B. Coll, J.-M. Morel, "A Non-Local Algorithm for Image Denoising", CVPR (2005).
+//!
+//! ## Makitalo13
+//! M. Mäkitalo, A. Foi, "Optimal Inversion of the Generalized Anscombe Transformation for Poisson-Gaussian Noise", IEEE
+//! Transactions on Image Processing 22(1), 91–103 (2013).
+//!
+//! ## Immerkaer96
+//! J. Immerkær, "Fast Noise Variance Estimation", Computer Vision and Image Understanding 64(2), 300–302 (1996).
+//!
+//! ## Wang04
+//! Z. Wang, A. C. Bovik, H. R. Sheikh, E. P. Simoncelli, "Image Quality Assessment: From Error Visibility to Structural
+//! Similarity", IEEE Transactions on Image Processing 13(4), 600–612 (2004).
+//!
+//! ## Iso12233
+//! ISO 12233:2017, *Photography – Electronic still picture imaging – Resolution and spatial frequency responses*.
+//! ## TruccoVerri98
+//! E. Trucco, A. Verri, *Introductory Techniques for 3-D Computer Vision* (1998), chapter 2.
+//!
+//! ## WilsonHilferty31
+//! E. B. Wilson, M. M. Hilferty, "The Distribution of Chi-Square", Proceedings of the National Academy of Sciences 17
+//! (1931).
+//! ## Green08
+//! M. A. Green, "Self-consistent optical parameters of intrinsic silicon at 300 K including temperature coefficients",
+//! Solar Energy Materials and Solar Cells 92, 1305–1310 (2008).
+//!
+//! ## Janesick01
+//! J. R. Janesick, *Scientific Charge-Coupled Devices*, SPIE Press (2001).
+//!
+//! ## Ruyten99
+//! W. Ruyten, "Smear correction for frame transfer charge-coupled-device cameras", Optics Letters 24(13), 878–880 (1999).
+//!
+//! ## Antilogus14
+//! P. Antilogus, P. Astier, P. Doherty, A. Guyonnet, N. Regnault, "The brighter-fatter effect and pixel correlations in
+//! CCD sensors", Journal of Instrumentation 9, C03048 (2014).
+//!
+//! ## Guyonnet15
+//! A. Guyonnet, P. Astier, P. Antilogus, N. Regnault, P. Doherty, "Evidence for self-interaction of charge distribution in
+//! charge-coupled devices", Astronomy & Astrophysics 575, A41 (2015).
+//!
+//! ## Knoll10
+//! G. F. Knoll, *Radiation Detection and Measurement*, 4th edition (2010).
+//!
+//! ## Ma20
+//! S. Ma, S. Gupta, A. C. Ulku, C. Bruschini, E. Charbon, M. Gupta, "Quanta Burst Photography", ACM Transactions on
+//! Graphics 39(4) (2020).
+//!
+//! ## Lyon02
+//! R. F. Lyon, P. M. Hubel, "Eyeing the Camera: into the Next Century", IS&T/SID 10th Color Imaging Conference,
+//! 349–355 (2002).
+//!
+//! ## Catmull74
+//! E. Catmull, R. Rom, "A Class of Local Interpolating Splines", in *Computer Aided Geometric Design* (1974).
+//!
+//! ## NelderMead65
+//! J. A. Nelder, R. Mead, "A Simplex Method for Function Minimization", The Computer Journal 7(4), 308–313 (1965).

@@ -10,6 +10,8 @@ pub const PLANCK: f64 = 6.626_070_15e-34;
 pub const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 /// Boltzmann constant k, J·K⁻¹.
 pub const BOLTZMANN: f64 = 1.380_649e-23;
+/// Charge of an electron e, C.
+pub const ELEMENTARY_CHARGE: f64 = 1.602_176_634e-19;
 /// Luminous efficacy of monochromatic radiation of 540 THz K_cd, lm·W⁻¹.
 pub const LUMINOUS_EFFICACY: f64 = 683.0;
 /// 0 °C in kelvin.

@@ -8,6 +8,7 @@
 
 mod bsdf;
 mod build;
+mod develop;
 mod sampler;
 mod scenes;
 mod traversal;

@@ -1,22 +1,56 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
 use photosite::develop::colour_matrix::{CameraColour, camera_colour};
-use photosite::develop::{DevelopSettings, Picture8, develop};
+use photosite::develop::{DevelopSettings, EncodedPicture, develop};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
-use photosite::io::capture::{Capture, ExposureSettings, ExposureTime};
+use photosite::io::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
-use photosite::sensor::{Exposure, NoiseKey, auto_exposure, expose};
-use photosite::spectrum::illuminant;
-use photosite::units::Electrons;
+use photosite::sensor::{Exposure, NoiseKey, SensorModel, auto_exposure, expose};
+use photosite::spectrum::{Spectrum, illuminant};
+use photosite::units::{Electrons, Seconds};
 use photosite::{Error, Invalid, Result};
 
 use super::report::{ExposureReport, SensorReport};
 
-/// The steps after light transport, with what they need of the capture.
+/// What the chain needs of a capture.
+#[derive(Clone, Copy)]
+pub(super) struct Settings<'a> {
+    pub(super) sensor: &'a SensorModel,
+    pub(super) exposure: &'a ExposureSettings,
+    pub(super) output: &'a OutputSettings,
+    pub(super) develop: &'a DevelopSettings,
+    /// Seed of sensor noise.
+    pub(super) seed: u64,
+    pub(super) source: &'a CaptureSource,
+}
+
+impl<'a> From<&'a Capture> for Settings<'a> {
+    fn from(capture: &'a Capture) -> Self {
+        let Capture { sensor, exposure, output, develop, render, source, .. } = capture;
+        Self { sensor, exposure, output, develop, seed: render.seed, source }
+    }
+}
+
+impl<'a> From<&'a StoredCapture> for Settings<'a> {
+    fn from(capture: &'a StoredCapture) -> Self {
+        let StoredCapture { sensor, exposure, output, develop, seed, source, .. } = capture;
+        Self { sensor, exposure, output, develop, seed: *seed, source }
+    }
+}
+
+/// The lens that light has passed, as far as raw files tell of it.
+pub(super) struct Optics {
+    pub(super) f_number: Option<f64>,
+    pub(super) focal_length_m: Option<f64>,
+    pub(super) transmittance: Spectrum,
+}
+
+/// The steps after light transport.
 pub(super) struct Chain<'a> {
-    capture: &'a Capture,
+    pub(super) settings: Settings<'a>,
+    optics: Optics,
     colour: Option<CameraColour>,
 }
 
@@ -27,80 +61,100 @@ pub(super) struct Exposed {
     pub(super) electrons: Estimate,
 }
 
+/// The spectrum of all light of a scene, the largest value 1; 0 everywhere in the dark. Only the colour of the light
+/// counts; its level could leave the range of numbers.
+pub(super) fn scene_light(capture: &Capture, scene: &Scene) -> Result<Spectrum> {
+    let light = scene.light_spectrum();
+    if light.iter().any(|(_, value)| !value.is_finite()) {
+        let invalid = Invalid::new("scene", "its size or its lights are too large to compute with");
+        let help = "compare the geometry's unit with meters_per_unit, and look for a light of too many zeros";
+        return Err(capture.source.error(invalid.help(help)));
+    }
+    let brightest = f64::from(light.max());
+    Ok(if brightest > 0.0 { light.scale(1.0 / brightest) } else { light.clone() })
+}
+
 impl<'a> Chain<'a> {
-    /// The white balance is that of the scene's own light through the lens. Where a channel does not see that light, as
-    /// in the dark, it is that of daylight, with a warning.
-    pub(super) fn new(capture: &'a Capture, scene: &Scene, warnings: &mut Vec<String>) -> Result<Self> {
-        let light = scene.light_spectrum();
-        if light.iter().any(|(_, value)| !value.is_finite()) {
-            let invalid = Invalid::new("scene", "its size or its lights are too large to compute with");
-            let help = "compare the geometry's unit with meters_per_unit, and look for a light of too many zeros";
-            return Err(capture.source.error(invalid.help(help)));
-        }
-        // Only the colour of the light counts; its level could leave the range of numbers.
-        let brightest = f64::from(light.max());
-        let light = if brightest > 0.0 { light.scale(1.0 / brightest) } else { light.clone() };
-        let mut responses = capture.sensor.responses();
+    /// The white balance is that of `light` through the lens. Where a channel does not see that light, as in the dark, it
+    /// is that of daylight, with a warning.
+    pub(super) fn new(
+        settings: Settings<'a>,
+        optics: Optics,
+        light: &Spectrum,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self> {
+        let mut responses = settings.sensor.responses();
         for (_, response) in &mut responses {
-            *response = response.product(&capture.lens.transmittance);
+            *response = response.product(&optics.transmittance);
         }
-        let colour = camera_colour(&responses, &light).or_else(|invalid| {
+        let colour = camera_colour(&responses, light).or_else(|invalid| {
             let colour = camera_colour(&responses, illuminant::d65())?;
-            if brightest > 0.0 {
+            if light.max() > 0.0 {
                 warnings.push(format!("{}, so the white balance is that of D65", invalid.message));
             }
             Ok(colour)
         });
-        let in_sensor = |invalid: Invalid| capture.source.error(invalid.within("sensor"));
-        Ok(Self { capture, colour: colour.map_err(in_sensor)? })
+        let in_sensor = |invalid: Invalid| settings.source.error(invalid.within("sensor"));
+        Ok(Self { settings, optics, colour: colour.map_err(in_sensor)? })
     }
 
     /// Electron rates (e⁻/s) of the sensor's channels.
     pub(super) fn rates(&self, film: &Film) -> Estimate {
-        film.estimate(self.capture.sensor.cfa.channels().iter().map(String::as_str))
+        film.estimate(self.settings.sensor.cfa.channels().iter().map(String::as_str))
     }
 
-    /// Collects light at these electron rates.
-    pub(super) fn expose(&self, rates: &Estimate) -> Result<Exposed> {
-        let exposure = self.exposure(rates).map_err(|invalid| self.in_exposure(invalid))?;
-        Ok(Exposed { exposure, electrons: rates.clone().scaled(exposure.time.0) })
+    /// Exposes to light that frees these electrons within the time `collected`; electron rates are those of one second.
+    /// `known_time` stands in for what an automatic exposure would find.
+    pub(super) fn expose(&self, light: Estimate, collected: Seconds, known_time: Option<Seconds>) -> Result<Exposed> {
+        let exposure = match known_time {
+            Some(time) => Ok(self.at(time)),
+            None => self.exposure(&light, collected),
+        };
+        // The time of an automatic exposure is known only now.
+        let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
+        let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
+        let electrons = if exposure.time == collected { light } else { light.scaled(exposure.time.0 / collected.0) };
+        Ok(Exposed { exposure, electrons })
     }
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
-        let Capture { sensor, lens, render, exposure: ExposureSettings { stages, .. }, .. } = self.capture;
+        let Settings { sensor, exposure: ExposureSettings { stages, .. }, seed, .. } = self.settings;
         let Exposed { exposure, electrons } = exposed;
-        let key = NoiseKey { seed: render.seed, frame: u64::from(frame) };
+        let key = NoiseKey { seed, frame: u64::from(frame) };
         let mut raw = expose(&electrons.mean, sensor, exposure, *stages, key).map_err(|e| self.in_exposure(e))?;
-        raw.metadata.f_number = Some(lens.f_number);
-        raw.metadata.focal_length_m = Some(lens.focal_length_m);
-        raw.metadata.colour_matrix_d65 = self.colour.map(|c| c.matrix_d65.to_vec());
-        raw.metadata.colour_matrix_a = self.colour.map(|c| c.matrix_a.to_vec());
-        raw.metadata.as_shot_neutral = self.colour.map(|c| c.neutral.to_vec());
+        raw.metadata.f_number = self.optics.f_number;
+        raw.metadata.focal_length_m = self.optics.focal_length_m;
+        raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
+        raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
+        raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
         Ok(raw)
     }
 
     fn in_exposure(&self, invalid: Invalid) -> Error {
-        self.capture.source.error(invalid.within("exposure"))
+        self.settings.source.error(invalid.within("exposure"))
     }
 
     /// Develops for display.
-    pub(super) fn develop(&self, raw: &RawImage) -> Result<Picture8> {
-        develop(raw, &DevelopSettings::default()).map_err(|invalid| self.capture.source.error(invalid))
+    pub(super) fn develop(&self, raw: &RawImage) -> Result<EncodedPicture> {
+        let developed = develop(raw, self.settings.develop);
+        developed.map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
     /// The exposure that the capture asks for, its time found from the light where it is automatic.
-    fn exposure(&self, rates: &Estimate) -> Result<Exposure, Invalid> {
-        let Capture { sensor, exposure: wanted, .. } = self.capture;
-        let time = match wanted.time {
+    fn exposure(&self, light: &Estimate, collected: Seconds) -> Result<Exposure, Invalid> {
+        let Settings { sensor, exposure: wanted, .. } = self.settings;
+        Ok(self.at(match wanted.time {
             ExposureTime::Fixed(time) => time,
-            ExposureTime::Auto(target) => auto_exposure(&rates.mean, sensor, wanted.gain, wanted.temperature, target)?,
-        };
-        let ExposureSettings { gain, temperature, frame_interval, .. } = *wanted;
-        let exposure = Exposure { time, gain, temperature, frame_interval };
-        // The time of an automatic exposure is known only now.
-        exposure.validate(sensor)?;
-        Ok(exposure)
+            ExposureTime::Auto(target) => {
+                auto_exposure(&light.mean, collected, sensor, wanted.gain, wanted.temperature, target)?
+            }
+        }))
+    }
+
+    fn at(&self, time: Seconds) -> Exposure {
+        let ExposureSettings { gain, temperature, frame_interval, .. } = *self.settings.exposure;
+        Exposure { time, gain, temperature, frame_interval }
     }
 
     /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
@@ -111,8 +165,8 @@ impl<'a> Chain<'a> {
             return None;
         }
         let rates = self.rates(film);
-        let exposure = self.exposure(&rates).ok()?;
-        let sensor = &self.capture.sensor;
+        let exposure = self.exposure(&rates, Seconds(1.0)).ok()?;
+        let sensor = self.settings.sensor;
         let (width, time) = (rates.mean.width(), exposure.time.0);
         let samples = sensor.cfa.samples_per_pixel();
         let row_length = width * samples;
@@ -134,15 +188,15 @@ impl<'a> Chain<'a> {
         let Exposure { time, gain, temperature, .. } = exposed.exposure;
         ExposureReport {
             time_s: time.0,
-            auto: matches!(self.capture.exposure.time, ExposureTime::Auto(_)),
+            auto: matches!(self.settings.exposure.time, ExposureTime::Auto(_)),
             gain_db: gain.0,
             temperature_c: temperature.0,
-            frames: self.capture.exposure.frames,
+            frames: self.settings.exposure.frames,
         }
     }
 
     pub(super) fn sensor_report(&self, exposed: &Exposed, raw: &RawImage) -> SensorReport {
-        let sensor = &self.capture.sensor;
+        let sensor = self.settings.sensor;
         SensorReport {
             name: sensor.name.clone(),
             resolution_px: sensor.resolution,

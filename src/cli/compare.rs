@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use photosite::develop::Picture8;
+use photosite::develop::EncodedPicture;
+use photosite::io::developed::write_png;
 use photosite::io::output::write_whole;
 use photosite::io::picture_file::read_picture_file;
-use photosite::io::png::write_png;
 use photosite::validation::{Comparison, FalseColour, Limits, Picture, Settings, compare, failures, false_colour};
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
@@ -172,7 +172,7 @@ fn refuse_picture(path: &Path, force: bool) -> Result<()> {
 
 fn write_picture(path: &Path, picture: FalseColour) -> Result<PictureReport> {
     let FalseColour { width, height, pixels, shown, range } = picture;
-    let picture = Picture8 { width, height, components: 3, data: pixels.into_flattened() };
+    let picture = EncodedPicture::srgb8(width, height, 3, pixels.into_flattened());
     write_whole(path, |to| write_png(&picture, to))?;
     Ok(PictureReport { file: path.display().to_string(), shows: shown.name(), range })
 }

@@ -1,5 +1,6 @@
 //! `photosite export-mitsuba`: a capture as a scene of Mitsuba 3.
 
+use std::cell::OnceCell;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -35,19 +36,20 @@ pub(super) struct ExportMitsubaArgs {
 }
 
 pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
-    let capture = Capture::read(&args.input, &args.overrides)?;
-    let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
-    warnings.for_each(|warning| eprintln!("warning: {warning}"));
-    // Autofocus needs a scene to look at.
-    let built = scene::build(capture.scene.clone(), &importance(&responses(&capture)));
-    let camera = place_camera(&capture, &built)?;
-    let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;
     if args.output.join("scene.xml").exists() && !args.force {
         return Err(Error::Usage {
             message: format!("{} holds a scene already", args.output.display()),
             help: Some("add --force to overwrite it, or choose another folder with -o".to_owned()),
         });
     }
+    let capture = Capture::read(&args.input, &args.overrides)?;
+    let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
+    warnings.for_each(|warning| eprintln!("warning: {warning}"));
+    // Autofocus alone needs a scene to look at.
+    let built = OnceCell::new();
+    let build = || scene::build(capture.scene.clone(), &importance(&responses(&capture)));
+    let camera = place_camera(&capture, |ray| built.get_or_init(build).closest(ray))?;
+    let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;
     // The scene itself comes last: where it is, all that it names is there too.
     for (name, bytes) in scene.files.iter().rev() {
         let path = args.output.join(name);

@@ -12,7 +12,7 @@ use photosite::io::exr::{Attribute, read_exr};
 use photosite::optics::Focus;
 use photosite::raw::{RawImage, read_dng, read_tiff};
 use photosite::scene::description::{EnvironmentDescription, LightKind, MaterialDescription, SceneDescription};
-use photosite::sensor::SensorModel;
+use photosite::sensor::{SensorModel, presets};
 use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
@@ -22,7 +22,7 @@ use super::{print_json, println_out, rounded};
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
 pub(super) struct InfoArgs {
-    /// A .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file.
+    /// A .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file, or the name of a sensor preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -41,6 +41,9 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
 fn facts(path: &Path) -> Result<Map<String, Value>> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
+        "" if path.to_str().is_some_and(|name| presets::names().any(|preset| preset == name)) && !path.exists() => {
+            Ok(presets::model(&path.to_string_lossy()).as_ref().map(of_sensor).unwrap_or_default())
+        }
         "toml" => match read_sensor_file(path)? {
             Some(sensor) => Ok(of_sensor(&sensor)),
             None => Ok(of_capture(&Capture::read(path, &[])?)),
@@ -61,7 +64,8 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
         "dng" => Ok(of_raw(&read_dng(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
         "tif" | "tiff" => Ok(of_numbers(&read_tiff(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
         _ => {
-            let help = "give a .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file";
+            let help =
+                "give a .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file, or a name that `photosite sensors` lists";
             Err(Invalid::new("", "is of no kind that photosite knows").help(help).in_file(path))
         }
     }
@@ -136,9 +140,10 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
 }
 
 fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
-    let peaks: Vec<_> = sensor.quantum_efficiency.iter().map(|qe| round(qe.max().into())).collect();
+    let peaks: Vec<_> = sensor.efficiencies().iter().map(|qe| round(qe.max().into())).collect();
     map(json!({
         "name": sensor.name,
+        "kind": sensor.architecture.name(),
         "description": sensor.description,
         "source": sensor.source,
         "resolution_px": sensor.resolution,

@@ -4,15 +4,27 @@
 mod chain;
 mod compare;
 mod compare_text;
+mod develop;
+mod emva1288;
+mod emva1288_report;
 mod export_mitsuba;
+mod expose;
+mod figures_text;
+mod ideal;
 mod info;
 mod listing;
+mod measure;
+mod noise;
 mod output_folder;
+mod pretty_json;
 mod progress;
 mod render;
 mod report;
+mod results;
+mod run_args;
 mod schema;
 mod sensors;
+mod stored_light;
 mod trace;
 
 use std::io::IsTerminal;
@@ -32,9 +44,17 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Develop(develop::DevelopArgs),
+    Expose(expose::ExposeArgs),
     Compare(compare::CompareArgs),
+    Measure(measure::MeasureArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
+    #[command(name = "emva1288")]
+    Emva1288(emva1288::Emva1288Args),
+    #[command(name = "emva1288-report")]
+    Emva1288Report(emva1288_report::Emva1288ReportArgs),
     Info(info::InfoArgs),
+    Noise(noise::NoiseArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
 }
@@ -53,9 +73,15 @@ pub(crate) fn run() -> ExitCode {
     let mut done = ExitCode::SUCCESS;
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Develop(args) => develop::run(&args),
+        Command::Expose(args) => expose::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
+        Command::Measure(args) => measure::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
+        Command::Emva1288(args) => emva1288::run(&args),
+        Command::Emva1288Report(args) => emva1288_report::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Noise(args) => noise::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
     };
@@ -83,8 +109,7 @@ fn rounded(x: f64, digits: i32) -> f64 {
 
 /// Prints an object as JSON on standard output.
 fn print_json(value: &impl serde::Serialize) -> photosite::Result<()> {
-    let text = serde_json::to_string_pretty(value).expect("our own structures have string keys and finite numbers");
-    println_out(&text)
+    println_out(&pretty_json::pretty_json(value))
 }
 
 /// Prints a line on standard output. A reader that went away (a closed pipe) is an error like any other, not a panic.

@@ -4,26 +4,31 @@ use std::fs;
 use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
-use photosite::develop::Picture8;
+use photosite::colour::ColourSpace;
+use photosite::develop::{DevelopSettings, EncodedPicture, encode};
 use photosite::film::Film;
-use photosite::io::capture::{Capture, OutputSettings, RawFormat};
+use photosite::image::Planes;
+use photosite::io::capture::{RawFormat, SpectralBands};
+use photosite::io::developed::{write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
-use photosite::io::png::write_png;
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::raw::{RawImage, write_dng, write_npy, write_pgm, write_tiff};
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
 use super::chain::Exposed;
+use super::pretty_json::pretty_json;
 use super::report::Report;
 
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
 /// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
-const RESULTS: [&str; 12] = [
+const RESULTS: [&str; 14] = [
     REPORT,
     "image.png",
+    "ideal.exr",
+    "ideal.png",
     "electrons.exr",
     "irradiance.exr",
     "raw.dng",
@@ -99,28 +104,33 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// A raw picture in all formats that the capture asks for, numbered where there are several.
-    pub(super) fn write_frame(&mut self, capture: &Capture, frame: u32, raw: &RawImage) -> Result<()> {
-        let stem = if capture.exposure.frames == 1 { "raw".to_owned() } else { format!("raw-{frame:04}") };
-        capture.output.raw.iter().try_for_each(|format| self.write_raw(&stem, *format, raw))
+    /// A raw picture in all these formats, numbered where there are several.
+    pub(super) fn write_frame(&mut self, formats: &[RawFormat], number: Option<u32>, raw: &RawImage) -> Result<()> {
+        let stem = number.map_or_else(|| "raw".to_owned(), |number| format!("raw-{number:04}"));
+        formats.iter().try_for_each(|format| self.write_raw(&stem, *format, raw))
     }
 
-    /// What is no raw picture.
-    pub(super) fn write_pictures(
-        &mut self,
-        output: &OutputSettings,
-        exposed: &Exposed,
-        film: &Film,
-        picture: &Picture8,
-    ) -> Result<()> {
-        if output.electrons {
-            self.write("electrons.exr", |to| write_electrons(&exposed.electrons, exposed.exposure.time, to))?;
+    pub(super) fn write_electrons(&mut self, exposed: &Exposed) -> Result<()> {
+        self.write("electrons.exr", |to| write_electrons(&exposed.electrons, exposed.exposure.time, to))
+    }
+
+    pub(super) fn write_irradiance(&mut self, bands: &SpectralBands, film: &Film) -> Result<()> {
+        let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
+        let irradiance = film.estimate(names.iter().map(String::as_str)).mean;
+        self.write("irradiance.exr", |to| write_irradiance(&irradiance, to))
+    }
+
+    /// The picture of an ideal observer: linear, and as it is shown. Codes cannot hold X, Y and Z.
+    pub(super) fn write_ideal(&mut self, picture: Planes, settings: &DevelopSettings) -> Result<()> {
+        self.write("ideal.exr", |to| write_linear(&picture, settings.colour_space, to))?;
+        if settings.colour_space == ColourSpace::Xyz {
+            return Ok(());
         }
-        if let Some(bands) = &output.irradiance {
-            let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
-            let irradiance = film.estimate(names.iter().map(String::as_str)).mean;
-            self.write("irradiance.exr", |to| write_irradiance(&irradiance, to))?;
-        }
+        let encoded = encode(picture, &settings.encoding());
+        self.write("ideal.png", |to| write_png(&encoded, to))
+    }
+
+    pub(super) fn write_picture(&mut self, picture: &EncodedPicture) -> Result<()> {
         self.write("image.png", |to| write_png(picture, to))
     }
 
@@ -134,15 +144,13 @@ impl OutputFolder {
     }
 
     /// The picture as far as it has come.
-    pub(super) fn write_preview(&self, picture: &Picture8) -> Result<()> {
+    pub(super) fn write_preview(&self, picture: &EncodedPicture) -> Result<()> {
         write_whole(&self.path.join(PREVIEW), |to| write_png(picture, to))
     }
 
     /// The last file: what the others are.
     pub(super) fn write_report(&self, report: &Report) -> Result<()> {
-        let text =
-            serde_json::to_string_pretty(report).expect("our own structures have string keys and finite numbers");
-        write_whole(&self.path.join(REPORT), |to| writeln!(to, "{text}"))
+        write_whole(&self.path.join(REPORT), |to| writeln!(to, "{}", pretty_json(report)))
     }
 
     fn write(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A progress bar over camera paths.
+/// A progress bar over camera paths or images.
 pub(super) struct Progress {
     bar: ProgressBar,
     start: Instant,
@@ -23,7 +23,14 @@ impl Progress {
         Self { bar, start: Instant::now() }
     }
 
-    /// Some more paths are traced.
+    /// For work on so many images.
+    pub(super) fn over_images(images: u64, quiet: bool) -> Self {
+        let progress = Self::new(images, quiet);
+        progress.bar.set_message(format!("{images} images"));
+        progress
+    }
+
+    /// Some more paths are traced, or images done.
     pub(super) fn advance(&self, paths: u64) {
         self.bar.inc(paths);
     }

@@ -4,17 +4,22 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use photosite::Result;
 use photosite::film::{Response, band_response};
+use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
 use photosite::io::capture::Capture;
 use photosite::optics::{Camera, Focus, PixelGrid};
 use photosite::scene::{self, Scene};
 use photosite::spectrum::Spectrum;
-use photosite::{Error, Result};
+use photosite::units::Seconds;
 
-use super::chain::Chain;
+use super::chain::{Chain, Optics, scene_light};
+use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
-use super::report::{CameraReport, LensReport, RenderReport, Report, Timings};
+use super::report::{CameraReport, LensReport, LightReport, RenderReport, Report, Timings, TracedReport};
+use super::results::write_results;
+use super::run_args::RunArgs;
 use super::trace::{Trace, trace};
 use super::{print_json, rounded};
 
@@ -26,41 +31,18 @@ use super::{print_json, rounded};
 pub(super) struct RenderArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
     input: PathBuf,
-    /// Folder for the results, created where missing [default: the input's name, in the current folder].
-    #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// Seed of light transport and sensor noise.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    seed: Option<u64>,
-    /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
-    /// Change a key of the capture file, for example --set lens.f_number=4.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<String>,
-    /// Print nothing but errors.
-    #[arg(short, long)]
-    quiet: bool,
-    /// Print the contents of capture.json on standard output.
-    #[arg(long)]
-    json: bool,
-    /// Overwrite the results of an earlier render.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    common: RunArgs,
 }
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
-    if let Some(threads) = args.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-        pool.map_err(|e| Error::Usage { message: format!("cannot start {threads} threads: {e}"), help: None })?;
-    }
+    let RunArgs { output, quiet, json, force, .. } = &args.common;
+    args.common.start_threads()?;
     let start = Instant::now();
-    let mut overrides = args.overrides.clone();
-    overrides.extend(args.seed.map(|seed| format!("render.seed={seed}")));
+    let overrides = args.common.overrides();
     let mut capture = Capture::read(&args.input, &overrides)?;
     let mut timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
-    let mut folder =
-        OutputFolder::claim(&args.output.clone().unwrap_or_else(|| default_folder(&args.input)), args.force)?;
+    let mut folder = OutputFolder::claim(&output.clone().unwrap_or_else(|| default_folder(&args.input)), *force)?;
 
     let start = Instant::now();
     let responses = responses(&capture);
@@ -68,13 +50,19 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
     let scene = scene::build(description, &importance);
-    let camera = place_camera(&capture, &scene)?;
+    let camera = place_camera(&capture, |ray| scene.closest(ray))?;
     if let (Focus::Autofocus { pixel: [x, y] }, true) = (capture.lens.focus, camera.focus_distance_m().is_infinite()) {
         warnings
             .push(format!("autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"));
     }
-    let chain = Chain::new(&capture, &scene, &mut warnings)?;
-    if !args.quiet {
+    let light = scene_light(&capture, &scene)?;
+    let optics = Optics {
+        f_number: Some(capture.lens.f_number),
+        focal_length_m: Some(capture.lens.focal_length_m),
+        transmittance: capture.lens.transmittance.clone(),
+    };
+    let chain = Chain::new((&capture).into(), optics, &light, &mut warnings)?;
+    if !quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
     timings.build_s = start.elapsed().as_secs_f64();
@@ -88,58 +76,53 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         importance: &importance,
         chain: &chain,
         folder: &folder,
-        silent: args.quiet || args.json,
+        silent: *quiet || *json,
     })?;
     timings.trace_s = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
-    let rates = chain.rates(&film);
-    let exposed = chain.expose(&rates)?;
-    let first = chain.read_out(&exposed, 0)?;
+    let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
     timings.expose_s = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let picture = chain.develop(&first)?;
-    timings.develop_s = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let mut reading_out = 0.0;
-    folder.remove_earlier()?;
-    folder.write_frame(&capture, 0, &first)?;
-    // One after the other: a series may be larger than the memory.
-    for frame in 1..capture.exposure.frames {
-        let start = Instant::now();
-        let raw = chain.read_out(&exposed, frame)?;
-        reading_out += start.elapsed().as_secs_f64();
-        folder.write_frame(&capture, frame, &raw)?;
-    }
-    folder.write_pictures(&capture.output, &exposed, &film, &picture)?;
-    timings.expose_s += reading_out;
-    timings.write_s = start.elapsed().as_secs_f64() - reading_out;
+    let first = write_results(&chain, &exposed, &mut folder, &mut timings, |folder| {
+        if capture.output.ideal {
+            let picture = ideal::picture(&film, &capture, &light, &exposed.exposure)?;
+            folder.write_ideal(picture, &capture.develop)?;
+        }
+        match &capture.output.irradiance {
+            Some(bands) => folder.write_irradiance(bands, &film),
+            None => Ok(()),
+        }
+    })?;
 
     let [width, height] = pixels(&capture).map(u64::from);
     let paths = width * height * u64::from(film.samples());
+    let traced = TracedReport {
+        camera: CameraReport::new(&capture.lens, &camera, pixels(&capture)),
+        lens: LensReport::new(&capture.lens, &camera),
+        render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
+        scene_light: LightReport::new(&light),
+        paths,
+        paths_per_s: paths as f64 / timings.trace_s,
+    };
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
         input: args.input.display().to_string(),
         overrides,
-        capture: capture.to_json()?,
+        capture: capture.to_json(folder.path())?,
         seed: capture.render.seed,
-        camera: CameraReport::new(&capture.lens, &camera, pixels(&capture)),
-        lens: LensReport::new(&capture.lens, &camera),
+        traced: traced.into_map(),
         sensor: chain.sensor_report(&exposed, &first),
         exposure: chain.exposure_report(&exposed),
-        render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         files: folder.files(),
         warnings,
         timings,
-        paths,
-        paths_per_s: paths as f64 / timings.trace_s,
     };
     folder.write_report(&report)?;
-    if args.json {
+    if *json {
         return print_json(&report);
     }
-    if !args.quiet {
-        summarise(&report, &folder);
+    if !quiet {
+        summarise(&report, paths, &folder);
     }
     Ok(())
 }
@@ -159,7 +142,8 @@ fn default_folder(input: &Path) -> PathBuf {
 pub(super) fn responses(capture: &Capture) -> Vec<Response> {
     let channels = capture.sensor.responses().into_iter().map(|(name, spectrum)| Response { name, spectrum });
     let bands = capture.output.irradiance.iter().flat_map(|bands| (0..bands.count).map(|band| bands.edges_nm(band)));
-    channels.chain(bands.map(band_response)).collect()
+    let observer = capture.output.ideal.then(ideal::responses);
+    channels.chain(bands.map(band_response)).chain(observer.into_iter().flatten()).collect()
 }
 
 /// How much each wavelength matters: the sum of all responses, each scaled to a peak of 1.
@@ -174,8 +158,8 @@ pub(super) fn pixels(capture: &Capture) -> [u32; 2] {
     capture.sensor.resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"))
 }
 
-/// Puts the lens in its place, focused on what autofocus finds.
-pub(super) fn place_camera(capture: &Capture, scene: &Scene) -> Result<Camera> {
+/// Puts the lens in its place, focused on what autofocus finds: `closest` is asked for it then only.
+pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<Hit>) -> Result<Camera> {
     let grid = PixelGrid { resolution: pixels(capture), pitch_m: capture.sensor.pixel_pitch_m };
     let place = |lens: &_, distance| {
         let camera = Camera::new(lens, &grid, capture.camera_to_world, distance);
@@ -187,7 +171,7 @@ pub(super) fn place_camera(capture: &Capture, scene: &Scene) -> Result<Camera> {
     let mut distance = f64::INFINITY;
     for _ in 0..4 {
         lens.focus = if distance.is_finite() { Focus::Distance(distance) } else { Focus::Infinity };
-        let hit = place(&lens, distance)?.chief_ray(pixel.into()).and_then(|ray| scene.closest(&ray));
+        let hit = place(&lens, distance)?.chief_ray(pixel.into()).and_then(|ray| closest(&ray));
         distance = hit.map_or(f64::INFINITY, |hit| f64::from(hit.t));
         if distance <= lens.focal_length_m {
             break;
@@ -203,6 +187,7 @@ fn render_report(
     noise_ratio: Option<f64>,
 ) -> RenderReport {
     RenderReport {
+        seed: settings.seed,
         samples_per_pixel,
         max_depth: settings.max_depth,
         roulette_depth: settings.roulette_depth,
@@ -213,16 +198,16 @@ fn render_report(
     }
 }
 
-fn summarise(report: &Report, folder: &OutputFolder) {
+fn summarise(report: &Report, paths: u64, folder: &OutputFolder) {
     let Report { timings, exposure, .. } = report;
-    let paths = match report.paths {
+    let count = match paths {
         few @ ..1_000_000 => few.to_string(),
         many => format!("{:.1} M", many as f64 / 1e6),
     };
     eprintln!(
-        "traced {paths} paths in {} s ({:.2} M paths/s) and exposed for {} ms; wrote {}, {REPORT} to {}",
+        "traced {count} paths in {} s ({:.2} M paths/s) and exposed for {} ms; wrote {}, {REPORT} to {}",
         rounded(timings.trace_s, 3),
-        report.paths_per_s / 1e6,
+        paths as f64 / timings.trace_s / 1e6,
         rounded(exposure.time_s * 1e3, 4),
         report.files.join(", "),
         folder.path().display()

@@ -2,7 +2,9 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 use photosite::optics::{Camera, Distortion, Intrinsics, LensDescription, LensKind};
-use serde::Serialize;
+use photosite::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 /// The object that `capture.json` holds and `--json` prints.
 #[derive(Serialize)]
@@ -14,18 +16,61 @@ pub(super) struct Report {
     /// that it names it is a capture file again.
     pub(super) capture: serde_json::Value,
     pub(super) seed: u64,
-    pub(super) camera: CameraReport,
-    pub(super) lens: LensReport,
+    /// What was said of the light when it was traced: a [`TracedReport`].
+    #[serde(flatten)]
+    pub(super) traced: Map<String, Value>,
     pub(super) sensor: SensorReport,
     pub(super) exposure: ExposureReport,
-    pub(super) render: RenderReport,
     /// File names in the output folder.
     pub(super) files: Vec<String>,
     pub(super) warnings: Vec<String>,
     pub(super) timings: Timings,
+}
+
+/// What holds for the light, whatever sensor it falls on.
+#[derive(Serialize)]
+pub(super) struct TracedReport {
+    pub(super) camera: CameraReport,
+    pub(super) lens: LensReport,
+    pub(super) render: RenderReport,
+    pub(super) scene_light: LightReport,
     /// Camera paths traced.
     pub(super) paths: u64,
     pub(super) paths_per_s: f64,
+}
+
+impl TracedReport {
+    /// The keys of this in a report.
+    pub(super) const KEYS: [&str; 6] = ["camera", "lens", "render", "scene_light", "paths", "paths_per_s"];
+
+    pub(super) fn into_map(self) -> Map<String, Value> {
+        let value = serde_json::to_value(self).expect("our own structures have string keys and finite numbers");
+        if let Value::Object(map) = value { map } else { Map::new() }
+    }
+}
+
+/// Spectrum of all light of the scene, the largest value 1: what counts as white.
+#[derive(Deserialize, Serialize)]
+pub(super) struct LightReport {
+    first_nm: f32,
+    last_nm: f32,
+    /// At every whole nanometre.
+    relative: Vec<f64>,
+}
+
+impl LightReport {
+    pub(super) fn new(light: &Spectrum) -> Self {
+        // As many digits as a value of the table has.
+        let short = |value: &f32| value.to_string().parse().unwrap_or(f64::from(*value));
+        Self { first_nm: LAMBDA_MIN_NM, last_nm: LAMBDA_MAX_NM, relative: light.values().iter().map(short).collect() }
+    }
+
+    /// The spectrum, if it is all there.
+    pub(super) fn spectrum(&self) -> Option<Spectrum> {
+        let whole = self.first_nm == LAMBDA_MIN_NM && self.relative.len() == TABLE_LEN;
+        let usable = whole && self.relative.iter().all(|value| value.is_finite() && *value >= 0.0);
+        usable.then(|| Spectrum::from_fn(|lambda| self.relative[(lambda - f64::from(LAMBDA_MIN_NM)) as usize]))
+    }
 }
 
 /// Pose and intrinsics in OpenCV's conventions: x right, y down, z forward; integer coordinates at pixel centres.
@@ -122,6 +167,8 @@ pub(super) struct ExposureReport {
 
 #[derive(Serialize)]
 pub(super) struct RenderReport {
+    /// Of light transport; that of sensor noise is in the report itself.
+    pub(super) seed: u64,
     pub(super) samples_per_pixel: u32,
     pub(super) max_depth: u32,
     pub(super) roulette_depth: u32,

@@ -19,6 +19,7 @@ pub(super) struct SensorsArgs {
 #[derive(Serialize)]
 struct Row {
     name: &'static str,
+    kind: &'static str,
     description: String,
     resolution_px: [usize; 2],
     pixel_pitch_um: [f64; 2],
@@ -38,15 +39,19 @@ pub(super) fn run(args: &SensorsArgs) -> photosite::Result<()> {
     }
     let width = rows.iter().map(|r| r.name.len()).max().unwrap_or(0);
     println_out(&format!(
-        "{:width$}  {:>11}  {:>8}  {:>5}  {:>7}  {:>12}  {:>11}  {:>4}",
-        "name", "pixels", "pitch µm", "CFA", "peak QE", "full well e⁻", "read noise", "bits"
+        "{:width$}  {:4}  {:>9}  {:>11}  {:8}  {:>7}  {:>12}  {:>11}  {:>4}",
+        "name", "kind", "pixels", "pitch µm", "CFA", "peak QE", "full well e⁻", "read noise", "bits"
     ))?;
     for r in &rows {
+        let pitch = match r.pixel_pitch_um {
+            [x, y] if x == y => x.to_string(),
+            [x, y] => format!("{x}×{y}"),
+        };
         let pixels = format!("{}×{}", r.resolution_px[0], r.resolution_px[1]);
         println_out(&format!(
-            "{:width$}  {pixels:>11}  {:>8}  {:>5}  {:>6.0}%  {:>12.0}  {:>8.1} e⁻  {:>4}",
+            "{:width$}  {:4}  {pixels:>9}  {pitch:>11}  {:8}  {:>6.0}%  {:>12.0}  {:>8.1} e⁻  {:>4}",
             r.name,
-            r.pixel_pitch_um[0],
+            r.kind,
             r.cfa,
             100.0 * r.peak_quantum_efficiency,
             r.full_well_e,
@@ -60,11 +65,12 @@ pub(super) fn run(args: &SensorsArgs) -> photosite::Result<()> {
 fn row(name: &'static str, model: &SensorModel) -> Row {
     Row {
         name,
+        kind: model.architecture.name(),
         description: model.description.clone(),
         resolution_px: model.resolution,
         pixel_pitch_um: model.pixel_pitch_m.map(|m| (m * 1e9).round() / 1e3),
         cfa: model.cfa.to_string(),
-        peak_quantum_efficiency: model.quantum_efficiency.iter().map(Spectrum::max).fold(0.0, f32::max),
+        peak_quantum_efficiency: model.efficiencies().iter().map(Spectrum::max).fold(0.0, f32::max),
         full_well_e: model.full_well.0,
         read_noise_e: model.noise.read.0,
         dark_current_e_per_s: model.noise.dark_current_e_per_s,

@@ -11,6 +11,7 @@ use photosite::io::capture::Capture;
 use photosite::optics::Camera;
 use photosite::scene::Scene;
 use photosite::spectrum::Spectrum;
+use photosite::units::Seconds;
 
 use super::chain::Chain;
 use super::output_folder::OutputFolder;
@@ -100,7 +101,7 @@ impl Previews {
             return Ok(());
         }
         // Too little light for an exposure yet is no failure: there is nothing to show.
-        let Ok(exposed) = t.chain.expose(&t.chain.rates(film)) else { return Ok(()) };
+        let Ok(exposed) = t.chain.expose(t.chain.rates(film), Seconds(1.0), None) else { return Ok(()) };
         let raw = t.chain.read_out(&exposed, 0);
         let shown = raw.and_then(|raw| t.chain.develop(&raw)).and_then(|picture| t.folder.write_preview(&picture));
         self.last = Instant::now();

@@ -1,56 +1,82 @@
-//! Colour: white-balanced camera channels become linear sRGB.
+//! Colour: white-balanced camera channels become linear RGB of a colour space.
 
-use glam::{DMat3, DVec3, Mat3, Vec3};
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::Invalid;
-use crate::image::Planes;
+use crate::colour::{ColourSpace, temperature};
+use crate::image::{Channel, Planes};
 use crate::raw::RawMetadata;
-use crate::spectrum::rgb;
 
-/// White-balanced camera → linear sRGB, in which white (1, 1, 1) stays white. The identity for a raw file that has no
-/// matrix.
-///
-/// After the DNG specification ([Dng16](crate::references#dng16), chapter 6): the matrix of the scene's light lies
-/// between those of D65 and illuminant A, by reciprocal colour temperature; that matrix and the response to white give
-/// the scene's white point, from which colours are adapted to sRGB's.
-pub(super) fn camera_to_srgb(metadata: &RawMetadata, neutral: [f64; 3]) -> Result<DMat3, Invalid> {
-    let Some(d65) = three_channels(&metadata.colour_matrix_d65, "ColorMatrix1")? else { return Ok(DMat3::IDENTITY) };
-    let a = three_channels(&metadata.colour_matrix_a, "ColorMatrix2")?.unwrap_or(d65);
-    let neutral = DVec3::from_array(neutral);
-    let mut camera_to_xyz = interpolated(d65, a, 0.0).inverse();
-    // The matrix depends on the white point and the white point on the matrix: a fixed point, reached within a few rounds.
-    for _ in 0..ROUNDS {
-        let part_of_a = part_of_a(camera_to_xyz * neutral);
-        camera_to_xyz = interpolated(d65, a, part_of_a).inverse();
-    }
-    let white = camera_to_xyz * neutral;
-    let balanced_to_srgb = *rgb::xyz_to_rgb()
-        * adaptation(white / white.y, *rgb::rgb_to_xyz() * DVec3::ONE)
-        * camera_to_xyz
-        * DMat3::from_diagonal(neutral / white.y);
-    if balanced_to_srgb.is_finite() {
-        Ok(balanced_to_srgb)
-    } else {
-        let message = format!("{d65:?} and the response to white {neutral} do not give a colour");
-        Err(Invalid::new("ColorMatrix1", message).help("the file is damaged, or its camera cannot tell colours apart"))
-    }
+/// XYZ → camera for colours under D65 and under illuminant A, a row per channel.
+pub(super) struct CameraMatrices {
+    d65: Vec<DVec3>,
+    a: Vec<DVec3>,
 }
 
-/// The matrix of a camera of three channels.
-fn three_channels(matrix: &Option<Vec<[f64; 3]>>, key: &str) -> Result<Option<[[f64; 3]; 3]>, Invalid> {
-    let Some(rows) = matrix else { return Ok(None) };
-    let refused = |_| Invalid::new(key, format!("a matrix of {} channels instead of 3", rows.len()));
-    rows.as_slice().try_into().map(Some).map_err(refused)
+impl CameraMatrices {
+    /// The matrices of a raw file, if it has any.
+    pub(super) fn new(metadata: &RawMetadata) -> Result<Option<Self>, Invalid> {
+        let Some(d65) = &metadata.colour_matrix_d65 else { return Ok(None) };
+        let a = metadata.colour_matrix_a.as_ref().unwrap_or(d65);
+        if a.len() != d65.len() {
+            let message = format!("{} rows, while ColorMatrix1 has {}", a.len(), d65.len());
+            return Err(Invalid::new("ColorMatrix2", message));
+        }
+        let rows = |matrix: &[[f64; 3]]| matrix.iter().map(|&row| DVec3::from_array(row)).collect();
+        Ok(Some(Self { d65: rows(d65), a: rows(a) }))
+    }
+
+    /// The matrix for a scene whose white has this XYZ: it lies between those of D65 and illuminant A by reciprocal
+    /// colour temperature ([Dng16](crate::references#dng16), chapter 6).
+    pub(super) fn at(&self, white: DVec3) -> Vec<DVec3> {
+        let part = part_of_a(white);
+        self.d65.iter().zip(&self.a).map(|(d65, a)| *d65 * (1.0 - part) + *a * part).collect()
+    }
+
+    /// The scene's white in XYZ, Y = 1, for the camera's response to it, with camera → XYZ, a column per channel. The
+    /// matrix depends on the white point and the white point on the matrix: a fixed point.
+    pub(super) fn scene_white(&self, neutral: &[f64]) -> (DVec3, Vec<DVec3>) {
+        let mut to_xyz = inverse(&self.d65);
+        let mut white = DVec3::ONE;
+        for _ in 0..ROUNDS {
+            white = to_xyz.iter().zip(neutral).map(|(column, n)| *column * *n).sum();
+            to_xyz = inverse(&self.at(white));
+        }
+        (white, to_xyz)
+    }
 }
 
 /// Enough for the fixed point to settle to 1e-6: the matrices differ little, so each round gains a digit or more.
 const ROUNDS: usize = 12;
 
-/// XYZ → camera, `part` of the way from the first matrix to the second.
-fn interpolated(first: [[f64; 3]; 3], second: [[f64; 3]; 3], part: f64) -> DMat3 {
-    let matrix = |rows: [[f64; 3]; 3]| DMat3::from_cols_array_2d(&rows).transpose();
-    matrix(first) * (1.0 - part) + matrix(second) * part
+/// The least-squares inverse (CᵀC)⁻¹Cᵀ of a matrix given by rows, by columns; with three channels the inverse.
+fn inverse(rows: &[DVec3]) -> Vec<DVec3> {
+    let normal: DMat3 = rows.iter().map(|row| DMat3::from_cols(*row * row.x, *row * row.y, *row * row.z)).sum();
+    let inverse = normal.inverse();
+    rows.iter().map(|row| inverse * *row).collect()
+}
+
+/// White-balanced camera → linear RGB of the space, a column per channel, in which white (1, 1, 1 …) is white. `None` for
+/// a raw file that has no matrix.
+pub(super) fn camera_to_rgb(
+    metadata: &RawMetadata,
+    neutral: &[f64],
+    space: ColourSpace,
+) -> Result<Option<Vec<DVec3>>, Invalid> {
+    let Some(matrices) = CameraMatrices::new(metadata)? else { return Ok(None) };
+    let wrong = || {
+        let message = format!("{:?} and the response to white {neutral:?} do not give a colour", matrices.d65);
+        Invalid::new("ColorMatrix1", message).help("the file is damaged, or its camera cannot tell colours apart")
+    };
+    if matrices.d65.len() != neutral.len() {
+        return Err(wrong());
+    }
+    let (white, to_xyz) = matrices.scene_white(neutral);
+    let from_xyz = space.from_xyz(white / white.y);
+    let column = |(xyz, n): (&DVec3, &f64)| from_xyz * (*xyz * (n / white.y));
+    let columns: Vec<DVec3> = to_xyz.iter().zip(neutral).map(column).collect();
+    if columns.iter().all(|column| column.is_finite()) { Ok(Some(columns)) } else { Err(wrong()) }
 }
 
 /// How far the white XYZ lies from D65 to illuminant A in reciprocal correlated colour temperature, 0–1.
@@ -63,21 +89,51 @@ fn part_of_a(white: DVec3) -> f64 {
     if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) }
 }
 
-/// XYZ seen under one white → XYZ that looks the same under another: the Bradford transform, as the DNG and ICC
-/// specifications have it.
-fn adaptation(from: DVec3, to: DVec3) -> DMat3 {
-    let cones = DMat3::from_cols_array(&[0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296]);
-    cones.inverse() * DMat3::from_diagonal((cones * to) / (cones * from)) * cones
+/// Colour temperature (K) and tint of the light that a camera responds to so.
+pub(super) fn temperature_of(metadata: &RawMetadata, neutral: &[f64]) -> Option<(f64, f64)> {
+    let matrices = CameraMatrices::new(metadata).ok().flatten().filter(|m| m.d65.len() == neutral.len())?;
+    let (white, _) = matrices.scene_white(neutral);
+    let sum = white.element_sum();
+    (sum > 0.0).then(|| temperature::temperature_and_tint([white.x / sum, white.y / sum]))
 }
 
-/// Applies a matrix to three planes, pixel by pixel. Demosaicking may have overshot white, which is 1 in all channels;
-/// it would become a colour.
-pub(super) fn apply(picture: &mut Planes, matrix: DMat3) {
-    let matrix: Mat3 = matrix.as_mat3();
-    if let [r, g, b] = picture.channels_mut() {
-        let pixels = r.data.par_iter_mut().zip(&mut g.data).zip(&mut b.data);
-        pixels.for_each(|((r, g), b)| [*r, *g, *b] = (matrix * Vec3::new(*r, *g, *b).min(Vec3::ONE)).to_array());
-    }
+/// Turns camera planes into planes R, G and B (X, Y and Z) by a matrix and a factor.
+pub(super) fn apply(mut camera: Planes, columns: &[DVec3], space: ColourSpace, factor: f64) -> Planes {
+    let (width, height) = (camera.width(), camera.height());
+    let names = if space == ColourSpace::Xyz { ["X", "Y", "Z"] } else { ["R", "G", "B"] };
+    let columns: Vec<[f32; 3]> = columns.iter().map(|column| (*column * factor).as_vec3().to_array()).collect();
+    let planes: Vec<Vec<f32>> = camera.channels_mut().iter_mut().map(|c| std::mem::take(&mut c.data)).collect();
+    let planes = match <[Vec<f32>; 3]>::try_from(planes) {
+        Ok(planes) => in_place(planes, &columns, width),
+        Err(planes) => from_many(&planes, &columns),
+    };
+    let channels = names.into_iter().zip(planes).map(|(name, data)| Channel { name: name.to_owned(), data });
+    Planes::new(width, height, channels.collect()).expect("planes keep their size")
+}
+
+/// Three channels to three, without another copy of the picture.
+fn in_place(mut planes: [Vec<f32>; 3], columns: &[[f32; 3]], width: usize) -> [Vec<f32>; 3] {
+    let [Some(a), Some(b), Some(c)] = [0, 1, 2].map(|i| columns.get(i).copied()) else { return planes };
+    let [r, g, b_plane] = &mut planes;
+    let width = width.max(1);
+    let rows = r.par_chunks_mut(width).zip(g.par_chunks_mut(width)).zip(b_plane.par_chunks_mut(width));
+    rows.for_each(|((r, g), blue)| {
+        for ((r, g), blue) in r.iter_mut().zip(g).zip(blue) {
+            let (x, y, z) = (*r, *g, *blue);
+            *r = a[0] * x + b[0] * y + c[0] * z;
+            *g = a[1] * x + b[1] * y + c[1] * z;
+            *blue = a[2] * x + b[2] * y + c[2] * z;
+        }
+    });
+    planes
+}
+
+fn from_many(planes: &[Vec<f32>], columns: &[[f32; 3]]) -> [Vec<f32>; 3] {
+    let pixels = planes.first().map_or(0, Vec::len);
+    [0, 1, 2].map(|row| {
+        let value = |i: usize| planes.iter().zip(columns).map(|(plane, column)| column[row] * plane[i]).sum();
+        (0..pixels).into_par_iter().map(value).collect()
+    })
 }
 
 #[cfg(test)]
@@ -101,14 +157,40 @@ mod tests {
 
     #[test]
     fn white_stays_white_whatever_the_neutral_is() {
-        let metadata = RawMetadata {
-            colour_matrix_d65: Some(vec![[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]),
-            colour_matrix_a: Some(vec![[0.9, -0.35, -0.15], [-0.3, 1.1, 0.25], [0.0, 0.1, 0.7]]),
-            ..RawMetadata::default()
+        let rows = |extra: bool| {
+            let mut d65 = vec![[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]];
+            let mut a = vec![[0.9, -0.35, -0.15], [-0.3, 1.1, 0.25], [0.0, 0.1, 0.7]];
+            if extra {
+                d65.push([0.3, 0.5, 0.2]);
+                a.push([0.35, 0.45, 0.2]);
+            }
+            RawMetadata { colour_matrix_d65: Some(d65), colour_matrix_a: Some(a), ..RawMetadata::default() }
         };
-        for neutral in [[0.5, 1.0, 0.7], [1.0, 0.9, 0.2], [0.2, 1.0, 1.0]] {
-            let matrix = camera_to_srgb(&metadata, neutral).expect("finite");
-            assert!((matrix * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-12), "{matrix}");
+        for (extra, neutrals) in [
+            (false, [vec![0.5, 1.0, 0.7], vec![1.0, 0.9, 0.2], vec![0.2, 1.0, 1.0]]),
+            (true, [vec![0.5, 1.0, 0.7, 0.9], vec![1.0, 0.9, 0.2, 0.8], vec![0.4, 1.0, 0.9, 0.9]]),
+        ] {
+            for neutral in neutrals {
+                for space in ColourSpace::ALL {
+                    let columns = camera_to_rgb(&rows(extra), &neutral, space).expect("finite").expect("a matrix");
+                    let white: DVec3 = columns.iter().sum();
+                    let expected = if space == ColourSpace::Xyz { space.white() } else { DVec3::ONE };
+                    // Four channels cannot all be right; the inverse is that of least squares.
+                    assert!(white.abs_diff_eq(expected, 1e-6), "{space:?} {neutral:?}: {white}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn planes_are_multiplied() {
+        let channel = |name: &str, v: f32| Channel { name: name.to_owned(), data: vec![v; 2] };
+        let columns = [DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.0, 0.0, 1.0), DVec3::ONE];
+        for (n, expected) in [(3, [2.0, 2.0, 7.0]), (4, [5.0, 5.0, 10.0])] {
+            let channels = [("R", 1.0), ("G", 2.0), ("B", 4.0), ("W", 3.0)].map(|(name, v)| channel(name, v));
+            let planes = Planes::new(2, 1, channels[..n].to_vec()).expect("right sizes");
+            let found = apply(planes, &columns[..n], ColourSpace::Srgb, 1.0);
+            assert_eq!([0, 1, 2].map(|c| found.channels()[c].data[1]), expected);
         }
     }
 }

@@ -1,47 +1,98 @@
 //! The steps of development, in their order.
 
+use std::borrow::Cow;
+
+use serde::Serialize;
+
 use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::raw::RawImage;
 
-use super::encode::{Picture8, encode_srgb};
-use super::white_balance::{self, WhiteBalance};
-use super::{black_level, colour, demosaic, exposure};
+use super::encode::{EncodedPicture, encode};
+use super::neighbours::densest;
+use super::settings::{Demosaic, DevelopSettings};
+use super::{
+    black_level, colour, defects, demosaic, distortion, highlights, lens_falloff, noise_filter, tone, white_balance,
+};
 
-/// How to develop.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DevelopSettings {
-    /// What counts as white.
-    pub white_balance: WhiteBalance,
-    /// Brightening by 2^ev; what passes 1 is white.
-    pub exposure_ev: f64,
+/// What was found out on the way.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Development {
+    /// The filter array.
+    pub cfa: String,
+    /// How its channels were found; `None` where every pixel has all of them.
+    pub demosaic: Option<Demosaic>,
+    /// The camera's response to what counts as white, per channel, the largest 1.
+    pub neutral: Vec<f64>,
+    /// Colour temperature of that light, K.
+    pub temperature_k: Option<f64>,
+    /// Its tint.
+    pub tint: Option<f64>,
 }
 
-/// Develops to an 8-bit sRGB picture; grey for a monochrome sensor.
-pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<Picture8, Invalid> {
-    Ok(encode_srgb(&develop_linear(raw, settings)?))
+/// Develops to a picture for display; grey for a monochrome sensor.
+pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPicture, Invalid> {
+    Ok(encode(develop_linear(raw, settings)?.0, &settings.encoding()))
 }
 
-/// Develops to linear sRGB, planes `R`, `G` and `B`, or `Y` for a monochrome sensor. 1 is white at saturation, before
-/// the exposure correction.
-pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<Planes, Invalid> {
+/// Develops to linear planes of the colour space, `R`, `G` and `B` (`X`, `Y` and `Z`), or `Y` for a monochrome sensor. 1 is
+/// white at saturation, before the exposure correction.
+pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     raw.validate()?;
-    if raw.active_area.is_some() {
-        return develop_linear(&raw.cropped(), settings);
+    settings.validate()?;
+    let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { Cow::Borrowed(raw) };
+    let size = [raw.width, raw.height];
+
+    let mut signal = black_level::subtract(&raw, settings.black_level);
+    defects::correct(&mut signal, size, &raw.cfa, settings.defects);
+    if settings.lens_falloff {
+        lens_falloff::correct(&mut signal, &raw);
     }
-    if !(raw.cfa.is_mono() || raw.cfa.is_bayer()) {
-        let message = format!("a picture with the colour filter array {} cannot be developed", raw.cfa);
-        return Err(Invalid::new("cfa", message).help("photosite develops Bayer mosaics and monochrome pictures"));
+    let neutral = white_balance::neutral(&raw, &signal, settings)?;
+    white_balance::apply(&mut signal, &raw, &neutral, highlights::ceiling(settings.highlights));
+    let mut picture = demosaic::demosaic(&signal, size, &raw.cfa, settings.demosaic)?;
+    drop(signal);
+    highlights::recover(&mut picture, &neutral, settings.highlights);
+    noise_filter::apply(&mut picture, settings, &raw.metadata.noise_profile, &neutral);
+    if settings.distortion {
+        picture = distortion::correct(picture, raw.metadata.warp.as_ref());
     }
-    let mut mosaic = black_level::subtract(raw);
-    if raw.cfa.is_mono() {
-        let grey = Channel { name: "Y".to_owned(), data: mosaic };
-        return Ok(exposure::apply(Planes::new(raw.width, raw.height, vec![grey])?, settings.exposure_ev));
+    let mut picture = to_colour_space(picture, &raw, &neutral, settings)?;
+    tone::apply(&mut picture, settings.tone_curve);
+
+    let has_mosaic = !(raw.cfa.is_mono() || raw.cfa.is_full());
+    let light = colour::temperature_of(&raw.metadata, &neutral);
+    let development = Development {
+        cfa: raw.cfa.to_string(),
+        demosaic: if has_mosaic { Some(demosaic::method_for(&raw.cfa, settings.demosaic)?) } else { None },
+        temperature_k: light.map(|(kelvin, _)| kelvin),
+        tint: light.map(|(_, tint)| tint),
+        neutral,
+    };
+    Ok((picture, development))
+}
+
+/// Colour matrix and exposure in one pass.
+fn to_colour_space(
+    mut camera: Planes,
+    raw: &RawImage,
+    neutral: &[f64],
+    settings: &DevelopSettings,
+) -> Result<Planes, Invalid> {
+    let factor = settings.exposure_ev.exp2();
+    let matrix = if settings.colour_matrix {
+        colour::camera_to_rgb(&raw.metadata, neutral, settings.colour_space)?
+    } else {
+        None
+    };
+    if let Some(columns) = matrix {
+        return Ok(colour::apply(camera, &columns, settings.colour_space, factor));
     }
-    let neutral = settings.white_balance.neutral(raw)?;
-    let to_srgb = colour::camera_to_srgb(&raw.metadata, neutral)?;
-    white_balance::apply(&mut mosaic, raw, neutral);
-    let mut picture = demosaic::demosaic(&mosaic, raw.width, raw.height, &raw.cfa);
-    colour::apply(&mut picture, to_srgb);
-    Ok(exposure::apply(picture, settings.exposure_ev))
+    // Without a matrix, three channels are shown as they are and of others the densest in grey.
+    if camera.channels().len() != 3 {
+        let densest = densest(&raw.cfa);
+        let data = std::mem::take(&mut camera.channels_mut()[densest].data);
+        camera = Planes::new(raw.width, raw.height, vec![Channel { name: "Y".to_owned(), data }])?;
+    }
+    Ok(if factor == 1.0 { camera } else { camera.scaled(factor) })
 }

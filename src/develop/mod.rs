@@ -1,8 +1,21 @@
-//! Development: from a raw mosaic to RGB, one file a step.
+//! Development: from a raw picture to RGB, one file a step.
 //!
-//! In: a [`RawImage`](crate::raw::RawImage). Out: linear sRGB planes (white is 1), or an sRGB-encoded picture of 8 bits.
-//! [`develop()`] lists the steps. There is no tone curve, no sharpening and no noise reduction: what the picture shows
-//! is what the sensor recorded.
+//! In: a [`RawImage`](crate::raw::RawImage) and [`DevelopSettings`]. Out: linear planes of a colour space (white is 1), or a
+//! picture of 8 or 16 bits. [`develop_linear`] reads as the list of the steps. By default there is no noise filter, no
+//! sharpening and no tone curve but the transfer function: what the picture shows is what the sensor recorded.
+//!
+//! | step | file |
+//! |---|---|
+//! | black level | `black_level.rs`; numbers are linear already, a DNG file's table is applied when it is read |
+//! | defective pixels | `defects.rs` |
+//! | lens falloff | `lens_falloff.rs` |
+//! | white balance | `white_balance.rs` |
+//! | demosaicking | `demosaic/`, one file a method |
+//! | highlights | `highlights.rs`; clipping comes before demosaicking, so that edges are not coloured |
+//! | noise | `noise_filter/`, one file a filter |
+//! | distortion | `distortion.rs`; after demosaicking, since a mosaic cannot be moved |
+//! | colour matrix, colour space, exposure | `colour.rs` |
+//! | tone, encoding, sharpening, dithering | `tone.rs`, `encode.rs`, `sharpening.rs` |
 //!
 //! [`colour_matrix`] computes what a raw file says about its colours from the sensor's spectral responses. Files are
 //! left to [`raw`](crate::raw) and [`io`](crate::io).
@@ -10,13 +23,24 @@
 mod black_level;
 mod colour;
 pub mod colour_matrix;
+mod defects;
 mod demosaic;
 #[expect(clippy::module_inception, reason = "the step that all others are steps of")]
 mod develop;
+mod distortion;
 mod encode;
-mod exposure;
+mod highlights;
+mod ideal;
+mod lens_falloff;
+mod neighbours;
+mod noise_filter;
+mod settings;
+mod sharpening;
+mod tone;
 mod white_balance;
+mod window;
 
-pub use develop::{DevelopSettings, develop, develop_linear};
-pub use encode::{Picture8, encode_srgb};
-pub use white_balance::WhiteBalance;
+pub use develop::{Development, develop, develop_linear};
+pub use encode::{Codes, EncodedPicture, Encoding, encode};
+pub use ideal::ideal;
+pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

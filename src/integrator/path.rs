@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::math::{Pdf, SolidAngle};
+use crate::sabotage::{Fault, flip};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, Shading};
 use crate::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
@@ -132,7 +133,8 @@ fn direct_light(
         return SampledSpectrum::ZERO;
     }
     let scattering = shading.bsdf.eval(wo_local, wi_local);
-    let mut contribution = light.radiance * scattering.f * (wi_local.z.abs() / light.pdf.0);
+    let cos = flip(Fault::CosineMissing, wi_local.z.abs(), 1.0);
+    let mut contribution = light.radiance * scattering.f * (cos / light.pdf.0);
     let medium = if is_transmission { scene.medium_across(point, light.wi, medium) } else { medium };
     // Light from outside would have to come through the boundary, where shadow rays end.
     if let (Some(medium), Some((position, _))) = (medium, light.position) {

@@ -11,7 +11,7 @@ use crate::Invalid;
 use crate::image::{Channel, Estimate, Planes};
 use crate::units::Seconds;
 
-use super::exr::{Attribute, read_exr, write_exr};
+use super::exr::{Attribute, ExrPicture, read_exr, write_exr};
 
 /// What stands before the name of a channel's variance.
 pub(super) const VARIANCE: &str = "variance.";
@@ -27,9 +27,13 @@ pub fn write_electrons<W: Write>(electrons: &Estimate, time: Seconds, to: W) -> 
     write_exr(&planes, &attributes, to)
 }
 
-/// Reads electrons with their variance, which is 0 where the file has none.
+/// Reads electrons with their variance, which has the channels that the file has it for.
 pub fn read_electrons<R: BufRead + Seek>(from: R) -> Result<(Estimate, Seconds), Invalid> {
-    let picture = read_exr(from)?;
+    electrons(read_exr(from)?)
+}
+
+/// The electrons that a picture holds, as [`read_electrons`] does.
+pub fn electrons(picture: ExrPicture) -> Result<(Estimate, Seconds), Invalid> {
     if picture.text("unit") != Some(UNIT) {
         return Err(Invalid::new("unit", "the file does not say that it holds electrons")
             .help("give the electrons.exr that photosite render wrote"));
@@ -42,14 +46,15 @@ pub fn read_electrons<R: BufRead + Seek>(from: R) -> Result<(Estimate, Seconds),
         return Err(Invalid::new("exposureTime", "the file does not say how long the electrons were collected"));
     };
     let (width, height) = (picture.planes.width(), picture.planes.height());
-    let mean: Vec<Channel> =
-        picture.planes.channels().iter().filter(|c| !c.name.starts_with(VARIANCE)).cloned().collect();
-    let variance = mean.iter().map(|c| {
-        let data = picture.planes.plane(&format!("{VARIANCE}{}", c.name));
-        Channel { name: c.name.clone(), data: data.map_or_else(|| vec![0.0; c.data.len()], <[f32]>::to_vec) }
-    });
-    let variance = Planes::new(width, height, variance.collect())?;
-    Ok((Estimate { mean: Planes::new(width, height, mean)?, variance }, Seconds(time)))
+    let (mut mean, mut variance) = (Vec::new(), Vec::new());
+    for channel in picture.planes.into_channels() {
+        match channel.name.strip_prefix(VARIANCE) {
+            Some(name) => variance.push(Channel { name: name.to_owned(), data: channel.data }),
+            None => mean.push(channel),
+        }
+    }
+    let planes = |channels| Planes::new(width, height, channels);
+    Ok((Estimate { mean: planes(mean)?, variance: planes(variance)? }, Seconds(time)))
 }
 
 #[cfg(test)]

@@ -2,10 +2,13 @@
 
 pub mod capture;
 mod complete;
+pub mod developed;
 pub mod electrons;
 mod environment;
 pub mod exr;
 pub mod gltf;
+mod icc;
+pub mod image_sets;
 mod json;
 mod mesh;
 pub mod mitsuba;
@@ -13,7 +16,6 @@ pub mod obj;
 pub mod output;
 mod picture;
 pub mod picture_file;
-pub mod png;
 pub mod spectral_exr;
 mod suggest;
 mod tangents;

@@ -47,7 +47,7 @@ pub fn read_picture_file(path: &Path) -> Result<Picture> {
 fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
     let unit = picture.text("unit").or(picture.text("emissiveUnits")).map(str::to_owned);
     let spectral = picture.text("spectralLayoutVersion").is_some();
-    let planes = if spectral { spectral_exr::bands(&picture.planes)? } else { picture.planes };
+    let planes = if spectral { spectral_exr::bands(picture.planes)? } else { picture.planes };
     let (mut mean, mut variance) = (Vec::new(), Vec::new());
     for channel in planes.channels() {
         match channel.name.strip_prefix(VARIANCE).filter(|of| planes.plane(of).is_some()) {

@@ -14,7 +14,7 @@ use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::spectrum::{cie, rgb};
 
-use super::exr::{Attribute, read_exr, write_exr};
+use super::exr::{Attribute, ExrPicture, read_exr, write_exr};
 
 const PREFIX: &str = "S0.";
 const SUFFIX: &str = "nm";
@@ -45,7 +45,11 @@ pub fn write_irradiance<W: Write>(bands: &Planes, to: W) -> io::Result<()> {
 
 /// Reads bands, sorted by wavelength, named by their central wavelengths in nm.
 pub fn read_irradiance<R: BufRead + Seek>(from: R) -> Result<Planes, Invalid> {
-    let picture = read_exr(from)?;
+    irradiance(read_exr(from)?)
+}
+
+/// The bands that a picture holds, as [`read_irradiance`] does.
+pub fn irradiance(picture: ExrPicture) -> Result<Planes, Invalid> {
     if picture.text("spectralLayoutVersion").is_none() {
         return Err(Invalid::new("spectralLayoutVersion", "missing, so this is no spectral picture")
             .help("give the irradiance.exr that photosite render wrote"));
@@ -59,18 +63,19 @@ pub fn read_irradiance<R: BufRead + Seek>(from: R) -> Result<Planes, Invalid> {
             );
         }
     }
-    bands(&picture.planes)
+    bands(picture.planes)
 }
 
 /// The planes named as spectral bands, sorted by wavelength, named by their central wavelengths in nm.
-pub(super) fn bands(planes: &Planes) -> Result<Planes, Invalid> {
+pub(super) fn bands(planes: Planes) -> Result<Planes, Invalid> {
     let wavelength =
         |name: &str| -> Option<f64> { name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?.replace(',', ".").parse().ok() };
-    let mut bands: Vec<(f64, &Channel)> =
-        planes.channels().iter().filter_map(|c| Some((wavelength(&c.name)?, c))).collect();
+    let (width, height) = (planes.width(), planes.height());
+    let mut bands: Vec<(f64, Channel)> =
+        planes.into_channels().into_iter().filter_map(|c| Some((wavelength(&c.name)?, c))).collect();
     bands.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let channel = |(lambda_nm, c): (f64, &Channel)| Channel { name: format!("{lambda_nm}"), data: c.data.clone() };
-    Planes::new(planes.width(), planes.height(), bands.into_iter().map(channel).collect())
+    let channel = |(lambda_nm, c): (f64, Channel)| Channel { name: format!("{lambda_nm}"), data: c.data };
+    Planes::new(width, height, bands.into_iter().map(channel).collect())
 }
 
 /// R, G and B of what the observer sees.

@@ -6,6 +6,7 @@ use super::{Environment, SurfaceEmission};
 use crate::geometry::Geometry;
 use crate::math::distribution::AliasTable;
 use crate::math::{Area, Pdf, SolidAngle, warp};
+use crate::sabotage::{Fault, flip};
 use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths};
 
 /// One light.
@@ -120,6 +121,7 @@ impl Lights {
             return None;
         }
         let (index, probability) = self.selection.sample(u_light);
+        let probability = flip(Fault::LightPdfWithoutChoice, probability, 1.0);
         let from_point = |position: Vec3, intensity: SampledSpectrum| {
             let to_light = position - point;
             let distance_squared = to_light.length_squared();

@@ -1,11 +1,13 @@
 //! Mathematics that knows nothing of light: frames, warps of the unit square, discrete distributions, hashing,
-//! counter-based random numbers, floating-point error bounds, probability densities with a measure, the normal
+//! counter-based random numbers, linear equations, minima, floating-point error bounds, probability densities with a measure, the normal
 //! distribution, statistics.
 
 pub mod distribution;
 pub mod float;
 pub mod frame;
 pub mod hash;
+pub mod linear;
+pub mod minimise;
 pub mod normal;
 pub mod pdf;
 pub mod philox;

@@ -9,6 +9,7 @@ use super::aperture::Aperture;
 use super::{Falloff, Focus, Intrinsics, LensDescription, LensKind};
 use crate::Invalid;
 use crate::geometry::Ray;
+use crate::sabotage::{Fault, flip};
 
 /// The grid of pixels behind the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,7 +137,7 @@ impl Camera {
         let (opening, direction) = match self.kind {
             LensKind::Pinhole => (DVec2::ZERO, chief),
             LensKind::Thin => {
-                let a = self.aperture.sample(aperture_sample);
+                let a = self.aperture.sample(aperture_sample) * flip(Fault::ApertureRadiusDoubled, 1.0, 2.0);
                 let towards = if self.focus_distance_m.is_finite() {
                     chief - DVec3::new(a.x, a.y, 0.0) / self.focus_distance_m
                 } else {

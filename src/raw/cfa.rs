@@ -131,6 +131,18 @@ impl Cfa {
         Ok(Self { width, height, samples_per_pixel: 1, tile: letters.iter().map(index).collect(), channels })
     }
 
+    /// A mosaic of `width` indices of channels in a row of its tile, which are kept in this order.
+    pub(super) fn of_indices(width: usize, tile: Vec<u8>, channels: &[&str]) -> Result<Self, Invalid> {
+        let height = tile.len() / width.max(1);
+        let known = tile.iter().all(|&channel| usize::from(channel) < channels.len());
+        if width == 0 || height == 0 || width > MAX_TILE || height > MAX_TILE || width * height != tile.len() || !known
+        {
+            return Err(invalid(format!("{} filters are no tile of {width} columns", tile.len())));
+        }
+        let channels = channels.iter().map(|&name| name.to_owned()).collect();
+        Ok(Self { width, height, samples_per_pixel: 1, tile, channels })
+    }
+
     /// The same tile, of which the pixel at column x, row y comes first: the layout of a part of the picture that
     /// begins there.
     pub fn from(&self, x: usize, y: usize) -> Self {

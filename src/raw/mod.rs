@@ -7,23 +7,29 @@ mod area;
 mod black_level;
 mod cfa;
 mod dng;
+mod file;
+mod lens;
+mod lossless_jpeg;
 mod npy;
 mod pgm;
 mod rational;
-mod read;
 mod thumbnail;
 mod tiff;
 
 pub use area::Area;
 pub use black_level::BlackLevel;
 pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
-pub use dng::write_dng;
+pub use dng::{DngCompression, dng_can_hold, read_dng, write_compressed_dng, write_dng};
+pub use file::read;
+pub use lens::{GainMap, Warp};
 pub use npy::{read_npy, write_npy};
 pub use pgm::{read_pgm, write_pgm};
-pub use read::{read_dng, read_tiff};
-pub use tiff::write_tiff;
+pub use tiff::{read_tiff, write_tiff};
 
 use crate::Invalid;
+
+/// Most pixels along a side of a picture.
+const MAX_SIDE: usize = 65_535;
 
 /// A picture of digital numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,4 +146,8 @@ pub struct RawMetadata {
     pub as_shot_neutral: Option<Vec<f64>>,
     /// Per channel (S, O): variance of the normalised signal x in 0–1 is S·x + O (DNG NoiseProfile).
     pub noise_profile: Vec<[f64; 2]>,
+    /// Gains that undo the lens's falloff, where it is known.
+    pub gain_map: Option<GainMap>,
+    /// Where the lens's distortion puts pixels, where it is known.
+    pub warp: Option<Warp>,
 }

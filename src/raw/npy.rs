@@ -7,10 +7,7 @@ use npyz::{NpyFile, Order, WriterBuilder};
 
 use crate::Invalid;
 
-use super::{Cfa, RawImage};
-
-/// Most pixels along a side.
-const MAX_SIDE: u64 = 65_535;
+use super::{Cfa, MAX_SIDE, RawImage};
 
 /// Writes an NPY file.
 pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
@@ -21,15 +18,21 @@ pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
     array.finish()
 }
 
-/// Reads an array of `uint16` with two axes as the numbers of a monochrome sensor: nothing in it says more.
+/// Reads an array of `uint16` with two axes as the numbers of a monochrome sensor, and one with a third axis of three
+/// channels as RGB: nothing in it says more.
 pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as NPY: {error}"));
     let array = NpyFile::new(from).map_err(|e| unreadable(&e))?;
-    let &[height, width] = array.shape() else {
-        return Err(unreadable(&format!("an array of shape {:?} is no mosaic", array.shape()))
-            .help("write an array of shape (rows, columns)"));
+    let (height, width, cfa) = match *array.shape() {
+        [height, width] => (height, width, Cfa::mono()),
+        [height, width, 3] => (height, width, Cfa::full(["R", "G", "B"])?),
+        _ => {
+            return Err(unreadable(&format!("an array of shape {:?} is no picture", array.shape()))
+                .help("write an array of shape (rows, columns), or (rows, columns, 3) for RGB"));
+        }
     };
-    if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+    let sides = 1..=MAX_SIDE as u64;
+    if !sides.contains(&width) || !sides.contains(&height) {
         return Err(unreadable(&format!("{width} × {height} pixels are not a picture")));
     }
     if array.order() == Order::Fortran {
@@ -41,7 +44,7 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     for number in numbers {
         data.push(number.map_err(|e| unreadable(&e).help("the file is cut short"))?);
     }
-    Ok(RawImage::bare(width as usize, height as usize, data, Cfa::mono(), u16::MAX))
+    Ok(RawImage::bare(width as usize, height as usize, data, cfa, u16::MAX))
 }
 
 #[cfg(test)]

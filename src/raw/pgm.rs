@@ -5,10 +5,7 @@ use std::io::{self, BufRead, Read, Write};
 
 use crate::Invalid;
 
-use super::{Cfa, RawImage};
-
-/// Most pixels along a side.
-const MAX_SIDE: u32 = 65_535;
+use super::{Cfa, MAX_SIDE, RawImage};
 
 /// Writes a PGM file. Its maximum is 65535 whatever the converter's bits, so that no reader rescales the numbers.
 pub fn write_pgm<W: Write>(raw: &RawImage, mut to: W) -> io::Result<()> {
@@ -27,27 +24,31 @@ pub fn write_pgm<W: Write>(raw: &RawImage, mut to: W) -> io::Result<()> {
     Ok(())
 }
 
-/// Reads a binary PGM file of 8 or 16 bits as the numbers of a monochrome sensor, unscaled: nothing in it says more.
+/// Reads a binary PGM file of 8 or 16 bits as the numbers of a monochrome sensor and a PPM file as RGB, unscaled: nothing
+/// in it says more.
 pub fn read_pgm<R: BufRead>(mut from: R) -> Result<RawImage, Invalid> {
     let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as PGM: {error}"));
     let mut magic = [0; 2];
     from.read_exact(&mut magic).map_err(|e| unreadable(&e))?;
-    if magic != *b"P5" {
-        return Err(unreadable(&"it does not begin with P5").help("write it as binary PGM"));
-    }
+    let cfa = match &magic {
+        b"P5" => Cfa::mono(),
+        b"P6" => Cfa::full(["R", "G", "B"])?,
+        _ => return Err(unreadable(&"it does not begin with P5 or P6").help("write it as binary PGM or PPM")),
+    };
     let mut header = [0; 3];
     for (number, name) in header.iter_mut().zip(["width", "height", "maximum"]) {
         *number = decimal(&mut from).map_err(|e| unreadable(&format!("its {name}: {e}")))?;
     }
     let [width, height, maximum] = header;
+    let (width, height) = (width as usize, height as usize);
     if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
         return Err(unreadable(&format!("{width} × {height} pixels are not a picture")));
     }
     let Some(maximum) = u16::try_from(maximum).ok().filter(|&maximum| maximum > 0) else {
         return Err(unreadable(&format!("a maximum of {maximum} instead of 1–65535")));
     };
-    let (pixels, wide) = (width as usize * height as usize, maximum > 0xff);
-    let size = pixels * if wide { 2 } else { 1 };
+    let (numbers, wide) = (width * height * cfa.samples_per_pixel(), maximum > 0xff);
+    let size = numbers * if wide { 2 } else { 1 };
     let mut bytes = Vec::new();
     from.take(size as u64).read_to_end(&mut bytes).map_err(|e| unreadable(&e))?;
     if bytes.len() != size {
@@ -59,7 +60,7 @@ pub fn read_pgm<R: BufRead>(mut from: R) -> Result<RawImage, Invalid> {
     } else {
         bytes.into_iter().map(u16::from).collect()
     };
-    Ok(RawImage::bare(width as usize, height as usize, data, Cfa::mono(), maximum))
+    Ok(RawImage::bare(width, height, data, cfa, maximum))
 }
 
 /// The next number of the header, with the one white space behind it. Comments go from # to the end of the line.
@@ -106,7 +107,7 @@ mod tests {
     #[test]
     fn other_files_are_refused() {
         for (file, complaint) in [
-            (&b"P2 1 1 255 7"[..], "P5"),
+            (&b"P2 1 1 255 7"[..], "P5 or P6"),
             (b"P5 1 x 255 7", "height"),
             (b"P5 0 1 255 ", "not a picture"),
             (b"P5 99999 99999 255 ", "not a picture"),

@@ -22,22 +22,25 @@ impl Default for AutoExposure {
     }
 }
 
-/// Exposure time for a picture of mean electron rates (e⁻/s, a plane for each of the sensor's channels).
+/// Exposure time for a picture of mean electrons (e⁻, a plane for each of the sensor's channels) that are collected within
+/// the time `collected`: for electron rates, one second.
 ///
 /// t = level · saturation capacity / (r + I(T)), where r is the quantile of the mosaic's rates and I(T) the dark current.
 /// A picture in which that quantile is black has no such time and is refused.
 pub fn auto_exposure(
-    rates: &Planes,
+    electrons: &Planes,
+    collected: Seconds,
     sensor: &SensorModel,
     gain: Decibels,
     temperature: Celsius,
     target: AutoExposure,
 ) -> Result<Seconds, Invalid> {
-    let mut mosaic = charge_generation::collect(rates, &sensor.cfa)?.electrons;
+    let mut mosaic = charge_generation::collect(electrons, &sensor.cfa)?.electrons;
     let bright = ((1.0 - target.brighter_part).clamp(0.0, 1.0) * mosaic.len() as f64) as usize;
     let bright = bright.min(mosaic.len().saturating_sub(1));
-    let rate =
+    let brightest =
         if mosaic.is_empty() { 0.0 } else { f64::from(*mosaic.select_nth_unstable_by(bright, f32::total_cmp).1) };
+    let rate = brightest / collected.0;
     if !(rate.is_finite() && rate > 0.0) {
         let message = format!("no time suits a picture whose bright pixels receive {rate} electrons per second");
         return Err(Invalid::new("auto", message).help("write an exposure time, time_s = 0.01, or light the scene"));

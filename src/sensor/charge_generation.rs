@@ -15,10 +15,10 @@ use super::charge_plane::ChargePlane;
 /// finite and not negative, or an error says where they are not.
 pub(super) fn collect(mean_electrons: &Planes, cfa: &Cfa) -> Result<ChargePlane, Invalid> {
     let channels = channel_planes(mean_electrons, cfa)?;
-    let (width, samples) = (mean_electrons.width(), cfa.samples_per_pixel());
-    let mut mosaic = ChargePlane::empty(width * samples, mean_electrons.height());
-    let row_length = mosaic.width;
-    mosaic.for_each_row(|row| {
+    let samples = cfa.samples_per_pixel();
+    let mut charge = ChargePlane::empty(mean_electrons.width() * samples, mean_electrons.height(), samples);
+    let (width, row_length) = (mean_electrons.width(), charge.width);
+    charge.for_each_row(|row| {
         let tile_width = cfa.tile_size().0;
         // Numbers of one column of the tile share a channel, so the inner loop needs no look-up.
         for column in 0..tile_width.min(row_length) {
@@ -28,7 +28,7 @@ pub(super) fn collect(mean_electrons: &Planes, cfa: &Cfa) -> Result<ChargePlane,
             }
         }
     });
-    Ok(mosaic)
+    Ok(charge)
 }
 
 /// The planes of the CFA's channels, in its order, checked to hold electrons.

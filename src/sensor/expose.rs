@@ -2,19 +2,29 @@
 
 use crate::Invalid;
 use crate::image::Planes;
-use crate::raw::{RawImage, RawMetadata};
+use crate::raw::{Area, Cfa, RawImage, RawMetadata};
 
+use super::amplifiers::{AmplifierNonlinearity, ColumnAmplifiers, Gain};
 use super::charge_plane::RowStage;
 use super::converter::Digitiser;
-use super::dark_current::DarkCurrent;
+use super::crosstalk::spread;
+use super::dark_current::{DarkCurrent, HotPixels};
 use super::dark_offset::DarkOffset;
+use super::dead_pixels::DeadPixels;
+use super::defective_numbers::{StuckPixels, TransmissionErrors};
+use super::dual_gain::DualGainDigitiser;
+use super::flicker::add_flicker;
 use super::full_well::FullWell;
+use super::line_noise::{ColumnNoise, RowNoise};
 use super::noise_key::Streams;
 use super::photo_response::PhotoResponse;
+use super::photon_counting::PhotonCounter;
 use super::read_noise::ReadNoise;
+use super::reset_noise::ResetNoise;
 use super::shot_noise::ShotNoise;
 use super::stage::{Stage, Stages};
-use super::{Exposure, NoiseKey, SensorModel, charge_generation};
+use super::telegraph::Telegraph;
+use super::{Exposure, NoiseKey, SensorModel, brighter_fatter, ccd, charge_generation};
 
 /// What every stage of one picture may know.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +33,7 @@ pub(super) struct Frame<'a> {
     pub(super) exposure: &'a Exposure,
     pub(super) stages: Stages,
     pub(super) key: NoiseKey,
-    /// Columns and rows of the picture.
+    /// Values in a row of charge, and rows.
     pub(super) size: [usize; 2],
 }
 
@@ -50,42 +60,91 @@ pub fn expose(
     key: NoiseKey,
 ) -> Result<RawImage, Invalid> {
     exposure.validate(sensor)?;
-    let [width, height] = [mean_electrons.width(), mean_electrons.height()];
-    let size = [width * sensor.cfa.samples_per_pixel(), height];
-    let frame = Frame { sensor, exposure, stages, key, size };
 
     // Light and heat free electrons in each pixel.
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
+    spread(&mut charge, sensor, stages);
+    let mut charge = sensor.masked.surround(charge);
+    let frame = Frame { sensor, exposure, stages, key, size: [charge.width, charge.height] };
+    let ccd = sensor.architecture.ccd();
+    let passing = ccd.map(|ccd| ccd::smear(ccd, &frame, &mut charge)).unwrap_or_default();
     let photo_response = PhotoResponse::new(&frame);
+    let dead_pixels = DeadPixels::new(&frame);
+    let photon_counter = PhotonCounter::new(&frame);
     let shot_noise = ShotNoise::new(&frame);
     let dark_current = DarkCurrent::new(&frame);
+    let hot_pixels = HotPixels::new(&frame);
     charge.for_each_row(|row| {
         photo_response.apply(row);
-        shot_noise.apply(row);
-        dark_current.apply(row);
+        dead_pixels.apply(row);
+        match &photon_counter {
+            Some(photon_counter) => photon_counter.apply(row),
+            None => {
+                shot_noise.apply(row);
+                dark_current.apply(row);
+                hot_pixels.apply(row);
+            }
+        }
     });
 
-    // The pixels hold them. Here belong effects of whole planes of collected charge: a brighter-fatter effect, blooming.
+    // The pixels hold them.
+    brighter_fatter::apply(&frame, &mut charge);
+    if let Some(ccd) = ccd {
+        ccd::bloom(ccd, &frame, &mut charge);
+    }
     let full_well = FullWell::new(&frame);
     charge.for_each_row(|row| full_well.apply(row));
 
-    // CCDs move the charge to their output. Here belong smear and charge transfer.
+    // CCDs move the charge to their output.
+    if let Some(ccd) = ccd {
+        charge = ccd::shift_out(ccd, &frame, charge, &passing);
+    }
+    let frame = Frame { size: [charge.width, charge.height], ..frame };
 
     // Amplifiers turn charge into voltages, converters those into digital numbers.
+    add_flicker(&mut charge, &frame);
+    let reset_noise = ResetNoise::new(&frame);
+    let telegraph = Telegraph::new(&frame);
     let dark_offset = DarkOffset::new(&frame);
     let read_noise = ReadNoise::new(&frame);
-    let digitiser = Digitiser::new(&sensor.converter, exposure.gain);
+    let row_noise = RowNoise::new(&frame);
+    let column_noise = ColumnNoise::new(&frame);
+    let amplifier_nonlinearity = AmplifierNonlinearity::new(&frame);
+    let gain = Gain::new(&frame);
+    let column_amplifiers = ColumnAmplifiers::new(&frame);
+    let digitiser = Digitiser::new(&frame);
+    let dual_gain = DualGainDigitiser::new(&frame);
+    let stuck_pixels = StuckPixels::new(&frame);
+    let transmission_errors = TransmissionErrors::new(&frame);
     let data = charge.read_out(|row, numbers| {
+        reset_noise.apply(row);
+        telegraph.apply(row);
         dark_offset.apply(row);
-        read_noise.apply(row);
-        digitiser.convert(row, numbers);
+        row_noise.apply(row);
+        column_noise.apply(row);
+        amplifier_nonlinearity.apply(row);
+        match &dual_gain {
+            Some(dual_gain) => dual_gain.convert(row, numbers),
+            None => {
+                read_noise.apply(row);
+                gain.apply(row);
+                column_amplifiers.apply(row);
+                digitiser.convert(row, numbers);
+            }
+        }
+        stuck_pixels.apply(numbers);
+        transmission_errors.apply(numbers);
     });
 
+    let [row_length, height] = frame.size;
+    let width = row_length / sensor.cfa.samples_per_pixel();
+    let area = active_area(sensor, mean_electrons);
     Ok(RawImage {
         width,
         height,
         data,
-        cfa: sensor.cfa.clone(),
+        cfa: tile_from_corner(&sensor.cfa, area),
+        active_area: ([width, height] != [area.width, area.height]).then_some(area),
         bits: sensor.converter.bits,
         black_level_dn: sensor.converter.black_level_dn.into(),
         white_level_dn: sensor.white_level_dn(exposure),
@@ -96,6 +155,23 @@ pub fn expose(
             noise_profile: vec![sensor.noise_profile(exposure); sensor.cfa.channels().len()],
             ..RawMetadata::default()
         },
-        ..RawImage::default()
     })
+}
+
+/// Where among all that is read out the picture lies.
+fn active_area(sensor: &SensorModel, picture: &Planes) -> Area {
+    let prescan = sensor.architecture.ccd().map_or(0, |ccd| ccd.overscan.prescan_columns);
+    Area {
+        x: prescan + sensor.masked.columns[0],
+        y: sensor.masked.rows[0],
+        width: picture.width(),
+        height: picture.height(),
+    }
+}
+
+/// The tile as it lies at the corner of all that is read out, so that it begins at that of the picture.
+fn tile_from_corner(cfa: &Cfa, picture: Area) -> Cfa {
+    let (width, height) = cfa.tile_size();
+    let width = width / cfa.samples_per_pixel();
+    cfa.from(width - picture.x % width, height - picture.y % height)
 }

@@ -43,4 +43,10 @@ impl Exposure {
         }
         Ok(())
     }
+
+    /// When a picture of a series is read out, counted from the start of the first.
+    pub(super) fn read_out_time(&self, frame: u64) -> Seconds {
+        let interval = self.frame_interval.unwrap_or(self.time);
+        Seconds(interval.0 * frame as f64 + self.time.0)
+    }
 }

@@ -24,8 +24,7 @@ const COLUMNS: u64 = 1;
 impl Deviations {
     /// The deviations of a picture of `width` columns; `None` for a pattern that is flat.
     pub(super) fn new(pattern: &FixedPattern, width: usize, streams: Streams) -> Option<Self> {
-        let column = |x| pattern.column as f32 * streams.part(COLUMNS).stream(x).sample::<f32, _>(StandardNormal);
-        let columns = if pattern.column > 0.0 { (0..width).map(column).collect() } else { Vec::new() };
+        let columns = streams.part(COLUMNS).normals_of_columns(pattern.column, width);
         let [pixel, row] = [pattern.pixel, pattern.row].map(|part| part as f32);
         (pattern.total() > 0.0).then_some(Self { pixel, row, columns, streams })
     }

@@ -7,33 +7,59 @@
 //! Light is left to the renderer, which needs [`SensorModel::responses`] from here; files are left to
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 
+mod amplifiers;
 mod auto_exposure;
+mod band_light;
+mod brighter_fatter;
+mod ccd;
 mod charge_generation;
 mod charge_plane;
 mod converter;
+mod crosstalk;
 mod dark_current;
 mod dark_offset;
+mod dead_pixels;
+mod defective_numbers;
 mod description;
+mod dual_gain;
 mod expose;
 mod exposure;
 mod fixed_pattern;
+mod flicker;
+mod format;
 mod full_well;
+mod layers;
+mod line_noise;
+mod masked_pixels;
 mod model;
 mod noise_key;
 mod noise_model;
 mod photo_response;
+mod photon_counting;
 pub mod presets;
 mod read_noise;
+mod reset_noise;
 mod shot_noise;
 mod stage;
+mod telegraph;
 
 pub use auto_exposure::{AutoExposure, auto_exposure};
+pub use band_light::{BandRates, electron_rates};
+pub use ccd::{Ccd, Overscan};
+pub use crosstalk::Kernel;
 pub use description::{
-    AdcDescription, ChannelDescription, ChargeDescription, CurveFile, FilterDescription, NoiseDescription,
-    SensorDescription, SensorKind, SpectrumSource,
+    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, Converters, CountingMode,
+    CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription, FilterDescription, FlickerDescription,
+    FlickerOrder, NoiseDescription, ResetDescription, SensorDescription, SensorKind, SpadDescription, SpectrumSource,
+    TelegraphDescription,
 };
+pub use dual_gain::DualGain;
 pub use expose::expose;
 pub use exposure::Exposure;
-pub use model::{Converter, FixedPattern, Noise, SensorModel};
+pub use masked_pixels::MaskedPixels;
+pub use model::{
+    Architecture, Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph,
+};
 pub use noise_key::NoiseKey;
+pub use photon_counting::{Counting, Spad};
 pub use stage::{Stage, Stages};

@@ -47,6 +47,11 @@ impl Streams {
         Self { key: hash64(self.key, hash64(2, number)) }
     }
 
+    /// What all of them are derived from, for numbers that are better hashed than drawn.
+    pub(super) fn key(&self) -> u64 {
+        self.key
+    }
+
     /// The stream with this number.
     #[inline]
     pub(super) fn stream(&self, number: usize) -> Philox {
@@ -59,11 +64,43 @@ impl Streams {
         Philox::new(self.key, (y as u64) << 32 | x as u64)
     }
 
+    /// A standard normal number for each of the streams 0 … count − 1, times `scale`; none where that is 0.
+    pub(super) fn normals_of_columns(&self, scale: f64, count: usize) -> Vec<f32> {
+        let normal = |x| (scale * self.stream(x).sample::<f64, _>(StandardNormal)) as f32;
+        if scale > 0.0 { (0..count).map(normal).collect() } else { Vec::new() }
+    }
+
+    /// The columns of some pixels of a row, each of which is taken with the same probability, from left to right. Which
+    /// they are does not depend on the width of the picture.
+    pub(super) fn chosen(&self, probability: f64, y: usize, width: usize) -> impl Iterator<Item = usize> {
+        let mut random = self.stream(y);
+        // Gaps between the chosen are geometrically distributed: P(gap ≥ n) = (1 − p)ⁿ.
+        let per_pixel = (-probability).ln_1p();
+        let mut next = 0usize;
+        std::iter::from_fn(move || {
+            if probability <= 0.0 {
+                return None;
+            }
+            // In (0, 1], so that the logarithm is finite.
+            let uniform = 1.0 - random.random::<f64>();
+            let gap = uniform.ln() / per_pixel;
+            let x = next.saturating_add(gap as usize);
+            next = x.saturating_add(1);
+            (x < width).then_some(x)
+        })
+    }
+
+    /// A standard normal number of the pixel at column x, row y.
+    #[inline]
+    pub(super) fn normal(&self, x: usize, y: usize) -> f32 {
+        self.pixel(x, y).sample(StandardNormal)
+    }
+
     /// Hands each value of a row to `apply`: its column, the value, and a standard normal number of its pixel's.
     #[inline]
     pub(super) fn normals(&self, row: &mut Row<'_>, apply: impl Fn(usize, f32, f32) -> f32) {
         for (x, value) in row.values.iter_mut().enumerate() {
-            *value = apply(x, *value, self.pixel(x, row.y).sample(StandardNormal));
+            *value = apply(x, *value, self.normal(x, row.y));
         }
     }
 }
@@ -73,6 +110,22 @@ mod tests {
     use rand::Rng;
 
     use super::*;
+
+    #[test]
+    fn pixels_are_chosen_with_their_probability_and_independently_of_the_width() {
+        let streams = NoiseKey { seed: 3, frame: 0 }.fixed(Stage::DeadPixels);
+        for probability in [0.0, 1e-3, 0.3, 1.0] {
+            let (width, rows) = (1000, 500);
+            let count: usize = (0..rows).map(|y| streams.chosen(probability, y, width).count()).sum();
+            let n = (width * rows) as f64;
+            // Binomial, 5 σ.
+            let tolerance = 5.0 * (n * probability * (1.0 - probability)).sqrt();
+            assert!((count as f64 - n * probability).abs() <= tolerance, "{count} for {probability}");
+            let narrow: Vec<_> = streams.chosen(probability, 7, 600).collect();
+            let wide: Vec<_> = streams.chosen(probability, 7, width).take_while(|&x| x < 600).collect();
+            assert_eq!(narrow, wide);
+        }
+    }
 
     #[test]
     fn fixed_patterns_ignore_the_frame_and_temporal_noise_does_not() {

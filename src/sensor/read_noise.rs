@@ -1,22 +1,38 @@
 //! Read noise: what the amplifiers between pixel and converter add, referred to the charge at their input.
 
+use rand::RngExt;
+use rand_distr::StudentT;
+
 use super::charge_plane::{Row, RowStage};
 use super::expose::Frame;
 use super::noise_key::Streams;
 use super::stage::Stage;
 
-/// Adds normally distributed noise.
+/// Adds noise of a stated standard deviation: normally distributed, or heavy-tailed as of pixels whose amplifiers are of
+/// very different quality, with Student's t distribution of ν degrees of freedom times σ·√((ν − 2)/ν).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ReadNoise {
-    standard_deviation_e: f32,
+    standard_deviation_e: f64,
+    tails: Option<Tails>,
     streams: Streams,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Tails {
+    distribution: StudentT<f64>,
+    /// √((ν − 2)/ν), one over the standard deviation of the distribution.
+    scale: f64,
 }
 
 impl ReadNoise {
     pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
-        let standard_deviation_e = frame.sensor.noise.read.0 as f32;
-        let streams = frame.temporal(Stage::ReadNoise).filter(|_| standard_deviation_e > 0.0)?;
-        Some(Self { standard_deviation_e, streams })
+        let noise = &frame.sensor.noise;
+        let streams = frame.temporal(Stage::ReadNoise).filter(|_| noise.read.0 > 0.0)?;
+        let tails = noise.read_degrees_of_freedom.and_then(|freedom| {
+            let distribution = StudentT::new(freedom).ok()?;
+            Some(Tails { distribution, scale: ((freedom - 2.0) / freedom).sqrt() })
+        });
+        Some(Self { standard_deviation_e: noise.read.0, tails, streams })
     }
 }
 
@@ -24,6 +40,17 @@ impl RowStage for ReadNoise {
     /// The signal with noise, e⁻; below zero it stays.
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
-        self.streams.normals(row, |_, charge, n| charge + self.standard_deviation_e * n);
+        match self.tails {
+            None => {
+                let standard_deviation_e = self.standard_deviation_e as f32;
+                self.streams.normals(row, |_, signal, n| signal + standard_deviation_e * n);
+            }
+            Some(Tails { distribution, scale }) => {
+                let scale = self.standard_deviation_e * scale;
+                for (x, signal) in row.values.iter_mut().enumerate() {
+                    *signal += (scale * self.streams.pixel(x, row.y).sample(distribution)) as f32;
+                }
+            }
+        }
     }
 }

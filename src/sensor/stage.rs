@@ -9,24 +9,93 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
+    /// Electrons that are collected by a neighbour of the pixel that the light fell on.
+    Crosstalk = 7,
+    /// Light that reaches the columns of a CCD while their charge is on the move.
+    Smear = 40,
     /// Pixels that respond a little more or less to light than others (PRNU).
     PhotoResponse = 1,
+    /// Pixels that do not see light.
+    DeadPixels = 8,
     /// Whole photo-electrons, freed at random.
     ShotNoise = 2,
     /// Thermal electrons, freed at random.
     DarkCurrent = 3,
+    /// Pixels with more or less dark current than others.
+    DarkCurrentNonuniformity = 9,
+    /// Pixels with far more dark current than others.
+    HotPixels = 10,
+    /// The dead time and the saturation of single-photon counters.
+    PhotonCounting = 41,
+    /// Boundaries between pixels that move with their charge.
+    BrighterFatter = 42,
+    /// Charge that overflows into the neighbours along a column.
+    Blooming = 43,
     /// The end of what a pixel can hold.
     FullWell = 6,
+    /// Electrons that stay behind when rows are shifted.
+    VerticalTransfer = 44,
+    /// Electrons that stay behind in the read-out register.
+    HorizontalTransfer = 45,
+    /// Noise whose power falls with frequency (1/f).
+    Flicker = 13,
+    /// Noise of resetting the sense node (kTC).
+    ResetNoise = 11,
+    /// Pixels that jump between two levels.
+    Telegraph = 12,
     /// Pixels whose read-out starts from an offset of their own (DSNU).
     DarkOffset = 4,
     /// Noise of the amplifiers.
     ReadNoise = 5,
+    /// The same of the second amplifier of sensors with two gains.
+    LowGainReadNoise = 46,
+    /// Noise that the pixels of a row share.
+    RowNoise = 14,
+    /// Noise that the pixels of a column share.
+    ColumnNoise = 15,
+    /// Amplifiers whose gain depends on the signal.
+    AmplifierNonlinearity = 16,
+    /// Columns whose amplifiers differ in gain and offset.
+    ColumnAmplifiers = 17,
+    /// Converters whose steps are not of equal width.
+    ConverterNonlinearity = 18,
+    /// Pixels that always read the same number.
+    StuckPixels = 19,
+    /// Numbers that arrive as others.
+    TransmissionErrors = 20,
 }
 
 impl Stage {
     /// All stages, in the order of the chain.
-    pub const ALL: [Self; 6] =
-        [Self::PhotoResponse, Self::ShotNoise, Self::DarkCurrent, Self::FullWell, Self::DarkOffset, Self::ReadNoise];
+    pub const ALL: [Self; 27] = [
+        Self::Crosstalk,
+        Self::Smear,
+        Self::PhotoResponse,
+        Self::DeadPixels,
+        Self::ShotNoise,
+        Self::DarkCurrent,
+        Self::DarkCurrentNonuniformity,
+        Self::HotPixels,
+        Self::PhotonCounting,
+        Self::BrighterFatter,
+        Self::Blooming,
+        Self::FullWell,
+        Self::VerticalTransfer,
+        Self::HorizontalTransfer,
+        Self::Flicker,
+        Self::ResetNoise,
+        Self::Telegraph,
+        Self::DarkOffset,
+        Self::ReadNoise,
+        Self::LowGainReadNoise,
+        Self::RowNoise,
+        Self::ColumnNoise,
+        Self::AmplifierNonlinearity,
+        Self::ColumnAmplifiers,
+        Self::ConverterNonlinearity,
+        Self::StuckPixels,
+        Self::TransmissionErrors,
+    ];
 }
 
 /// Which stages take part. Leaving one out leaves the random numbers of all others as they were.

@@ -84,12 +84,17 @@ const TABLES: &[(&str, &str)] = embed![
     "quantum-efficiency/generic-cmos-color-b",
     "quantum-efficiency/generic-cmos-color-g",
     "quantum-efficiency/generic-cmos-color-r",
+    "quantum-efficiency/generic-three-chip-b",
+    "quantum-efficiency/generic-three-chip-g",
+    "quantum-efficiency/generic-three-chip-r",
     "quantum-efficiency/sony-imx249-b",
     "quantum-efficiency/sony-imx249-g",
     "quantum-efficiency/sony-imx249-mono",
     "quantum-efficiency/sony-imx249-r",
+    "quantum-efficiency/textbook-ccd",
     "reflectances/leaf",
     "reflectances/leaf-transmittance",
+    "semiconductors/si",
 ];
 
 /// Sellmeier and Cauchy coefficients of glasses, liquids and plastics.
@@ -148,6 +153,13 @@ pub fn conductor(name: &str) -> Option<Conductor> {
     let (_, _, path) = METALS.iter().find(|(symbol, english, _)| known(symbol, english))?;
     let table = table(path)?;
     Some(Conductor { eta: table.column("n").ok()?, k: table.column("k").ok()? })
+}
+
+/// Silicon, of which sensors are made, at 300 K.
+pub fn silicon() -> Conductor {
+    let table = table("semiconductors/si").expect("listed above");
+    let column = |name| table.column(name).expect("the file is part of the program and tested");
+    Conductor { eta: column("n"), k: column("k") }
 }
 
 /// Symbol, English name and table of the metals.

@@ -19,10 +19,15 @@ pub fn rgb_to_xyz() -> &'static DMat3 {
     static MATRIX: OnceLock<DMat3> = OnceLock::new();
     MATRIX.get_or_init(|| {
         let white = cie::chromaticity(illuminant::d65()).expect("D65 is not black");
-        let [r, g, b] = PRIMARIES.map(of_unit_luminance);
-        let primaries = DMat3::from_cols(r, g, b);
-        primaries * DMat3::from_diagonal(primaries.inverse() * of_unit_luminance(white))
+        matrix(PRIMARIES, of_unit_luminance(white))
     })
+}
+
+/// Linear RGB → XYZ for other primaries (x, y) and another white XYZ, Y = 1.
+pub fn matrix(primaries: [[f64; 2]; 3], white: DVec3) -> DMat3 {
+    let [r, g, b] = primaries.map(of_unit_luminance);
+    let primaries = DMat3::from_cols(r, g, b);
+    primaries * DMat3::from_diagonal(primaries.inverse() * white)
 }
 
 /// XYZ with Y = 1 for white → linear sRGB; the inverse of [`rgb_to_xyz`].

@@ -3,6 +3,7 @@
 
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN};
 use crate::math::distribution::PiecewiseConstant1D;
+use crate::sabotage::{Fault, flip};
 
 /// Four wavelengths with their densities. The first, the hero, decides wherever a direction depends on wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +90,7 @@ impl WavelengthSampler {
             lambda_nm[lane] = LAMBDA_MIN_NM + x * range;
             pdf[lane] = density / range;
         }
-        Wavelengths { lambda_nm, pdf }
+        Wavelengths { lambda_nm, pdf: flip(Fault::WavelengthPdfOfHero, pdf, [pdf[0]; LANES]) }
     }
 }
 

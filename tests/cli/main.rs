@@ -2,9 +2,13 @@
 
 mod bad_captures;
 mod bad_geometry;
+mod bad_sensors;
 mod bad_usage;
+mod develop;
 mod documents;
+mod emva1288;
 mod export_mitsuba;
+mod expose;
 mod folder;
 mod frames;
 mod geometry_alone;
@@ -12,6 +16,7 @@ mod gltf;
 mod info;
 mod interruption;
 mod limits;
+mod noise;
 mod outputs;
 mod report;
 mod room;

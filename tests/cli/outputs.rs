@@ -160,3 +160,15 @@ fn light_that_the_sensor_does_not_see_leaves_a_dark_picture() {
     let raw = folder.raw("out/raw.dng");
     assert!(raw.data.iter().all(|dn| (f32::from(*dn) - raw.black_level_dn.mean()).abs() < 8.0));
 }
+
+#[test]
+fn curves_of_a_sensor_lie_beside_the_capture_wherever_that_is() {
+    let folder = room("[render]\nsamples_per_pixel = 2");
+    folder.add("sub/line.csv", "549,0\n550,1\n551,0\n");
+    folder.add(
+        "sub/capture.toml",
+        "[scene]\ngeometry = ['../sails.gltf']\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [32, 24]\n\
+         channels.Y.quantum_efficiency = { file = 'line.csv' }\n",
+    );
+    folder.succeed("render sub/capture.toml -o out");
+}

@@ -97,9 +97,12 @@ fn the_report_is_a_capture_file_again() {
         .succeed("render capture.toml -o first --seed 5 --set lens.f_number=5.6 --set sensor.preset=sony-imx249-color");
     let capture = folder.report("first")["capture"].clone();
     assert_eq!(capture["lens"]["f_number"], 5.6);
-    folder.add("again.toml", toml::to_string(&capture).expect("a capture file has nothing that TOML has not"));
-    folder.succeed("render again.toml -o again");
-    for (name, bytes) in folder.results("first").iter().filter(|(name, _)| *name != "capture.json") {
+    // Its paths are relative to where it lies.
+    folder.add("first/again.toml", toml::to_string(&capture).expect("a capture file has nothing that TOML has not"));
+    folder.succeed("render first/again.toml -o again");
+    for (name, bytes) in
+        folder.results("first").iter().filter(|(name, _)| !["again.toml", "capture.json"].contains(&name.as_str()))
+    {
         assert!(folder.results("again")[name] == *bytes, "{name}");
     }
 }

@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use photosite::develop::Picture8;
+use photosite::develop::EncodedPicture;
 use photosite::image::{Channel, Estimate, Planes};
+use photosite::io::developed::write_png;
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::write_whole;
-use photosite::io::png::write_png;
 use photosite::raw::{Cfa, RawImage, write_dng, write_npy};
 use photosite::units::Seconds;
 use rstest::rstest;
@@ -45,7 +45,7 @@ impl Folder {
     }
 
     fn png(&self, name: &str, [width, height]: [usize; 2], code: u8) -> String {
-        let picture = Picture8 { width, height, components: 3, data: vec![code; 3 * width * height] };
+        let picture = EncodedPicture::srgb8(width, height, 3, vec![code; 3 * width * height]);
         write_whole(&self.path(name), |to| write_png(&picture, to)).expect("written");
         name.to_owned()
     }

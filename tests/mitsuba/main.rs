@@ -3,6 +3,8 @@
 //! Both pictures are mean electrons with the variance of the mean, so that z = (ours − Mitsuba's)/√(sum of variances) of
 //! each pixel and channel follows N(0, 1) where both renderers mean the same. Neither Python nor Mitsuba is needed here.
 
+mod irradiance;
+
 use std::path::Path;
 use std::process::Command;
 

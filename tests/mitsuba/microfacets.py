@@ -1,4 +1,4 @@
-"""BSDFs for Mitsuba that it does not have itself: GGX microfacets with height-correlated shadowing.
+"""BSDFs for Mitsuba that it does not have itself: GGX microfacets with height-correlated shadowing, and glTF's material.
 
 Mitsuba's own multiply the shadowing of the two directions, G = G1(wi)·G1(wo), as if they had nothing to do with each other.
 Correlated with the height of the facets it is
@@ -9,12 +9,20 @@ Correlated with the height of the facets it is
 towards grazing angles. In refraction there is no such simple form, and the product stays. Written from the equations of B. Walter et al., "Microfacet Models for Refraction through Rough
 Surfaces", EGSR 2007: eq. 20 and 21 for the BSDF, 13 to 17 for its half vectors and their Jacobians. Mitsuba gives the
 distribution, its sampling and G1; directions follow its convention, wi towards the camera.
+
+glTF's metallic-roughness material (glTF 2.0 specification, appendix B) has such facets with α = roughness² and Schlick's
+F = F0 + (1 − F0)·(1 − w·m)⁵, F0 = 0.04 for the coat of what is no metal and the base colour for a metal, mixed by the
+metallic factor. Under the coat lies Lambert's law for what the coat as a whole lets in and out (C. Kelemen and
+L. Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model", Eurographics 2001): base/π·(1 − E(wi))·
+(1 − E(wo))/(1 − mean E), which is photosite's choice where the appendix would give back more than arrives. E, what the
+coat reflects of light from one direction, is integrated here.
 """
 
 import re
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 
 def correlated(distribution, wi, wo, m):
@@ -137,14 +145,102 @@ class CorrelatedRoughDielectric(Microfacets):
         return mi.UnpolarizedSpectrum(dr.select(active, value, 0)), dr.select(active, pdf, 0)
 
 
+# Of the coat at normal incidence: an index of 1.5.
+COAT = 0.04
+# Directions for which the coat's albedo is tabulated, even in the root of the cosine.
+NODES = 128
+
+
+def schlick(f0, cos):
+    return f0 + (1 - f0) * (1 - cos) ** 5
+
+
+def coat_albedo(alpha):
+    """E at the nodes: ∫ F·D·G·(wo·m)/cos θo dm, the facets m drawn from D·cos θm by the midpoint rule."""
+    u, v = np.meshgrid((np.arange(512) + 0.5) / 512, (np.arange(256) + 0.5) / 256)
+    cos_m = 1 / np.sqrt(1 + alpha**2 * u / (1 - u))
+    sin_m, turn = np.sqrt(1 - cos_m**2), np.pi * v
+    albedo = []
+    for node in np.arange(NODES) / (NODES - 1):
+        cos_o = max(node * node, 1e-4)
+        sin_o = np.sqrt(1 - cos_o**2)
+        o_m = sin_o * sin_m * np.cos(turn) + cos_o * cos_m
+        cos_i = 2 * o_m * cos_m - cos_o
+        seen = (o_m > 0) & (cos_i > 0)
+
+        def smith(cos):
+            return (np.sqrt(1 + alpha**2 * (1 / np.maximum(cos, 1e-9) ** 2 - 1)) - 1) / 2
+
+        g = 1 / (1 + smith(cos_o) + smith(cos_i))
+        albedo.append(np.mean(np.where(seen, schlick(COAT, o_m) * g * o_m / (cos_o * cos_m), 0)))
+    return np.array(albedo)
+
+
+class MetallicRoughness(Microfacets):
+    """glTF's material of one roughness and metallic factor. Properties are named as those of "principled"."""
+
+    def __init__(self, props):
+        mi.BSDF.__init__(self, props)
+        self.base_color, self.metallic = props["base_color"], props["metallic"]
+        self.alpha = props["roughness"] ** 2
+        albedo = coat_albedo(self.alpha)
+        nodes = np.arange(NODES) / (NODES - 1)
+        # ∫ 2·E·cos dcos, the node being the root of the cosine.
+        self.mean_albedo = float(np.trapezoid(4 * albedo * nodes**3, nodes))
+        self.albedo = mi.Float(albedo.astype(np.float32))
+        lobes = [mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection]
+        self.m_components = [lobe | mi.BSDFFlags.FrontSide for lobe in lobes]
+        self.m_flags = self.m_components[0] | self.m_components[1]
+
+    def distribution(self):
+        return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.alpha, self.alpha, True)
+
+    def let_through(self, cos, active):
+        """1 − E."""
+        place = dr.sqrt(dr.clip(cos, 0, 1)) * (NODES - 1)
+        node = dr.minimum(mi.UInt32(place), NODES - 2)
+        low, high = dr.gather(mi.Float, self.albedo, node, active), dr.gather(mi.Float, self.albedo, node + 1, active)
+        return 1 - dr.lerp(low, high, place - node)
+
+    def sample(self, ctx, si, sample1, sample2, active):
+        facets = sample1 < 0.5
+        m, _ = self.distribution().sample(si.wi, sample2)
+        bs = mi.BSDFSample3f()
+        bs.wo = dr.select(facets, mi.reflect(si.wi, m), mi.warp.square_to_cosine_hemisphere(sample2))
+        bs.eta = 1.0
+        bs.sampled_component = dr.select(facets, mi.UInt32(0), mi.UInt32(1))
+        bs.sampled_type = dr.select(
+            facets, mi.UInt32(+mi.BSDFFlags.GlossyReflection), mi.UInt32(+mi.BSDFFlags.DiffuseReflection)
+        )
+        value, bs.pdf = self.eval_pdf(ctx, si, bs.wo, active)
+        active &= bs.pdf > 0
+        return bs, dr.select(active, value / bs.pdf, 0)
+
+    def eval_pdf(self, ctx, si, wo, active):
+        distribution = self.distribution()
+        cos_i, cos_o = mi.Frame3f.cos_theta(si.wi), mi.Frame3f.cos_theta(wo)
+        active &= (cos_i > 0) & (cos_o > 0)
+        base = self.base_color.eval(si, active)
+        m = dr.normalize(si.wi + wo)
+        i_m = dr.dot(si.wi, m)
+        f0 = COAT * (1 - self.metallic) + base * self.metallic
+        facets = schlick(f0, i_m) * distribution.eval(m) * correlated(distribution, si.wi, wo, m) / (4 * cos_i)
+        through = self.let_through(cos_i, active) * self.let_through(cos_o, active) / (1 - self.mean_albedo)
+        matt = (1 - self.metallic) * base * through * cos_o * dr.inv_pi
+        pdf = 0.5 * distribution.pdf(si.wi, m) / (4 * dr.dot(wo, m)) + 0.5 * cos_o * dr.inv_pi
+        return dr.select(active, facets + matt, 0), dr.select(active, pdf, 0)
+
+
+mi.register_bsdf("gltf_principled", MetallicRoughness)
 mi.register_bsdf("correlated_roughconductor", CorrelatedRoughConductor)
 mi.register_bsdf("correlated_roughdielectric", CorrelatedRoughDielectric)
 
 
 def load(mitsuba, scene):
-    """A scene file with correlated shadowing in place of Mitsuba's own."""
+    """A scene file with correlated shadowing in place of Mitsuba's own, and glTF's material in place of its nearest."""
     text = scene.read_text(encoding="utf-8")
     text = re.sub(r'type="(roughconductor|roughdielectric)"', r'type="correlated_\1"', text)
+    text = text.replace('type="principled"', 'type="gltf_principled"')
     changed = scene.with_name("correlated.xml")
     changed.write_text(text, encoding="utf-8")
     return mitsuba.load_file(str(changed))

@@ -7,8 +7,8 @@
 
 A scene is a folder scenes/NAME with capture.toml and what it names. Mitsuba gets it from `photosite export-mitsuba`, unless
 mitsuba.py in that folder says otherwise: a function load(mitsuba, folder, export) that returns a Mitsuba scene whose film
-has the channels of the capture's sensor and counts electrons. It describes the scene by hand, or calls export(), which
-returns the path of the exported one, to change that.
+has the channels of the capture's sensor and counts electrons, or a list of scenes that have some of the channels each. It
+describes the scene by hand, or calls export(), which returns the path of the exported one, to change that.
 
 Beside the capture are stored reference.exr, the picture with its variances, and reference.json, where it comes from.
 Needs Python 3.11, `pip install -r requirements.txt`, LLVM 17 or later (Debian: apt install libllvm19) and
@@ -24,6 +24,8 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+
+import numpy as np
 
 from render import VARIANT, load_mitsuba, render, write
 
@@ -72,11 +74,19 @@ def settings(folder):
     return 8192
 
 
+def picture(mitsuba, scenes, samples, seed):
+    """Mean, variance and names of the channels of a scene or of several."""
+    scenes = scenes if isinstance(scenes, list) else [scenes]
+    parts = [render(mitsuba, scene, samples, BATCHES, seed) for scene in scenes]
+    mean, variance = (np.concatenate([part[i] for part in parts], axis=-1) for i in (0, 1))
+    return mean, variance, [name for part in parts for name in part[2]]
+
+
 def store(mitsuba, name, scratch):
     folder = SCENES / name
     samples, seed = settings(folder), 0
     start = time.perf_counter()
-    write(mitsuba, folder / "reference.exr", *render(mitsuba, load(mitsuba, folder, scratch), samples, BATCHES, seed))
+    write(mitsuba, folder / "reference.exr", *picture(mitsuba, load(mitsuba, folder, scratch), samples, seed))
     facts = {
         "scene": "mitsuba.py" if own_load(folder) else "photosite export-mitsuba",
         "mitsuba": mitsuba.__version__,
@@ -94,7 +104,7 @@ def check(mitsuba, name, scratch):
     folder = SCENES / name
     fresh = scratch / f"{name}.exr"
     samples = max(BATCHES, settings(folder) // CHECK_PART)
-    write(mitsuba, fresh, *render(mitsuba, load(mitsuba, folder, scratch), samples, BATCHES, seed=1))
+    write(mitsuba, fresh, *picture(mitsuba, load(mitsuba, folder, scratch), samples, seed=1))
     print(f"{name}, a fresh reference against the stored one:", flush=True)
     return subprocess.run([PHOTOSITE, "compare", fresh, folder / "reference.exr"], check=False).returncode == 0
 

@@ -1,7 +1,10 @@
 //! Sensors and light that the tests of the sensor share.
 
 use photosite::image::Planes;
-use photosite::sensor::{Converter, Exposure, FixedPattern, Noise, SensorModel, Stage, presets};
+use photosite::sensor::{
+    Architecture, Ccd, CcdArchitecture, Converter, Counting, Defects, DualGain, Exposure, FixedPattern, Flicker,
+    FlickerOrder, Kernel, Noise, Overscan, ResetNoise, SensorModel, Spad, Stage, Telegraph, presets,
+};
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 
 /// One second at 25 °C and 0 dB.
@@ -18,6 +21,7 @@ pub(crate) fn quiet_sensor() -> SensorModel {
         conversion_gain_dn_per_e: 1.0,
         black_level_dn: 1000,
         gain_range: [Decibels(0.0), Decibels(24.0)],
+        ..Converter::ideal()
     };
     sensor
 }
@@ -34,25 +38,146 @@ pub(crate) fn flat(sensor: &SensorModel, width: usize, height: usize, mean_e: f3
 /// A sensor with every effect that there is, strong enough to show at 2000 e⁻.
 pub(crate) fn noisy_sensor() -> SensorModel {
     let mut sensor = quiet_sensor();
-    sensor.noise.prnu = FixedPattern { pixel: 0.02, row: 0.01, column: 0.01 };
-    sensor.noise.dark_current_e_per_s = 400.0;
-    sensor.noise.dsnu = FixedPattern { pixel: 60.0, row: 30.0, column: 30.0 };
-    sensor.noise.read = Electrons(40.0);
+    sensor.crosstalk = Kernel::new(&[vec![0.1, 0.8, 0.1]]).map(|kernel| vec![kernel]);
     sensor.full_well = Electrons(2450.0);
+    sensor.noise = Noise {
+        read: Electrons(40.0),
+        read_degrees_of_freedom: Some(4.0),
+        dark_current_e_per_s: 400.0,
+        dark_current_nonuniformity: 0.3,
+        prnu: FixedPattern { pixel: 0.02, row: 0.01, column: 0.01 },
+        dsnu: FixedPattern { pixel: 60.0, row: 30.0, column: 30.0 },
+        row: Electrons(20.0),
+        column: Electrons(30.0),
+        reset: ResetNoise::Capacitance(5e-15),
+        flicker: Flicker { noise: Electrons(25.0), exponent: 1.0, order: FlickerOrder::ColumnParallel },
+        telegraph: Telegraph { pixels: 0.1, amplitude: Electrons(50.0), high: Seconds(2.0), low: Seconds(1.0) },
+        transmission_errors: 0.01,
+        defects: Defects { hot: 0.02, hot_dark_current_e_per_s: 300.0, dead: 0.01, stuck: 0.01 },
+        ..sensor.noise
+    };
+    sensor.converter = Converter {
+        amplifier_nonlinearity: vec![-0.02, 0.01],
+        inl_dn: 5.0,
+        dnl_dn: 0.3,
+        column_gain: 0.01,
+        column_offset_dn: 8.0,
+        ..sensor.converter
+    };
     sensor
 }
 
-/// The same sensor without the effect of one stage.
-pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> SensorModel {
-    let mut ideal = sensor.clone();
-    match stage {
-        Stage::PhotoResponse => ideal.noise.prnu = FixedPattern::default(),
-        // Light without shot noise is not a sensor's to have.
-        Stage::ShotNoise => {}
-        Stage::DarkCurrent => ideal.noise.dark_current_e_per_s = 0.0,
-        Stage::FullWell => ideal.full_well = Electrons(1e9),
-        Stage::DarkOffset => ideal.noise.dsnu = FixedPattern::default(),
-        Stage::ReadNoise => ideal.noise.read = Electrons(0.0),
+/// An interline CCD without any losses.
+pub(crate) fn ideal_ccd() -> Ccd {
+    Ccd {
+        architecture: CcdArchitecture::Interline,
+        smear_row_time: Seconds(0.0),
+        vertical_inefficiency: 0.0,
+        horizontal_inefficiency: 0.0,
+        anti_blooming_factor: 1.0,
+        overscan: Overscan::default(),
     }
-    ideal
+}
+
+/// A sensor of the kind that has this stage, with every other effect of its kind, too.
+pub(crate) fn noisy_sensor_with(stage: Stage) -> SensorModel {
+    let mut sensor = noisy_sensor();
+    sensor.brighter_fatter_per_e = [2e-5, 1e-5];
+    match stage {
+        Stage::Smear | Stage::Blooming | Stage::VerticalTransfer | Stage::HorizontalTransfer => {
+            sensor.architecture = Architecture::Ccd(Ccd {
+                smear_row_time: Seconds(1e-4),
+                vertical_inefficiency: 1e-3,
+                horizontal_inefficiency: 2e-3,
+                overscan: Overscan { prescan_columns: 2, columns: 3, rows: 4 },
+                ..ideal_ccd()
+            });
+        }
+        Stage::PhotonCounting => {
+            let counting = Counting::FreeRunning { dead_time: Seconds(1e-4) };
+            sensor.architecture = Architecture::Spad(Spad { counting, afterpulsing: 0.02 });
+        }
+        Stage::LowGainReadNoise => {
+            sensor.converter = quiet_sensor().converter;
+            let branch = |conversion_gain_dn_per_e| Converter {
+                bits: 12,
+                conversion_gain_dn_per_e,
+                black_level_dn: 200,
+                ..sensor.converter.clone()
+            };
+            let dual_gain = DualGain { high: branch(8.0), low: branch(1.0), low_read_noise: Electrons(50.0) };
+            sensor.converter.dual_gain = Some(Box::new(dual_gain));
+        }
+        Stage::Crosstalk
+        | Stage::PhotoResponse
+        | Stage::DeadPixels
+        | Stage::ShotNoise
+        | Stage::DarkCurrent
+        | Stage::DarkCurrentNonuniformity
+        | Stage::HotPixels
+        | Stage::BrighterFatter
+        | Stage::FullWell
+        | Stage::Flicker
+        | Stage::ResetNoise
+        | Stage::Telegraph
+        | Stage::DarkOffset
+        | Stage::ReadNoise
+        | Stage::RowNoise
+        | Stage::ColumnNoise
+        | Stage::AmplifierNonlinearity
+        | Stage::ColumnAmplifiers
+        | Stage::ConverterNonlinearity
+        | Stage::StuckPixels
+        | Stage::TransmissionErrors => {}
+    }
+    sensor
+}
+
+/// The figures of a CCD, to be changed.
+fn ccd_of(sensor: &mut SensorModel) -> &mut Ccd {
+    match &mut sensor.architecture {
+        Architecture::Ccd(ccd) => ccd,
+        Architecture::Cmos | Architecture::Spad(_) => panic!("no CCD"),
+    }
+}
+
+/// The same sensor without the effect of one stage, where there can be such a sensor.
+pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> Option<SensorModel> {
+    let mut ideal = sensor.clone();
+    let (noise, converter) = (&mut ideal.noise, &mut ideal.converter);
+    let none = Electrons(0.0);
+    match stage {
+        Stage::Crosstalk => ideal.crosstalk = None,
+        Stage::PhotoResponse => noise.prnu = FixedPattern::default(),
+        Stage::DeadPixels => noise.defects.dead = 0.0,
+        // Light without shot noise is not a sensor's to have.
+        // Nor is a counter that counts all.
+        Stage::ShotNoise | Stage::PhotonCounting => return None,
+        Stage::Smear => ccd_of(&mut ideal).smear_row_time = Seconds(0.0),
+        Stage::Blooming => ccd_of(&mut ideal).anti_blooming_factor = 1e9,
+        Stage::VerticalTransfer => ccd_of(&mut ideal).vertical_inefficiency = 0.0,
+        Stage::HorizontalTransfer => ccd_of(&mut ideal).horizontal_inefficiency = 0.0,
+        Stage::BrighterFatter => ideal.brighter_fatter_per_e = [0.0; 2],
+        Stage::LowGainReadNoise => {
+            converter.dual_gain.as_mut().expect("has two gains").low_read_noise = none;
+        }
+        Stage::DarkCurrent => noise.dark_current_e_per_s = 0.0,
+        Stage::DarkCurrentNonuniformity => noise.dark_current_nonuniformity = 0.0,
+        Stage::HotPixels => noise.defects.hot = 0.0,
+        // The amplifiers bend with the charge over the full well, so that it cannot be changed alone.
+        Stage::FullWell => return None,
+        Stage::ResetNoise => noise.reset = ResetNoise::Cancelled,
+        Stage::Telegraph => noise.telegraph.pixels = 0.0,
+        Stage::Flicker => noise.flicker.noise = none,
+        Stage::DarkOffset => noise.dsnu = FixedPattern::default(),
+        Stage::ReadNoise => noise.read = none,
+        Stage::RowNoise => noise.row = none,
+        Stage::ColumnNoise => noise.column = none,
+        Stage::AmplifierNonlinearity => converter.amplifier_nonlinearity.clear(),
+        Stage::ColumnAmplifiers => (converter.column_gain, converter.column_offset_dn) = (0.0, 0.0),
+        Stage::ConverterNonlinearity => (converter.inl_dn, converter.dnl_dn) = (0.0, 0.0),
+        Stage::StuckPixels => noise.defects.stuck = 0.0,
+        Stage::TransmissionErrors => noise.transmission_errors = 0.0,
+    }
+    Some(ideal)
 }

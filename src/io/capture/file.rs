@@ -24,13 +24,14 @@ impl CaptureFile {
             lens: source.read("lens")?.unwrap_or_default(),
             exposure: source.read("exposure")?.unwrap_or_default(),
             render: source.read("render")?.unwrap_or_default(),
+            develop: source.read("develop")?.unwrap_or_default(),
             output: source.read("output")?.unwrap_or_default(),
             sensor: read_sensor(source, folder)?,
         })
     }
 }
 
-fn refuse_unknown_sections(source: &CaptureSource) -> Result<()> {
+pub(super) fn refuse_unknown_sections(source: &CaptureSource) -> Result<()> {
     match source.sections().find(|(key, _)| !SECTIONS.contains(key)) {
         Some((key, _)) => {
             let message = format!("unknown key `{key}`{}", did_you_mean(key, SECTIONS));

@@ -15,12 +15,14 @@
 //! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
+//! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
 //!
 //! The keys are documented where they are declared, in `tables/`; [`capture_schema`] makes a JSON Schema of that.
 //! Rendering is left to others.
 
 mod camera;
 mod colour;
+mod develop;
 mod file;
 mod framing;
 mod lens;
@@ -28,11 +30,13 @@ mod light;
 mod material;
 mod overrides;
 mod reader;
+mod relocate;
 mod scene;
 mod schema;
 mod sensor;
 mod settings;
 mod source;
+mod stored;
 mod tables;
 mod tree;
 
@@ -44,6 +48,7 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
 use crate::optics::LensDescription;
 use crate::scene::description::SceneDescription;
@@ -52,14 +57,17 @@ use crate::{Error, Invalid, Result};
 
 use camera::place_camera;
 use colour::Finder;
+use relocate::relocate;
 use scene::ReadScene;
 use sensor::sensor_model;
 use tables::CaptureFile;
 
+pub use develop::read_develop_settings;
 pub use schema::capture_schema;
-pub use sensor::read_sensor_file;
+pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
 pub use source::CaptureSource;
+pub use stored::{StoredCapture, StoredReport};
 
 /// Everything that a capture file, the files it names and the command line say.
 #[derive(Debug)]
@@ -76,6 +84,8 @@ pub struct Capture {
     pub exposure: ExposureSettings,
     /// How light is traced.
     pub render: RenderSettings,
+    /// How the raw picture is developed.
+    pub develop: DevelopSettings,
     /// What is written.
     pub output: OutputSettings,
     /// Where all this stands: for errors that show up later.
@@ -107,13 +117,9 @@ impl Capture {
     }
 
     /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. A sensor file of the
-    /// user's own is taken up without its name.
-    pub fn to_json(&self) -> Result<serde_json::Value> {
-        let mut keys: serde_json::Value = self.source.read_whole()?;
-        if presets::names().any(|name| name == self.sensor.name) {
-            keys["sensor"]["preset"] = self.sensor.name.as_str().into();
-        }
-        Ok(keys)
+    /// user's own is taken up without its name. Paths become relative to `folder`, where this is going to be kept.
+    pub fn to_json(&self, folder: &Path) -> Result<serde_json::Value> {
+        keys_of(&self.source, &self.sensor.name, folder)
     }
 
     /// Makes of the tables what they mean.
@@ -124,13 +130,14 @@ impl Capture {
         folder: &Path,
     ) -> Result<Self, Invalid> {
         let finder = Finder::new(folder, Vec::new());
-        let sensor = sensor_model(&file.sensor, &finder).map_err(|invalid| invalid.within("sensor"))?;
+        let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
         let focus_on_scene = is_scene_file(source.path());
         let (camera_to_world, lens) =
             place_camera(&file.camera, &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
         Ok(Self {
             exposure: settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?,
             render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
+            develop: develop::checked(&file.develop)?,
             output: settings::output(&file.output).map_err(|invalid| invalid.within("output"))?,
             scene: geometry.with_tables(file, folder)?,
             camera_to_world,
@@ -139,6 +146,20 @@ impl Capture {
             source: source.clone(),
         })
     }
+}
+
+/// All keys of a capture, with paths relative to the folder `to`.
+fn keys_of(source: &CaptureSource, sensor: &str, to: &Path) -> Result<serde_json::Value> {
+    let mut keys: serde_json::Value = source.read_whole()?;
+    if presets::names().any(|name| name == sensor) {
+        keys["sensor"]["preset"] = sensor.into();
+    }
+    for (section, value) in keys.as_object_mut().into_iter().flatten() {
+        // Curves of the sensor, which may come from a file of its own, are relative to the current folder already.
+        let from = if section == "sensor" { None } else { source.path().parent() };
+        relocate(value, from.unwrap_or(Path::new("")), to);
+    }
+    Ok(keys)
 }
 
 /// Whether a path names a file of geometry rather than a capture file.

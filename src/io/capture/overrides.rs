@@ -8,7 +8,16 @@ use crate::{Error, Result};
 /// Lays `key=value` over the values of a capture file. The key is a path of keys, where elements of arrays are numbered
 /// from 0 (`lights.0.intensity_cd`); the value is TOML, or a bare word that stands for itself.
 pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
-    let wrong = |message: String| Error::Usage { message, help: Some("for example --set lens.f_number=4".to_owned()) };
+    set_in(source, "", "lens.f_number=4", argument)
+}
+
+/// The same for keys below `table`.
+pub(super) fn set_below(source: &mut CaptureSource, table: &str, argument: &str) -> Result<()> {
+    set_in(source, &format!("{table}."), "noise.read_noise_e=2", argument)
+}
+
+fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &str) -> Result<()> {
+    let wrong = |message: String| Error::Usage { message, help: Some(format!("for example --set {example}")) };
     let Some((key, value)) = argument.split_once('=') else {
         return Err(wrong(format!("--set {argument}: there is no value")));
     };
@@ -19,9 +28,9 @@ pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
     }
     let is_toml = DeValue::parse(value).is_ok() && !value.contains(['\n', '\r']);
     let toml = if is_toml {
-        format!("{key} = {value}")
+        format!("{prefix}{key} = {value}")
     } else if is_bare_word(value) {
-        format!("{key} = {value:?}")
+        format!("{prefix}{key} = {value:?}")
     } else {
         return Err(wrong(format!("--set {argument}: {value:?} is neither a TOML value nor a word")));
     };

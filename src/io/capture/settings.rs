@@ -30,6 +30,13 @@ pub struct ExposureSettings {
     pub stages: Stages,
 }
 
+impl ExposureSettings {
+    /// Whether pictures of the same light are exposed in the same way, however many there are.
+    pub fn is_like(&self, other: &Self) -> bool {
+        Self { frames: 1, ..*self } == Self { frames: 1, ..*other }
+    }
+}
+
 /// How long an exposure takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ExposureTime {
@@ -48,6 +55,8 @@ pub struct OutputSettings {
     pub electrons: bool,
     /// The bands in which the spectral irradiance is written, if it is.
     pub irradiance: Option<SpectralBands>,
+    /// Whether the picture of an ideal observer is written.
+    pub ideal: bool,
     /// Time between pictures of a render that is under way; `None` for no such pictures.
     pub preview_interval: Option<Duration>,
 }
@@ -196,6 +205,7 @@ pub(super) fn output(table: &OutputTable) -> Result<OutputSettings, Invalid> {
     Ok(OutputSettings {
         raw,
         electrons: table.electrons.unwrap_or(true),
+        ideal: table.ideal.unwrap_or(false),
         irradiance: match table.irradiance {
             None | Some(IrradianceSource::Flag(false)) => None,
             Some(IrradianceSource::Flag(true)) => Some(SpectralBands::default()),

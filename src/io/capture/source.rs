@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 
 use super::reader::{ReadError, Reader};
-use super::tree::{Entry, Node, Table, Value, join, parse};
+use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
+use crate::io::json;
 use crate::{Error, Invalid, Result};
 
 /// The values of a capture and where they come from.
@@ -33,6 +34,8 @@ struct Text {
 #[derive(Clone, Debug)]
 enum Origin {
     File(PathBuf),
+    /// A report (`capture.json`), which holds the values at its key `capture`.
+    Report(PathBuf),
     /// `--set` and what was written after it.
     Argument(String),
 }
@@ -48,6 +51,13 @@ impl CaptureSource {
         let mut source = Self::of_scene_file(path);
         source.root = source.add_file(path, text)?;
         Ok(source)
+    }
+
+    /// From the values that a report holds, whose text is given for messages.
+    pub(super) fn of_report(path: &Path, text: String, capture: &serde_json::Value) -> Self {
+        let root = from_json(capture, &(0..0));
+        let texts = vec![Text { origin: Origin::Report(path.to_owned()), start: 0, text }];
+        Self { path: path.to_owned(), texts, root }
     }
 
     /// The capture file, or the scene file that was given in its place.
@@ -80,6 +90,11 @@ impl CaptureSource {
         parsed.map_err(|(span, message)| {
             self.error_at(span.as_ref(), Invalid::new("", format!("is not valid TOML: {message}")))
         })
+    }
+
+    /// Whether a value is given at a path such as `lens.f_number`.
+    pub fn has(&self, path: &str) -> bool {
+        self.get(path).is_some()
     }
 
     /// The value at a path such as `materials.red.reflectance` or `lights[0].type`.
@@ -149,6 +164,7 @@ impl CaptureSource {
         let start = (span.start - text.start).min(end);
         match &text.origin {
             Origin::File(path) => invalid.in_text(path, &text.text, start..end),
+            Origin::Report(path) => json::located(invalid.within("capture"), path, text.text.as_bytes()),
             Origin::Argument(argument) => invalid.in_file(format!("--set {argument}").as_ref()),
         }
     }

@@ -124,6 +124,26 @@ impl Node {
     }
 }
 
+/// The tree of a JSON value, all of it at the place `span`. There is no null among our keys; it becomes an empty text.
+pub(super) fn from_json(value: &serde_json::Value, span: &Range<usize>) -> Node {
+    use serde_json::Value as Json;
+    let value = match value {
+        Json::Null => Value::String(String::new()),
+        Json::Bool(b) => Value::Boolean(*b),
+        Json::Number(n) => match n.as_i128() {
+            Some(i) => Value::Integer(i),
+            None => Value::Float(n.as_f64().unwrap_or(f64::NAN)),
+        },
+        Json::String(text) => Value::String(text.clone()),
+        Json::Array(items) => Value::Array(items.iter().map(|item| from_json(item, span)).collect()),
+        Json::Object(map) => {
+            let entry = |value| Entry { key_span: span.clone(), node: from_json(value, span) };
+            Value::Table(map.iter().map(|(key, value)| (key.clone(), entry(value))).collect())
+        }
+    };
+    Node { span: span.clone(), value }
+}
+
 /// `table.key`, or what there is of it; elements of arrays need no dot.
 pub(super) fn join(table: &str, key: &str) -> String {
     match (table, key) {

@@ -60,10 +60,16 @@ fn environment(environment: &EnvironmentDescription, out: &mut Output) -> Elemen
             if out.sees_beyond_cie {
                 out.approximate("an environment picture beyond 360 to 830 nm, where it is black");
             }
+            let coloured = !picture::is_of_one_colour(image);
+            if coloured {
+                out.approximate(
+                    "colours between the texels of the environment picture: spectra are interpolated, in finer steps, not RGB",
+                );
+            }
             // Its centre looks along +z in Mitsuba.
             let turned = DAffine3::from_rotation_y((rotation_deg + 180.0).to_radians());
             Element::object("emitter", "envmap")
-                .string("filename", out.exr("textures/environment.exr".to_owned(), &picture::panorama(image)))
+                .string("filename", out.exr("textures/environment.exr".to_owned(), &picture::panorama(image, coloured)))
                 .float("scale", nit_per_unit(image, *level) / NIT_OF_MITSUBA_WHITE)
                 .transform("to_world", rows(turned))
         }

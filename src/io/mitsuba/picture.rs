@@ -1,5 +1,7 @@
 //! Pictures as Mitsuba is to see them: linear, in EXR files.
 
+use glam::{Vec3, Vec4};
+
 use crate::image::{Channel, Planes};
 use crate::scene::description::TextureDescription;
 use crate::texture::{Bitmap, Filter, Texels, Wrap};
@@ -17,24 +19,47 @@ pub(super) fn planes(image: &Bitmap, names: &[&str], texel: impl Fn(usize) -> [f
     Planes::new(image.width, image.height, channels).expect("every plane has one value per texel")
 }
 
+/// An environment picture is handed over with at most so many texels where its colours call for more of them.
+const MOST_TEXELS: usize = 1 << 23;
+
 /// Colours of an environment picture for Mitsuba, whose first and last rows lie at the poles, where ours lie half a row
-/// from them: twice as many rows, so that both interpolate alike, as linear functions between the same points.
-pub(super) fn panorama(image: &Bitmap) -> Planes {
+/// from them: an even multiple of our rows and an odd one of our columns, so that ours are among them and both
+/// interpolate alike, as linear functions between the same points. Between texels we mix RGB and Mitsuba spectra; where
+/// that matters, `finer` makes the steps short.
+pub(super) fn panorama(image: &Bitmap, finer: bool) -> Planes {
     let (width, height) = (image.width, image.height);
     let colour = |x: usize, y: usize| match &image.texels {
-        Texels::Rgb32F(texels) => texels[y * width + x],
-        Texels::Rgba8(_) | Texels::Rgba16(_) => {
-            let [r, g, b, _] = image.srgb_texel(y * width + x);
-            [r, g, b]
-        }
+        Texels::Rgb32F(texels) => Vec3::from(texels[y * width + x]),
+        Texels::Rgba8(_) | Texels::Rgba16(_) => Vec4::from(image.srgb_texel(y * width + x)).truncate(),
     };
-    // Row j lies at j/(2·height) of the way down: odd rows are centres of ours, even ones lie between two.
-    let row = |j: usize| [j.saturating_sub(1) / 2, (j / 2).min(height - 1)];
-    let tall = Bitmap { name: image.name.clone(), width, height: 2 * height + 1, texels: Texels::Rgb32F(Vec::new()) };
-    planes(&tall, &["R", "G", "B"], |i| {
-        let [above, below] = row(i / width).map(|y| colour(i % width, y));
-        [0, 1, 2].map(|c| 0.5 * (above[c] + below[c]))
+    let steps = [7, 5, 3].into_iter().find(|n| finer && n * (n + 1) * width * height <= MOST_TEXELS).unwrap_or(1);
+    let fine = Bitmap {
+        name: image.name.clone(),
+        width: steps * width,
+        height: (steps + 1) * height + 1,
+        texels: Texels::Rgb32F(Vec::new()),
+    };
+    // The columns or rows on both sides of a place in texels, and how far it is from one to the other.
+    let between = |place: f32| ((place - 0.5).floor(), (place - 0.5).rem_euclid(1.0));
+    planes(&fine, &["R", "G", "B"], |i| {
+        let (left, right_part) = between(((i % fine.width) as f32 + 0.5) / steps as f32);
+        let (above, below_part) = between((i / fine.width) as f32 / (steps + 1) as f32);
+        let column = |x: f32| x.rem_euclid(width as f32) as usize;
+        let row = |y: f32| (y.max(0.0) as usize).min(height - 1);
+        let along = |y: f32| colour(column(left), row(y)).lerp(colour(column(left + 1.0), row(y)), right_part);
+        along(above).lerp(along(above + 1.0), below_part).to_array()
     })
+}
+
+/// Whether all texels of an environment picture have one colour, and differ in brightness at most.
+pub(super) fn is_of_one_colour(image: &Bitmap) -> bool {
+    let texels = (0..image.width * image.height).map(|i| match &image.texels {
+        Texels::Rgb32F(texels) => Vec3::from(texels[i]),
+        Texels::Rgba8(_) | Texels::Rgba16(_) => Vec4::from(image.srgb_texel(i)).truncate(),
+    });
+    let mut colours = texels.filter(|texel| *texel != Vec3::ZERO).map(|texel| texel / texel.max_element());
+    let first = colours.next().unwrap_or(Vec3::ONE);
+    colours.all(|colour| colour.abs_diff_eq(first, 1e-4))
 }
 
 /// A `bitmap` texture of a file, looked up as the description says. Its UV transform is in the mesh already.

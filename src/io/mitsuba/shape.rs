@@ -3,7 +3,8 @@
 use super::material::ExportedMaterial;
 use super::sensor::rows;
 use super::{Element, Output, quoted};
-use crate::scene::description::{MeshDescription, SceneDescription};
+use crate::bsdf::Ggx;
+use crate::scene::description::{AlphaMode, MaterialModel, MeshDescription, SceneDescription};
 use crate::scene::emission_spectrum;
 use crate::texture::UvTransform;
 
@@ -51,10 +52,16 @@ fn shape(
         .boolean("face_normals", is_flat(mesh))
         .child(Element::reference(&material.id));
     let described = &scene.materials[mesh.material];
-    let Some(emission) = &described.emission else { return shape };
     let name = quoted("material", &described.name);
+    if mesh.uvs.is_empty() && is_anisotropic(&described.model) {
+        out.approximate(format!("the anisotropy of {name} on a mesh without UVs: its direction is another one"));
+    }
+    let Some(emission) = &described.emission else { return shape };
     if emission.texture.is_some() {
         out.approximate(format!("the emission texture of {name}: it shines as if the texture were white"));
+    }
+    if described.alpha != AlphaMode::Opaque {
+        out.approximate(format!("the holes of the lamp of {name}: they shine too"));
     }
     if described.double_sided {
         out.approximate(format!("the light of {name} on both sides: it shines on the front only"));
@@ -66,6 +73,18 @@ fn shape(
     }
     let radiance = emission_spectrum(&emission.colour, emission.level);
     shape.child(Element::object("emitter", "area").spectrum("radiance", &radiance))
+}
+
+/// Whether the microfacets of a material have a direction.
+fn is_anisotropic(model: &MaterialModel) -> bool {
+    match model {
+        MaterialModel::Conductor { roughness, anisotropy, .. } => {
+            let [along, across] = Ggx::from_roughness(*roughness, *anisotropy).alpha();
+            along != across
+        }
+        // The anisotropy of layers is left out, which their export tells.
+        MaterialModel::Diffuse { .. } | MaterialModel::Dielectric { .. } | MaterialModel::Layered(_) => false,
+    }
 }
 
 /// Whether the shading normals, if there are any, are those of the triangles.

@@ -1,6 +1,7 @@
 //! What a sensor file says, before it is checked: the keys of `assets/sensors/*.toml` and of a capture file's
 //! `[sensor]` table, in the units that they name. Doc comments become the JSON Schema's descriptions.
 
+mod architecture;
 mod noise;
 mod read_out;
 
@@ -9,8 +10,12 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use noise::NoiseDescription;
-pub use read_out::{AdcDescription, ChargeDescription};
+pub use architecture::{CcdArchitecture, CcdDescription, CountingMode, DualGainDescription, SpadDescription};
+pub use noise::{
+    DarkCurrentLawName, DefectsDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription,
+    TelegraphDescription,
+};
+pub use read_out::{AdcDescription, ChargeDescription, Converters};
 
 /// An image sensor: pixels, colour filters, noise, charge capacity and converter.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -25,10 +30,23 @@ pub struct SensorDescription {
     /// Technology of the pixels.
     #[serde(default)]
     pub kind: SensorKind,
+    /// How a CCD moves its charge.
+    pub ccd: Option<CcdDescription>,
+    /// How single photons are counted.
+    pub spad: Option<SpadDescription>,
     /// Columns and rows of pixels.
     pub resolution_px: [u32; 2],
-    /// Distance between pixel centres along x and y, µm.
-    pub pixel_pitch_um: [f64; 2],
+    /// Columns of pixels to the left and to the right of these that are covered and see no light.
+    #[serde(default)]
+    pub masked_columns: [u32; 2],
+    /// Covered rows of pixels above and below.
+    #[serde(default)]
+    pub masked_rows: [u32; 2],
+    /// Distance between pixel centres along x and y, µm; they may differ.
+    pub pixel_pitch_um: Option<[f64; 2]>,
+    /// Size of the whole sensor by the name of its format, "1", "2/3", "1/2", "1/3" or "1/4" inch, in place of
+    /// pixel_pitch_um, which is that size over the resolution.
+    pub format: Option<String>,
     /// Part of a pixel's area that is sensitive to light, above 0 up to 1. Leave it at 1 where the quantum efficiency was
     /// measured for whole pixels, as EMVA 1288 does.
     #[serde(default = "one")]
@@ -37,13 +55,19 @@ pub struct SensorDescription {
     /// "quad-bayer", "nona-bayer", "x-trans", "rgbw", "rgb-ir", "rccb", "rccc", "ryyb" or "cygm"; or "full:RGB" for all
     /// channels at every pixel.
     pub cfa: String,
-    /// A filter in front of all pixels, such as one that blocks infrared.
+    /// Filters in front of all pixels, such as one that blocks infrared.
     #[serde(default)]
     pub filter: FilterDescription,
-    /// One table per channel: R, G and B, or Y for a monochrome sensor.
+    /// One table for each letter of the colour filter array, such as R, G and B; Y for a monochrome sensor.
     pub channels: BTreeMap<String, ChannelDescription>,
+    /// Where electrons that belong to a pixel are collected: parts of a whole, in rows around that pixel, such as
+    /// [[0, 0.01, 0], [0.01, 0.96, 0.01], [0, 0.01, 0]]. Left out: each pixel keeps its own.
+    pub crosstalk: Option<Vec<Vec<f64>>>,
     /// Noise sources.
     pub noise: NoiseDescription,
+    /// Pixels that do not work as the others.
+    #[serde(default)]
+    pub defects: DefectsDescription,
     /// Charge storage.
     pub charge: ChargeDescription,
     /// Analogue gain and analogue-to-digital converter.
@@ -61,22 +85,48 @@ pub enum SensorKind {
     /// Charge becomes a voltage inside each pixel.
     #[default]
     Cmos,
+    /// Charge is moved out of all pixels to one amplifier; [ccd] says how.
+    Ccd,
+    /// Single photons are counted in each pixel; [spad] says how.
+    Spad,
 }
 
-/// A filter in front of all pixels.
+impl SensorKind {
+    /// Its name in sensor files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cmos => "cmos",
+            Self::Ccd => "ccd",
+            Self::Spad => "spad",
+        }
+    }
+}
+
+/// Filters in front of all pixels; light passes one after the other. Each is a transmittance, 0–1 at every wavelength,
+/// and 1 where left out.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FilterDescription {
-    /// Transmittance, 0–1 at every wavelength; 1 where left out.
+    /// Transmittance of a filter such as one that blocks infrared.
     pub transmittance: Option<SpectrumSource>,
+    /// Transmittance of the cover glass.
+    pub cover_glass: Option<SpectrumSource>,
+    /// Transmittance of the microlenses.
+    pub microlenses: Option<SpectrumSource>,
 }
 
 /// One channel of the sensor.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelDescription {
-    /// Photo-electrons per photon that reaches the pixel, colour filter included, 0–1 at every wavelength.
-    pub quantum_efficiency: SpectrumSource,
+    /// Photo-electrons per photon that reaches the pixel, colour filter included, 0–1 at every wavelength; for a
+    /// single-photon detector, its photon detection probability.
+    pub quantum_efficiency: Option<SpectrumSource>,
+    /// In its place: the depths of silicon, µm, between which photons are absorbed into this channel, the upper one first,
+    /// as in the layers of a stacked pixel. What is reflected before the silicon belongs to the filter.
+    pub depth_um: Option<[f64; 2]>,
+    /// Crosstalk of the electrons behind this filter, where it differs from that of the others.
+    pub crosstalk: Option<Vec<Vec<f64>>>,
 }
 
 /// A function of wavelength: a number (the same at every wavelength), the name of a spectrum that ships with photosite,

@@ -3,12 +3,18 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::DualGainDescription;
+
 /// Charge storage.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChargeDescription {
-    /// Most electrons that a pixel can hold.
+    /// Most electrons that a pixel can hold, or most photons that it can count.
     pub full_well_e: f64,
+    /// Brighter-fatter effect: correlation of neighbours along x and along y on a flat field, for each electron of its
+    /// signal, 1/e⁻. Left out: none.
+    #[serde(default)]
+    pub brighter_fatter_per_e: [f64; 2],
 }
 
 /// Analogue gain and analogue-to-digital converter.
@@ -23,4 +29,37 @@ pub struct AdcDescription {
     pub black_level_dn: u32,
     /// Smallest and largest gain that an exposure may ask for, dB.
     pub gain_db_range: [f64; 2],
+    /// Nonlinearity of the amplifiers: a charge q passes as q·(1 + c₁·q/F + c₂·(q/F)² + …), with the full well F and these
+    /// c₁, c₂ … in percent. Left out: linear.
+    #[serde(default)]
+    pub amplifier_nonlinearity_percent: Vec<f64>,
+    /// Integral nonlinearity of the converter: it bends by so many DN in the middle of its range, upwards or downwards.
+    #[serde(default)]
+    pub inl_dn: f64,
+    /// Differential nonlinearity of the converter: standard deviation of the width of its steps, DN, up to 0.4. Steps
+    /// stay as they are from picture to picture.
+    #[serde(default)]
+    pub dnl_dn: f64,
+    /// Whether one converter serves all pixels or every column has its own. Left out: "per-column".
+    #[serde(default)]
+    pub converters: Converters,
+    /// Spatial standard deviation of the gains of the columns' amplifiers, percent of their mean.
+    #[serde(default)]
+    pub column_gain_percent: f64,
+    /// Spatial standard deviation of the offsets of the columns' converters, DN.
+    #[serde(default)]
+    pub column_offset_dn: f64,
+    /// Two converters at two gains, whose numbers are merged into one of the bits and the gain above.
+    pub dual_gain: Option<DualGainDescription>,
+}
+
+/// How many converters there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Converters {
+    /// Every column has its own.
+    #[default]
+    PerColumn,
+    /// One for all pixels.
+    One,
 }

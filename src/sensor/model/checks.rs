@@ -4,7 +4,7 @@ use crate::Invalid;
 use crate::sensor::description::SpectrumSource;
 use crate::spectrum::Spectrum;
 
-pub(super) fn fraction(
+pub(in crate::sensor) fn fraction(
     key: &str,
     source: &SpectrumSource,
     resolve: &mut impl FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>,
@@ -18,20 +18,38 @@ pub(super) fn fraction(
     Ok(spectrum)
 }
 
-pub(super) fn finite(key: &str, value: f64) -> Result<(), Invalid> {
-    if value.is_finite() { Ok(()) } else { Err(Invalid::new(key, format!("must be a finite number, got {value}"))) }
+pub(in crate::sensor) fn finite(key: &str, value: f64) -> Result<f64, Invalid> {
+    if value.is_finite() { Ok(value) } else { Err(Invalid::new(key, format!("must be a finite number, got {value}"))) }
 }
 
-pub(super) fn positive(key: &str, value: f64, example: &str) -> Result<(), Invalid> {
+pub(in crate::sensor) fn positive(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
     if value.is_finite() && value > 0.0 {
-        return Ok(());
+        return Ok(value);
     }
     Err(Invalid::new(key, format!("must be above 0, got {value}")).help(format!("for example {key} = {example}")))
 }
 
-pub(super) fn not_negative(key: &str, value: f64) -> Result<(), Invalid> {
+pub(in crate::sensor) fn not_negative(key: &str, value: f64) -> Result<f64, Invalid> {
     if value.is_finite() && value >= 0.0 {
-        return Ok(());
+        return Ok(value);
     }
-    Err(Invalid::new(key, format!("must not be negative, got {value}")).help("write 0 to leave this noise out"))
+    Err(Invalid::new(key, format!("must not be negative, got {value}")).help("write 0 to leave this out"))
+}
+
+/// A number of a million as a part of one.
+pub(in crate::sensor) fn in_a_million(key: &str, value: f64) -> Result<f64, Invalid> {
+    if (0.0..=1e6).contains(&value) {
+        return Ok(value * 1e-6);
+    }
+    Err(Invalid::new(key, format!("must lie between 0 and 1000000, got {value}"))
+        .help("write how many of a million pixels, 0 for none"))
+}
+
+/// A part that is lost at each of many steps: 0 to below 1.
+pub(in crate::sensor) fn fraction_below_one(key: &str, value: f64) -> Result<f64, Invalid> {
+    if (0.0..1.0).contains(&value) {
+        return Ok(value);
+    }
+    Err(Invalid::new(key, format!("must be at least 0 and below 1, got {value}"))
+        .help(format!("for example {key} = 1e-5; write 0 for none")))
 }

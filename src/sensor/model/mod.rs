@@ -3,7 +3,8 @@
 //! In: a [`SensorDescription`] and a way to find the spectra that it names. Out: a [`SensorModel`] whose numbers can be
 //! relied on. Reading files is left to the caller.
 
-mod checks;
+mod architecture;
+pub(super) mod checks;
 mod converter;
 mod noise;
 
@@ -12,10 +13,17 @@ use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
 use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT};
 
-use super::description::{SensorDescription, SensorKind, SpectrumSource};
-use checks::{fraction, positive};
+use super::MaskedPixels;
+use super::ccd::margin;
+use super::crosstalk::Kernel;
+use super::description::{ChannelDescription, SensorDescription, SpectrumSource};
+use super::format;
+use super::layers;
+pub use architecture::Architecture;
+use checks::{fraction, not_negative, positive};
 pub use converter::Converter;
-pub use noise::{FixedPattern, Noise};
+pub(super) use converter::converter_range;
+pub use noise::{DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, Telegraph};
 
 /// An image sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,23 +35,29 @@ pub struct SensorModel {
     /// Where its numbers come from.
     pub source: String,
     /// Technology of the pixels.
-    pub kind: SensorKind,
+    pub architecture: Architecture,
     /// Columns and rows.
     pub resolution: [usize; 2],
+    /// Pixels around these that see no light.
+    pub masked: MaskedPixels,
     /// Pixel pitch along x and y, m.
     pub pixel_pitch_m: [f64; 2],
     /// Sensitive part of a pixel's area, above 0 up to 1.
     pub fill_factor: f64,
     /// Colour filter array.
     pub cfa: Cfa,
-    /// Transmittance of the filter in front of all pixels, 0–1.
+    /// Transmittance of all filters in front of the pixels together, 0–1.
     pub filter: Spectrum,
     /// Quantum efficiency η(λ), 0–1, one for each of the CFA's channels in their order.
     pub quantum_efficiency: Vec<Spectrum>,
+    /// Where electrons are collected, one for each of the CFA's channels in their order; `None` for each in its own pixel.
+    pub crosstalk: Option<Vec<Kernel>>,
     /// Noise sources.
     pub noise: Noise,
     /// Most electrons that a pixel can hold.
     pub full_well: Electrons,
+    /// Brighter-fatter effect: correlation of neighbours along x and y for each electron of a flat field, 1/e⁻.
+    pub brighter_fatter_per_e: [f64; 2],
     /// Gain and converter.
     pub converter: Converter,
 }
@@ -60,19 +74,23 @@ impl SensorModel {
             let message = format!("must lie between 1 and {MAX_RESOLUTION}, got {}", d.resolution_px[axis]);
             return Err(Invalid::new("resolution_px", message).help("for example resolution_px = [1920, 1200]"));
         }
-        for pitch in d.pixel_pitch_um {
-            positive("pixel_pitch_um", pitch, "[3.45, 3.45]")?;
-        }
+        let pixel_pitch_m = pixel_pitch_m(d)?;
         positive("fill_factor", d.fill_factor, "1.0")?;
         if d.fill_factor > 1.0 {
             return Err(Invalid::new("fill_factor", format!("must be at most 1, got {}", d.fill_factor))
                 .help("it is the part of a pixel's area that is sensitive to light"));
         }
         let cfa = Cfa::parse(&d.cfa)?;
-        let filter = match &d.filter.transmittance {
-            Some(source) => fraction("filter.transmittance", source, &mut resolve)?,
-            None => Spectrum::constant(1.0),
-        };
+        let mut filter = Spectrum::constant(1.0);
+        for (key, source) in [
+            ("filter.transmittance", &d.filter.transmittance),
+            ("filter.cover_glass", &d.filter.cover_glass),
+            ("filter.microlenses", &d.filter.microlenses),
+        ] {
+            if let Some(source) = source {
+                filter = filter.product(&fraction(key, source, &mut resolve)?);
+            }
+        }
         if let Some(surplus) = d.channels.keys().find(|name| !cfa.channels().contains(name)) {
             let message = format!("the colour filter array {:?} has no channel {surplus:?}", d.cfa);
             let help = format!("its channels are {}", cfa.channels().join(", "));
@@ -87,31 +105,48 @@ impl SensorModel {
                     return Err(Invalid::new(format!("channels.{letter}"), message)
                         .help(format!("write [channels.{letter}] with a quantum_efficiency")));
                 };
-                let key = format!("channels.{letter}.quantum_efficiency");
-                fraction(&key, &channel.quantum_efficiency, &mut resolve)
+                quantum_efficiency(channel, &mut resolve).map_err(|e| e.within(&format!("channels.{letter}")))
             })
             .collect::<Result<_, _>>()?;
         positive("charge.full_well_e", d.charge.full_well_e, "10000.0")?;
+        let architecture = Architecture::new(d)?;
+        let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
         Ok(Self {
             name: name.to_owned(),
             description: d.description.clone(),
             source: d.source.clone(),
-            kind: d.kind,
+            architecture,
             resolution: d.resolution_px.map(|n| n as usize),
-            pixel_pitch_m: d.pixel_pitch_um.map(|um| um * 1e-6),
+            masked: MaskedPixels {
+                columns: margins("masked_columns", d.masked_columns)?,
+                rows: margins("masked_rows", d.masked_rows)?,
+            },
+            pixel_pitch_m,
             fill_factor: d.fill_factor,
+            crosstalk: crosstalk(d, &cfa)?,
             cfa,
             filter,
             quantum_efficiency,
-            noise: Noise::new(&d.noise).map_err(|e| e.within("noise"))?,
+            noise: Noise::new(&d.noise, &d.defects)?,
             full_well: Electrons(d.charge.full_well_e),
-            converter: Converter::new(&d.adc).map_err(|e| e.within("adc"))?,
+            brighter_fatter_per_e: brighter_fatter(d)?,
+            converter,
         })
+    }
+
+    /// Width of a pixel over its height.
+    pub fn pixel_aspect(&self) -> f64 {
+        self.pixel_pitch_m[0] / self.pixel_pitch_m[1]
     }
 
     /// Area of a pixel, m².
     pub fn pixel_area_m2(&self) -> f64 {
         self.pixel_pitch_m[0] * self.pixel_pitch_m[1]
+    }
+
+    /// Quantum efficiency of every channel behind the filter, η_c(λ)·T(λ).
+    pub fn efficiencies(&self) -> Vec<Spectrum> {
+        self.quantum_efficiency.iter().map(|qe| qe.product(&self.filter)).collect()
     }
 
     /// Spectral response of every channel: electrons per second for each W·m⁻²·nm⁻¹ of irradiance and nm of bandwidth,
@@ -123,13 +158,95 @@ impl SensorModel {
     /// (the sensitivity model of [Emva1288](crate::references#emva1288), integrated over wavelength).
     pub fn responses(&self) -> Vec<(String, Spectrum)> {
         let area = self.pixel_area_m2() * self.fill_factor;
-        let response = |quantum_efficiency: &Spectrum| {
-            quantum_efficiency.product(&self.filter).map(|lambda_nm, electrons_per_photon| {
+        let response = |efficiency: Spectrum| {
+            efficiency.map(|lambda_nm, electrons_per_photon| {
                 let photons_per_joule = lambda_nm * 1e-9 / (PLANCK * SPEED_OF_LIGHT);
                 area * electrons_per_photon * photons_per_joule
             })
         };
-        self.cfa.channels().iter().cloned().zip(self.quantum_efficiency.iter().map(response)).collect()
+        self.cfa.channels().iter().cloned().zip(self.efficiencies().into_iter().map(response)).collect()
+    }
+}
+
+/// The pitch as stated, or that of a format.
+fn pixel_pitch_m(d: &SensorDescription) -> Result<[f64; 2], Invalid> {
+    match (&d.pixel_pitch_um, &d.format) {
+        (Some(_), Some(_)) => {
+            Err(Invalid::new("format", "cannot go with pixel_pitch_um").help("keep the one that is known better"))
+        }
+        (None, None) => Err(Invalid::new("pixel_pitch_um", "is missing")
+            .help("for example pixel_pitch_um = [3.45, 3.45], or format = \"2/3\"")),
+        (Some(pitch), None) => {
+            for &um in pitch {
+                positive("pixel_pitch_um", um, "[3.45, 3.45]")?;
+            }
+            Ok(pitch.map(|um| um * 1e-6))
+        }
+        (None, Some(name)) => {
+            let [width, height] = format::format_m(name).ok_or_else(|| {
+                Invalid::new("format", format!("there is no sensor format {name:?}"))
+                    .help(format!("known are {} inch; any other size is given by pixel_pitch_um", format::names()))
+            })?;
+            Ok([width / f64::from(d.resolution_px[0]), height / f64::from(d.resolution_px[1])])
+        }
+    }
+}
+
+/// The kernel of each channel, if any has one.
+fn crosstalk(d: &SensorDescription, cfa: &Cfa) -> Result<Option<Vec<Kernel>>, Invalid> {
+    let kernel = |key: &str, rows: &[Vec<f64>]| {
+        let sum: f64 = rows.iter().flatten().sum();
+        // Parts are written with few digits; what is missing to 1 is rounding.
+        Kernel::new(rows).filter(|_| (sum - 1.0).abs() < 1e-6).ok_or_else(|| {
+            let message = format!("must be an odd number of rows of equal, odd length and sum to 1, got {rows:?}");
+            Invalid::new(key, message).help("for example [[0, 0.01, 0], [0.01, 0.96, 0.01], [0, 0.01, 0]]")
+        })
+    };
+    let of_all = d.crosstalk.as_deref().map(|rows| kernel("crosstalk", rows)).transpose()?;
+    let of_channel = |letter: &String| match d.channels.get(letter).and_then(|channel| channel.crosstalk.as_deref()) {
+        Some(rows) => kernel(&format!("channels.{letter}.crosstalk"), rows).map(Some),
+        None => Ok(of_all.clone()),
+    };
+    let kernels: Vec<Option<Kernel>> = cfa.channels().iter().map(of_channel).collect::<Result<_, _>>()?;
+    let any = kernels.iter().any(Option::is_some);
+    Ok(any.then(|| kernels.into_iter().map(|kernel| kernel.unwrap_or_else(Kernel::keep)).collect()))
+}
+
+fn margins(key: &str, [before, after]: [u32; 2]) -> Result<[usize; 2], Invalid> {
+    Ok([margin(key, before)?, margin(key, after)?])
+}
+
+fn brighter_fatter(d: &SensorDescription) -> Result<[f64; 2], Invalid> {
+    let per_e = d.charge.brighter_fatter_per_e;
+    for a in per_e {
+        not_negative("charge.brighter_fatter_per_e", a)?;
+    }
+    // The model is of first order: where half of the charge changes sides it says nothing, and no real sensor is near.
+    let strongest = (per_e[0] + per_e[1]) * d.charge.full_well_e;
+    if strongest > 0.5 {
+        let message = format!("correlates neighbours at full well by {strongest}, which is beyond the model");
+        return Err(Invalid::new("charge.brighter_fatter_per_e", message).help("for example [2e-7, 3e-7]"));
+    }
+    Ok(per_e)
+}
+
+/// What a channel says of its quantum efficiency, in one of two ways.
+fn quantum_efficiency(
+    channel: &ChannelDescription,
+    resolve: &mut impl FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>,
+) -> Result<Spectrum, Invalid> {
+    let help = "write a quantum_efficiency, or the depths between which silicon absorbs, depth_um = [0.0, 3.0]";
+    match (&channel.quantum_efficiency, channel.depth_um) {
+        (Some(source), None) => fraction("quantum_efficiency", source, resolve),
+        (None, Some(depth_um @ [upper, lower])) => {
+            if !(upper.is_finite() && lower.is_finite() && 0.0 <= upper && upper < lower) {
+                let message = format!("{upper} to {lower} is no range of depths");
+                return Err(Invalid::new("depth_um", message).help("for example depth_um = [0.0, 3.0]"));
+            }
+            Ok(layers::quantum_efficiency(depth_um))
+        }
+        (Some(_), Some(_)) => Err(Invalid::new("depth_um", "says the same as quantum_efficiency").help(help)),
+        (None, None) => Err(Invalid::new("quantum_efficiency", "missing").help(help)),
     }
 }
 
@@ -205,6 +322,27 @@ mod tests {
             ("dark_current_doubling_k = 8.0", "dark_current_doubling_k = 0", "noise.dark_current_doubling_k"),
             ("prnu_percent = 1.0", "prnu_percent = nan", "noise.prnu_percent"),
             ("dsnu_e = 0.5", "dsnu_e = inf", "noise.dsnu_e"),
+            ("dark_current_doubling_k = 8.0, ", "", "noise.dark_current_doubling_k"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, row_noise_e = -1", "noise.row_noise_e"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, reset = { noise_e = 3, capacitance_ff = 1 }", "noise.reset.capacitance_ff"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, flicker.exponent = 3", "noise.flicker.exponent"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, telegraph.high_s = 0", "noise.telegraph.high_s"),
+            ("dsnu_e = 0.5", "dsnu_e = 0.5, read_noise_degrees_of_freedom = 2", "noise.read_noise_degrees_of_freedom"),
+            (
+                "dsnu_e = 0.5",
+                "dsnu_e = 0.5, transmission_errors_per_million = 2e6",
+                "noise.transmission_errors_per_million",
+            ),
+            ("fill_factor = 0.5", "defects.hot_per_million = -1", "defects.hot_per_million"),
+            ("fill_factor = 0.5", "format = \"2/3\"", "format"),
+            ("pixel_pitch_um = [5.0, 4.0]", "", "pixel_pitch_um"),
+            ("pixel_pitch_um = [5.0, 4.0]", "format = \"3/2\"", "format"),
+            ("fill_factor = 0.5", "crosstalk = [[0.5, 0.4, 0.0]]", "crosstalk"),
+            ("fill_factor = 0.5", "channels.R.crosstalk = [[0.5, 0.5]]", "channels.R.crosstalk"),
+            ("bits = 12", "bits = 12, inl_dn = 2000", "adc.inl_dn"),
+            ("bits = 12", "bits = 12, dnl_dn = 0.5", "adc.dnl_dn"),
+            ("bits = 12", "bits = 12, amplifier_nonlinearity_percent = [-60]", "adc.amplifier_nonlinearity_percent"),
+            ("bits = 12", "bits = 12, column_gain_percent = nan", "adc.column_gain_percent"),
             ("full_well_e = 10000.0", "full_well_e = 0", "charge.full_well_e"),
             ("bits = 12", "bits = 0", "adc.bits"),
             ("bits = 12", "bits = 40", "adc.bits"),
@@ -216,6 +354,19 @@ mod tests {
             let error = model(&TOML.replacen(from, to, 1)).expect_err(to);
             assert_eq!(error.key, key, "{error}");
         }
+    }
+
+    #[test]
+    fn a_format_over_the_resolution_is_the_pitch() {
+        let sensor = model(&TOML.replace("pixel_pitch_um = [5.0, 4.0]", "format = '2/3\"'")).expect("valid");
+        assert_eq!(sensor.pixel_pitch_m, [8.8e-3 / 64.0, 6.6e-3 / 48.0]);
+        assert_eq!(sensor.pixel_aspect(), 1.0);
+    }
+
+    #[test]
+    fn filters_follow_one_another() {
+        let text = TOML.replace("filter.transmittance = 0.8", "filter = { cover_glass = 0.5, microlenses = 0.25 }");
+        assert_eq!(model(&text).expect("valid").filter.eval(500.0), 0.125);
     }
 
     #[test]

@@ -9,9 +9,16 @@
                   panels.mtl gives the second one holes
     lamps.obj     eighty small lamps over the floor that face down ("lamps"), and one more ("bright")
     heap.gltf     two hundred instances of a ball of 5120 triangles ("heap")
+    nested.obj    two balls ("left", "right"), each with a ball of radius 0.3 inside it ("left-core", "right-core")
+    wedge.obj     a square tower with an edge towards −z, around the suite's camera: the right side at that edge
+                  is "ground", all others are "polished"
+    panels.gltf   the panels and the floor with texture transforms and wrap modes of their own
+    line-*.csv    responses at one wavelength, 1 nm wide
+    venice.hdr    no work of this script: its header says where it is from
     colours.png   8 × 8 texels, the corners of the RGB cube among them; holes.png, a mask; bumps.png, a normal map
 """
 
+import base64
 import math
 import random
 import struct
@@ -21,7 +28,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[2] / "scenes"))
-from gltf_file import GltfFile  # noqa: E402
+from gltf_file import GltfFile, one_line_each  # noqa: E402
 
 
 def icosphere(levels):
@@ -131,6 +138,58 @@ def panels():
     (HERE / "panels.mtl").write_text("\n".join(materials) + "\n", encoding="utf-8")
 
 
+def transformed():
+    """panels.gltf: what panels.obj shows, each panel with another KHR_texture_transform and other wrap modes."""
+    low, high = -0.6, 1.8
+    repeat, mirror, clamp, nearest = 10497, 33648, 33071, 9728
+    quads = [("tiles", ((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)), repeat, (0.1, 0.7), -0.3, (2.0, 1.4))]
+    for name, x, wrap, offset, rotation, scale in (
+        ("panel-1", -1.1, repeat, (0.35, -0.2), 0.5, (1.3, 0.8)),
+        ("panel-2", 0.0, mirror, (-0.15, 0.4), -0.9, (0.7, 1.2)),
+        ("panel-3", 1.1, clamp, (0.3, 0.1), 2.1, (0.6, 0.9)),
+    ):
+        corners = ((x - 0.5, 0.1, 0.0), (x + 0.5, 0.1, 0.0), (x + 0.5, 1.4, -0.3), (x - 0.5, 1.4, -0.3))
+        quads.append((name, corners, wrap, offset, rotation, scale))
+    # v points down in glTF.
+    uvs = struct.pack("<8f", low, high, high, high, high, low, low, low)
+    indices = struct.pack("<6H", 0, 1, 2, 0, 2, 3)
+    data = indices + uvs + b"".join(struct.pack("<12f", *sum(q[1], ())) for q in quads)
+    views = [(0, 12), (12, 32)] + [(44 + 48 * n, 48) for n in range(len(quads))]
+    accessors = [{"bufferView": 0, "componentType": 5123, "count": 6, "type": "SCALAR"}]
+    accessors.append({"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"})
+    for n, (_, corners, *_) in enumerate(quads):
+        bounds = {"min": [min(axis) for axis in zip(*corners)], "max": [max(axis) for axis in zip(*corners)]}
+        accessors.append({"bufferView": n + 2, "componentType": 5126, "count": 4, "type": "VEC3"} | bounds)
+
+    def material(n, name, offset, rotation, scale):
+        transform = {"offset": offset, "rotation": rotation, "scale": scale}
+        texture = {"index": n, "extensions": {"KHR_texture_transform": transform}}
+        pbr = {"baseColorTexture": texture, "metallicFactor": 0.0, "roughnessFactor": 0.6}
+        return {"name": name, "doubleSided": True, "pbrMetallicRoughness": pbr}
+
+    document = {
+        "asset": {"version": "2.0", "generator": "make.py"},
+        "extensionsUsed": ["KHR_texture_transform"],
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(quads)))}],
+        "nodes": [{"name": q[0], "mesh": n} for n, q in enumerate(quads)],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": n + 2, "TEXCOORD_0": 1}, "indices": 0, "material": n}]}
+            for n in range(len(quads))
+        ],
+        "materials": [material(n, q[0], *q[3:]) for n, q in enumerate(quads)],
+        "textures": [{"source": 0, "sampler": n} for n in range(len(quads))],
+        "samplers": [{"magFilter": nearest, "minFilter": nearest, "wrapS": q[2], "wrapT": q[2]} for q in quads],
+        "images": [{"uri": "colours.png"}],
+        "accessors": accessors,
+        "bufferViews": [{"buffer": 0, "byteOffset": offset, "byteLength": length} for offset, length in views],
+        "buffers": [{
+            "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(), "byteLength": len(data)
+        }],
+    }
+    (HERE / "panels.gltf").write_text(one_line_each(document) + "\n", encoding="utf-8")
+
+
 def lamps():
     obj, dice = Obj(), random.Random(5)
     for n in range(81):
@@ -157,6 +216,7 @@ def heap():
 def main():
     pictures()
     panels()
+    transformed()
     lamps()
     heap()
     stage = Obj()
@@ -188,6 +248,27 @@ def main():
                 if triangle:
                     lines.append("f " + " ".join(f"{k}/{k}/{k}" for k in triangle))
     (HERE / "uv-ball.obj").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+    nested = Obj()
+    for name, x in (("left", -0.6), ("right", 0.6)):
+        for part, radius in (("", 0.5), ("-core", 0.3)):
+            ball = [(radius * a + x, radius * b + 0.5, radius * c) for a, b, c in points]
+            nested.add(name + part, ball, faces)
+    nested.write("nested.obj")
+
+    wedge = Obj()
+    # Corners around the camera at (0, 1.2, 3.6), the first one ahead, then to the right.
+    around = [(0.0, 2.6), (1.0, 3.6), (0.0, 4.6), (-1.0, 3.6)]
+    for name, (a, b) in zip(("ground", "polished", "polished", "polished"), zip(around, around[1:] + around[:1])):
+        low, high = [[(x, y, z) for x, z in (a, b)] for y in (0.2, 2.2)]
+        wedge.add(name, *quad(low[1], low[0], high[0], high[1]))
+    for y, order in ((0.2, 1), (2.2, -1)):
+        wedge.add("polished", *quad(*[(x, y, z) for x, z in around[::order]]))
+    wedge.write("wedge.obj")
+
+    for nm in (450, 540, 620):
+        text = f"# A response to {nm} nm alone. Written by make.py.\nwavelength_nm,value\n"
+        (HERE / f"line-{nm}.csv").write_text(text + f"{nm - 1},0\n{nm},0.5\n{nm + 1},0\n", encoding="utf-8")
 
     block = Obj()
     (x0, x1), (y0, y1), (z0, z1) = (-0.3, 0.3), (0.0, 1.0), (-0.3, 0.3)

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 
+use crate::develop::DevelopSettings;
 use crate::sensor::SensorDescription;
 
 pub(super) use camera::{
@@ -59,14 +60,17 @@ pub(crate) struct CaptureFile {
     /// How light is traced.
     #[schemars(with = "Option<RenderTable>")]
     pub(crate) render: RenderTable,
+    /// How the raw picture is developed.
+    #[schemars(with = "Option<DevelopSettings>")]
+    pub(crate) develop: DevelopSettings,
     /// What is written.
     #[schemars(with = "Option<OutputTable>")]
     pub(crate) output: OutputTable,
 }
 
 /// Names of the tables of a capture file.
-pub(super) const SECTIONS: [&str; 9] =
-    ["scene", "lights", "materials", "camera", "lens", "sensor", "exposure", "render", "output"];
+pub(super) const SECTIONS: [&str; 10] =
+    ["scene", "lights", "materials", "camera", "lens", "sensor", "exposure", "render", "develop", "output"];
 
 /// A preset or sensor file with the changes of `[sensor]` laid over it.
 #[derive(Debug)]

@@ -71,6 +71,9 @@ pub(crate) struct OutputTable {
     pub(crate) raw: Option<Vec<RawFormat>>,
     /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Left out: false.
     pub(crate) irradiance: Option<IrradianceSource>,
+    /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise, mosaic
+    /// or errors of colour, as ideal.exr and ideal.png. Left out: false.
+    pub(crate) ideal: Option<bool>,
     /// Mean electrons of every pixel, without noise. Left out: true.
     pub(crate) electrons: Option<bool>,
     /// Seconds between pictures of a render that is under way; 0 for none. Left out: 10.

@@ -1,0 +1,95 @@
+//! Images of even light: the same number of photons on every pixel, exactly.
+
+use crate::Invalid;
+use crate::image::{Channel, Planes};
+use crate::raw::{BlackLevel, Cfa, RawImage, RawMetadata};
+use crate::sensor::{NoiseKey, SensorModel, Stages, expose};
+use crate::units::Seconds;
+
+use super::expected::quantum_efficiency;
+use super::plan::OperatingPoint;
+
+/// A sensor in front of even light, of which the numbers of one channel are looked at.
+#[derive(Clone, Debug)]
+pub struct FlatField<'a> {
+    sensor: &'a SensorModel,
+    point: OperatingPoint,
+    /// η of every channel at the light's wavelength.
+    efficiencies: Vec<f64>,
+    /// Columns and rows of the plane of one channel.
+    size: [usize; 2],
+    /// Where the channel first stands in the tile of the colour filter array.
+    place: [usize; 2],
+}
+
+impl<'a> FlatField<'a> {
+    /// `size`: columns and rows of the images, which show one number of every tile of the colour filter array, of channel
+    /// `point.channel`: programs that evaluate them know of no mosaics.
+    pub fn new(sensor: &'a SensorModel, point: &OperatingPoint, size: [usize; 2]) -> Self {
+        let channels = sensor.cfa.channels().len();
+        let (columns, rows) = sensor.cfa.tile_size();
+        let places = (0..columns * rows).map(|i| [i % columns, i / columns]);
+        let is_place = |&[x, y]: &[usize; 2]| sensor.cfa.channel_at(x, y) == point.channel;
+        Self {
+            sensor,
+            point: *point,
+            efficiencies: (0..channels).map(|i| quantum_efficiency(sensor, i, point.wavelength_nm)).collect(),
+            size,
+            place: places.filter(is_place).min_by_key(|&[x, y]| (y, x)).unwrap_or_default(),
+        }
+    }
+
+    /// Largest images that a sensor can give of one channel: a pixel for each whole tile.
+    pub fn largest_size(sensor: &SensorModel) -> [usize; 2] {
+        let [columns, rows] = pixels_of_tile(&sensor.cfa);
+        [sensor.resolution[0] / columns, sensor.resolution[1] / rows]
+    }
+
+    /// Images of `photons` on every pixel, one for each frame number.
+    pub fn images(
+        &self,
+        photons: f64,
+        time: Seconds,
+        seed: u64,
+        frames: impl Iterator<Item = u64>,
+    ) -> impl Iterator<Item = Result<RawImage, Invalid>> {
+        let [columns, rows] = pixels_of_tile(&self.sensor.cfa);
+        let [width, height] = [self.size[0] * columns, self.size[1] * rows];
+        let electrons = |(name, efficiency): (&String, &f64)| Channel {
+            name: name.clone(),
+            data: vec![(photons * efficiency) as f32; width * height],
+        };
+        let channels = self.sensor.cfa.channels().iter().zip(&self.efficiencies).map(electrons).collect();
+        let planes = Planes::new(width, height, channels);
+        let exposure = self.point.exposure(time);
+        frames.map(move |frame| {
+            let planes = planes.as_ref().map_err(Clone::clone)?;
+            let mosaic = expose(planes, self.sensor, &exposure, Stages::ALL, NoiseKey { seed, frame })?;
+            Ok(self.plane(&mosaic))
+        })
+    }
+
+    /// The numbers of the channel.
+    fn plane(&self, raw: &RawImage) -> RawImage {
+        let raw = raw.cropped();
+        let (columns, rows) = raw.cfa.tile_size();
+        let lines = raw.data.chunks_exact(raw.row_length()).skip(self.place[1]).step_by(rows);
+        let data = lines.flat_map(|line| line[self.place[0]..].iter().step_by(columns).copied()).collect();
+        let noise_profile = raw.metadata.noise_profile.get(self.point.channel).copied().into_iter().collect();
+        RawImage {
+            width: self.size[0],
+            height: self.size[1],
+            data,
+            cfa: Cfa::mono(),
+            black_level_dn: BlackLevel::uniform(raw.black_level_dn.at(self.place[0], self.place[1])),
+            metadata: RawMetadata { noise_profile, ..raw.metadata },
+            ..raw
+        }
+    }
+}
+
+/// Columns and rows of pixels in the tile of an array: a tile of all channels at every pixel is one pixel.
+fn pixels_of_tile(cfa: &Cfa) -> [usize; 2] {
+    let (columns, rows) = cfa.tile_size();
+    [columns / cfa.samples_per_pixel(), rows]
+}

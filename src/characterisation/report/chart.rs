@@ -1,0 +1,273 @@
+//! Plots of curves and points as SVG.
+
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::{
+    ChartBuilder, Circle, DashedLineSeries, DrawingArea, DrawingAreaErrorKind, IntoDrawingArea, IntoFont, IntoLogRange,
+    LineSeries, PathElement, RGBColor, Ranged, SVGBackend, SeriesLabelPosition, ShapeStyle, WHITE,
+};
+
+/// Measured points and the first of the lines.
+pub(super) const BLUE: RGBColor = RGBColor(31, 95, 168);
+/// Fits and expectations.
+pub(super) const ORANGE: RGBColor = RGBColor(213, 94, 0);
+/// Limits.
+pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
+/// A third line.
+pub(super) const GREEN: RGBColor = RGBColor(0, 130, 100);
+const INK: RGBColor = RGBColor(40, 44, 52);
+const GRID: RGBColor = RGBColor(222, 225, 230);
+const FINE_GRID: RGBColor = RGBColor(241, 243, 246);
+
+/// The plotting library rounds positions to whole units, so there are more of them than pixels of a screen.
+const SIZE: (u32, u32) = (1440, 960);
+const FONT: &str = "Helvetica, Arial, sans-serif";
+
+/// An axis.
+#[derive(Clone, Debug)]
+pub(super) struct Axis {
+    pub(super) label: String,
+    pub(super) logarithmic: bool,
+    /// From and to; left to choose, it holds all points.
+    pub(super) range: Option<[f64; 2]>,
+}
+
+impl Axis {
+    pub(super) fn linear(label: impl Into<String>) -> Self {
+        Self { label: label.into(), logarithmic: false, range: None }
+    }
+
+    pub(super) fn logarithmic(label: impl Into<String>) -> Self {
+        Self { label: label.into(), logarithmic: true, range: None }
+    }
+
+    pub(super) fn within(mut self, from: f64, to: f64) -> Self {
+        self.range = Some([from, to]);
+        self
+    }
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mark {
+    Points,
+    Line,
+    Dashes,
+}
+
+/// Points that belong together.
+#[derive(Clone, Debug)]
+pub(super) struct Curve {
+    /// For the legend; empty for none.
+    pub(super) label: String,
+    pub(super) mark: Mark,
+    pub(super) colour: RGBColor,
+    pub(super) points: Vec<(f64, f64)>,
+}
+
+impl Curve {
+    pub(super) fn new(label: impl Into<String>, mark: Mark, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
+        Self { label: label.into(), mark, colour, points }
+    }
+}
+
+/// A plot.
+#[derive(Clone, Debug)]
+pub(super) struct Chart {
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+    pub(super) curves: Vec<Curve>,
+    pub(super) legend: SeriesLabelPosition,
+}
+
+type DrawResult = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+
+impl Chart {
+    /// The plot as an `svg` element. Points that an axis cannot show are left out.
+    pub(super) fn svg(&self) -> String {
+        let shown = |&(x, y): &(f64, f64)| {
+            x.is_finite() && y.is_finite() && (!self.x.logarithmic || x > 0.0) && (!self.y.logarithmic || y > 0.0)
+        };
+        let curves: Vec<Curve> = self
+            .curves
+            .iter()
+            .map(|curve| Curve { points: curve.points.iter().copied().filter(shown).collect(), ..curve.clone() })
+            .collect();
+        let all = || curves.iter().flat_map(|curve| curve.points.iter());
+        let x = bounds(&self.x, all().map(|p| p.0));
+        let y = bounds(&self.y, all().map(|p| p.1));
+        let mut svg = String::new();
+        let drawn = {
+            let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+            let [x, y] = [x, y].map(|[from, to]| from..to);
+            match (self.x.logarithmic, self.y.logarithmic) {
+                (false, false) => self.draw(&area, &curves, x, y),
+                (true, false) => self.draw(&area, &curves, x.log_scale(), y),
+                (false, true) => self.draw(&area, &curves, x, y.log_scale()),
+                (true, true) => self.draw(&area, &curves, x.log_scale(), y.log_scale()),
+            }
+        };
+        // Drawing into a text cannot run out of anything.
+        drawn.unwrap_or_else(|error| panic!("cannot draw the plot of {}: {error}", self.y.label));
+        svg
+    }
+
+    fn draw<X, Y>(&self, area: &DrawingArea<SVGBackend<'_>, Shift>, curves: &[Curve], x: X, y: Y) -> DrawResult
+    where
+        X: AsRangedCoord<Value = f64> + Clone,
+        Y: AsRangedCoord<Value = f64> + Clone,
+        X::CoordDescType: ValueFormatter<f64> + Ranged<ValueType = f64>,
+        Y::CoordDescType: ValueFormatter<f64> + Ranged<ValueType = f64>,
+    {
+        area.fill(&WHITE)?;
+        let mut chart = ChartBuilder::on(area)
+            .margin_top(24)
+            .margin_right(40)
+            .margin_bottom(12)
+            .margin_left(12)
+            .x_label_area_size(100)
+            .y_label_area_size(150)
+            .build_cartesian_2d(x, y)?;
+        let text = |size: u32| (FONT, size).into_font().color(&INK);
+        chart
+            .configure_mesh()
+            .bold_line_style(GRID)
+            .light_line_style(FINE_GRID)
+            .axis_style(ShapeStyle { color: INK.into(), filled: false, stroke_width: 2 })
+            .x_labels(8)
+            .y_labels(8)
+            .label_style(text(30))
+            .axis_desc_style(text(34))
+            .x_desc(self.x.label.as_str())
+            .y_desc(self.y.label.as_str())
+            .x_label_formatter(&tick)
+            .y_label_formatter(&tick)
+            .draw()?;
+        for curve in curves {
+            let style = ShapeStyle { color: curve.colour.into(), filled: curve.mark == Mark::Points, stroke_width: 4 };
+            let points = curve.points.iter().copied();
+            let drawn = match curve.mark {
+                Mark::Points => chart.draw_series(points.map(|p| Circle::new(p, 7, style)))?,
+                Mark::Line => chart.draw_series(LineSeries::new(points, style))?,
+                Mark::Dashes => chart.draw_series(DashedLineSeries::new(points, 14, 10, style))?,
+            };
+            if curve.label.is_empty() {
+                continue;
+            }
+            let (mark, label) = (curve.mark, curve.label.clone());
+            drawn.label(label).legend(move |(x, y)| {
+                let sample = match mark {
+                    Mark::Points => vec![(x + 20, y - 4), (x + 20, y + 4)],
+                    Mark::Line | Mark::Dashes => vec![(x, y), (x + 40, y)],
+                };
+                let stroke_width = match mark {
+                    Mark::Points => 14,
+                    Mark::Line => 5,
+                    Mark::Dashes => 2,
+                };
+                PathElement::new(sample, ShapeStyle { stroke_width, ..style })
+            });
+        }
+        if curves.iter().any(|curve| !curve.label.is_empty()) {
+            chart
+                .configure_series_labels()
+                .position(self.legend.clone())
+                .margin(20)
+                .legend_area_size(56)
+                .background_style(ShapeStyle { color: WHITE.into(), filled: true, stroke_width: 1 })
+                .border_style(GRID)
+                .label_font(text(30))
+                .draw()?;
+        }
+        area.present()
+    }
+}
+
+/// The ends of an axis: what was asked for, or what holds all values with a little room.
+fn bounds(axis: &Axis, values: impl Iterator<Item = f64>) -> [f64; 2] {
+    if let Some(range) = axis.range {
+        return range;
+    }
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(v), h.max(v)]);
+    match (low.is_finite() && high.is_finite(), axis.logarithmic) {
+        (false, true) => [0.1, 10.0],
+        (false, false) => [0.0, 1.0],
+        // Whole decades, so that there are at least two labels.
+        (true, true) => [low.log10().floor(), (high * 1.001).log10().ceil()].map(|exponent| 10f64.powf(exponent)),
+        (true, false) => {
+            let room = if high > low { 0.04 * (high - low) } else { low.abs().max(1.0) };
+            // What begins at nothing is shown from nothing.
+            let low = if low >= 0.0 && low < 0.1 * high { 0.0 } else { low - room };
+            [low, high + room]
+        }
+    }
+}
+
+/// A number at an axis: powers of ten where they are shorter.
+fn tick(value: &f64) -> String {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || (1e-3..1e5).contains(&magnitude) {
+        // Ticks lie at round numbers, which rounding errors must not show.
+        let digits = (5.0 - magnitude.max(1e-3).log10().floor()).clamp(0.0, 9.0) as usize;
+        let text = format!("{value:.digits$}");
+        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        return text.to_owned();
+    }
+    let exponent = magnitude.log10().floor() as i32;
+    let mantissa = value / 10f64.powi(exponent);
+    let power: String = exponent.to_string().chars().map(superscript).collect();
+    if (mantissa - 1.0).abs() < 1e-6 {
+        format!("10{power}")
+    } else {
+        format!("{}·10{power}", (mantissa * 1e3).round() / 1e3)
+    }
+}
+
+fn superscript(c: char) -> char {
+    match c {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        '0' | '4'..='9' => char::from_u32(c as u32 - '0' as u32 + 0x2070).unwrap_or(c),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.1 + 0.2, "0.3"),
+            (-0.02, "-0.02"),
+            (12_000.0, "12000"),
+            (1e5, "10⁵"),
+            (2.5e-4, "2.5·10⁻⁴"),
+            (1e-12, "10⁻¹²"),
+        ] {
+            assert_eq!(tick(&value), text);
+        }
+    }
+
+    #[test]
+    fn any_points_can_be_drawn() {
+        let axes: [fn(&'static str) -> Axis; 2] = [|label| Axis::linear(label), |label| Axis::logarithmic(label)];
+        for x in axes {
+            for y in axes {
+                for points in [vec![], vec![(1.0, 1.0)], vec![(0.0, -1.0), (f64::NAN, 2.0), (3.0, f64::INFINITY)]] {
+                    let curves = [Mark::Points, Mark::Line, Mark::Dashes]
+                        .map(|mark| Curve::new("curve", mark, BLUE, points.clone()))
+                        .to_vec();
+                    let (x, y) = (x("time in s"), y("signal in DN"));
+                    let chart = Chart { x, y, curves, legend: SeriesLabelPosition::UpperLeft };
+                    let svg = chart.svg();
+                    assert!(svg.starts_with("<svg") && svg.contains("signal in DN"), "{svg}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Figures of EMVA 1288 as text: what image sets must show, and what they do show.
+
+use photosite::characterisation::Row;
+use photosite::characterisation::report::{ChannelReport, Report};
+use photosite::io::image_sets::ImageSets;
+
+use super::rounded;
+
+/// The figures that the image sets of a sensor must show, a column for each channel.
+pub(super) fn expected_text(sets: &ImageSets) -> String {
+    let heads: Vec<String> =
+        sets.channels.iter().map(|c| format!("{} at {} nm", c.channel, rounded(c.wavelength_nm, 6))).collect();
+    let columns: Vec<Vec<Row>> = sets.channels.iter().map(|c| c.expected.rows()).collect();
+    let title =
+        format!("{}: expected of {} × {} pixels at {} dB", sets.sensor, sets.size_px[0], sets.size_px[1], sets.gain_db);
+    format!("{title}\n\n{}", table(&heads, &columns))
+}
+
+/// Rows of figures side by side.
+fn table(heads: &[String], columns: &[Vec<Row>]) -> String {
+    let Some(first) = columns.first() else { return String::new() };
+    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |x| rounded(x, 5).to_string());
+    let mut grid = vec![[vec![String::new(); 3], heads.to_vec()].concat()];
+    for (i, Row { name, symbol, unit, .. }) in first.iter().enumerate() {
+        let values = columns.iter().map(|column| cell(column[i].value));
+        grid.push([name, symbol, unit].iter().map(|s| (**s).to_owned()).chain(values).collect());
+    }
+    aligned(&grid)
+}
+
+/// Cells in columns: three of words, then numbers.
+fn aligned(grid: &[Vec<String>]) -> String {
+    let width = |column: usize| grid.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..grid[0].len()).map(width).collect();
+    let line = |cells: &Vec<String>| {
+        let cells = cells
+            .iter()
+            .zip(&widths)
+            .enumerate()
+            .map(|(i, (cell, &width))| if i < 3 { format!("{cell:width$}") } else { format!("{cell:>width$}") });
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    };
+    grid.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// What image sets show, beside what they are expected to show.
+pub(super) fn measured_text(report: &Report) -> String {
+    let channel = |channel: &ChannelReport| {
+        let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |x| rounded(x, 5).to_string());
+        let mut lines = vec![["", "", "", "measured", "expected", "deviation"].map(str::to_owned).to_vec()];
+        for line in channel.lines() {
+            let Row { name, symbol, unit, value } = line.measured;
+            lines.push(vec![
+                name.to_owned(),
+                symbol.to_owned(),
+                unit.to_owned(),
+                cell(value),
+                cell(line.expected),
+                line.deviation(),
+            ]);
+        }
+        format!("{}\n{}", channel.title, aligned(&lines))
+    };
+    report.channels.iter().map(channel).collect::<Vec<_>>().join("\n\n")
+}

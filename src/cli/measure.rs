@@ -1,0 +1,340 @@
+//! `photosite measure`: figures of pictures.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use glam::{DVec2, DVec3};
+use photosite::colour::adaptation::bradford;
+use photosite::colour::{ColourSpace, Transfer, cielab, difference};
+use photosite::image::{Channel, Planes};
+use photosite::io::capture::Capture;
+use photosite::io::picture_file::read_picture_file;
+use photosite::measure::{CheckerReport, EdgeResponse, Histogram, checker, histogram, slanted_edge, ssim};
+use photosite::scene::description::{Colour, MaterialDescription, MaterialModel};
+use photosite::scene::{self, Scene};
+use photosite::spectrum::{Spectrum, cie, library};
+use photosite::validation::Picture;
+use photosite::{Error, Invalid, Result};
+use serde::Serialize;
+
+use super::render::{pixels, place_camera};
+use super::{print_json, println_out};
+
+/// Measure pictures: sharpness, colours, likeness, histograms.
+#[derive(Args)]
+pub(super) struct MeasureArgs {
+    #[command(subcommand)]
+    measure: Measure,
+}
+
+#[derive(Subcommand)]
+enum Measure {
+    /// Transfer function (MTF, SFR) from a slanted edge after ISO 12233.
+    Mtf {
+        #[command(flatten)]
+        picture: PictureArgs,
+        /// The part of the picture with the edge: column, row, columns, rows [default: all].
+        #[arg(long, value_name = "X,Y,W,H", value_delimiter = ',', num_args = 1)]
+        region: Option<Vec<usize>>,
+        /// The channel to measure [default: G, or the only one].
+        #[arg(long, value_name = "NAME")]
+        channel: Option<String>,
+    },
+    /// How often values occur in each channel.
+    Histogram {
+        #[command(flatten)]
+        picture: PictureArgs,
+        /// Bins of equal width.
+        #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+        bins: u32,
+    },
+    /// Colour differences of a colour checker, which is found by what the capture says is where.
+    Checker {
+        #[command(flatten)]
+        picture: PictureArgs,
+        /// The capture that the picture is of: materials with reflectances colour-checker/… are the patches.
+        #[arg(long, value_name = "FILE")]
+        capture: PathBuf,
+    },
+    /// PSNR, SSIM and colour differences of two pictures; B is the reference.
+    Similarity {
+        #[command(flatten)]
+        picture: PictureArgs,
+        /// The reference.
+        b: PathBuf,
+    },
+}
+
+#[derive(Args)]
+struct PictureArgs {
+    /// A picture: .exr, .png, .tiff, or a raw file of a monochrome sensor.
+    picture: PathBuf,
+    /// Codes of the picture are in proportion to light, not encoded as sRGB.
+    #[arg(long)]
+    linear: bool,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+impl PictureArgs {
+    fn read(&self) -> Result<Picture> {
+        read_picture_file(&self.picture)
+    }
+
+    /// Planes of linear light, white at 1 where the file has codes.
+    fn read_linear(&self, path: &Path) -> Result<Planes> {
+        let picture = read_picture_file(path)?;
+        let Some(full_scale) = picture.full_scale.filter(|_| picture.unit.as_deref() != Some("DN")) else {
+            return Ok(picture.mean);
+        };
+        let transfer = if self.linear { Transfer::Linear } else { Transfer::Srgb };
+        let decoded = |channel: &Channel| Channel {
+            name: channel.name.clone(),
+            data: channel.data.iter().map(|&code| transfer.decode(code / full_scale as f32)).collect(),
+        };
+        let (width, height) = (picture.mean.width(), picture.mean.height());
+        let planes = Planes::new(width, height, picture.mean.channels().iter().map(decoded).collect());
+        planes.map_err(|invalid| invalid.in_file(path))
+    }
+
+    fn print<T: Serialize>(&self, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {
+        if self.json { print_json(report) } else { println_out(&text(report)) }
+    }
+}
+
+pub(super) fn run(args: &MeasureArgs) -> Result<()> {
+    match &args.measure {
+        Measure::Mtf { picture, region, channel } => {
+            let planes = picture.read_linear(&picture.picture)?;
+            let plane = chosen(&planes, channel.as_deref()).map_err(usage)?;
+            let size = [planes.width(), planes.height()];
+            let region = region.as_deref().map_or(Ok([0, 0, size[0], size[1]]), |given| {
+                <[usize; 4]>::try_from(given).map_err(|_| {
+                    usage(
+                        Invalid::new("region", format!("{} numbers instead of 4", given.len()))
+                            .help("for example --region 100,80,40,60"),
+                    )
+                })
+            })?;
+            picture.print(&slanted_edge(&plane.data, size, region).map_err(usage)?, mtf_text)
+        }
+        Measure::Histogram { picture, bins } => {
+            let read = picture.read()?;
+            let range = read.full_scale.map(|full_scale| [0.0, full_scale]);
+            let of = |channel| histogram(channel, *bins as usize, range);
+            picture.print(&read.mean.channels().iter().map(of).collect::<Vec<_>>(), |all| histogram_text(all))
+        }
+        Measure::Checker { picture, capture } => {
+            picture.print(&measure_checker(&picture.read_linear(&picture.picture)?, capture)?, checker_text)
+        }
+        Measure::Similarity { picture, b } => picture.print(&similarity(picture, b)?, similarity_text),
+    }
+}
+
+/// What does not fit together is the command line.
+fn usage(Invalid { key, message, help }: Invalid) -> Error {
+    let message = if key.is_empty() { message } else { format!("{key}: {message}") };
+    Error::Usage { message, help }
+}
+
+fn chosen<'a>(planes: &'a Planes, name: Option<&str>) -> std::result::Result<&'a Channel, Invalid> {
+    let channels = planes.channels();
+    let wanted = name.or(if channels.len() == 1 { None } else { Some("G") });
+    let found = channels.iter().find(|channel| wanted.is_none_or(|name| channel.name == name));
+    found.ok_or_else(|| {
+        let names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).collect();
+        Invalid::new("channel", format!("the picture has no channel {}", wanted.unwrap_or_default()))
+            .help(format!("it has {}; choose one by --channel", names.join(", ")))
+    })
+}
+
+fn mtf_text(edge: &EdgeResponse) -> String {
+    let frequency = |f: Option<f64>| f.map_or("not reached".to_owned(), |f| format!("{f:.4} cycles per pixel"));
+    let run = if edge.is_vertical { "columns" } else { "rows" };
+    let mut text = format!(
+        "edge {:.2}° off the {run}\nMTF50  {}\nMTF10  {}\nat half a cycle per pixel  {:.4}\n\ncycles per pixel  MTF",
+        edge.angle_deg,
+        frequency(edge.mtf50_cy_per_px),
+        frequency(edge.mtf10_cy_per_px),
+        edge.at_nyquist
+    );
+    for (f, m) in edge.frequency_cy_per_px.iter().zip(&edge.mtf).step_by(5).filter(|(f, _)| **f <= 0.5) {
+        text += &format!("\n{f:>16.2}  {m:.4}");
+    }
+    text
+}
+
+fn histogram_text(histograms: &[Histogram]) -> String {
+    let mut text = "channel  mean  standard deviation  1 %  5 %  25 %  50 %  75 %  95 %  99 %  at the top".to_owned();
+    for h in histograms {
+        let percentiles: Vec<String> = h.percentiles.iter().map(|p| format!("{p:.5}")).collect();
+        let full = h.above + h.counts.last().copied().unwrap_or(0);
+        text +=
+            &format!("\n{}  {:.5}  {:.5}  {}  {full}", h.channel, h.mean, h.standard_deviation, percentiles.join("  "));
+    }
+    text
+}
+
+/// Pixels that a patch's edge is kept away from, since neighbours mix there.
+const MARGIN: usize = 3;
+
+fn measure_checker(picture: &Planes, path: &Path) -> Result<CheckerReport> {
+    let mut capture = Capture::read(path, &[])?;
+    let [width, height] = pixels(&capture).map(|n| n as usize);
+    if [picture.width(), picture.height()] != [width, height] {
+        let message = format!(
+            "the picture has {} × {} pixels, the capture {width} × {height}",
+            picture.width(),
+            picture.height()
+        );
+        return Err(usage(Invalid::new("", message).help("give the capture that the picture was rendered from")));
+    }
+    let description = std::mem::take(&mut capture.scene);
+    let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
+    let spectra: Vec<Spectrum> = names.iter().filter_map(|name| library::spectrum(name)).collect();
+    let patch_of_material: Vec<Option<usize>> =
+        description.materials.iter().map(|material| patch_of(material, &spectra)).collect();
+    let scene = scene::build(description, &Spectrum::constant(1.0));
+    let seen = shown_patches(&capture, &scene, &patch_of_material)?;
+    let light = scene.light_spectrum();
+    let white = DVec3::from_array(cie::xyz(light));
+    let adaptation = bradford(white / white.y, ColourSpace::Srgb.white());
+    let colour = |spectrum: &Spectrum| adaptation * (DVec3::from_array(cie::xyz(&light.product(spectrum))) / white.y);
+    let patches: Vec<(String, DVec3)> =
+        names.iter().zip(&spectra).map(|(name, spectrum)| ((*name).to_owned(), colour(spectrum))).collect();
+    checker(picture, &seen, &patches).map_err(|invalid| {
+        let help = "the chart's materials must have reflectances \"colour-checker/01-dark-skin\" and so on";
+        capture.source.error(Invalid { help: invalid.help.or(Some(help.to_owned())), ..invalid })
+    })
+}
+
+/// The patch whose reflectance a material has.
+fn patch_of(material: &MaterialDescription, spectra: &[Spectrum]) -> Option<usize> {
+    if let MaterialModel::Diffuse { reflectance } = &material.model
+        && let (Colour::Spectrum(spectrum), None) = (&reflectance.colour, &reflectance.texture)
+    {
+        return spectra.iter().position(|patch| patch == spectrum);
+    }
+    None
+}
+
+/// For every pixel the patch that it shows, with all of its surroundings.
+fn shown_patches(capture: &Capture, scene: &Scene, patch_of_material: &[Option<usize>]) -> Result<Vec<Option<usize>>> {
+    let camera = place_camera(capture, |ray| scene.closest(ray))?;
+    let [width, height] = pixels(capture).map(|n| n as usize);
+    let patch = |i: usize| {
+        let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+        let hit = scene.closest(&camera.chief_ray(centre)?)?;
+        patch_of_material.get(scene.point(&hit).material as usize).copied().flatten()
+    };
+    let shown: Vec<Option<usize>> = (0..width * height).map(patch).collect();
+    let whole = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let inside =
+            (MARGIN..width.saturating_sub(MARGIN)).contains(&x) && (MARGIN..height.saturating_sub(MARGIN)).contains(&y);
+        let same =
+            || (y - MARGIN..=y + MARGIN).all(|y| (x - MARGIN..=x + MARGIN).all(|x| shown[y * width + x] == shown[i]));
+        shown[i].filter(|_| inside && same())
+    };
+    Ok((0..width * height).map(whole).collect())
+}
+
+fn checker_text(report: &CheckerReport) -> String {
+    let mut text = "patch  pixels  L* a* b*  expected  ΔE00".to_owned();
+    let lab = |lab: &[f64; 3]| lab.map(|v| format!("{v:.2}")).join(" ");
+    for patch in &report.patches {
+        text += &format!(
+            "\n{}  {}  {}  {}  {:.2}",
+            patch.name,
+            patch.pixels,
+            lab(&patch.lab),
+            lab(&patch.expected_lab),
+            patch.delta_e_2000
+        );
+    }
+    text + &format!(
+        "\n\nΔE00 mean {:.3}, median {:.3}, largest {:.3}; ΔE*ab mean {:.3}; brightness brought to the chart's by {:.4}",
+        report.mean_delta_e_2000,
+        report.median_delta_e_2000,
+        report.largest_delta_e_2000,
+        report.mean_delta_e_76,
+        report.scale
+    )
+}
+
+/// Likeness of two pictures.
+#[derive(Serialize)]
+struct Similarity {
+    channels: Vec<ChannelSimilarity>,
+    /// Of pictures with R, G and B: colour differences of their pixels, as sRGB.
+    mean_delta_e_2000: Option<f64>,
+    largest_delta_e_2000: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct ChannelSimilarity {
+    channel: String,
+    /// Of the values as the files hold them; `null` where they are the same.
+    psnr_db: Option<f64>,
+    ssim: Option<f64>,
+}
+
+fn similarity(args: &PictureArgs, b_path: &Path) -> Result<Similarity> {
+    let (a, b) = (args.read()?, read_picture_file(b_path)?);
+    let size = [b.mean.width(), b.mean.height()];
+    if [a.mean.width(), a.mean.height()] != size || a.full_scale != b.full_scale {
+        let message = "the two pictures have different sizes or bits".to_owned();
+        return Err(Error::Usage { message, help: Some("compare pictures of one size and kind".to_owned()) });
+    }
+    let mut channels = Vec::new();
+    for theirs in b.mean.channels() {
+        let Some(ours) = a.mean.plane(&theirs.name) else {
+            let message = format!("{} has no channel {}", args.picture.display(), theirs.name);
+            return Err(Error::Usage { message, help: None });
+        };
+        let largest = || theirs.data.iter().copied().fold(0.0, f32::max).into();
+        let peak: f64 = b.full_scale.unwrap_or_else(largest);
+        let squares: f64 = ours.iter().zip(&theirs.data).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+        let mean = squares / theirs.data.len() as f64;
+        channels.push(ChannelSimilarity {
+            channel: theirs.name.clone(),
+            psnr_db: (mean > 0.0).then(|| 10.0 * (peak * peak / mean).log10()),
+            ssim: ssim(ours, &theirs.data, size, peak),
+        });
+    }
+    let (a, b) = (args.read_linear(&args.picture)?, args.read_linear(b_path)?);
+    let differences = colour_differences(&a, &b);
+    Ok(Similarity {
+        channels,
+        mean_delta_e_2000: differences.as_ref().map(|all| all.iter().sum::<f64>() / all.len() as f64),
+        largest_delta_e_2000: differences.as_ref().map(|all| all.iter().copied().fold(0.0, f64::max)),
+    })
+}
+
+/// ΔE₀₀ of every pixel of two linear sRGB pictures.
+fn colour_differences(a: &Planes, b: &Planes) -> Option<Vec<f64>> {
+    let planes = |picture: &Planes| -> Option<[Vec<f32>; 3]> {
+        let [r, g, b] = ["R", "G", "B"].map(|name| picture.plane(name).map(<[f32]>::to_vec));
+        Some([r?, g?, b?])
+    };
+    let (a, b) = (planes(a)?, planes(b)?);
+    let (white, to_xyz) = (ColourSpace::Srgb.white(), ColourSpace::Srgb.to_xyz());
+    let lab = |planes: &[Vec<f32>; 3], i: usize| {
+        let rgb = DVec3::from_array([0, 1, 2].map(|c| f64::from(planes[c][i])));
+        cielab::from_xyz(to_xyz * rgb, white)
+    };
+    Some((0..a[0].len()).map(|i| difference::delta_e_2000(lab(&b, i), lab(&a, i))).collect())
+}
+
+fn similarity_text(report: &Similarity) -> String {
+    let number = |value: Option<f64>, digits: usize| value.map_or("–".to_owned(), |v| format!("{v:.digits$}"));
+    let mut text = "channel  PSNR dB  SSIM".to_owned();
+    for c in &report.channels {
+        text += &format!("\n{}  {}  {}", c.channel, number(c.psnr_db, 3), number(c.ssim, 5));
+    }
+    if let (Some(mean), Some(largest)) = (report.mean_delta_e_2000, report.largest_delta_e_2000) {
+        text += &format!("\n\nΔE00 of pixels: mean {mean:.3}, largest {largest:.3}");
+    }
+    text
+}

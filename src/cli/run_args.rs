@@ -1,0 +1,50 @@
+//! What `render` and `expose` have in common on the command line.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use photosite::{Error, Result};
+
+#[derive(Args)]
+pub(super) struct RunArgs {
+    /// Folder for the results, created where missing [default: the input's name, in the current folder].
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) output: Option<PathBuf>,
+    /// Seed of light transport and sensor noise.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seed: Option<u64>,
+    /// Pictures to take of the same light: new temporal noise in each, fixed patterns stay.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    frames: Option<u32>,
+    /// Threads to use [default: all cores].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Change a key of the capture file, for example --set exposure.time_s=0.02.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+    /// Print the contents of capture.json on standard output.
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Overwrite earlier results.
+    #[arg(long)]
+    pub(super) force: bool,
+}
+
+impl RunArgs {
+    /// All changes to keys of the capture, those that have an option of their own last.
+    pub(super) fn overrides(&self) -> Vec<String> {
+        let seed = self.seed.map(|seed| format!("render.seed={seed}"));
+        let frames = self.frames.map(|frames| format!("exposure.frames={frames}"));
+        self.overrides.iter().cloned().chain(seed).chain(frames).collect()
+    }
+
+    /// Starts as many threads as are asked for.
+    pub(super) fn start_threads(&self) -> Result<()> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+        pool.map_err(|e| Error::Usage { message: format!("cannot start {threads} threads: {e}"), help: None })
+    }
+}

@@ -1,0 +1,103 @@
+//! RGB colour spaces: primaries and white point, and with them the matrix to XYZ.
+
+use glam::{DMat3, DVec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::adaptation::bradford;
+use crate::spectrum::{cie, illuminant, rgb};
+
+/// A colour space for pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ColourSpace {
+    /// sRGB, which screens and browsers expect (IEC 61966-2-1).
+    #[default]
+    Srgb,
+    /// Display P3: wider, of recent screens and phones.
+    DisplayP3,
+    /// ITU-R BT.2020: wider still, of ultra-high-definition television.
+    Rec2020,
+    /// ACEScg (AP1 primaries, white near D60), in which films are composited.
+    Acescg,
+    /// CIE XYZ relative to D65, Y = 1 for white; for EXR files, since X and Z pass 1.
+    Xyz,
+}
+
+impl ColourSpace {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Srgb, Self::DisplayP3, Self::Rec2020, Self::Acescg, Self::Xyz];
+
+    /// As people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Srgb => "sRGB",
+            Self::DisplayP3 => "Display P3",
+            Self::Rec2020 => "Rec. 2020",
+            Self::Acescg => "ACEScg",
+            Self::Xyz => "CIE XYZ",
+        }
+    }
+
+    /// Chromaticities of red, green and blue ([Srgb](crate::references#srgb), [SmpteEg432](crate::references#smpteeg432),
+    /// [Bt2020](crate::references#bt2020), [Aces14](crate::references#aces14)).
+    fn primaries(self) -> Option<[[f64; 2]; 3]> {
+        match self {
+            Self::Srgb => Some(rgb::PRIMARIES),
+            Self::DisplayP3 => Some([[0.680, 0.320], [0.265, 0.690], [0.150, 0.060]]),
+            Self::Rec2020 => Some([[0.708, 0.292], [0.170, 0.797], [0.131, 0.046]]),
+            Self::Acescg => Some([[0.713, 0.293], [0.165, 0.830], [0.128, 0.044]]),
+            Self::Xyz => None,
+        }
+    }
+
+    /// XYZ of white with Y = 1. That of D65 is the tabulated illuminant's, of which (0.3127, 0.3290) is the rounded form.
+    pub fn white(self) -> DVec3 {
+        let [x, y] = match self {
+            Self::Srgb | Self::DisplayP3 | Self::Rec2020 | Self::Xyz => {
+                cie::chromaticity(illuminant::d65()).expect("D65 is not black")
+            }
+            Self::Acescg => [0.321_68, 0.337_67],
+        };
+        DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
+    }
+
+    /// Linear RGB → XYZ relative to the space's own white.
+    pub fn to_xyz(self) -> DMat3 {
+        match self.primaries() {
+            Some(primaries) => rgb::matrix(primaries, self.white()),
+            None => DMat3::IDENTITY,
+        }
+    }
+
+    /// XYZ relative to a white → linear RGB, in which that white is white (Bradford adaptation).
+    pub fn from_xyz(self, white: DVec3) -> DMat3 {
+        self.to_xyz().inverse() * bradford(white, self.white())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_is_white_everywhere() {
+        for space in ColourSpace::ALL {
+            let white = DVec3::new(1.1, 1.0, 0.36);
+            let expected = if space == ColourSpace::Xyz { space.white() } else { DVec3::ONE };
+            assert!((space.from_xyz(white) * white).abs_diff_eq(expected, 1e-12), "{}", space.name());
+            assert!((space.to_xyz() * expected).abs_diff_eq(space.white(), 1e-12), "{}", space.name());
+        }
+    }
+
+    #[test]
+    fn matrices_are_the_published_ones() {
+        // Green's share of luminance: BT.2020 table 4, SMPTE EG 432-1 annex H, ACES TB-2014-004; the white points there
+        // are rounded to four decimals.
+        for (space, green) in
+            [(ColourSpace::Rec2020, 0.6780), (ColourSpace::DisplayP3, 0.6917), (ColourSpace::Acescg, 0.674_081_7)]
+        {
+            assert!((space.to_xyz().col(1).y - green).abs() < 1e-4, "{}: {}", space.name(), space.to_xyz());
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Transfer functions: linear values become the codes of a file.
+
+use serde::Serialize;
+
+use crate::spectrum::rgb;
+
+/// How linear values are encoded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Transfer {
+    /// As they are.
+    Linear,
+    /// The function of sRGB and Display P3 ([Srgb](crate::references#srgb)).
+    #[default]
+    Srgb,
+    /// v^(1/γ).
+    Gamma(f64),
+}
+
+impl Transfer {
+    /// Linear value from 0 to 1 → encoded value. Negative values are mirrored.
+    pub fn encode(self, linear: f32) -> f32 {
+        match self {
+            Self::Linear => linear,
+            Self::Srgb => rgb::encode(linear),
+            Self::Gamma(gamma) => linear.abs().powf(gamma.recip() as f32).copysign(linear),
+        }
+    }
+
+    /// Encoded value → linear value; the inverse of [`Self::encode`].
+    pub fn decode(self, encoded: f32) -> f32 {
+        match self {
+            Self::Linear => encoded,
+            Self::Srgb => rgb::decode(encoded),
+            Self::Gamma(gamma) => encoded.abs().powf(gamma as f32).copysign(encoded),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decoding_undoes_encoding() {
+        for transfer in [Transfer::Linear, Transfer::Srgb, Transfer::Gamma(2.2), Transfer::Gamma(1.0)] {
+            for i in -100..=1000 {
+                let v = i as f32 / 1000.0;
+                // Two powers of a few ulp each.
+                assert!((transfer.decode(transfer.encode(v)) - v).abs() < 2e-6, "{transfer:?} {v}");
+            }
+        }
+        assert!((Transfer::Gamma(2.0).encode(0.25) - 0.5).abs() < 1e-7);
+    }
+}

@@ -1,0 +1,60 @@
+//! `[develop]`: how raw pictures are developed.
+
+use std::path::Path;
+
+use super::overrides;
+use super::source::CaptureSource;
+use super::tables::SECTIONS;
+use crate::develop::DevelopSettings;
+use crate::io::suggest::{did_you_mean, list};
+use crate::{Error, Invalid, Result};
+
+/// The `[develop]` table alone: of a capture file, if one is given, with `--set` arguments laid over it. Their keys are
+/// those of a capture file (`develop.demosaic`).
+pub fn read_develop_settings(capture: Option<&Path>, overrides: &[String]) -> Result<(DevelopSettings, CaptureSource)> {
+    let mut source = match capture {
+        Some(path) => CaptureSource::parse(path, super::read_text(path)?)?,
+        None => CaptureSource::of_scene_file("--set".as_ref()),
+    };
+    for argument in overrides {
+        refuse_other_tables(argument)?;
+        overrides::set(&mut source, argument)?;
+    }
+    let settings: DevelopSettings = source.read("develop")?.unwrap_or_default();
+    let settings = checked(&settings).map_err(|invalid| source.error(invalid))?;
+    Ok((settings, source))
+}
+
+/// Nothing but `develop.` changes anything here; a key of the table without its name is a likely slip.
+fn refuse_other_tables(argument: &str) -> Result<()> {
+    let key = argument.split(['.', '=']).next().unwrap_or_default().trim();
+    if key == "develop" {
+        return Ok(());
+    }
+    let keys = keys();
+    let (message, help) = if SECTIONS.contains(&key) {
+        (
+            format!("--set {argument}: [{key}] has no part in development"),
+            "the keys here begin with develop.".to_owned(),
+        )
+    } else if keys.contains(&key.to_owned()) {
+        (format!("--set {argument}: the key stands in the table [develop]"), format!("write --set develop.{argument}"))
+    } else {
+        let suggestion = did_you_mean(key, keys.iter().map(String::as_str));
+        let help = format!("the keys are develop. and one of {}", list(keys.iter().map(String::as_str)));
+        (format!("--set {argument}: unknown key `{key}`{suggestion}"), help)
+    };
+    Err(Error::Usage { message, help: Some(help) })
+}
+
+/// The keys of `[develop]`.
+fn keys() -> Vec<String> {
+    let value = serde_json::to_value(DevelopSettings::default()).unwrap_or_default();
+    value.as_object().into_iter().flat_map(|object| object.keys().cloned()).collect()
+}
+
+/// The settings of a table, refused where they are out of range.
+pub(super) fn checked(table: &DevelopSettings) -> Result<DevelopSettings, Invalid> {
+    table.validate().map_err(|invalid| invalid.within("develop"))?;
+    Ok(table.clone())
+}

@@ -1,0 +1,157 @@
+//! A capture whose light is stored: what remains to be decided is the sensor, its exposure, and what is written.
+//!
+//! In: the report of a render (`capture.json`), whose `capture` holds all keys that were given, or nothing but the size
+//! of the stored picture; and `--set key=value` arguments, whose paths are relative to where the command is given. Out: a [`StoredCapture`]. The scene is neither read nor needed.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::colour::Finder;
+use super::file::refuse_unknown_sections;
+use super::sensor::{anchor_files, read_sensor, read_whole_sensor, sensor_model};
+use super::source::CaptureSource;
+use super::tables::{LensTable, MergedSensor, SECTIONS};
+use super::tree::from_json;
+use super::{ExposureSettings, OutputSettings, develop, keys_of, overrides, read_text, settings};
+use crate::develop::DevelopSettings;
+use crate::sensor::SensorModel;
+use crate::spectrum::Spectrum;
+use crate::{Error, Invalid, Result};
+
+/// The part of a capture that stored light leaves open.
+#[derive(Debug)]
+pub struct StoredCapture {
+    /// The sensor.
+    pub sensor: SensorModel,
+    /// How it is exposed.
+    pub exposure: ExposureSettings,
+    /// What is written.
+    pub output: OutputSettings,
+    /// How the raw picture is developed.
+    pub develop: DevelopSettings,
+    /// Seed of sensor noise.
+    pub seed: u64,
+    /// Transmittance of the lens, which the stored light has passed.
+    pub transmittance: Spectrum,
+    /// Where all this stands: for errors that show up later.
+    pub source: CaptureSource,
+}
+
+/// A report as read.
+#[derive(Debug)]
+pub struct StoredReport {
+    text: String,
+    /// All that it says.
+    pub values: Map<String, Value>,
+}
+
+impl StoredReport {
+    /// Reads `capture.json`.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = read_text(path)?;
+        let no_report = |message: String| {
+            let invalid = Invalid::new("", message).help("give a folder that photosite render filled");
+            Err(invalid.in_file(path))
+        };
+        match serde_json::from_str(&text) {
+            Ok(Value::Object(values)) if values.get("capture").is_some_and(Value::is_object) => {
+                Ok(Self { text, values })
+            }
+            Ok(_) => no_report("is no report of a render: it holds no capture".to_owned()),
+            Err(error) => no_report(format!("is damaged: {error}")),
+        }
+    }
+}
+
+impl StoredCapture {
+    /// What a report at `path` says, with the `key=value` of every `--set` laid over it.
+    pub fn of_report(path: &Path, report: &StoredReport, arguments: &[String]) -> Result<Self> {
+        let mut source = CaptureSource::of_report(path, report.text.clone(), &report.values["capture"]);
+        let changes = changes(path, arguments)?;
+        if changes.get("sensor.preset").is_some() {
+            // Of another sensor, only the number of pixels is given by the light.
+            let resolution = report.values["capture"]["sensor"]["resolution_px"].clone();
+            source.replace("sensor", from_json(&json!({ "resolution_px": resolution }), &(0..0)));
+            lay_over(&mut source, arguments)?;
+            return Self::assemble(source, |source| read_sensor(source, Path::new("")));
+        }
+        if let Some(mut sensor) = source.get("sensor").cloned() {
+            anchor_files(&mut sensor, path.parent().unwrap_or(Path::new("")));
+            source.replace("sensor", sensor);
+        }
+        lay_over(&mut source, arguments)?;
+        let name = report.values.get("sensor").and_then(|sensor| sensor["name"].as_str()).unwrap_or("sensor");
+        Self::assemble(source, |source| read_whole_sensor(source, name))
+    }
+
+    /// What holds where nothing is known of a stored picture but its size, with the `key=value` of every `--set`.
+    pub fn of_picture(path: &Path, resolution_px: [usize; 2], arguments: &[String]) -> Result<Self> {
+        changes(path, arguments)?;
+        let capture = json!({ "sensor": { "resolution_px": resolution_px } });
+        let mut source = CaptureSource::of_report(path, String::new(), &capture);
+        lay_over(&mut source, arguments)?;
+        Self::assemble(source, |source| read_sensor(source, Path::new("")))
+    }
+
+    fn assemble(
+        mut source: CaptureSource,
+        read_sensor: impl FnOnce(&mut CaptureSource) -> Result<MergedSensor>,
+    ) -> Result<Self> {
+        refuse_unknown_sections(&source)?;
+        let sensor = read_sensor(&mut source)?;
+        let lens: LensTable = source.read("lens")?.unwrap_or_default();
+        let render = settings::render(&source.read("render")?.unwrap_or_default());
+        let (exposure, output) =
+            (source.read("exposure")?.unwrap_or_default(), source.read("output")?.unwrap_or_default());
+        let finder = Finder::new(source.path().parent().unwrap_or(Path::new("")), Vec::new());
+        let at = |table: &'static str| {
+            let source = &source;
+            move |invalid: Invalid| source.error(invalid.within(table))
+        };
+        let sensor = sensor_model(&sensor).map_err(at("sensor"))?;
+        let transmittance = match &lens.transmittance {
+            Some(transmittance) => finder.fraction(transmittance).map_err(|e| at("lens")(e.within("transmittance")))?,
+            None => Spectrum::constant(1.0),
+        };
+        Ok(Self {
+            exposure: settings::exposure(&exposure, &sensor).map_err(at("exposure"))?,
+            output: settings::output(&output).map_err(at("output"))?,
+            develop: develop::checked(&source.read("develop")?.unwrap_or_default()).map_err(|e| source.error(e))?,
+            seed: render.map_err(at("render"))?.seed,
+            sensor,
+            transmittance,
+            source: source.clone(),
+        })
+    }
+
+    /// All keys as they now are, as in [`Capture::to_json`](super::Capture::to_json).
+    pub fn to_json(&self, folder: &Path) -> Result<Value> {
+        keys_of(&self.source, &self.sensor.name, folder)
+    }
+}
+
+fn lay_over(source: &mut CaptureSource, arguments: &[String]) -> Result<()> {
+    arguments.iter().try_for_each(|argument| overrides::set(source, argument))
+}
+
+/// The tree of the arguments alone. Those that light transport has already used are refused.
+fn changes(path: &Path, arguments: &[String]) -> Result<CaptureSource> {
+    let mut changes = CaptureSource::of_scene_file(path);
+    for argument in arguments {
+        let mut one = CaptureSource::of_scene_file(path);
+        overrides::set(&mut one, argument)?;
+        let is_open = ["sensor", "exposure", "develop", "output"].iter().any(|table| one.get(table).is_some())
+            || one.get("render.seed").is_some();
+        // An unknown table gets its own message later.
+        let is_known = SECTIONS.iter().any(|section| one.get(section).is_some());
+        if is_known && !is_open {
+            return Err(Error::Usage {
+                message: format!("--set {argument}: the light is traced already, and this cannot change it any more"),
+                help: Some("set keys of sensor, exposure, develop or output, or render again".to_owned()),
+            });
+        }
+        overrides::set(&mut changes, argument)?;
+    }
+    Ok(changes)
+}

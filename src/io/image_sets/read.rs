@@ -1,0 +1,113 @@
+//! Reading an image set back: from a descriptor and its images to statistics.
+
+use std::path::Path;
+
+use crate::characterisation::{Descriptor, Light, PairStatistics, Series, SpatialStack, TemporalPoint};
+use crate::io::picture_file::read_picture_file;
+use crate::{Error, Invalid, Result};
+
+/// Statistics of an image set.
+#[derive(Clone, Debug)]
+pub struct MeasuredSet {
+    /// What the descriptor says.
+    pub descriptor: Descriptor,
+    /// Bright pairs with the dark pairs of their exposure times.
+    pub points: Vec<TemporalPoint>,
+    /// The dark and the bright stack, where there are both.
+    pub stacks: Option<[SpatialStack; 2]>,
+}
+
+/// Reads a descriptor and the images that it names. `read_image` is called after each.
+pub fn read_set(path: &Path, taken: &dyn Fn()) -> Result<MeasuredSet> {
+    let text = std::fs::read_to_string(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let descriptor = Descriptor::parse(&text).map_err(|(line, invalid)| invalid.at_line(path, line))?;
+    let reader = ImageReader { folder: path.parent().unwrap_or(Path::new("")), descriptor: &descriptor, taken };
+    let unfit = |message: String| Invalid::new("", message).in_file(path);
+
+    let mut dark_pairs: Vec<(f64, PairStatistics)> = Vec::new();
+    let mut bright_pairs: Vec<(&Series, PairStatistics)> = Vec::new();
+    let mut stacks: [Option<(f64, SpatialStack)>; 2] = [None, None];
+    for series in &descriptor.series {
+        if series.is_stack() {
+            let place = usize::from(series.light != Light::Dark);
+            if stacks[place].is_some() {
+                let kind = ["dark", "bright"][place];
+                return Err(unfit(format!("there is more than one stack of more than two {kind} images")));
+            }
+            stacks[place] = Some((series.exposure_ns, reader.stack(series)?));
+        } else {
+            let pair = reader.pair(series)?;
+            match series.light {
+                Light::Dark => dark_pairs.push((series.exposure_ns, pair)),
+                Light::Bright { .. } => bright_pairs.push((series, pair)),
+            }
+        }
+    }
+    let point = |(series, bright): &(&Series, PairStatistics)| {
+        let Some((_, dark)) = dark_pairs.iter().find(|(time, _)| *time == series.exposure_ns) else {
+            return Err(unfit(format!("there is no dark pair with the exposure time of {} ns", series.exposure_ns)));
+        };
+        Ok(TemporalPoint {
+            time: series.time(),
+            photons: series.light.photons(),
+            mean: bright.mean,
+            variance: bright.variance,
+            dark_mean: dark.mean,
+            dark_variance: dark.variance,
+        })
+    };
+    let points = bright_pairs.iter().map(point).collect::<Result<_>>()?;
+    let stacks = match stacks {
+        [Some((dark_time, dark)), Some((bright_time, bright))] if dark_time == bright_time => Some([dark, bright]),
+        [None, None] => None,
+        [_, _] => return Err(unfit("the stacks are no dark and bright one of the same exposure time".to_owned())),
+    };
+    Ok(MeasuredSet { points, stacks, descriptor })
+}
+
+struct ImageReader<'a> {
+    folder: &'a Path,
+    descriptor: &'a Descriptor,
+    taken: &'a dyn Fn(),
+}
+
+impl ImageReader<'_> {
+    fn pair(&self, series: &Series) -> Result<PairStatistics> {
+        // The parser lets no series pass that has fewer than two images.
+        let images = [self.image(&series.images[0])?, self.image(&series.images[1])?];
+        PairStatistics::new(&images[0], &images[1]).map_err(|invalid| invalid.in_file(self.folder))
+    }
+
+    fn stack(&self, series: &Series) -> Result<SpatialStack> {
+        let mut stack = SpatialStack::new(self.descriptor.width, self.descriptor.height);
+        for name in &series.images {
+            stack.add(&self.image(name)?).map_err(|invalid| invalid.in_file(self.folder))?;
+        }
+        Ok(stack)
+    }
+
+    fn image(&self, name: &str) -> Result<Vec<u16>> {
+        let path = self.folder.join(name);
+        let picture = read_picture_file(&path)?;
+        let Descriptor { width, height, .. } = *self.descriptor;
+        let planes = &picture.mean;
+        if [planes.width(), planes.height()] != [width, height] {
+            let message = format!("{} × {} pixels instead of {width} × {height}", planes.width(), planes.height());
+            return Err(Invalid::new("", message)
+                .help("all images of a set have the size of its line n")
+                .in_file(&path));
+        }
+        let is_number = |y: &f32| (0.0..=65_535.0).contains(y) && y.fract() == 0.0;
+        let [plane] = planes.channels() else { return Err(no_digital_numbers(&path)) };
+        if !plane.data.iter().all(is_number) {
+            return Err(no_digital_numbers(&path));
+        }
+        (self.taken)();
+        Ok(plane.data.iter().map(|&y| y as u16).collect())
+    }
+}
+
+fn no_digital_numbers(path: &Path) -> Error {
+    let help = "give images of one grey plane: TIFF, PNG, DNG, PGM or NPY; of a colour sensor one channel alone";
+    Invalid::new("", "does not hold one plane of digital numbers").help(help).in_file(path)
+}

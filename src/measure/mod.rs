@@ -1,0 +1,14 @@
+//! Measures of pictures: sharpness from a slanted edge, colours of a chart, structural similarity, histograms.
+//!
+//! In: planes of numbers. Out: figures. Differences of two pictures number by number, with their statistics, are the
+//! business of [`validation`](crate::validation); what the figures of a sensor are is left to its characterisation.
+
+mod checker;
+mod histogram;
+mod mtf;
+mod ssim;
+
+pub use checker::{CheckerReport, PatchReport, checker};
+pub use histogram::{Histogram, histogram};
+pub use mtf::{EdgeResponse, slanted_edge};
+pub use ssim::ssim;

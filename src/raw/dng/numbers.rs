@@ -1,0 +1,157 @@
+//! The digital numbers themselves: in one strip as they are, or compressed in tiles.
+
+use std::io::{self, Seek, Write};
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use tiff::TiffResult;
+use tiff::tags::{PhotometricInterpretation, PlanarConfiguration, Tag};
+
+use super::{Ifd, tag};
+use crate::raw::thumbnail::Thumbnail;
+use crate::raw::{RawImage, lossless_jpeg};
+
+/// How the numbers of a DNG file are stored. None of these loses anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DngCompression {
+    /// 16 bits each.
+    #[default]
+    None,
+    /// Lossless JPEG, which every developer reads: about half the size.
+    LosslessJpeg,
+    /// zlib. As DNG allows it for floating-point numbers and not for those of 16 bits, they are written as such.
+    Deflate,
+}
+
+/// Most pixels along a side of a tile.
+const TILE: usize = 512;
+/// TIFF wants the sides of tiles to be multiples of this.
+const TILE_STEP: usize = 16;
+
+pub(super) fn write<W: Write + Seek>(
+    raw: &RawImage,
+    compression: DngCompression,
+    ifd: &mut Ifd<'_, W>,
+) -> TiffResult<()> {
+    let samples = raw.cfa.samples_per_pixel();
+    let photometric = if raw.cfa.is_mono() || raw.cfa.is_full() { tag::LINEAR_RAW } else { tag::COLOR_FILTER_ARRAY };
+    match compression {
+        DngCompression::None => write_strip(ifd, [raw.width, raw.height], 16, samples, photometric, &raw.data[..]),
+        DngCompression::LosslessJpeg => {
+            // The like of a pixel in a mosaic is the one after the next.
+            let components = if raw.cfa.is_mono() || raw.cfa.is_full() { samples } else { 2 };
+            write_tiles(raw, ifd, |numbers, row_length| Ok(lossless_jpeg::encode(numbers, row_length, components)))?;
+            write_tags(ifd, [raw.width, raw.height], 16, samples, photometric, tag::JPEG)
+        }
+        DngCompression::Deflate => {
+            write_tiles(raw, ifd, |numbers, row_length| deflated(numbers, row_length, samples))?;
+            ifd.write_tag(Tag::SampleFormat, &vec![tag::FLOAT; samples][..])?;
+            ifd.write_tag(Tag::Predictor, tag::FLOATING_POINT)?;
+            write_tags(ifd, [raw.width, raw.height], 32, samples, photometric, tag::DEFLATE)
+        }
+    }
+}
+
+pub(super) fn write_thumbnail<W: Write + Seek>(thumbnail: &Thumbnail, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
+    let rgb = PhotometricInterpretation::RGB.to_u16();
+    write_strip(ifd, [thumbnail.width, thumbnail.height], 8, 3, rgb, &thumbnail.rgb[..])
+}
+
+/// The pixels in one strip, uncompressed.
+fn write_strip<W: Write + Seek, T: ?Sized>(
+    ifd: &mut Ifd<'_, W>,
+    [width, height]: [usize; 2],
+    bits: u16,
+    samples: usize,
+    photometric: u16,
+    pixels: &T,
+) -> TiffResult<()>
+where
+    for<'t> &'t T: tiff::encoder::TiffValue,
+{
+    let offset = ifd.write_data(pixels)?;
+    let bytes = width * height * samples * usize::from(bits / 8);
+    super::align(ifd, bytes)?;
+    ifd.write_tag(Tag::StripOffsets, u32::try_from(offset)?)?;
+    ifd.write_tag(Tag::StripByteCounts, u32::try_from(bytes)?)?;
+    ifd.write_tag(Tag::RowsPerStrip, u32::try_from(height)?)?;
+    write_tags(ifd, [width, height], bits, samples, photometric, tag::UNCOMPRESSED)
+}
+
+/// The pixels in tiles, each coded by itself from its numbers and how many of them are in a row.
+fn write_tiles<W: Write + Seek>(
+    raw: &RawImage,
+    ifd: &mut Ifd<'_, W>,
+    code: impl Fn(&[u16], usize) -> io::Result<Vec<u8>> + Sync,
+) -> TiffResult<()> {
+    let [tile_width, tile_height] = [raw.width, raw.height].map(|n| n.next_multiple_of(TILE_STEP).min(TILE));
+    let [across, down] = [raw.width.div_ceil(tile_width), raw.height.div_ceil(tile_height)];
+    let (samples, row_length) = (raw.cfa.samples_per_pixel(), raw.row_length());
+    let coded = |tile: usize| {
+        let (left, top) = (tile % across * tile_width, tile / across * tile_height);
+        let mut numbers = Vec::with_capacity(tile_width * tile_height * samples);
+        for y in top..top + tile_height {
+            let row = &raw.data[y.min(raw.height - 1) * row_length..][..row_length];
+            // Beyond the edge the last two pixels repeat, which keeps the mosaic's phase and costs little.
+            let inside = row_length.min((left + tile_width) * samples) - left * samples;
+            numbers.extend(&row[left * samples..][..inside]);
+            let step = (2 * samples).min(inside);
+            for _ in inside..tile_width * samples {
+                numbers.push(numbers[numbers.len() - step]);
+            }
+        }
+        code(&numbers, tile_width * samples)
+    };
+    let tiles: Vec<Vec<u8>> = (0..across * down).into_par_iter().map(coded).collect::<io::Result<_>>()?;
+    let (mut offsets, mut lengths) = (Vec::new(), Vec::new());
+    for tile in &tiles {
+        offsets.push(u32::try_from(ifd.write_data(&tile[..])?)?);
+        lengths.push(u32::try_from(tile.len())?);
+        super::align(ifd, tile.len())?;
+    }
+    ifd.write_tag(Tag::TileWidth, u32::try_from(tile_width)?)?;
+    ifd.write_tag(Tag::TileLength, u32::try_from(tile_height)?)?;
+    ifd.write_tag(Tag::TileOffsets, &offsets[..])?;
+    ifd.write_tag(Tag::TileByteCounts, &lengths[..])
+}
+
+/// What TIFF wants to know of any picture.
+fn write_tags<W: Write + Seek>(
+    ifd: &mut Ifd<'_, W>,
+    [width, height]: [usize; 2],
+    bits: u16,
+    samples: usize,
+    photometric: u16,
+    compression: u16,
+) -> TiffResult<()> {
+    ifd.write_tag(Tag::ImageWidth, u32::try_from(width)?)?;
+    ifd.write_tag(Tag::ImageLength, u32::try_from(height)?)?;
+    ifd.write_tag(Tag::BitsPerSample, &vec![bits; samples][..])?;
+    ifd.write_tag(Tag::Compression, compression)?;
+    ifd.write_tag(Tag::PhotometricInterpretation, photometric)?;
+    ifd.write_tag(Tag::SamplesPerPixel, u16::try_from(samples)?)?;
+    ifd.write_tag(Tag::PlanarConfiguration, PlanarConfiguration::Chunky.to_u16())
+}
+
+/// The numbers as floating-point ones, with differences taken as the predictor wants it (Adobe's TIFF Technical Note 3):
+/// of each row the first bytes of all numbers, then the second, third and fourth ones, each less that of the pixel before.
+fn deflated(numbers: &[u16], row_length: usize, samples: usize) -> io::Result<Vec<u8>> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    for row in numbers.chunks_exact(row_length) {
+        let mut bytes = vec![0; 4 * row_length];
+        for (x, &number) in row.iter().enumerate() {
+            for (i, byte) in f32::from(number).to_be_bytes().into_iter().enumerate() {
+                bytes[i * row_length + x] = byte;
+            }
+        }
+        for i in (samples..bytes.len()).rev() {
+            bytes[i] = bytes[i].wrapping_sub(bytes[i - samples]);
+        }
+        encoder.write_all(&bytes)?;
+    }
+    encoder.finish()
+}

@@ -1,0 +1,71 @@
+//! Tags and codes of DNG files that the TIFF library has no name for.
+
+use tiff::tags::Tag;
+
+pub(super) const XMP: Tag = Tag::Unknown(700);
+pub(super) const CFA_REPEAT_PATTERN_DIM: Tag = Tag::Unknown(33421);
+pub(super) const CFA_PATTERN: Tag = Tag::Unknown(33422);
+pub(super) const EXPOSURE_TIME: Tag = Tag::Unknown(33434);
+pub(super) const F_NUMBER: Tag = Tag::Unknown(33437);
+pub(super) const EXIF_VERSION: Tag = Tag::ExifVersion;
+pub(super) const FOCAL_LENGTH: Tag = Tag::Unknown(37386);
+pub(super) const FOCAL_PLANE_X_RESOLUTION: Tag = Tag::Unknown(41486);
+pub(super) const FOCAL_PLANE_Y_RESOLUTION: Tag = Tag::Unknown(41487);
+pub(super) const FOCAL_PLANE_RESOLUTION_UNIT: Tag = Tag::Unknown(41488);
+pub(super) const DNG_VERSION: Tag = Tag::Unknown(50706);
+pub(super) const DNG_BACKWARD_VERSION: Tag = Tag::Unknown(50707);
+pub(super) const UNIQUE_CAMERA_MODEL: Tag = Tag::Unknown(50708);
+pub(super) const CFA_PLANE_COLOR: Tag = Tag::Unknown(50710);
+pub(super) const CFA_LAYOUT: Tag = Tag::Unknown(50711);
+pub(super) const LINEARIZATION_TABLE: Tag = Tag::Unknown(50712);
+pub(super) const BLACK_LEVEL_REPEAT_DIM: Tag = Tag::Unknown(50713);
+pub(super) const BLACK_LEVEL: Tag = Tag::Unknown(50714);
+pub(super) const BLACK_LEVEL_DELTA_H: Tag = Tag::Unknown(50715);
+pub(super) const BLACK_LEVEL_DELTA_V: Tag = Tag::Unknown(50716);
+pub(super) const WHITE_LEVEL: Tag = Tag::Unknown(50717);
+pub(super) const DEFAULT_SCALE: Tag = Tag::Unknown(50718);
+pub(super) const DEFAULT_CROP_ORIGIN: Tag = Tag::Unknown(50719);
+pub(super) const DEFAULT_CROP_SIZE: Tag = Tag::Unknown(50720);
+pub(super) const COLOR_MATRIX_1: Tag = Tag::Unknown(50721);
+pub(super) const COLOR_MATRIX_2: Tag = Tag::Unknown(50722);
+pub(super) const CAMERA_CALIBRATION_1: Tag = Tag::Unknown(50723);
+pub(super) const CAMERA_CALIBRATION_2: Tag = Tag::Unknown(50724);
+pub(super) const AS_SHOT_NEUTRAL: Tag = Tag::Unknown(50728);
+pub(super) const BASELINE_EXPOSURE: Tag = Tag::Unknown(50730);
+pub(super) const CALIBRATION_ILLUMINANT_1: Tag = Tag::Unknown(50778);
+pub(super) const CALIBRATION_ILLUMINANT_2: Tag = Tag::Unknown(50779);
+pub(super) const ACTIVE_AREA: Tag = Tag::Unknown(50829);
+pub(super) const MASKED_AREAS: Tag = Tag::Unknown(50830);
+pub(super) const FORWARD_MATRIX_1: Tag = Tag::Unknown(50964);
+pub(super) const FORWARD_MATRIX_2: Tag = Tag::Unknown(50965);
+pub(super) const OPCODE_LIST_2: Tag = Tag::Unknown(51009);
+pub(super) const OPCODE_LIST_3: Tag = Tag::Unknown(51022);
+pub(super) const NOISE_PROFILE: Tag = Tag::Unknown(51041);
+
+/// PhotometricInterpretation of a mosaic.
+pub(super) const COLOR_FILTER_ARRAY: u16 = 32803;
+/// PhotometricInterpretation of pixels that all see the same, or all colours.
+pub(super) const LINEAR_RAW: u16 = 34892;
+
+/// Compression: none.
+pub(super) const UNCOMPRESSED: u16 = 1;
+/// Compression: lossless JPEG in a DNG file.
+pub(super) const JPEG: u16 = 7;
+/// Compression: zlib.
+pub(super) const DEFLATE: u16 = 8;
+
+/// Predictor: differences to the pixel on the left.
+pub(super) const HORIZONTAL: u16 = 2;
+/// Predictor of floating-point numbers: differences between like bytes of neighbours.
+pub(super) const FLOATING_POINT: u16 = 3;
+/// SampleFormat of floating-point numbers.
+pub(super) const FLOAT: u16 = 3;
+
+/// EXIF's number for D65 as a light source.
+pub(super) const D65: u16 = 21;
+/// EXIF's number for CIE illuminant A.
+pub(super) const STANDARD_LIGHT_A: u16 = 17;
+/// NewSubfileType of a picture of reduced resolution; 0 is the picture itself.
+pub(super) const REDUCED: u32 = 1;
+/// EXIF's number for resolutions per centimetre.
+pub(super) const PER_CENTIMETRE: u16 = 3;

@@ -1,0 +1,173 @@
+use std::io::Cursor;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::raw::{BlackLevel, GainMap, RawMetadata, Warp, write_tiff};
+
+const COMPRESSIONS: [DngCompression; 3] = [DngCompression::None, DngCompression::LosslessJpeg, DngCompression::Deflate];
+
+fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
+    let cfa = Cfa::parse(cfa).expect("known");
+    let channels = cfa.channels().len();
+    let colour = !cfa.is_mono();
+    let matrix = |factor: f64| (0..channels).map(|row| [0.75 * factor, -0.25, 0.125 * row as f64]).collect();
+    RawImage {
+        width,
+        height,
+        data: (0..width * height * cfa.samples_per_pixel()).map(|i| (i as u16).wrapping_mul(40_503)).collect(),
+        bits: 12,
+        black_level_dn: 64.into(),
+        white_level_dn: 4095,
+        metadata: RawMetadata {
+            camera_model: "a camera".to_owned(),
+            pixel_pitch_m: Some([5e-6, 2.5e-6]),
+            exposure_time_s: 0.01,
+            f_number: Some(2.8),
+            focal_length_m: colour.then_some(0.016),
+            colour_matrix_d65: colour.then(|| matrix(1.0)),
+            colour_matrix_a: colour.then(|| matrix(1.5)),
+            as_shot_neutral: colour.then(|| (0..channels).map(|c| 1.0 / (c + 1) as f64).collect()),
+            noise_profile: vec![[1e-4, 2e-7]; channels],
+            gain_map: colour.then(|| GainMap::new(3, 2, vec![1.5, 1.25, 1.5, 1.75, 1.0, 1.5]).expect("6 gains")),
+            warp: colour.then_some(Warp {
+                radial: [1.0, -0.1, 0.02, 0.0],
+                tangential: [1e-3, 0.0],
+                centre: [0.5, 0.49],
+            }),
+        },
+        cfa,
+        ..RawImage::default()
+    }
+}
+
+fn file(raw: &RawImage, compression: DngCompression) -> Vec<u8> {
+    let mut file = Cursor::new(Vec::new());
+    write_compressed_dng(raw, compression, &mut file).expect("written");
+    file.into_inner()
+}
+
+fn read(file: &[u8]) -> Result<RawImage, Invalid> {
+    read_dng(Cursor::new(file))
+}
+
+const LAYOUTS: [&str; 11] =
+    ["RGGB", "BGGR", "GRBG", "GBRG", "mono", "x-trans", "full:RGB", "quad-bayer", "rgbw", "ryyb", "cygm"];
+
+#[test]
+fn pictures_come_back_as_they_went() {
+    for cfa in LAYOUTS {
+        for (width, height) in [(1, 1), (2, 2), (37, 23), (300, 5), (515, 20)] {
+            let raw = picture(cfa, width, height);
+            for compression in COMPRESSIONS {
+                let found = read(&file(&raw, compression));
+                assert_eq!(found.as_ref(), Ok(&raw), "{cfa} {width} × {height} {compression:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn masked_pixels_and_black_levels_come_back() {
+    for cfa in ["GRBG", "x-trans", "mono", "full:RGB"] {
+        let raw = picture(cfa, 40, 30);
+        let area = Area { x: 5, y: 3, width: 31, height: 25 };
+        let levels: Vec<f32> = (0..raw.cfa.channels().len()).map(|c| 60.5 + c as f32).collect();
+        // The file keeps what columns and rows add within the active area.
+        let inside = |side: usize, first: usize, length: usize| -> Vec<f32> {
+            (0..first + length).map(|i| if i < first { 0.0 } else { (i % 7) as f32 / 4.0 - 0.5 }).take(side).collect()
+        };
+        let black = BlackLevel::of_channels(&raw.cfa, &levels).expect("a level each");
+        let black = black.with_deltas(&raw.cfa, inside(40, area.x, area.width), inside(30, area.y, area.height));
+        let raw = RawImage { active_area: Some(area), black_level_dn: black, ..raw };
+        for compression in COMPRESSIONS {
+            let found = read(&file(&raw, compression)).expect("read");
+            let row_length = raw.row_length();
+            let samples = raw.cfa.samples_per_pixel();
+            for y in area.y..area.y + area.height {
+                for x in area.x * samples..(area.x + area.width) * samples {
+                    assert_eq!(found.black_level_dn.at(x, y), raw.black_level_dn.at(x, y), "{cfa} at {x}, {y}");
+                    assert_eq!(found.cfa.channel_at(x, y), raw.cfa.channel_at(x, y), "{cfa} at {x}, {y}");
+                }
+            }
+            assert_eq!((&found.data, found.active_area, row_length), (&raw.data, Some(area), found.row_length()));
+            assert_eq!((found.cropped().data, found.metadata), (raw.cropped().data, raw.metadata.clone()));
+        }
+    }
+}
+
+#[test]
+fn clear_filters_come_back_as_white() {
+    let found = read(&file(&picture("rccb", 8, 6), DngCompression::None)).expect("read");
+    assert_eq!(found.cfa, Cfa::parse("RWWB").expect("a tile").clone());
+}
+
+#[test]
+fn what_dng_cannot_say_is_not_written() {
+    for cfa in ["rgb-ir", "full:RI"] {
+        let error = write_dng(&picture(cfa, 8, 6), Cursor::new(Vec::new())).expect_err("refused");
+        assert!(error.to_string().contains('I'), "{error}");
+    }
+    for (width, height) in [(0, 0), (0, 4), (4, 0)] {
+        let raw = picture("RGGB", width, height);
+        assert!(write_dng(&raw, Cursor::new(Vec::new())).is_err());
+        assert!(write_tiff(&raw, Cursor::new(Vec::new())).is_err());
+    }
+    let lacking = RawImage { data: vec![0; 7], ..picture("mono", 4, 2) };
+    assert!(write_dng(&lacking, Cursor::new(Vec::new())).is_err());
+}
+
+#[test]
+fn the_same_picture_gives_the_same_bytes() {
+    let raw = picture("GBRG", 1200, 23);
+    for compression in COMPRESSIONS {
+        assert_eq!(file(&raw, compression), file(&raw, compression));
+    }
+}
+
+#[test]
+fn cut_files_are_errors() {
+    for compression in COMPRESSIONS {
+        let whole = file(&picture("RGGB", 20, 10), compression);
+        for length in 0..whole.len() {
+            assert!(read(&whole[..length]).is_err(), "{compression:?} cut to {length} bytes");
+        }
+    }
+    assert!(read(b"not a raw file").is_err());
+    let mut tiff = Cursor::new(Vec::new());
+    write_tiff(&picture("mono", 4, 4), &mut tiff).expect("written");
+    assert!(read(&tiff.into_inner()).expect_err("no DNG").message.contains("no raw picture"));
+}
+
+#[test]
+fn damaged_bytes_are_no_panics() {
+    for compression in COMPRESSIONS {
+        let whole = file(&picture("RGGB", 20, 10), compression);
+        let mut damaged = whole.clone();
+        for at in 0..damaged.len() {
+            for value in [0x00, 0xff, damaged[at] ^ 0x10] {
+                damaged[at] = value;
+                let _ = read(&damaged);
+            }
+            damaged[at] = whole[at];
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn files_damaged_in_several_places_are_no_panics(
+        cfa in 0..LAYOUTS.len(),
+        compression in 0usize..3,
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12),
+        cut in any::<prop::sample::Index>(),
+    ) {
+        let mut damaged = file(&picture(LAYOUTS[cfa], 20, 10), COMPRESSIONS[compression]);
+        for (at, value) in changes {
+            let at = at.index(damaged.len());
+            damaged[at] = value;
+        }
+        let _ = read(&damaged);
+        let _ = read(&damaged[..cut.index(damaged.len())]);
+    }
+}

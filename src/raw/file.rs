@@ -1,0 +1,69 @@
+//! Any raw file, told by what it begins with.
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
+use std::path::Path;
+
+use tiff::decoder::Decoder;
+use tiff::tags::Tag;
+
+use super::{RawImage, read_dng, read_npy, read_pgm, read_tiff};
+use crate::{Error, Invalid, Result};
+
+/// Reads a DNG, TIFF, PGM, PPM or NPY file. Only DNG says more than the numbers: of the others, grey ones are taken for
+/// those of a monochrome sensor.
+pub fn read(path: &Path) -> Result<RawImage> {
+    let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
+    read_any(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
+}
+
+fn read_any<R: Read + Seek>(mut from: BufReader<R>) -> std::result::Result<RawImage, Invalid> {
+    let io = |error: std::io::Error| Invalid::new("", format!("cannot read it: {error}"));
+    let mut magic = Vec::new();
+    from.by_ref().take(4).read_to_end(&mut magic).map_err(io)?;
+    from.rewind().map_err(io)?;
+    match &magic[..] {
+        b"II*\0" | b"MM\0*" => {
+            // A DNG file says in its first directory that it is one.
+            let is_dng = Decoder::new(&mut from).ok().and_then(|mut d| d.find_tag(Tag::Unknown(50706)).ok()?).is_some();
+            from.rewind().map_err(io)?;
+            if is_dng { read_dng(from) } else { read_tiff(from) }
+        }
+        [b'P', b'5' | b'6', ..] => read_pgm(from),
+        b"\x93NUM" => read_npy(from),
+        _ => Err(Invalid::new("", "is no raw file of a kind that photosite knows")
+            .help("give a DNG, 16-bit TIFF, PGM, PPM or NPY file")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+    use crate::raw::{Cfa, write_dng, write_npy, write_pgm, write_tiff};
+
+    #[test]
+    fn files_are_known_by_what_they_begin_with() {
+        for cfa in ["mono", "full:RGB"] {
+            let cfa = Cfa::parse(cfa).expect("known");
+            let data = (0..6 * cfa.samples_per_pixel() as u16).map(|i| i * 3_000).collect();
+            let raw = RawImage { width: 3, height: 2, data, cfa, ..RawImage::default() };
+            let [mut dng, mut tiff, mut pgm, mut npy] = [const { Vec::new() }; 4];
+            write_dng(&raw, Cursor::new(&mut dng)).expect("written");
+            write_tiff(&raw, Cursor::new(&mut tiff)).expect("written");
+            write_pgm(&raw, &mut pgm).expect("written");
+            write_npy(&raw, &mut npy).expect("written");
+            for file in [dng, tiff, pgm, npy] {
+                assert_eq!(read_any(BufReader::new(Cursor::new(&file))), Ok(raw.clone()));
+                for length in 0..file.len() {
+                    // Behind what TIFF files need, there may be a directory's end that nobody reads.
+                    let _ = read_any(BufReader::new(Cursor::new(&file[..length])));
+                }
+            }
+        }
+        for other in [&b""[..], b"P", b"II", b"\x89PNG"] {
+            assert!(read_any(BufReader::new(Cursor::new(other))).expect_err("no raw file").help.is_some());
+        }
+    }
+}

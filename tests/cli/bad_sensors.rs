@@ -1,0 +1,62 @@
+//! Sensors that cannot be, and stages that are switched, through the command line.
+
+use rstest::rstest;
+
+use crate::folder::Folder;
+
+/// Line 4 begins what the cases add.
+const HEAD: &str = "[scene]\ngeometry = ['room.obj']\nenvironment = { illuminant = 'D65', illuminance_lux = 500 }\n";
+
+fn folder(capture: String) -> Folder {
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl wall\nf 1 2 3\n";
+    Folder::new([("room.obj", obj.into()), ("capture.toml", capture.into())])
+}
+
+#[rstest]
+#[case::negative_noise("[sensor.noise]\nread_noise_e = -2", "noise.read_noise_e: must not be negative", "write 0")]
+#[case::no_bits("[sensor.adc]\nbits = 0", "adc.bits: must lie between 8 and 16, got 0", "for example bits = 12")]
+#[case::many_bits("[sensor.adc]\nbits = 40", "adc.bits: must lie between 8 and 16, got 40", "for example bits = 12")]
+#[case::black_level("[sensor.adc]\nblack_level_dn = 5000", "adc.black_level_dn: 5000 leaves no room", "less than 4095")]
+#[case::efficiency("[sensor.channels.G]\nquantum_efficiency = 1.2", "quantum_efficiency: must lie between 0 and 1", "")]
+#[case::no_spectrum("[sensor]\ncfa = 'rccb'", "sensor.channels.", "C")]
+#[case::no_letter("[sensor.channels.W]\nquantum_efficiency = 0.5", "has no channel \"W\"", "R, G, B")]
+#[case::tails("[sensor.noise]\nread_noise_degrees_of_freedom = 1.5", "must be above 2, got 1.5", "heavy tails")]
+#[case::reset("[sensor.noise.reset]\ncapacitance_ff = -1", "noise.reset.capacitance_ff: must not be negative", "")]
+#[case::flicker("[sensor.noise.flicker]\nexponent = 0", "noise.flicker.exponent: must lie above 0 and up to 2", "")]
+#[case::telegraph("[sensor.noise.telegraph]\nlow_s = 0", "noise.telegraph.low_s: must be above 0", "low_s = 0.5")]
+#[case::defects("[sensor.defects]\nstuck_per_million = 2e6", "defects.stuck_per_million: must lie between 0 and", "")]
+#[case::crosstalk("[sensor]\ncrosstalk = [[0.1, 0.8]]", "sensor.crosstalk: must be an odd number of rows", "0.96")]
+#[case::format("[sensor]\nformat = '3/4'", "sensor.format: there is no sensor format \"3/4\"", "\"2/3\"")]
+#[case::nonlinearity("[sensor.adc]\ndnl_dn = 0.9", "adc.dnl_dn: must be at most 0.4, got 0.9", "change places")]
+#[case::stage("[exposure]\nstages_off = ['red-noise']", "red-noise", "row-noise")]
+#[case::interval(
+    "[exposure]\ntime_s = 0.1\nframe_interval_s = 0.01",
+    "frame_interval_s: 0.01 s is shorter",
+    "leave it"
+)]
+fn impossible_sensors_are_refused_with_key_and_line(#[case] more: &str, #[case] message: &str, #[case] help: &str) {
+    // A table that should not be there is at fault from its first line on, a value in its own.
+    let line = if message.starts_with("has no channel") { 4 } else { 3 + more.lines().count() };
+    // What a preset lacks has no line.
+    let place =
+        if message == "sensor.channels." { "capture.toml:".to_owned() } else { format!("capture.toml:{line}: ") };
+    folder(format!("{HEAD}{more}\n")).fail("render capture.toml", 1, &[&place, message, help]);
+}
+
+#[test]
+fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
+    let preset = include_str!("../../assets/sensors/sony-imx249-mono.toml");
+    for (key, wrong) in [("read_noise_e", "-1.0"), ("bits", "40"), ("full_well_e", "0")] {
+        let folder = folder(format!("{HEAD}[sensor]\npreset = 'mine.toml'\n"));
+        let line = preset.lines().position(|line| line.starts_with(&format!("{key} ="))).expect("the key");
+        let lines: Vec<String> = preset
+            .lines()
+            .enumerate()
+            .map(|(i, text)| if i == line { format!("{key} = {wrong}") } else { text.to_owned() })
+            .collect();
+        folder.add("mine.toml", lines.join("\n").replace("../spectra/", "spectra/"));
+        let curve = include_str!("../../assets/spectra/quantum-efficiency/sony-imx249-mono.csv");
+        folder.add("spectra/quantum-efficiency/sony-imx249-mono.csv", curve);
+        folder.fail("render capture.toml", 1, &[&format!("mine.toml:{}: ", line + 1), key, wrong]);
+    }
+}

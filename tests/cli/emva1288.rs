@@ -1,0 +1,99 @@
+//! `photosite emva1288` and `photosite emva1288-report`.
+
+use rstest::rstest;
+use serde_json::{Value, json};
+
+use crate::folder::Folder;
+
+const SMALL: &str = "emva1288 generic-cmos-color --channels G --size 24x16 --steps 8 --spatial 4 -o sets";
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+#[test]
+fn image_sets_are_taken_and_measured() {
+    let folder = Folder::new([]);
+    let printed = folder.succeed(&format!("{SMALL} --sweep 500..600:50 --temperatures 15..35:10 --json")).stdout;
+    let contents = std::fs::read_to_string(folder.path("sets/emva1288.json")).expect("contents");
+    assert_eq!(json(&printed), json(&contents));
+    let channel = &json(&contents)["channels"][0];
+    assert_eq!((&channel["channel"], &channel["expected"]["system_gain_dn_per_e"]), (&json!("G"), &json!(0.1344)));
+    assert_eq!(channel["wavelengths"][1]["descriptor"], "G/wavelengths/0550.txt");
+    assert_eq!(channel["temperatures"][2]["descriptor"], "G/temperatures/+35.txt");
+    let descriptor = std::fs::read_to_string(folder.path("sets/G/emva1288.txt")).expect("a descriptor");
+    assert!(descriptor.starts_with("v 4.0\nn 12 24 16\nd "), "{descriptor}");
+    // A bright and a dark pair a step, two stacks, at each wavelength four pairs, at each temperature ten times two.
+    let images = folder.contents().into_keys().filter(|path| path.extension().is_some_and(|e| e == "tiff")).count();
+    assert_eq!(images, 8 * 4 + 2 * 4 + 3 * 8 + 3 * 40);
+
+    let measured = json(&folder.succeed("emva1288-report sets --json").stdout);
+    let found = &measured[0];
+    assert_eq!(found["expected"]["dark_noise_e"], channel["expected"]["dark_noise_e"]);
+    assert_eq!(found["wavelengths"].as_array().map(Vec::len), Some(3));
+    // The slope through 5 even points, of 384 pixels: √(2/384)·√Σi⁴/Σi² = 4 %; 5 times that.
+    let gain = found["measured"]["system_gain_dn_per_e"].as_f64().expect("a number");
+    assert!((gain / 0.1344 - 1.0).abs() < 0.2, "{gain}");
+    let doubling = found["doubling_temperature_k"][1].as_f64().expect("a number");
+    assert!((doubling / 7.0 - 1.0).abs() < 0.1, "{doubling}");
+    let page = std::fs::read_to_string(folder.path("sets/report.html")).expect("the page");
+    assert!(page.contains("Photon transfer curve") && page.contains("Quantum efficiency"));
+    // Nothing is fetched: no addresses but the name of the format.
+    assert!(page.matches("http").count() == page.matches("http://www.w3.org/2000/svg").count());
+    assert!(!page.contains("<script") && !page.contains("src="));
+    folder.fail("emva1288-report sets", 2, &["report.html exists already", "--force"]);
+    // A descriptor alone is any camera's.
+    let text = folder.succeed("emva1288-report sets/G/emva1288.txt -o camera.html").stdout;
+    assert!(text.contains("System gain"), "{text}");
+}
+
+#[test]
+fn every_format_holds_the_same_numbers_whatever_the_threads() {
+    let folder = Folder::new([]);
+    for (format, threads) in [("tiff", "1"), ("dng", "3"), ("png", "2")] {
+        let mut command = folder.command(&format!(
+            "emva1288 sony-imx249-mono --size 16x12 --steps 6 --spatial 3 --seed 7 --format {format} -o {format} -q"
+        ));
+        assert!(command.env("RAYON_NUM_THREADS", threads).status().expect("runs").success());
+        let report = folder.succeed(&format!("emva1288-report {format} --json")).stdout;
+        let first = folder.succeed("emva1288-report tiff --json -o first.html --force").stdout;
+        assert_eq!(report, first, "{format}");
+    }
+    folder.succeed("compare tiff/Y/images/stack-bright-2.tiff dng/Y/images/stack-bright-2.dng --max-rmse 0");
+}
+
+#[test]
+fn earlier_sets_are_replaced_only_if_asked_for() {
+    let folder = Folder::new([]);
+    folder.succeed(&format!("{SMALL} -q"));
+    folder.fail(SMALL, 2, &["sets holds image sets already", "--force"]);
+    folder.succeed(&format!("{SMALL} -q --force --seed 3"));
+    folder.add("mine/letter.txt", "dear");
+    folder.fail(&SMALL.replace("sets", "mine"), 2, &["mine holds other files", "-o"]);
+    folder.fail(&format!("{} --force", SMALL.replace("sets", "mine")), 2, &["mine holds other files"]);
+    folder.fail(&SMALL.replace("sets", "mine/letter.txt"), 2, &["is no folder"]);
+}
+
+#[rstest]
+#[case::sensor("emva1288 generic", 2, "photosite has no sensor \"generic\"")]
+#[case::file("emva1288 nowhere.toml", 1, "nowhere.toml: cannot read")]
+#[case::key("emva1288 sony-imx249-mono --set noise.read=2", 1, "--set noise.read=2: sensor.noise.read: unknown key")]
+#[case::value("emva1288 sony-imx249-mono --set noise.read_noise_e=-2", 1, "must not be negative, got -2")]
+#[case::channel("emva1288 sony-imx249-mono --channels R", 2, "has no channel \"R\"")]
+#[case::size("emva1288 sony-imx249-mono --size 9999x9999", 2, "1936 × 1216")]
+#[case::range("emva1288 sony-imx249-mono --sweep 380-1000", 2, "write first, last and step")]
+#[case::wavelength("emva1288 sony-imx249-mono --wavelength-nm 2000", 2, "from 300 to 1100")]
+#[case::blind("emva1288 generic-cmos-color --wavelength-nm 1000", 2, "sees nothing at 1000 nm")]
+#[case::gain("emva1288 sony-imx249-mono --gain-db 60", 2, "gain_db: 60 dB is not among the gains")]
+#[case::hot("emva1288 sony-imx249-mono --temperature-c 400", 2, "the dark current alone fills the pixels")]
+#[case::no_sets("emva1288-report .", 1, "holds no emva1288.json")]
+#[case::no_file("emva1288-report nowhere.txt", 1, "nowhere.txt: cannot read")]
+#[case::broken("emva1288-report broken.txt", 1, "broken.txt:2: b: cannot read \"b 5\"")]
+#[case::lost("emva1288-report lost.txt", 1, "lost.tiff: cannot read")]
+fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
+    let folder = Folder::new([
+        ("broken.txt", b"v 4.0\nb 5\n".to_vec()),
+        ("lost.txt", b"n 8 2 2\nd 5\ni lost.tiff\ni lost.tiff\n".to_vec()),
+    ]);
+    folder.fail(arguments, status, &[message]);
+}

@@ -1,0 +1,229 @@
+//! `photosite expose`: stored light exposed again.
+
+use photosite::io::exr::{Attribute, read_exr, write_exr};
+use photosite::math::statistics::Moments;
+use rstest::rstest;
+use serde_json::json;
+
+use crate::folder::Folder;
+use crate::room::room;
+use crate::same_bytes::timeless;
+
+/// The room, rendered into `out` with irradiance from 300 to 1100 nm.
+fn rendered(more: &str) -> Folder {
+    let folder = room(&format!(
+        "{more}\n[render]\nsamples_per_pixel = 8\nseed = 3\n[output]\nraw = ['dng', 'npy']\n\
+         irradiance = {{ bands_nm = [300, 1100, 5] }}\n"
+    ));
+    folder.succeed("render capture.toml -o out");
+    folder
+}
+
+/// Sums of the channels of `electrons.exr`.
+fn sums(folder: &Folder, name: &str) -> Vec<f64> {
+    let planes = folder.electrons(name).mean;
+    planes.channels().iter().map(|c| c.data.iter().map(|&e| f64::from(e)).sum()).collect()
+}
+
+#[rstest]
+#[case::fixed_time("")]
+#[case::automatic("auto = true")]
+#[case::frames("frames = 2")]
+fn what_is_not_changed_gives_the_same_bytes_as_render(#[case] exposure: &str, #[values(1, 2)] threads: usize) {
+    let folder = room("[render]\nsamples_per_pixel = 4\nseed = 3\n[output]\nraw = ['dng', 'npy']\n");
+    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let time = if exposure.starts_with("auto") { exposure.to_owned() } else { format!("time_s = 0.0002\n{exposure}") };
+    folder.add("capture.toml", capture.replace("time_s = 0.0002", &time));
+    folder.succeed("render capture.toml -o out");
+    folder.succeed(&format!("expose out -o again --threads {threads}"));
+    let (mut first, mut again) = (folder.results("out"), folder.results("again"));
+    for results in [&mut first, &mut again] {
+        results.remove("capture.json");
+    }
+    assert!(first.keys().eq(again.keys()), "{:?}", again.keys());
+    for (name, bytes) in &first {
+        assert!(*bytes == again[name], "{name} differs");
+    }
+    let [first, again] = ["out", "again"].map(|name| timeless(folder.report(name)));
+    let keys = |report: &serde_json::Value| report.as_object().expect("an object").keys().cloned().collect::<Vec<_>>();
+    assert_eq!(keys(&first), keys(&again));
+    for key in keys(&first).iter().filter(|key| *key != "input") {
+        assert_eq!(first[key], again[key], "{key}");
+    }
+    // And what was exposed can be exposed again.
+    folder.succeed("expose again/electrons.exr -o third");
+    assert!(folder.results("third")["image.png"] == first_picture(&folder));
+}
+
+fn first_picture(folder: &Folder) -> Vec<u8> {
+    folder.results("out")["image.png"].clone()
+}
+
+#[test]
+fn a_sensor_of_files_is_kept_wherever_the_command_is_given() {
+    let folder = room("[render]\nsamples_per_pixel = 2\n");
+    folder.add("sensors/flat.csv", "wavelength_nm,value\n300,0.5\n1100,0.5\n");
+    folder.add(
+        "sensors/mine.toml",
+        "resolution_px = [8, 6]\npixel_pitch_um = [100, 100]\ncfa = 'mono'\n\
+         channels.Y.quantum_efficiency = { file = 'flat.csv' }\ncharge.full_well_e = 1e6\n\
+         noise = { read_noise_e = 2, dark_current_e_per_s = 1, dark_current_reference_c = 25, \
+         dark_current_doubling_k = 8, prnu_percent = 1, dsnu_e = 1 }\n\
+         adc = { bits = 12, conversion_gain_dn_per_e = 0.004, black_level_dn = 64, gain_db_range = [0, 20] }\n",
+    );
+    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    folder.add(
+        "scene/capture.toml",
+        capture
+            .replace("[sensor]", "[sensor]\npreset = '../sensors/mine.toml'")
+            .replace("\"room.obj\"", "\"../room.obj\"")
+            .replace("\"sails.gltf\"", "\"../sails.gltf\"")
+            .replace("\"sky.hdr\"", "\"../sky.hdr\""),
+    );
+    folder.succeed("render scene/capture.toml -o out");
+    let status = folder.command("expose ../out -o ../again -q").current_dir(folder.path("sensors")).status();
+    assert!(status.expect("runs").success());
+    assert!(folder.results("out")["raw.dng"] == folder.results("again")["raw.dng"]);
+    assert_eq!(folder.raw("again/raw.dng").metadata.camera_model, "mine");
+}
+
+#[test]
+fn time_scales_the_electrons_and_the_seed_the_noise() {
+    let folder = rendered("");
+    folder.succeed("expose out -o longer --set exposure.time_s=0.0006");
+    folder.succeed("expose out -o other --seed 9");
+    let (one, three) = (sums(&folder, "out"), sums(&folder, "longer"));
+    for (one, three) in one.iter().zip(&three) {
+        // Each of 768 numbers is rounded to 2⁻²⁴ of itself.
+        assert!((three / one / 3.0 - 1.0).abs() < 1e-7);
+    }
+    let variance = |name: &str| folder.electrons(name).variance.channels()[0].data[100];
+    assert!((variance("longer") / variance("out") / 9.0 - 1.0).abs() < 1e-6);
+    assert_eq!(folder.report("longer")["exposure"]["time_s"], 0.0006);
+    assert_eq!(folder.report("longer")["overrides"], json!(["exposure.time_s=0.0006"]));
+    assert!(folder.results("other")["electrons.exr"] == folder.results("out")["electrons.exr"]);
+    let (first, other) = (folder.raw("out/raw.dng"), folder.raw("other/raw.dng"));
+    assert!(first.data != other.data);
+    assert_eq!((&folder.report("other")["seed"], &folder.report("other")["render"]["seed"]), (&9.into(), &3.into()));
+}
+
+#[test]
+fn frames_have_noise_of_their_own_and_the_same_patterns() {
+    let folder = rendered("");
+    // Fixed patterns far above temporal noise: what frames have in common is the pattern.
+    folder.succeed("expose out -o out2 --frames 3 --set sensor.noise.dsnu_e=200 --set exposure.time_s=0.000001");
+    let [a, b, c] = [0, 1, 2].map(|frame| folder.raw(&format!("out2/raw-{frame:04}.dng")).data);
+    assert!(a != b && b != c);
+    let spread = |values: &mut dyn Iterator<Item = f64>| values.collect::<Moments>().variance().sqrt();
+    let pattern = spread(&mut a.iter().map(|&a| f64::from(a)));
+    let change = spread(&mut a.iter().zip(&b).map(|(&a, &b)| f64::from(a) - f64::from(b)));
+    assert!(change > 0.0 && change < 0.25 * pattern, "{change} of {pattern}");
+}
+
+#[test]
+fn irradiance_gives_what_the_film_counted() {
+    let folder = rendered("");
+    folder.succeed("expose out/irradiance.exr -o from-irradiance");
+    for (traced, banded) in sums(&folder, "out").iter().zip(sums(&folder, "from-irradiance")) {
+        // Bands of 5 nm count as flat; lamps with sharp lines there are none. A response that changes by its height
+        // within some 50 nm, under light that does the same: (5/50)²/12 ≈ 1e-3.
+        assert!((banded / traced - 1.0).abs() < 2e-3, "{banded} for {traced}");
+    }
+    // Nothing is known of its variance.
+    assert_eq!(folder.electrons("from-irradiance").variance.channels().len(), 0);
+}
+
+#[test]
+fn any_sensor_can_be_exposed_to_irradiance() {
+    let folder = rendered("");
+    let outcome = folder.succeed("expose out -o mono --set sensor.preset=sony-imx249-mono");
+    assert!(outcome.text().contains("pixels of 100 × 100 µm; those of 5.86 × 5.86 µm"), "{}", outcome.stderr);
+    let raw = folder.raw("mono/raw.dng");
+    assert!(raw.cfa.is_mono() && (raw.width, raw.height) == (32, 24));
+    assert_eq!(folder.report("mono")["sensor"]["name"], "sony-imx249-mono");
+    // The same through a render of that sensor's own, up to noise of light.
+    folder.succeed(
+        "render capture.toml -o own --set sensor.preset=sony-imx249-mono --set sensor.pixel_pitch_um=[100,100]",
+    );
+    folder.succeed(
+        "expose out -o same --set sensor.preset=sony-imx249-mono --set sensor.pixel_pitch_um=[100,100] \
+         --set exposure.gain_db=0",
+    );
+    let (own, same) = (folder.electrons("own"), sums(&folder, "same")[0]);
+    let sum: f64 = own.mean.channels()[0].data.iter().map(|&e| f64::from(e)).sum();
+    let sigma = own.variance.channels()[0].data.iter().map(|&v| f64::from(v)).sum::<f64>().sqrt();
+    // Two renders of the same noise, and the bands' 2e-3.
+    assert!((same - sum).abs() < 4.5 * 1.5 * sigma + 2e-3 * sum, "{same} for {sum} ± {sigma}");
+}
+
+#[test]
+fn a_picture_without_a_report_takes_its_sensor_from_the_arguments() {
+    let folder = rendered("");
+    folder.add("light.exr", folder.results("out")["electrons.exr"].clone());
+    let outcome = folder.succeed("expose light.exr --set exposure.time_s=0.0002");
+    assert!(outcome.text().contains("white balance is that of D65"), "{}", outcome.stderr);
+    let raw = folder.raw("light-exposed/raw.dng");
+    assert_eq!((raw.width, raw.height, raw.cfa.channels().len()), (32, 24, 3));
+}
+
+#[test]
+fn the_report_is_printed_on_request_and_nothing_when_quiet() {
+    let folder = rendered("");
+    let outcome = folder.succeed("expose out -o a --json");
+    let report: serde_json::Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    assert_eq!(report, folder.report("a"));
+    assert_eq!(report["camera"], folder.report("out")["camera"]);
+    let outcome = folder.succeed("expose out -o a --quiet --force");
+    assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+}
+
+#[test]
+fn what_cannot_be_exposed_is_told() {
+    let folder = rendered("");
+    let electrons = folder.results("out")["electrons.exr"].clone();
+    let fail = |arguments: &str, status, wanted: &[&str]| {
+        folder.fail(arguments, status, wanted);
+    };
+    fail("expose nowhere", 1, &["nowhere", "cannot read"]);
+    fail("expose .", 1, &["holds no capture.json", "photosite render filled"]);
+    fail("expose capture.toml", 1, &["capture.toml", "OpenEXR"]);
+    folder.add("half.exr", &electrons[..electrons.len() / 2]);
+    fail("expose half.exr", 1, &["half.exr", "OpenEXR"]);
+    folder.add("bare/capture.json", folder.results("out")["capture.json"].clone());
+    fail("expose bare", 1, &["bare", "neither electrons.exr nor irradiance.exr", "output.irradiance"]);
+    folder.add("bare/electrons.exr", &electrons);
+    let mono = "--set sensor.preset=sony-imx249-mono";
+    fail(&format!("expose bare {mono}"), 1, &["electrons.exr counts", "output.irradiance=true"]);
+    fail(&format!("expose out/electrons.exr {mono}"), 1, &["electrons.exr counts"]);
+    folder.add("light.exr", &electrons);
+    fail(&format!("expose light.exr {mono}"), 1, &["sensor.cfa", "channel Y", "B, G, R", "irradiance.exr"]);
+    fail("expose out --set sensor.resolution_px=[8,8]", 1, &["resolution_px", "32 × 24", "8 × 8"]);
+    fail("expose out --set lens.f_number=4", 2, &["lens.f_number=4", "traced already", "render again"]);
+    fail("expose out --set exposure.tim_s=4", 1, &["tim_s", "time_s"]);
+    fail("expose out --set exposure.gain_db=999", 1, &["gain_db", "999"]);
+    fail("expose out -o out --force", 2, &["take the place of the light", "-o"]);
+    folder.add("bare/capture.json", "{ \"capture\": ");
+    fail("expose bare", 1, &["capture.json", "is damaged"]);
+    folder.add("bare/capture.json", "{}");
+    fail("expose bare", 1, &["capture.json", "holds no capture"]);
+}
+
+#[test]
+fn pictures_of_something_else_are_refused() {
+    let folder = rendered("");
+    let file = folder.results("out")["electrons.exr"].clone();
+    let planes = read_exr(std::io::Cursor::new(&file)).expect("readable").planes;
+    let write = |attributes: &[(&str, Attribute)]| {
+        let mut bytes = Vec::new();
+        write_exr(&planes, attributes, &mut bytes).expect("written");
+        bytes
+    };
+    let text = |value: &str| Attribute::Text(value.to_owned());
+    folder.add("rgb.exr", write(&[]));
+    folder.fail("expose rgb.exr", 1, &["rgb.exr", "neither electrons nor spectral irradiance"]);
+    folder.add("lux.exr", write(&[("unit", text("lux"))]));
+    folder.fail("expose lux.exr", 1, &["lux.exr", "unit"]);
+    let radiance = [("spectralLayoutVersion", text("1.0")), ("emissiveUnits", text("W.m^-2.sr^-1.nm^-1"))];
+    folder.add("radiance.exr", write(&radiance));
+    folder.fail("expose radiance.exr", 1, &["radiance.exr", "emissiveUnits"]);
+}

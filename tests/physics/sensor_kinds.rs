@@ -1,0 +1,167 @@
+//! Sensors that are neither plain CMOS nor CCD: single-photon counters, two gains, stacked layers; and pixels whose
+//! boundaries move.
+
+use photosite::math::statistics::Moments;
+use photosite::sensor::{
+    Architecture, Counting, Exposure, NoiseKey, SensorModel, Spad, Stage, Stages, expose, presets,
+};
+use photosite::units::{Decibels, Electrons, Seconds};
+
+use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
+
+const SIDE: usize = 256;
+const PIXELS: f64 = (SIDE * SIDE) as f64;
+
+fn numbers(sensor: &SensorModel, exposure: &Exposure, mean_e: f32, frame: u64) -> Vec<f64> {
+    let light = flat(sensor, SIDE, SIDE, mean_e);
+    let raw = expose(&light, sensor, exposure, Stages::ALL, NoiseKey { seed: 4, frame }).expect("valid");
+    raw.data.iter().map(|&dn| f64::from(dn) - f64::from(sensor.converter.black_level_dn)).collect()
+}
+
+fn moments(numbers: &[f64]) -> Moments {
+    numbers.iter().copied().collect()
+}
+
+fn counter(counting: Counting) -> SensorModel {
+    let mut sensor = quiet_sensor();
+    sensor.converter.black_level_dn = 0;
+    SensorModel { architecture: Architecture::Spad(Spad { counting, afterpulsing: 0.0 }), ..sensor }
+}
+
+#[test]
+fn detection_probability_of_a_one_bit_frame() {
+    let frames = 1024;
+    let sensor = counter(Counting::OneBit { frames });
+    // ηφτ of one frame: detectable photons.
+    for photons in [0.05f64, 0.5, 1.0, 3.0] {
+        let light = photons * f64::from(frames);
+        let mean = moments(&numbers(&sensor, &EXPOSURE, light as f32, 0)).mean();
+        let (found, expected) = (mean / f64::from(frames), 1.0 - (-photons).exp());
+        // 67 million frames: 5 σ is 0.3 % of P = 1 − e^(−0.05), the least of them.
+        let spread = 5.0 * (expected * (1.0 - expected) / (PIXELS * f64::from(frames))).sqrt();
+        assert!(spread < 0.005 * expected, "the test could not tell half a percent");
+        assert!((found - expected).abs() < spread, "{photons} photons: {found} for {expected}");
+    }
+    // All frames bright: saturated, without noise.
+    assert!(numbers(&sensor, &EXPOSURE, 1e6, 0).iter().all(|&count| count == f64::from(frames)));
+}
+
+#[test]
+fn dark_counts_are_counted_like_photons() {
+    let mut sensor = counter(Counting::OneBit { frames: 1 });
+    sensor.noise.dark_current_e_per_s = 0.7;
+    let mean = moments(&numbers(&sensor, &EXPOSURE, 0.5, 0)).mean();
+    let expected = 1.0 - (-1.2f64).exp();
+    assert!((mean - expected).abs() < 5.0 * (expected * (1.0 - expected) / PIXELS).sqrt(), "{mean} for {expected}");
+}
+
+#[test]
+fn dead_time_bends_the_counts() {
+    let exposure = Exposure { time: Seconds(1e-3), ..EXPOSURE };
+    let dead_time = Seconds(200e-9);
+    let sensor = counter(Counting::FreeRunning { dead_time });
+    for mean_e in [100.0f32, 2000.0, 20_000.0, 1e6] {
+        let found = moments(&numbers(&sensor, &exposure, mean_e, 0)).mean();
+        let n = f64::from(mean_e) / exposure.time.0;
+        let expected = n / (1.0 + n * dead_time.0) * exposure.time.0;
+        // The law is that of a long time; the first count, which waits for no dead time, adds less than half a count.
+        assert!((found / expected - 1.0).abs() < 0.01, "{mean_e}: {found} for {expected}");
+        assert!((found - expected).abs() < 0.5 + 5.0 * (expected / PIXELS).sqrt(), "{mean_e}: {found} for {expected}");
+    }
+    // Never more than one count in each dead time.
+    let most = numbers(&sensor, &exposure, 1e9, 0).into_iter().fold(0.0, f64::max);
+    assert!(most <= exposure.time.0 / dead_time.0 + 1.0, "{most}");
+}
+
+#[test]
+fn two_gains_reach_from_the_noise_of_one_to_the_range_of_the_other() {
+    let mut sensor = presets::model("andor-zyla-55").expect("a preset");
+    sensor.noise.prnu = Default::default();
+    sensor.noise.dsnu = Default::default();
+    sensor.noise.dark_current_e_per_s = 0.0;
+    let gain = sensor.converter.system_gain(Decibels(0.0));
+    let (a, b) = (numbers(&sensor, &EXPOSURE, 0.0, 0), numbers(&sensor, &EXPOSURE, 0.0, 1));
+    let difference: Moments = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+    let noise_e = (difference.variance() / 2.0).sqrt() / gain;
+    let saturation_e = moments(&numbers(&sensor, &EXPOSURE, 1e6, 0)).mean() / gain;
+    let found_db = 20.0 * (saturation_e / noise_e).log10();
+    // The formula: full well over the read noise of the high gain.
+    let formula_db = 20.0 * (30_000.0f64 / 1.38).log10();
+    assert!((found_db - formula_db).abs() < 0.2, "{found_db} dB for {formula_db} dB");
+    // Either gain alone reaches less by 10 dB and more.
+    let [high_db, low_db] = [(1100.0, 1.38), (30_000.0, 8.0f64)].map(|(range, noise)| 20.0 * (range / noise).log10());
+    assert!(found_db > high_db + 10.0 && found_db > low_db + 10.0);
+}
+
+#[test]
+fn two_gains_meet_in_a_straight_line() {
+    let mut sensor = presets::model("andor-zyla-55").expect("a preset");
+    sensor.noise.prnu = Default::default();
+    sensor.noise.dsnu = Default::default();
+    let gain = sensor.converter.system_gain(Decibels(0.0));
+    let dual = sensor.converter.dual_gain.clone().expect("two gains");
+    for mean_e in [10.0f32, 900.0, 1050.0, 1100.0, 1300.0, 20_000.0] {
+        let m = moments(&numbers(&sensor, &EXPOSURE, mean_e, 0));
+        let low = f64::from(mean_e) > 1060.0;
+        let step_e = 1.0 / if low { dual.low.system_gain(Decibels(0.0)) } else { dual.high.system_gain(Decibels(0.0)) };
+        // Shot noise is wider than the steps of either converter, so that they leave the mean alone: 5 σ of it, with the
+        // wider noise of the low gain.
+        let spread = 5.0 * ((f64::from(mean_e) + 64.0 + step_e * step_e / 12.0) / PIXELS).sqrt() + 0.05;
+        let dark = 0.1 * 2f64.powf(25.0 / 7.0);
+        let expected = f64::from(mean_e) + dark;
+        assert!((m.mean() / gain - expected).abs() < spread, "{} for {expected}", m.mean() / gain);
+    }
+}
+
+#[test]
+fn moving_boundaries_bend_the_photon_transfer_curve() {
+    let per_e = [1e-6, 2e-6];
+    let sensor = SensorModel { brighter_fatter_per_e: per_e, ..quiet_sensor() };
+    let mut ratios = Vec::new();
+    for mean_e in [2000.0f32, 15_000.0, 40_000.0] {
+        let picture = numbers(&sensor, &EXPOSURE, mean_e, 0);
+        let m = moments(&picture);
+        // Charge changes sides, but none is lost.
+        assert!((m.mean() - f64::from(mean_e)).abs() < 5.0 * (f64::from(mean_e) / PIXELS).sqrt() + 0.01);
+        let at = |x: usize, y: usize| picture[y * SIDE + x] - m.mean();
+        let covariance = |dx: usize, dy: usize| -> f64 {
+            let all = (1..SIDE - 2).flat_map(|y| (1..SIDE - 2).map(move |x| (x, y)));
+            all.map(|(x, y)| at(x, y) * at(x + dx, y + dy)).collect::<Moments>().mean()
+        };
+        let variance = covariance(0, 0);
+        ratios.push(variance / m.mean());
+        // The linear response of a pixel keeps 1 − 2(b_x + b_y) and gives b to each neighbour, b = a·μ/2: correlations with
+        // standard deviations of 1/256, 5 σ.
+        let [bx, by] = per_e.map(|a| a * m.mean() / 2.0);
+        let keep = 1.0 - 2.0 * (bx + by);
+        for (dx, dy, b) in [(1, 0, bx), (0, 1, by)] {
+            let (found, expected) = (covariance(dx, dy) / m.mean(), 2.0 * b * keep);
+            assert!((found - expected).abs() < 5.0 / SIDE as f64, "{mean_e}: {found} for {expected}");
+        }
+        let expected = keep * keep + 2.0 * (bx * bx + by * by);
+        assert!((variance / m.mean() - expected).abs() < 5.0 * 2f64.sqrt() / SIDE as f64, "{mean_e}: {variance}");
+    }
+    assert!(ratios[0] > ratios[1] && ratios[1] > ratios[2] && ratios[2] < 0.9, "{ratios:?} falls with the signal");
+    let off = expose(&flat(&sensor, 8, 8, 9000.0), &sensor, &EXPOSURE, Stages::NONE, NoiseKey::default());
+    let on = Stages::only(&[Stage::BrighterFatter]);
+    let flat_field = expose(&flat(&sensor, 8, 8, 9000.0), &sensor, &EXPOSURE, on, NoiseKey::default());
+    assert_eq!(off, flat_field, "a field without contrast stays as it is");
+}
+
+#[test]
+fn stacked_layers_share_the_photons() {
+    let sensor = presets::model("generic-stacked-color").expect("a preset");
+    // Together the layers absorb what silicon absorbs down to the bottom of the last one, by the law of Beer and Lambert
+    // with absorption coefficients as M. A. Green printed them (2008, table 1), µm⁻¹.
+    for (lambda_nm, per_um) in [(450.0f32, 2.41f64), (550.0, 0.639), (650.0, 0.279)] {
+        let sum: f64 = sensor.quantum_efficiency.iter().map(|qe| f64::from(qe.eval(lambda_nm))).sum();
+        let whole = 1.0 - (-per_um * 4.0).exp();
+        // Three digits of the coefficient.
+        assert!((sum / whole - 1.0).abs() < 1e-3, "{lambda_nm} nm: {sum} for {whole}");
+    }
+    let at = |lambda_nm: f32| sensor.quantum_efficiency.iter().map(|qe| qe.eval(lambda_nm)).collect::<Vec<_>>();
+    let ([r, _, b], [r2, _, b2]) =
+        (<[f32; 3]>::try_from(at(450.0)).expect("three"), <[f32; 3]>::try_from(at(650.0)).expect("three"));
+    assert!(b > 5.0 * r && r2 > 4.0 * b2, "blue is absorbed above, red below");
+    assert_eq!(sensor.full_well, Electrons(45_000.0));
+}
