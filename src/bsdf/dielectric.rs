@@ -198,7 +198,8 @@ impl Refraction {
         let wi = (cos_o / eta - cos_transmitted) * m - wo / eta;
         let stretch = (cos_o - eta * cos_transmitted).abs();
         let facet = Self { eta, m, cos_o, cos_i: cos_transmitted, stretch, transmittance: 1.0 };
-        (wi.z < -GRAZING && cos_transmitted > 0.0).then_some((facet, wi))
+        // A facet seen edge-on has no side that it refracts to.
+        (cos_o > 0.0 && cos_transmitted > 0.0 && wi.z < -GRAZING).then_some((facet, wi))
     }
 }
 

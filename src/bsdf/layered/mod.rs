@@ -39,7 +39,8 @@
 //!
 //! Sheen attenuates wavelength by wavelength, not by its largest channel. Coat and sheen lie on both sides of thin
 //! surfaces that transmit, and on all but the clear part of those that bound a volume. A coat with a normal of its own
-//! is not reciprocal, as no mapped normal is.
+//! is not reciprocal, as no mapped normal is. Facets that refract lose light to further bounces where
+//! they have a film, and up to 6 % of it where they are anisotropic: their table is for one roughness.
 
 mod film;
 pub(super) mod sheen;
