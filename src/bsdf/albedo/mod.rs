@@ -5,7 +5,7 @@
 //! ([Karis13](crate::references#karis13)), so two tables serve all materials. For any other factor, such as that of a thin
 //! film, E = Σⱼ R(cⱼ)·Wⱼ(w, α) with the factor interpolated between its values at eight cosines cⱼ.
 //!
-//! Tables are integrated when first used, in some hundredths of a second.
+//! Tables are integrated when first used.
 
 mod grid;
 
