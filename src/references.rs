@@ -119,6 +119,7 @@
 //! ## Konnik14
 //! M. Konnik, J. Welsh, "High-level numerical simulations of noise in CCD and CMOS photosensors: review and tutorial",
 //! arXiv:1412.4031 (2014).
+//!
 //! ## Icc4
 //! International Color Consortium, *Image technology colour management – Architecture, profile format, and data
 //! structure*, ICC.1:2022 (profile version 4.4).
@@ -178,18 +179,17 @@
 //!
 //! ## Iso12233
 //! ISO 12233:2017, *Photography – Electronic still picture imaging – Resolution and spatial frequency responses*.
+//!
 //! ## TruccoVerri98
 //! E. Trucco, A. Verri, *Introductory Techniques for 3-D Computer Vision* (1998), chapter 2.
 //!
 //! ## WilsonHilferty31
 //! E. B. Wilson, M. M. Hilferty, "The Distribution of Chi-Square", Proceedings of the National Academy of Sciences 17
 //! (1931).
+//!
 //! ## Green08
 //! M. A. Green, "Self-consistent optical parameters of intrinsic silicon at 300 K including temperature coefficients",
 //! Solar Energy Materials and Solar Cells 92, 1305–1310 (2008).
-//!
-//! ## Janesick01
-//! J. R. Janesick, *Scientific Charge-Coupled Devices*, SPIE Press (2001).
 //!
 //! ## Ruyten99
 //! W. Ruyten, "Smear correction for frame transfer charge-coupled-device cameras", Optics Letters 24(13), 878–880 (1999).

@@ -153,22 +153,15 @@ pub fn doubling_temperature(currents: impl Iterator<Item = (f64, f64)> + Clone) 
     line(points).map(|fit| 1.0 / fit.slope)
 }
 
-/// The brightest point whose variance is above those of the two darker ones next to it: beyond saturation the variance
-/// falls, and a single outlier there must not pass for the top.
+/// The point of the largest variance. Those beyond it, where hardly a pixel is below saturation, have tiny variances in any
+/// order, among which a search from the bright end for the first maximum can stop.
 fn saturation_point(points: &[TemporalPoint]) -> Result<usize, Invalid> {
     if points.len() < 3 {
         let message = format!("{} pairs of bright images are too few for a photon transfer curve", points.len());
         return Err(Invalid::new("", message).help("take at least 3, better 50, up to saturation"));
     }
-    let mut top = points.len() - 1;
-    for i in (0..points.len()).rev() {
-        if points[i].variance >= points[top].variance {
-            top = i;
-        } else if i > 0 && points[i - 1].variance < points[top].variance {
-            break;
-        }
-    }
-    Ok(top)
+    let by_variance = |&a: &usize, &b: &usize| points[a].variance.total_cmp(&points[b].variance);
+    Ok((0..points.len()).max_by(by_variance).unwrap_or(0))
 }
 
 /// The last point whose signal is at most 70 % of that of the saturated one.
@@ -311,9 +304,10 @@ mod tests {
     }
 
     #[test]
-    fn an_outlier_beyond_saturation_is_not_its_top() {
+    fn noise_beyond_saturation_is_not_its_top() {
         let mut points = exact_points();
         points.sort_by(|a, b| a.time.0.total_cmp(&b.time.0));
+        points[49].variance = 0.02;
         points[48].variance = 5.0;
         assert_eq!(evaluate(points, None).expect("a set").saturation, 44);
     }

@@ -14,7 +14,8 @@ pub fn quantum_efficiency(sensor: &SensorModel, channel: usize, wavelength_nm: f
     f64::from(response.eval(wavelength_nm as f32)) * photon_energy(wavelength_nm) / sensor.pixel_area_m2()
 }
 
-/// The figures of the sensor at an operating point. Non-uniformity is that of exposures of `spatial_time`.
+/// The figures of the sensor at an operating point. Non-uniformity is that of exposures of `spatial_time`, during which an
+/// uneven dark current adds to that of the dark signal.
 ///
 /// Where the converter's range ends before the full well, that is what saturates. No linearity error is expected of a
 /// linear sensor, and of the dark current the mean and the variance tell the same.
@@ -26,7 +27,15 @@ pub fn expected_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_ti
     let quantisation = 1.0 / (12.0 * gain * gain);
     let saturation = sensor.saturation_capacity(&point.exposure(spatial_time)).0;
     let threshold = sensitivity_threshold_e(dark_variance.sqrt());
-    let dark_current = sensor.noise.dark_current(point.temperature);
+    // Hot pixels count with their part p of all: a mean of p·m, and of an exponential distribution a variance of p·(2 − p)·m².
+    let noise = &sensor.noise;
+    let hot = |time| noise.hot_electrons(point.temperature, time).0;
+    let part = noise.defects.hot;
+    let dark_current = noise.dark_current(point.temperature) + part * hot(Seconds(1.0));
+    let dark_electrons = noise.dark_electrons(point.temperature, spatial_time).0;
+    let uneven_dark_current =
+        (noise.dark_current_nonuniformity * dark_electrons).powi(2) + part * (2.0 - part) * hot(spatial_time).powi(2);
+    let dsnu = FixedPattern { pixel: (noise.dsnu.pixel.powi(2) + uneven_dark_current).sqrt(), ..noise.dsnu };
     let pattern = |p: &FixedPattern, scale: f64| SpatialFigures {
         total: Some(scale * p.total()),
         row: Some(scale * p.row),
@@ -45,8 +54,8 @@ pub fn expected_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_ti
         sensitivity_threshold_e: threshold,
         snr_max: saturation.sqrt(),
         dynamic_range: saturation / threshold,
-        dsnu_e: pattern(&sensor.noise.dsnu, 1.0),
-        prnu_percent: pattern(&sensor.noise.prnu, 100.0),
+        dsnu_e: pattern(&dsnu, 1.0),
+        prnu_percent: pattern(&noise.prnu, 100.0),
         linearity_error_min_percent: Some(0.0),
         linearity_error_max_percent: Some(0.0),
         dark_current_mean_e_per_s: Some(dark_current),

@@ -4,7 +4,10 @@ use photosite::develop::colour_matrix::{CameraColour, camera_colour};
 use photosite::develop::{DevelopSettings, EncodedPicture, develop};
 use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
-use photosite::io::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
+use photosite::io::capture::{
+    Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, RawFormat, StoredCapture,
+};
+use photosite::optics::{Camera, LensDescription};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
 use photosite::sensor::{Exposure, NoiseKey, SensorModel, auto_exposure, expose};
@@ -12,6 +15,7 @@ use photosite::spectrum::{Spectrum, illuminant};
 use photosite::units::{Electrons, Seconds};
 use photosite::{Error, Invalid, Result};
 
+use super::lens_corrections;
 use super::report::{ExposureReport, SensorReport};
 
 /// What the chain needs of a capture.
@@ -52,6 +56,8 @@ pub(super) struct Chain<'a> {
     pub(super) settings: Settings<'a>,
     optics: Optics,
     colour: Option<CameraColour>,
+    /// What raw files say of falloff and distortion comes from these.
+    lens: Option<(&'a LensDescription, &'a Camera)>,
 }
 
 /// What the sensor counts on average during an exposure.
@@ -95,7 +101,15 @@ impl<'a> Chain<'a> {
             Ok(colour)
         });
         let in_sensor = |invalid: Invalid| settings.source.error(invalid.within("sensor"));
-        Ok(Self { settings, optics, colour: colour.map_err(in_sensor)? })
+        Ok(Self { settings, optics, colour: colour.map_err(in_sensor)?, lens: None })
+    }
+
+    /// The same, with a lens whose falloff and distortion raw files tell of.
+    pub(super) fn with_lens(self, lens: &'a LensDescription, camera: &'a Camera, warnings: &mut Vec<String>) -> Self {
+        if self.settings.output.raw.contains(&RawFormat::Dng) {
+            warnings.extend(lens_corrections::warning(lens, camera));
+        }
+        Self { lens: Some((lens, camera)), ..self }
     }
 
     /// Electron rates (e⁻/s) of the sensor's channels.
@@ -128,6 +142,9 @@ impl<'a> Chain<'a> {
         raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
         raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
         raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
+        if let Some((lens, camera)) = self.lens {
+            lens_corrections::add(lens, camera, &mut raw);
+        }
         Ok(raw)
     }
 

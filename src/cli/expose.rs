@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use glam::DAffine3;
 use photosite::image::Estimate;
 use photosite::io::capture::{StoredCapture, StoredReport};
+use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
 use photosite::sensor::{SensorModel, electron_rates};
 use photosite::spectrum::{Spectrum, illuminant};
 use photosite::units::Seconds;
@@ -58,9 +60,13 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     let optics = Optics {
         f_number: lens("f_number"),
         focal_length_m: lens("focal_length_mm").map(|mm| mm / 1e3),
-        transmittance: capture.transmittance.clone(),
+        transmittance: capture.lens.transmittance.clone(),
     };
-    let chain = Chain::new((&capture).into(), optics, &white, &mut warnings)?;
+    let placed = recorded.as_ref().and_then(|recorded| placed_lens(recorded, &report));
+    let mut chain = Chain::new((&capture).into(), optics, &white, &mut warnings)?;
+    if let Some((lens, camera)) = &placed {
+        chain = chain.with_lens(lens, camera, &mut warnings);
+    }
     if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
         warnings.push(other_pitch(&recorded.sensor, &capture.sensor));
     }
@@ -110,6 +116,22 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// The lens as the report has it, so that raw files tell of its falloff and distortion as those of the render do.
+/// `None` where the report does not say enough.
+fn placed_lens(recorded: &StoredCapture, report: &Map<String, Value>) -> Option<(LensDescription, Camera)> {
+    let said = report.get("lens")?;
+    // `null` stands for infinity.
+    let focus = said.get("focus_distance_m")?.as_f64().map_or(Focus::Infinity, Focus::Distance);
+    let focal_length_m = said["focal_length_mm"].as_f64()? / 1e3;
+    let lens = LensDescription { focus, focal_length_m, ..recorded.lens.clone() };
+    let sensor = &recorded.sensor;
+    let resolution = sensor.resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"));
+    let grid = PixelGrid { resolution, pitch_m: sensor.pixel_pitch_m };
+    // Where the camera stands makes no difference to what its lens does.
+    let camera = Camera::new(&lens, &grid, DAffine3::IDENTITY, f64::NAN).ok()?;
+    Some((lens, camera))
 }
 
 /// What is read: the capture as it shall be, and the light for it.

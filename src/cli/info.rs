@@ -10,7 +10,7 @@ use photosite::image::Planes;
 use photosite::io::capture::{Capture, ExposureTime, read_sensor_file};
 use photosite::io::exr::{Attribute, read_exr};
 use photosite::optics::Focus;
-use photosite::raw::{RawImage, read_dng, read_tiff};
+use photosite::raw::{self, RawImage};
 use photosite::scene::description::{EnvironmentDescription, LightKind, MaterialDescription, SceneDescription};
 use photosite::sensor::{SensorModel, presets};
 use photosite::{Error, Invalid, Result};
@@ -22,7 +22,7 @@ use super::{print_json, println_out, rounded};
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
 pub(super) struct InfoArgs {
-    /// A .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file, or the name of a sensor preset.
+    /// A .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or the name of a sensor preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -61,11 +61,10 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
             }
             Ok(facts)
         }
-        "dng" => Ok(of_raw(&read_dng(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
-        "tif" | "tiff" => Ok(of_numbers(&read_tiff(open(path)?).map_err(|invalid| invalid.in_file(path))?)),
+        "dng" => Ok(of_raw(&raw::read(path)?)),
+        "tif" | "tiff" | "pgm" | "ppm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
         _ => {
-            let help =
-                "give a .toml, .gltf, .glb, .obj, .dng, .tiff or .exr file, or a name that `photosite sensors` lists";
+            let help = "give a .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or a name that `photosite sensors` lists";
             Err(Invalid::new("", "is of no kind that photosite knows").help(help).in_file(path))
         }
     }
@@ -162,7 +161,7 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
     }))
 }
 
-/// All that a TIFF file knows.
+/// All that TIFF, PGM and NPY files know.
 fn of_numbers(raw: &RawImage) -> Map<String, Value> {
     let sum: f64 = raw.data.iter().map(|&dn| f64::from(dn)).sum();
     map(json!({
@@ -185,6 +184,11 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
         "camera_model": raw.metadata.camera_model,
         "pixel_pitch_um": raw.metadata.pixel_pitch_m.map(|pitch| pitch.map(|m| round(m * 1e6))),
         "exposure_time_s": raw.metadata.exposure_time_s,
+        "falloff_correction": raw.metadata.gain_map.as_ref().map(|map| {
+            let largest = map.gains().iter().copied().fold(0.0, f32::max);
+            format!("gains up to {}, {} × {} points", round(largest.into()), map.columns(), map.rows())
+        }),
+        "distortion_correction": raw.metadata.warp.is_some(),
         "f_number": raw.metadata.f_number,
         "focal_length_mm": raw.metadata.focal_length_m.map(|m| round(m * 1e3)),
         "as_shot_neutral": raw.metadata.as_shot_neutral,

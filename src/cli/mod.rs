@@ -12,6 +12,7 @@ mod expose;
 mod figures_text;
 mod ideal;
 mod info;
+mod lens_corrections;
 mod listing;
 mod measure;
 mod noise;

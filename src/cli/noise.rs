@@ -53,7 +53,7 @@ struct Report {
 /// One channel, or the pixels of one place in the tile of a mosaic.
 #[derive(Serialize)]
 struct PlaneReport {
-    plane: String,
+    name: String,
     #[serde(flatten)]
     estimate: NoiseEstimate,
 }
@@ -111,7 +111,7 @@ pub(super) fn run(args: &NoiseArgs) -> Result<()> {
         });
         let patches: Vec<Patch> = patches.collect::<Result<_, _>>().map_err(unfit)?;
         let estimate = estimate(&patches, &known, args.lags as usize).map_err(unfit)?;
-        planes.push(PlaneReport { plane: name, estimate });
+        planes.push(PlaneReport { name, estimate });
     }
     let files = args.files.iter().map(|path| path.display().to_string()).collect();
     let report = Report { files, patch_px: patch, unit: first.picture.unit.clone(), planes };
@@ -169,7 +169,7 @@ fn views(picture: &Picture) -> Vec<View> {
 fn text(report: &Report) -> String {
     let unit = report.unit.as_deref().unwrap_or("");
     let unit = if unit.starts_with("codes") { "codes" } else { unit };
-    let of_plane = |PlaneReport { plane, estimate: e }: &PlaneReport| {
+    let of_plane = |PlaneReport { name, estimate: e }: &PlaneReport| {
         let number = |x: f64| rounded(x, 5).to_string();
         let variance = |v: &Variance| {
             format!("σ = {} {unit}, σ² = {} ± {}", number(v.sigma), number(v.variance), number(rounded(v.error, 2)))
@@ -190,7 +190,8 @@ fn text(report: &Report) -> String {
             format!("{}; slope {} along x, {} along y a pixel", variance(&e.plane.noise), number(a), number(b)),
         ));
         if let Some(chi) = &e.plane.chi_squared {
-            let [value, reduced, p] = [chi.value, chi.reduced, chi.p_value].map(number);
+            let [value, reduced] = [chi.value, chi.reduced].map(number);
+            let p = if chi.p_value < 1e-4 { format!("{:.0e}", chi.p_value) } else { number(rounded(chi.p_value, 3)) };
             lines.push((
                 "χ² of the plane",
                 format!("{value} for {} degrees of freedom, reduced {reduced}, p = {p}", chi.freedom),
@@ -222,7 +223,7 @@ fn text(report: &Report) -> String {
         }
         let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let body: Vec<String> = lines.iter().map(|(name, value)| format!("  {name:width$}  {value}")).collect();
-        format!("{plane}: {} × {} pixels of {} picture(s)\n{}", e.size[0], e.size[1], e.pictures, body.join("\n"))
+        format!("{name}: {} × {} pixels of {} picture(s)\n{}", e.size[0], e.size[1], e.pictures, body.join("\n"))
     };
     report.planes.iter().map(of_plane).collect::<Vec<_>>().join("\n\n")
 }

@@ -8,12 +8,12 @@ use photosite::colour::ColourSpace;
 use photosite::develop::{DevelopSettings, EncodedPicture, encode};
 use photosite::film::Film;
 use photosite::image::Planes;
-use photosite::io::capture::{RawFormat, SpectralBands};
+use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands};
 use photosite::io::developed::{write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::spectral_exr::write_irradiance;
-use photosite::raw::{RawImage, write_dng, write_npy, write_pgm, write_tiff};
+use photosite::raw::{DngCompression, RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
@@ -104,10 +104,10 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// A raw picture in all these formats, numbered where there are several.
-    pub(super) fn write_frame(&mut self, formats: &[RawFormat], number: Option<u32>, raw: &RawImage) -> Result<()> {
+    /// A raw picture in all formats that are asked for, numbered where there are several.
+    pub(super) fn write_frame(&mut self, output: &OutputSettings, number: Option<u32>, raw: &RawImage) -> Result<()> {
         let stem = number.map_or_else(|| "raw".to_owned(), |number| format!("raw-{number:04}"));
-        formats.iter().try_for_each(|format| self.write_raw(&stem, *format, raw))
+        output.raw.iter().try_for_each(|format| self.write_raw(&stem, *format, output.dng_compression, raw))
     }
 
     pub(super) fn write_electrons(&mut self, exposed: &Exposed) -> Result<()> {
@@ -134,9 +134,9 @@ impl OutputFolder {
         self.write("image.png", |to| write_png(picture, to))
     }
 
-    fn write_raw(&mut self, stem: &str, format: RawFormat, raw: &RawImage) -> Result<()> {
+    fn write_raw(&mut self, stem: &str, format: RawFormat, compression: DngCompression, raw: &RawImage) -> Result<()> {
         match format {
-            RawFormat::Dng => self.write(&format!("{stem}.dng"), |to| write_dng(raw, to)),
+            RawFormat::Dng => self.write(&format!("{stem}.dng"), |to| write_compressed_dng(raw, compression, to)),
             RawFormat::Tiff => self.write(&format!("{stem}.tiff"), |to| write_tiff(raw, to)),
             RawFormat::Pgm => self.write(&format!("{stem}.pgm"), |to| write_pgm(raw, to)),
             RawFormat::Npy => self.write(&format!("{stem}.npy"), |to| write_npy(raw, to)),

@@ -62,6 +62,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         transmittance: capture.lens.transmittance.clone(),
     };
     let chain = Chain::new((&capture).into(), optics, &light, &mut warnings)?;
+    let chain = chain.with_lens(&capture.lens, &camera, &mut warnings);
     if !quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }

@@ -28,16 +28,16 @@ pub(super) fn write_results(
     let start = Instant::now();
     let mut reading_out = 0.0;
     folder.remove_earlier()?;
-    let (formats, frames) = (&chain.settings.output.raw, chain.settings.exposure.frames);
-    folder.write_frame(formats, (frames > 1).then_some(0), &first)?;
+    let (output, frames) = (chain.settings.output, chain.settings.exposure.frames);
+    folder.write_frame(output, (frames > 1).then_some(0), &first)?;
     // One after the other: a series may be larger than the memory.
     for frame in 1..frames {
         let start = Instant::now();
         let raw = chain.read_out(exposed, frame)?;
         reading_out += start.elapsed().as_secs_f64();
-        folder.write_frame(formats, Some(frame), &raw)?;
+        folder.write_frame(output, Some(frame), &raw)?;
     }
-    if chain.settings.output.electrons {
+    if output.electrons {
         folder.write_electrons(exposed)?;
     }
     write_light(folder)?;

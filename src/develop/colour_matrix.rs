@@ -140,7 +140,7 @@ fn refined(columns: Vec<DVec3>, patches: &[(Vec<f64>, [f64; 3])], white: DVec3) 
     };
     let start: Vec<f64> = free.iter().flat_map(|column| column.to_array()).collect();
     // The edge of the simplex is of the size that entries change by; 100 steps a variable settle the mean to 1e-3.
-    let best = nelder_mead(&start, 0.02, 100 * start.len(), &error);
+    let best = nelder_mead(&start, 0.02, 100 * start.len(), error);
     // A camera that is right already would only gather rounding.
     if error(&start) - error(&best) < 1e-3 { free.iter().copied().chain([*last]).collect() } else { complete(&best) }
 }

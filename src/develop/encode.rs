@@ -147,7 +147,7 @@ impl Curve {
     #[inline]
     fn encode(&self, linear: f32) -> f32 {
         // Not-a-number fails both comparisons.
-        if !(linear > 0.0) {
+        if linear.is_nan() || linear <= 0.0 {
             return 0.0;
         }
         if linear < Self::EXACT_BELOW {

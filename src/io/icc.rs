@@ -7,8 +7,8 @@ use std::io;
 
 use glam::DVec3;
 use moxcms::{
-    ColorDateTime, ColorProfile, DataColorSpace, LocalizableString, Matrix3d, ProfileClass, ProfileText,
-    RenderingIntent, ToneReprCurve, Xyzd,
+    ColorProfile, DataColorSpace, LocalizableString, Matrix3d, ProfileClass, ProfileText, RenderingIntent,
+    ToneReprCurve, Xyzd,
 };
 
 use crate::colour::adaptation::bradford;
@@ -20,7 +20,13 @@ const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
 
 /// The profile of a picture.
 pub(super) fn icc_profile(picture: &EncodedPicture) -> io::Result<Vec<u8>> {
-    profile(picture.colour_space, picture.transfer, picture.components == 1).encode().map_err(io::Error::other)
+    let profile = profile(picture.colour_space, picture.transfer, picture.components == 1);
+    let mut bytes = profile.encode().map_err(io::Error::other)?;
+    // The encoder writes the present time: year, month, day, hour, minute, second from byte 24 on.
+    for (to, number) in bytes[24..36].chunks_exact_mut(2).zip([2026u16, 1, 1, 0, 0, 0]) {
+        to.copy_from_slice(&number.to_be_bytes());
+    }
+    Ok(bytes)
 }
 
 fn profile(space: ColourSpace, transfer: Transfer, grey: bool) -> ColorProfile {
@@ -43,8 +49,6 @@ fn profile(space: ColourSpace, transfer: Transfer, grey: bool) -> ColorProfile {
     profile.white_point = xyz(D50.to_array());
     profile.media_white_point = Some(xyz(D50.to_array()));
     profile.chromatic_adaptation = Some(Matrix3d { v: rows });
-    profile.creation_date_time =
-        ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, ..ColorDateTime::default() };
     profile.description = text(&if grey { format!("Grey, {name}") } else { name });
     profile.copyright = text("No copyright");
     if grey {

@@ -3,7 +3,7 @@
 //! | file | channels | unit |
 //! |---|---|---|
 //! | EXR | as they are named; `variance.X` is the variance of `X`; of spectral pictures the bands, named by their wavelengths in nm, without the preview | attribute `unit` or `emissiveUnits` |
-//! | DNG, NPY, PGM, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic | DN |
+//! | DNG, NPY, PGM, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic; `R`, `G`, `B` where every pixel has all of them | DN |
 //! | other PNG and TIFF | `Y`, `R`, `G`, `B`, alpha `A` | codes, as they are encoded |
 
 use std::fs::File;
@@ -30,7 +30,7 @@ pub fn read_picture_file(path: &Path) -> Result<Picture> {
         "exr" => |file, name| of_exr(read_exr(file)?, name),
         "dng" => |file, name| Ok(Picture::from_raw(name, read_dng(file)?)),
         "npy" => |file, name| Ok(Picture::from_raw(name, read_npy(file)?)),
-        "pgm" => |file, name| Ok(Picture::from_raw(name, read_pgm(file)?)),
+        "pgm" | "ppm" => |file, name| Ok(Picture::from_raw(name, read_pgm(file)?)),
         "tif" | "tiff" => of_tiff,
         "png" => of_png,
         _ => {

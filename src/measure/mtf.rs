@@ -175,7 +175,7 @@ mod tests {
     const WIDTH: usize = 80;
     const HEIGHT: usize = 100;
 
-    /// The standard normal distribution to 1e-7 (Abramowitz and Stegun 26.2.17).
+    /// The standard normal distribution.
     fn normal(x: f64) -> f64 {
         0.5 * (1.0 + libm::erf(x / std::f64::consts::SQRT_2))
     }
@@ -211,8 +211,10 @@ mod tests {
                 assert!((found.angle_deg - angle).abs() < 0.02 && found.is_vertical, "{}", found.angle_deg);
                 for (f, m) in found.frequency_cy_per_px.iter().zip(&found.mtf).filter(|(f, _)| **f <= 0.6) {
                     let expected = truth(*f, angle, sigma);
-                    // Bins hold pixels unevenly, by up to a pixel in ten: a few thousandths.
-                    assert!((m - expected).abs() < 0.006, "{angle}° σ {sigma}: {m} at {f}, must be {expected}");
+                    // Rows repeat their part of a pixel every 1/tan θ, 5 to 11, so that the mean place of a bin's pixels is
+                    // off its middle by up to a tenth of its width, 0.025 px: 2π·0.6·0.025 of a bin, over many bins
+                    // that err to both sides.
+                    assert!((m - expected).abs() < 0.01, "{angle}° σ {sigma}: {m} at {f}, must be {expected}");
                 }
                 let exact = (0..10_000).map(|i| f64::from(i) * 1e-4).find(|f| truth(*f, angle, sigma) < 0.5);
                 let ratio = found.mtf50_cy_per_px.expect("falls") / exact.expect("falls");

@@ -147,19 +147,42 @@ impl Camera {
             }
         };
         let v = self.image_distance_m;
-        let cos4 = match self.falloff {
+        let cos4 = self.falloff_at(chief, opening);
+        let origin = self.to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
+        let direction = self.to_world.transform_vector3(direction).normalize();
+        let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
+        Some(CameraRay { ray, weight: (self.aperture.area() * cos4 / (v * v)) as f32 })
+    }
+
+    /// cos⁴θ of the way from a sensor point to a point of the opening, or 1 without falloff.
+    #[inline]
+    fn falloff_at(&self, chief: DVec3, opening: DVec2) -> f64 {
+        match self.falloff {
             Falloff::None => 1.0,
             Falloff::Cos4 => {
+                let v = self.image_distance_m;
                 // The sensor point is where the undistorted chief ray, carried on behind the lens, meets z = v.
                 let across = opening + DVec2::new(chief.x, chief.y) * v;
                 let cos2 = v * v / (v * v + across.length_squared());
                 cos2 * cos2
             }
+        }
+    }
+
+    /// Irradiance at a pixel position over that on the axis, under even light: the mean of cos⁴θ over the opening, over
+    /// the same on the axis. `None` where the position sees nothing.
+    pub fn relative_illumination(&self, pixel: DVec2) -> Option<f64> {
+        // The integrand is smooth: 16 × 16 cells leave an error below 1e-4 even at f/1.
+        const CELLS: u16 = 16;
+        let mean = |chief: DVec3| -> f64 {
+            let centre = |i: u16| (f32::from(i) + 0.5) / f32::from(CELLS);
+            let opening = |i: u16| match self.kind {
+                LensKind::Pinhole => DVec2::ZERO,
+                LensKind::Thin => self.aperture.sample([centre(i % CELLS), centre(i / CELLS)]),
+            };
+            (0..CELLS * CELLS).map(|i| self.falloff_at(chief, opening(i))).sum()
         };
-        let origin = self.to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
-        let direction = self.to_world.transform_vector3(direction).normalize();
-        let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
-        Some(CameraRay { ray, weight: (self.aperture.area() * cos4 / (v * v)) as f32 })
+        Some(mean(self.chief_direction(pixel)?) / mean(DVec3::NEG_Z))
     }
 
     /// Where a world point appears: continuous pixel coordinates of its sharp picture, without distortion; `None`

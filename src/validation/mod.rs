@@ -4,7 +4,7 @@
 //! with the variance of every pixel. Out: a [`Comparison`] of numbers per channel with z-scores ([`ZScores`]) and a
 //! [`Verdict`], what of it is past the [`Limits`] that a user sets, and a [`FalseColour`] picture of the differences.
 //!
-//! Files are left to [`io::picture_file`](crate::io::picture_file) and [`io::png`](crate::io::png).
+//! Files are left to [`io::picture_file`](crate::io::picture_file) and [`io::developed`](crate::io::developed).
 
 mod compare;
 mod false_colour;

@@ -100,8 +100,9 @@ fn of_results() {
 #[test]
 fn of_damaged_results() {
     let folder = Folder::new([("a.exr", b"v/1\x01".to_vec()), ("a.dng", b"MM".to_vec()), ("a.tiff", vec![])]);
-    for name in ["a.exr", "a.dng", "a.tiff"] {
-        folder.fail(&format!("info {name}"), 1, &[&format!("{name}: cannot read it as ")]);
+    folder.fail("info a.exr", 1, &["a.exr: cannot read it as "]);
+    for name in ["a.dng", "a.tiff"] {
+        folder.fail(&format!("info {name}"), 1, &[&format!("{name}: is no raw file of a kind that photosite knows")]);
     }
 }
 
@@ -112,7 +113,8 @@ fn of_sensors() {
     let rows: Value = serde_json::from_str(&folder.succeed("sensors --json").stdout).expect("JSON");
     let table = folder.succeed("sensors").stdout;
     let rows = rows.as_array().expect("a list");
-    assert_eq!((rows.len(), table.lines().count()), (3, 4), "{table}");
+    assert_eq!(table.lines().count(), rows.len() + 1, "{table}");
+    assert_eq!(rows.len(), std::fs::read_dir(assets).expect("sensor files").count(), "{table}");
     for row in rows {
         let name = row["name"].as_str().expect("a name");
         let line = table.lines().find(|line| line.starts_with(name)).expect(name);

@@ -45,7 +45,7 @@ fn places_of_a_mosaic_are_looked_at_one_by_one() {
     let folder = crate::room::room("[render]\nsamples_per_pixel = 1");
     folder.succeed("render capture.toml -o out");
     let found = planes(&folder, "out/raw.dng");
-    let names: Vec<&str> = found.as_array().expect("planes").iter().filter_map(|p| p["plane"].as_str()).collect();
+    let names: Vec<&str> = found.as_array().expect("planes").iter().filter_map(|p| p["name"].as_str()).collect();
     assert_eq!(names, ["R at column 0, row 0", "G at column 1, row 0", "G at column 0, row 1", "B at column 1, row 1"]);
     assert_eq!(found[0]["size"], serde_json::json!([16, 12]));
 }

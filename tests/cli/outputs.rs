@@ -167,7 +167,7 @@ fn curves_of_a_sensor_lie_beside_the_capture_wherever_that_is() {
     folder.add("sub/line.csv", "549,0\n550,1\n551,0\n");
     folder.add(
         "sub/capture.toml",
-        "[scene]\ngeometry = ['../sails.gltf']\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [32, 24]\n\
+        "[scene]\ngeometry = ['../sails.gltf']\nenvironment = { illuminant = 'D65', illuminance_lux = 100 }\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [32, 24]\n\
          channels.Y.quantum_efficiency = { file = 'line.csv' }\n",
     );
     folder.succeed("render sub/capture.toml -o out");

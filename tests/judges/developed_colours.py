@@ -84,9 +84,11 @@ def judge_patches(folder: Path):
     error = lambda xyz: colour.delta_E(reference, lab(scaled(xyz)), method="CIE 2000").mean()
 
     with rawpy.imread(str(folder / "raw.dng")) as raw:
-        mosaic, colours = raw.raw_image_visible.astype(float), raw.raw_colors_visible % 3
-        mosaic -= raw.black_level_per_channel[0]
-        planes = numpy.stack([numpy.where(colours == c, mosaic, numpy.nan) for c in (0, 1, 2)], axis=2)
+        planes = raw.raw_image_visible.astype(float) - raw.black_level_per_channel[0]
+        if planes.ndim == 2:
+            colours = raw.raw_colors_visible % 3
+            planes = numpy.stack([numpy.where(colours == c, planes, numpy.nan) for c in (0, 1, 2)], axis=2)
+        planes = planes[:, :, :3]
         theirs = raw.postprocess(
             use_camera_wb=True,
             no_auto_bright=True,

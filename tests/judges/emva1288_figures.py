@@ -13,8 +13,11 @@ pixels and images leaves. A limit below four standard errors is an error too: no
 What the tool does otherwise than its users may think:
 - it knows two images as a pair and more as a stack, one exposure time for both stacks, and wants a bright and a dark
   pair at every exposure time;
-- saturation is the brightest exposure before the temporal variance falls: up to one step, and a few standard deviations
-  of the pixels, below the capacity;
+- saturation is the exposure of the largest temporal variance: up to one step, and a few standard deviations of the
+  pixels, below the capacity. The tool searches for it from the bright end and stops at the first point above its two
+  darker neighbours. Beyond saturation the variance is that of the few pixels whose read noise is still below the last
+  code, some 1e-3 DN^2 in any order, and there the search can end: a sensor of 32378 e- was found to have 35548, the
+  exposure of the last step. So it is told the point, as it has an option for;
 - sigma_d is that of no exposure time: the offset of the dark variances over exposure time, less 1/12 DN^2;
 - the absolute sensitivity threshold is taken as sigma_y.dark/K + 1/2, an approximation of
   sqrt((sigma_y.dark/K)^2 + 1/4) + 1/2;
@@ -68,7 +71,9 @@ def load_set(path, spatial=None):
     data = LoadImageData(images, fload=load, loglevel=logging.ERROR).data
     if spatial is not None:
         data["spatial"] = spatial
-    return data, Results1288(Data1288(data, loglevel=logging.ERROR).data, loglevel=logging.ERROR)
+    moments = Data1288(data, loglevel=logging.ERROR).data
+    saturation = int(numpy.argmax(moments["temporal"]["s2_y"]))
+    return data, Results1288(moments, index_u_ysat=saturation, loglevel=logging.ERROR)
 
 
 class Judge:

@@ -70,7 +70,7 @@ fn colour_errors(sensor: &SensorModel, light: &Spectrum) -> (f64, f64) {
         .zip(&patches)
         .map(|(found, patch)| {
             let seen = DVec3::from_array(cie::xyz(&light.product(patch))) / white.y;
-            let expected = bradford(white, d65) * seen;
+            let expected = bradford(white / white.y, d65) * seen;
             cielab::from_xyz(*rgb::rgb_to_xyz() * found, d65).distance(cielab::from_xyz(expected, d65))
         })
         .collect();

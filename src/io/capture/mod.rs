@@ -138,7 +138,7 @@ impl Capture {
             exposure: settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?,
             render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
             develop: develop::checked(&file.develop)?,
-            output: settings::output(&file.output).map_err(|invalid| invalid.within("output"))?,
+            output: settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?,
             scene: geometry.with_tables(file, folder)?,
             camera_to_world,
             lens,

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
 use crate::Invalid;
 use crate::integrator::RenderSettings;
+use crate::raw::{Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
 use crate::sensor::{AutoExposure, Exposure, SensorModel, Stages};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
@@ -51,6 +52,8 @@ pub enum ExposureTime {
 pub struct OutputSettings {
     /// Formats of the raw picture.
     pub raw: Vec<RawFormat>,
+    /// How DNG files are compressed.
+    pub dng_compression: DngCompression,
     /// Whether the mean electrons are written.
     pub electrons: bool,
     /// The bands in which the spectral irradiance is written, if it is.
@@ -67,11 +70,11 @@ pub struct OutputSettings {
 pub enum RawFormat {
     /// Digital negative.
     Dng,
-    /// 16-bit TIFF of the mosaic.
+    /// 16-bit TIFF of the digital numbers.
     Tiff,
-    /// 16-bit PGM of the mosaic.
+    /// 16-bit PGM of the digital numbers, or PPM where every pixel has three channels.
     Pgm,
-    /// NumPy array of the mosaic.
+    /// NumPy array of the digital numbers.
     Npy,
 }
 
@@ -194,9 +197,10 @@ pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
 }
 
 /// Reads `[output]`.
-pub(super) fn output(table: &OutputTable) -> Result<OutputSettings, Invalid> {
+pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<OutputSettings, Invalid> {
     let mut raw = Vec::new();
     for format in table.raw.as_deref().unwrap_or(&[RawFormat::Dng]) {
+        can_hold(*format, &sensor.cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
         if !raw.contains(format) {
             raw.push(*format);
         }
@@ -204,6 +208,7 @@ pub(super) fn output(table: &OutputTable) -> Result<OutputSettings, Invalid> {
     let preview = table.preview_interval_s.unwrap_or(10.0);
     Ok(OutputSettings {
         raw,
+        dng_compression: table.dng_compression.unwrap_or_default(),
         electrons: table.electrons.unwrap_or(true),
         ideal: table.ideal.unwrap_or(false),
         irradiance: match table.irradiance {
@@ -215,6 +220,18 @@ pub(super) fn output(table: &OutputTable) -> Result<OutputSettings, Invalid> {
         },
         preview_interval: if preview == 0.0 { None } else { Some(duration("preview_interval_s", preview)?) },
     })
+}
+
+/// Whether a format has room for such pixels.
+fn can_hold(format: RawFormat, cfa: &Cfa) -> Result<(), Invalid> {
+    match format {
+        RawFormat::Dng => dng_can_hold(cfa),
+        RawFormat::Pgm if ![1, 3].contains(&cfa.samples_per_pixel()) => {
+            let message = format!("PGM and PPM have no pixels of {} numbers", cfa.samples_per_pixel());
+            Err(Invalid::new("raw", message).help("write raw = [\"tiff\"] or [\"npy\"], which hold any channels"))
+        }
+        RawFormat::Pgm | RawFormat::Tiff | RawFormat::Npy => Ok(()),
+    }
 }
 
 fn spectral_bands([first, last, width]: [f64; 3]) -> Result<SpectralBands, Invalid> {

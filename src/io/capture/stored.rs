@@ -9,14 +9,15 @@ use serde_json::{Map, Value, json};
 
 use super::colour::Finder;
 use super::file::refuse_unknown_sections;
+use super::lens::describe_lens;
 use super::sensor::{anchor_files, read_sensor, read_whole_sensor, sensor_model};
 use super::source::CaptureSource;
 use super::tables::{LensTable, MergedSensor, SECTIONS};
 use super::tree::from_json;
 use super::{ExposureSettings, OutputSettings, develop, keys_of, overrides, read_text, settings};
 use crate::develop::DevelopSettings;
+use crate::optics::{Focus, LensDescription};
 use crate::sensor::SensorModel;
-use crate::spectrum::Spectrum;
 use crate::{Error, Invalid, Result};
 
 /// The part of a capture that stored light leaves open.
@@ -32,8 +33,8 @@ pub struct StoredCapture {
     pub develop: DevelopSettings,
     /// Seed of sensor noise.
     pub seed: u64,
-    /// Transmittance of the lens, which the stored light has passed.
-    pub transmittance: Spectrum,
+    /// The lens that the stored light has passed. What a glTF camera or autofocus decided of it is not known here.
+    pub lens: LensDescription,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
 }
@@ -110,17 +111,14 @@ impl StoredCapture {
             move |invalid: Invalid| source.error(invalid.within(table))
         };
         let sensor = sensor_model(&sensor).map_err(at("sensor"))?;
-        let transmittance = match &lens.transmittance {
-            Some(transmittance) => finder.fraction(transmittance).map_err(|e| at("lens")(e.within("transmittance")))?,
-            None => Spectrum::constant(1.0),
-        };
+        let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity)).map_err(at("lens"))?;
         Ok(Self {
             exposure: settings::exposure(&exposure, &sensor).map_err(at("exposure"))?,
-            output: settings::output(&output).map_err(at("output"))?,
+            output: settings::output(&output, &sensor).map_err(at("output"))?,
             develop: develop::checked(&source.read("develop")?.unwrap_or_default()).map_err(|e| source.error(e))?,
             seed: render.map_err(at("render"))?.seed,
             sensor,
-            transmittance,
+            lens,
             source: source.clone(),
         })
     }

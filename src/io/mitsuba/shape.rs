@@ -53,7 +53,7 @@ fn shape(
         .child(Element::reference(&material.id));
     let described = &scene.materials[mesh.material];
     let name = quoted("material", &described.name);
-    if mesh.uvs.is_empty() && is_anisotropic(&described.model) {
+    if !has_uvs(mesh) && is_anisotropic(&described.model) {
         out.approximate(format!("the anisotropy of {name} on a mesh without UVs: its direction is another one"));
     }
     let Some(emission) = &described.emission else { return shape };
@@ -85,6 +85,11 @@ fn is_anisotropic(model: &MaterialModel) -> bool {
         // The anisotropy of layers is left out, which their export tells.
         MaterialModel::Diffuse { .. } | MaterialModel::Dielectric { .. } | MaterialModel::Layered(_) => false,
     }
+}
+
+/// Whether there are UVs that lead anywhere: meshes that had none are given zeros.
+fn has_uvs(mesh: &MeshDescription) -> bool {
+    mesh.uvs.first().is_some_and(|uvs| uvs.iter().any(|uv| *uv != uvs[0]))
 }
 
 /// Whether the shading normals, if there are any, are those of the triangles.

@@ -21,9 +21,10 @@ pub enum DngCompression {
     /// 16 bits each.
     #[default]
     None,
-    /// Lossless JPEG, which every developer reads: about half the size.
+    /// Lossless JPEG, which every developer reads.
     LosslessJpeg,
-    /// zlib. As DNG allows it for floating-point numbers and not for those of 16 bits, they are written as such.
+    /// zlib. DNG allows it for floating-point numbers and not for those of 16 bits, so they are written as such; some
+    /// developers then scale them to a range of their own.
     Deflate,
 }
 
@@ -42,9 +43,11 @@ pub(super) fn write<W: Write + Seek>(
     match compression {
         DngCompression::None => write_strip(ifd, [raw.width, raw.height], 16, samples, photometric, &raw.data[..]),
         DngCompression::LosslessJpeg => {
-            // The like of a pixel in a mosaic is the one after the next.
-            let components = if raw.cfa.is_mono() || raw.cfa.is_full() { samples } else { 2 };
-            write_tiles(raw, ifd, |numbers, row_length| Ok(lossless_jpeg::encode(numbers, row_length, components)))?;
+            write_tiles(raw, ifd, |numbers, row_length| {
+                // The like of a pixel in a mosaic is the one after the next.
+                let pairs = !raw.cfa.is_mono() && !raw.cfa.is_full() && row_length.is_multiple_of(2);
+                Ok(lossless_jpeg::encode(numbers, row_length, if pairs { 2 } else { samples }))
+            })?;
             write_tags(ifd, [raw.width, raw.height], 16, samples, photometric, tag::JPEG)
         }
         DngCompression::Deflate => {
@@ -83,12 +86,23 @@ where
 }
 
 /// The pixels in tiles, each coded by itself from its numbers and how many of them are in a row.
+///
+/// LibRaw and dcraw take a tile that is wider than the picture for a strip, so pictures that are smaller than the
+/// smallest tile become a strip.
 fn write_tiles<W: Write + Seek>(
     raw: &RawImage,
     ifd: &mut Ifd<'_, W>,
     code: impl Fn(&[u16], usize) -> io::Result<Vec<u8>> + Sync,
 ) -> TiffResult<()> {
-    let [tile_width, tile_height] = [raw.width, raw.height].map(|n| n.next_multiple_of(TILE_STEP).min(TILE));
+    if raw.width < TILE_STEP || raw.height < TILE_STEP {
+        let strip = code(&raw.data, raw.row_length())?;
+        let offset = ifd.write_data(&strip[..])?;
+        super::align(ifd, strip.len())?;
+        ifd.write_tag(Tag::StripOffsets, u32::try_from(offset)?)?;
+        ifd.write_tag(Tag::StripByteCounts, u32::try_from(strip.len())?)?;
+        return ifd.write_tag(Tag::RowsPerStrip, u32::try_from(raw.height)?);
+    }
+    let [tile_width, tile_height] = [raw.width, raw.height].map(|n| (n / TILE_STEP * TILE_STEP).min(TILE));
     let [across, down] = [raw.width.div_ceil(tile_width), raw.height.div_ceil(tile_height)];
     let (samples, row_length) = (raw.cfa.samples_per_pixel(), raw.row_length());
     let coded = |tile: usize| {

@@ -85,9 +85,9 @@ pub enum SensorKind {
     /// Charge becomes a voltage inside each pixel.
     #[default]
     Cmos,
-    /// Charge is moved out of all pixels to one amplifier; [ccd] says how.
+    /// Charge is moved out of all pixels to one amplifier; the table `[ccd]` says how.
     Ccd,
-    /// Single photons are counted in each pixel; [spad] says how.
+    /// Single photons are counted in each pixel; the table `[spad]` says how.
     Spad,
 }
 

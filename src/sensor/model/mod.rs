@@ -370,6 +370,69 @@ mod tests {
     }
 
     #[test]
+    fn figures_of_other_kinds_of_sensors_are_refused_by_key() {
+        let interline = "kind = 'ccd'\nccd = { smear_db = -80.0, line_time_us = 30.0 }";
+        let one_bit = "kind = 'spad'\nspad = { counting = 'one-bit', one_bit_frames = 16 }";
+        let dual = "adc.dual_gain = { bits = 11, black_level_dn = 20, high_gain_dn_per_e = 4.0, low_gain_dn_per_e = 0.1, \
+                    low_gain_read_noise_e = 5.0 }";
+        let toml = TOML.replace(
+            "adc = { bits = 12, conversion_gain_dn_per_e = 0.4, black_level_dn = 64, \
+                                 gain_db_range = [0.0, 24.0] }",
+            "",
+        );
+        let adc =
+            "adc.bits = 16\nadc.conversion_gain_dn_per_e = 4.0\nadc.black_level_dn = 64\nadc.gain_db_range = [0, 0]";
+        for (lines, from, to, key) in [
+            (interline, "'ccd'", "'cmos'", "ccd"),
+            (interline, "'ccd'", "'spad'", "ccd"),
+            (interline, "-80.0", "80.0", "ccd.smear_db"),
+            (interline, ", line_time_us = 30.0", "", "ccd.line_time_us"),
+            (interline, "smear_db = -80.0", "row_shift_time_us = 1.0", "ccd.row_shift_time_us"),
+            (interline, "smear_db = -80.0", "vertical_cti = 1.0", "ccd.vertical_cti"),
+            (interline, "smear_db = -80.0", "horizontal_cti = -1e-6", "ccd.horizontal_cti"),
+            (interline, "smear_db = -80.0", "anti_blooming_factor = 0.5", "ccd.anti_blooming_factor"),
+            (interline, "smear_db = -80.0", "overscan_rows = 70000", "ccd.overscan_rows"),
+            (interline, "ccd =", "masked_rows = [0, 5000]\nccd =", "masked_rows"),
+            (one_bit, "'spad'", "'cmos'", "spad"),
+            (one_bit, "\nspad = { counting = 'one-bit', one_bit_frames = 16 }", "", "spad"),
+            (one_bit, ", one_bit_frames = 16", "", "spad.one_bit_frames"),
+            (one_bit, "16", "0", "spad.one_bit_frames"),
+            (one_bit, "one-bit", "free-running", "spad.one_bit_frames"),
+            (one_bit, "one_bit_frames = 16", "dead_time_ns = 50.0", "spad.dead_time_ns"),
+            (one_bit, "16", "16, afterpulsing_percent = 100.0", "spad.afterpulsing_percent"),
+            (dual, "bits = 11", "bits = 40", "adc.dual_gain.bits"),
+            (dual, "black_level_dn = 20", "black_level_dn = 2047", "adc.dual_gain.black_level_dn"),
+            (dual, "high_gain_dn_per_e = 4.0", "high_gain_dn_per_e = 0.05", "adc.dual_gain.low_gain_dn_per_e"),
+            (dual, "noise_e = 5.0", "noise_e = -5.0", "adc.dual_gain.low_gain_read_noise_e"),
+        ] {
+            // Keys of the whole sensor come before any table.
+            let text = |lines: &str| format!("{lines}\n{adc}\n{toml}");
+            model(&text(lines)).expect("valid");
+            assert!(lines.contains(from), "{from}");
+            let error = model(&text(&lines.replacen(from, to, 1))).expect_err(to);
+            assert_eq!(error.key, key, "{error}");
+        }
+        for (from, to, key) in [
+            ("full_well_e = 10000.0", "brighter_fatter_per_e = [1e-3, 0.0]", "charge.brighter_fatter_per_e"),
+            ("R.quantum_efficiency = 0.6", "R.depth_um = [0.5, 0.2]", "channels.R.depth_um"),
+            ("R.quantum_efficiency = 0.6", "R = {}", "channels.R.quantum_efficiency"),
+            (
+                "G.quantum_efficiency = 0.7",
+                "G = { quantum_efficiency = 0.7, depth_um = [0, 1] }",
+                "channels.G.depth_um",
+            ),
+        ] {
+            let to = if key.starts_with("charge") {
+                format!("full_well_e = 10000.0\n        charge.{to}")
+            } else {
+                to.to_owned()
+            };
+            let error = model(&TOML.replacen(from, &to, 1)).expect_err(&to);
+            assert_eq!(error.key, key, "{error}");
+        }
+    }
+
+    #[test]
     fn an_error_tells_the_wavelength_of_an_impossible_efficiency() {
         let description: SensorDescription = toml::from_str(TOML).expect("valid");
         let peak = |_: &SpectrumSource| Ok(Spectrum::from_fn(|lambda| if lambda == 612.0 { 1.25 } else { 0.5 }));

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::io::capture::settings::RawFormat;
+use crate::raw::DngCompression;
 use crate::sensor::Stage;
 
 /// How long, at what gain and temperature.
@@ -69,6 +70,9 @@ pub(crate) enum SamplerName {
 pub(crate) struct OutputTable {
     /// Formats of the raw picture. Left out: ["dng"].
     pub(crate) raw: Option<Vec<RawFormat>>,
+    /// How DNG files are compressed, always without loss: "none", "lossless-jpeg", which every developer reads, or
+    /// "deflate", for which numbers become floating-point ones. Left out: "none".
+    pub(crate) dng_compression: Option<DngCompression>,
     /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Left out: false.
     pub(crate) irradiance: Option<IrradianceSource>,
     /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise, mosaic
