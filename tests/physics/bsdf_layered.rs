@@ -25,17 +25,22 @@ fn power(bsdf: &Bsdf, wo: glam::Vec3) -> [f64; 4] {
 
 #[test]
 fn white_materials_give_back_everything() {
-    // Albedos are interpolated linearly between 12 to 32 nodes in √μ and √α. Bare bases were found to be off by up to 4e-3
-    // at these roughnesses, quadrature included, and under layers two or three tables come together. What a layer hides
-    // is tabulated for isotropic facets only: anisotropic ones were found to differ by up to another 0.016.
-    const TOLERANCE: f64 = 0.01;
-    const ANISOTROPIC: f64 = 0.03;
+    // What is missing is the error of the tables at `wo` (their own tests bound it, see `bsdf::albedo`): where facets are
+    // isotropic 6e-3 for them and the same for what lies above; where they are not 0.015 instead of the first, for
+    // refracting facets 0.03.
+    const ISOTROPIC: f64 = 0.012;
+    const ANISOTROPIC: f64 = 0.021;
+    const ANISOTROPIC_GLASS: f64 = 0.036;
     let mut wrong = Vec::new();
-    for (name, layers) in layered(SampledSpectrum::ONE, &[[0.6, 0.6], [1.0, 1.0], [0.5, 0.9]]) {
+    for (name, layers) in layered(SampledSpectrum::ONE, &[[0.6, 0.6], [1.0, 1.0], [0.5, 0.9], [0.3, 0.87]]) {
         let [x, y] = layers.distribution.alpha();
-        // Not compensated, or not in full: see `layered`.
-        let loses = !layers.is_two_sided() && (layers.film.is_some() || x != y);
-        let tolerance = if x == y { TOLERANCE } else { ANISOTROPIC };
+        // Not compensated: see `layered`.
+        let loses = !layers.is_two_sided() && layers.film.is_some();
+        let tolerance = match (x == y, layers.is_two_sided()) {
+            (true, _) => ISOTROPIC,
+            (false, true) => ANISOTROPIC,
+            (false, false) => ANISOTROPIC_GLASS,
+        };
         let bsdf = Bsdf::Layered(layers);
         for (from, wo) in visible_from(&bsdf) {
             for (lane, power) in power(&bsdf, wo).into_iter().enumerate() {

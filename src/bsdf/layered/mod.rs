@@ -39,8 +39,7 @@
 //!
 //! Sheen attenuates wavelength by wavelength, not by its largest channel. Coat and sheen lie on both sides of thin
 //! surfaces that transmit, and on all but the clear part of those that bound a volume. A coat with a normal of its own
-//! is not reciprocal, as no mapped normal is. Facets that refract lose light to further bounces where they have a film,
-//! and some where they are anisotropic (6 % were found for α 0.5 and 0.9): their table is for one roughness.
+//! is not reciprocal, as no mapped normal is. Facets that refract lose light to further bounces where they have a film.
 
 mod film;
 pub(super) mod sheen;

@@ -5,7 +5,9 @@ use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use glam::{Vec3, Vec4};
 
 use super::{Layered, Volume, sheen};
-use crate::bsdf::albedo::{Albedo, COAT_F0, FILM_NODES, FilmRow, FilmWeights, GlassRow, Hidden, Row, SheenRow};
+use crate::bsdf::albedo::{
+    Albedo, COAT_F0, FILM_NODES, FilmRow, FilmWeights, GlassRow, Hidden, HiddenPart, Row, SheenRow,
+};
 use crate::bsdf::dielectric::{self, Refraction};
 use crate::bsdf::fresnel::{self, schlick_weight};
 use crate::bsdf::microfacet::ReflectionKernel;
@@ -43,10 +45,10 @@ struct Under {
     facets: Albedo,
     /// Of the facets with a film, by its nodes.
     film: Option<FilmWeights>,
-    /// c·E of the coat, and E·c of the facets that it hides.
-    coat: (f32, Option<Albedo>),
+    /// c·E of the coat, and what it hides.
+    coat: (f32, Option<HiddenPart>),
     /// E of sheen of colour 1, and what it hides.
-    sheen: (f32, Option<Albedo>),
+    sheen: (f32, Option<HiddenPart>),
     /// One bounce at a refracting interface: from the side of `wo`, and from the other.
     glass: [f32; 2],
 }
@@ -160,7 +162,7 @@ impl<'a> View<'a> {
                 .sheen
                 .as_ref()
                 .map_or((0.0, None), |(row, hidden)| (row.directional(w.z), Some(hidden.directional(w.z)))),
-            glass: tables.glass.as_ref().map_or([1.0; 2], |row| row.directional(w.z)),
+            glass: tables.glass.as_ref().map_or([1.0; 2], |row| row.directional(w)),
         }
     }
 
@@ -208,9 +210,8 @@ impl<'a> View<'a> {
         let colour = layers.sheen.map_or(ZERO, |s| s.colour);
         // The part of the facets' light that the layers let through.
         let let_through = |f0: f32| {
-            let own = under.facets.at(f0).max(f32::MIN_POSITIVE);
-            let by_coat = hidden_by_coat.map_or(0.0, |hidden| weight * hidden.at(f0) / own);
-            let by_sheen = hidden_by_sheen.map_or(0.0, |hidden| hidden.at(f0) / own);
+            let by_coat = hidden_by_coat.map_or(0.0, |hidden| weight * hidden.at(f0));
+            let by_sheen = hidden_by_sheen.map_or(0.0, |hidden| hidden.at(f0));
             (ONE - colour * by_sheen) * (1.0 - by_coat)
         };
         let (dielectric, white) = (bare * let_through(layers.f0.mean()), bare_white * let_through(1.0));
