@@ -27,10 +27,10 @@ fn power(bsdf: &Bsdf, wo: glam::Vec3) -> [f64; 4] {
 fn white_materials_give_back_everything() {
     // What is missing is the error of the tables at `wo` (their own tests bound it, see `bsdf::albedo`): where facets are
     // isotropic 6e-3 for them and the same for what lies above; where they are not 0.015 instead of the first, for
-    // refracting facets 0.03.
+    // refracting facets 0.045.
     const ISOTROPIC: f64 = 0.012;
     const ANISOTROPIC: f64 = 0.021;
-    const ANISOTROPIC_GLASS: f64 = 0.036;
+    const ANISOTROPIC_GLASS: f64 = 0.051;
     let mut wrong = Vec::new();
     for (name, layers) in layered(SampledSpectrum::ONE, &[[0.6, 0.6], [1.0, 1.0], [0.5, 0.9], [0.3, 0.87]]) {
         let [x, y] = layers.distribution.alpha();

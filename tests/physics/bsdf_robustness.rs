@@ -61,9 +61,10 @@ fn samples_are_finite_and_not_negative_at_the_ends_of_the_unit_interval() {
                 let name = format!("{} {wo} {u_lobe} {u} {v}: {sample:?}", case.name);
                 assert!(sample.f.is_finite() && sample.f.0.min_element() >= 0.0, "{name}");
                 assert!(sample.pdf.0.is_finite() && sample.pdf.0 > 0.0, "{name}");
-                // Radiance that enters a rarer medium falls by η², power does not.
+                // Radiance changes by η² on its way into another medium, power does not. Lobes are chosen by the mean
+                // over the lanes.
                 let power = sample.throughput() * (sample.eta * sample.eta);
-                assert!(power.is_finite() && power.max() <= 10.0, "{name}");
+                assert!(power.is_finite() && power.mean() <= 10.0, "{name}");
                 assert!(sample.wi.is_finite() && (sample.wi.length() - 1.0).abs() < 1e-5, "{name}");
             }
         }
