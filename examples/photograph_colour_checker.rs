@@ -50,8 +50,13 @@ fn main() -> miette::Result<()> {
 
 /// A noise-free picture in which white would just saturate.
 fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photosite::Invalid> {
-    let exposure =
-        Exposure { time: Seconds(0.01), gain: Decibels(0.0), temperature: Celsius(25.0), frame_interval: None };
+    let exposure = Exposure {
+        time: Seconds(0.01),
+        gain: Decibels(0.0),
+        digital_gain: Decibels(0.0),
+        temperature: Celsius(25.0),
+        frame_interval: None,
+    };
     let responses = sensor.responses();
     let electrons = |reflectance: &Spectrum| -> Vec<f64> {
         responses.iter().map(|(_, r)| r.product(&light.product(reflectance)).integral()).collect()

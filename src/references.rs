@@ -30,6 +30,14 @@
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!
+//! ## Iso12232
+//! ISO 12232:2019, *Photography – Digital still cameras – Determination of exposure index, ISO speed ratings, standard output
+//! sensitivity, and recommended exposure index*.
+//!
+//! ## Kavadias00
+//! S. Kavadias, B. Dierickx, D. Scheffer, A. Alaerts, D. Uwaerts, J. Bogaerts, "A Logarithmic Response CMOS Image Sensor with
+//! On-Chip Calibration", IEEE Journal of Solid-State Circuits 35(8), 1146–1152 (2000).
+//!
 //! ## T81
 //! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).
 //!
@@ -115,6 +123,9 @@
 //!
 //! ## Varshni67
 //! Y. P. Varshni, "Temperature dependence of the energy gap in semiconductors", Physica 34(1), 149–154 (1967).
+//!
+//! ## Shoemake85
+//! K. Shoemake, "Animating Rotation with Quaternion Curves", Proc. SIGGRAPH, 245–254 (1985).
 //!
 //! ## Konnik14
 //! M. Konnik, J. Welsh, "High-level numerical simulations of noise in CCD and CMOS photosensors: review and tutorial",

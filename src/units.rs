@@ -47,6 +47,11 @@ impl Decibels {
     pub fn factor(self) -> f64 {
         10f64.powf(self.0 / 20.0)
     }
+
+    /// The gain of an amplitude factor above 0.
+    pub fn of_factor(factor: f64) -> Self {
+        Self(20.0 * factor.log10())
+    }
 }
 
 #[cfg(test)]
@@ -62,5 +67,6 @@ mod tests {
     #[test]
     fn twenty_decibels_are_a_factor_of_ten() {
         assert!((Decibels(20.0).factor() - 10.0).abs() < 1e-12);
+        assert!((Decibels::of_factor(10.0).0 - 20.0).abs() < 1e-12);
     }
 }

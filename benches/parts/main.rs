@@ -11,6 +11,7 @@ mod build;
 mod develop;
 mod sampler;
 mod scenes;
+mod sensor;
 mod traversal;
 
 fn main() {

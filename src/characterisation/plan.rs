@@ -23,12 +23,22 @@ pub struct OperatingPoint {
 impl OperatingPoint {
     /// Refuses what this sensor cannot do.
     pub fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
-        self.exposure(USUAL_TIME).validate(sensor)
+        self.exposure(USUAL_TIME).validate(sensor)?;
+        let bent = [
+            ("charge.logarithmic_reference_e_per_s", sensor.logarithmic.is_some()),
+            ("adc.companding", sensor.converter.companding.is_some()),
+        ];
+        match bent.iter().find(|(_, is_bent)| *is_bent) {
+            Some((key, _)) => Err(Invalid::new(*key, "makes numbers that are not in proportion to light")
+                .help("EMVA 1288 measures linear sensors; leave it out")),
+            None => Ok(()),
+        }
     }
 
     /// An exposure of this time.
     pub(super) fn exposure(&self, time: Seconds) -> Exposure {
-        Exposure { time, gain: self.gain, temperature: self.temperature, frame_interval: None }
+        let Self { gain, temperature, .. } = *self;
+        Exposure { time, gain, digital_gain: Decibels(0.0), temperature, frame_interval: None }
     }
 }
 

@@ -118,12 +118,9 @@ impl<'a> Chain<'a> {
     }
 
     /// Exposes to light that frees these electrons within the time `collected`; electron rates are those of one second.
-    /// `known_time` stands in for what an automatic exposure would find.
-    pub(super) fn expose(&self, light: Estimate, collected: Seconds, known_time: Option<Seconds>) -> Result<Exposed> {
-        let exposure = match known_time {
-            Some(time) => Ok(self.at(time)),
-            None => self.exposure(&light, collected),
-        };
+    /// `known` stands in for what an automatic exposure would find.
+    pub(super) fn expose(&self, light: Estimate, collected: Seconds, known: Option<Exposure>) -> Result<Exposed> {
+        let exposure = known.map_or_else(|| self.exposure(&light, collected), Ok);
         // The time of an automatic exposure is known only now.
         let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
         let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
@@ -161,17 +158,13 @@ impl<'a> Chain<'a> {
     /// The exposure that the capture asks for, its time found from the light where it is automatic.
     fn exposure(&self, light: &Estimate, collected: Seconds) -> Result<Exposure, Invalid> {
         let Settings { sensor, exposure: wanted, .. } = self.settings;
-        Ok(self.at(match wanted.time {
-            ExposureTime::Fixed(time) => time,
+        match wanted.time {
+            ExposureTime::Fixed(time) => Ok(wanted.at(time)),
+            // Any time serves to tell the rest.
             ExposureTime::Auto(target) => {
-                auto_exposure(&light.mean, collected, sensor, wanted.gain, wanted.temperature, target)?
+                auto_exposure(&light.mean, collected, sensor, &wanted.at(Seconds(1.0)), target)
             }
-        }))
-    }
-
-    fn at(&self, time: Seconds) -> Exposure {
-        let ExposureSettings { gain, temperature, frame_interval, .. } = *self.settings.exposure;
-        Exposure { time, gain, temperature, frame_interval }
+        }
     }
 
     /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
@@ -202,11 +195,13 @@ impl<'a> Chain<'a> {
     }
 
     pub(super) fn exposure_report(&self, exposed: &Exposed) -> ExposureReport {
-        let Exposure { time, gain, temperature, .. } = exposed.exposure;
+        let Exposure { time, gain, digital_gain, temperature, .. } = exposed.exposure;
         ExposureReport {
             time_s: time.0,
             auto: matches!(self.settings.exposure.time, ExposureTime::Auto(_)),
             gain_db: gain.0,
+            digital_gain_db: digital_gain.0,
+            iso: self.settings.sensor.iso(&exposed.exposure),
             temperature_c: temperature.0,
             frames: self.settings.exposure.frames,
         }
@@ -222,7 +217,8 @@ impl<'a> Chain<'a> {
             bits: raw.bits,
             black_level_dn: raw.black_level_dn.mean(),
             white_level_dn: raw.white_level_dn,
-            system_gain_dn_per_e: sensor.converter.system_gain(exposed.exposure.gain),
+            linearisation_dn: raw.linearisation.clone(),
+            system_gain_dn_per_e: sensor.system_gain(&exposed.exposure),
             saturation_capacity_e: sensor.saturation_capacity(&exposed.exposure).0,
             read_noise_e: sensor.noise.read.0,
             as_shot_neutral: raw.metadata.as_shot_neutral.clone(),

@@ -7,18 +7,19 @@ use clap::Args;
 use glam::DAffine3;
 use photosite::image::Estimate;
 use photosite::io::capture::{StoredCapture, StoredReport};
-use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
-use photosite::sensor::{SensorModel, electron_rates};
+use photosite::optics::{Camera, Focus, LensDescription};
+use photosite::sensor::{Exposure, SensorModel, electron_rates};
 use photosite::spectrum::{Spectrum, illuminant};
-use photosite::units::Seconds;
+use photosite::units::{Decibels, Seconds};
 use photosite::{Error, Invalid, Result};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-use super::chain::{Chain, Optics};
+use super::chain::{Chain, Exposed, Optics};
 use super::output_folder::{OutputFolder, REPORT};
+use super::render::camera_of;
 use super::report::{LightReport, Report, Timings, TracedReport};
-use super::results::write_results;
+use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
 use super::stored_light::StoredLight;
 use super::{print_json, rounded};
@@ -26,7 +27,8 @@ use super::{print_json, rounded};
 /// Expose stored light again: another time, gain, temperature, seed or sensor.
 ///
 /// INPUT is a folder that `photosite render` filled, or an EXR file from there. Electrons serve any exposure with the
-/// sensor that they were counted for; irradiance serves any sensor.
+/// sensor that they were counted for; irradiance serves any sensor. Light that a moving camera saw is that of its
+/// exposure time and shutter, which stay as they were rendered.
 #[derive(Args)]
 pub(super) struct ExposeArgs {
     /// A folder with capture.json, or a file electrons.exr or irradiance.exr.
@@ -41,7 +43,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     let start = Instant::now();
     let overrides = args.common.overrides();
     let stored = Stored::read(&args.input, &overrides)?;
-    let Stored { capture, light, recorded, report, .. } = stored;
+    let Stored { capture, light, later, recorded, gains, report } = stored;
     let mut timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let folder = output.clone().unwrap_or_else(|| default_folder(&args.input));
     refuse_own_folder(&folder, &args.input)?;
@@ -70,25 +72,43 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
         warnings.push(other_pitch(&recorded.sensor, &capture.sensor));
     }
-    let exposed = match light {
-        StoredLight::Electrons { electrons, collected } => {
-            // What is asked for again as it was takes the time that automatic exposure found then, to the last bit.
-            let same = recorded.is_some_and(|r| r.sensor == capture.sensor && r.exposure.is_like(&capture.exposure));
-            chain.expose(electrons, collected, same.then_some(collected))?
-        }
-        StoredLight::Irradiance { path, bands } => {
-            let rates = electron_rates(&bands, &capture.sensor, &white).map_err(|invalid| invalid.in_file(&path))?;
-            warnings.extend(rates.warnings);
-            let variance = photosite::image::Planes::zeros::<&str>(bands.width(), bands.height(), []);
-            drop(bands);
-            chain.expose(Estimate { mean: rates.rates, variance }, Seconds(1.0), None)?
+    // What is asked for again as it was takes what automatic exposure found then, to the last bit.
+    let same = recorded.is_some_and(|r| r.sensor == capture.sensor && r.exposure.is_like(&capture.exposure));
+    let known_gains = gains.filter(|_| same);
+    let expose = |light: StoredLight| -> Result<(Exposed, Vec<String>)> {
+        match light {
+            StoredLight::Electrons { electrons, collected } => {
+                let at = capture.exposure.at(collected);
+                let known = known_gains.map(|[gain, digital_gain]| Exposure { gain, digital_gain, ..at });
+                Ok((chain.expose(electrons, collected, known)?, Vec::new()))
+            }
+            StoredLight::Irradiance { path, bands } => {
+                let rates =
+                    electron_rates(&bands, &capture.sensor, &white).map_err(|invalid| invalid.in_file(&path))?;
+                let variance = photosite::image::Planes::zeros::<&str>(bands.width(), bands.height(), []);
+                drop(bands);
+                let light = Estimate { mean: rates.rates, variance };
+                Ok((chain.expose(light, Seconds(1.0), None)?, rates.warnings))
+            }
         }
     };
+    let (mut exposed, more) = expose(light)?;
+    warnings.extend(more);
     if !quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
     timings.expose_s = start.elapsed().as_secs_f64();
-    let first = write_results(&chain, &exposed, &mut folder, &mut timings, |_| Ok(()))?;
+    let of = 1 + later.len() as u32;
+    let frames = if of > 1 { Frames::One { number: 0, of } } else { Frames::All(capture.exposure.frames) };
+    let first = write_results(&chain, &exposed, frames, &mut folder, &mut timings, |_, _| Ok(()))?;
+    for (number, path) in (1..).zip(&later) {
+        let start = Instant::now();
+        let light = StoredLight::read(path)?;
+        light.check(&capture)?;
+        (exposed, _) = expose(light)?;
+        timings.expose_s += start.elapsed().as_secs_f64();
+        write_results(&chain, &exposed, Frames::One { number, of }, &mut folder, &mut timings, |_, _| Ok(()))?;
+    }
 
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
@@ -126,11 +146,8 @@ fn placed_lens(recorded: &StoredCapture, report: &Map<String, Value>) -> Option<
     let focus = said.get("focus_distance_m")?.as_f64().map_or(Focus::Infinity, Focus::Distance);
     let focal_length_m = said["focal_length_mm"].as_f64()? / 1e3;
     let lens = LensDescription { focus, focal_length_m, ..recorded.lens.clone() };
-    let sensor = &recorded.sensor;
-    let resolution = sensor.resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"));
-    let grid = PixelGrid { resolution, pitch_m: sensor.pixel_pitch_m };
     // Where the camera stands makes no difference to what its lens does.
-    let camera = Camera::new(&lens, &grid, DAffine3::IDENTITY, f64::NAN).ok()?;
+    let camera = camera_of(&lens, &recorded.sensor, DAffine3::IDENTITY, f64::NAN).ok()?;
     Some((lens, camera))
 }
 
@@ -138,8 +155,12 @@ fn placed_lens(recorded: &StoredCapture, report: &Map<String, Value>) -> Option<
 struct Stored {
     capture: StoredCapture,
     light: StoredLight,
+    /// Where each picture of a series has light of its own: the files of those after the first.
+    later: Vec<PathBuf>,
     /// The capture as it was rendered, where that is known.
     recorded: Option<StoredCapture>,
+    /// The analogue and the digital gain that it was exposed with.
+    gains: Option<[Decibels; 2]>,
     /// What the report says of the light: [`TracedReport::KEYS`].
     report: Map<String, Value>,
 }
@@ -163,27 +184,72 @@ impl Stored {
             let light = StoredLight::read(input)?;
             let capture = StoredCapture::of_picture(input, light.resolution(), overrides)?;
             light.check(&capture)?;
-            return Ok(Self { capture, light, recorded: None, report: Map::new() });
+            return Ok(Self { capture, light, later: Vec::new(), recorded: None, gains: None, report: Map::new() });
         };
         let recorded = StoredCapture::of_report(&path, &report, &[])?;
         let capture = StoredCapture::of_report(&path, &report, overrides)?;
+        let moves = report.values.get("camera").is_some_and(|camera| !camera["motion"].is_null());
+        same_times(&recorded, &capture, moves).map_err(|invalid| capture.source.error(invalid))?;
+        let numbered = moves && recorded.exposure.frames > 1;
         let same_response = recorded.sensor.responses() == capture.sensor.responses();
-        let light = match file {
-            Some(file) => StoredLight::read(file)?,
-            None => StoredLight::read(&light_file(folder, same_response)?)?,
+        let file = match file {
+            Some(file) if numbered => return Err(one_of_a_series(file)),
+            Some(file) => file.to_owned(),
+            None => light_file(folder, numbered, same_response)?,
         };
+        let light = StoredLight::read(&file)?;
+        let later = if numbered { 1..capture.exposure.frames } else { 1..1 };
+        let later = later.map(|number| with_number(&file, number)).collect();
         if let (StoredLight::Electrons { .. }, false) = (&light, same_response) {
             return Err(no_irradiance(folder));
         }
         light.check(&capture)?;
+        let gain = |key: &str| report.values.get("exposure").and_then(|exposure| exposure[key].as_f64()).map(Decibels);
+        let gains = gain("gain_db").zip(gain("digital_gain_db")).map(|(analogue, digital)| [analogue, digital]);
         let report = report.values.into_iter().filter(|(key, _)| TracedReport::KEYS.contains(&key.as_str())).collect();
-        Ok(Self { capture, light, recorded: Some(recorded), report })
+        Ok(Self { capture, light, later, recorded: Some(recorded), gains, report })
     }
 }
 
+/// Refuses times at which other light would have been seen. Where nothing moves, light is a rate, and every time and row
+/// time is exact; what a moving camera saw is known for the rendered ones alone. A scanning sensor sees all lines from one
+/// row in any case.
+fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) -> Result<(), Invalid> {
+    let [was, is] = [recorded, capture].map(|c| (c.sensor.shutter, c.exposure));
+    if was.0.scans() != is.0.scans() || moves && was.0 != is.0 {
+        let message = "the rows of this sensor see light at other times than those of the rendered one";
+        return Err(
+            Invalid::new("sensor.shutter", message).help("keep its shutter as it was rendered, or render again")
+        );
+    }
+    let help = "leave it as it was rendered, or render again";
+    if moves && (was.1.time, was.1.frame_interval) != (is.1.time, is.1.frame_interval) {
+        let key = if was.1.time == is.1.time { "exposure.frame_interval_s" } else { "exposure.time_s" };
+        let message = "the camera moves, and what it sees at other times is not stored";
+        return Err(Invalid::new(key, message).help(help));
+    }
+    if moves && is.1.frames > was.1.frames {
+        let message = format!("the camera moves, and the light of {} pictures is stored", was.1.frames);
+        return Err(Invalid::new("exposure.frames", message).help("ask for as many or fewer, or render again"));
+    }
+    Ok(())
+}
+
+/// `electrons-0000.exr` → `electrons-0007.exr`.
+fn with_number(first: &Path, number: u32) -> PathBuf {
+    let name = first.file_name().unwrap_or_default().to_string_lossy();
+    first.with_file_name(name.replace("-0000", &format!("-{number:04}")))
+}
+
+fn one_of_a_series(file: &Path) -> Error {
+    let invalid = Invalid::new("", "is one of a series of pictures, each of which has light of its own");
+    invalid.help("give the folder that it lies in").in_file(file)
+}
+
 /// The file in a folder that serves: electrons where they are counted for the sensor, else irradiance.
-fn light_file(folder: &Path, same_response: bool) -> Result<PathBuf> {
-    let [electrons, irradiance] = ["electrons.exr", "irradiance.exr"].map(|name| folder.join(name));
+fn light_file(folder: &Path, numbered: bool, same_response: bool) -> Result<PathBuf> {
+    let number = if numbered { "-0000" } else { "" };
+    let [electrons, irradiance] = ["electrons", "irradiance"].map(|name| folder.join(format!("{name}{number}.exr")));
     if same_response && electrons.exists() {
         Ok(electrons)
     } else if irradiance.exists() {

@@ -99,6 +99,7 @@ fn of_capture(capture: &Capture) -> Map<String, Value> {
             ExposureTime::Auto(_) => json!("automatic"),
         },
         "gain_db": exposure.gain.0,
+        "digital_gain_db": exposure.digital_gain.0,
         "frames": exposure.frames,
         "samples_per_pixel": render.samples_per_pixel,
         "warnings": scene.warnings,
@@ -155,7 +156,10 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "dark_current_e_per_s": sensor.noise.dark_current_e_per_s,
         "prnu_percent": round(sensor.noise.prnu.total() * 100.0),
         "dsnu_e": round(sensor.noise.dsnu.total()),
+        "base_iso": sensor.base_iso().map(f64::round),
+        "gain_db_range": sensor.converter.gain_range.map(|gain| gain.0),
         "bits": sensor.converter.bits,
+        "output_bits": sensor.output_bits(),
         "conversion_gain_dn_per_e": sensor.converter.conversion_gain_dn_per_e,
         "black_level_dn": sensor.converter.black_level_dn,
     }))
@@ -189,6 +193,7 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
             format!("gains up to {}, {} × {} points", round(largest.into()), map.columns(), map.rows())
         }),
         "distortion_correction": raw.metadata.warp.is_some(),
+        "iso": raw.metadata.iso,
         "f_number": raw.metadata.f_number,
         "focal_length_mm": raw.metadata.focal_length_m.map(|m| round(m * 1e3)),
         "as_shot_neutral": raw.metadata.as_shot_neutral,

@@ -13,7 +13,7 @@ use photosite::io::developed::{write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::spectral_exr::write_irradiance;
-use photosite::raw::{DngCompression, RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
+use photosite::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
@@ -24,13 +24,17 @@ use super::report::Report;
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
 /// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
-const RESULTS: [&str; 14] = [
+const RESULTS: [&str; 18] = [
     REPORT,
     "image.png",
     "ideal.exr",
     "ideal.png",
     "electrons.exr",
     "irradiance.exr",
+    "image-0000.png",
+    "ideal-0000.exr",
+    "electrons-0000.exr",
+    "irradiance-0000.exr",
     "raw.dng",
     "raw.tiff",
     "raw.pgm",
@@ -106,41 +110,45 @@ impl OutputFolder {
 
     /// A raw picture in all formats that are asked for, numbered where there are several.
     pub(super) fn write_frame(&mut self, output: &OutputSettings, number: Option<u32>, raw: &RawImage) -> Result<()> {
-        let stem = number.map_or_else(|| "raw".to_owned(), |number| format!("raw-{number:04}"));
-        output.raw.iter().try_for_each(|format| self.write_raw(&stem, *format, output.dng_compression, raw))
+        output.raw.iter().try_for_each(|format| match format {
+            RawFormat::Dng => {
+                self.write(&named("raw", number, "dng"), |to| write_compressed_dng(raw, output.dng_compression, to))
+            }
+            RawFormat::Tiff => self.write(&named("raw", number, "tiff"), |to| write_tiff(raw, to)),
+            RawFormat::Pgm => self.write(&named("raw", number, "pgm"), |to| write_pgm(raw, to)),
+            RawFormat::Npy => self.write(&named("raw", number, "npy"), |to| write_npy(raw, to)),
+        })
     }
 
-    pub(super) fn write_electrons(&mut self, exposed: &Exposed) -> Result<()> {
-        self.write("electrons.exr", |to| write_electrons(&exposed.electrons, exposed.exposure.time, to))
+    pub(super) fn write_electrons(&mut self, number: Option<u32>, exposed: &Exposed) -> Result<()> {
+        self.write(&named("electrons", number, "exr"), |to| {
+            write_electrons(&exposed.electrons, exposed.exposure.time, to)
+        })
     }
 
-    pub(super) fn write_irradiance(&mut self, bands: &SpectralBands, film: &Film) -> Result<()> {
+    pub(super) fn write_irradiance(&mut self, number: Option<u32>, bands: &SpectralBands, film: &Film) -> Result<()> {
         let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
         let irradiance = film.estimate(names.iter().map(String::as_str)).mean;
-        self.write("irradiance.exr", |to| write_irradiance(&irradiance, to))
+        self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
     }
 
     /// The picture of an ideal observer: linear, and as it is shown. Codes cannot hold X, Y and Z.
-    pub(super) fn write_ideal(&mut self, picture: Planes, settings: &DevelopSettings) -> Result<()> {
-        self.write("ideal.exr", |to| write_linear(&picture, settings.colour_space, to))?;
+    pub(super) fn write_ideal(
+        &mut self,
+        number: Option<u32>,
+        picture: Planes,
+        settings: &DevelopSettings,
+    ) -> Result<()> {
+        self.write(&named("ideal", number, "exr"), |to| write_linear(&picture, settings.colour_space, to))?;
         if settings.colour_space == ColourSpace::Xyz {
             return Ok(());
         }
         let encoded = encode(picture, &settings.encoding());
-        self.write("ideal.png", |to| write_png(&encoded, to))
+        self.write(&named("ideal", number, "png"), |to| write_png(&encoded, to))
     }
 
-    pub(super) fn write_picture(&mut self, picture: &EncodedPicture) -> Result<()> {
-        self.write("image.png", |to| write_png(picture, to))
-    }
-
-    fn write_raw(&mut self, stem: &str, format: RawFormat, compression: DngCompression, raw: &RawImage) -> Result<()> {
-        match format {
-            RawFormat::Dng => self.write(&format!("{stem}.dng"), |to| write_compressed_dng(raw, compression, to)),
-            RawFormat::Tiff => self.write(&format!("{stem}.tiff"), |to| write_tiff(raw, to)),
-            RawFormat::Pgm => self.write(&format!("{stem}.pgm"), |to| write_pgm(raw, to)),
-            RawFormat::Npy => self.write(&format!("{stem}.npy"), |to| write_npy(raw, to)),
-        }
+    pub(super) fn write_picture(&mut self, number: Option<u32>, picture: &EncodedPicture) -> Result<()> {
+        self.write(&named("image", number, "png"), |to| write_png(picture, to))
     }
 
     /// The picture as far as it has come.
@@ -167,6 +175,11 @@ impl Drop for OutputFolder {
         // Only folders without files can be removed so.
         self.created.iter().try_for_each(fs::remove_dir).unwrap_or_default();
     }
+}
+
+/// `raw.dng`, or with a number `raw-0007.dng`.
+fn named(stem: &str, number: Option<u32>, extension: &str) -> String {
+    number.map_or_else(|| format!("{stem}.{extension}"), |number| format!("{stem}-{number:04}.{extension}"))
 }
 
 fn unusable(path: &Path, message: impl Into<String>) -> Error {

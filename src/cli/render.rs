@@ -4,21 +4,25 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::Result;
-use photosite::film::{Response, band_response};
+use glam::DAffine3;
+use photosite::film::{Film, Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
 use photosite::io::capture::Capture;
-use photosite::optics::{Camera, Focus, PixelGrid};
+use photosite::math::hash::hash64;
+use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
+use photosite::raw::RawImage;
 use photosite::scene::{self, Scene};
+use photosite::sensor::SensorModel;
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
+use photosite::{Invalid, Result};
 
-use super::chain::{Chain, Optics, scene_light};
+use super::chain::{Chain, Exposed, Optics, scene_light};
 use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
-use super::report::{CameraReport, LensReport, LightReport, RenderReport, Report, Timings, TracedReport};
-use super::results::write_results;
+use super::report::{CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport};
+use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
 use super::trace::{Trace, trace};
 use super::{print_json, rounded};
@@ -68,37 +72,26 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
     timings.build_s = start.elapsed().as_secs_f64();
 
-    let start = Instant::now();
-    let film = trace(&Trace {
+    let traced = Series {
         capture: &capture,
         scene: &scene,
         camera: &camera,
+        light: &light,
+        chain: &chain,
         responses: &responses,
         importance: &importance,
-        chain: &chain,
-        folder: &folder,
-        silent: *quiet || *json,
-    })?;
-    timings.trace_s = start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
-    timings.expose_s = start.elapsed().as_secs_f64();
-    let first = write_results(&chain, &exposed, &mut folder, &mut timings, |folder| {
-        if capture.output.ideal {
-            let picture = ideal::picture(&film, &capture, &light, &exposed.exposure)?;
-            folder.write_ideal(picture, &capture.develop)?;
-        }
-        match &capture.output.irradiance {
-            Some(bands) => folder.write_irradiance(bands, &film),
-            None => Ok(()),
-        }
-    })?;
+    };
+    let Recorded { film, exposed, first, passes } = traced.record(&mut folder, &mut timings, *quiet || *json)?;
 
     let [width, height] = pixels(&capture).map(u64::from);
-    let paths = width * height * u64::from(film.samples());
+    let paths = width * height * passes;
     let traced = TracedReport {
-        camera: CameraReport::new(&capture.lens, &camera, pixels(&capture)),
+        camera: CameraReport::new(
+            &capture.lens,
+            &camera,
+            pixels(&capture),
+            capture.recording.as_ref().map(MotionReport::new),
+        ),
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         scene_light: LightReport::new(&light),
@@ -126,6 +119,90 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         summarise(&report, paths, &folder);
     }
     Ok(())
+}
+
+/// All that the pictures of a series are made of.
+struct Series<'a> {
+    capture: &'a Capture,
+    scene: &'a Scene,
+    camera: &'a Camera,
+    light: &'a Spectrum,
+    chain: &'a Chain<'a>,
+    responses: &'a [Response],
+    importance: &'a Spectrum,
+}
+
+/// The last light of a series and the first picture.
+struct Recorded {
+    film: Film,
+    exposed: Exposed,
+    first: RawImage,
+    /// Samples a pixel, over all light that was traced.
+    passes: u64,
+}
+
+impl Series<'_> {
+    /// Traces, exposes and writes. Where nothing moves, all frames see the same light, which is traced once.
+    fn record(&self, folder: &mut OutputFolder, timings: &mut Timings, silent: bool) -> Result<Recorded> {
+        let count = self.capture.exposure.frames;
+        let Some(recording) = &self.capture.recording else {
+            return self.picture(self.camera, Frames::All(count), folder, timings, silent);
+        };
+        let frame = |number: u32, folder: &mut OutputFolder, timings: &mut Timings| {
+            let camera = self.camera.clone().recording(recording.later(number));
+            self.picture(&camera, Frames::One { number, of: count }, folder, timings, silent)
+        };
+        let mut recorded = frame(0, folder, timings)?;
+        for number in 1..count {
+            let Recorded { film, exposed, passes, .. } = frame(number, folder, timings)?;
+            recorded = Recorded { film, exposed, passes: recorded.passes + passes, ..recorded };
+        }
+        Ok(recorded)
+    }
+
+    fn picture(
+        &self,
+        camera: &Camera,
+        frames: Frames,
+        folder: &mut OutputFolder,
+        timings: &mut Timings,
+        silent: bool,
+    ) -> Result<Recorded> {
+        let Self { capture, chain, .. } = *self;
+        let mut settings = capture.render.clone();
+        if let Frames::One { number: number @ 1.., .. } = frames {
+            // Noise of light that stays in its place from frame to frame would pass for a pattern.
+            settings.seed = hash64(settings.seed, u64::from(number));
+        }
+        let start = Instant::now();
+        let film = trace(&Trace {
+            capture,
+            settings: &settings,
+            scene: self.scene,
+            camera,
+            responses: self.responses,
+            importance: self.importance,
+            chain,
+            folder,
+            silent,
+        })?;
+        timings.trace_s += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
+        timings.expose_s += start.elapsed().as_secs_f64();
+        let first = write_results(chain, &exposed, frames, folder, timings, |folder, number| {
+            if capture.output.ideal {
+                let picture = ideal::picture(&film, capture, self.light, &exposed.exposure)?;
+                folder.write_ideal(number, picture, &capture.develop)?;
+            }
+            match &capture.output.irradiance {
+                Some(bands) => folder.write_irradiance(number, bands, &film),
+                None => Ok(()),
+            }
+        })?;
+        let passes = u64::from(film.samples());
+        Ok(Recorded { film, exposed, first, passes })
+    }
 }
 
 /// `scenes/cornell-box/capture.toml` → `cornell-box`, `scenes/checker/capture-a.toml` → `checker-a`, `helmet.glb` →
@@ -156,14 +233,29 @@ pub(super) fn importance(responses: &[Response]) -> Spectrum {
 
 /// Columns and rows of the picture.
 pub(super) fn pixels(capture: &Capture) -> [u32; 2] {
-    capture.sensor.resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"))
+    in_u32(capture.sensor.resolution)
+}
+
+fn in_u32(resolution: [usize; 2]) -> [u32; 2] {
+    resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"))
+}
+
+/// The camera that lens and sensor make.
+pub(super) fn camera_of(
+    lens: &LensDescription,
+    sensor: &SensorModel,
+    to_world: DAffine3,
+    autofocus_distance_m: f64,
+) -> Result<Camera, Invalid> {
+    let grid = PixelGrid { resolution: in_u32(sensor.pixel_array()), pitch_m: sensor.pixel_pitch_m };
+    let camera = Camera::new(lens, &grid, to_world, autofocus_distance_m)?;
+    Ok(if sensor.shutter.scans() { camera.scanning() } else { camera })
 }
 
 /// Puts the lens in its place, focused on what autofocus finds: `closest` is asked for it then only.
 pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<Hit>) -> Result<Camera> {
-    let grid = PixelGrid { resolution: pixels(capture), pitch_m: capture.sensor.pixel_pitch_m };
     let place = |lens: &_, distance| {
-        let camera = Camera::new(lens, &grid, capture.camera_to_world, distance);
+        let camera = camera_of(lens, &capture.sensor, capture.camera_to_world, distance);
         camera.map_err(|invalid| capture.source.error(invalid.within("lens")))
     };
     let Focus::Autofocus { pixel } = capture.lens.focus else { return place(&capture.lens, f64::NAN) };

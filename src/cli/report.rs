@@ -1,7 +1,7 @@
 //! `capture.json`: everything needed to reproduce a capture and to use its pictures.
 
 use glam::{DAffine3, DMat3, DVec3};
-use photosite::optics::{Camera, Distortion, Intrinsics, LensDescription, LensKind};
+use photosite::optics::{Camera, CameraMotion, Distortion, Intrinsics, LensDescription, LensKind, Recording};
 use photosite::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -86,10 +86,66 @@ pub(super) struct CameraReport {
     translation_m: [f64; 3],
     /// Where the centre of the lens stands in the world (glTF axes, metres).
     position_m: [f64; 3],
+    /// How it moves; the rest is where it is at time 0. `null` for a camera that stands still.
+    motion: Option<MotionReport>,
+}
+
+/// Row y of frame k sees light from t = k·interval + y·row time on, for the exposure time.
+#[derive(Serialize)]
+pub(super) struct MotionReport {
+    #[serde(flatten)]
+    path: PathReport,
+    exposure_s: f64,
+    row_time_s: f64,
+    frame_interval_s: f64,
+}
+
+/// The pose at the time t.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum PathReport {
+    /// position + velocity·t, and turned about the camera's own glTF axes.
+    Steady { velocity_m_per_s: [f64; 3], angular_velocity_deg_per_s: [f64; 3] },
+    /// Between two poses, position linear in t, rotation on the shortest way.
+    Poses { poses: Vec<PoseReport> },
+}
+
+#[derive(Serialize)]
+struct PoseReport {
+    time_s: f64,
+    position_m: [f64; 3],
+    /// Camera (glTF axes) → world, as a quaternion x, y, z, w.
+    rotation_xyzw: [f64; 4],
+}
+
+impl MotionReport {
+    pub(super) fn new(recording: &Recording) -> Self {
+        let path = match &recording.motion {
+            CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s } => PathReport::Steady {
+                velocity_m_per_s: velocity_m_per_s.to_array(),
+                angular_velocity_deg_per_s: angular_velocity_rad_per_s.to_array().map(f64::to_degrees),
+            },
+            CameraMotion::Poses(poses) => {
+                let poses = poses.iter().map(|pose| PoseReport {
+                    time_s: pose.time_s,
+                    position_m: pose.position_m.to_array(),
+                    rotation_xyzw: pose.rotation.to_array(),
+                });
+                PathReport::Poses { poses: poses.collect() }
+            }
+        };
+        let Recording { exposure_s, row_time_s, frame_interval_s, .. } = *recording;
+        Self { path, exposure_s, row_time_s, frame_interval_s }
+    }
 }
 
 impl CameraReport {
-    pub(super) fn new(lens: &LensDescription, camera: &Camera, resolution_px: [u32; 2]) -> Self {
+    pub(super) fn new(
+        lens: &LensDescription,
+        camera: &Camera,
+        resolution_px: [u32; 2],
+        motion: Option<MotionReport>,
+    ) -> Self {
         let Intrinsics { fx, fy, cx, cy, skew } = camera.intrinsics();
         let DAffine3 { matrix3, translation } = camera.to_world();
         // glTF's camera looks along −z with y up.
@@ -107,6 +163,7 @@ impl CameraReport {
             rotation: rows(rotation),
             translation_m: (DVec3::ZERO - rotation * translation).to_array(),
             position_m: translation.to_array(),
+            motion,
         }
     }
 }
@@ -147,9 +204,11 @@ pub(super) struct SensorReport {
     pub(super) bits: u32,
     pub(super) black_level_dn: f32,
     pub(super) white_level_dn: u16,
-    /// K at the exposure's gain.
+    /// What makes the numbers linear, which the levels are of; `null` where they are so already.
+    pub(super) linearisation_dn: Option<Vec<u16>>,
+    /// K at the exposure's gains.
     pub(super) system_gain_dn_per_e: f64,
-    /// The smaller of full well and converter range at this gain.
+    /// The smaller of full well and converter range at these gains.
     pub(super) saturation_capacity_e: f64,
     pub(super) read_noise_e: f64,
     pub(super) as_shot_neutral: Option<Vec<f64>>,
@@ -161,6 +220,9 @@ pub(super) struct ExposureReport {
     pub(super) time_s: f64,
     pub(super) auto: bool,
     pub(super) gain_db: f64,
+    pub(super) digital_gain_db: f64,
+    /// Saturation-based ISO speed at these gains; `null` for logarithmic sensors.
+    pub(super) iso: Option<f64>,
     pub(super) temperature_c: f64,
     pub(super) frames: u32,
 }

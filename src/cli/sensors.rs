@@ -28,6 +28,7 @@ struct Row {
     full_well_e: f64,
     read_noise_e: f64,
     dark_current_e_per_s: f64,
+    base_iso: Option<f64>,
     bits: u32,
     source: String,
 }
@@ -39,8 +40,8 @@ pub(super) fn run(args: &SensorsArgs) -> photosite::Result<()> {
     }
     let width = rows.iter().map(|r| r.name.len()).max().unwrap_or(0);
     println_out(&format!(
-        "{:width$}  {:4}  {:>9}  {:>11}  {:8}  {:>7}  {:>12}  {:>11}  {:>4}",
-        "name", "kind", "pixels", "pitch µm", "CFA", "peak QE", "full well e⁻", "read noise", "bits"
+        "{:width$}  {:4}  {:>9}  {:>11}  {:8}  {:>7}  {:>12}  {:>11}  {:>8}  {:>4}",
+        "name", "kind", "pixels", "pitch µm", "CFA", "peak QE", "full well e⁻", "read noise", "base ISO", "bits"
     ))?;
     for r in &rows {
         let pitch = match r.pixel_pitch_um {
@@ -49,13 +50,14 @@ pub(super) fn run(args: &SensorsArgs) -> photosite::Result<()> {
         };
         let pixels = format!("{}×{}", r.resolution_px[0], r.resolution_px[1]);
         println_out(&format!(
-            "{:width$}  {:4}  {pixels:>9}  {pitch:>11}  {:8}  {:>6.0}%  {:>12.0}  {:>8.1} e⁻  {:>4}",
+            "{:width$}  {:4}  {pixels:>9}  {pitch:>11}  {:8}  {:>6.0}%  {:>12.0}  {:>8.1} e⁻  {:>8}  {:>4}",
             r.name,
             r.kind,
             r.cfa,
             100.0 * r.peak_quantum_efficiency,
             r.full_well_e,
             r.read_noise_e,
+            r.base_iso.map_or_else(|| "–".to_owned(), |iso| iso.to_string()),
             r.bits
         ))?;
     }
@@ -74,6 +76,7 @@ fn row(name: &'static str, model: &SensorModel) -> Row {
         full_well_e: model.full_well.0,
         read_noise_e: model.noise.read.0,
         dark_current_e_per_s: model.noise.dark_current_e_per_s,
+        base_iso: model.base_iso().map(f64::round),
         bits: model.converter.bits,
         source: model.source.clone(),
     }

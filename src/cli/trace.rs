@@ -21,6 +21,8 @@ use super::render::pixels;
 /// What tracing reads.
 pub(super) struct Trace<'a> {
     pub(super) capture: &'a Capture,
+    /// Those of the capture, with a seed for this frame.
+    pub(super) settings: &'a RenderSettings,
     pub(super) scene: &'a Scene,
     pub(super) camera: &'a Camera,
     pub(super) responses: &'a [Response],
@@ -32,7 +34,7 @@ pub(super) struct Trace<'a> {
 
 /// Traces until the samples, the time or the noise that was asked for is reached.
 pub(super) fn trace(t: &Trace<'_>) -> Result<Film> {
-    let settings = &t.capture.render;
+    let settings = t.settings;
     let resolution = pixels(t.capture);
     let per_sample = u64::from(resolution[0]) * u64::from(resolution[1]);
     let progress = Progress::new(per_sample * u64::from(settings.samples_per_pixel), t.silent);

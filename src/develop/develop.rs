@@ -40,7 +40,8 @@ pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPict
 pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     raw.validate()?;
     settings.validate()?;
-    let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { Cow::Borrowed(raw) };
+    let raw = raw.linear();
+    let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { raw };
     let size = [raw.width, raw.height];
 
     let mut signal = black_level::subtract(&raw, settings.black_level);

@@ -6,7 +6,8 @@
 //!
 //! | step | file |
 //! |---|---|
-//! | black level | `black_level.rs`; numbers are linear already, a DNG file's table is applied when it is read |
+//! | linear numbers | [`RawImage::linear`](crate::raw::RawImage::linear); a DNG file's table is applied when it is read |
+//! | black level | `black_level.rs` |
 //! | defective pixels | `defects.rs` |
 //! | lens falloff | `lens_falloff.rs` |
 //! | white balance | `white_balance.rs` |

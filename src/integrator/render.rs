@@ -79,7 +79,9 @@ pub fn render(
                     let aperture = sampler.next_2d();
                     let mut lambda = wavelengths.sample(sampler.next_1d());
                     let position = DVec2::new(x as f64 + f64::from(dx), y as f64 + f64::from(dy));
-                    let Some(camera_ray) = job.camera.generate(position, aperture) else { continue };
+                    // A camera that stands still needs no time, and its samples stay what they are.
+                    let time = if job.camera.moves() { sampler.next_1d() } else { 0.0 };
+                    let Some(camera_ray) = job.camera.generate_at(position, aperture, time) else { continue };
                     let through = spectra.sample(transmittance, &lambda) * camera_ray.weight;
                     let arriving = radiance(job.scene, camera_ray.ray, &mut lambda, &mut sampler, limits);
                     row.add(x, arriving * through, &lambda);

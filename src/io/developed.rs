@@ -9,7 +9,7 @@
 //! | `.ppm` | 8 or 16 bits, P6, or P5 for grey |
 //! | `.exr` | linear 32-bit floats |
 
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
@@ -93,7 +93,7 @@ pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut d
 }
 
 /// Writes linear planes as EXR, with the chromaticities of their colour space.
-pub fn write_linear<W: Write>(planes: &Planes, space: ColourSpace, to: W) -> io::Result<()> {
+pub fn write_linear<W: Write + Seek>(planes: &Planes, space: ColourSpace, to: W) -> io::Result<()> {
     let attributes = [("colorSpace", Attribute::Text(space.name().to_owned()))];
     write_exr(planes, &attributes, to)
 }

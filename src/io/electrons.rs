@@ -11,20 +11,23 @@ use crate::Invalid;
 use crate::image::{Channel, Estimate, Planes};
 use crate::units::Seconds;
 
-use super::exr::{Attribute, ExrPicture, read_exr, write_exr};
+use super::exr::{Attribute, ExrPicture, NamedPlane, read_exr, write_planes};
 
 /// What stands before the name of a channel's variance.
 pub(super) const VARIANCE: &str = "variance.";
 const UNIT: &str = "e-";
 
 /// Writes electrons with their variance.
-pub fn write_electrons<W: Write>(electrons: &Estimate, time: Seconds, to: W) -> io::Result<()> {
-    let variance = |c: &Channel| Channel { name: format!("{VARIANCE}{}", c.name), data: c.data.clone() };
-    let mut channels = electrons.mean.channels().to_vec();
-    channels.extend(electrons.variance.channels().iter().map(variance));
-    let planes = Planes::new(electrons.mean.width(), electrons.mean.height(), channels).map_err(io::Error::other)?;
+pub fn write_electrons<W: Write + Seek>(electrons: &Estimate, time: Seconds, to: W) -> io::Result<()> {
+    let Estimate { mean, variance } = electrons;
+    let planes = named(mean, "").chain(named(variance, VARIANCE));
     let attributes = [("unit", Attribute::Text(UNIT.to_owned())), ("exposureTime", Attribute::Number(time.0))];
-    write_exr(&planes, &attributes, to)
+    write_planes([mean.width(), mean.height()], planes, &attributes, to)
+}
+
+/// The planes with `prefix` before their names.
+fn named<'a>(planes: &'a Planes, prefix: &'static str) -> impl Iterator<Item = NamedPlane<'a>> {
+    planes.channels().iter().map(move |c| NamedPlane { name: format!("{prefix}{}", c.name), values: &c.data })
 }
 
 /// Reads electrons with their variance, which has the channels that the file has it for.
@@ -62,6 +65,7 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
+    use crate::io::exr::write_exr;
 
     #[test]
     fn electrons_come_back_with_variance_and_time() {
@@ -71,7 +75,7 @@ mod tests {
         variance.channels_mut()[2].data[7] = 0.25;
         let electrons = Estimate { mean, variance };
         let mut file = Vec::new();
-        write_electrons(&electrons, Seconds(0.01), &mut file).expect("written");
+        write_electrons(&electrons, Seconds(0.01), Cursor::new(&mut file)).expect("written");
         assert_eq!(read_electrons(Cursor::new(&file)).expect("read"), (electrons, Seconds(0.01)));
     }
 
@@ -86,7 +90,7 @@ mod tests {
             (vec![unit("e-"), ("exposureTime", Attribute::Number(f64::NAN))], "exposureTime"),
         ] {
             let mut file = Vec::new();
-            write_exr(&planes, &attributes, &mut file).expect("written");
+            write_exr(&planes, &attributes, Cursor::new(&mut file)).expect("written");
             assert_eq!(read_electrons(Cursor::new(&file)).expect_err("refused").key, key);
         }
     }

@@ -178,7 +178,8 @@ mod tests {
         let mut variance = Planes::zeros(2, 2, ["B", "G", "R"]);
         variance.channels_mut()[2].data[3] = 0.25;
         let mut file = Vec::new();
-        write_electrons(&Estimate { mean, variance: variance.clone() }, Seconds(1.0), &mut file).expect("written");
+        write_electrons(&Estimate { mean, variance: variance.clone() }, Seconds(1.0), Cursor::new(&mut file))
+            .expect("written");
         let picture = read("exr", &file).expect("read");
         assert_eq!(channels(&picture.mean), ["R", "G", "B"].map(|name| (name, &[0.0; 4][..])));
         assert_eq!(picture.variance, variance);
@@ -189,7 +190,7 @@ mod tests {
     fn a_variance_of_nothing_is_a_channel_like_any_other() {
         let mut file = Vec::new();
         let planes = Planes::zeros(1, 1, ["Y", "variance.X"]);
-        write_exr(&planes, &[("unit", Attribute::Text("lux".to_owned()))], &mut file).expect("written");
+        write_exr(&planes, &[("unit", Attribute::Text("lux".to_owned()))], Cursor::new(&mut file)).expect("written");
         let picture = read("exr", &file).expect("read");
         assert_eq!(picture.mean, planes);
         assert!(picture.variance.channels().is_empty());
@@ -199,7 +200,7 @@ mod tests {
     fn spectral_pictures_leave_their_preview_behind() {
         let planes = Planes::zeros(2, 1, ["355", "1095"]);
         let mut file = Vec::new();
-        write_irradiance(&planes, &mut file).expect("written");
+        write_irradiance(&planes, Cursor::new(&mut file)).expect("written");
         assert_eq!(read("exr", &file).expect("read").mean, planes);
     }
 

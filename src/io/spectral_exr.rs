@@ -14,14 +14,14 @@ use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::spectrum::{cie, rgb};
 
-use super::exr::{Attribute, ExrPicture, read_exr, write_exr};
+use super::exr::{Attribute, ExrPicture, NamedPlane, read_exr, write_planes};
 
 const PREFIX: &str = "S0.";
 const SUFFIX: &str = "nm";
 const UNITS: &str = "W.m^-2.nm^-1";
 
 /// Writes bands, whose names are their central wavelengths in nm (`550`).
-pub fn write_irradiance<W: Write>(bands: &Planes, to: W) -> io::Result<()> {
+pub fn write_irradiance<W: Write + Seek>(bands: &Planes, to: W) -> io::Result<()> {
     let mut wavelengths = Vec::new();
     for channel in bands.channels() {
         let lambda_nm = channel.name.parse::<f64>().ok().filter(|lambda| lambda.is_finite() && *lambda > 0.0);
@@ -29,18 +29,17 @@ pub fn write_irradiance<W: Write>(bands: &Planes, to: W) -> io::Result<()> {
             io::Error::other(format!("a spectral band is named by its wavelength in nm, not {:?}", channel.name))
         })?);
     }
-    let mut channels = preview(bands, &wavelengths);
-    for (channel, lambda_nm) in bands.channels().iter().zip(wavelengths) {
-        // `{:?}` keeps one decimal of whole numbers, as the layout's own examples have it.
-        let name = format!("{PREFIX}{}{SUFFIX}", format!("{lambda_nm:?}").replace('.', ","));
-        channels.push(Channel { name, data: channel.data.clone() });
-    }
-    let planes = Planes::new(bands.width(), bands.height(), channels).map_err(io::Error::other)?;
+    let size = [bands.width(), bands.height()];
+    let preview = preview(bands, &wavelengths);
+    // `{:?}` keeps one decimal of whole numbers, as the layout's own examples have it.
+    let names = wavelengths.iter().map(|nm| format!("{PREFIX}{}{SUFFIX}", format!("{nm:?}").replace('.', ",")));
+    let bands = bands.channels().iter().zip(names).map(|(c, name)| NamedPlane { name, values: &c.data });
+    let preview = preview.iter().map(|c| NamedPlane { name: c.name.clone(), values: &c.data });
     let attributes = [
         ("spectralLayoutVersion", Attribute::Text("1.0".to_owned())),
         ("emissiveUnits", Attribute::Text(UNITS.to_owned())),
     ];
-    write_exr(&planes, &attributes, to)
+    write_planes(size, preview.chain(bands), &attributes, to)
 }
 
 /// Reads bands, sorted by wavelength, named by their central wavelengths in nm.
@@ -102,6 +101,7 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
+    use crate::io::exr::write_exr;
     use crate::spectrum::illuminant;
 
     fn bands(value: impl Fn(f64, usize) -> f64) -> Planes {
@@ -117,7 +117,7 @@ mod tests {
     fn bands_come_back_in_order() {
         let planes = bands(|lambda, pixel| lambda * 1e-6 + pixel as f64);
         let mut file = Vec::new();
-        write_irradiance(&planes, &mut file).expect("written");
+        write_irradiance(&planes, Cursor::new(&mut file)).expect("written");
         assert_eq!(read_irradiance(Cursor::new(&file)).expect("read"), planes);
         let picture = read_exr(Cursor::new(&file)).expect("read");
         assert!(picture.planes.plane("S0.355,0nm").is_some() && picture.planes.plane("S0.1095,0nm").is_some());
@@ -128,7 +128,7 @@ mod tests {
     fn d65_previews_as_white() {
         let planes = bands(|lambda, pixel| f64::from(illuminant::d65().eval(lambda as f32)) * (pixel + 1) as f64);
         let mut file = Vec::new();
-        write_irradiance(&planes, &mut file).expect("written");
+        write_irradiance(&planes, Cursor::new(&mut file)).expect("written");
         let picture = read_exr(Cursor::new(&file)).expect("read");
         for name in ["R", "G", "B"] {
             let brightest = picture.planes.plane(name).expect("a preview")[5];
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn other_pictures_and_names_are_refused() {
         let unnamed = Planes::zeros(1, 1, ["R"]);
-        assert!(write_irradiance(&unnamed, Vec::new()).is_err());
+        assert!(write_irradiance(&unnamed, Cursor::new(Vec::new())).is_err());
         let text = |value: &str| Attribute::Text(value.to_owned());
         for (attributes, key) in [
             (vec![], "spectralLayoutVersion"),
@@ -148,7 +148,7 @@ mod tests {
             (vec![("spectralLayoutVersion", text("1.0")), ("emissiveUnits", text("W.m^-2.sr^-1"))], "emissiveUnits"),
         ] {
             let mut file = Vec::new();
-            write_exr(&unnamed, &attributes, &mut file).expect("written");
+            write_exr(&unnamed, &attributes, Cursor::new(&mut file)).expect("written");
             assert_eq!(read_irradiance(Cursor::new(&file)).expect_err("refused").key, key);
         }
     }

@@ -6,7 +6,7 @@
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 use super::aperture::Aperture;
-use super::{Falloff, Focus, Intrinsics, LensDescription, LensKind};
+use super::{Falloff, Focus, Intrinsics, LensDescription, LensKind, Recording};
 use crate::Invalid;
 use crate::geometry::Ray;
 use crate::sabotage::{Fault, flip};
@@ -33,6 +33,10 @@ pub struct Camera {
     intrinsics: Intrinsics,
     distortion: super::Distortion,
     falloff: Falloff,
+    /// `None` for a camera that stands still.
+    recording: Option<Recording>,
+    /// Whether all lines of the picture are seen by one row of pixels.
+    scans: bool,
 }
 
 /// A ray into the scene and what its radiance counts.
@@ -86,10 +90,29 @@ impl Camera {
             intrinsics,
             distortion: lens.distortion,
             falloff: lens.falloff,
+            recording: None,
+            scans: false,
         })
     }
 
-    /// Camera → world.
+    /// The same camera on the move.
+    #[must_use]
+    pub fn recording(self, recording: Recording) -> Self {
+        Self { recording: Some(recording), ..self }
+    }
+
+    /// The same camera with a single row of pixels, which sees every line of the picture. Its grid has one row.
+    #[must_use]
+    pub fn scanning(self) -> Self {
+        Self { scans: true, ..self }
+    }
+
+    /// Whether paths start at times of their own.
+    pub fn moves(&self) -> bool {
+        self.recording.is_some()
+    }
+
+    /// Camera → world, of a moving camera at time 0.
     pub fn to_world(&self) -> DAffine3 {
         self.to_world
     }
@@ -114,7 +137,8 @@ impl Camera {
     #[inline]
     fn chief_direction(&self, pixel: DVec2) -> Option<DVec3> {
         let i = &self.intrinsics;
-        let y = (pixel.y - i.cy) / i.fy;
+        let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
+        let y = (row - i.cy) / i.fy;
         let x = (pixel.x - i.cx - i.skew * y) / i.fx;
         let ideal = self.distortion.undistort(DVec2::new(x, y))?;
         Some(DVec3::new(ideal.x, -ideal.y, -1.0))
@@ -133,6 +157,16 @@ impl Camera {
     /// Without falloff cos θ is 1.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
+        self.generate_at(pixel, aperture_sample, 0.0)
+    }
+
+    /// The same ray at the sample `u_time` in [0, 1) of the exposure of the pixel's row.
+    #[inline]
+    pub fn generate_at(&self, pixel: DVec2, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
+        let to_world = match &self.recording {
+            None => self.to_world,
+            Some(recording) => recording.motion.pose(&self.to_world, recording.time_s(pixel.y.floor(), u_time)),
+        };
         let chief = self.chief_direction(pixel)?;
         let (opening, direction) = match self.kind {
             LensKind::Pinhole => (DVec2::ZERO, chief),
@@ -148,8 +182,8 @@ impl Camera {
         };
         let v = self.image_distance_m;
         let cos4 = self.falloff_at(chief, opening);
-        let origin = self.to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
-        let direction = self.to_world.transform_vector3(direction).normalize();
+        let origin = to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
+        let direction = to_world.transform_vector3(direction).normalize();
         let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
         Some(CameraRay { ray, weight: (self.aperture.area() * cos4 / (v * v)) as f32 })
     }

@@ -7,6 +7,10 @@ mod aperture;
 mod camera;
 mod description;
 mod distortion;
+mod motion;
+mod recording;
 
 pub use camera::{Camera, CameraRay, PixelGrid};
 pub use description::{Distortion, Falloff, Focus, Intrinsics, LensDescription, LensKind};
+pub use motion::{CameraMotion, TimedPose};
+pub use recording::Recording;

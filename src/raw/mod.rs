@@ -26,6 +26,10 @@ pub use npy::{read_npy, write_npy};
 pub use pgm::{read_pgm, write_pgm};
 pub use tiff::{read_tiff, write_tiff};
 
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+
 use crate::Invalid;
 
 /// Most pixels along a side of a picture.
@@ -45,11 +49,14 @@ pub struct RawImage {
     pub cfa: Cfa,
     /// The pixels that see light; `None` where all do. The others are masked and show the black level.
     pub active_area: Option<Area>,
-    /// Bits of the converter, 8–16.
+    /// Bits of the digital numbers, 8–16.
     pub bits: u32,
-    /// Digital number of no light, DN.
+    /// What makes the numbers linear: for each of them one in proportion to light, the last for all beyond. `None` where
+    /// they are so already.
+    pub linearisation: Option<Vec<u16>>,
+    /// Linear number of no light, DN.
     pub black_level_dn: BlackLevel,
-    /// Smallest digital number at which a pixel counts as saturated, DN.
+    /// Smallest linear number at which a pixel counts as saturated, DN.
     pub white_level_dn: u16,
     /// How it was taken.
     pub metadata: RawMetadata,
@@ -65,6 +72,7 @@ impl Default for RawImage {
             cfa: Cfa::mono(),
             active_area: None,
             bits: 16,
+            linearisation: None,
             black_level_dn: BlackLevel::default(),
             white_level_dn: u16::MAX,
             metadata: RawMetadata::default(),
@@ -75,8 +83,23 @@ impl Default for RawImage {
 impl RawImage {
     /// Digital numbers of which a file says nothing but that they go up to `maximum`.
     fn bare(width: usize, height: usize, data: Vec<u16>, cfa: Cfa, maximum: u16) -> Self {
-        let bits = (u16::BITS - maximum.leading_zeros()).max(8);
-        Self { width, height, data, cfa, bits, white_level_dn: maximum, ..Self::default() }
+        Self { width, height, data, cfa, bits: bits_for(maximum), white_level_dn: maximum, ..Self::default() }
+    }
+
+    /// The same picture with linear numbers.
+    pub fn linear(&self) -> Cow<'_, Self> {
+        let Some(table) = &self.linearisation else { return Cow::Borrowed(self) };
+        let mut data = self.data.clone();
+        linearise(&mut data, table);
+        Cow::Owned(Self {
+            data,
+            cfa: self.cfa.clone(),
+            bits: bits_for(self.white_level_dn),
+            linearisation: None,
+            black_level_dn: self.black_level_dn.clone(),
+            metadata: self.metadata.clone(),
+            ..*self
+        })
     }
 
     /// Numbers in a row of `data`.
@@ -117,10 +140,23 @@ impl RawImage {
             cfa: self.cfa.from(x, y),
             active_area: None,
             bits: self.bits,
+            linearisation: self.linearisation.clone(),
             black_level_dn: self.black_level_dn.from(&self.cfa, x, y),
             white_level_dn: self.white_level_dn,
             metadata: self.metadata.clone(),
         }
+    }
+}
+
+/// Bits that numbers up to this need.
+fn bits_for(maximum: u16) -> u32 {
+    (u16::BITS - maximum.leading_zeros()).max(8)
+}
+
+/// Replaces numbers by what a table says of them; the last entry stands for all beyond.
+fn linearise(data: &mut [u16], table: &[u16]) {
+    if let Some(&last) = table.last() {
+        data.par_iter_mut().for_each(|dn| *dn = table.get(usize::from(*dn)).copied().unwrap_or(last));
     }
 }
 
@@ -133,6 +169,8 @@ pub struct RawMetadata {
     pub pixel_pitch_m: Option<[f64; 2]>,
     /// Exposure time, s.
     pub exposure_time_s: f64,
+    /// Saturation-based ISO speed, where it is known.
+    pub iso: Option<u32>,
     /// f-number, where there is a lens.
     pub f_number: Option<f64>,
     /// Focal length, m.

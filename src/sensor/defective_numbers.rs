@@ -44,7 +44,7 @@ impl TransmissionErrors {
     pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
         let part = frame.sensor.noise.transmission_errors;
         let places = frame.temporal(Stage::TransmissionErrors).filter(|_| part > 0.0)?;
-        Some(Self { part, max_dn: frame.sensor.converter.max_dn(), places })
+        Some(Self { part, max_dn: frame.sensor.output_max_dn(), places })
     }
 }
 

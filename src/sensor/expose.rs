@@ -6,16 +6,19 @@ use crate::raw::{Area, Cfa, RawImage, RawMetadata};
 
 use super::amplifiers::{AmplifierNonlinearity, ColumnAmplifiers, Gain};
 use super::charge_plane::RowStage;
+use super::companding::Compander;
 use super::converter::Digitiser;
 use super::crosstalk::spread;
 use super::dark_current::{DarkCurrent, HotPixels};
 use super::dark_offset::DarkOffset;
 use super::dead_pixels::DeadPixels;
 use super::defective_numbers::{StuckPixels, TransmissionErrors};
+use super::digital_gain::DigitalGain;
 use super::dual_gain::DualGainDigitiser;
 use super::flicker::add_flicker;
 use super::full_well::FullWell;
 use super::line_noise::{ColumnNoise, RowNoise};
+use super::logarithmic::LogarithmicResponse;
 use super::noise_key::Streams;
 use super::photo_response::PhotoResponse;
 use super::photon_counting::PhotonCounter;
@@ -45,7 +48,9 @@ impl Frame<'_> {
 
     /// Random numbers that stay from frame to frame, unless the stage is switched off.
     pub(super) fn fixed(&self, stage: Stage) -> Option<Streams> {
-        self.stages.has(stage).then(|| self.key.fixed(stage))
+        let streams = || self.key.fixed(stage);
+        let scans = self.sensor.shutter.scans();
+        self.stages.has(stage).then(|| if scans { streams().of_one_row() } else { streams() })
     }
 }
 
@@ -93,7 +98,11 @@ pub fn expose(
         ccd::bloom(ccd, &frame, &mut charge);
     }
     let full_well = FullWell::new(&frame);
-    charge.for_each_row(|row| full_well.apply(row));
+    let logarithmic_response = LogarithmicResponse::new(&frame);
+    charge.for_each_row(|row| {
+        full_well.apply(row);
+        logarithmic_response.apply(row);
+    });
 
     // CCDs move the charge to their output.
     if let Some(ccd) = ccd {
@@ -115,6 +124,8 @@ pub fn expose(
     let digitiser = Digitiser::new(&frame);
     let dual_gain = DualGainDigitiser::new(&frame);
     let stuck_pixels = StuckPixels::new(&frame);
+    let digital_gain = DigitalGain::new(&frame);
+    let compander = Compander::new(&frame);
     let transmission_errors = TransmissionErrors::new(&frame);
     let data = charge.read_out(|row, numbers| {
         reset_noise.apply(row);
@@ -133,26 +144,32 @@ pub fn expose(
             }
         }
         stuck_pixels.apply(numbers);
+        digital_gain.apply(numbers);
+        compander.apply(numbers);
         transmission_errors.apply(numbers);
     });
 
     let [row_length, height] = frame.size;
     let width = row_length / sensor.cfa.samples_per_pixel();
     let area = active_area(sensor, mean_electrons);
+    let channels = sensor.cfa.channels().len();
+    let linearisation = sensor.linearisation(exposure);
     Ok(RawImage {
         width,
         height,
         data,
         cfa: tile_from_corner(&sensor.cfa, area),
         active_area: ([width, height] != [area.width, area.height]).then_some(area),
-        bits: sensor.converter.bits,
-        black_level_dn: sensor.converter.black_level_dn.into(),
+        bits: sensor.output_bits(),
+        black_level_dn: linearisation.as_ref().map_or(sensor.converter.black_level_dn, |l| l.black_level_dn).into(),
         white_level_dn: sensor.white_level_dn(exposure),
+        linearisation: linearisation.map(|linearisation| linearisation.table),
         metadata: RawMetadata {
             camera_model: sensor.name.clone(),
             exposure_time_s: exposure.time.0,
+            iso: sensor.iso(exposure).map(|iso| iso.round() as u32),
             pixel_pitch_m: Some(sensor.pixel_pitch_m),
-            noise_profile: vec![sensor.noise_profile(exposure); sensor.cfa.channels().len()],
+            noise_profile: sensor.noise_profile(exposure).map(|profile| vec![profile; channels]).unwrap_or_default(),
             ..RawMetadata::default()
         },
     })

@@ -32,7 +32,7 @@ impl Deviations {
     /// Hands each value of a row to `apply` with the deviation of its pixel.
     #[inline]
     pub(super) fn apply(&self, row: &mut Row<'_>, apply: impl Fn(f32, f32) -> f32) {
-        let normal: f32 = self.streams.part(ROWS).stream(row.y).sample(StandardNormal);
+        let normal: f32 = self.streams.part(ROWS).row(row.y).sample(StandardNormal);
         let shared = |x: usize| self.row * normal + self.columns.get(x).unwrap_or(&0.0);
         if self.pixel > 0.0 {
             self.streams.normals(row, |x, value, n| apply(value, self.pixel * n + shared(x)));

@@ -27,7 +27,7 @@ impl RowNoise {
 impl RowStage for RowNoise {
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
-        let normal: f32 = self.streams.stream(row.y).sample(StandardNormal);
+        let normal: f32 = self.streams.row(row.y).sample(StandardNormal);
         let noise = self.standard_deviation_e * normal;
         row.values.iter_mut().for_each(|charge| *charge += noise);
     }

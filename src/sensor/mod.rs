@@ -14,6 +14,7 @@ mod brighter_fatter;
 mod ccd;
 mod charge_generation;
 mod charge_plane;
+mod companding;
 mod converter;
 mod crosstalk;
 mod dark_current;
@@ -21,6 +22,7 @@ mod dark_offset;
 mod dead_pixels;
 mod defective_numbers;
 mod description;
+mod digital_gain;
 mod dual_gain;
 mod expose;
 mod exposure;
@@ -28,8 +30,11 @@ mod fixed_pattern;
 mod flicker;
 mod format;
 mod full_well;
+mod iso;
 mod layers;
 mod line_noise;
+mod linearisation;
+mod logarithmic;
 mod masked_pixels;
 mod model;
 mod noise_key;
@@ -40,26 +45,31 @@ pub mod presets;
 mod read_noise;
 mod reset_noise;
 mod shot_noise;
+mod shutter;
 mod stage;
 mod telegraph;
 
-pub use auto_exposure::{AutoExposure, auto_exposure};
+pub use auto_exposure::{AutoExposure, Metering, auto_exposure};
 pub use band_light::{BandRates, electron_rates};
 pub use ccd::{Ccd, Overscan};
+pub use companding::{Companding, CompandingCurve};
 pub use crosstalk::Kernel;
 pub use description::{
-    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, Converters, CountingMode,
-    CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription, FilterDescription, FlickerDescription,
-    FlickerOrder, NoiseDescription, ResetDescription, SensorDescription, SensorKind, SpadDescription, SpectrumSource,
-    TelegraphDescription,
+    AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CompandingDescription,
+    Converters, CountingMode, CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription,
+    FilterDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription, SensorDescription,
+    SensorKind, ShutterDescription, ShutterKind, SpadDescription, SpectrumSource, TelegraphDescription,
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;
 pub use exposure::Exposure;
+pub use linearisation::Linearisation;
+pub use logarithmic::Logarithmic;
 pub use masked_pixels::MaskedPixels;
 pub use model::{
     Architecture, Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph,
 };
 pub use noise_key::NoiseKey;
 pub use photon_counting::{Counting, Spad};
+pub use shutter::Shutter;
 pub use stage::{Stage, Stages};

@@ -26,12 +26,12 @@ const SENSOR: u64 = 0x7365_6e73_6f72;
 impl NoiseKey {
     /// Streams of a stage whose noise differs from frame to frame.
     pub(super) fn temporal(self, stage: Stage) -> Streams {
-        Streams { key: hash64(self.fixed(stage).key, hash64(1, self.frame)) }
+        Streams { key: hash64(self.fixed(stage).key, hash64(1, self.frame)), row_mask: usize::MAX }
     }
 
     /// Streams of a stage that marks the sensor: the same in every frame.
     pub(super) fn fixed(self, stage: Stage) -> Streams {
-        Streams { key: hash64(hash64(SENSOR, self.seed), stage as u64) }
+        Streams { key: hash64(hash64(SENSOR, self.seed), stage as u64), row_mask: usize::MAX }
     }
 }
 
@@ -39,12 +39,19 @@ impl NoiseKey {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Streams {
     key: u64,
+    /// 0 where all rows of a picture come from the same row of pixels, else all ones.
+    row_mask: usize,
 }
 
 impl Streams {
     /// Streams for another need of the same stage, such as the part of a pattern that a row shares.
     pub(super) fn part(self, number: u64) -> Self {
-        Self { key: hash64(self.key, hash64(2, number)) }
+        Self { key: hash64(self.key, hash64(2, number)), ..self }
+    }
+
+    /// The same streams for every row of a picture, as one row of pixels sees them all.
+    pub(super) fn of_one_row(self) -> Self {
+        Self { row_mask: 0, ..self }
     }
 
     /// What all of them are derived from, for numbers that are better hashed than drawn.
@@ -58,10 +65,26 @@ impl Streams {
         Philox::new(self.key, number as u64)
     }
 
+    /// The stream that the pixels of row y share.
+    #[inline]
+    pub(super) fn row(&self, y: usize) -> Philox {
+        self.stream(y & self.row_mask)
+    }
+
     /// The stream of the pixel at column x, row y.
     #[inline]
     pub(super) fn pixel(&self, x: usize, y: usize) -> Philox {
-        Philox::new(self.key, (y as u64) << 32 | x as u64)
+        Philox::new(self.key, self.number(x, y))
+    }
+
+    /// Many streams of the pixel at column x, row y.
+    pub(super) fn part_of_pixel(self, x: usize, y: usize) -> Self {
+        self.part(self.number(x, y))
+    }
+
+    #[inline]
+    fn number(&self, x: usize, y: usize) -> u64 {
+        ((y & self.row_mask) as u64) << 32 | x as u64
     }
 
     /// A standard normal number for each of the streams 0 … count − 1, times `scale`; none where that is 0.
@@ -73,7 +96,7 @@ impl Streams {
     /// The columns of some pixels of a row, each of which is taken with the same probability, from left to right. Which
     /// they are does not depend on the width of the picture.
     pub(super) fn chosen(&self, probability: f64, y: usize, width: usize) -> impl Iterator<Item = usize> {
-        let mut random = self.stream(y);
+        let mut random = self.row(y);
         // Gaps between the chosen are geometrically distributed: P(gap ≥ n) = (1 − p)ⁿ.
         let per_pixel = (-probability).ln_1p();
         let mut next = 0usize;

@@ -4,53 +4,77 @@
 use crate::units::{DigitalNumber, Electrons};
 
 use super::converter::dnl_variance_dn2;
+use super::digital_gain::rounding_variance_e2;
 use super::{Converter, Exposure, SensorModel};
 
 impl SensorModel {
     /// Variance of a pixel's temporal noise, referred to electrons ((e⁻)²), at a mean of `mean` photo-electrons:
     ///
-    /// σ² = μ + μ_d + σ_read² + σ_reset² + σ_row² + σ_column² + σ_flicker² + σ_telegraph² + (1/12 + σ_DNL²)/K²
+    /// σ² = μ + μ_d + (σ_read² + σ_reset² + σ_row² + σ_column² + σ_flicker² + σ_telegraph² + (1/12 + σ_DNL²)/K²)/s²
     ///
     /// shot noise of light and dark current, noise of the read-out, quantisation (the linear model of
-    /// [Emva1288](crate::references#emva1288), whose σ_d² is all but the first and the last). Hot pixels and telegraph
-    /// signals count with their part of all pixels. Fixed patterns are no temporal noise, and what transmission errors do
-    /// has no useful variance. Valid below saturation, and for amplifiers that are nearly linear.
+    /// [Emva1288](crate::references#emva1288), whose σ_d² is all but the first and the last), and the rounding that follows a
+    /// digital gain and companding. The slope s is 1 but for logarithmic pixels. Hot pixels and telegraph signals count
+    /// with their part of all pixels. Fixed patterns are no temporal noise, and what transmission errors do has no useful
+    /// variance. Valid below saturation, and for amplifiers that are nearly linear.
     pub fn noise_variance(&self, mean: Electrons, exposure: &Exposure) -> f64 {
-        mean.0.max(0.0) + self.dark_variance(exposure)
+        let thermal = self.thermal_electrons(exposure);
+        let charge = mean.0.max(0.0) + thermal;
+        let slope = self.pixel_slope(charge, exposure.time);
+        charge + (self.read_out_variance(exposure) + self.companding_variance(charge, exposure)) / (slope * slope)
     }
 
-    /// The part of [`Self::noise_variance`] that is there without light, (e⁻)².
-    fn dark_variance(&self, exposure: &Exposure) -> f64 {
-        let noise = &self.noise;
+    /// Electrons that heat frees on average, those of hot pixels shared by all, which is their variance, too.
+    fn thermal_electrons(&self, exposure: &Exposure) -> f64 {
         let (temperature, time) = (exposure.temperature, exposure.time);
-        let dark = noise.dark_electrons(temperature, time).0;
-        let hot = noise.defects.hot * noise.hot_electrons(temperature, time).0;
-        let gaussian = [noise.read, noise.reset.standard_deviation(temperature), noise.row, noise.column];
-        let gaussian: f64 = gaussian.iter().chain([&noise.flicker.noise]).map(|sigma| sigma.0 * sigma.0).sum();
+        let noise = &self.noise;
+        noise.dark_electrons(temperature, time).0 + noise.defects.hot * noise.hot_electrons(temperature, time).0
+    }
+
+    /// Variance of what the read-out adds, whatever the signal, (e⁻)².
+    fn read_out_variance(&self, exposure: &Exposure) -> f64 {
+        let noise = &self.noise;
+        let reset = noise.reset.standard_deviation(exposure.temperature);
+        let gaussian = [noise.read, reset, noise.row, noise.column, noise.flicker.noise];
+        let gaussian: f64 = gaussian.iter().map(|sigma| sigma.0 * sigma.0).sum();
         let quantisation = |converter: &Converter| {
             (1.0 / 12.0 + dnl_variance_dn2(converter.dnl_dn)) / converter.system_gain(exposure.gain).powi(2)
         };
         let before_merging = self.converter.dual_gain.as_ref().map_or(0.0, |dual| quantisation(&dual.high));
-        dark + hot + gaussian + noise.telegraph.variance() + before_merging + quantisation(&self.converter)
+        let quantisation = before_merging + quantisation(&self.converter) + rounding_variance_e2(self, exposure);
+        gaussian + noise.telegraph.variance() + quantisation
     }
 
-    /// Electrons at which a pixel saturates: the full well or the end of the converter's range, whichever comes first.
+    /// Variance of what companding takes from the precision of numbers, (e⁻)².
+    fn companding_variance(&self, charge: f64, exposure: &Exposure) -> f64 {
+        let gain = self.system_gain(exposure);
+        let level = self.amplified(self.pixel_signal(charge, exposure.time)) * gain;
+        let step = self.step_dn((level + f64::from(self.converter.black_level_dn)) as u16);
+        (step * step - 1.0) / 12.0 / (gain * gain)
+    }
+
+    /// Electrons at which a pixel saturates: the full well, the end of the converter's range, or the end of what a digital
+    /// gain leaves of that, whichever comes first.
     pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
         let converter = &self.converter;
-        let range = |converter: &Converter| {
-            let range_dn = f64::from(converter.max_dn() - converter.black_level_dn);
-            self.charge_for(range_dn / converter.system_gain(exposure.gain))
-        };
-        let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| range(&dual.low));
-        Electrons(self.full_well.0.min(range(converter)).min(before_merging))
+        let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
+        let digital = exposure.digital_gain.factor();
+        let signal = before_merging.min(converter.range_e() / digital) / exposure.gain.factor();
+        Electrons(self.full_well.0.min(self.pixel_charge(self.charge_for(signal), exposure.time)))
     }
 
-    /// Smallest whole digital number at which a noise-free pixel is saturated, always above the black level.
+    /// Smallest whole linear number at which a noise-free pixel is saturated, always above the black level.
     pub(super) fn white_level_dn(&self, exposure: &Exposure) -> u16 {
+        let linearisation = self.linearisation(exposure);
+        linearisation.map_or_else(|| self.bent_white_level_dn(exposure), |linearisation| linearisation.white_level_dn)
+    }
+
+    /// The same as the converter has it, before anything is made linear.
+    pub(super) fn bent_white_level_dn(&self, exposure: &Exposure) -> u16 {
         let converter = &self.converter;
-        let signal = self.amplified(self.saturation_capacity(exposure).0);
+        let signal = self.amplified(self.pixel_signal(self.saturation_capacity(exposure).0, exposure.time));
         let black = f64::from(converter.black_level_dn);
-        let level = DigitalNumber(black + signal * converter.system_gain(exposure.gain) + 0.5);
+        let level = DigitalNumber(black + signal * self.system_gain(exposure) + 0.5);
         (level.0 as u16).clamp(converter.black_level_dn + 1, converter.max_dn())
     }
 
@@ -59,10 +83,12 @@ impl SensorModel {
     ///
     /// S = K/R, O = K²·σ_0²/R²
     ///
-    /// where σ_0² is the noise without light, in (e⁻)².
-    pub(super) fn noise_profile(&self, exposure: &Exposure) -> [f64; 2] {
-        let gain = self.converter.system_gain(exposure.gain);
+    /// where σ_0² is the noise without light, in (e⁻)². What companding adds has no place in it; the noise of logarithmic
+    /// pixels has another form, and `None` is said of it.
+    pub(super) fn noise_profile(&self, exposure: &Exposure) -> Option<[f64; 2]> {
+        let gain = self.system_gain(exposure);
         let range = f64::from(self.white_level_dn(exposure) - self.converter.black_level_dn);
-        [gain / range, self.dark_variance(exposure) * (gain / range).powi(2)]
+        let dark = self.thermal_electrons(exposure) + self.read_out_variance(exposure);
+        self.logarithmic.is_none().then_some([gain / range, dark * (gain / range).powi(2)])
     }
 }

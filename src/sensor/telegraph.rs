@@ -21,7 +21,9 @@ use super::stage::Stage;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Telegraph {
     signal: Signal,
+    /// When the top row is read out.
     time: Seconds,
+    row_time: Seconds,
     streams: Streams,
 }
 
@@ -33,15 +35,16 @@ impl Telegraph {
     pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
         let signal = frame.sensor.noise.telegraph;
         let streams = frame.fixed(Stage::Telegraph).filter(|_| signal.pixels > 0.0 && signal.amplitude.0 > 0.0)?;
-        Some(Self { signal, time: frame.exposure.read_out_time(frame.key.frame), streams })
+        let time = frame.exposure.read_out_time(frame.sensor, frame.key.frame);
+        Some(Self { signal, time, row_time: frame.sensor.shutter.row_time(), streams })
     }
 
     /// Whether a pixel is on its high level.
     fn is_high(&self, x: usize, y: usize) -> bool {
         let Signal { high, low, .. } = self.signal;
         // Time in units of the mean distance of two draws, cut into pieces of one unit.
-        let now = self.time.0 * (1.0 / high.0 + 1.0 / low.0);
-        let events = self.streams.part(EVENTS).part((y as u64) << 32 | x as u64);
+        let now = (self.time.0 + self.row_time.0 * y as f64) * (1.0 / high.0 + 1.0 / low.0);
+        let events = self.streams.part(EVENTS).part_of_pixel(x, y);
         let mut piece = now.floor();
         let mut until = now - piece;
         loop {

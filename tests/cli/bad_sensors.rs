@@ -34,6 +34,54 @@ fn folder(capture: String) -> Folder {
     "frame_interval_s: 0.01 s is shorter",
     "leave it"
 )]
+#[case::digital_gain("[exposure]\ndigital_gain_db = -3", "digital_gain_db: must lie from 0 to 48, got -3", "white")]
+#[case::gain("[exposure]\ngain_db = 90", "gain_db: 90 dB is not among the gains", "write 0 to 24 dB")]
+#[case::slow("[exposure]\niso = 1", "exposure.iso: 1 is not among the speeds", "its base ISO is")]
+#[case::iso_and_gain("[exposure]\ngain_db = 6\niso = 800", "exposure.iso: cannot go with gain_db", "keep one")]
+#[case::mean("[exposure]\nauto_mean = 1.0", "auto_mean: must lie between 0 and 1, got 1", "auto_mean = 0.18")]
+#[case::two_targets("[exposure]\nauto_target = 0.9\nauto_mean = 0.2", "auto_mean: cannot go with auto_target", "keep")]
+#[case::no_time("[exposure]\nmax_time_s = 0", "max_time_s: must be above 0, got 0", "max_time_s = 0.04")]
+#[case::free_gain(
+    "[exposure]\nmax_gain_db = 12",
+    "max_gain_db: has no meaning where the time has no limit",
+    "max_time_s"
+)]
+#[case::least_gain(
+    "[exposure]\nmax_time_s = 0.1\ngain_db = 6\nmax_gain_db = 3",
+    "max_gain_db: must be at least 6, where the gain starts, got 3",
+    "max_gain_db = 24"
+)]
+#[case::fixed_time(
+    "[exposure]\ntime_s = 0.1\nmax_time_s = 0.2",
+    "max_time_s: goes only with automatic exposure",
+    "remove time_s"
+)]
+#[case::companding_bits(
+    "[sensor.adc]\ncompanding = { bits = 14, gamma = 2 }",
+    "adc.companding.bits: must lie between 8 and",
+    "12"
+)]
+#[case::companding_curve("[sensor.adc]\ncompanding = { bits = 10 }", "adc.companding.gamma: is missing", "gamma = 2.2")]
+#[case::companding_curves(
+    "[sensor.adc]\ncompanding = { bits = 10, gamma = 2, knee_points_dn = [[0, 0], [4095, 1023]] }",
+    "adc.companding.gamma: cannot go with knee_points_dn",
+    "keep one"
+)]
+#[case::gamma(
+    "[sensor.adc]\ncompanding = { bits = 10, gamma = 0.45 }",
+    "gamma: must lie between 1 and 5, got 0.45",
+    "2.2"
+)]
+#[case::knees(
+    "[sensor.adc]\ncompanding = { bits = 10, knee_points_dn = [[0, 0], [900, 900], [800, 950], [4095, 1023]] }",
+    "adc.companding.knee_points_dn: must rise from [0, 0] to [4095, 1023]",
+    "both ends"
+)]
+#[case::logarithm(
+    "[sensor.charge]\nlogarithmic_reference_e_per_s = 0",
+    "logarithmic_reference_e_per_s: must be above 0",
+    "100"
+)]
 fn impossible_sensors_are_refused_with_key_and_line(#[case] more: &str, #[case] message: &str, #[case] help: &str) {
     // A table that should not be there is at fault from its first line on, a value in its own.
     let line = if message.starts_with("has no channel") { 4 } else { 3 + more.lines().count() };

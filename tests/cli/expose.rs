@@ -1,5 +1,7 @@
 //! `photosite expose`: stored light exposed again.
 
+use std::io::Cursor;
+
 use photosite::io::exr::{Attribute, read_exr, write_exr};
 use photosite::math::statistics::Moments;
 use rstest::rstest;
@@ -53,6 +55,36 @@ fn what_is_not_changed_gives_the_same_bytes_as_render(#[case] exposure: &str, #[
     // And what was exposed can be exposed again.
     folder.succeed("expose again/electrons.exr -o third");
     assert!(folder.results("third")["image.png"] == first_picture(&folder));
+}
+
+#[test]
+fn what_automatic_gain_control_chose_gives_the_same_bytes_when_it_is_written_down() {
+    let folder = room("[render]\nsamples_per_pixel = 4\nseed = 3\n[output]\nraw = ['dng', 'npy']\n");
+    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let automatic = "auto_mean = 0.5\nmax_time_s = 0.0000063\nmax_gain_db = 30.0\n";
+    folder.add("auto.toml", capture.replace("time_s = 0.0002", automatic));
+    folder.succeed("render auto.toml -o auto");
+    let chosen = &folder.report("auto")["exposure"];
+    assert_eq!(
+        (&chosen["time_s"], &chosen["auto"], &chosen["gain_db"]),
+        (&json!(0.0000063), &json!(true), &json!(24.0))
+    );
+    let digital = chosen["digital_gain_db"].as_f64().expect("a number");
+    assert!(digital > 0.0 && digital <= 6.0, "{chosen}");
+    let iso = folder.raw("auto/raw.dng").metadata.iso.expect("a speed");
+    assert_eq!(Some(f64::from(iso)), chosen["iso"].as_f64().map(f64::round));
+
+    let explicit =
+        format!("time_s = {}\ngain_db = {}\ndigital_gain_db = {digital}\n", chosen["time_s"], chosen["gain_db"]);
+    folder.add("explicit.toml", capture.replace("time_s = 0.0002", &explicit));
+    folder.succeed("render explicit.toml -o explicit");
+    // And exposed again from the stored electrons.
+    folder.succeed("expose auto -o again");
+    for name in ["raw.dng", "raw.npy", "image.png", "electrons.exr"] {
+        let first = &folder.results("auto")[name];
+        assert!(*first == folder.results("explicit")[name], "{name} differs when written down");
+        assert!(*first == folder.results("again")[name], "{name} differs when exposed again");
+    }
 }
 
 fn first_picture(folder: &Folder) -> Vec<u8> {
@@ -212,10 +244,10 @@ fn what_cannot_be_exposed_is_told() {
 fn pictures_of_something_else_are_refused() {
     let folder = rendered("");
     let file = folder.results("out")["electrons.exr"].clone();
-    let planes = read_exr(std::io::Cursor::new(&file)).expect("readable").planes;
+    let planes = read_exr(Cursor::new(&file)).expect("readable").planes;
     let write = |attributes: &[(&str, Attribute)]| {
         let mut bytes = Vec::new();
-        write_exr(&planes, attributes, &mut bytes).expect("written");
+        write_exr(&planes, attributes, Cursor::new(&mut bytes)).expect("written");
         bytes
     };
     let text = |value: &str| Attribute::Text(value.to_owned());

@@ -16,6 +16,7 @@ mod gltf;
 mod info;
 mod interruption;
 mod limits;
+mod motion;
 mod noise;
 mod outputs;
 mod report;

@@ -15,7 +15,7 @@ pub(crate) fn timeless(mut report: Value) -> Value {
     report
 }
 
-fn assert_same(folder: &Folder, one: &str, two: &str) {
+pub(crate) fn assert_same(folder: &Folder, one: &str, two: &str) {
     let (mut first, mut second) = (folder.results(one), folder.results(two));
     assert_eq!(timeless(folder.report(one)), timeless(folder.report(two)));
     for results in [&mut first, &mut second] {

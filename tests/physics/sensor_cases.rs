@@ -8,8 +8,13 @@ use photosite::sensor::{
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 
 /// One second at 25 °C and 0 dB.
-pub(crate) const EXPOSURE: Exposure =
-    Exposure { time: Seconds(1.0), gain: Decibels(0.0), temperature: Celsius(25.0), frame_interval: None };
+pub(crate) const EXPOSURE: Exposure = Exposure {
+    time: Seconds(1.0),
+    gain: Decibels(0.0),
+    digital_gain: Decibels(0.0),
+    temperature: Celsius(25.0),
+    frame_interval: None,
+};
 
 /// A monochrome sensor of 16 bits with a system gain of 1 DN/e⁻, a black level of 1000 DN and no noise.
 pub(crate) fn quiet_sensor() -> SensorModel {

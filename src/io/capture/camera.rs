@@ -9,7 +9,7 @@ use super::light::vector;
 use super::tables::{CameraTable, LensTable};
 use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
-use crate::optics::{Focus, LensDescription};
+use crate::optics::{CameraMotion, Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, look_at};
 use crate::sensor::SensorModel;
 
@@ -17,13 +17,22 @@ use crate::sensor::SensorModel;
 /// that the file does not focus on the middle of the scene, rather than on what is in the middle of the picture.
 pub(super) fn place_camera(
     camera: &CameraTable,
+    motion: Option<&CameraMotion>,
     lens: &LensTable,
     finder: &Finder<'_>,
     scene: &SceneDescription,
     sensor: &SensorModel,
     focus_on_scene: bool,
 ) -> Result<(DAffine3, LensDescription), Invalid> {
-    let pose = pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?;
+    let pose = match motion {
+        // Poses stand for themselves.
+        Some(motion @ CameraMotion::Poses(_)) => {
+            Some(Pose { to_world: motion.pose(&DAffine3::IDENTITY, 0.0), vertical_fov_rad: None })
+        }
+        Some(CameraMotion::Steady { .. }) | None => {
+            pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?
+        }
+    };
     let focal_length_m = lens.focal_length_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm / 1e3);
     let sphere = bounding_sphere(scene);
     let (pose, focus_distance) = match (pose, sphere) {
@@ -86,17 +95,7 @@ fn pose(table: &CameraTable, cameras: &[CameraDescription]) -> Result<Option<Pos
     }
     match (table.position_m, table.look_at_m) {
         (Some(position), Some(target)) => {
-            let position = vector("position_m", position)?;
-            let target = vector("look_at_m", target)?;
-            let up = vector("up", table.up.unwrap_or([0.0, 1.0, 0.0]))?;
-            if position == target {
-                let message = "is where the camera stands, so it looks nowhere";
-                return Err(Invalid::new("look_at_m", message).help("write a point in front of the camera"));
-            }
-            let to_world = look_at(position, target, up).ok_or_else(|| {
-                let message = format!("the camera looks along {up}, so that cannot be up in the picture");
-                Invalid::new("up", message).help("write a direction across the view, for example up = [0, 0, -1]")
-            })?;
+            let to_world = looking(position, target, table.up)?;
             Ok(Some(Pose { to_world, vertical_fov_rad: None }))
         }
         (None, None) if table.up.is_some() => Err(Invalid::new("up", "needs position_m and look_at_m")),
@@ -110,4 +109,19 @@ fn pose(table: &CameraTable, cameras: &[CameraDescription]) -> Result<Option<Pos
                 .help("write where the lens is, position_m = [x, y, z]"))
         }
     }
+}
+
+/// The pose of a camera that looks at a point.
+pub(super) fn looking(position: [f64; 3], target: [f64; 3], up: Option<[f64; 3]>) -> Result<DAffine3, Invalid> {
+    let position = vector("position_m", position)?;
+    let target = vector("look_at_m", target)?;
+    let up = vector("up", up.unwrap_or([0.0, 1.0, 0.0]))?;
+    if position == target {
+        let message = "is where the camera stands, so it looks nowhere";
+        return Err(Invalid::new("look_at_m", message).help("write a point in front of the camera"));
+    }
+    look_at(position, target, up).ok_or_else(|| {
+        let message = format!("the camera looks along {up}, so that cannot be up in the picture");
+        Invalid::new("up", message).help("write a direction across the view, for example up = [0, 0, -1]")
+    })
 }

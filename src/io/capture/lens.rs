@@ -22,7 +22,7 @@ pub(super) fn describe_lens(
     vertical_fov_rad: Option<f64>,
     default_focus: Option<Focus>,
 ) -> Result<LensDescription, Invalid> {
-    let size_px = sensor.resolution.map(|n| n as f64);
+    let size_px = sensor.pixel_array().map(|n| n as f64);
     let focus = match (&table.focus_distance_m, &table.autofocus_px) {
         (Some(_), Some(_)) => {
             return Err(Invalid::new("autofocus_px", "cannot go with focus_distance_m").help("keep one of them"));

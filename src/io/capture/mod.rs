@@ -28,6 +28,7 @@ mod framing;
 mod lens;
 mod light;
 mod material;
+mod motion;
 mod overrides;
 mod reader;
 mod relocate;
@@ -50,7 +51,7 @@ use glam::DAffine3;
 
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
-use crate::optics::LensDescription;
+use crate::optics::{LensDescription, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::{SensorModel, presets};
 use crate::{Error, Invalid, Result};
@@ -76,6 +77,8 @@ pub struct Capture {
     pub scene: SceneDescription,
     /// Camera → world; the camera looks along −Z.
     pub camera_to_world: DAffine3,
+    /// The first picture of a camera that moves from there; `None` for one that stands still.
+    pub recording: Option<Recording>,
     /// The lens.
     pub lens: LensDescription,
     /// The sensor.
@@ -132,10 +135,13 @@ impl Capture {
         let finder = Finder::new(folder, Vec::new());
         let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
         let focus_on_scene = is_scene_file(source.path());
+        let motion = motion::motion(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
         let (camera_to_world, lens) =
-            place_camera(&file.camera, &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
+            place_camera(&file.camera, motion.as_ref(), &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
+        let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
         Ok(Self {
-            exposure: settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?,
+            recording: motion.map(|motion| motion::recording(motion, &exposure, &sensor)).transpose()?,
+            exposure,
             render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
             develop: develop::checked(&file.develop)?,
             output: settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?,

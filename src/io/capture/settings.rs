@@ -10,7 +10,7 @@ use crate::Invalid;
 use crate::integrator::RenderSettings;
 use crate::raw::{Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
-use crate::sensor::{AutoExposure, Exposure, SensorModel, Stages};
+use crate::sensor::{AutoExposure, Exposure, Metering, SensorModel, Stages};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
@@ -19,8 +19,10 @@ use crate::units::{Celsius, Decibels, Seconds};
 pub struct ExposureSettings {
     /// How long.
     pub time: ExposureTime,
-    /// Analogue gain.
+    /// Analogue gain; automatic gain control starts from here.
     pub gain: Decibels,
+    /// Gain of the numbers behind the converter, likewise.
+    pub digital_gain: Decibels,
     /// Temperature of the sensor.
     pub temperature: Celsius,
     /// How many pictures of the same light, at least 1.
@@ -35,6 +37,12 @@ impl ExposureSettings {
     /// Whether pictures of the same light are exposed in the same way, however many there are.
     pub fn is_like(&self, other: &Self) -> bool {
         Self { frames: 1, ..*self } == Self { frames: 1, ..*other }
+    }
+
+    /// An exposure of this time.
+    pub fn at(&self, time: Seconds) -> Exposure {
+        let Self { gain, digital_gain, temperature, frame_interval, .. } = *self;
+        Exposure { time, gain, digital_gain, temperature, frame_interval }
     }
 }
 
@@ -110,6 +118,7 @@ impl SpectralBands {
 
 /// Reads `[exposure]`.
 pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
+    let [gain, digital_gain] = gains(table, sensor)?;
     let time = match (table.time_s, table.auto) {
         (Some(_), Some(true)) => {
             return Err(Invalid::new("auto", "cannot go with time_s").help("keep one of them"));
@@ -118,20 +127,22 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         (None, Some(false)) => {
             return Err(Invalid::new("auto", "is off, and there is no time").help("for example time_s = 0.01"));
         }
-        (None, None | Some(true)) => ExposureTime::Auto(auto_exposure(table)?),
+        (None, None | Some(true)) => ExposureTime::Auto(auto_exposure(table, sensor, gain.0 + digital_gain.0)?),
     };
-    if let (ExposureTime::Fixed(_), Some(key)) = (
-        time,
-        [("auto_target", table.auto_target), ("auto_brighter_part", table.auto_brighter_part)]
-            .iter()
-            .find_map(|(key, value)| value.map(|_| *key)),
-    ) {
-        return Err(Invalid::new(key, "goes only with automatic exposure").help("remove it, or remove time_s"));
+    let of_automatic = [
+        ("auto_target", table.auto_target),
+        ("auto_brighter_part", table.auto_brighter_part),
+        ("auto_mean", table.auto_mean),
+        ("max_time_s", table.max_time_s),
+        ("max_gain_db", table.max_gain_db),
+    ];
+    if let (ExposureTime::Fixed(_), Some((key, _))) = (time, of_automatic.iter().find(|(_, value)| value.is_some())) {
+        return Err(Invalid::new(*key, "goes only with automatic exposure").help("remove it, or remove time_s"));
     }
-    let [lowest, highest] = sensor.converter.gain_range.map(|gain| gain.0);
     let settings = ExposureSettings {
         time,
-        gain: Decibels(table.gain_db.unwrap_or(0f64.clamp(lowest, highest))),
+        gain,
+        digital_gain,
         temperature: Celsius(table.temperature_c.unwrap_or(25.0)),
         frames: table.frames.unwrap_or(1),
         frame_interval: table.frame_interval_s.map(Seconds),
@@ -140,14 +151,27 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
     if settings.frames == 0 {
         return Err(Invalid::new("frames", "must be at least 1, got 0").help("for example frames = 1"));
     }
-    let ExposureSettings { gain, temperature, frame_interval, .. } = settings;
     // Any time serves to check the rest of an automatic exposure.
     let exposure = match settings.time {
-        ExposureTime::Fixed(time) => Exposure { time, gain, temperature, frame_interval },
-        ExposureTime::Auto(_) => Exposure { time: Seconds(1.0), gain, temperature, frame_interval: None },
+        ExposureTime::Fixed(time) => settings.at(time),
+        ExposureTime::Auto(_) => Exposure { frame_interval: None, ..settings.at(Seconds(1.0)) },
     };
     exposure.validate(sensor)?;
     Ok(settings)
+}
+
+/// The analogue and the digital gain that are asked for.
+fn gains(table: &ExposureTable, sensor: &SensorModel) -> Result<[Decibels; 2], Invalid> {
+    let Some(iso) = table.iso else {
+        let [lowest, highest] = sensor.converter.gain_range.map(|gain| gain.0);
+        let gain = table.gain_db.unwrap_or(0f64.clamp(lowest, highest));
+        return Ok([gain, table.digital_gain_db.unwrap_or(0.0)].map(Decibels));
+    };
+    let explicit = [("gain_db", table.gain_db), ("digital_gain_db", table.digital_gain_db)];
+    if let Some((key, _)) = explicit.iter().find(|(_, value)| value.is_some()) {
+        return Err(Invalid::new("iso", format!("cannot go with {key}")).help("keep one of them"));
+    }
+    sensor.gains_for_iso(iso)
 }
 
 fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {
@@ -159,21 +183,57 @@ fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {
     }
 }
 
-fn auto_exposure(table: &ExposureTable) -> Result<AutoExposure, Invalid> {
-    let default = AutoExposure::default();
-    let auto = AutoExposure {
-        level: table.auto_target.unwrap_or(default.level),
-        brighter_part: table.auto_brighter_part.unwrap_or(default.brighter_part),
+/// `gain_db` is what automatic gain control starts from.
+fn auto_exposure(table: &ExposureTable, sensor: &SensorModel, gain_db: f64) -> Result<AutoExposure, Invalid> {
+    let max_time = table.max_time_s.map(|time| positive_number("max_time_s", time, "0.04").map(Seconds)).transpose()?;
+    if let (None, Some(_)) = (max_time, table.max_gain_db) {
+        let message = "has no meaning where the time has no limit";
+        return Err(Invalid::new("max_gain_db", message).help("write max_time_s, too: gain rises where time may not"));
+    }
+    if let Some(most) = table.max_gain_db.filter(|most| !(most.is_finite() && *most >= gain_db)) {
+        let message = format!("must be at least {gain_db}, where the gain starts, got {most}");
+        return Err(Invalid::new("max_gain_db", message).help("for example max_gain_db = 24.0"));
+    }
+    let is_stated = table.gain_db.is_some() || table.digital_gain_db.is_some() || table.iso.is_some();
+    let [_, highest] = sensor.converter.gain_range;
+    let default = (max_time.is_some() && !is_stated).then_some(highest);
+    Ok(AutoExposure { metering: metering(table)?, max_time, max_gain: table.max_gain_db.map(Decibels).or(default) })
+}
+
+fn metering(table: &ExposureTable) -> Result<Metering, Invalid> {
+    let (default_part, default_level) = match Metering::default() {
+        Metering::Highlights { brighter_part, level } => (brighter_part, level),
+        Metering::Mean(level) => (0.0, level),
     };
-    if !(auto.level > 0.0 && auto.level <= 1.0) {
-        let message = format!("must lie above 0 and up to 1, got {}", auto.level);
+    if let Some(mean) = table.auto_mean {
+        let others = [("auto_target", table.auto_target), ("auto_brighter_part", table.auto_brighter_part)];
+        if let Some((key, _)) = others.iter().find(|(_, value)| value.is_some()) {
+            return Err(Invalid::new("auto_mean", format!("cannot go with {key}")).help("keep one of them"));
+        }
+        if !(mean > 0.0 && mean < 1.0) {
+            let message = format!("must lie between 0 and 1, got {mean}");
+            return Err(Invalid::new("auto_mean", message).help("for example auto_mean = 0.18"));
+        }
+        return Ok(Metering::Mean(mean));
+    }
+    let level = table.auto_target.unwrap_or(default_level);
+    let brighter_part = table.auto_brighter_part.unwrap_or(default_part);
+    if !(level > 0.0 && level <= 1.0) {
+        let message = format!("must lie above 0 and up to 1, got {level}");
         return Err(Invalid::new("auto_target", message).help("for example auto_target = 0.85"));
     }
-    if !(0.0..1.0).contains(&auto.brighter_part) {
-        let message = format!("must lie from 0 to below 1, got {}", auto.brighter_part);
+    if !(0.0..1.0).contains(&brighter_part) {
+        let message = format!("must lie from 0 to below 1, got {brighter_part}");
         return Err(Invalid::new("auto_brighter_part", message).help("for example auto_brighter_part = 0.005"));
     }
-    Ok(auto)
+    Ok(Metering::Highlights { brighter_part, level })
+}
+
+fn positive_number(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    Err(Invalid::new(key, format!("must be above 0, got {value}")).help(format!("for example {key} = {example}")))
 }
 
 /// Reads `[render]`.

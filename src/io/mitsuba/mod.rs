@@ -27,6 +27,8 @@ mod picture;
 mod sensor;
 mod shape;
 
+use std::io::Cursor;
+
 use crate::Invalid;
 use crate::image::Planes;
 use crate::io::capture::Capture;
@@ -105,7 +107,7 @@ impl Output {
     fn exr(&mut self, name: String, planes: &Planes) -> String {
         self.file(name, || {
             let mut bytes = Vec::new();
-            write_exr(planes, &[], &mut bytes).expect("a vector takes all bytes");
+            write_exr(planes, &[], Cursor::new(&mut bytes)).expect("a vector takes all bytes");
             bytes
         })
     }

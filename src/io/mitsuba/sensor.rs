@@ -52,6 +52,9 @@ pub(super) fn sensor(
 ) -> Element {
     let lens = &capture.lens;
     let [width, height] = capture.sensor.resolution;
+    if capture.recording.is_some() {
+        out.approximate("the motion of [camera]: it stands where it starts");
+    }
     if lens.falloff != Falloff::None {
         out.approximate("the falloff of [lens]: Mitsuba's cameras have none, as with falloff = \"none\"");
     }

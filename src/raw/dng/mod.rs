@@ -54,6 +54,8 @@ pub fn write_compressed_dng<W: Write + Seek>(raw: &RawImage, compression: DngCom
         return Err(io::Error::other("the picture has no pixels"));
     }
     raw.validate().map_err(io::Error::other)?;
+    // Floating-point numbers have no tables.
+    let raw = if compression == DngCompression::Deflate { &*raw.linear() } else { raw };
     let codes = filters::codes(&raw.cfa).map_err(io::Error::other)?;
     write_directories(raw, &codes, compression, to).map_err(io_error)
 }
@@ -84,7 +86,7 @@ fn write_directories<W: Write + Seek>(
 /// The thumbnail, and what holds for the file as a whole.
 fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
     let metadata = &raw.metadata;
-    numbers::write_thumbnail(&thumbnail::thumbnail(&raw.cropped()), ifd)?;
+    numbers::write_thumbnail(&thumbnail::thumbnail(&raw.linear().cropped()), ifd)?;
     ifd.write_tag(Tag::NewSubfileType, tag::REDUCED)?;
     ifd.write_tag(Tag::XResolution, Rational { n: 72, d: 1 })?;
     ifd.write_tag(Tag::YResolution, Rational { n: 72, d: 1 })?;
@@ -167,6 +169,9 @@ fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
             ifd.write_tag(tag, &(0..side).map(delta).collect::<Vec<_>>()[..])?;
         }
     }
+    if let Some(table) = &raw.linearisation {
+        ifd.write_tag(tag::LINEARIZATION_TABLE, &table[..])?;
+    }
     ifd.write_tag(tag::WHITE_LEVEL, &vec![u32::from(raw.white_level_dn); samples][..])?;
     let noise = &raw.metadata.noise_profile;
     if noise.is_empty() { Ok(()) } else { ifd.write_tag(tag::NOISE_PROFILE, noise.as_flattened()) }
@@ -192,6 +197,11 @@ fn write_exif<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
     ifd.write_tag(tag::EXPOSURE_TIME, rational(metadata.exposure_time_s))?;
     if let Some(f_number) = metadata.f_number {
         ifd.write_tag(tag::F_NUMBER, rational(f_number))?;
+    }
+    if let Some(iso) = metadata.iso {
+        ifd.write_tag(tag::PHOTOGRAPHIC_SENSITIVITY, u16::try_from(iso).unwrap_or(u16::MAX))?;
+        ifd.write_tag(tag::SENSITIVITY_TYPE, tag::IS_ISO_SPEED)?;
+        ifd.write_tag(tag::ISO_SPEED, iso)?;
     }
     if let Some(focal_length_m) = metadata.focal_length_m {
         ifd.write_tag(tag::FOCAL_LENGTH, rational(focal_length_m * 1e3))?;

@@ -12,7 +12,7 @@ use tiff::{Directory, TiffError};
 
 use super::{filters, opcodes, read_numbers, tag};
 use crate::Invalid;
-use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata};
+use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata, bits_for};
 
 /// Reads a DNG file.
 pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
@@ -39,7 +39,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         return Err(Invalid::new("WhiteLevel", message));
     }
     // The file does not keep the converter's bits; those that the white level needs are what matters.
-    let bits = (u32::BITS - (white as u32).leading_zeros()).max(8);
+    let bits = bits_for(white as u16);
     let metadata = file.metadata(&main, picture, [active.width, active.height])?;
     Ok(RawImage {
         width,
@@ -48,6 +48,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         cfa,
         active_area: area,
         bits,
+        linearisation: None,
         black_level_dn,
         white_level_dn: white as u16,
         metadata,
@@ -221,6 +222,7 @@ impl<R: Read + Seek> Tags<R> {
             camera_model,
             pixel_pitch_m: self.pixel_pitch(&exif)?,
             exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
+            iso: self.iso(&exif)?,
             f_number: self.number(&exif, tag::F_NUMBER)?,
             focal_length_m: self.number(&exif, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
             colour_matrix_d65: d65,
@@ -230,6 +232,15 @@ impl<R: Read + Seek> Tags<R> {
             gain_map: opcodes::read_gain_map(&self.bytes(picture, tag::OPCODE_LIST_2)?, size),
             warp: opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?),
         })
+    }
+
+    /// The speed, which has a number of its own where 16 bits are too few.
+    fn iso(&mut self, exif: &Directory) -> Result<Option<u32>, Invalid> {
+        let iso = match self.number(exif, tag::ISO_SPEED)? {
+            Some(iso) => Some(iso),
+            None => self.number(exif, tag::PHOTOGRAPHIC_SENSITIVITY)?,
+        };
+        Ok(iso.filter(|iso| *iso > 0.0).map(|iso| iso as u32))
     }
 
     /// A matrix, and whether it is that of illuminant A.

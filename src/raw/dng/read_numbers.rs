@@ -12,7 +12,7 @@ use tiff::tags::{ByteOrder, Tag};
 use super::read::{Tags, unreadable};
 use super::tag;
 use crate::Invalid;
-use crate::raw::lossless_jpeg;
+use crate::raw::{linearise, lossless_jpeg};
 
 /// How numbers lie in the bytes of a strip or tile.
 struct Coding {
@@ -96,17 +96,9 @@ pub(super) fn read<R: Read + Seek>(
             }
         }
     }
-    linearise(file, picture, &mut data)?;
-    Ok(data)
-}
-
-/// Replaces numbers by what a table says of them; the last entry stands for all beyond.
-fn linearise<R: Read + Seek>(file: &mut Tags<R>, picture: &Directory, data: &mut [u16]) -> Result<(), Invalid> {
     let table: Vec<u16> = file.numbers(picture, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect();
-    if let Some(&last) = table.last() {
-        data.par_iter_mut().for_each(|dn| *dn = table.get(usize::from(*dn)).copied().unwrap_or(last));
-    }
-    Ok(())
+    linearise(&mut data, &table);
+    Ok(data)
 }
 
 impl Coding {

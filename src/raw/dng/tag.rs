@@ -7,6 +7,9 @@ pub(super) const CFA_REPEAT_PATTERN_DIM: Tag = Tag::Unknown(33421);
 pub(super) const CFA_PATTERN: Tag = Tag::Unknown(33422);
 pub(super) const EXPOSURE_TIME: Tag = Tag::Unknown(33434);
 pub(super) const F_NUMBER: Tag = Tag::Unknown(33437);
+pub(super) const PHOTOGRAPHIC_SENSITIVITY: Tag = Tag::Unknown(34855);
+pub(super) const SENSITIVITY_TYPE: Tag = Tag::Unknown(34864);
+pub(super) const ISO_SPEED: Tag = Tag::Unknown(34867);
 pub(super) const EXIF_VERSION: Tag = Tag::ExifVersion;
 pub(super) const FOCAL_LENGTH: Tag = Tag::Unknown(37386);
 pub(super) const FOCAL_PLANE_X_RESOLUTION: Tag = Tag::Unknown(41486);
@@ -67,5 +70,7 @@ pub(super) const D65: u16 = 21;
 pub(super) const STANDARD_LIGHT_A: u16 = 17;
 /// NewSubfileType of a picture of reduced resolution; 0 is the picture itself.
 pub(super) const REDUCED: u32 = 1;
+/// SensitivityType of an ISO speed.
+pub(super) const IS_ISO_SPEED: u16 = 3;
 /// EXIF's number for resolutions per centimetre.
 pub(super) const PER_CENTIMETRE: u16 = 3;

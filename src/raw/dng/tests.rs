@@ -23,6 +23,7 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
             camera_model: "a camera".to_owned(),
             pixel_pitch_m: Some([5e-6, 2.5e-6]),
             exposure_time_s: 0.01,
+            iso: Some(if colour { 100 } else { 102_400 }),
             f_number: Some(2.8),
             focal_length_m: colour.then_some(0.016),
             colour_matrix_d65: colour.then(|| matrix(1.0)),
@@ -64,6 +65,19 @@ fn pictures_come_back_as_they_went() {
                 assert_eq!(found.as_ref(), Ok(&raw), "{cfa} {width} × {height} {compression:?}");
             }
         }
+    }
+}
+
+#[test]
+fn bent_numbers_come_back_linear() {
+    let raw = picture("RGGB", 37, 23);
+    let table: Vec<u16> = (0..1024u32).map(|code| (code * code / 255).min(4095) as u16).collect();
+    let data = raw.data.iter().map(|dn| dn % 1024).collect();
+    let raw = RawImage { data, bits: 10, linearisation: Some(table), ..raw };
+    let linear = raw.linear();
+    assert_eq!((linear.data[3], linear.bits), ((u32::from(raw.data[3]).pow(2) / 255).min(4095) as u16, 12));
+    for compression in COMPRESSIONS {
+        assert_eq!(read(&file(&raw, compression)).as_ref(), Ok(&*linear), "{compression:?}");
     }
 }
 

@@ -4,6 +4,7 @@
 mod architecture;
 mod noise;
 mod read_out;
+mod shutter;
 
 use std::collections::BTreeMap;
 
@@ -15,7 +16,8 @@ pub use noise::{
     DarkCurrentLawName, DefectsDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription,
     TelegraphDescription,
 };
-pub use read_out::{AdcDescription, ChargeDescription, Converters};
+pub use read_out::{AdcDescription, ChargeDescription, CompandingDescription, Converters};
+pub use shutter::{ShutterDescription, ShutterKind};
 
 /// An image sensor: pixels, colour filters, noise, charge capacity and converter.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -34,7 +36,10 @@ pub struct SensorDescription {
     pub ccd: Option<CcdDescription>,
     /// How single photons are counted.
     pub spad: Option<SpadDescription>,
-    /// Columns and rows of pixels.
+    /// When rows are exposed. Left out: all at once.
+    #[serde(default)]
+    pub shutter: ShutterDescription,
+    /// Columns and rows of pixels; of a scanning line camera, its pixels and the lines of a picture.
     pub resolution_px: [u32; 2],
     /// Columns of pixels to the left and to the right of these that are covered and see no light.
     #[serde(default)]

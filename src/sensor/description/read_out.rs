@@ -15,6 +15,9 @@ pub struct ChargeDescription {
     /// signal, 1/e⁻. Left out: none.
     #[serde(default)]
     pub brighter_fatter_per_e: [f64; 2],
+    /// Makes the pixels logarithmic: their voltage follows log(1 + i/i₀), with this photocurrent i₀, e⁻/s. Left out: they are
+    /// linear.
+    pub logarithmic_reference_e_per_s: Option<f64>,
 }
 
 /// Analogue gain and analogue-to-digital converter.
@@ -49,6 +52,8 @@ pub struct AdcDescription {
     /// Spatial standard deviation of the offsets of the columns' converters, DN.
     #[serde(default)]
     pub column_offset_dn: f64,
+    /// Numbers of fewer bits leave the sensor, along a curve. Left out: those of the converter.
+    pub companding: Option<CompandingDescription>,
     /// Two converters at two gains, whose numbers are merged into one of the bits and the gain above.
     pub dual_gain: Option<DualGainDescription>,
 }
@@ -62,4 +67,18 @@ pub enum Converters {
     PerColumn,
     /// One for all pixels.
     One,
+}
+
+/// How numbers of the converter become those of fewer bits that leave the sensor. Raw files in the DNG format tell how to
+/// make them linear again.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CompandingDescription {
+    /// Bits of the numbers that leave the sensor, 8 to those of the converter.
+    pub bits: u32,
+    /// Straight lines: both ends and the knees in between, each as [number of the converter, number that leaves the sensor],
+    /// such as [[0, 0], [1024, 1024], [65535, 4095]].
+    pub knee_points_dn: Option<Vec<[u32; 2]>>,
+    /// In their place: numbers are x^(1/gamma), 1 to 5.
+    pub gamma: Option<f64>,
 }

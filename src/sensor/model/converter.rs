@@ -1,8 +1,8 @@
 //! Amplifiers and converter of a sensor.
 
 use crate::Invalid;
-use crate::sensor::DualGain;
 use crate::sensor::description::{AdcDescription, Converters};
+use crate::sensor::{Companding, DualGain};
 use crate::units::Decibels;
 
 use super::checks::{finite, not_negative, positive};
@@ -31,6 +31,8 @@ pub struct Converter {
     pub column_gain: f64,
     /// Spatial standard deviation of the columns' offsets, DN.
     pub column_offset_dn: f64,
+    /// What makes of its numbers those that leave the sensor; `None` for nothing.
+    pub companding: Option<Companding>,
     /// The two converters behind this one, where its numbers are merged from theirs.
     pub dual_gain: Option<Box<DualGain>>,
 }
@@ -42,6 +44,11 @@ impl Converter {
     /// System gain K at a gain setting, DN/e⁻.
     pub fn system_gain(&self, gain: Decibels) -> f64 {
         self.conversion_gain_dn_per_e * gain.factor()
+    }
+
+    /// The signal at the end of the range at 0 dB, referred to electrons.
+    pub(in crate::sensor) fn range_e(&self) -> f64 {
+        f64::from(self.max_dn() - self.black_level_dn) / self.conversion_gain_dn_per_e
     }
 
     /// Largest digital number, 2^bits − 1.
@@ -63,6 +70,7 @@ impl Converter {
             converters: Converters::PerColumn,
             column_gain: 0.0,
             column_offset_dn: 0.0,
+            companding: None,
             dual_gain: None,
         }
     }
@@ -116,6 +124,11 @@ impl Converter {
             converters: d.converters,
             column_gain: not_negative("column_gain_percent", d.column_gain_percent)? / 100.0,
             column_offset_dn: not_negative("column_offset_dn", d.column_offset_dn)?,
+            companding: d
+                .companding
+                .as_ref()
+                .map(|companding| Companding::new(companding, d.bits).map_err(|e| e.within("companding")))
+                .transpose()?,
             dual_gain: dual_gain.transpose().map_err(|e| e.within("dual_gain"))?.map(Box::new),
         })
     }

@@ -11,14 +11,14 @@ mod noise;
 use crate::Invalid;
 use crate::raw::Cfa;
 use crate::spectrum::Spectrum;
-use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT};
+use crate::units::{Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
 
-use super::MaskedPixels;
 use super::ccd::margin;
 use super::crosstalk::Kernel;
-use super::description::{ChannelDescription, SensorDescription, SpectrumSource};
+use super::description::{ChannelDescription, SensorDescription, SensorKind, SpectrumSource};
 use super::format;
 use super::layers;
+use super::{Logarithmic, MaskedPixels, Shutter};
 pub use architecture::Architecture;
 use checks::{fraction, not_negative, positive};
 pub use converter::Converter;
@@ -36,7 +36,9 @@ pub struct SensorModel {
     pub source: String,
     /// Technology of the pixels.
     pub architecture: Architecture,
-    /// Columns and rows.
+    /// When each row sees light.
+    pub shutter: Shutter,
+    /// Columns and rows of a picture.
     pub resolution: [usize; 2],
     /// Pixels around these that see no light.
     pub masked: MaskedPixels,
@@ -58,6 +60,8 @@ pub struct SensorModel {
     pub full_well: Electrons,
     /// Brighter-fatter effect: correlation of neighbours along x and y for each electron of a flat field, 1/e⁻.
     pub brighter_fatter_per_e: [f64; 2],
+    /// Response of the pixels where it is logarithmic; `None` for linear ones.
+    pub logarithmic: Option<Logarithmic>,
     /// Gain and converter.
     pub converter: Converter,
 }
@@ -110,12 +114,16 @@ impl SensorModel {
             .collect::<Result<_, _>>()?;
         positive("charge.full_well_e", d.charge.full_well_e, "10000.0")?;
         let architecture = Architecture::new(d)?;
+        let shutter = Shutter::new(&d.shutter).map_err(|e| e.within("shutter"))?;
+        shutter.check(d, &cfa)?;
         let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
+        let logarithmic = logarithmic(d, &converter)?;
         Ok(Self {
             name: name.to_owned(),
             description: d.description.clone(),
             source: d.source.clone(),
             architecture,
+            shutter,
             resolution: d.resolution_px.map(|n| n as usize),
             masked: MaskedPixels {
                 columns: margins("masked_columns", d.masked_columns)?,
@@ -130,8 +138,26 @@ impl SensorModel {
             noise: Noise::new(&d.noise, &d.defects)?,
             full_well: Electrons(d.charge.full_well_e),
             brighter_fatter_per_e: brighter_fatter(d)?,
+            logarithmic,
             converter,
         })
+    }
+
+    /// Columns and rows of pixels that there are: of a scanning sensor one row, whatever the lines of a picture.
+    pub fn pixel_array(&self) -> [usize; 2] {
+        let [columns, rows] = self.resolution;
+        [columns, if self.shutter.scans() { 1 } else { rows }]
+    }
+
+    /// Rows of a picture as it is read out, covered ones among them.
+    pub fn rows_read_out(&self) -> usize {
+        self.masked.rows[0] + self.resolution[1] + self.masked.rows[1]
+    }
+
+    /// Time from the start of one picture of a series to that of the next: as stated, else as short as the exposure and
+    /// rows that follow each other allow.
+    pub fn frame_interval(&self, exposure: Seconds, stated: Option<Seconds>) -> Seconds {
+        stated.unwrap_or(Seconds(exposure.0.max(self.rows_read_out() as f64 * self.shutter.row_time().0)))
     }
 
     /// Width of a pixel over its height.
@@ -189,6 +215,21 @@ fn pixel_pitch_m(d: &SensorDescription) -> Result<[f64; 2], Invalid> {
             })?;
             Ok([width / f64::from(d.resolution_px[0]), height / f64::from(d.resolution_px[1])])
         }
+    }
+}
+
+/// Logarithmic pixels are those of CMOS sensors with one converter range.
+fn logarithmic(d: &SensorDescription, converter: &Converter) -> Result<Option<Logarithmic>, Invalid> {
+    const KEY: &str = "charge.logarithmic_reference_e_per_s";
+    let Some(reference_e_per_s) = d.charge.logarithmic_reference_e_per_s else { return Ok(None) };
+    positive(KEY, reference_e_per_s, "100.0")?;
+    let clash = match d.kind {
+        SensorKind::Cmos => converter.dual_gain.as_ref().map(|_| "adc.dual_gain".to_owned()),
+        SensorKind::Ccd | SensorKind::Spad => Some(format!("kind = {:?}", d.kind.name())),
+    };
+    match clash {
+        Some(other) => Err(Invalid::new(KEY, format!("cannot go with {other}")).help("keep one of them")),
+        None => Ok(Some(Logarithmic { reference_e_per_s })),
     }
 }
 

@@ -18,7 +18,8 @@ use crate::develop::DevelopSettings;
 use crate::sensor::SensorDescription;
 
 pub(super) use camera::{
-    AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType,
+    AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType, MotionTable,
+    PoseTable,
 };
 pub(super) use camera::{DistortionModel, FalloffName};
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};

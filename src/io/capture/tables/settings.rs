@@ -19,8 +19,19 @@ pub(crate) struct ExposureTable {
     pub(crate) auto_target: Option<f64>,
     /// Part of the pixels that automatic exposure lets be brighter than that. Left out: 0.005.
     pub(crate) auto_brighter_part: Option<f64>,
+    /// In place of these: the mean of the picture that automatic exposure aims at, as a part of saturation, such as 0.18.
+    pub(crate) auto_mean: Option<f64>,
+    /// Longest time that automatic exposure may choose, s. Where it would need more, the gain rises, unless it is stated.
+    pub(crate) max_time_s: Option<f64>,
+    /// Gain up to which it rises, analogue and digital together, dB. Left out: the sensor's largest analogue gain.
+    pub(crate) max_gain_db: Option<f64>,
     /// Analogue gain, dB. Left out: 0, or the sensor's smallest above it.
     pub(crate) gain_db: Option<f64>,
+    /// Gain of the numbers behind the converter, dB, 0 to 48. Left out: 0.
+    pub(crate) digital_gain_db: Option<f64>,
+    /// In place of the two gains: saturation-based ISO speed, from the sensor's base ISO on (`photosite info` tells it).
+    /// Analogue gain gives as much of it as the sensor has, digital gain the rest.
+    pub(crate) iso: Option<f64>,
     /// Temperature of the sensor, °C. Left out: 25.
     pub(crate) temperature_c: Option<f64>,
     /// How many pictures to take of the same light. Left out: 1.

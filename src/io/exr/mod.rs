@@ -3,15 +3,23 @@
 //! In and out: [`Planes`], whose channels keep their names. What the names and numbers of a file mean is said by
 //! [`electrons`](super::electrons) and [`spectral_exr`](super::spectral_exr).
 
-use std::io::{self, BufRead, Cursor, Seek, Write};
+mod sorted_header;
 
+use std::io::{self, BufRead, Seek, Write};
+
+use exr::block::lines::LineRefMut;
 use exr::compression::Compression;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
-use exr::meta::attribute::{AttributeValue, LineOrder, Text};
+use exr::math::RoundingMode;
+use exr::meta::attribute::{AttributeValue, LevelMode, LineOrder, SampleType, Text};
+use exr::meta::header::Header;
 use exr::prelude::{LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImage, read};
 
 use crate::Invalid;
 use crate::image::{Channel, Planes};
+
+use sorted_header::SortedHeader;
 
 /// A value in the header of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,10 +52,37 @@ impl ExrPicture {
 /// Most bytes of pixels that are read: more is a damaged header, or not a picture of ours.
 const MAX_BYTES: usize = 16 << 30;
 
-/// Writes planes, of which there must be at least one, with pixels. The same planes give the same bytes.
-pub fn write_exr<W: Write>(planes: &Planes, attributes: &[(&str, Attribute)], mut to: W) -> io::Result<()> {
-    let channel = |c: &Channel| AnyChannel::new(ascii(&c.name), FlatSamples::F32(c.data.clone()));
-    let channels = AnyChannels::sort(planes.channels().iter().map(channel).collect());
+/// A plane as it is written: what it is called in the file, and width × height values.
+#[derive(Clone, Debug)]
+pub struct NamedPlane<'a> {
+    /// Its name.
+    pub name: String,
+    /// Its values, row by row from the top-left pixel.
+    pub values: &'a [f32],
+}
+
+/// Writes planes under their own names, as [`write_planes`] does.
+pub fn write_exr<W: Write + Seek>(planes: &Planes, attributes: &[(&str, Attribute)], to: W) -> io::Result<()> {
+    let named = planes.channels().iter().map(|c| NamedPlane { name: c.name.clone(), values: &c.data });
+    write_planes([planes.width(), planes.height()], named, attributes, to)
+}
+
+/// Writes planes of `size` columns and rows, of which there must be at least one, with pixels. The same planes give the
+/// same bytes.
+pub fn write_planes<'a, W: Write + Seek>(
+    size: [usize; 2],
+    planes: impl IntoIterator<Item = NamedPlane<'a>>,
+    attributes: &[(&str, Attribute)],
+    to: W,
+) -> io::Result<()> {
+    let [width, height] = size;
+    let channel = |plane: NamedPlane<'a>| AnyChannel {
+        name: ascii(&plane.name),
+        sample_data: Rows { width, values: plane.values },
+        quantize_linearly: false,
+        sampling: Vec2(1, 1),
+    };
+    let channels = AnyChannels::sort(planes.into_iter().map(channel).collect());
     let other = attributes
         .iter()
         .map(|(name, value)| {
@@ -63,12 +98,41 @@ pub fn write_exr<W: Write>(planes: &Planes, attributes: &[(&str, Attribute)], mu
     // Noise does not compress, and black areas do even so. Rows in order, since threads finish in any.
     let encoding =
         Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
-    let layer = Layer::new(Vec2(planes.width(), planes.height()), header, encoding, channels);
-    let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer).write().to_buffered(&mut file).map_err(io_error)?;
-    let mut bytes = file.into_inner();
-    sort_attributes(&mut bytes);
-    to.write_all(&bytes)
+    let layer = Layer::new(Vec2(width, height), header, encoding, channels);
+    let mut to = SortedHeader::new(to);
+    Image::from_layer(layer).write().to_buffered(&mut to).map_err(io_error)?;
+    to.flush()
+}
+
+/// A plane on its way into a file, row by row: planes can be larger than what is left of the memory.
+#[derive(Clone, Copy, Debug)]
+struct Rows<'a> {
+    width: usize,
+    values: &'a [f32],
+}
+
+impl<'a> WritableSamples<'_> for Rows<'a> {
+    type Writer = Self;
+
+    fn sample_type(&self) -> SampleType {
+        SampleType::F32
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&self, _header: &Header) -> Self {
+        *self
+    }
+}
+
+impl SamplesWriter for Rows<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let start = line.location.position.y() * self.width + line.location.position.x();
+        let row = &self.values[start..][..line.location.sample_count];
+        line.write_samples_from_slice(row).expect("a row fills its line");
+    }
 }
 
 /// Reads all channels of the first layer at full resolution, as 32-bit floats.
@@ -126,37 +190,10 @@ fn io_error(error: exr::error::Error) -> io::Error {
     error
 }
 
-/// Sorts the attributes in the header of a one-part file by name. The library keeps them in a hash map, whose order
-/// differs from run to run; their order means nothing, and their length stays.
-fn sort_attributes(file: &mut [u8]) {
-    /// Magic number and version come before the attributes.
-    const START: usize = 8;
-    let mut attributes: Vec<&[u8]> = Vec::new();
-    let mut at = START;
-    while let Some(length) = attribute_length(&file[at..]) {
-        attributes.push(&file[at..at + length]);
-        at += length;
-    }
-    attributes.sort();
-    let sorted = attributes.concat();
-    file[START..at].copy_from_slice(&sorted);
-}
-
-/// Length of the attribute that the bytes begin with: a name and a type, each closed by a zero, the number of bytes of
-/// the value as 32 bits, and the value. `None` at the zero that closes the list.
-fn attribute_length(bytes: &[u8]) -> Option<usize> {
-    let name = bytes.iter().position(|&b| b == 0)?;
-    if name == 0 {
-        return None;
-    }
-    let type_start = name + 1;
-    let size_start = type_start + bytes[type_start..].iter().position(|&b| b == 0)? + 1;
-    let size = bytes.get(size_start..size_start + 4)?.try_into().ok().map(u32::from_le_bytes)?;
-    Some(size_start + 4 + size as usize)
-}
-
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
 
     fn planes() -> Planes {
@@ -180,7 +217,7 @@ mod tests {
     #[test]
     fn planes_and_attributes_come_back_bit_by_bit() {
         let mut file = Vec::new();
-        write_exr(&planes(), &attributes(), &mut file).expect("written");
+        write_exr(&planes(), &attributes(), Cursor::new(&mut file)).expect("written");
         let read = read_exr(Cursor::new(&file)).expect("an EXR file");
         assert_eq!(read.planes.channels().len(), 3);
         for channel in planes().channels() {
@@ -196,7 +233,7 @@ mod tests {
     fn the_same_planes_give_the_same_bytes() {
         let write = || {
             let mut file = Vec::new();
-            write_exr(&planes(), &attributes(), &mut file).expect("written");
+            write_exr(&planes(), &attributes(), Cursor::new(&mut file)).expect("written");
             file
         };
         let first = write();
@@ -207,7 +244,7 @@ mod tests {
     #[test]
     fn damaged_files_are_refused() {
         let mut file = Vec::new();
-        write_exr(&planes(), &attributes(), &mut file).expect("written");
+        write_exr(&planes(), &attributes(), Cursor::new(&mut file)).expect("written");
         for length in [0, 3, 8, 60, 200, file.len() / 2, file.len() - 1] {
             assert!(read_exr(Cursor::new(&file[..length])).is_err(), "cut to {length} bytes");
         }

@@ -1,0 +1,162 @@
+//! What a moving camera records: the skew of a rolling shutter, motion blur, and the pictures of line cameras.
+
+use glam::{DAffine3, DVec3, Vec3};
+use photosite::integrator::RenderSettings;
+use photosite::optics::{Camera, CameraMotion, Falloff, Focus, LensDescription, LensKind, PixelGrid, Recording};
+use photosite::scene::Scene;
+use rstest::rstest;
+
+use crate::stage::{Stage, camera, irradiance};
+
+const RESOLUTION: [u32; 2] = [96, 120];
+/// Focal length in pixels.
+const FX: f64 = 200.0;
+const SAMPLES: u32 = 64;
+const SETTINGS: RenderSettings = RenderSettings {
+    samples_per_pixel: SAMPLES,
+    time_limit: None,
+    noise_target: None,
+    max_depth: 1,
+    roulette_depth: 1,
+    sampler: photosite::sampler::SamplerKind::Sobol,
+    seed: 1,
+};
+
+/// A bright half-plane x > 0, 1 m in front of a pinhole camera at `x`.
+fn scene() -> Scene {
+    let corner = |x: f32, y: f32| Vec3::new(x, y, -1.0);
+    let (a, b, c, d) = (corner(0.0, -3.0), corner(3.0, -3.0), corner(3.0, 3.0), corner(0.0, 3.0));
+    Stage::default().diffuse(vec![[a, b, c], [a, c, d]], 0.0, 1.0).build()
+}
+
+fn pinhole(x: f64) -> Camera {
+    let mut lens = LensDescription::thin(2e-3, 8.0, Focus::Infinity);
+    (lens.kind, lens.falloff) = (LensKind::Pinhole, Falloff::None);
+    let grid = PixelGrid { resolution: RESOLUTION, pitch_m: [2e-3 / FX; 2] };
+    camera(&lens, &grid, DAffine3::from_translation(DVec3::new(x, 0.0, 0.0)))
+}
+
+/// A picture taken at once by a camera that moves to the right and turns to the left.
+fn steady(speed_m_per_s: f64, pan_rad_per_s: f64) -> Recording {
+    let motion = CameraMotion::Steady {
+        velocity_m_per_s: DVec3::X * speed_m_per_s,
+        angular_velocity_rad_per_s: DVec3::Y * pan_rad_per_s,
+    };
+    Recording { motion, start_s: 0.0, exposure_s: 0.0, row_time_s: 0.0, frame_interval_s: 0.0 }
+}
+
+/// How much of each pixel is bright.
+fn coverage(camera: &Camera) -> Vec<Vec<f64>> {
+    let estimate = irradiance(&scene(), camera, RESOLUTION, &SETTINGS);
+    let rows = estimate.mean.channels()[0].data.chunks(RESOLUTION[0] as usize);
+    let rows: Vec<Vec<f64>> = rows.map(|row| row.iter().map(|&e| f64::from(e)).collect()).collect();
+    // The last ten columns are bright throughout.
+    let bright: Vec<f64> = rows.iter().flat_map(|row| &row[86..]).copied().collect();
+    let level = bright.iter().sum::<f64>() / bright.len() as f64;
+    assert!(level > 0.0);
+    rows.into_iter().map(|row| row.into_iter().map(|e| e / level).collect()).collect()
+}
+
+#[rstest]
+#[case::passing_by(1.0, 0.0, -0.06)]
+#[case::panning(0.0, 1.0, 0.06)]
+fn a_rolling_shutter_skews_a_moving_edge(#[case] speed_m_per_s: f64, #[case] pan_rad_per_s: f64, #[case] x: f64) {
+    let (row_time_s, exposure_s) = (1e-3, 1e-5);
+    let recording = Recording { exposure_s, row_time_s, ..steady(speed_m_per_s, pan_rad_per_s) };
+    let camera = pinhole(x).recording(recording);
+    let rows = coverage(&camera);
+    let (width, centre) = (f64::from(RESOLUTION[0]), f64::from(RESOLUTION[0]) / 2.0);
+    let expected = |row: usize| {
+        let t = row as f64 * row_time_s + 0.5 * exposure_s;
+        // The edge at x = 0, seen from x + v·t, and by a camera that has turned to the left by ω·t: to its right.
+        let seen = (-(x + speed_m_per_s * t)).atan() + pan_rad_per_s * t;
+        centre + FX * seen.tan()
+    };
+    let pairs: Vec<(f64, f64)> =
+        rows.iter().enumerate().map(|(y, row)| (expected(y), width - row.iter().sum::<f64>())).collect();
+    let n = pairs.len() as f64;
+    let (mean_x, mean_y) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
+    let spread: f64 = pairs.iter().map(|p| (p.0 - mean_x).powi(2)).sum();
+    let slope = pairs.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum::<f64>() / spread;
+    // 200 pixels a second · 1 ms · 120 rows = 24 pixels of skew. Were the 64 samples of the pixel at the edge independent,
+    // its coverage would have a standard deviation of up to 0.5/√64, and the slope that over √spread; a skew of 24 pixels
+    // over 120 rows makes a spread of 120·24²/12. 5 σ are 0.4 %.
+    let sigma = 0.5 / f64::from(SAMPLES).sqrt();
+    assert!((spread / 5760.0 - 1.0).abs() < 0.1, "{spread}");
+    assert!((slope - 1.0).abs() < 5.0 * sigma / spread.sqrt(), "the skew is {slope} of what it should be");
+    assert!((mean_y - mean_x).abs() < 5.0 * sigma / n.sqrt(), "at {mean_y}, not {mean_x}");
+}
+
+#[test]
+fn an_exposure_blurs_what_moves_over_its_way() {
+    // Over 0.1 s at 1 m/s an edge 1 m away moves by 20 pixels.
+    let rows = coverage(&pinhole(-0.05).recording(Recording { exposure_s: 0.1, ..steady(1.0, 0.0) }));
+    let n = rows.len() as f64;
+    let profile: Vec<f64> =
+        (0..RESOLUTION[0] as usize).map(|x| rows.iter().map(|row| row[x]).sum::<f64>() / n).collect();
+    // A ramp of width w has ∫ p·(1 − p) = w/6, less 1/(12·w) for the width of pixels, here 0.1 %; its noise is that of
+    // 20 columns of 120 · 64 samples, 0.5/√7680 each: (1 − 2p) of it, summed, 0.015 of 3.33. 4 σ.
+    let width = 6.0 * profile.iter().map(|p| p * (1.0 - p)).sum::<f64>();
+    assert!((width / 20.0 - 1.0).abs() < 0.02, "{width}");
+}
+
+#[test]
+fn later_pictures_are_taken_from_further_on() {
+    // 0.05 s at 1 m/s are 10 pixels.
+    let first = Recording { exposure_s: 1e-6, frame_interval_s: 0.05, ..steady(1.0, 0.0) };
+    let bright = |recording| coverage(&pinhole(-0.1).recording(recording)).iter().flatten().sum::<f64>();
+    let moved = (bright(first.later(1)) - bright(first.clone())) / f64::from(RESOLUTION[1]);
+    // The noise of 120 pixels at the edge, 0.5/√64 each, in two pictures: 0.008 pixels on average. 5 σ.
+    assert!((moved - 10.0).abs() < 0.04, "{moved}");
+}
+
+#[test]
+fn a_line_camera_that_moves_makes_an_ellipse_of_a_circle() {
+    // A disk of radius 60 mm, 1 m away: 12 columns of 5 mm. The camera moves downwards by 2 mm from line to line: 30 lines.
+    let (speed, line_time_s, radius) = (2.0, 1e-3, 0.06f32);
+    let sectors: u16 = 720;
+    let rim = |i: u16| {
+        let angle = std::f32::consts::TAU * f32::from(i) / f32::from(sectors);
+        Vec3::new(radius * angle.cos(), radius * angle.sin(), -1.0)
+    };
+    let disk = (0..sectors).map(|i| [Vec3::NEG_Z, rim(i), rim((i + 1) % sectors)]).collect();
+    let scene = Stage::default().diffuse(disk, 0.0, 1.0).build();
+    let mut lens = LensDescription::thin(2e-3, 8.0, Focus::Infinity);
+    (lens.kind, lens.falloff) = (LensKind::Pinhole, Falloff::None);
+    let grid = PixelGrid { resolution: [RESOLUTION[0], 1], pitch_m: [2e-3 / FX; 2] };
+    // The disk is in the middle of 120 lines.
+    let start = DAffine3::from_translation(DVec3::Y * (60.0 * line_time_s * speed));
+    let motion =
+        CameraMotion::Steady { velocity_m_per_s: DVec3::NEG_Y * speed, angular_velocity_rad_per_s: DVec3::ZERO };
+    let recording = Recording { motion, exposure_s: 1e-9, row_time_s: line_time_s, ..steady(0.0, 0.0) };
+    let camera = camera(&lens, &grid, start).scanning().recording(recording);
+    let picture = irradiance(&scene, &camera, RESOLUTION, &SETTINGS);
+    let values = &picture.mean.channels()[0].data;
+    // From the middle of the picture; each line is seen at its start, by a pixel that is 2.5 lines high.
+    let place = |i: usize| [(i % 96) as f64 + 0.5 - 48.0, (i / 96) as f64 - 60.0];
+    let well_inside = |i: &usize| place(*i)[0].hypot(place(*i)[1] / 2.5) < 9.0;
+    let inside: Vec<f64> = (0..values.len()).filter(well_inside).map(|i| f64::from(values[i])).collect();
+    let level = inside.iter().sum::<f64>() / inside.len() as f64;
+    let (mut area, mut x1, mut y1, mut x2, mut y2, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    for (i, value) in values.iter().enumerate() {
+        let part = f64::from(*value) / level;
+        let [x, y] = place(i);
+        area += part;
+        (x1, y1) = (x1 + part * x, y1 + part * y);
+        (x2, y2, xy) = (x2 + part * x * x, y2 + part * y * y, xy + part * x * y);
+    }
+    let (x1, y1) = (x1 / area, y1 / area);
+    // An ellipse of semi-axes a, b has the area πab and the variances a²/4, b²/4. Pixels add those of a width of 1 column and
+    // of 2.5 lines.
+    let (a, b) = (12.0, 30.0);
+    let covered = std::f64::consts::PI * a * b;
+    // Pixels at the rim, some 170 of them (two columns a line and what the ends have more), are wrong by up to 0.5/√64
+    // each: 0.8 of 1131 pixels, and of the variances 2·0.07 % as these are 4 · (1/4 at most) times the rim's weight. 5 σ.
+    assert!((area / covered - 1.0).abs() < 0.0036, "{area} of {covered}");
+    let variances = [x2 / area - x1 * x1, y2 / area - y1 * y1];
+    let expected = [a * a / 4.0 + 1.0 / 12.0, b * b / 4.0 + 2.5 * 2.5 / 12.0];
+    for (found, expected) in variances.into_iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 0.0108, "{found} for {expected}");
+    }
+    assert!(x1.abs() < 0.05 && y1.abs() < 0.13 && (xy / area).abs() < 0.01 * a * b, "{x1} {y1} {xy}");
+}
