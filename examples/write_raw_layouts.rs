@@ -14,8 +14,12 @@ use photosite::raw::{
 
 const LAYOUTS: [&str; 11] =
     ["RGGB", "BGGR", "GRBG", "GBRG", "mono", "x-trans", "full:RGB", "quad-bayer", "rgbw", "ryyb", "cygm"];
-const COMPRESSIONS: [(&str, DngCompression); 3] =
-    [("plain", DngCompression::None), ("jpeg", DngCompression::LosslessJpeg), ("deflate", DngCompression::Deflate)];
+const COMPRESSIONS: [(&str, DngCompression); 4] = [
+    ("plain", DngCompression::None),
+    ("packed", DngCompression::Packed),
+    ("jpeg", DngCompression::LosslessJpeg),
+    ("deflate", DngCompression::Deflate),
+];
 
 fn main() -> miette::Result<()> {
     let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {

@@ -27,6 +27,9 @@
 //! W. Jakob, J. Hanika, "A Low-Dimensional Function Space for Efficient Spectral Upsampling", Computer Graphics Forum
 //! 38(2) (2019).
 //!
+//! ## Png3
+//! W3C, *Portable Network Graphics (PNG) Specification*, 3rd edition (2025); its code points are those of ITU-T H.273.
+//!
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!
@@ -37,6 +40,14 @@
 //! ## Kavadias00
 //! S. Kavadias, B. Dierickx, D. Scheffer, A. Alaerts, D. Uwaerts, J. Bogaerts, "A Logarithmic Response CMOS Image Sensor with
 //! On-Chip Calibration", IEEE Journal of Solid-State Circuits 35(8), 1146–1152 (2000).
+//!
+//! ## Robertson03
+//! M. A. Robertson, S. Borman, R. L. Stevenson, "Estimation-Theoretic Approach to Dynamic Range Enhancement Using Multiple
+//! Exposures", Journal of Electronic Imaging 12(2), 219–228 (2003).
+//!
+//! ## Granados10
+//! M. Granados, B. Ajdin, M. Wand, C. Theobalt, H.-P. Seidel, H. P. A. Lensch, "Optimal HDR Reconstruction with Linear
+//! Digital Cameras", IEEE CVPR, 215–222 (2010).
 //!
 //! ## T81
 //! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).

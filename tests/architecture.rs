@@ -25,7 +25,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("film", &["math", "spectrum", "image"]),
     ("sampler", &["math"]),
     ("integrator", &["math", "spectrum", "geometry", "bsdf", "light", "scene", "optics", "film", "sampler"]),
-    ("raw", &["math", "spectrum", "image"]),
+    ("raw", &["math", "spectrum", "colour", "image"]),
     ("sensor", &["math", "spectrum", "image", "raw"]),
     ("develop", &["math", "spectrum", "colour", "image", "raw"]),
     ("validation", &["math", "image", "raw"]),

@@ -92,7 +92,8 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
             }
         }
     };
-    let (mut exposed, more) = expose(light)?;
+    let (exposed, more) = expose(light)?;
+    let mut exposure = exposed.exposure;
     warnings.extend(more);
     if !quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
@@ -100,14 +101,15 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     timings.expose_s = start.elapsed().as_secs_f64();
     let of = 1 + later.len() as u32;
     let frames = if of > 1 { Frames::One { number: 0, of } } else { Frames::All(capture.exposure.frames) };
-    let first = write_results(&chain, &exposed, frames, &mut folder, &mut timings, |_, _| Ok(()))?;
+    let first = write_results(&chain, exposed, frames, &mut folder, &mut timings, |_, _| Ok(()))?;
     for (number, path) in (1..).zip(&later) {
         let start = Instant::now();
         let light = StoredLight::read(path)?;
         light.check(&capture)?;
-        (exposed, _) = expose(light)?;
+        let (exposed, _) = expose(light)?;
+        exposure = exposed.exposure;
         timings.expose_s += start.elapsed().as_secs_f64();
-        write_results(&chain, &exposed, Frames::One { number, of }, &mut folder, &mut timings, |_, _| Ok(()))?;
+        write_results(&chain, exposed, Frames::One { number, of }, &mut folder, &mut timings, |_, _| Ok(()))?;
     }
 
     let report = Report {
@@ -117,8 +119,8 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         capture: capture.to_json(folder.path())?,
         seed: capture.seed,
         traced: report,
-        sensor: chain.sensor_report(&exposed, &first),
-        exposure: chain.exposure_report(&exposed),
+        sensor: chain.sensor_report(&exposure, &first),
+        exposure: chain.exposure_report(&exposure),
         files: folder.files(),
         warnings,
         timings,
@@ -215,7 +217,7 @@ impl Stored {
 /// time is exact; what a moving camera saw is known for the rendered ones alone. A scanning sensor sees all lines from one
 /// row in any case.
 fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) -> Result<(), Invalid> {
-    let [was, is] = [recorded, capture].map(|c| (c.sensor.shutter, c.exposure));
+    let [was, is] = [recorded, capture].map(|c| (c.sensor.shutter, &c.exposure));
     if was.0.scans() != is.0.scans() || moves && was.0 != is.0 {
         let message = "the rows of this sensor see light at other times than those of the rendered one";
         return Err(
@@ -227,6 +229,10 @@ fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) ->
         let key = if was.1.time == is.1.time { "exposure.frame_interval_s" } else { "exposure.time_s" };
         let message = "the camera moves, and what it sees at other times is not stored";
         return Err(Invalid::new(key, message).help(help));
+    }
+    if moves && is.1.bracket.is_some() {
+        let message = "the camera moves, and the pictures of a bracket would differ";
+        return Err(Invalid::new("exposure", message).help("remove the bracket"));
     }
     if moves && is.1.frames > was.1.frames {
         let message = format!("the camera moves, and the light of {} pictures is stored", was.1.frames);

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand. Arguments come in here, results and errors go out; the work is the
 //! library's.
 
+mod bracket;
 mod chain;
 mod compare;
 mod compare_text;
@@ -15,6 +16,7 @@ mod info;
 mod lens_corrections;
 mod listing;
 mod measure;
+mod merge_hdr;
 mod noise;
 mod output_folder;
 mod pretty_json;
@@ -49,6 +51,7 @@ enum Command {
     Expose(expose::ExposeArgs),
     Compare(compare::CompareArgs),
     Measure(measure::MeasureArgs),
+    MergeHdr(merge_hdr::MergeHdrArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     #[command(name = "emva1288")]
     Emva1288(emva1288::Emva1288Args),
@@ -78,6 +81,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Expose(args) => expose::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::Measure(args) => measure::run(&args),
+        Command::MergeHdr(args) => merge_hdr::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Emva1288(args) => emva1288::run(&args),
         Command::Emva1288Report(args) => emva1288_report::run(&args),

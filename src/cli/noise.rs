@@ -1,13 +1,11 @@
 //! `photosite noise`: estimates of the noise of pictures.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite::characterisation::noise::{Knowledge, NoiseEstimate, Patch, Variance, estimate};
 use photosite::io::picture_file::read_picture_file;
-use photosite::raw::{Cfa, read_dng};
+use photosite::raw::Cfa;
 use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
@@ -124,8 +122,7 @@ fn read(path: &Path) -> Result<Input> {
         let (white, step) = (picture.full_scale, picture.full_scale.map(|_| 1.0));
         return Ok(Input { picture, black: None, white, step });
     }
-    let file = File::open(path).map_err(|reason| Error::io(path, "read", reason))?;
-    let raw = read_dng(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?;
+    let raw = photosite::raw::read(path)?;
     Ok(Input {
         black: Some(f64::from(raw.black_level_dn.mean())),
         white: Some(f64::from(raw.white_level_dn)),

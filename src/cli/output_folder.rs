@@ -5,15 +5,17 @@ use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
 use photosite::colour::ColourSpace;
-use photosite::develop::{DevelopSettings, EncodedPicture, encode};
+use photosite::develop::{DevelopSettings, EncodedPicture, RawLayout, encode, with_layout};
 use photosite::film::Film;
 use photosite::image::Planes;
 use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands};
-use photosite::io::developed::{write_linear, write_png};
+use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
+use photosite::io::raw_exr::write_raw_exr;
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
+use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
@@ -24,9 +26,10 @@ use super::report::Report;
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
 /// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
-const RESULTS: [&str; 18] = [
+const RESULTS: [&str; 21] = [
     REPORT,
     "image.png",
+    "hdr.exr",
     "ideal.exr",
     "ideal.png",
     "electrons.exr",
@@ -39,10 +42,12 @@ const RESULTS: [&str; 18] = [
     "raw.tiff",
     "raw.pgm",
     "raw.npy",
+    "raw.exr",
     "raw-0000.dng",
     "raw-0000.tiff",
     "raw-0000.pgm",
     "raw-0000.npy",
+    "raw-0000.exr",
 ];
 /// The picture that is there while a render runs.
 const PREVIEW: &str = "preview.png";
@@ -110,6 +115,13 @@ impl OutputFolder {
 
     /// A raw picture in all formats that are asked for, numbered where there are several.
     pub(super) fn write_frame(&mut self, output: &OutputSettings, number: Option<u32>, raw: &RawImage) -> Result<()> {
+        let other;
+        let raw = if output.raw_layout == RawLayout::Sensor {
+            raw
+        } else {
+            other = with_layout(raw, output.raw_layout).map_err(|invalid| invalid.in_file(&self.path))?;
+            &other
+        };
         output.raw.iter().try_for_each(|format| match format {
             RawFormat::Dng => {
                 self.write(&named("raw", number, "dng"), |to| write_compressed_dng(raw, output.dng_compression, to))
@@ -117,6 +129,7 @@ impl OutputFolder {
             RawFormat::Tiff => self.write(&named("raw", number, "tiff"), |to| write_tiff(raw, to)),
             RawFormat::Pgm => self.write(&named("raw", number, "pgm"), |to| write_pgm(raw, to)),
             RawFormat::Npy => self.write(&named("raw", number, "npy"), |to| write_npy(raw, to)),
+            RawFormat::Exr => self.write(&named("raw", number, "exr"), |to| write_raw_exr(raw, to)),
         })
     }
 
@@ -130,6 +143,11 @@ impl OutputFolder {
         let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
         let irradiance = film.estimate(names.iter().map(String::as_str)).mean;
         self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
+    }
+
+    /// The light of a bracket, in which 1 saturates the longest exposure.
+    pub(super) fn write_hdr(&mut self, light: &Planes, space: ColourSpace, longest: Seconds) -> Result<()> {
+        self.write("hdr.exr", |to| write_hdr(light, space, longest, to))
     }
 
     /// The picture of an ideal observer: linear, and as it is shown. Codes cannot hold X, Y and Z.

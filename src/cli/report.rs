@@ -225,6 +225,8 @@ pub(super) struct ExposureReport {
     pub(super) iso: Option<f64>,
     pub(super) temperature_c: f64,
     pub(super) frames: u32,
+    /// The times of a bracket; `null` for none.
+    pub(super) bracket_s: Option<Vec<f64>>,
 }
 
 #[derive(Serialize)]

@@ -9,6 +9,7 @@ use crate::image::{Channel, Planes};
 use crate::raw::RawImage;
 
 use super::encode::{EncodedPicture, encode};
+use super::merge::Merged;
 use super::neighbours::densest;
 use super::settings::{Demosaic, DevelopSettings};
 use super::{
@@ -42,15 +43,32 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Pla
     settings.validate()?;
     let raw = raw.linear();
     let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { raw };
-    let size = [raw.width, raw.height];
+    let signal = black_level::subtract(&raw, settings.black_level);
+    develop_signal(signal, &raw, settings)
+}
 
-    let mut signal = black_level::subtract(&raw, settings.black_level);
+/// Develops the light of a bracket to linear planes as [`develop_linear`] does. 1 is white at saturation in the longest
+/// exposure, above which the shorter ones reach.
+pub fn develop_merged(merged: Merged, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
+    settings.validate()?;
+    let Merged { signal, raw, times_s: [shortest, longest], .. } = merged;
+    let (picture, development) = develop_signal(signal, &raw, settings)?;
+    Ok((picture.scaled(longest / shortest), development))
+}
+
+/// The steps from a signal of 0 for no light and 1 for saturation on. The numbers of `raw` do not count.
+fn develop_signal(
+    mut signal: Vec<f32>,
+    raw: &RawImage,
+    settings: &DevelopSettings,
+) -> Result<(Planes, Development), Invalid> {
+    let size = [raw.width, raw.height];
     defects::correct(&mut signal, size, &raw.cfa, settings.defects);
     if settings.lens_falloff {
-        lens_falloff::correct(&mut signal, &raw);
+        lens_falloff::correct(&mut signal, raw);
     }
-    let neutral = white_balance::neutral(&raw, &signal, settings)?;
-    white_balance::apply(&mut signal, &raw, &neutral, highlights::ceiling(settings.highlights));
+    let neutral = white_balance::neutral(raw, &signal, settings)?;
+    white_balance::apply(&mut signal, raw, &neutral, highlights::ceiling(settings.highlights));
     let mut picture = demosaic::demosaic(&signal, size, &raw.cfa, settings.demosaic)?;
     drop(signal);
     highlights::recover(&mut picture, &neutral, settings.highlights);
@@ -58,7 +76,7 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Pla
     if settings.distortion {
         picture = distortion::correct(picture, raw.metadata.warp.as_ref());
     }
-    let mut picture = to_colour_space(picture, &raw, &neutral, settings)?;
+    let mut picture = to_colour_space(picture, raw, &neutral, settings)?;
     tone::apply(&mut picture, settings.tone_curve);
 
     let has_mosaic = !(raw.cfa.is_mono() || raw.cfa.is_full());
@@ -80,7 +98,7 @@ fn to_colour_space(
     neutral: &[f64],
     settings: &DevelopSettings,
 ) -> Result<Planes, Invalid> {
-    let factor = settings.exposure_ev.exp2();
+    let factor = (raw.metadata.baseline_exposure_ev + settings.exposure_ev).exp2();
     let matrix = if settings.colour_matrix {
         colour::camera_to_rgb(&raw.metadata, neutral, settings.colour_space)?
     } else {

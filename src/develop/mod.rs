@@ -18,7 +18,10 @@
 //! | colour matrix, colour space, exposure | `colour.rs` |
 //! | tone, encoding, sharpening, dithering | `tone.rs`, `encode.rs`, `sharpening.rs` |
 //!
-//! [`colour_matrix`] computes what a raw file says about its colours from the sensor's spectral responses. Files are
+//! [`mod@merge`] makes one signal of several exposures, and [`develop_merged`] a picture of that.
+//!
+//! [`with_layout`] turns a mosaic into one that more developers know. [`colour_matrix`] computes what a raw file says
+//! about its colours from the sensor's spectral responses. Files are
 //! left to [`raw`](crate::raw) and [`io`](crate::io).
 
 mod black_level;
@@ -32,7 +35,9 @@ mod distortion;
 mod encode;
 mod highlights;
 mod ideal;
+mod layout;
 mod lens_falloff;
+pub mod merge;
 mod neighbours;
 mod noise_filter;
 mod settings;
@@ -41,7 +46,8 @@ mod tone;
 mod white_balance;
 mod window;
 
-pub use develop::{Development, develop, develop_linear};
+pub use develop::{Development, develop, develop_linear, develop_merged};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;
+pub use layout::{RawLayout, with_layout};
 pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

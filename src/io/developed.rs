@@ -9,20 +9,22 @@
 //! | `.ppm` | 8 or 16 bits, P6, or P5 for grey |
 //! | `.exr` | linear 32-bit floats |
 
+use std::borrow::Cow;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
-use image::codecs::png::PngEncoder;
 use image::codecs::tiff::TiffEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
+use rayon::prelude::*;
 
 use super::exr::{Attribute, write_exr};
 use super::icc::icc_profile;
 use super::output::Sink;
-use crate::colour::ColourSpace;
+use crate::colour::{ColourSpace, Transfer};
 use crate::develop::{Codes, DevelopSettings, EncodedPicture};
 use crate::image::Planes;
+use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
 
 /// Formats of developed pictures.
@@ -77,8 +79,55 @@ impl PictureFormat {
 }
 
 /// Writes a picture of codes as PNG. The picture must have pixels.
+///
+/// Its colours are told twice: by the ICC profile, and by code points (cICP) where there are such, which screens of more
+/// than sRGB go by ([Png3](crate::references#png3)).
 pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
-    encode_with(PngEncoder::new(to), picture)
+    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
+    let mut info = png::Info::with_size(side(picture.width)?, side(picture.height)?);
+    info.color_type = if picture.components == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
+    info.icc_profile = Some(icc_profile(picture)?.into());
+    info.bit_depth = match picture.codes {
+        Codes::U8(_) => png::BitDepth::Eight,
+        Codes::U16(_) => png::BitDepth::Sixteen,
+    };
+    let mut encoder = png::Encoder::with_info(to, info)?;
+    // Noise does not compress: more effort gains a few percent and takes several times as long.
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header()?;
+    if let Some([primaries, transfer]) = code_points(picture) {
+        // RGB rather than luma and chroma, and all codes used.
+        writer.write_chunk(png::chunk::cICP, &[primaries, transfer, 0, 1])?;
+    }
+    match &picture.codes {
+        Codes::U8(codes) => writer.write_image_data(codes)?,
+        Codes::U16(codes) => writer.write_image_data(&big_endian(codes))?,
+    }
+    Ok(writer.finish()?)
+}
+
+/// Primaries and transfer function as H.273 numbers them; `None` where it has no number for one of them.
+fn code_points(picture: &EncodedPicture) -> Option<[u8; 2]> {
+    let primaries = match picture.colour_space {
+        ColourSpace::Srgb => 1,
+        ColourSpace::DisplayP3 => 12,
+        ColourSpace::Rec2020 => 9,
+        ColourSpace::Acescg | ColourSpace::Xyz => return None,
+    };
+    let transfer = match picture.transfer {
+        Transfer::Srgb => 13,
+        Transfer::Linear => 8,
+        Transfer::Gamma(2.2) => 4,
+        Transfer::Gamma(2.8) => 5,
+        Transfer::Gamma(_) => return None,
+    };
+    Some([primaries, transfer])
+}
+
+fn big_endian(codes: &[u16]) -> Vec<u8> {
+    let mut bytes = vec![0; 2 * codes.len()];
+    bytes.as_chunks_mut().0.par_iter_mut().zip(codes).for_each(|(bytes, code)| *bytes = code.to_be_bytes());
+    bytes
 }
 
 /// Writes a picture of codes in a format other than EXR.
@@ -98,16 +147,24 @@ pub fn write_linear<W: Write + Seek>(planes: &Planes, space: ColourSpace, to: W)
     write_exr(planes, &attributes, to)
 }
 
+/// Writes the linear planes of a bracket as EXR, with the exposure time that a value of 1 saturates in the attribute
+/// `exposureTime`.
+pub fn write_hdr<W: Write + Seek>(planes: &Planes, space: ColourSpace, time: Seconds, to: W) -> io::Result<()> {
+    let attributes =
+        [("colorSpace", Attribute::Text(space.name().to_owned())), ("exposureTime", Attribute::Number(time.0))];
+    write_exr(planes, &attributes, to)
+}
+
 fn encode_with(mut encoder: impl ImageEncoder, picture: &EncodedPicture) -> io::Result<()> {
     encoder.set_icc_profile(icc_profile(picture)?).map_err(io::Error::other)?;
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
     let (width, height) = (side(picture.width)?, side(picture.height)?);
     let grey = picture.components == 1;
-    let (bytes, colour) = match &picture.codes {
-        Codes::U8(codes) => (codes.clone(), if grey { ExtendedColorType::L8 } else { ExtendedColorType::Rgb8 }),
+    let (bytes, colour): (Cow<'_, [u8]>, _) = match &picture.codes {
+        Codes::U8(codes) => (codes.into(), if grey { ExtendedColorType::L8 } else { ExtendedColorType::Rgb8 }),
         Codes::U16(codes) => {
-            let bytes = codes.iter().flat_map(|code| code.to_ne_bytes()).collect();
-            (bytes, if grey { ExtendedColorType::L16 } else { ExtendedColorType::Rgb16 })
+            let bytes: Vec<u8> = codes.iter().flat_map(|code| code.to_ne_bytes()).collect();
+            (bytes.into(), if grey { ExtendedColorType::L16 } else { ExtendedColorType::Rgb16 })
         }
     };
     encoder.write_image(&bytes, width, height, colour).map_err(|error| {
@@ -127,7 +184,7 @@ fn write_ppm<W: Write>(picture: &EncodedPicture, mut to: W) -> io::Result<()> {
         Codes::U16(codes) => {
             write!(to, "{kind}\n{width} {height}\n65535\n")?;
             // The most significant byte comes first.
-            to.write_all(&codes.iter().flat_map(|code| code.to_be_bytes()).collect::<Vec<u8>>())
+            to.write_all(&big_endian(codes))
         }
     }
 }
@@ -137,7 +194,6 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
-    use crate::colour::Transfer;
 
     fn picture(components: usize, bits: u8) -> EncodedPicture {
         let n = 5 * 4 * components;
@@ -174,6 +230,28 @@ mod tests {
         let mut jpeg = Cursor::new(Vec::new());
         write_encoded(&picture(3, 8), PictureFormat::Jpeg, &mut jpeg).expect("written");
         assert_eq!(image::load_from_memory(jpeg.get_ref()).expect("a picture").width(), 5);
+    }
+
+    #[test]
+    fn png_says_its_colours_by_profile_and_by_numbers() {
+        for (colour_space, transfer, expected) in [
+            (ColourSpace::Srgb, Transfer::Srgb, Some([1, 13])),
+            (ColourSpace::DisplayP3, Transfer::Srgb, Some([12, 13])),
+            (ColourSpace::Rec2020, Transfer::Linear, Some([9, 8])),
+            (ColourSpace::Srgb, Transfer::Gamma(2.2), Some([1, 4])),
+            (ColourSpace::Srgb, Transfer::Gamma(1.8), None),
+            (ColourSpace::Acescg, Transfer::Linear, None),
+        ] {
+            let picture = EncodedPicture { colour_space, transfer, ..picture(3, 16) };
+            let mut file = Vec::new();
+            write_png(&picture, &mut file).expect("written");
+            let reader = png::Decoder::new(Cursor::new(file)).read_info().expect("a picture");
+            assert!(reader.info().icc_profile.is_some());
+            let found = reader.info().coding_independent_code_points;
+            let numbers = found.map(|c| [c.color_primaries, c.transfer_function]);
+            assert_eq!(numbers, expected, "{colour_space:?} {transfer:?}");
+            assert!(found.is_none_or(|c| c.matrix_coefficients == 0 && c.is_video_full_range_image));
+        }
     }
 
     #[test]

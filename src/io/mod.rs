@@ -16,6 +16,7 @@ pub mod obj;
 pub mod output;
 mod picture;
 pub mod picture_file;
+pub mod raw_exr;
 pub mod spectral_exr;
 mod suggest;
 mod tangents;

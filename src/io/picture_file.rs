@@ -19,18 +19,17 @@ use super::exr::{ExrPicture, read_exr};
 use super::picture::decode;
 use super::spectral_exr;
 use crate::image::{Channel, Planes};
-use crate::raw::{read_dng, read_npy, read_pgm};
+use crate::raw;
 use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
 
 /// Reads a picture by the kind that the file's name says.
 pub fn read_picture_file(path: &Path) -> Result<Picture> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let name = path.display().to_string();
     let read: fn(&mut BufReader<File>, String) -> Result<Picture, Invalid> = match extension.as_str() {
+        "dng" | "npy" | "pgm" | "ppm" => return Ok(Picture::from_raw(name, raw::read(path)?)),
         "exr" => |file, name| of_exr(read_exr(file)?, name),
-        "dng" => |file, name| Ok(Picture::from_raw(name, read_dng(file)?)),
-        "npy" => |file, name| Ok(Picture::from_raw(name, read_npy(file)?)),
-        "pgm" | "ppm" => |file, name| Ok(Picture::from_raw(name, read_pgm(file)?)),
         "tif" | "tiff" => of_tiff,
         "png" => of_png,
         _ => {
@@ -41,7 +40,7 @@ pub fn read_picture_file(path: &Path) -> Result<Picture> {
         }
     };
     let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
-    read(&mut BufReader::new(file), path.display().to_string()).map_err(|invalid| invalid.in_file(path))
+    read(&mut BufReader::new(file), name).map_err(|invalid| invalid.in_file(path))
 }
 
 fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
@@ -157,6 +156,7 @@ mod tests {
     use crate::image::Estimate;
     use crate::io::electrons::write_electrons;
     use crate::io::exr::{Attribute, write_exr};
+    use crate::io::raw_exr::write_raw_exr;
     use crate::io::spectral_exr::write_irradiance;
     use crate::raw::{Cfa, RawImage, write_dng, write_npy, write_pgm, write_tiff};
     use crate::units::Seconds;
@@ -223,7 +223,10 @@ mod tests {
         write_pgm(&raw, &mut pgm).expect("written");
         write_npy(&raw, &mut npy).expect("written");
         let png = png(DynamicImage::ImageLuma16(ImageBuffer::from_raw(4, 2, raw.data.clone()).expect("8 pixels")));
-        for (extension, file) in [("dng", dng), ("TIFF", tiff), ("pgm", pgm), ("npy", npy), ("png", png)] {
+        let mut exr = Vec::new();
+        write_raw_exr(&raw, Cursor::new(&mut exr)).expect("written");
+        for (extension, file) in [("dng", dng), ("TIFF", tiff), ("pgm", pgm), ("npy", npy), ("exr", exr), ("png", png)]
+        {
             let picture = read(extension, &file).expect("read");
             assert_eq!(channels(&picture.mean), [("raw", &data[..])], "{extension}");
             assert_eq!(picture.unit.as_deref(), Some("DN"));

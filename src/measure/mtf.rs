@@ -211,9 +211,10 @@ mod tests {
                 assert!((found.angle_deg - angle).abs() < 0.02 && found.is_vertical, "{}", found.angle_deg);
                 for (f, m) in found.frequency_cy_per_px.iter().zip(&found.mtf).filter(|(f, _)| **f <= 0.6) {
                     let expected = truth(*f, angle, sigma);
-                    // Rows repeat their part of a pixel every 1/tan θ, 5 to 11, so that the mean place of a bin's pixels is
-                    // off its middle by up to a tenth of its width, 0.025 px: 2π·0.6·0.025 of a bin, over many bins
-                    // that err to both sides.
+                    // 96 rows cross a pixel at 96 places, about 0.01 px apart, so that the mean place of a bin's pixels is
+                    // off its middle by half of that at most, 0.003 px as a standard deviation d. Over bins of Δ = 0.25 px
+                    // across a line of at least s = 0.42 px (the Gaussian and the pixel) that leaves an error of
+                    // 2πf·d·√(Δ/(2√π·s)) = 0.005 at f = 0.6; twice that.
                     assert!((m - expected).abs() < 0.01, "{angle}° σ {sigma}: {m} at {f}, must be {expected}");
                 }
                 let exact = (0..10_000).map(|i| f64::from(i) * 1e-4).find(|f| truth(*f, angle, sigma) < 0.5);

@@ -4,9 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
-use tiff::decoder::Decoder;
-use tiff::tags::Tag;
-
+use super::dng::is_dng;
 use super::{RawImage, read_dng, read_npy, read_pgm, read_tiff};
 use crate::{Error, Invalid, Result};
 
@@ -24,8 +22,7 @@ fn read_any<R: Read + Seek>(mut from: BufReader<R>) -> std::result::Result<RawIm
     from.rewind().map_err(io)?;
     match &magic[..] {
         b"II*\0" | b"MM\0*" => {
-            // A DNG file says in its first directory that it is one.
-            let is_dng = Decoder::new(&mut from).ok().and_then(|mut d| d.find_tag(Tag::Unknown(50706)).ok()?).is_some();
+            let is_dng = is_dng(&mut from);
             from.rewind().map_err(io)?;
             if is_dng { read_dng(from) } else { read_tiff(from) }
         }

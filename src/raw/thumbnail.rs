@@ -1,10 +1,12 @@
-//! A small picture for file browsers: the mosaic averaged over blocks, white-balanced and brightened. It shows what is
-//! in the file; development proper is [`develop`](crate::develop)'s.
+//! A small picture for file browsers: the mosaic averaged over blocks, white-balanced, in sRGB as far as the matrix for D65
+//! knows. It shows what is in the file; development proper is [`develop`](crate::develop)'s.
 
-use super::RawImage;
+use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
-/// Longest side of a thumbnail, pixels.
-const LONGEST_SIDE: usize = 256;
+use super::{RawImage, RawMetadata};
+use crate::colour::{ColourSpace, Transfer};
+use crate::spectrum::{cie, illuminant};
 
 /// 8-bit RGB, row by row.
 pub(super) struct Thumbnail {
@@ -13,49 +15,95 @@ pub(super) struct Thumbnail {
     pub(super) rgb: Vec<u8>,
 }
 
-/// The thumbnail of a picture that has pixels.
-pub(super) fn thumbnail(raw: &RawImage) -> Thumbnail {
+/// A picture of a raw picture that has pixels, of so many pixels at most along its longer side.
+pub(super) fn thumbnail(raw: &RawImage, longest_side: usize) -> Thumbnail {
     let (tile_width, tile_height) = raw.cfa.tile_size();
     let tile = if raw.cfa.is_full() { 1 } else { tile_width.max(tile_height) };
     // Blocks of whole tiles, so that each holds every channel; the edge pixels that are left over are not shown.
-    let block = raw.width.max(raw.height).div_ceil(LONGEST_SIDE * tile) * tile;
+    let block = raw.width.max(raw.height).div_ceil(longest_side * tile) * tile;
     let (width, height) = ((raw.width / block).max(1), (raw.height / block).max(1));
-    let mut rgb = Vec::with_capacity(3 * width * height);
-    for y in 0..height {
-        for x in 0..width {
-            rgb.extend(block_colour(raw, x * block..(x + 1) * block, y * block..(y + 1) * block));
+    let mut rgb = vec![0; 3 * width * height];
+    let colours = Colours::new(raw);
+    rgb.par_chunks_exact_mut(3 * width).enumerate().for_each(|(y, row)| {
+        let mut sums = vec![0.0; raw.cfa.channels().len() * width];
+        let mut counts = vec![0u32; sums.len()];
+        for y in (y * block..(y + 1) * block).take_while(|&y| y < raw.height) {
+            add_row(raw, y, block, &mut sums, &mut counts);
         }
-    }
+        let channels = raw.cfa.channels().len();
+        let means = sums.chunks_exact(channels).zip(counts.chunks_exact(channels));
+        for (to, (sums, counts)) in row.as_chunks_mut().0.iter_mut().zip(means) {
+            *to = colours.of(sums, counts);
+        }
+    });
     Thumbnail { width, height, rgb }
 }
 
-/// Mean colour of a block of pixels, as far as it lies in the picture. Colours that the camera does not tell apart are
-/// shown grey.
-fn block_colour(raw: &RawImage, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> [u8; 3] {
-    let channels = raw.cfa.channels();
-    let samples = raw.cfa.samples_per_pixel();
-    let mut sums = vec![0.0; channels.len()];
-    let mut counts = vec![0u32; channels.len()];
-    for y in rows.start..rows.end.min(raw.height) {
-        for x in columns.start * samples..columns.end.min(raw.width) * samples {
-            let channel = raw.cfa.channel_at(x, y);
-            sums[channel] += f64::from(raw.data[y * raw.row_length() + x]) - f64::from(raw.black_level_dn.at(x, y));
+/// Adds the signal of a row's pixels to their blocks' sums, channel by channel.
+fn add_row(raw: &RawImage, y: usize, block: usize, sums: &mut [f32], counts: &mut [u32]) {
+    let (channels, samples) = (raw.cfa.channels().len(), raw.cfa.samples_per_pixel());
+    let period = raw.cfa.tile_size().0;
+    let of_column: Vec<usize> = (0..period).map(|x| raw.cfa.channel_at(x, y)).collect();
+    let uniform = raw.black_level_dn.as_uniform();
+    let numbers = &raw.data[y * raw.row_length()..][..raw.row_length()];
+    let blocks = sums.chunks_exact_mut(channels).zip(counts.chunks_exact_mut(channels));
+    for (i, ((sums, counts), numbers)) in blocks.zip(numbers.chunks(block * samples)).enumerate() {
+        let first = i * block * samples;
+        let mut place = first % period;
+        for (x, &dn) in numbers.iter().enumerate() {
+            let channel = of_column[place];
+            place = if place + 1 == period { 0 } else { place + 1 };
+            sums[channel] += f32::from(dn) - uniform.unwrap_or_else(|| raw.black_level_dn.at(first + x, y));
             counts[channel] += 1;
         }
     }
-    let range = f64::from((f32::from(raw.white_level_dn) - raw.black_level_dn.mean()).max(1.0));
-    let neutral = raw.metadata.as_shot_neutral.as_deref().unwrap_or_default();
-    let balanced = |channel: usize| {
-        let balance = neutral.get(channel).map_or(1.0, |component| component.max(1e-6));
-        sums[channel] / f64::from(counts[channel].max(1)) / range / balance
-    };
-    let grey = (0..channels.len()).map(balanced).sum::<f64>() / channels.len() as f64;
-    ["R", "G", "B"].map(|colour| {
-        let all = ["R", "G", "B"].iter().all(|colour| channels.iter().any(|name| name == colour));
-        let channel = channels.iter().position(|name| all && name == colour);
-        let linear = channel.map_or(grey, balanced);
-        (255.0 * linear.clamp(0.0, 1.0).powf(1.0 / 2.2)).round() as u8
-    })
+}
+
+/// How sums of a block become a colour.
+struct Colours {
+    /// DN from black to white times the response to white, per channel.
+    full: Vec<f32>,
+    /// Channels red, green and blue, with the matrix from them to linear sRGB. `None` for other filters: colours that
+    /// cannot be told apart so easily are shown grey.
+    rgb: Option<([usize; 3], DMat3)>,
+}
+
+impl Colours {
+    fn new(raw: &RawImage) -> Self {
+        let channels = raw.cfa.channels();
+        let range = (f32::from(raw.white_level_dn) - raw.black_level_dn.mean()).max(1.0);
+        let neutral = raw.metadata.as_shot_neutral.as_deref().unwrap_or_default();
+        let full =
+            |channel: usize| range * neutral.get(channel).map_or(1.0, |component: &f64| component.max(1e-6)) as f32;
+        let places = ["R", "G", "B"].map(|colour| channels.iter().position(|name| name == colour));
+        let rgb = if let [Some(r), Some(g), Some(b)] = places {
+            let matrix = if channels.len() == 3 { camera_to_srgb(&raw.metadata) } else { None };
+            Some(([r, g, b], matrix.unwrap_or(DMat3::IDENTITY)))
+        } else {
+            None
+        };
+        Self { full: (0..channels.len()).map(full).collect(), rgb }
+    }
+
+    fn of(&self, sums: &[f32], counts: &[u32]) -> [u8; 3] {
+        // Beyond white nothing is known of the colour.
+        let mean = |c: usize| f64::from(sums[c] / counts[c].max(1) as f32 / self.full[c]).min(1.0);
+        let linear = match self.rgb {
+            Some((channels, matrix)) => matrix * DVec3::from_array(channels.map(mean)),
+            None => DVec3::splat((0..sums.len()).map(mean).sum::<f64>() / sums.len() as f64),
+        };
+        linear.to_array().map(|v| (255.0 * Transfer::Srgb.encode(v.clamp(0.0, 1.0) as f32)).round() as u8)
+    }
+}
+
+/// White-balanced R, G, B → linear sRGB by the matrix for D65; `None` where there is none.
+fn camera_to_srgb(metadata: &RawMetadata) -> Option<DMat3> {
+    let rows: &[[f64; 3]; 3] = metadata.colour_matrix_d65.as_deref()?.try_into().ok()?;
+    let from_xyz = DMat3::from_cols_array_2d(rows).transpose();
+    let white = DVec3::from_array(cie::xyz(illuminant::d65()));
+    let white = white / white.y;
+    let matrix = ColourSpace::Srgb.from_xyz(white) * from_xyz.inverse() * DMat3::from_diagonal(from_xyz * white);
+    matrix.is_finite().then_some(matrix)
 }
 
 #[cfg(test)]
@@ -78,7 +126,7 @@ mod tests {
 
     #[test]
     fn it_keeps_size_and_level() {
-        // 255 · 0.25^(1/2.2) = 135.8
+        // 255 · (1.055 · 0.25^(1/2.4) − 0.055) = 136.96
         for (width, height, cfa, small) in [
             (1000, 500, "RGGB", (250, 125)),
             (1, 1, "mono", (1, 1)),
@@ -88,9 +136,9 @@ mod tests {
             (600, 300, "x-trans", (100, 50)),
             (600, 300, "cygm", (150, 75)),
         ] {
-            let thumbnail = thumbnail(&grey(width, height, cfa));
+            let thumbnail = thumbnail(&grey(width, height, cfa), 256);
             assert_eq!((thumbnail.width, thumbnail.height), small);
-            assert!(thumbnail.rgb.iter().all(|&v| v == 136), "{width} × {height} {cfa}: {:?}", &thumbnail.rgb[..3]);
+            assert!(thumbnail.rgb.iter().all(|&v| v == 137), "{width} × {height} {cfa}: {:?}", &thumbnail.rgb[..3]);
         }
     }
 }

@@ -103,12 +103,12 @@ impl RowStage for DarkCurrent {
     /// The charge with thermal electrons added.
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
-        for (x, charge) in row.values.iter_mut().enumerate() {
-            let random = &mut self.streams.pixel(x, row.y);
-            *charge += match &self.nonuniformity {
-                None => self.distribution.sample(random),
-                Some(nonuniformity) => poisson(self.mean.0 * nonuniformity.factor(x, row.y), random),
-            } as f32;
+        let y = row.y;
+        match &self.nonuniformity {
+            None => self.streams.pixels(row, |_, charge, random| charge + self.distribution.sample(random) as f32),
+            Some(nonuniformity) => self.streams.pixels(row, |x, charge, random| {
+                charge + poisson(self.mean.0 * nonuniformity.factor(x, y), random) as f32
+            }),
         }
     }
 }

@@ -10,6 +10,7 @@
 mod amplifiers;
 mod auto_exposure;
 mod band_light;
+mod binning;
 mod brighter_fatter;
 mod ccd;
 mod charge_generation;
@@ -51,6 +52,7 @@ mod telegraph;
 
 pub use auto_exposure::{AutoExposure, Metering, auto_exposure};
 pub use band_light::{BandRates, electron_rates};
+pub use binning::{Binning, BinningMethod};
 pub use ccd::{Ccd, Overscan};
 pub use companding::{Companding, CompandingCurve};
 pub use crosstalk::Kernel;
@@ -62,7 +64,7 @@ pub use description::{
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;
-pub use exposure::Exposure;
+pub use exposure::{Exposure, Window};
 pub use linearisation::Linearisation;
 pub use logarithmic::Logarithmic;
 pub use masked_pixels::MaskedPixels;

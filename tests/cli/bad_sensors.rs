@@ -34,6 +34,18 @@ fn folder(capture: String) -> Folder {
     "frame_interval_s: 0.01 s is shorter",
     "leave it"
 )]
+#[case::region(
+    "[exposure]\nregion_px = [790, 0, 20, 10]",
+    "region_px: 20 × 10 pixels at 790, 0 are no part",
+    "write ["
+)]
+#[case::parts_of_bins(
+    "[exposure]\nregion_px = [1, 0, 20, 10]\nbinning = [2, 2]",
+    "region_px: 20 × 10 pixels at 1, 0 are no whole bins of 2 × 2",
+    "multiples"
+)]
+#[case::no_bins("[exposure]\nbinning = [0, 2]", "exposure.binning: must be from 1 to 16", "binning = [2, 2]")]
+#[case::how_to_bin("[exposure]\nbinning_method = 'sum'", "exposure.binning_method: says how", "binning = [2, 2]")]
 #[case::digital_gain("[exposure]\ndigital_gain_db = -3", "digital_gain_db: must lie from 0 to 48, got -3", "white")]
 #[case::gain("[exposure]\ngain_db = 90", "gain_db: 90 dB is not among the gains", "write 0 to 24 dB")]
 #[case::slow("[exposure]\niso = 1", "exposure.iso: 1 is not among the speeds", "its base ISO is")]
@@ -81,6 +93,28 @@ fn folder(capture: String) -> Folder {
     "[sensor.charge]\nlogarithmic_reference_e_per_s = 0",
     "logarithmic_reference_e_per_s: must be above 0",
     "100"
+)]
+#[case::single_bracket(
+    "[exposure]\nbracket_ev = [0]",
+    "exposure.bracket_ev: must be 2 to 32 exposures, got 1",
+    "[-4, 0, 4]"
+)]
+#[case::twice("[exposure]\nbracket_ev = [0, 1, 1]", "exposure.bracket_ev: has 1 twice", "for example")]
+#[case::infinite("[exposure]\nbracket_ev = [0, inf]", "exposure.bracket_ev: must be finite numbers, got inf", "")]
+#[case::no_time_at_all(
+    "[exposure]\nbracket_times_s = [0.1, 0]",
+    "exposure.bracket_times_s: must be above 0, got 0",
+    "for example"
+)]
+#[case::bracket_and_time(
+    "[exposure]\ntime_s = 1\nbracket_times_s = [0.1, 1]",
+    "exposure.bracket_times_s: cannot go with time_s",
+    "bracket_ev"
+)]
+#[case::bracket_and_frames(
+    "[exposure]\nbracket_ev = [0, 2]\nframes = 3",
+    "exposure.frames: cannot go with a bracket",
+    "remove it"
 )]
 fn impossible_sensors_are_refused_with_key_and_line(#[case] more: &str, #[case] message: &str, #[case] help: &str) {
     // A table that should not be there is at fault from its first line on, a value in its own.

@@ -4,6 +4,7 @@ mod bad_captures;
 mod bad_geometry;
 mod bad_sensors;
 mod bad_usage;
+mod bracket;
 mod develop;
 mod documents;
 mod emva1288;

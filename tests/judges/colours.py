@@ -67,13 +67,14 @@ def main():
         npm = colour.normalised_primary_matrix(colour.RGB_COLOURSPACES[theirs].primaries, xy)
         check(f"matrix of {name}", ours["spaces"][name], npm)
     check("white of ACEScg", aces[:2] / aces.sum(), colour.RGB_COLOURSPACES["ACEScg"].whitepoint)
-    # Their second radiation constant is 1.4388e-2 m K, ours that of CODATA 2018: 1.6e-5 in temperature, which moves the
-    # chromaticity of a blackbody of 2000 K by up to 4e-6. They sum the observer from 360 to 780 nm at 5 nm.
+    # Their second radiation constant is that of ITS-90, ours that of CODATA 2018; a blackbody's spectrum depends on its
+    # product with the reciprocal temperature.
     lights = ours["lights"]
-    pairs = [[light["temperature_k"], light["tint"] / 3000.0] for light in lights]
-    uv = numpy.array([colour.temperature.CCT_to_uv_Ohno2013(pair) for pair in pairs])
+    pairs = [[light["temperature_k"] * 1.4388e-2 / 1.438776877e-2, light["tint"] / 3000.0] for light in lights]
+    observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+    uv = numpy.array([colour.temperature.CCT_to_uv_Ohno2013(pair, cmfs=observer) for pair in pairs])
     theirs = colour.UCS_uv_to_xy(uv)
-    check("temperature and tint", [light["xy"] for light in lights], theirs, 2e-5)
+    check("temperature and tint", [light["xy"] for light in lights], theirs, 1e-6)
     for complaint in complaints:
         print(complaint, file=sys.stderr)
     sys.exit(1 if complaints else 0)

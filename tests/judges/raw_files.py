@@ -3,11 +3,12 @@
 
     raw_files.py [--developers] FOLDER...
 
-Each FOLDER holds raw.dng and raw.tiff, and may hold raw.pgm and raw.npy of the same picture. LibRaw (through rawpy),
-dcraw and tifffile must find the very same digital numbers in the DNG as tifffile does in the TIFF, and LibRaw the same
-black level, white level, colour filter array and colour matrix as exiftool finds in the tags; exiftool must find nothing
-to warn about. With --developers, RawTherapee and darktable must develop the DNG to a picture of the right size. Where
-the folder holds a capture.json too, the tags must say the exposure, lens and levels that it says.
+Each FOLDER holds raw.dng and raw.tiff, and may hold raw.pgm and raw.npy of the same picture. Adobe's DNG SDK (through
+dngpy), LibRaw (through rawpy), dcraw and tifffile must find the very same digital numbers in the DNG as tifffile does in
+the TIFF; LibRaw and dcraw those that the table of capture.json makes of them where a sensor is not linear. LibRaw must
+find the same black level, white level, colour filter array and colour matrix as exiftool finds in the tags; exiftool must
+find nothing to warn about. With --developers, RawTherapee and darktable must develop the DNG to a picture of the right
+size. Where the folder holds a capture.json too, the tags must say the exposure, lens and levels that it says.
 Exit status 0 where all is well, 1 otherwise.
 
 What these programs cannot do is not asked of them: dcraw knows no floating-point numbers, which is what Deflate holds;
@@ -17,24 +18,42 @@ for what they do otherwise on purpose, which is said where it is left out.
 Needs: pip install -r requirements.txt, apt-get install libimage-exiftool-perl dcraw rawtherapee darktable.
 """
 
+import contextlib
 import json
 import math
+import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+import dngpy
 import numpy
 import rawpy
 import tifffile
 
 CFA_LETTERS = "RGBCMYW"
 DEFLATE = 8
+# EXIF's number for D65 as a light source.
+D65 = 21
 # RawTherapee leaves out a frame whose pixels have too few neighbours.
 RAWTHERAPEE_FRAME = 8
 
 # IEC 61966-2-1, as LibRaw has it.
 SRGB_TO_XYZ = numpy.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]])
+
+
+@contextlib.contextmanager
+def silence():
+    """No warnings that pixels at the very edge are shown."""
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 class Judge:
@@ -79,24 +98,28 @@ class Judge:
         self.exiftool(self.folder / "raw.tiff")
         found = self.mosaics()
         numbers = found["raw.tiff"]
+        linear = self.linear(numbers)
         is_float = tags["SubIFD:Compression"] == DEFLATE
         with tifffile.TiffFile(path) as file:
             found["raw.dng by tifffile"] = file.pages[0].pages[0].asarray()
+        # It refuses what breaks the specification.
+        with silence():
+            found["raw.dng by Adobe's SDK"] = numpy.squeeze(dngpy.Dng(str(path)).raw_pixels)
         with rawpy.imread(str(path)) as raw:
             read = raw.raw_image.copy()
             if read.ndim == 3:
                 read = read[:, :, : numbers.shape[2]]
             if is_float:
-                self.scaled(read, numbers)
+                self.scaled(read, linear)
             else:
-                found["raw.dng by LibRaw"] = read
+                self.check(numpy.array_equal(read, linear), "LibRaw finds other linear numbers than the table makes")
                 self.levels(raw, tags)
             self.colour(raw, tags)
         tile = tags.get("SubIFD:CFARepeatPatternDim", "2 2")
         # Of pictures with several numbers a pixel, dcraw takes the corner instead of the active area.
         moved = numbers.ndim == 3 and self.active(tags)[:2] != [0, 0]
         if not is_float and not moved and tile in ("2 2", "6 6"):
-            self.dcraw(path, tags, numbers)
+            self.dcraw(path, tags, linear)
         if (self.folder / "capture.json").exists():
             self.capture(tags)
         for name, pixels in found.items():
@@ -117,6 +140,12 @@ class Judge:
     @staticmethod
     def active(tags):
         return [int(n) for n in tags["SubIFD:ActiveArea"].split()]
+
+    def linear(self, numbers):
+        """What programs that know LinearizationTable must make of the numbers."""
+        path = self.folder / "capture.json"
+        table = json.loads(path.read_text())["sensor"].get("linearisation_dn") if path.exists() else None
+        return numbers if table is None else numpy.array(table, "uint16")[numbers]
 
     def dcraw(self, path, tags, numbers):
         run = subprocess.run(["dcraw", "-D", "-4", "-t", "0", "-c", str(path)], capture_output=True)
@@ -168,6 +197,7 @@ class Judge:
         sensor = capture["sensor"]
         for tag, expected in {
             "ExifIFD:ExposureTime": capture["exposure"]["time_s"],
+            "ExifIFD:ISO": min(round(capture["exposure"]["iso"]), 65535) if capture["exposure"]["iso"] else None,
             "ExifIFD:FNumber": capture["lens"]["f_number"],
             "ExifIFD:FocalLength": capture["lens"]["focal_length_mm"],
             "SubIFD:BlackLevel": sensor["black_level_dn"],
@@ -175,6 +205,9 @@ class Judge:
             "SubIFD:ImageWidth": sensor["resolution_px"][0],
             "SubIFD:ImageHeight": sensor["resolution_px"][1],
         }.items():
+            if expected is None:
+                self.check(tag not in tags, f"{tag} is {tags.get(tag)}, where there is none")
+                continue
             for value in str(tags[tag]).split():
                 self.check(math.isclose(float(value), expected, rel_tol=1e-6), f"{tag} is {value}, not {expected}")
 
@@ -219,9 +252,10 @@ class Judge:
                 pairs = set(zip(read.flatten().tolist(), written.flatten().tolist()))
                 self.check(len(pairs) == len({colour for colour, _ in pairs}), f"LibRaw's mosaic {read.tolist()}")
                 return
+        second = 2 if tags.get("IFD0:CalibrationIlluminant2") == D65 else 1
         # LibRaw does not give the matrix itself but what follows from it: camera -> sRGB for balanced channels, that is
-        # the inverse of ColorMatrix1 times (sRGB -> XYZ) with every row's sum brought to 1.
-        matrix = numpy.array([float(x) for x in tags["IFD0:ColorMatrix1"].split()]).reshape(3, 3)
+        # the inverse of the matrix for D65 times (sRGB -> XYZ) with every row's sum brought to 1.
+        matrix = numpy.array([float(x) for x in tags[f"IFD0:ColorMatrix{second}"].split()]).reshape(3, 3)
         from_srgb = matrix @ SRGB_TO_XYZ
         to_srgb = numpy.linalg.inv(from_srgb / from_srgb.sum(axis=1, keepdims=True))
         # Its sRGB matrix has seven digits, and the inverse of a camera matrix multiplies an error by less than 10.

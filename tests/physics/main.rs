@@ -1,5 +1,6 @@
 //! Physics: every quantity against a closed form, a numerical integral or a published figure.
 
+mod bracket;
 mod bsdf_cases;
 mod bsdf_energy;
 mod bsdf_fresnel;
@@ -28,5 +29,6 @@ mod sensor_patterns;
 mod sensor_photon_transfer;
 mod sensor_response;
 mod sensor_stages;
+mod sensor_window;
 mod stage;
 mod transport;

@@ -75,22 +75,27 @@ fn dead_time_bends_the_counts() {
 
 #[test]
 fn two_gains_reach_from_the_noise_of_one_to_the_range_of_the_other() {
-    let mut sensor = presets::model("andor-zyla-55").expect("a preset");
-    sensor.noise.prnu = Default::default();
-    sensor.noise.dsnu = Default::default();
-    sensor.noise.dark_current_e_per_s = 0.0;
-    let gain = sensor.converter.system_gain(Decibels(0.0));
-    let (a, b) = (numbers(&sensor, &EXPOSURE, 0.0, 0), numbers(&sensor, &EXPOSURE, 0.0, 1));
-    let difference: Moments = a.iter().zip(&b).map(|(a, b)| a - b).collect();
-    let noise_e = (difference.variance() / 2.0).sqrt() / gain;
-    let saturation_e = moments(&numbers(&sensor, &EXPOSURE, 1e6, 0)).mean() / gain;
-    let found_db = 20.0 * (saturation_e / noise_e).log10();
-    // The formula: full well over the read noise of the high gain.
-    let formula_db = 20.0 * (30_000.0f64 / 1.38).log10();
-    assert!((found_db - formula_db).abs() < 0.2, "{found_db} dB for {formula_db} dB");
-    // Either gain alone reaches less by 10 dB and more.
-    let [high_db, low_db] = [(1100.0, 1.38), (30_000.0, 8.0f64)].map(|(range, noise)| 20.0 * (range / noise).log10());
-    assert!(found_db > high_db + 10.0 && found_db > low_db + 10.0);
+    // The formula: full well over the read noise of the high gain with its quantisation, 1/(12·K²). Either gain alone: the
+    // high one ends with its converter's range, the low one begins with its own noise.
+    for (name, full_well, noise, high_range, low_noise) in [
+        ("andor-zyla-55", 30_000.0, 1.38f64, 1100.0, 8.0f64),
+        ("automotive-hdr-color", 22_000.0, (0.83f64.powi(2) + 1.0 / 12.0 / 0.748f64.powi(2)).sqrt(), 5389.0, 3.05),
+    ] {
+        let mut sensor = presets::model(name).expect("a preset");
+        sensor.noise.prnu = Default::default();
+        sensor.noise.dsnu = Default::default();
+        sensor.noise.dark_current_e_per_s = 0.0;
+        let gain = sensor.converter.system_gain(Decibels(0.0));
+        let (a, b) = (numbers(&sensor, &EXPOSURE, 0.0, 0), numbers(&sensor, &EXPOSURE, 0.0, 1));
+        let difference: Moments = a.iter().zip(&b).map(|(a, b)| a - b).collect();
+        let noise_e = (difference.variance() / 2.0).sqrt() / gain;
+        let saturation_e = moments(&numbers(&sensor, &EXPOSURE, 1e6, 0)).mean() / gain;
+        let decibels = |saturation: f64, noise: f64| 20.0 * (saturation / noise).log10();
+        let (found_db, formula_db) = (decibels(saturation_e, noise_e), decibels(full_well, noise));
+        assert!((found_db - formula_db).abs() < 0.2, "{name}: {found_db} dB for {formula_db} dB");
+        let alone = [decibels(high_range, noise), decibels(full_well, low_noise)];
+        assert!(alone.iter().all(|alone_db| found_db > alone_db + 10.0), "{name}: {found_db} dB, {alone:?} dB alone");
+    }
 }
 
 #[test]

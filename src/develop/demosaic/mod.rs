@@ -14,6 +14,8 @@ mod remosaic;
 
 use rayon::prelude::*;
 
+pub(super) use remosaic::bayer_of;
+
 use super::settings::Demosaic;
 use crate::Invalid;
 use crate::image::{Channel, Planes};
@@ -41,9 +43,16 @@ pub(super) fn demosaic(
     })
 }
 
+/// The Bayer filter that an array of blocks becomes, and planes that hold what its pixels see.
+pub(super) fn bayer_planes(mosaic: &[f32], [width, height]: [usize; 2], cfa: &Cfa) -> Result<(Cfa, Planes), Invalid> {
+    method_for(cfa, Demosaic::Remosaic)?;
+    let bayer = bayer_of(cfa).unwrap_or_else(|| cfa.clone());
+    Ok((bayer, guided::demosaic(mosaic, width, height, cfa)))
+}
+
 /// What `method` means for a filter array, as far as it can be used there.
 pub(super) fn method_for(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invalid> {
-    let is_blocks = remosaic::bayer_of(cfa).is_some();
+    let is_blocks = bayer_of(cfa).is_some();
     let fits = match method {
         Demosaic::Auto => {
             return Ok(if cfa.is_bayer() {

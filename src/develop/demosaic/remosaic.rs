@@ -2,6 +2,8 @@
 //!
 //! A pixel that has the wrong channel for that takes the value which [`guided`](super::guided) finds for it.
 
+use rayon::prelude::*;
+
 use super::{guided, menon};
 use crate::image::Planes;
 use crate::raw::Cfa;
@@ -11,12 +13,13 @@ pub(super) fn demosaic(mosaic: &[f32], width: usize, height: usize, cfa: &Cfa) -
     let estimated = guided::demosaic(mosaic, width, height, cfa);
     let Some(bayer) = bayer_of(cfa) else { return estimated };
     let value = |i: usize| estimated.channels()[bayer.channel_at(i % width, i / width)].data[i];
-    let remosaiced: Vec<f32> = (0..width * height).map(value).collect();
+    let remosaiced: Vec<f32> = (0..width * height).into_par_iter().map(value).collect();
+    drop(estimated);
     menon::demosaic(&remosaiced, width, height, &bayer)
 }
 
 /// The Bayer filter whose pixels an array's blocks are; `None` where there are no such blocks.
-pub(super) fn bayer_of(cfa: &Cfa) -> Option<Cfa> {
+pub(in crate::develop) fn bayer_of(cfa: &Cfa) -> Option<Cfa> {
     let (columns, rows) = cfa.tile_size();
     let block = columns / 2;
     if columns != rows || columns % 2 == 1 || block < 2 || cfa.is_full() {

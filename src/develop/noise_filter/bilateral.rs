@@ -13,23 +13,30 @@ pub(super) fn filter(planes: &[Vec<f32>], [width, height]: [usize; 2], radius: u
     let near = |dx: isize, dy: isize| (-0.5 * (dx * dx + dy * dy) as f32 / (sigma * sigma)).exp();
     let window: Vec<(isize, isize, f32)> =
         (-r..=r).flat_map(|dy| (-r..=r).map(move |dx| (dx, dy, near(dx, dy)))).collect();
-    let mean = |i: usize| {
-        let (x, y) = (i % width, i / width);
-        let mut sums = [0.0; super::stabilise::MAX_CHANNELS];
-        let mut weights = 0.0;
-        for &(dx, dy, near) in &window {
-            let (Some(x), Some(y)) = (x.checked_add_signed(dx), y.checked_add_signed(dy)) else { continue };
-            if x >= width || y >= height {
-                continue;
+    let mut result = vec![vec![0.0; width * height]; planes.len()];
+    let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(planes.len())).collect();
+    for plane in &mut result {
+        rows.iter_mut().zip(plane.chunks_mut(width.max(1))).for_each(|(rows, row)| rows.push(row));
+    }
+    rows.into_par_iter().enumerate().for_each(|(y, mut to)| {
+        let mut sums = vec![0.0; planes.len()];
+        for x in 0..width {
+            let i = y * width + x;
+            sums.fill(0.0);
+            let mut weights = 0.0;
+            for &(dx, dy, near) in &window {
+                let (Some(x), Some(y)) = (x.checked_add_signed(dx), y.checked_add_signed(dy)) else { continue };
+                if x >= width || y >= height {
+                    continue;
+                }
+                let j = y * width + x;
+                let square: f32 = planes.iter().map(|plane| (plane[j] - plane[i]).powi(2)).sum();
+                let weight = near * (square * range).exp();
+                weights += weight;
+                sums.iter_mut().zip(planes).for_each(|(sum, plane)| *sum += weight * plane[j]);
             }
-            let j = y * width + x;
-            let square: f32 = planes.iter().map(|plane| (plane[j] - plane[i]).powi(2)).sum();
-            let weight = near * (square * range).exp();
-            weights += weight;
-            sums.iter_mut().zip(planes).for_each(|(sum, plane)| *sum += weight * plane[j]);
+            to.iter_mut().zip(&sums).for_each(|(row, sum)| row[x] = sum / weights);
         }
-        sums.map(|sum| sum / weights)
-    };
-    let pixels: Vec<_> = (0..width * height).into_par_iter().map(mean).collect();
-    (0..planes.len()).map(|c| pixels.iter().map(|pixel| pixel[c]).collect()).collect()
+    });
+    result
 }

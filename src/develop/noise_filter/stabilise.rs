@@ -6,9 +6,6 @@
 
 use rayon::prelude::*;
 
-/// More channels than any filter array has letters for in practice.
-pub(super) const MAX_CHANNELS: usize = 26;
-
 /// Variance S·x + O of a plane.
 pub(super) struct NoiseModel {
     s: f32,

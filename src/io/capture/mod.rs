@@ -66,7 +66,7 @@ use tables::CaptureFile;
 pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
-pub use settings::{ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
+pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
 
@@ -139,6 +139,11 @@ impl Capture {
         let (camera_to_world, lens) =
             place_camera(&file.camera, motion.as_ref(), &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
+        if motion.is_some() && exposure.bracket.is_some() {
+            let key = if file.exposure.bracket_ev.is_some() { "bracket_ev" } else { "bracket_times_s" };
+            let invalid = Invalid::new(key, "cannot go with a camera that moves, as its pictures differ");
+            return Err(invalid.help("remove it, or camera.motion").within("exposure"));
+        }
         Ok(Self {
             recording: motion.map(|motion| motion::recording(motion, &exposure, &sensor)).transpose()?,
             exposure,

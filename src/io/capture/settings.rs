@@ -7,15 +7,16 @@ use serde::Deserialize;
 
 use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
 use crate::Invalid;
+use crate::develop::RawLayout;
 use crate::integrator::RenderSettings;
-use crate::raw::{Cfa, DngCompression, dng_can_hold};
+use crate::raw::{Area, Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
-use crate::sensor::{AutoExposure, Exposure, Metering, SensorModel, Stages};
+use crate::sensor::{AutoExposure, Binning, BinningMethod, Exposure, Metering, SensorModel, Stages, Window};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
 /// How the sensor is exposed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ExposureSettings {
     /// How long.
     pub time: ExposureTime,
@@ -25,10 +26,14 @@ pub struct ExposureSettings {
     pub digital_gain: Decibels,
     /// Temperature of the sensor.
     pub temperature: Celsius,
+    /// Other times for which the same light is exposed, in place of frames.
+    pub bracket: Option<Bracket>,
     /// How many pictures of the same light, at least 1.
     pub frames: u32,
     /// Time from the start of one picture to that of the next, where it is longer than the exposure.
     pub frame_interval: Option<Seconds>,
+    /// What of the sensor is read out.
+    pub window: Window,
     /// The stages of the sensor that take part.
     pub stages: Stages,
 }
@@ -36,13 +41,44 @@ pub struct ExposureSettings {
 impl ExposureSettings {
     /// Whether pictures of the same light are exposed in the same way, however many there are.
     pub fn is_like(&self, other: &Self) -> bool {
-        Self { frames: 1, ..*self } == Self { frames: 1, ..*other }
+        Self { frames: 1, ..self.clone() } == Self { frames: 1, ..other.clone() }
     }
 
     /// An exposure of this time.
     pub fn at(&self, time: Seconds) -> Exposure {
-        let Self { gain, digital_gain, temperature, frame_interval, .. } = *self;
-        Exposure { time, gain, digital_gain, temperature, frame_interval }
+        let &Self { gain, digital_gain, temperature, frame_interval, window, .. } = self;
+        Exposure { time, gain, digital_gain, temperature, frame_interval, window }
+    }
+}
+
+/// Times of a bracket.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bracket {
+    /// Steps from the time of the exposure, EV.
+    Steps(Vec<f64>),
+    /// These times.
+    Times(Vec<Seconds>),
+}
+
+impl Bracket {
+    /// The times, in the order in which they were written, around that of the exposure.
+    pub fn times(&self, exposure: Seconds) -> Vec<Seconds> {
+        match self {
+            Self::Steps(steps) => steps.iter().map(|step| Seconds(exposure.0 * step.exp2())).collect(),
+            Self::Times(times) => times.clone(),
+        }
+    }
+
+    /// The time that stands for all: that in the middle of the sorted ones.
+    fn middle(&self) -> Option<Seconds> {
+        match self {
+            Self::Steps(_) => None,
+            Self::Times(times) => {
+                let mut times = times.clone();
+                times.sort_by(|a, b| a.0.total_cmp(&b.0));
+                times.get((times.len() - 1) / 2).copied()
+            }
+        }
     }
 }
 
@@ -62,6 +98,10 @@ pub struct OutputSettings {
     pub raw: Vec<RawFormat>,
     /// How DNG files are compressed.
     pub dng_compression: DngCompression,
+    /// By how much developers brighten DNG files unasked, EV.
+    pub dng_baseline_exposure_ev: f64,
+    /// The filters that raw files tell of.
+    pub raw_layout: RawLayout,
     /// Whether the mean electrons are written.
     pub electrons: bool,
     /// The bands in which the spectral irradiance is written, if it is.
@@ -84,6 +124,8 @@ pub enum RawFormat {
     Pgm,
     /// NumPy array of the digital numbers.
     Npy,
+    /// OpenEXR picture of the digital numbers as 32-bit floats.
+    Exr,
 }
 
 /// Spectral bands of equal width next to each other.
@@ -118,8 +160,11 @@ impl SpectralBands {
 
 /// Reads `[exposure]`.
 pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
-    let [gain, digital_gain] = gains(table, sensor)?;
-    let time = match (table.time_s, table.auto) {
+    let window = window(table, sensor)?;
+    let [gain, digital_gain] = gains(table, sensor, window.binning)?;
+    let bracket = bracket(table)?;
+    let time_s = table.time_s.or(bracket.as_ref().and_then(Bracket::middle).map(|time| time.0));
+    let time = match (time_s, table.auto) {
         (Some(_), Some(true)) => {
             return Err(Invalid::new("auto", "cannot go with time_s").help("keep one of them"));
         }
@@ -146,8 +191,14 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         temperature: Celsius(table.temperature_c.unwrap_or(25.0)),
         frames: table.frames.unwrap_or(1),
         frame_interval: table.frame_interval_s.map(Seconds),
+        window,
         stages: stages(table)?,
+        bracket,
     };
+    if settings.bracket.is_some() && settings.frames != 1 {
+        let message = "cannot go with a bracket, whose pictures are a series already";
+        return Err(Invalid::new("frames", message).help("remove it, or the bracket"));
+    }
     if settings.frames == 0 {
         return Err(Invalid::new("frames", "must be at least 1, got 0").help("for example frames = 1"));
     }
@@ -157,11 +208,55 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         ExposureTime::Auto(_) => Exposure { frame_interval: None, ..settings.at(Seconds(1.0)) },
     };
     exposure.validate(sensor)?;
+    if let (ExposureTime::Fixed(time), Some(bracket)) = (settings.time, &settings.bracket) {
+        bracket.times(time).into_iter().try_for_each(|time| settings.at(time).validate(sensor))?;
+    }
+    if let (Some(bracket), true) = (&settings.bracket, sensor.logarithmic.is_some()) {
+        let key = match bracket {
+            Bracket::Steps(_) => "bracket_ev",
+            Bracket::Times(_) => "bracket_times_s",
+        };
+        return Err(Invalid::new(key, "has no use for a logarithmic sensor").help("it sees the whole range at once"));
+    }
     Ok(settings)
 }
 
+/// The bracket that is asked for.
+fn bracket(table: &ExposureTable) -> Result<Option<Bracket>, Invalid> {
+    const MOST: usize = 32;
+    let (key, values, example) = match (&table.bracket_ev, &table.bracket_times_s) {
+        (None, None) => return Ok(None),
+        (Some(_), Some(_)) => {
+            return Err(Invalid::new("bracket_times_s", "cannot go with bracket_ev").help("keep one of them"));
+        }
+        (Some(steps), None) => ("bracket_ev", steps, "[-4, 0, 4]"),
+        (None, Some(times)) => ("bracket_times_s", times, "[0.001, 0.016]"),
+    };
+    let wrong = |message: String| Invalid::new(key, message).help(format!("for example {key} = {example}"));
+    if !(2..=MOST).contains(&values.len()) {
+        return Err(wrong(format!("must be 2 to {MOST} exposures, got {}", values.len())));
+    }
+    if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+        return Err(wrong(format!("must be finite numbers, got {value}")));
+    }
+    if let Some((_, twice)) = values.iter().enumerate().find(|(i, value)| values[..*i].contains(value)) {
+        return Err(wrong(format!("has {twice} twice")));
+    }
+    if table.bracket_ev.is_some() {
+        return Ok(Some(Bracket::Steps(values.clone())));
+    }
+    if let Some(time) = values.iter().find(|time| **time <= 0.0) {
+        return Err(wrong(format!("must be above 0, got {time}")));
+    }
+    let clash = [("time_s", table.time_s.is_some()), ("auto", table.auto == Some(true))];
+    if let Some((other, _)) = clash.iter().find(|(_, is_given)| *is_given) {
+        return Err(Invalid::new(key, format!("cannot go with {other}")).help("keep one of them, or write bracket_ev"));
+    }
+    Ok(Some(Bracket::Times(values.iter().copied().map(Seconds).collect())))
+}
+
 /// The analogue and the digital gain that are asked for.
-fn gains(table: &ExposureTable, sensor: &SensorModel) -> Result<[Decibels; 2], Invalid> {
+fn gains(table: &ExposureTable, sensor: &SensorModel, binning: Binning) -> Result<[Decibels; 2], Invalid> {
     let Some(iso) = table.iso else {
         let [lowest, highest] = sensor.converter.gain_range.map(|gain| gain.0);
         let gain = table.gain_db.unwrap_or(0f64.clamp(lowest, highest));
@@ -171,7 +266,21 @@ fn gains(table: &ExposureTable, sensor: &SensorModel) -> Result<[Decibels; 2], I
     if let Some((key, _)) = explicit.iter().find(|(_, value)| value.is_some()) {
         return Err(Invalid::new("iso", format!("cannot go with {key}")).help("keep one of them"));
     }
-    sensor.gains_for_iso(iso)
+    sensor.gains_for_iso(iso, binning)
+}
+
+/// What of the sensor is read out.
+fn window(table: &ExposureTable, sensor: &SensorModel) -> Result<Window, Invalid> {
+    let region = table.region_px.map(|[x, y, width, height]| Area { x, y, width, height });
+    if let (None, Some(_)) = (table.binning, table.binning_method) {
+        let message = "says how pixels are binned, but not how many";
+        return Err(Invalid::new("binning_method", message).help("add binning = [2, 2]"));
+    }
+    let own_method = if sensor.architecture.ccd().is_some() { BinningMethod::Charge } else { BinningMethod::Mean };
+    let binning = table
+        .binning
+        .map_or(Binning::NONE, |factor| Binning { factor, method: table.binning_method.unwrap_or(own_method) });
+    Ok(Window { binning, region })
 }
 
 fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {
@@ -258,9 +367,20 @@ pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
 
 /// Reads `[output]`.
 pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<OutputSettings, Invalid> {
+    let raw_layout = table.raw_layout.unwrap_or_default();
+    raw_layout.check(&sensor.cfa)?;
+    let full = Cfa::full(["R", "G", "B"])?;
+    let cfa = if raw_layout == RawLayout::Linear { &full } else { &sensor.cfa };
+    let baseline = table.dng_baseline_exposure_ev.unwrap_or(0.0);
+    if !(-10.0..=10.0).contains(&baseline) {
+        let message = format!("must be from -10 to 10, got {baseline}");
+        return Err(
+            Invalid::new("dng_baseline_exposure_ev", message).help("for example dng_baseline_exposure_ev = 0.5")
+        );
+    }
     let mut raw = Vec::new();
     for format in table.raw.as_deref().unwrap_or(&[RawFormat::Dng]) {
-        can_hold(*format, &sensor.cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
+        can_hold(*format, cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
         if !raw.contains(format) {
             raw.push(*format);
         }
@@ -269,6 +389,8 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
     Ok(OutputSettings {
         raw,
         dng_compression: table.dng_compression.unwrap_or_default(),
+        dng_baseline_exposure_ev: baseline,
+        raw_layout,
         electrons: table.electrons.unwrap_or(true),
         ideal: table.ideal.unwrap_or(false),
         irradiance: match table.irradiance {
@@ -290,7 +412,7 @@ fn can_hold(format: RawFormat, cfa: &Cfa) -> Result<(), Invalid> {
             let message = format!("PGM and PPM have no pixels of {} numbers", cfa.samples_per_pixel());
             Err(Invalid::new("raw", message).help("write raw = [\"tiff\"] or [\"npy\"], which hold any channels"))
         }
-        RawFormat::Pgm | RawFormat::Tiff | RawFormat::Npy => Ok(()),
+        RawFormat::Pgm | RawFormat::Tiff | RawFormat::Npy | RawFormat::Exr => Ok(()),
     }
 }
 

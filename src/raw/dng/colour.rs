@@ -7,6 +7,7 @@ use tiff::TiffResult;
 use tiff::encoder::SRational;
 
 use super::{Ifd, tag};
+use crate::colour::adaptation::bradford;
 use crate::raw::RawMetadata;
 use crate::raw::rational::{rational, srational};
 use crate::spectrum::{cie, illuminant};
@@ -15,14 +16,16 @@ use crate::spectrum::{cie, illuminant};
 const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
 
 pub(super) fn write<W: Write + Seek>(metadata: &RawMetadata, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
-    // D65 comes first because many developers use the first matrix only.
     let [d65, a] = [cie::xyz(illuminant::d65()), cie::xyz(&illuminant::a())];
     let first = [tag::COLOR_MATRIX_1, tag::CALIBRATION_ILLUMINANT_1, tag::FORWARD_MATRIX_1, tag::CAMERA_CALIBRATION_1];
     let second = [tag::COLOR_MATRIX_2, tag::CALIBRATION_ILLUMINANT_2, tag::FORWARD_MATRIX_2, tag::CAMERA_CALIBRATION_2];
-    for (matrix, light, white, [matrix_tag, light_tag, forward_tag, calibration_tag]) in [
-        (&metadata.colour_matrix_d65, tag::D65, d65, first),
-        (&metadata.colour_matrix_a, tag::STANDARD_LIGHT_A, a, second),
-    ] {
+    // Developers that use one matrix only look for that of D65; dcraw takes the last.
+    let places = if metadata.colour_matrix_a.is_some() { [first, second] } else { [second, first] };
+    for ((matrix, light, white), [matrix_tag, light_tag, forward_tag, calibration_tag]) in
+        [(&metadata.colour_matrix_a, tag::STANDARD_LIGHT_A, a), (&metadata.colour_matrix_d65, tag::D65, d65)]
+            .into_iter()
+            .zip(places)
+    {
         let Some(matrix) = matrix else { continue };
         ifd.write_tag(matrix_tag, &entries(matrix.as_flattened())[..])?;
         ifd.write_tag(light_tag, light)?;
@@ -51,14 +54,8 @@ fn forward_matrix(colour_matrix: &[[f64; 3]], white: [f64; 3]) -> Option<DMat3> 
     let rows: [[f64; 3]; 3] = colour_matrix.try_into().ok()?;
     let from_xyz = DMat3::from_cols_array_2d(&rows).transpose();
     let white = DVec3::from_array(white) / white[1];
-    let forward = adaptation(white, D50) * from_xyz.inverse() * DMat3::from_diagonal(from_xyz * white);
+    let forward = bradford(white, D50) * from_xyz.inverse() * DMat3::from_diagonal(from_xyz * white);
     forward.is_finite().then_some(forward)
-}
-
-/// XYZ seen under one white → XYZ that looks the same under another: the Bradford transform.
-fn adaptation(from: DVec3, to: DVec3) -> DMat3 {
-    let cones = DMat3::from_cols_array(&[0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296]);
-    cones.inverse() * DMat3::from_diagonal((cones * to) / (cones * from)) * cones
 }
 
 #[cfg(test)]

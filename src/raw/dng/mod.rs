@@ -1,9 +1,9 @@
 //! DNG files: the picture with everything that a raw developer wants to know, after the Digital Negative specification
 //! ([Dng16](crate::references#dng16)), which the names of the tags come from.
 //!
-//! In: a [`RawImage`]. Out: a file of three directories, as the specification recommends: a thumbnail that any TIFF
-//! reader shows, which also carries what holds for the whole picture; beneath it the raw picture; and EXIF. No date is
-//! written, so that the same picture gives the same bytes.
+//! In: a [`RawImage`]. Out: a file of four directories, as the specification recommends: a thumbnail that any TIFF
+//! reader shows, which also carries what holds for the whole picture; beneath it the raw picture and a larger picture
+//! for viewers, as JPEG; and EXIF. No date is written, so that the same picture gives the same bytes.
 //!
 //! | layout | is written as |
 //! |---|---|
@@ -15,6 +15,7 @@ mod colour;
 mod filters;
 mod numbers;
 mod opcodes;
+mod openable;
 mod read;
 mod read_numbers;
 mod tag;
@@ -24,7 +25,7 @@ mod xmp;
 
 use std::io::{self, Seek, Write};
 
-use tiff::encoder::{DirectoryEncoder, Rational, SRational, TiffEncoder, TiffKindStandard};
+use tiff::encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKindStandard};
 use tiff::tags::{Tag, Type};
 use tiff::{Directory, TiffResult};
 
@@ -34,6 +35,7 @@ use super::{Area, Cfa, RawImage, thumbnail};
 use crate::Invalid;
 
 pub use numbers::DngCompression;
+pub(super) use read::is_dng;
 pub use read::read_dng;
 
 type Ifd<'a, W> = DirectoryEncoder<'a, W, TiffKindStandard>;
@@ -73,20 +75,29 @@ fn write_directories<W: Write + Seek>(
     write_levels(raw, &mut ifd)?;
     write_lens(raw, &mut ifd)?;
     let picture = ifd.finish_with_offsets()?;
+    let mut preview = file.extra_directory()?;
+    let shown = raw.linear().cropped();
+    numbers::write_preview(&thumbnail::thumbnail(&shown, PREVIEW_SIDE), &mut preview)?;
+    let preview = preview.finish_with_offsets()?;
     let mut exif = file.extra_directory()?;
     write_exif(raw, &mut exif)?;
     let exif = exif.finish_with_offsets()?;
     let mut main = file.image_directory()?;
-    main.write_tag(Tag::SubIfd, picture.offset)?;
+    main.write_tag(Tag::SubIfd, &[picture.offset, preview.offset][..])?;
     main.write_tag(Tag::ExifDirectory, exif.offset)?;
+    numbers::write_thumbnail(&thumbnail::thumbnail(&shown, THUMBNAIL_SIDE), &mut main)?;
     write_main(raw, compression, &mut main)?;
     main.finish()
 }
 
-/// The thumbnail, and what holds for the file as a whole.
+/// Longer side of the picture that file browsers show, pixels.
+const THUMBNAIL_SIDE: usize = 256;
+/// Longer side of the picture that viewers show, pixels.
+const PREVIEW_SIDE: usize = 1024;
+
+/// What holds for the file as a whole.
 fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
     let metadata = &raw.metadata;
-    numbers::write_thumbnail(&thumbnail::thumbnail(&raw.linear().cropped()), ifd)?;
     ifd.write_tag(Tag::NewSubfileType, tag::REDUCED)?;
     ifd.write_tag(Tag::XResolution, Rational { n: 72, d: 1 })?;
     ifd.write_tag(Tag::YResolution, Rational { n: 72, d: 1 })?;
@@ -100,7 +111,7 @@ fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd:
     ifd.write_tag(tag::DNG_VERSION, &[1u8, 7, 0, 0][..])?;
     ifd.write_tag(tag::DNG_BACKWARD_VERSION, &[1u8, needed, 0, 0][..])?;
     write_text(ifd, tag::UNIQUE_CAMERA_MODEL, &format!("photosite {}", metadata.camera_model))?;
-    ifd.write_tag(tag::BASELINE_EXPOSURE, SRational { n: 0, d: 1 })?;
+    ifd.write_tag(tag::BASELINE_EXPOSURE, srational(metadata.baseline_exposure_ev))?;
     let packet = xmp::packet(metadata);
     ifd.write_tag(tag::XMP, packet.as_bytes())?;
     pad(ifd, packet.len())?;

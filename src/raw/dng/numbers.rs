@@ -4,10 +4,13 @@ use std::io::{self, Seek, Write};
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use tiff::TiffResult;
+use tiff::encoder::Rational;
 use tiff::tags::{PhotometricInterpretation, PlanarConfiguration, Tag};
 
 use super::{Ifd, tag};
@@ -21,6 +24,8 @@ pub enum DngCompression {
     /// 16 bits each.
     #[default]
     None,
+    /// As many bits each as the largest needs, without gaps.
+    Packed,
     /// Lossless JPEG, which every developer reads.
     LosslessJpeg,
     /// zlib. DNG allows it for floating-point numbers and not for those of 16 bits, so they are written as such; some
@@ -28,6 +33,8 @@ pub enum DngCompression {
     Deflate,
 }
 
+/// Quality of previews, 1–100.
+const PREVIEW_QUALITY: u8 = 85;
 /// Most pixels along a side of a tile.
 const TILE: usize = 512;
 /// TIFF wants the sides of tiles to be multiples of this.
@@ -41,7 +48,15 @@ pub(super) fn write<W: Write + Seek>(
     let samples = raw.cfa.samples_per_pixel();
     let photometric = if raw.cfa.is_mono() || raw.cfa.is_full() { tag::LINEAR_RAW } else { tag::COLOR_FILTER_ARRAY };
     match compression {
-        DngCompression::None => write_strip(ifd, [raw.width, raw.height], 16, samples, photometric, &raw.data[..]),
+        DngCompression::None => {
+            let bytes = 2 * raw.data.len();
+            write_strip(ifd, [raw.width, raw.height], 16, samples, photometric, &raw.data[..], bytes)
+        }
+        DngCompression::Packed => {
+            let bits = bits_needed(raw);
+            let bytes = packed(&raw.data, raw.row_length(), bits);
+            write_strip(ifd, [raw.width, raw.height], bits, samples, photometric, &bytes[..], bytes.len())
+        }
         DngCompression::LosslessJpeg => {
             write_tiles(raw, ifd, |numbers, row_length| {
                 // The like of a pixel in a mosaic is the one after the next.
@@ -61,10 +76,64 @@ pub(super) fn write<W: Write + Seek>(
 
 pub(super) fn write_thumbnail<W: Write + Seek>(thumbnail: &Thumbnail, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
     let rgb = PhotometricInterpretation::RGB.to_u16();
-    write_strip(ifd, [thumbnail.width, thumbnail.height], 8, 3, rgb, &thumbnail.rgb[..])
+    let size = [thumbnail.width, thumbnail.height];
+    write_strip(ifd, size, 8, 3, rgb, &thumbnail.rgb[..], thumbnail.rgb.len())
 }
 
-/// The pixels in one strip, uncompressed.
+/// A picture as JPEG in sRGB.
+pub(super) fn write_preview<W: Write + Seek>(preview: &Thumbnail, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
+    let (width, height) = (u32::try_from(preview.width)?, u32::try_from(preview.height)?);
+    let mut jpeg = Vec::new();
+    let encoder = JpegEncoder::new_with_quality(&mut jpeg, PREVIEW_QUALITY);
+    encoder.write_image(&preview.rgb, width, height, ExtendedColorType::Rgb8).map_err(io::Error::other)?;
+    ifd.write_tag(Tag::NewSubfileType, tag::REDUCED)?;
+    let size = [preview.width, preview.height];
+    write_strip(ifd, size, 8, 3, PhotometricInterpretation::YCbCr.to_u16(), &jpeg[..], jpeg.len())?;
+    ifd.write_tag(Tag::Compression, tag::JPEG)?;
+    // As many numbers of colour as of light, in the middle of the pixel; both with their full range.
+    ifd.write_tag(tag::YCBCR_SUBSAMPLING, &[1u16, 1][..])?;
+    ifd.write_tag(tag::YCBCR_POSITIONING, 1u16)?;
+    let range = [0, 255, 128, 255, 128, 255].map(|n| Rational { n, d: 1 });
+    ifd.write_tag(tag::REFERENCE_BLACK_WHITE, &range[..])?;
+    ifd.write_tag(tag::PREVIEW_COLOR_SPACE, tag::SRGB)
+}
+
+/// Bits that hold every number, and as many as the converter has.
+fn bits_needed(raw: &RawImage) -> u16 {
+    let largest = raw.data.par_iter().copied().max().unwrap_or(0);
+    // dcraw takes 8 bits without a mosaic for a picture that was developed already.
+    let least = if raw.cfa.is_mono() || raw.cfa.is_full() { 9 } else { 8 };
+    (u16::BITS - largest.leading_zeros()).max(raw.bits).clamp(least, 16) as u16
+}
+
+/// Rows of numbers of so many bits, the most significant bit first; each row begins with a byte. 16 bits are in the
+/// order of the machine, which is that of the file.
+fn packed(numbers: &[u16], row_length: usize, bits: u16) -> Vec<u8> {
+    let bits = usize::from(bits);
+    let row_bytes = (row_length * bits).div_ceil(8);
+    let mut bytes = vec![0; row_bytes * (numbers.len() / row_length)];
+    bytes.par_chunks_exact_mut(row_bytes).zip(numbers.par_chunks_exact(row_length)).for_each(|(to, row)| {
+        if bits == 16 {
+            to.as_chunks_mut().0.iter_mut().zip(row).for_each(|(to, number)| *to = number.to_ne_bytes());
+            return;
+        }
+        let (mut waiting, mut count) = (0u32, 0);
+        let mut to = to.iter_mut();
+        for &number in row {
+            waiting = waiting << bits | u32::from(number);
+            count += bits;
+            while count >= 8 {
+                count -= 8;
+                to.by_ref().take(1).for_each(|byte| *byte = (waiting >> count) as u8);
+            }
+        }
+        // What is left is filled up with zeros.
+        to.for_each(|byte| *byte = (waiting << (8 - count)) as u8);
+    });
+    bytes
+}
+
+/// The pixels in one strip of so many bytes, uncompressed.
 fn write_strip<W: Write + Seek, T: ?Sized>(
     ifd: &mut Ifd<'_, W>,
     [width, height]: [usize; 2],
@@ -72,12 +141,12 @@ fn write_strip<W: Write + Seek, T: ?Sized>(
     samples: usize,
     photometric: u16,
     pixels: &T,
+    bytes: usize,
 ) -> TiffResult<()>
 where
     for<'t> &'t T: tiff::encoder::TiffValue,
 {
     let offset = ifd.write_data(pixels)?;
-    let bytes = width * height * samples * usize::from(bits / 8);
     super::align(ifd, bytes)?;
     ifd.write_tag(Tag::StripOffsets, u32::try_from(offset)?)?;
     ifd.write_tag(Tag::StripByteCounts, u32::try_from(bytes)?)?;

@@ -10,14 +10,15 @@ use tiff::decoder::ifd::Value;
 use tiff::tags::Tag;
 use tiff::{Directory, TiffError};
 
+use super::openable::{Openable, open};
 use super::{filters, opcodes, read_numbers, tag};
 use crate::Invalid;
 use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata, bits_for};
 
 /// Reads a DNG file.
 pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
-    let mut file = Tags { decoder: Decoder::new(from).map_err(unreadable)? };
-    let Some(pointer) = file.decoder.ifd_pointer() else { return Err(Invalid::new("", "the file is empty")) };
+    let (decoder, pointer) = open(from).map_err(unreadable)?;
+    let mut file = Tags { decoder };
     let main = file.decoder.read_directory(pointer).map_err(unreadable)?;
     let beneath = if file.is_picture(&main)? { None } else { Some(file.find_picture(&main)?) };
     let picture = beneath.as_ref().unwrap_or(&main);
@@ -55,13 +56,22 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     })
 }
 
+/// Whether a TIFF file says in its first directory that it is DNG.
+pub(in crate::raw) fn is_dng<R: Read + Seek>(from: R) -> bool {
+    let version = open(from).and_then(|(mut decoder, pointer)| {
+        let main = decoder.read_directory(pointer)?;
+        decoder.read_directory_tags(&main).find_tag(tag::DNG_VERSION)
+    });
+    matches!(version, Ok(Some(_)))
+}
+
 pub(super) fn unreadable(error: TiffError) -> Invalid {
     Invalid::new("", format!("cannot read it as TIFF: {error}"))
 }
 
 /// A file whose tags can be asked for.
 pub(super) struct Tags<R: Read + Seek> {
-    pub(super) decoder: Decoder<R>,
+    pub(super) decoder: Decoder<Openable<R>>,
 }
 
 impl<R: Read + Seek> Tags<R> {
@@ -229,6 +239,7 @@ impl<R: Read + Seek> Tags<R> {
             colour_matrix_a: a,
             as_shot_neutral: (!neutral.is_empty()).then_some(neutral),
             noise_profile: noise.as_chunks::<2>().0.to_vec(),
+            baseline_exposure_ev: self.number(main, tag::BASELINE_EXPOSURE)?.filter(|ev| ev.is_finite()).unwrap_or(0.0),
             gain_map: opcodes::read_gain_map(&self.bytes(picture, tag::OPCODE_LIST_2)?, size),
             warp: opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?),
         })

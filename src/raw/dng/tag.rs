@@ -2,6 +2,9 @@
 
 use tiff::tags::Tag;
 
+pub(super) const YCBCR_SUBSAMPLING: Tag = Tag::Unknown(530);
+pub(super) const YCBCR_POSITIONING: Tag = Tag::Unknown(531);
+pub(super) const REFERENCE_BLACK_WHITE: Tag = Tag::Unknown(532);
 pub(super) const XMP: Tag = Tag::Unknown(700);
 pub(super) const CFA_REPEAT_PATTERN_DIM: Tag = Tag::Unknown(33421);
 pub(super) const CFA_PATTERN: Tag = Tag::Unknown(33422);
@@ -41,6 +44,7 @@ pub(super) const ACTIVE_AREA: Tag = Tag::Unknown(50829);
 pub(super) const MASKED_AREAS: Tag = Tag::Unknown(50830);
 pub(super) const FORWARD_MATRIX_1: Tag = Tag::Unknown(50964);
 pub(super) const FORWARD_MATRIX_2: Tag = Tag::Unknown(50965);
+pub(super) const PREVIEW_COLOR_SPACE: Tag = Tag::Unknown(50970);
 pub(super) const OPCODE_LIST_2: Tag = Tag::Unknown(51009);
 pub(super) const OPCODE_LIST_3: Tag = Tag::Unknown(51022);
 pub(super) const NOISE_PROFILE: Tag = Tag::Unknown(51041);
@@ -64,6 +68,8 @@ pub(super) const FLOATING_POINT: u16 = 3;
 /// SampleFormat of floating-point numbers.
 pub(super) const FLOAT: u16 = 3;
 
+/// PreviewColorSpace of sRGB.
+pub(super) const SRGB: u32 = 2;
 /// EXIF's number for D65 as a light source.
 pub(super) const D65: u16 = 21;
 /// EXIF's number for CIE illuminant A.

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::raw::{BlackLevel, GainMap, RawMetadata, Warp, write_tiff};
 
-const COMPRESSIONS: [DngCompression; 3] = [DngCompression::None, DngCompression::LosslessJpeg, DngCompression::Deflate];
+const COMPRESSIONS: [DngCompression; 4] =
+    [DngCompression::None, DngCompression::Packed, DngCompression::LosslessJpeg, DngCompression::Deflate];
 
 fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
     let cfa = Cfa::parse(cfa).expect("known");
@@ -30,6 +31,7 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
             colour_matrix_a: colour.then(|| matrix(1.5)),
             as_shot_neutral: colour.then(|| (0..channels).map(|c| 1.0 / (c + 1) as f64).collect()),
             noise_profile: vec![[1e-4, 2e-7]; channels],
+            baseline_exposure_ev: 0.75,
             gain_map: colour.then(|| GainMap::new(3, 2, vec![1.5, 1.25, 1.5, 1.75, 1.0, 1.5]).expect("6 gains")),
             warp: colour.then_some(Warp {
                 radial: [1.0, -0.1, 0.02, 0.0],
@@ -111,6 +113,67 @@ fn masked_pixels_and_black_levels_come_back() {
 }
 
 #[test]
+fn numbers_are_packed_into_as_many_bits_as_they_need() {
+    for (bits, largest, row_bytes) in [(8, 255, 37), (10, 1023, 47), (12, 4095, 56), (10, 1024, 51), (12, 65_535, 74)] {
+        let mut raw = picture("RGGB", 37, 23);
+        (raw.bits, raw.white_level_dn) = (bits, (1 << bits) - 1);
+        raw.data.iter_mut().for_each(|dn| *dn %= largest);
+        raw.data[100] = largest;
+        let [plain, packed] = [DngCompression::None, DngCompression::Packed].map(|c| file(&raw, c));
+        // What follows begins at a multiple of four bytes.
+        let less = (plain.len() - packed.len()) as i64;
+        assert!((less - (2 * 37 - row_bytes) * 23).abs() < 4, "{bits} bits: {less} bytes less");
+        assert_eq!(read(&packed).expect("read").data, raw.data, "{bits} bits");
+    }
+}
+
+#[test]
+fn mosaics_in_the_first_directory_are_read() {
+    // As telephones and tools write them: 2 × 2 pixels of 16 bits.
+    for big_endian in [false, true] {
+        let short = |n: u16| if big_endian { n.to_be_bytes() } else { n.to_le_bytes() };
+        let long = |n: u32| if big_endian { n.to_be_bytes() } else { n.to_le_bytes() };
+        let shorts = |values: &[u16]| {
+            let mut bytes = values.iter().flat_map(|&n| short(n)).collect::<Vec<u8>>();
+            bytes.resize(4, 0);
+            (3u16, values.len() as u32, bytes)
+        };
+        let bytes = |values: [u8; 4]| (1u16, 4u32, values.to_vec());
+        let entries = [
+            (256, shorts(&[2])),
+            (257, shorts(&[2])),
+            (258, shorts(&[16])),
+            (259, shorts(&[1])),
+            (262, shorts(&[32_803])),
+            (273, shorts(&[8])),
+            (277, shorts(&[1])),
+            (279, shorts(&[8])),
+            (33_421, shorts(&[2, 2])),
+            (33_422, bytes([2, 1, 1, 0])),
+            (50_706, bytes([1, 4, 0, 0])),
+            (50_714, shorts(&[16])),
+            (50_717, shorts(&[1023])),
+        ];
+        let mut file = if big_endian { b"MM\0*".to_vec() } else { b"II*\0".to_vec() };
+        file.extend(long(16));
+        file.extend([10, 200, 3000, 40].map(short).as_flattened());
+        file.extend(short(entries.len() as u16));
+        for (tag, (kind, count, value)) in &entries {
+            file.extend([short(*tag), short(*kind)].as_flattened());
+            file.extend(long(*count));
+            file.extend(value);
+        }
+        file.extend(long(0));
+        let raw = read(&file).expect("a DNG file");
+        assert_eq!((raw.width, raw.height, &raw.data[..]), (2, 2, &[10, 200, 3000, 40][..]));
+        assert_eq!((raw.cfa.to_string(), raw.white_level_dn), ("BGGR".to_owned(), 1023));
+        for length in 0..file.len() {
+            assert!(read(&file[..length]).is_err(), "cut to {length} bytes");
+        }
+    }
+}
+
+#[test]
 fn clear_filters_come_back_as_white() {
     let found = read(&file(&picture("rccb", 8, 6), DngCompression::None)).expect("read");
     assert_eq!(found.cfa, Cfa::parse("RWWB").expect("a tile").clone());
@@ -172,7 +235,7 @@ proptest! {
     #[test]
     fn files_damaged_in_several_places_are_no_panics(
         cfa in 0..LAYOUTS.len(),
-        compression in 0usize..3,
+        compression in 0..COMPRESSIONS.len(),
         changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12),
         cut in any::<prop::sample::Index>(),
     ) {

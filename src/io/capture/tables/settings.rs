@@ -3,9 +3,10 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::develop::RawLayout;
 use crate::io::capture::settings::RawFormat;
 use crate::raw::DngCompression;
-use crate::sensor::Stage;
+use crate::sensor::{BinningMethod, Stage};
 
 /// How long, at what gain and temperature.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -34,10 +35,23 @@ pub(crate) struct ExposureTable {
     pub(crate) iso: Option<f64>,
     /// Temperature of the sensor, °C. Left out: 25.
     pub(crate) temperature_c: Option<f64>,
+    /// Exposures of the same light in steps of so many EV from the time, such as [-4, 0, 4], each a raw file of its own with
+    /// noise of its own; hdr.exr merges them.
+    pub(crate) bracket_ev: Option<Vec<f64>>,
+    /// The same by the times themselves, s, in place of time_s; the one in the middle takes its place.
+    pub(crate) bracket_times_s: Option<Vec<f64>>,
     /// How many pictures to take of the same light. Left out: 1.
     pub(crate) frames: Option<u32>,
     /// Time from the start of one picture to that of the next, s. Left out: one exposure follows another.
     pub(crate) frame_interval_s: Option<f64>,
+    /// The part of the sensor that is read out: [first column, first row, columns, rows]. Light is traced and metered for
+    /// all of it, so that `photosite expose` can read out another. Left out: all, with covered pixels.
+    pub(crate) region_px: Option<[usize; 4]>,
+    /// Columns and rows of pixels of one colour that are read out as one, such as [2, 2]. Left out: [1, 1].
+    pub(crate) binning: Option<[usize; 2]>,
+    /// How: "charge" adds electrons before they are read out, "sum" numbers, "mean" takes the mean of numbers. Left out:
+    /// "charge" for a CCD, else "mean".
+    pub(crate) binning_method: Option<BinningMethod>,
     /// The stages of the sensor that take part, such as ["shot-noise"] to see that noise alone; [] for none. Left out:
     /// all.
     pub(crate) stages: Option<Vec<Stage>>,
@@ -81,9 +95,15 @@ pub(crate) enum SamplerName {
 pub(crate) struct OutputTable {
     /// Formats of the raw picture. Left out: ["dng"].
     pub(crate) raw: Option<Vec<RawFormat>>,
-    /// How DNG files are compressed, always without loss: "none", "lossless-jpeg", which every developer reads, or
-    /// "deflate", for which numbers become floating-point ones. Left out: "none".
+    /// How DNG files are compressed, always without loss: "none"; "packed", with no more bits than numbers need;
+    /// "lossless-jpeg", which every developer reads; or "deflate", for which numbers become floating-point ones. Left out:
+    /// "none".
     pub(crate) dng_compression: Option<DngCompression>,
+    /// By how much developers, this one among them, are to brighten a DNG file unasked, EV (BaselineExposure). Left out: 0.
+    pub(crate) dng_baseline_exposure_ev: Option<f64>,
+    /// The filters that raw files tell of: those of the "sensor"; a "bayer" mosaic made from blocks of pixels of one colour
+    /// (Quad Bayer); or red, green and blue at every pixel, "linear", made from any mosaic of them. Left out: "sensor".
+    pub(crate) raw_layout: Option<RawLayout>,
     /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Left out: false.
     pub(crate) irradiance: Option<IrradianceSource>,
     /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise, mosaic

@@ -303,7 +303,7 @@ fn settings_are_as_written() {
         sampler = "independent"
         seed = 18446744073709551615
         [output]
-        raw = ["dng", "tiff", "pgm", "npy"]
+        raw = ["dng", "tiff", "pgm", "npy", "exr"]
         irradiance = { bands_nm = [400, 720, 20] }
         electrons = false
         preview_interval_s = 0
@@ -317,7 +317,7 @@ fn settings_are_as_written() {
     assert_eq!((render.noise_target, render.sampler), (Some(0.2), SamplerKind::Independent));
     assert_eq!(render.time_limit, Some(std::time::Duration::from_millis(1500)));
     let output = capture.output;
-    assert_eq!(output.raw, [RawFormat::Dng, RawFormat::Tiff, RawFormat::Pgm, RawFormat::Npy]);
+    assert_eq!(output.raw, [RawFormat::Dng, RawFormat::Tiff, RawFormat::Pgm, RawFormat::Npy, RawFormat::Exr]);
     assert!(!output.electrons && output.preview_interval.is_none());
     let bands = output.irradiance.expect("asked for");
     assert_eq!(

@@ -1,0 +1,142 @@
+//! `photosite merge-hdr`: raw pictures of a bracket become one map of the light.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use photosite::develop::merge::merge;
+use photosite::develop::{DevelopSettings, Development, develop_merged};
+use photosite::io::capture::read_develop_settings;
+use photosite::io::developed::{PictureFormat, write_hdr};
+use photosite::io::output::write_whole;
+use photosite::units::Seconds;
+use photosite::{Error, Invalid, Result};
+use serde::Serialize;
+
+use super::{print_json, rounded};
+
+/// Merge raw files that were exposed for different times to a linear picture of their common light.
+///
+/// Times, and the noise by which the pictures are weighted, are what the DNG files state. The picture is developed by the table
+/// [develop] but for its tone curve; 1 is saturation in the longest exposure, above which the shorter ones reach.
+#[derive(Args)]
+pub(super) struct MergeHdrArgs {
+    /// Two or more DNG files of the same light, aperture and speed.
+    #[arg(required = true)]
+    raw: Vec<PathBuf>,
+    /// The picture, an .exr file.
+    #[arg(short, long, value_name = "FILE", default_value = "hdr.exr")]
+    output: PathBuf,
+    /// Take the table [develop] of this capture file.
+    #[arg(long, value_name = "FILE")]
+    capture: Option<PathBuf>,
+    /// Change a key of that table, for example --set develop.colour_space=acescg.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Print what was done as JSON on standard output.
+    #[arg(long)]
+    json: bool,
+    /// Overwrite the picture if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+/// The object that `--json` prints.
+#[derive(Serialize)]
+struct Report<'a> {
+    photosite_version: &'static str,
+    raw: Vec<String>,
+    picture: String,
+    resolution_px: [usize; 2],
+    shortest_s: f64,
+    longest_s: f64,
+    /// Numbers that are saturated in every exposure.
+    saturated: usize,
+    settings: &'a DevelopSettings,
+    #[serde(flatten)]
+    development: Development,
+    warnings: Vec<String>,
+    timings: Timings,
+}
+
+#[derive(Serialize)]
+struct Timings {
+    load_s: f64,
+    merge_s: f64,
+    write_s: f64,
+}
+
+pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
+    if PictureFormat::of(&args.output)? != PictureFormat::Exr {
+        return Err(Error::Usage {
+            message: format!("{} cannot hold the range of a bracket", args.output.display()),
+            help: Some("give a name that ends with .exr".to_owned()),
+        });
+    }
+    let (settings, source) = read_develop_settings(args.capture.as_deref(), &args.overrides)?;
+    if args.output.exists() && !args.force {
+        return Err(Error::Usage {
+            message: format!("{} exists already", args.output.display()),
+            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
+        });
+    }
+    let start = Instant::now();
+    let pictures = args.raw.iter().map(|path| photosite::raw::read(path)).collect::<Result<Vec<_>>>()?;
+    let load_s = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let merged = merge(&pictures).map_err(|invalid| of_picture(invalid, &args.raw))?;
+    drop(pictures);
+    let ([shortest_s, longest_s], saturated) = (merged.times_s, merged.saturated);
+    let mut warnings = Vec::new();
+    if !merged.noise_is_stated {
+        warnings.push("not all files state their noise (NoiseProfile); that of 10 000 electrons is assumed".to_owned());
+    }
+    let (planes, development) =
+        develop_merged(merged, &settings).map_err(|invalid| source.error(invalid.within("develop")))?;
+    let merge_s = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    write_whole(&args.output, |to| write_hdr(&planes, settings.colour_space, Seconds(longest_s), to))?;
+    if !args.quiet {
+        warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    }
+    let report = Report {
+        photosite_version: env!("CARGO_PKG_VERSION"),
+        raw: args.raw.iter().map(|path| path.display().to_string()).collect(),
+        picture: args.output.display().to_string(),
+        resolution_px: [planes.width(), planes.height()],
+        shortest_s,
+        longest_s,
+        saturated,
+        settings: &settings,
+        development,
+        warnings,
+        timings: Timings { load_s, merge_s, write_s: start.elapsed().as_secs_f64() },
+    };
+    if args.json {
+        return print_json(&report);
+    }
+    if !args.quiet {
+        eprintln!(
+            "merged {} pictures of {} to {} s in {} s; {saturated} numbers are saturated in all; wrote {}",
+            report.raw.len(),
+            rounded(shortest_s, 4),
+            rounded(longest_s, 4),
+            rounded(merge_s, 3),
+            report.picture
+        );
+    }
+    Ok(())
+}
+
+/// The error of the picture whose number its key begins with.
+fn of_picture(invalid: Invalid, paths: &[PathBuf]) -> Error {
+    let (number, key) = invalid.key.split_once('.').unwrap_or((&invalid.key, ""));
+    let Some(path) = number.parse::<usize>().ok().and_then(|number| paths.get(number)) else {
+        return Error::Usage { message: invalid.message, help: invalid.help };
+    };
+    Invalid { key: key.to_owned(), ..invalid.clone() }.in_file(path)
+}
