@@ -5,6 +5,7 @@ mod bsdf_cases;
 mod bsdf_energy;
 mod bsdf_fresnel;
 mod bsdf_gltf;
+mod bsdf_layered;
 mod bsdf_microfacet;
 mod bsdf_reciprocity;
 mod bsdf_robustness;
