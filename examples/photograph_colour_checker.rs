@@ -12,7 +12,7 @@ use photosite::image::Planes;
 use photosite::io::developed::{PictureFormat, write_encoded, write_png};
 use photosite::io::output::{create_folder, write_whole};
 use photosite::raw::{RawImage, write_dng};
-use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
+use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, Window, expose, presets};
 use photosite::spectrum::{Spectrum, illuminant, library};
 use photosite::units::{Celsius, Decibels, Seconds};
 
@@ -56,6 +56,7 @@ fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photos
         digital_gain: Decibels(0.0),
         temperature: Celsius(25.0),
         frame_interval: None,
+        window: Window::WHOLE,
     };
     let responses = sensor.responses();
     let electrons = |reflectance: &Spectrum| -> Vec<f64> {

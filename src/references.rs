@@ -97,6 +97,12 @@
 //! C. Kelemen, L. Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling",
 //! Eurographics short papers (2001).
 //!
+//! ## KullaConty17
+//! C. Kulla, A. Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course notes (2017).
+//!
+//! ## Estevez17
+//! A. Conty Estevez, C. Kulla, "Production Friendly Microfacet Sheen BRDF", SIGGRAPH course notes (2017).
+//!
 //! ## Gltf2
 //! Khronos Group, *glTF 2.0 Specification* (2021), ISO/IEC 12113:2022.
 //!

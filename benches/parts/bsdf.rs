@@ -5,7 +5,7 @@ use std::fmt;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::Vec3;
-use photosite::bsdf::{Bsdf, Ggx};
+use photosite::bsdf::{Bsdf, Ggx, Layered};
 use photosite::math::hash::{hash64, unit_f32};
 use photosite::math::warp;
 use photosite::spectrum::SampledSpectrum;
@@ -30,7 +30,7 @@ fn models() -> [Model; 6] {
     let model = |name, bsdf| Model { name, bsdf };
     let conductor = |distribution| Bsdf::Conductor { eta: spectrum(0.2), k: spectrum(3.0), distribution };
     let dielectric = |distribution| Bsdf::Dielectric { eta: spectrum(1.5), dispersive: false, distribution };
-    let coated = Bsdf::MetallicRoughness { base_colour: spectrum(0.5), metallic: 0.0, distribution: rough };
+    let coated = Bsdf::Layered(Layered { base_colour: spectrum(0.5), distribution: rough, ..Layered::default() });
     [
         model("diffuse", Bsdf::Diffuse { reflectance: spectrum(0.5) }),
         model("smooth conductor", conductor(smooth)),

@@ -7,7 +7,7 @@ use glam::{DAffine3, Vec3};
 use photosite::io::obj::{self, MissingNormals};
 use photosite::scene::description::{
     AlphaMode, Colour, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
-    SceneDescription,
+    SceneDescription, TexturedColour,
 };
 use photosite::spectrum::{Spectrum, library};
 
@@ -73,7 +73,7 @@ pub(crate) fn visible() -> Spectrum {
 fn diffuse(name: &str, reflectance: Colour) -> MaterialDescription {
     MaterialDescription {
         name: name.to_owned(),
-        model: MaterialModel::Diffuse { reflectance, texture: None },
+        model: MaterialModel::Diffuse { reflectance: TexturedColour::plain(reflectance) },
         normal_map: None,
         emission: None,
         alpha: AlphaMode::Opaque,

@@ -2,7 +2,7 @@
 
 use divan::{Bencher, black_box};
 use photosite::image::Planes;
-use photosite::sensor::{Exposure, NoiseKey, Stages, expose, presets};
+use photosite::sensor::{Exposure, NoiseKey, Stages, Window, expose, presets};
 use photosite::units::{Celsius, Decibels, Seconds};
 
 /// Light from none to a little above what the pixels hold, in all channels.
@@ -27,6 +27,7 @@ fn expose_24_megapixels(bencher: Bencher<'_, '_>, preset: &str) {
         digital_gain: Decibels(0.0),
         temperature: Celsius(25.0),
         frame_interval: None,
+        window: Window::WHOLE,
     };
     bencher.bench_local(|| black_box(expose(&mean_electrons, &sensor, &exposure, Stages::ALL, NoiseKey::default())));
 }

@@ -46,13 +46,13 @@ fn seen_from_above(eta: f32, wo: Vec3) -> (f32, Vec3) {
 }
 
 #[inline]
-fn mirrored(w: Vec3) -> Vec3 {
+pub(super) fn mirrored(w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, -w.z)
 }
 
 /// `value` for the hero, and for the other lanes unless the direction depends on wavelength.
 #[inline]
-fn lanes(value: f32, dispersive: bool) -> SampledSpectrum {
+pub(super) fn lanes(value: f32, dispersive: bool) -> SampledSpectrum {
     if dispersive { SampledSpectrum::from([value, 0.0, 0.0, 0.0]) } else { SampledSpectrum::splat(value) }
 }
 
@@ -68,16 +68,9 @@ pub(super) fn eval(eta: SampledSpectrum, dispersive: bool, distribution: Ggx, wo
         let reflectance = fresnel::dielectric(kernel.cos_facet, eta).reflectance;
         (kernel.value * reflectance, kernel.pdf * reflectance)
     } else {
-        let sum = wo + eta * wi;
-        let stretch = sum.length();
-        let m = sum / stretch.copysign(sum.z);
-        let (cos_o, cos_i) = (wo.dot(m), -wi.dot(m));
-        // Facets that show wo or wi their back; also the undefined m of a vanishing sum.
-        if !(cos_o > 0.0 && cos_i > 0.0) {
-            return BsdfEval::ZERO;
-        }
-        let transmittance = fresnel::between(cos_o.min(1.0), cos_i.min(1.0), eta).transmittance;
-        refraction(distribution, wo, wi, &Refraction { eta, m, cos_o, cos_i, stretch, transmittance })
+        let Some(facet) = Refraction::between(eta, wo, wi) else { return BsdfEval::ZERO };
+        let transmittance = fresnel::between(facet.cos_o.min(1.0), facet.cos_i.min(1.0), eta).transmittance;
+        refraction(distribution, wo, wi, &Refraction { transmittance, ..facet })
     };
     BsdfEval { f: lanes(f, dispersive), pdf: Pdf::new(pdf) }
 }
@@ -157,19 +150,8 @@ fn sample_rough(
         let sample = BsdfSample::reflected(f, wi, Pdf::new(kernel.pdf * reflectance));
         return Some(BsdfSample { terminates_secondary: dispersive, ..sample });
     }
-    let wi = (cos_o / eta - cos_transmitted) * m - wo / eta;
-    if wi.z >= -GRAZING {
-        return None;
-    }
-    let facet = Refraction {
-        eta,
-        m,
-        cos_o,
-        cos_i: cos_transmitted,
-        stretch: (cos_o - eta * cos_transmitted).abs(),
-        transmittance,
-    };
-    let (f, pdf) = refraction(distribution, wo, wi, &facet);
+    let (facet, wi) = Refraction::by(eta, wo, m, cos_o, cos_transmitted)?;
+    let (f, pdf) = refraction(distribution, wo, wi, &Refraction { transmittance, ..facet });
     (pdf > 0.0).then(|| BsdfSample {
         f: lanes(f, dispersive),
         wi,
@@ -182,25 +164,70 @@ fn sample_rough(
 }
 
 /// A facet that refracts `wo` into `wi`.
-struct Refraction {
+pub(super) struct Refraction {
     /// n on the side of wi over n on the side of wo.
-    eta: f32,
+    pub(super) eta: f32,
     /// The facet's normal, on the side of wo.
-    m: Vec3,
+    pub(super) m: Vec3,
     /// wo·m.
-    cos_o: f32,
+    pub(super) cos_o: f32,
     /// −wi·m.
-    cos_i: f32,
+    pub(super) cos_i: f32,
     /// |wo + η·wi| = |wo·m + η·wi·m|.
-    stretch: f32,
+    pub(super) stretch: f32,
     /// 1 − F.
-    transmittance: f32,
+    pub(super) transmittance: f32,
+}
+
+impl Refraction {
+    /// The facet that refracts `wo`, above it, into `wi`, below it. None where facets show either direction their back,
+    /// and for the undefined facet of a vanishing sum. The transmittance is left at 1.
+    #[inline]
+    pub(super) fn between(eta: f32, wo: Vec3, wi: Vec3) -> Option<Self> {
+        let sum = wo + eta * wi;
+        let stretch = sum.length();
+        let m = sum / stretch.copysign(sum.z);
+        let (cos_o, cos_i) = (wo.dot(m), -wi.dot(m));
+        (cos_o > 0.0 && cos_i > 0.0).then_some(Self { eta, m, cos_o, cos_i, stretch, transmittance: 1.0 })
+    }
+
+    /// Refraction of `wo` by the facet of normal `m`: the facet and `wi`. None where it would not lie below the surface.
+    /// The transmittance is left at 1.
+    #[inline]
+    pub(super) fn by(eta: f32, wo: Vec3, m: Vec3, cos_o: f32, cos_transmitted: f32) -> Option<(Self, Vec3)> {
+        let wi = (cos_o / eta - cos_transmitted) * m - wo / eta;
+        let stretch = (cos_o - eta * cos_transmitted).abs();
+        let facet = Self { eta, m, cos_o, cos_i: cos_transmitted, stretch, transmittance: 1.0 };
+        // A facet seen edge-on has no side that it refracts to.
+        (cos_o > 0.0 && cos_transmitted > 0.0 && wi.z < -GRAZING).then_some((facet, wi))
+    }
+}
+
+/// The part of the power from `wo`, above the surface, that leaves after one bounce at the facet drawn by `u`.
+pub(super) fn single_bounce(eta: f32, distribution: Ggx, wo: Vec3, u: [f32; 2]) -> f32 {
+    let m = distribution.sample_visible(wo, u);
+    let cos_o = wo.dot(m).clamp(0.0, 1.0);
+    let Interface { reflectance, transmittance, cos_transmitted } = fresnel::dielectric(cos_o, eta);
+    let mut power = 0.0;
+    let wi = microfacet::reflect(wo, m);
+    if wi.z > GRAZING {
+        let kernel = distribution.reflection_at(wo, wi, m);
+        power += reflectance * kernel.value * wi.z / kernel.pdf;
+    }
+    if let Some((facet, wi)) = Refraction::by(eta, wo, m, cos_o, cos_transmitted) {
+        let (f, pdf) = refraction(distribution, wo, wi, &facet);
+        // Where facets are seen edge-on both vanish.
+        if pdf > 0.0 {
+            power += transmittance * eta * eta * f * -wi.z / pdf;
+        }
+    }
+    power
 }
 
 /// Value and density of refraction, with dm/dwi = η²·|wi·m|/(wo·m + η·wi·m)²
 /// ([Walter07](crate::references#walter07) eq. 17). No cosine to the surface is divided by: see [`microfacet`].
 #[inline]
-fn refraction(distribution: Ggx, wo: Vec3, wi: Vec3, facet: &Refraction) -> (f32, f32) {
+pub(super) fn refraction(distribution: Ggx, wo: Vec3, wi: Vec3, facet: &Refraction) -> (f32, f32) {
     let &Refraction { eta, m, cos_o, cos_i, stretch, transmittance } = facet;
     let seen = wo.z + distribution.stretched_length(wo);
     let lit = -wi.z + distribution.stretched_length(wi);

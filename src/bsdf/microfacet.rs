@@ -76,6 +76,12 @@ impl Ggx {
         self.alpha_x.max(self.alpha_y)
     }
 
+    /// The geometric mean of both α.
+    #[inline]
+    pub(super) fn mean_alpha(&self) -> f32 {
+        if self.alpha_x == self.alpha_y { self.alpha_x } else { (self.alpha_x * self.alpha_y).sqrt() }
+    }
+
     /// Area of facets per unit of surface whose normal is `m`, sr⁻¹:
     /// D(m) = 1/(π·α_x·α_y·(m_x²/α_x² + m_y²/α_y² + m_z²)²) ([Heitz18](crate::references#heitz18) eq. 1).
     /// Normalised so that ∫ D(m)·m_z dm = 1. `m` is a unit vector with m_z ≥ 0. Not for a smooth surface.

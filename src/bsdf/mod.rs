@@ -11,26 +11,27 @@
 //! | [`Bsdf::Diffuse`] | `diffuse` | Lambert |
 //! | [`Bsdf::Conductor`] | `conductor` | mirror or GGX reflection, exact Fresnel |
 //! | [`Bsdf::Dielectric`] | `dielectric` | mirror or GGX reflection and refraction, exact Fresnel |
-//! | [`Bsdf::MetallicRoughness`] | `metallic_roughness` | mirror or GGX reflection with Schlick's Fresnel, and Lambert under it |
+//! | [`Bsdf::Layered`] | [`layered`] | glTF: coat, sheen, facets, and a metallic, coloured or clear base |
 //!
 //! [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
 //!
-//! All but the dielectric scatter above the surface only: they are black from behind. The integrator turns the frame
+//! What refracts is seen from both sides; all else is black from behind, though it may transmit light from there. The integrator turns the frame
 //! round where a surface has two equal sides, and guards against light that leaks through shading normals.
 
 pub mod fresnel;
+pub mod layered;
 pub mod microfacet;
 
 mod albedo;
 mod conductor;
 mod dielectric;
 mod diffuse;
-mod metallic_roughness;
 
 use glam::Vec3;
 
 use crate::math::{Pdf, SolidAngle};
 use crate::spectrum::SampledSpectrum;
+pub use layered::{Coat, Film, Layered, Sheen, Volume};
 pub use microfacet::Ggx;
 
 /// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are is
@@ -63,15 +64,8 @@ pub enum Bsdf {
         /// Roughness.
         distribution: Ggx,
     },
-    /// glTF's metal, coated base, or mixture.
-    MetallicRoughness {
-        /// 0–1.
-        base_colour: SampledSpectrum,
-        /// 0 coated base, 1 metal.
-        metallic: f32,
-        /// Roughness.
-        distribution: Ggx,
-    },
+    /// glTF's material.
+    Layered(Layered),
 }
 
 /// Value and density for a pair of directions. Zero for lobes that are a single direction.
@@ -138,9 +132,7 @@ impl Bsdf {
             Self::Dielectric { eta, dispersive, distribution } => {
                 dielectric::eval(eta, dispersive, distribution, wo, wi)
             }
-            Self::MetallicRoughness { base_colour, metallic, distribution } => {
-                metallic_roughness::eval(base_colour, metallic, distribution, wo, wi)
-            }
+            Self::Layered(ref layered) => layered.eval(wo, wi),
         }
     }
 
@@ -154,9 +146,7 @@ impl Bsdf {
             Self::Dielectric { eta, dispersive, distribution } => {
                 dielectric::sample(eta, dispersive, distribution, wo, u_lobe, u)
             }
-            Self::MetallicRoughness { base_colour, metallic, distribution } => {
-                metallic_roughness::sample(base_colour, metallic, distribution, wo, u_lobe, u)
-            }
+            Self::Layered(ref layered) => layered.sample(wo, u_lobe, u),
         }
     }
 
@@ -164,8 +154,9 @@ impl Bsdf {
     #[inline]
     pub fn transmits(&self) -> bool {
         match *self {
-            Self::Diffuse { .. } | Self::Conductor { .. } | Self::MetallicRoughness { .. } => false,
+            Self::Diffuse { .. } | Self::Conductor { .. } => false,
             Self::Dielectric { .. } => true,
+            Self::Layered(ref layered) => layered.transmits(),
         }
     }
 
@@ -176,9 +167,7 @@ impl Bsdf {
             Self::Diffuse { .. } => false,
             Self::Conductor { distribution, .. } => distribution.is_smooth(),
             Self::Dielectric { eta, distribution, .. } => dielectric::is_delta(eta, distribution),
-            Self::MetallicRoughness { metallic, distribution, .. } => {
-                metallic_roughness::is_delta(metallic, distribution)
-            }
+            Self::Layered(ref layered) => layered.is_delta(),
         }
     }
 
@@ -187,10 +176,11 @@ impl Bsdf {
     #[inline]
     pub fn needs_single_wavelength(&self) -> bool {
         match *self {
-            Self::Diffuse { .. } | Self::Conductor { .. } | Self::MetallicRoughness { .. } => false,
+            Self::Diffuse { .. } | Self::Conductor { .. } => false,
             Self::Dielectric { eta, dispersive, distribution } => {
                 dispersive && !dielectric::is_delta(eta, distribution)
             }
+            Self::Layered(ref layered) => layered.needs_single_wavelength(),
         }
     }
 }

@@ -108,7 +108,7 @@ impl<'a> Chain<'a> {
     /// The same, with a lens whose falloff and distortion raw files tell of.
     pub(super) fn with_lens(self, lens: &'a LensDescription, camera: &'a Camera, warnings: &mut Vec<String>) -> Self {
         if self.settings.output.raw.contains(&RawFormat::Dng) {
-            warnings.extend(lens_corrections::warning(lens, camera));
+            warnings.extend(lens_corrections::warning(lens, camera, &self.settings.exposure.window));
         }
         Self { lens: Some((lens, camera)), ..self }
     }
@@ -142,7 +142,7 @@ impl<'a> Chain<'a> {
         raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
         raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
         if let Some((lens, camera)) = self.lens {
-            lens_corrections::add(lens, camera, &mut raw);
+            lens_corrections::add(lens, camera, &exposure.window, &mut raw);
         }
         Ok(raw)
     }
@@ -199,27 +199,28 @@ impl<'a> Chain<'a> {
         let samples = sensor.cfa.samples_per_pixel();
         let row_length = width * samples;
         let saturation = sensor.saturation_capacity(&exposure).0;
+        let pixels = exposure.window.binning.pixels() as f64;
         let (mut of_light, mut of_sensor) = (0.0, 0.0);
         for i in 0..row_length * rates.mean.height() {
             let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
             let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
             let mean = at(&rates.mean) * time;
             if mean < saturation {
-                of_light += at(&rates.variance) * time * time;
+                of_light += at(&rates.variance) * time * time / pixels;
                 of_sensor += sensor.noise_variance(Electrons(mean), &exposure);
             }
         }
         (of_sensor > 0.0).then(|| (of_light / of_sensor).sqrt())
     }
 
-    pub(super) fn exposure_report(&self, exposed: &Exposed) -> ExposureReport {
-        let Exposure { time, gain, digital_gain, temperature, .. } = exposed.exposure;
+    pub(super) fn exposure_report(&self, exposure: &Exposure) -> ExposureReport {
+        let Exposure { time, gain, digital_gain, temperature, .. } = *exposure;
         ExposureReport {
             time_s: time.0,
             auto: matches!(self.settings.exposure.time, ExposureTime::Auto(_)),
             gain_db: gain.0,
             digital_gain_db: digital_gain.0,
-            iso: self.settings.sensor.iso(&exposed.exposure),
+            iso: self.settings.sensor.iso(exposure),
             temperature_c: temperature.0,
             frames: self.settings.exposure.frames,
             bracket_s: self
@@ -231,19 +232,19 @@ impl<'a> Chain<'a> {
         }
     }
 
-    pub(super) fn sensor_report(&self, exposed: &Exposed, raw: &RawImage) -> SensorReport {
+    pub(super) fn sensor_report(&self, exposure: &Exposure, raw: &RawImage) -> SensorReport {
         let sensor = self.settings.sensor;
         SensorReport {
             name: sensor.name.clone(),
-            resolution_px: sensor.resolution,
-            pixel_pitch_um: sensor.pixel_pitch_m.map(|m| (m * 1e9).round() / 1e3),
+            resolution_px: [raw.active().width, raw.active().height],
+            pixel_pitch_um: raw.metadata.pixel_pitch_m.unwrap_or(sensor.pixel_pitch_m).map(|m| (m * 1e9).round() / 1e3),
             channels: sensor.cfa.channels().to_vec(),
             bits: raw.bits,
             black_level_dn: raw.black_level_dn.mean(),
             white_level_dn: raw.white_level_dn,
             linearisation_dn: raw.linearisation.clone(),
-            system_gain_dn_per_e: sensor.system_gain(&exposed.exposure),
-            saturation_capacity_e: sensor.saturation_capacity(&exposed.exposure).0,
+            system_gain_dn_per_e: sensor.system_gain(exposure),
+            saturation_capacity_e: sensor.saturation_capacity(exposure).0,
             read_noise_e: sensor.noise.read.0,
             as_shot_neutral: raw.metadata.as_shot_neutral.clone(),
             colour_matrix_d65: raw.metadata.colour_matrix_d65.clone(),

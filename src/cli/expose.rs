@@ -92,7 +92,8 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
             }
         }
     };
-    let (mut exposed, more) = expose(light)?;
+    let (exposed, more) = expose(light)?;
+    let mut exposure = exposed.exposure;
     warnings.extend(more);
     if !quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
@@ -100,14 +101,15 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     timings.expose_s = start.elapsed().as_secs_f64();
     let of = 1 + later.len() as u32;
     let frames = if of > 1 { Frames::One { number: 0, of } } else { Frames::All(capture.exposure.frames) };
-    let first = write_results(&chain, &exposed, frames, &mut folder, &mut timings, |_, _| Ok(()))?;
+    let first = write_results(&chain, exposed, frames, &mut folder, &mut timings, |_, _| Ok(()))?;
     for (number, path) in (1..).zip(&later) {
         let start = Instant::now();
         let light = StoredLight::read(path)?;
         light.check(&capture)?;
-        (exposed, _) = expose(light)?;
+        let (exposed, _) = expose(light)?;
+        exposure = exposed.exposure;
         timings.expose_s += start.elapsed().as_secs_f64();
-        write_results(&chain, &exposed, Frames::One { number, of }, &mut folder, &mut timings, |_, _| Ok(()))?;
+        write_results(&chain, exposed, Frames::One { number, of }, &mut folder, &mut timings, |_, _| Ok(()))?;
     }
 
     let report = Report {
@@ -117,8 +119,8 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         capture: capture.to_json(folder.path())?,
         seed: capture.seed,
         traced: report,
-        sensor: chain.sensor_report(&exposed, &first),
-        exposure: chain.exposure_report(&exposed),
+        sensor: chain.sensor_report(&exposure, &first),
+        exposure: chain.exposure_report(&exposure),
         files: folder.files(),
         warnings,
         timings,

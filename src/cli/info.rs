@@ -12,7 +12,7 @@ use photosite::io::exr::{Attribute, read_exr};
 use photosite::optics::Focus;
 use photosite::raw::{self, RawImage};
 use photosite::scene::description::{EnvironmentDescription, LightKind, MaterialDescription, SceneDescription};
-use photosite::sensor::{SensorModel, presets};
+use photosite::sensor::{Binning, SensorModel, presets};
 use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
@@ -156,7 +156,7 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "dark_current_e_per_s": sensor.noise.dark_current_e_per_s,
         "prnu_percent": round(sensor.noise.prnu.total() * 100.0),
         "dsnu_e": round(sensor.noise.dsnu.total()),
-        "base_iso": sensor.base_iso().map(f64::round),
+        "base_iso": sensor.base_iso(Binning::NONE).map(f64::round),
         "gain_db_range": sensor.converter.gain_range.map(|gain| gain.0),
         "bits": sensor.converter.bits,
         "output_bits": sensor.output_bits(),

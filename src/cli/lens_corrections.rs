@@ -3,40 +3,45 @@
 use glam::DVec2;
 use photosite::optics::{Camera, Distortion, Falloff, Intrinsics, LensDescription};
 use photosite::raw::{Area, GainMap, RawImage, Warp};
+use photosite::sensor::Window;
 
 /// Points of the gain map along each side: straight lines between so many miss 1/cos⁴θ by less than 0.3 % up to 45° from
 /// the axis.
 const POINTS: [usize; 2] = [33, 25];
 
-/// Puts the lens's falloff and distortion into the metadata.
-pub(super) fn add(lens: &LensDescription, camera: &Camera, raw: &mut RawImage) {
-    let area = raw.active();
+/// Puts the lens's falloff and distortion into the metadata of what a window of the camera's picture shows.
+pub(super) fn add(lens: &LensDescription, camera: &Camera, window: &Window, raw: &mut RawImage) {
+    let Area { width, height, .. } = raw.active();
+    let [across, down] = window.binning.factor;
+    let [x, y] = window.region.map_or([0, 0], |region| [region.x, region.y]);
+    let seen = Area { x, y, width: width * across, height: height * down };
     raw.metadata.gain_map = match lens.falloff {
         Falloff::None => None,
-        Falloff::Cos4 => gain_map(camera, area),
+        Falloff::Cos4 => gain_map(camera, seen),
     };
     raw.metadata.warp = match lens.distortion {
-        Distortion::BrownConrady { k, p } if can_correct(camera) => {
+        Distortion::BrownConrady { k, p } if can_correct(camera, window) => {
             let Intrinsics { fx, cx, cy, .. } = camera.intrinsics();
-            let centre = [cx - area.x as f64, cy - area.y as f64];
-            Some(Warp::brown_conrady(k, p, fx, centre, [area.width, area.height]))
+            let centre = [(cx - x as f64) / across as f64, (cy - y as f64) / down as f64];
+            Some(Warp::brown_conrady(k, p, fx / across as f64, centre, [width, height]))
         }
         Distortion::BrownConrady { .. } | Distortion::None => None,
     };
 }
 
 /// A complaint about distortion that raw files cannot state.
-pub(super) fn warning(lens: &LensDescription, camera: &Camera) -> Option<String> {
-    (lens.distortion != Distortion::None && !can_correct(camera)).then(|| {
+pub(super) fn warning(lens: &LensDescription, camera: &Camera, window: &Window) -> Option<String> {
+    (lens.distortion != Distortion::None && !can_correct(camera, window)).then(|| {
         "raw files do not tell of the distortion, which DNG can state for square pixels without skew only".to_owned()
     })
 }
 
 /// DNG's correction knows one focal length for both axes.
-fn can_correct(camera: &Camera) -> bool {
+fn can_correct(camera: &Camera, window: &Window) -> bool {
     let Intrinsics { fx, fy, skew, .. } = camera.intrinsics();
-    // What two roundings leave of equal numbers.
-    (fx / fy - 1.0).abs() < 1e-12 && skew == 0.0
+    let [across, down] = window.binning.factor.map(|n| n as f64);
+    // What a few roundings leave of equal numbers.
+    (fx / across / (fy / down) - 1.0).abs() < 1e-12 && skew == 0.0
 }
 
 /// 1 over the relative illumination. Where distortion leaves a pixel without light, there is nothing to correct.
@@ -71,7 +76,7 @@ mod tests {
     fn corrected(lens: &LensDescription, camera: &Camera) -> RawImage {
         let (width, height) = (SIZE[0] as usize, SIZE[1] as usize);
         let mut raw = RawImage { width, height, ..RawImage::default() };
-        add(lens, camera, &mut raw);
+        add(lens, camera, &Window::WHOLE, &mut raw);
         raw
     }
 
@@ -107,6 +112,6 @@ mod tests {
     fn distortion_of_pixels_that_are_not_square_is_left_out_with_a_warning() {
         let distortion = Distortion::BrownConrady { k: [-0.12, 0.0, 0.0], p: [0.0, 0.0] };
         let (lens, camera) = camera(distortion, 4.0, [6e-6, 3e-6]);
-        assert!(warning(&lens, &camera).is_some() && corrected(&lens, &camera).metadata.warp.is_none());
+        assert!(warning(&lens, &camera, &Window::WHOLE).is_some() && corrected(&lens, &camera).metadata.warp.is_none());
     }
 }

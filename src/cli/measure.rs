@@ -211,7 +211,9 @@ fn measure_checker(picture: &Planes, path: &Path) -> Result<CheckerReport> {
 
 /// The patch whose reflectance a material has.
 fn patch_of(material: &MaterialDescription, spectra: &[Spectrum]) -> Option<usize> {
-    if let MaterialModel::Diffuse { reflectance: Colour::Spectrum(spectrum), texture: None } = &material.model {
+    if let MaterialModel::Diffuse { reflectance } = &material.model
+        && let (Colour::Spectrum(spectrum), None) = (&reflectance.colour, &reflectance.texture)
+    {
         return spectra.iter().position(|patch| patch == spectrum);
     }
     None

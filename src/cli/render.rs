@@ -13,12 +13,12 @@ use photosite::math::hash::hash64;
 use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
 use photosite::raw::RawImage;
 use photosite::scene::{self, Scene};
-use photosite::sensor::SensorModel;
+use photosite::sensor::{Exposure, SensorModel};
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
 use photosite::{Invalid, Result};
 
-use super::chain::{Chain, Exposed, Optics, scene_light};
+use super::chain::{Chain, Optics, scene_light};
 use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
 use super::report::{CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport};
@@ -81,7 +81,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         responses: &responses,
         importance: &importance,
     };
-    let Recorded { film, exposed, first, passes } = traced.record(&mut folder, &mut timings, *quiet || *json)?;
+    let Recorded { film, exposure, first, passes } = traced.record(&mut folder, &mut timings, *quiet || *json)?;
 
     let [width, height] = pixels(&capture).map(u64::from);
     let paths = width * height * passes;
@@ -105,8 +105,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         capture: capture.to_json(folder.path())?,
         seed: capture.render.seed,
         traced: traced.into_map(),
-        sensor: chain.sensor_report(&exposed, &first),
-        exposure: chain.exposure_report(&exposed),
+        sensor: chain.sensor_report(&exposure, &first),
+        exposure: chain.exposure_report(&exposure),
         files: folder.files(),
         warnings,
         timings,
@@ -135,7 +135,7 @@ struct Series<'a> {
 /// The last light of a series and the first picture.
 struct Recorded {
     film: Film,
-    exposed: Exposed,
+    exposure: Exposure,
     first: RawImage,
     /// Samples a pixel, over all light that was traced.
     passes: u64,
@@ -154,8 +154,8 @@ impl Series<'_> {
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
-            let Recorded { film, exposed, passes, .. } = frame(number, folder, timings)?;
-            recorded = Recorded { film, exposed, passes: recorded.passes + passes, ..recorded };
+            let Recorded { film, exposure, passes, .. } = frame(number, folder, timings)?;
+            recorded = Recorded { film, exposure, passes: recorded.passes + passes, ..recorded };
         }
         Ok(recorded)
     }
@@ -190,9 +190,10 @@ impl Series<'_> {
         let start = Instant::now();
         let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
         timings.expose_s += start.elapsed().as_secs_f64();
-        let first = write_results(chain, &exposed, frames, folder, timings, |folder, number| {
+        let exposure = exposed.exposure;
+        let first = write_results(chain, exposed, frames, folder, timings, |folder, number| {
             if capture.output.ideal {
-                let picture = ideal::picture(&film, capture, self.light, &exposed.exposure)?;
+                let picture = ideal::picture(&film, capture, self.light, &exposure)?;
                 folder.write_ideal(number, picture, &capture.develop)?;
             }
             match &capture.output.irradiance {
@@ -201,7 +202,7 @@ impl Series<'_> {
             }
         })?;
         let passes = u64::from(film.samples());
-        Ok(Recorded { film, exposed, first, passes })
+        Ok(Recorded { film, exposure, first, passes })
     }
 }
 

@@ -19,18 +19,21 @@ pub(super) enum Frames {
     One { number: u32, of: u32 },
 }
 
-/// Reads out the frames and writes them, or those of a bracket; develops the first, which is returned. `write_light` writes what is left of the
-/// light beside the electrons, numbered where there are several.
+/// Reads out the frames and writes them, or those of a bracket; develops the first, which is returned. `write_light` writes
+/// what is left of the light beside the electrons, numbered where there are several.
+///
+/// Raw files and light are there before anything is developed: they take the longest to get, whatever becomes of the
+/// development, and the light's memory is free again.
 pub(super) fn write_results(
     chain: &Chain<'_>,
-    exposed: &Exposed,
+    exposed: Exposed,
     frames: Frames,
     folder: &mut OutputFolder,
     timings: &mut Timings,
     write_light: impl FnOnce(&mut OutputFolder, Option<u32>) -> Result<()>,
 ) -> Result<RawImage> {
-    if let Some(times) = chain.bracket(exposed)? {
-        return write_bracket(chain, exposed, &times, folder, timings, |folder| write_light(folder, None));
+    if let Some(times) = chain.bracket(&exposed)? {
+        return write_bracket(chain, &exposed, &times, folder, timings, |folder| write_light(folder, None));
     }
     let (first_frame, light_number, raw_number, more) = match frames {
         Frames::All(1) => (0, None, None, 1..1),
@@ -39,11 +42,8 @@ pub(super) fn write_results(
         Frames::One { number, .. } => (number, Some(number), Some(number), 1..1),
     };
     let start = Instant::now();
-    let first = chain.read_out(exposed, first_frame)?;
+    let first = chain.read_out(&exposed, first_frame)?;
     timings.expose_s += start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let picture = chain.develop(&first)?;
-    timings.develop_s += start.elapsed().as_secs_f64();
 
     let start = Instant::now();
     let mut reading_out = 0.0;
@@ -55,16 +55,23 @@ pub(super) fn write_results(
     // One after the other: a series may be larger than the memory.
     for frame in more {
         let start = Instant::now();
-        let raw = chain.read_out(exposed, frame)?;
+        let raw = chain.read_out(&exposed, frame)?;
         reading_out += start.elapsed().as_secs_f64();
         folder.write_frame(output, Some(frame), &raw)?;
     }
     if output.electrons {
-        folder.write_electrons(light_number, exposed)?;
+        folder.write_electrons(light_number, &exposed)?;
     }
     write_light(folder, light_number)?;
-    folder.write_picture(light_number, &picture)?;
+    drop(exposed);
     timings.expose_s += reading_out;
     timings.write_s += start.elapsed().as_secs_f64() - reading_out;
+
+    let start = Instant::now();
+    let picture = chain.develop(&first)?;
+    timings.develop_s += start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    folder.write_picture(light_number, &picture)?;
+    timings.write_s += start.elapsed().as_secs_f64();
     Ok(first)
 }

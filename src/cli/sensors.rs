@@ -1,7 +1,7 @@
 //! `photosite sensors`: the presets as a table.
 
 use clap::Args;
-use photosite::sensor::{SensorModel, presets};
+use photosite::sensor::{Binning, SensorModel, presets};
 use photosite::spectrum::Spectrum;
 use serde::Serialize;
 
@@ -76,7 +76,7 @@ fn row(name: &'static str, model: &SensorModel) -> Row {
         full_well_e: model.full_well.0,
         read_noise_e: model.noise.read.0,
         dark_current_e_per_s: model.noise.dark_current_e_per_s,
-        base_iso: model.base_iso().map(f64::round),
+        base_iso: model.base_iso(Binning::NONE).map(f64::round),
         bits: model.converter.bits,
         source: model.source.clone(),
     }

@@ -40,6 +40,7 @@ fn mesh_of(triangle_count: u32) -> MeshRange {
         normals_from: None,
         tangents_from: None,
         uvs_from: [None; 2],
+        colours_from: None,
     }
 }
 

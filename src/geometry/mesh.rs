@@ -28,6 +28,8 @@ pub struct MeshRange {
     pub tangents_from: Option<u32>,
     /// The same for each UV set.
     pub uvs_from: [Option<u32>; 2],
+    /// The same for [`Geometry::colours`].
+    pub colours_from: Option<u32>,
 }
 
 /// Flat tables of all geometry. Attributes that a mesh lacks take no room: each mesh says where its own begin.
@@ -41,6 +43,8 @@ pub struct Geometry {
     pub tangents: Vec<Vec4>,
     /// UV coordinates.
     pub uvs: [Vec<Vec2>; 2],
+    /// Linear RGBA.
+    pub colours: Vec<Vec4>,
     /// All triangles.
     pub triangles: Vec<Triangle>,
     /// Their meshes.
@@ -63,6 +67,14 @@ impl Geometry {
             Some(from) => interpolate(triangle.corners.map(|c| uvs[(c - from) as usize]), barycentric),
             None => Vec2::ZERO,
         }
+    }
+
+    /// Linear RGBA at a barycentric point, where the mesh has colours.
+    #[inline]
+    pub fn colour(&self, triangle: u32, barycentric: [f32; 2]) -> Option<Vec4> {
+        let triangle = &self.triangles[triangle as usize];
+        let from = self.meshes[triangle.mesh as usize].colours_from?;
+        Some(interpolate(triangle.corners.map(|c| self.colours[(c - from) as usize]), barycentric))
     }
 }
 

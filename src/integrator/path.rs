@@ -7,7 +7,7 @@ use crate::math::{Pdf, SolidAngle};
 use crate::sabotage::{Fault, flip};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, Shading};
-use crate::spectrum::{SampledSpectrum, Wavelengths};
+use crate::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 
 /// How long paths grow.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +24,9 @@ pub struct PathLimits {
 /// L = Σ over vertices of throughput · (emission found by scattering · w_bsdf + emission found by looking at a light ·
 /// w_light), with the power heuristic for the weights ([Veach97](crate::references#veach97) §9.2,
 /// [pbrt4](crate::references#pbrt4) §14.4).
+///
+/// Volumes that surfaces bound absorb by Beer and Lambert's law along every segment within them. A volume within another
+/// replaces it, and what is left on the way out is taken to be air.
 #[inline]
 pub fn radiance(
     scene: &Scene,
@@ -38,6 +41,8 @@ pub fn radiance(
     let mut scattered: Option<Pdf<SolidAngle>> = None;
     // Product of squared relative indices, which roulette must not take for a loss.
     let mut eta_scale = 1.0;
+    // What the path is inside of, where that absorbs.
+    let mut medium: Option<SpectrumId> = None;
 
     for depth in 1..=limits.max_depth {
         let Some(hit) = scene.closest(&ray) else {
@@ -51,6 +56,11 @@ pub fn radiance(
         };
         let point = scene.point(&hit);
         let wo = -ray.direction;
+        // A volume seen from behind has been crossed, whether or not its front was met before.
+        medium = scene.absorption_behind(&point, wo).or(medium);
+        if let Some(medium) = medium {
+            throughput *= scene.transmittance(medium, hit.t, wavelengths);
+        }
         let emitted = scene.emitted(&point, wo, wavelengths);
         if !emitted.is_black() {
             light += throughput * emitted * emission_weight(scene, &point, &hit, wo, scattered);
@@ -64,7 +74,7 @@ pub fn radiance(
             terminate_secondary(wavelengths, &mut throughput);
         }
         if !shading.bsdf.is_delta() {
-            light += throughput * direct_light(scene, &point, &shading, wo, wavelengths, sampler);
+            light += throughput * direct_light(scene, &point, &shading, wo, medium, wavelengths, sampler);
         }
 
         let wo_local = shading.frame.to_local(wo);
@@ -83,6 +93,9 @@ pub fn radiance(
         }
         eta_scale *= sample.eta * sample.eta;
         scattered = (!sample.is_delta).then_some(sample.pdf);
+        if sample.is_transmission {
+            medium = scene.medium_across(&point, wi, medium);
+        }
         ray = leave(&point, wi);
 
         if depth >= limits.roulette_depth {
@@ -105,6 +118,7 @@ fn direct_light(
     point: &SurfacePoint,
     shading: &Shading,
     wo: Vec3,
+    medium: Option<SpectrumId>,
     wavelengths: &Wavelengths,
     sampler: &mut Sampler,
 ) -> SampledSpectrum {
@@ -120,7 +134,12 @@ fn direct_light(
     }
     let scattering = shading.bsdf.eval(wo_local, wi_local);
     let cos = flip(Fault::CosineMissing, wi_local.z.abs(), 1.0);
-    let contribution = light.radiance * scattering.f * (cos / light.pdf.0);
+    let mut contribution = light.radiance * scattering.f * (cos / light.pdf.0);
+    let medium = if is_transmission { scene.medium_across(point, light.wi, medium) } else { medium };
+    // Light from outside would have to come through the boundary, where shadow rays end.
+    if let (Some(medium), Some((position, _))) = (medium, light.position) {
+        contribution *= scene.transmittance(medium, point.position.distance(position), wavelengths);
+    }
     if contribution.is_black() || scene.occluded(&shadow_ray(point, light.wi, light.position)) {
         return SampledSpectrum::ZERO;
     }

@@ -6,7 +6,7 @@ use glam::Vec2;
 use super::mesh::flatten;
 use super::tangents::with_tangents;
 use super::warnings::Warnings;
-use crate::scene::description::{MaterialDescription, MaterialModel, SceneDescription};
+use crate::scene::description::{LayeredDescription, MaterialDescription, MaterialModel, SceneDescription};
 use crate::texture::UvTransform;
 
 /// Adds to every mesh what its material needs: a UV set of zeros for each that textures use and the mesh lacks (with a
@@ -42,11 +42,16 @@ fn tangent_frame(material: &MaterialDescription) -> Option<(usize, UvTransform)>
     if let Some((texture, _)) = &material.normal_map {
         return Some((texture.uv_set, texture.transform));
     }
-    match material.model {
-        MaterialModel::Conductor { anisotropy, .. } if anisotropy != 0.0 => Some((0, UvTransform::default())),
-        MaterialModel::Conductor { .. }
-        | MaterialModel::Diffuse { .. }
-        | MaterialModel::Dielectric { .. }
-        | MaterialModel::MetallicRoughness { .. } => None,
+    let coat_bumps = |layers: &LayeredDescription| layers.coat.as_ref().and_then(|coat| coat.normal_map.clone());
+    match &material.model {
+        MaterialModel::Conductor { anisotropy, .. } => (*anisotropy != 0.0).then(|| (0, UvTransform::default())),
+        MaterialModel::Layered(layers) => match (coat_bumps(layers), &layers.anisotropy) {
+            (Some((texture, _)), _) => Some((texture.uv_set, texture.transform)),
+            (None, Some(grooves)) => {
+                Some(grooves.texture.as_ref().map_or((0, UvTransform::default()), |t| (t.uv_set, t.transform)))
+            }
+            (None, None) => None,
+        },
+        MaterialModel::Diffuse { .. } | MaterialModel::Dielectric { .. } => None,
     }
 }

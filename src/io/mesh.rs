@@ -24,6 +24,7 @@ pub(super) fn checked(mut mesh: MeshDescription) -> Result<(MeshDescription, Men
     for (set, uvs) in mesh.uvs.iter().enumerate() {
         all_finite(&format!("TEXCOORD_{set}"), uvs, |uv| uv.is_finite())?;
     }
+    all_finite("COLOR_0", &mesh.colours, |c| c.is_finite())?;
     let vertices = mesh.positions.len();
     for (i, triangle) in mesh.triangles.iter().enumerate() {
         if let Some(corner) = triangle.iter().find(|&&corner| corner as usize >= vertices) {
@@ -129,6 +130,11 @@ pub(super) fn flatten(mesh: &MeshDescription) -> MeshDescription {
         normals: normals.collect(),
         tangents: Vec::<Vec4>::new(),
         uvs: mesh.uvs.iter().map(|uvs| corners.iter().map(|&corner| uvs[corner]).collect()).collect(),
+        colours: if mesh.colours.is_empty() {
+            Vec::new()
+        } else {
+            corners.iter().map(|&corner| mesh.colours[corner]).collect()
+        },
         triangles: (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
     }
 }

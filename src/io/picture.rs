@@ -13,7 +13,7 @@ const MAX_SIDE: u32 = 32_768;
 /// Most memory that decoding a picture may take, bytes.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// Reads a PNG or JPEG file.
+/// Reads a picture file.
 pub(super) fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
     let bytes = std::fs::read(path).map_err(|source| {
         Invalid::new("", format!("cannot read {}: {source}", path.display()))
@@ -22,7 +22,7 @@ pub(super) fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
     decode_picture(&bytes, path.display().to_string())
 }
 
-/// Decodes a PNG, JPEG, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep their
+/// Decodes a PNG, JPEG, WebP, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep their
 /// encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
 pub(super) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
     let picture = decode(bytes, &name)?;
@@ -34,7 +34,7 @@ pub(super) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Inval
 pub(super) fn decode(bytes: &[u8], name: &str) -> Result<DynamicImage, Invalid> {
     let bad = |problem: &str| {
         Invalid::new("", format!("cannot decode {name}: {problem}"))
-            .help("the picture is damaged, or neither PNG nor JPEG; export it again as one of them")
+            .help("the picture is damaged, or of another kind than PNG, JPEG and WebP; export it again as one of them")
     };
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e.to_string()))?;
     let mut limits = image::Limits::default();

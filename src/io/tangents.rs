@@ -93,6 +93,9 @@ fn split(mesh: &MeshDescription, corners: &[[Vec4; 3]]) -> MeshDescription {
                 for (set, uvs) in result.uvs.iter_mut().enumerate() {
                     uvs.push(mesh.uvs[set][vertex]);
                 }
+                if let Some(&colour) = mesh.colours.get(vertex) {
+                    result.colours.push(colour);
+                }
                 result.positions.len() as u32 - 1
             });
         }

@@ -154,6 +154,30 @@ impl Cfa {
         cfa
     }
 
+    /// The layout of bins of so many columns and rows of pixels of one colour, and how far apart along both sides the pixels
+    /// of a bin are: neighbours where whole blocks of that size have one colour, else pixels of the same place in
+    /// neighbouring tiles.
+    pub fn binned(&self, factor: [usize; 2]) -> (Self, [usize; 2]) {
+        let samples = self.samples_per_pixel;
+        let tile = [self.width / samples, self.height];
+        let divides = (0..2).all(|axis| tile[axis] == 1 || tile[axis].is_multiple_of(factor[axis]));
+        let first = |position: usize, axis: usize| position / factor[axis] * factor[axis];
+        let one_colour = (0..self.tile.len()).map(|i| [i % self.width, i / self.width]).all(|[x, y]| {
+            let (pixel, sample) = (x / samples, x % samples);
+            self.channel_at(x, y) == self.channel_at(first(pixel, 0) * samples + sample, first(y, 1))
+        });
+        if !(divides && one_colour) {
+            return (self.clone(), tile);
+        }
+        let [width, height] = [0, 1].map(|axis| tile[axis].div_ceil(factor[axis]));
+        let channel = |i: usize| {
+            let (x, y) = (i % (width * samples), i / (width * samples));
+            self.channel_at(x / samples * factor[0] * samples + x % samples, y * factor[1]) as u8
+        };
+        let tile = (0..width * samples * height).map(channel).collect();
+        (Self { width: width * samples, height, tile, ..self.clone() }, [1, 1])
+    }
+
     /// Names of the channels.
     pub fn channels(&self) -> &[String] {
         &self.channels

@@ -130,7 +130,12 @@ impl RawImage {
 
     /// The active area alone, as a picture of its own.
     pub fn cropped(&self) -> Self {
-        let Some(Area { x, y, width, height }) = self.active_area else { return self.clone() };
+        self.active_area.map_or_else(|| self.clone(), |area| self.part(area))
+    }
+
+    /// A part that lies within the picture, as a picture of its own. What is known of the lens stays that of the active
+    /// area.
+    pub fn part(&self, Area { x, y, width, height }: Area) -> Self {
         let (samples, row_length) = (self.cfa.samples_per_pixel(), self.row_length());
         let rows = self.data.chunks(row_length.max(1)).skip(y).take(height);
         Self {

@@ -6,13 +6,18 @@ use std::sync::Arc;
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 
 use super::description::{
-    AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LightDescription, LightKind,
-    MaterialDescription, MaterialModel, MeshDescription, PictureLevel, SceneDescription, TextureDescription,
+    AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LayeredDescription,
+    LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, PictureLevel, SceneDescription,
+    TextureDescription, TexturedColour, TexturedFactor,
 };
-use super::{Alpha, ColourSource, Material, NormalMap, ScatteringModel, Scene};
+use super::{
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
+    ScatteringModel, Scene,
+};
 use crate::bsdf::Ggx;
 use crate::geometry::{Accel, Geometry, MeshRange, Placement, Transform, Triangle};
 use crate::light::{Environment, EnvironmentPicture, Light, Lights, SurfaceEmission, Tint, TriangleLight};
+use crate::spectrum::dispersion::lines;
 use crate::spectrum::upsampling::{reflectance_spectrum, rgb_illuminant};
 use crate::spectrum::{Spectrum, SpectrumTable, cie, illuminant};
 use crate::texture::{Bitmap, Texture};
@@ -22,7 +27,8 @@ use crate::texture::{Bitmap, Texture};
 /// [`Capture::read`](crate::io::capture::Capture::read) returns do.
 pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
-    let mut builder = Builder { images, textures: Vec::new(), spectra: SpectrumTable::default(), importance };
+    let mut builder =
+        Builder { images, textures: Vec::new(), layered: Vec::new(), spectra: SpectrumTable::default(), importance };
     let emission = |m: &MaterialDescription| m.emission.as_ref().map(|e| builder.surface_emission(e, m.double_sided));
     let emissions: Vec<Option<Emission>> = materials.iter().map(emission).collect();
     let material =
@@ -54,6 +60,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         accel,
         has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
         materials: table,
+        layered: builder.layered,
         textures: builder.textures,
         spectra: builder.spectra,
         lights: Lights::new(all.lights, &all.powers, environment),
@@ -87,6 +94,7 @@ struct Emission {
 struct Builder<'a> {
     images: Vec<Arc<Bitmap>>,
     textures: Vec<Texture>,
+    layered: Vec<LayeredMaterial>,
     spectra: SpectrumTable,
     importance: &'a Spectrum,
 }
@@ -102,7 +110,7 @@ impl Builder<'_> {
         t.as_ref().map(|t| self.texture(t))
     }
 
-    fn colour(&mut self, colour: &Colour, texture: &Option<TextureDescription>) -> ColourSource {
+    fn colour(&mut self, TexturedColour { colour, texture }: &TexturedColour) -> ColourSource {
         match (colour, self.optional_texture(texture)) {
             (Colour::Rgb(rgb), None) => ColourSource::Spectrum(self.spectra.add(&reflectance_spectrum(*rgb))),
             (Colour::Rgb(factor), Some(texture)) => ColourSource::Texture { factor: *factor, texture },
@@ -113,10 +121,65 @@ impl Builder<'_> {
         }
     }
 
+    fn factor(&mut self, TexturedFactor { value, texture }: &TexturedFactor) -> FactorSource {
+        let texture = texture.as_ref().map(|(texture, channel)| (self.texture(texture), *channel as usize));
+        FactorSource { value: *value, texture }
+    }
+
+    fn normal_map(&mut self, map: &Option<(TextureDescription, f32)>) -> Option<NormalMap> {
+        map.as_ref().map(|(t, scale)| NormalMap { texture: self.texture(t), scale: *scale })
+    }
+
+    fn layers(&mut self, d: &LayeredDescription) -> LayeredMaterial {
+        let n = d.index.index(lines::D);
+        // Colours above 1 are taken apart: what is upsampled stays below.
+        let (specular_scale, specular_colour) = match &d.specular_colour.colour {
+            Colour::Rgb(rgb) => {
+                let largest = rgb.iter().copied().fold(1.0, f32::max);
+                (largest, Colour::Rgb(rgb.map(|c| c / largest)))
+            }
+            Colour::Spectrum(spectrum) => (1.0, Colour::Spectrum(spectrum.clone())),
+        };
+        let is_white = matches!(specular_colour, Colour::Rgb([1.0, 1.0, 1.0])) && d.specular_colour.texture.is_none();
+        let specular_colour = TexturedColour { colour: specular_colour, texture: d.specular_colour.texture.clone() };
+        LayeredMaterial {
+            base_colour: self.colour(&d.base_colour),
+            metallic: self.factor(&d.metallic),
+            roughness: self.factor(&d.roughness),
+            eta: self.spectra.add(&d.index.to_spectrum()),
+            dispersive: !d.index.is_constant(),
+            f0: d.normal_reflectance.unwrap_or(((n - 1.0) / (n + 1.0)).powi(2) as f32),
+            specular: self.factor(&d.specular),
+            specular_colour: (!is_white).then(|| self.colour(&specular_colour)),
+            specular_scale,
+            transmission: self.factor(&d.transmission),
+            has_volume: d.absorption_per_m.is_some(),
+            diffuse_transmission: d.diffuse_transmission.as_ref().map(|(f, c)| (self.factor(f), self.colour(c))),
+            anisotropy: d.anisotropy.as_ref().map(|a| AnisotropySource {
+                strength: a.strength,
+                rotation: [a.rotation_rad.cos(), a.rotation_rad.sin()],
+                texture: self.optional_texture(&a.texture),
+            }),
+            film: d.film.as_ref().map(|f| FilmSource {
+                weight: self.factor(&f.weight),
+                index: f.index,
+                thickness_nm: f.thickness_nm,
+                texture: self.optional_texture(&f.thickness_texture),
+            }),
+            sheen: d.sheen.as_ref().map(|(c, r)| (self.colour(c), self.factor(r))),
+            coat: d.coat.as_ref().map(|c| CoatSource {
+                weight: self.factor(&c.weight),
+                roughness: self.factor(&c.roughness),
+                normal_map: self.normal_map(&c.normal_map),
+            }),
+        }
+    }
+
     fn material(&mut self, m: &MaterialDescription, emission: Option<SurfaceEmission>) -> Material {
+        let mut absorption = None;
         let model = match &m.model {
-            MaterialModel::Diffuse { reflectance, texture } => {
-                ScatteringModel::Diffuse { reflectance: self.colour(reflectance, texture) }
+            MaterialModel::Diffuse { reflectance } => {
+                ScatteringModel::Diffuse { reflectance: self.colour(reflectance) }
             }
             MaterialModel::Conductor { eta, k, roughness, anisotropy } => ScatteringModel::Conductor {
                 eta: self.spectra.add(eta),
@@ -128,18 +191,12 @@ impl Builder<'_> {
                 dispersive: !index.is_constant(),
                 distribution: Ggx::from_roughness(*roughness, 0.0),
             },
-            MaterialModel::MetallicRoughness {
-                base_colour,
-                base_colour_texture,
-                metallic,
-                roughness,
-                metallic_roughness_texture,
-            } => ScatteringModel::MetallicRoughness {
-                base_colour: self.colour(base_colour, base_colour_texture),
-                metallic: *metallic,
-                roughness: *roughness,
-                texture: self.optional_texture(metallic_roughness_texture),
-            },
+            MaterialModel::Layered(layers) => {
+                absorption = layers.absorption_per_m.as_ref().map(|a| self.spectra.add(a));
+                let layers = self.layers(layers);
+                self.layered.push(layers);
+                ScatteringModel::Layered((self.layered.len() - 1) as u32)
+            }
         };
         let factor = m.alpha_factor;
         let alpha = match m.alpha {
@@ -149,8 +206,7 @@ impl Builder<'_> {
             }
             AlphaMode::Blend => Alpha::Blend { factor, texture: self.optional_texture(&m.alpha_texture) },
         };
-        let normal_map = m.normal_map.as_ref().map(|(t, scale)| NormalMap { texture: self.texture(t), scale: *scale });
-        Material { model, normal_map, emission, alpha }
+        Material { model, normal_map: self.normal_map(&m.normal_map), emission, alpha, absorption }
     }
 
     fn surface_emission(&mut self, e: &EmissionDescription, two_sided: bool) -> Emission {
@@ -336,6 +392,7 @@ fn append(
         normals_from: from(!mesh.normals.is_empty(), geometry.normals.len()),
         tangents_from: from(!mesh.tangents.is_empty(), geometry.tangents.len()),
         uvs_from: [0, 1].map(|set| from(mesh.uvs.len() > set, geometry.uvs[set].len())),
+        colours_from: from(!mesh.colours.is_empty(), geometry.colours.len()),
     };
     geometry.positions.extend(mesh.positions.iter().map(point));
     geometry.normals.extend(mesh.normals.iter().map(normal));
@@ -348,6 +405,7 @@ fn append(
     for (all, own) in geometry.uvs.iter_mut().zip(&mesh.uvs) {
         all.extend_from_slice(own);
     }
+    geometry.colours.extend_from_slice(&mesh.colours);
     let mesh_handle = geometry.meshes.len() as u32;
     geometry.triangles.extend(mesh.triangles.iter().map(|&[a, b, c]| {
         // A mirroring transform turns corners clockwise; the front stays the front.

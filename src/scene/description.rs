@@ -47,6 +47,8 @@ pub struct MeshDescription {
     pub tangents: Vec<Vec4>,
     /// UV sets, each with one entry per position; at most two.
     pub uvs: Vec<Vec<Vec2>>,
+    /// Linear RGBA, 0–1, that multiplies the base colour, one per position, or empty.
+    pub colours: Vec<Vec4>,
     /// Corner indices, counter-clockwise seen from the front. In range, no triangle of zero area.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -106,14 +108,26 @@ pub struct MaterialDescription {
 }
 
 impl MaterialDescription {
+    /// A material of that name and model that covers the whole surface, without bumps or light of its own.
+    pub fn new(name: impl Into<String>, model: MaterialModel) -> Self {
+        Self {
+            name: name.into(),
+            model,
+            normal_map: None,
+            emission: None,
+            alpha: AlphaMode::Opaque,
+            alpha_factor: 1.0,
+            alpha_texture: None,
+            double_sided: false,
+        }
+    }
+
     /// All textures that the material uses.
     pub fn textures(&self) -> impl Iterator<Item = &TextureDescription> {
         let of_model = match &self.model {
-            MaterialModel::Diffuse { texture, .. } => [texture.as_ref(), None],
-            MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => [None, None],
-            MaterialModel::MetallicRoughness { base_colour_texture, metallic_roughness_texture, .. } => {
-                [base_colour_texture.as_ref(), metallic_roughness_texture.as_ref()]
-            }
+            MaterialModel::Diffuse { reflectance } => vec![reflectance.texture.as_ref()],
+            MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => Vec::new(),
+            MaterialModel::Layered(layers) => layers.textures(),
         };
         let normal = self.normal_map.as_ref().map(|(texture, _)| texture);
         let emission = self.emission.as_ref().and_then(|emission| emission.texture.as_ref());
@@ -123,11 +137,9 @@ impl MaterialDescription {
     /// All textures that the material uses, to be changed.
     pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureDescription> {
         let of_model = match &mut self.model {
-            MaterialModel::Diffuse { texture, .. } => [texture.as_mut(), None],
-            MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => [None, None],
-            MaterialModel::MetallicRoughness { base_colour_texture, metallic_roughness_texture, .. } => {
-                [base_colour_texture.as_mut(), metallic_roughness_texture.as_mut()]
-            }
+            MaterialModel::Diffuse { reflectance } => vec![reflectance.texture.as_mut()],
+            MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => Vec::new(),
+            MaterialModel::Layered(layers) => layers.textures_mut(),
         };
         let normal = self.normal_map.as_mut().map(|(texture, _)| texture);
         let emission = self.emission.as_mut().and_then(|emission| emission.texture.as_mut());
@@ -140,10 +152,8 @@ impl MaterialDescription {
 pub enum MaterialModel {
     /// Lambert's law.
     Diffuse {
-        /// Reflectance, 0–1, times the texture.
-        reflectance: Colour,
-        /// sRGB-encoded colour texture.
-        texture: Option<TextureDescription>,
+        /// Reflectance, 0–1.
+        reflectance: TexturedColour,
     },
     /// A metal, GGX microfacets; smooth where the roughness is 0.
     Conductor {
@@ -163,19 +173,188 @@ pub enum MaterialModel {
         /// Perceptual roughness 0–1; α = roughness².
         roughness: f32,
     },
-    /// glTF 2.0 metallic-roughness (glTF specification, appendix B).
-    MetallicRoughness {
-        /// Base colour, times the texture.
-        base_colour: Colour,
-        /// sRGB-encoded base colour.
-        base_colour_texture: Option<TextureDescription>,
-        /// Metalness 0–1, times blue of the texture.
-        metallic: f32,
-        /// Perceptual roughness 0–1, times green of the texture.
-        roughness: f32,
-        /// Linear texture: G roughness, B metalness.
-        metallic_roughness_texture: Option<TextureDescription>,
-    },
+    /// glTF 2.0's material with its extensions.
+    Layered(Box<LayeredDescription>),
+}
+
+/// A colour, times an sRGB-encoded texture.
+#[derive(Clone, Debug)]
+pub struct TexturedColour {
+    /// 0–1.
+    pub colour: Colour,
+    /// RGB counts.
+    pub texture: Option<TextureDescription>,
+}
+
+impl TexturedColour {
+    /// Without a texture.
+    pub fn plain(colour: Colour) -> Self {
+        Self { colour, texture: None }
+    }
+
+    /// White.
+    pub fn white() -> Self {
+        Self::plain(Colour::Rgb([1.0; 3]))
+    }
+}
+
+/// A number, times a channel of a linear texture.
+#[derive(Clone, Debug, Default)]
+pub struct TexturedFactor {
+    /// The number.
+    pub value: f32,
+    /// The texture, and which channel of it counts.
+    pub texture: Option<(TextureDescription, Channel)>,
+}
+
+impl TexturedFactor {
+    /// Without a texture.
+    pub fn plain(value: f32) -> Self {
+        Self { value, texture: None }
+    }
+}
+
+/// A channel of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named by what they are")]
+pub enum Channel {
+    R,
+    G,
+    B,
+    A,
+}
+
+/// glTF 2.0's material with its `KHR_materials_*` extensions, from the base up. The default is what the specification
+/// says of a material that says nothing, but for `metallic`, which is 0 here.
+#[derive(Clone, Debug)]
+pub struct LayeredDescription {
+    /// Reflectance of the coloured base, F₀ of the metal, tint of transmission.
+    pub base_colour: TexturedColour,
+    /// Metalness 0–1.
+    pub metallic: TexturedFactor,
+    /// Perceptual roughness 0–1; α = roughness².
+    pub roughness: TexturedFactor,
+    /// Refractive index (`ior`, `dispersion`).
+    pub index: Dispersion,
+    /// Reflectance at normal incidence before the specular colour; left out, that of the index. glTF's index 0 means 1.
+    pub normal_reflectance: Option<f32>,
+    /// Weight of the facets' reflection where there is no metal (`specular`).
+    pub specular: TexturedFactor,
+    /// Factor of their reflectance at normal incidence; may exceed 1.
+    pub specular_colour: TexturedColour,
+    /// How much of what gets in goes on (`transmission`).
+    pub transmission: TexturedFactor,
+    /// The medium of the closed volume that the surface bounds (`volume`): absorption, m⁻¹. None: a thin sheet.
+    pub absorption_per_m: Option<Spectrum>,
+    /// How much of the rest comes out behind, and with which colour (`diffuse_transmission`).
+    pub diffuse_transmission: Option<(TexturedFactor, TexturedColour)>,
+    /// Grooves (`anisotropy`).
+    pub anisotropy: Option<AnisotropyDescription>,
+    /// A thin film (`iridescence`).
+    pub film: Option<FilmDescription>,
+    /// Colour and roughness of fibres (`sheen`).
+    pub sheen: Option<(TexturedColour, TexturedFactor)>,
+    /// Varnish (`clearcoat`).
+    pub coat: Option<CoatDescription>,
+}
+
+impl Default for LayeredDescription {
+    fn default() -> Self {
+        Self {
+            base_colour: TexturedColour::white(),
+            metallic: TexturedFactor::plain(0.0),
+            roughness: TexturedFactor::plain(1.0),
+            index: Dispersion::constant(1.5),
+            normal_reflectance: None,
+            specular: TexturedFactor::plain(1.0),
+            specular_colour: TexturedColour::white(),
+            transmission: TexturedFactor::plain(0.0),
+            absorption_per_m: None,
+            diffuse_transmission: None,
+            anisotropy: None,
+            film: None,
+            sheen: None,
+            coat: None,
+        }
+    }
+}
+
+/// Grooves: α along them is mix(roughness², 1, strength²), across them roughness² (`anisotropy`).
+#[derive(Clone, Debug)]
+pub struct AnisotropyDescription {
+    /// 0–1.
+    pub strength: f32,
+    /// Of the rougher direction from the tangent towards the bitangent, rad.
+    pub rotation_rad: f32,
+    /// Linear texture: R, G the direction, B times the strength.
+    pub texture: Option<TextureDescription>,
+}
+
+/// A thin film (`iridescence`).
+#[derive(Clone, Debug)]
+pub struct FilmDescription {
+    /// 0–1.
+    pub weight: TexturedFactor,
+    /// Refractive index, at least 1.
+    pub index: f32,
+    /// Thickness where the texture is 0 and where it is 1 or there is none, nm.
+    pub thickness_nm: [f32; 2],
+    /// Its green says where between them.
+    pub thickness_texture: Option<TextureDescription>,
+}
+
+/// Varnish of index 1.5 (`clearcoat`).
+#[derive(Clone, Debug)]
+pub struct CoatDescription {
+    /// 0–1.
+    pub weight: TexturedFactor,
+    /// Perceptual roughness 0–1.
+    pub roughness: TexturedFactor,
+    /// Its own bumps, and the factor of their x and y; without any it is smooth, whatever the base has.
+    pub normal_map: Option<(TextureDescription, f32)>,
+}
+
+/// All textures of the layers, by shared or by mutable reference.
+macro_rules! layered_textures {
+    ($name:ident, $textured:ident, $pair:ident $(, $mutable:tt)?) => {
+        fn $name(& $($mutable)? self) -> Vec<Option<& $($mutable)? TextureDescription>> {
+            let Self {
+                base_colour, metallic, roughness, index: _, normal_reflectance: _, specular, specular_colour,
+                transmission, absorption_per_m: _, diffuse_transmission, anisotropy, film, sheen, coat,
+            } = self;
+            let mut all = vec![base_colour.texture.$textured(), specular_colour.texture.$textured()];
+            all.extend([metallic, roughness, specular, transmission].map($pair));
+            if let Some((factor, colour)) = diffuse_transmission {
+                all.extend([$pair(factor), colour.texture.$textured()]);
+            }
+            if let Some(anisotropy) = anisotropy {
+                all.push(anisotropy.texture.$textured());
+            }
+            if let Some(FilmDescription { weight, thickness_texture, .. }) = film {
+                all.extend([$pair(weight), thickness_texture.$textured()]);
+            }
+            if let Some((colour, roughness)) = sheen {
+                all.extend([colour.texture.$textured(), $pair(roughness)]);
+            }
+            if let Some(CoatDescription { weight, roughness, normal_map }) = coat {
+                all.extend([$pair(weight), $pair(roughness), normal_map.$textured().map(|(texture, _)| texture)]);
+            }
+            all
+        }
+    };
+}
+
+impl LayeredDescription {
+    layered_textures!(textures, as_ref, texture_of);
+    layered_textures!(textures_mut, as_mut, texture_of_mut, mut);
+}
+
+fn texture_of(factor: &TexturedFactor) -> Option<&TextureDescription> {
+    factor.texture.as_ref().map(|(texture, _)| texture)
+}
+
+fn texture_of_mut(factor: &mut TexturedFactor) -> Option<&mut TextureDescription> {
+    factor.texture.as_mut().map(|(texture, _)| texture)
 }
 
 /// Light that a surface or lamp gives.

@@ -15,6 +15,8 @@ pub struct Material {
     pub emission: Option<SurfaceEmission>,
     /// Its holes.
     pub alpha: Alpha,
+    /// Absorption of the closed volume that it bounds, m⁻¹.
+    pub absorption: Option<SpectrumId>,
 }
 
 /// A reflectance that may vary over a surface.
@@ -64,17 +66,89 @@ pub enum ScatteringModel {
         /// Microfacets.
         distribution: Ggx,
     },
-    /// glTF metallic-roughness.
-    MetallicRoughness {
-        /// Base colour.
-        base_colour: ColourSource,
-        /// Metalness factor.
-        metallic: f32,
-        /// Perceptual roughness factor.
-        roughness: f32,
-        /// Handle of a linear texture: G roughness, B metalness.
-        texture: Option<u32>,
-    },
+    /// glTF's material: handle among the layered materials.
+    Layered(u32),
+}
+
+/// A number, times a channel of a linear texture.
+#[derive(Clone, Copy, Debug)]
+pub struct FactorSource {
+    /// The number.
+    pub value: f32,
+    /// Handle of the texture, and which channel of it counts.
+    pub texture: Option<(u32, usize)>,
+}
+
+/// A [`LayeredDescription`](super::description::LayeredDescription) with handles.
+#[derive(Clone, Debug)]
+pub struct LayeredMaterial {
+    /// Reflectance of the coloured base, F₀ of the metal, tint of transmission.
+    pub base_colour: ColourSource,
+    /// Metalness.
+    pub metallic: FactorSource,
+    /// Perceptual roughness.
+    pub roughness: FactorSource,
+    /// Index, and whether it depends on wavelength.
+    pub eta: SpectrumId,
+    /// Whether it does.
+    pub dispersive: bool,
+    /// Reflectance at normal incidence that the index gives.
+    pub f0: f32,
+    /// Weight of the facets' reflection.
+    pub specular: FactorSource,
+    /// Linear sRGB factor of F₀ and the texture that scales it; none for white.
+    pub specular_colour: Option<ColourSource>,
+    /// Factor of F₀ that is no colour, for colours above 1.
+    pub specular_scale: f32,
+    /// What goes on.
+    pub transmission: FactorSource,
+    /// Whether the surface bounds a volume.
+    pub has_volume: bool,
+    /// What comes out behind, and its colour.
+    pub diffuse_transmission: Option<(FactorSource, ColourSource)>,
+    /// Grooves.
+    pub anisotropy: Option<AnisotropySource>,
+    /// A thin film.
+    pub film: Option<FilmSource>,
+    /// Fibres: colour and roughness.
+    pub sheen: Option<(ColourSource, FactorSource)>,
+    /// Varnish.
+    pub coat: Option<CoatSource>,
+}
+
+/// Grooves.
+#[derive(Clone, Copy, Debug)]
+pub struct AnisotropySource {
+    /// 0–1.
+    pub strength: f32,
+    /// Cosine and sine of the rotation of the rougher direction from the tangent.
+    pub rotation: [f32; 2],
+    /// Handle of a linear texture: R, G direction, B strength.
+    pub texture: Option<u32>,
+}
+
+/// A thin film.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmSource {
+    /// 0–1.
+    pub weight: FactorSource,
+    /// Refractive index.
+    pub index: f32,
+    /// From where the texture is 0 to where it is 1, nm.
+    pub thickness_nm: [f32; 2],
+    /// Handle of a linear texture whose green says where between; none for the second.
+    pub texture: Option<u32>,
+}
+
+/// Varnish.
+#[derive(Clone, Copy, Debug)]
+pub struct CoatSource {
+    /// 0–1.
+    pub weight: FactorSource,
+    /// Perceptual roughness.
+    pub roughness: FactorSource,
+    /// Its own bumps.
+    pub normal_map: Option<NormalMap>,
 }
 
 /// A tangent-space normal map.

@@ -11,13 +11,16 @@ mod shading;
 
 pub use build::build;
 pub(crate) use build::{emission_spectrum, nit_per_unit};
-pub use material::{Alpha, ColourSource, Material, NormalMap, ScatteringModel};
+pub use material::{
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
+    ScatteringModel,
+};
 pub use shading::Shading;
 
 use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Ray, SurfacePoint};
 use crate::light::{LightSample, Lights, SurfaceEmission, Tint, TriangleLight};
 use crate::math::hash::{hash64, unit_f32};
-use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumTable, Wavelengths};
+use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 use crate::texture::Texture;
 
 /// Everything that light transport needs to know of a scene. Immutable.
@@ -26,6 +29,7 @@ pub struct Scene {
     geometry: Geometry,
     accel: Accel,
     materials: Vec<Material>,
+    layered: Vec<LayeredMaterial>,
     textures: Vec<Texture>,
     spectra: SpectrumTable,
     lights: Lights,
@@ -83,6 +87,33 @@ impl Scene {
         self.emitted_at(emission, point.triangle, point.barycentric, wavelengths)
     }
 
+    /// The medium that light from `point` to the unit direction `wo` has come through, where `point` is seen from within a
+    /// volume: its absorption, m⁻¹.
+    #[inline]
+    pub fn absorption_behind(&self, point: &SurfacePoint, wo: glam::Vec3) -> Option<SpectrumId> {
+        self.materials[point.material as usize].absorption.filter(|_| wo.dot(point.geometric_normal) < 0.0)
+    }
+
+    /// The medium beyond `point` for light that passes it in the direction `wi` and was in `medium` before.
+    #[inline]
+    pub fn medium_across(
+        &self,
+        point: &SurfacePoint,
+        wi: glam::Vec3,
+        medium: Option<SpectrumId>,
+    ) -> Option<SpectrumId> {
+        match self.materials[point.material as usize].absorption {
+            Some(absorption) => (wi.dot(point.geometric_normal) < 0.0).then_some(absorption),
+            None => medium,
+        }
+    }
+
+    /// The part of the light that is left after `distance` (m) in a medium: exp(−σ·d).
+    #[inline]
+    pub fn transmittance(&self, absorption: SpectrumId, distance: f32, wavelengths: &Wavelengths) -> SampledSpectrum {
+        self.spectra.sample(absorption, wavelengths).map(|per_m| (-per_m * distance).exp())
+    }
+
     /// Handle of the light that a surface point belongs to.
     #[inline]
     pub fn light_of(&self, point: &SurfacePoint) -> Option<u32> {
@@ -134,6 +165,7 @@ impl Scene {
     fn presence(&self, triangle: u32, barycentric: [f32; 2]) -> f32 {
         let mesh = &self.geometry.meshes[self.geometry.triangles[triangle as usize].mesh as usize];
         let coverage = |factor: f32, texture: Option<u32>| {
+            let factor = factor * self.geometry.colour(triangle, barycentric).map_or(1.0, |colour| colour.w);
             factor * texture.map_or(1.0, |texture| self.rgba_linear(texture, triangle, barycentric)[3])
         };
         match self.materials[mesh.material as usize].alpha {

@@ -1,9 +1,11 @@
 //! From a surface point to the frame and the BSDF that light scatters by.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-use super::{ColourSource, Material, ScatteringModel, Scene};
-use crate::bsdf::{Bsdf, Ggx};
+use super::{
+    AnisotropySource, ColourSource, FactorSource, LayeredMaterial, Material, NormalMap, ScatteringModel, Scene,
+};
+use crate::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Sheen, Volume};
 use crate::geometry::SurfacePoint;
 use crate::math::Frame;
 use crate::spectrum::upsampling::reflectance_polynomial;
@@ -27,29 +29,127 @@ impl Scene {
     #[inline]
     pub fn shading(&self, point: &SurfacePoint, wo: Vec3, wavelengths: &Wavelengths) -> Shading {
         let material = &self.materials[point.material as usize];
-        let distribution = |roughness: f32| Ggx::from_roughness(roughness, 0.0);
-        let (bsdf, two_sided) = match material.model {
+        let bsdf = match material.model {
             ScatteringModel::Diffuse { reflectance } => {
-                (Bsdf::Diffuse { reflectance: self.colour(reflectance, point, wavelengths) }, true)
+                Bsdf::Diffuse { reflectance: self.colour(reflectance, point, wavelengths) }
             }
             ScatteringModel::Conductor { eta, k, distribution } => {
                 let (eta, k) = (self.spectra.sample(eta, wavelengths), self.spectra.sample(k, wavelengths));
-                (Bsdf::Conductor { eta, k, distribution }, true)
+                Bsdf::Conductor { eta, k, distribution }
             }
             ScatteringModel::Dielectric { eta, dispersive, distribution } => {
-                (Bsdf::Dielectric { eta: self.spectra.sample(eta, wavelengths), dispersive, distribution }, false)
+                let frame = self.frame(material, point, wo, false);
+                let eta = self.spectra.sample(eta, wavelengths);
+                return Shading { frame, bsdf: Bsdf::Dielectric { eta, dispersive, distribution } };
             }
-            ScatteringModel::MetallicRoughness { base_colour, mut metallic, mut roughness, texture } => {
-                if let Some(texture) = texture {
-                    let [_, g, b, _] = self.rgba_linear(texture, point.triangle, point.barycentric);
-                    metallic *= b;
-                    roughness *= g;
-                }
-                let base_colour = self.colour(base_colour, point, wavelengths);
-                (Bsdf::MetallicRoughness { base_colour, metallic, distribution: distribution(roughness) }, true)
+            ScatteringModel::Layered(layers) => {
+                return self.layers(material, &self.layered[layers as usize], point, wo, wavelengths);
             }
         };
-        Shading { frame: self.frame(material, point, wo, two_sided), bsdf }
+        Shading { frame: self.frame(material, point, wo, true), bsdf }
+    }
+
+    /// glTF's material.
+    #[inline(never)]
+    fn layers(
+        &self,
+        material: &Material,
+        m: &LayeredMaterial,
+        point: &SurfacePoint,
+        wo: Vec3,
+        wavelengths: &Wavelengths,
+    ) -> Shading {
+        let factor = |source: FactorSource| self.factor(source, point);
+        let colour = |source| self.colour(source, point, wavelengths);
+        let specular_colour = m.specular_colour.map_or(SampledSpectrum::ONE, colour);
+        let alpha = factor(m.roughness) * factor(m.roughness);
+        let mut layers = Layered {
+            base_colour: self.base_colour(m.base_colour, point, wavelengths),
+            metallic: factor(m.metallic),
+            distribution: Ggx::new(alpha, alpha),
+            specular: factor(m.specular),
+            f0: (specular_colour * (m.f0 * m.specular_scale)).map(|f0| f0.min(1.0)),
+            transmission: factor(m.transmission),
+            volume: m
+                .has_volume
+                .then(|| Volume { eta: self.spectra.sample(m.eta, wavelengths), dispersive: m.dispersive }),
+            ..Layered::default()
+        };
+        if let Some((part, tint)) = m.diffuse_transmission {
+            (layers.diffuse_transmission, layers.diffuse_transmission_colour) = (factor(part), colour(tint));
+        }
+        layers.film = m.film.and_then(|film| {
+            let [low, high] = film.thickness_nm;
+            let t = film.texture.map_or(1.0, |t| self.rgba_linear(t, point.triangle, point.barycentric)[1]);
+            let thickness = low + (high - low) * t;
+            let waves = SampledSpectrum::from_lanes(|i| 2.0 * film.index * thickness / wavelengths.lambda_nm(i));
+            let weight = factor(film.weight);
+            // No thickness, no film (`iridescence`, "Properties").
+            (weight > 0.0 && thickness > 0.0).then_some(Film { weight, index: film.index, waves })
+        });
+        layers.sheen = m.sheen.and_then(|(tint, roughness)| {
+            let (colour, roughness) = (colour(tint), factor(roughness));
+            (!colour.is_black()).then_some(Sheen { colour, alpha: roughness * roughness })
+        });
+        let mut frame = self.frame(material, point, wo, layers.is_two_sided());
+        if let Some(anisotropy) = m.anisotropy {
+            let (strength, [x, y]) = self.grooves(anisotropy, point);
+            layers.distribution = Ggx::new(alpha + (1.0 - alpha) * strength * strength, alpha);
+            // The file's bitangent, whichever side is looked at.
+            let bitangent =
+                frame.y * frame.y.dot(point.shading_normal.cross(point.tangent)).signum() * point.handedness;
+            frame = Frame::from_normal_tangent(frame.z, frame.x * x + bitangent * y);
+        }
+        layers.coat = m.coat.and_then(|coat| {
+            let (weight, roughness) = (factor(coat.weight), factor(coat.roughness));
+            let alpha = roughness * roughness;
+            let normal = if coat.normal_map.is_some() || material.normal_map.is_some() {
+                let own = self.mapped_frame(coat.normal_map, point, wo, layers.is_two_sided());
+                frame.to_local(own.z)
+            } else {
+                Vec3::Z
+            };
+            (weight > 0.0).then_some(Coat { weight, distribution: Ggx::new(alpha, alpha), normal })
+        });
+        Shading { frame, bsdf: Bsdf::Layered(layers) }
+    }
+
+    /// Strength and direction of anisotropy (`anisotropy`, "Anisotropy").
+    #[inline]
+    fn grooves(&self, source: AnisotropySource, point: &SurfacePoint) -> (f32, [f32; 2]) {
+        let [cos, sin] = source.rotation;
+        let Some(texture) = source.texture else { return (source.strength, source.rotation) };
+        let [r, g, b, _] = self.rgba_linear(texture, point.triangle, point.barycentric);
+        let direction = Vec2::new(2.0 * r - 1.0, 2.0 * g - 1.0).try_normalize().unwrap_or(Vec2::X);
+        (source.strength * b, [cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y])
+    }
+
+    #[inline]
+    fn factor(&self, source: FactorSource, point: &SurfacePoint) -> f32 {
+        match source.texture {
+            Some((texture, channel)) => {
+                source.value * self.rgba_linear(texture, point.triangle, point.barycentric)[channel]
+            }
+            None => source.value,
+        }
+    }
+
+    /// A colour times that of the vertices (§3.7.2.1, `COLOR_0`). An RGB colour is upsampled after the product.
+    #[inline]
+    fn base_colour(&self, source: ColourSource, point: &SurfacePoint, wavelengths: &Wavelengths) -> SampledSpectrum {
+        let Some(vertex) = self.geometry.colour(point.triangle, point.barycentric) else {
+            return self.colour(source, point, wavelengths);
+        };
+        let vertex = [vertex.x, vertex.y, vertex.z];
+        match source {
+            ColourSource::Texture { factor, texture } => {
+                let factor = [0, 1, 2].map(|i| factor[i] * vertex[i]);
+                self.colour(ColourSource::Texture { factor, texture }, point, wavelengths)
+            }
+            ColourSource::Spectrum(_) | ColourSource::SpectrumTexture { .. } => {
+                self.colour(source, point, wavelengths) * reflectance_polynomial(vertex).sample(wavelengths)
+            }
+        }
     }
 
     #[inline]
@@ -71,9 +171,15 @@ impl Scene {
     /// The shading frame: interpolated normal, bumps, tangent.
     #[inline]
     fn frame(&self, material: &Material, point: &SurfacePoint, wo: Vec3, two_sided: bool) -> Frame {
+        self.mapped_frame(material.normal_map, point, wo, two_sided)
+    }
+
+    /// The same with any bumps.
+    #[inline]
+    fn mapped_frame(&self, map: Option<NormalMap>, point: &SurfacePoint, wo: Vec3, two_sided: bool) -> Frame {
         let mut normal = point.shading_normal;
         let mut geometric = point.geometric_normal;
-        if let Some(map) = material.normal_map {
+        if let Some(map) = map {
             let [x, y, z, _] = self.rgba_linear(map.texture, point.triangle, point.barycentric).map(|c| 2.0 * c - 1.0);
             let base = Frame::from_normal_tangent(normal, point.tangent);
             let bitangent = base.y * point.handedness;

@@ -39,6 +39,11 @@ impl<T, S: RowStage<T>> RowStage<T> for Option<S> {
     }
 }
 
+/// Changes all rows of values, in any order.
+pub(super) fn for_each_row<T: Send>(values: &mut [T], width: usize, change: impl Fn(&mut Row<'_, T>) + Sync) {
+    values.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, values)| change(&mut Row { y, values }));
+}
+
 impl ChargePlane {
     /// A plane without charge. `width` counts values.
     pub(super) fn empty(width: usize, height: usize, samples: usize) -> Self {
@@ -92,8 +97,7 @@ impl ChargePlane {
 
     /// Changes all rows, in any order.
     pub(super) fn for_each_row(&mut self, change: impl Fn(&mut Row<'_>) + Sync) {
-        let rows = self.electrons.par_chunks_mut(self.width.max(1));
-        rows.enumerate().for_each(|(y, values)| change(&mut Row { y, values }));
+        for_each_row(&mut self.electrons, self.width, change);
     }
 
     /// Reads all rows out, in any order, into the digital numbers of their pixels.

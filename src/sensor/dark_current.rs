@@ -120,12 +120,12 @@ impl RowStage for DarkCurrent {
     /// The charge with thermal electrons added.
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
-        for (x, charge) in row.values.iter_mut().enumerate() {
-            let random = &mut self.streams.pixel(x, row.y);
-            *charge += match self.electrons.nonuniformity {
-                None => self.distribution.sample(random),
-                Some(_) => poisson(self.electrons.of_pixel(x, row.y), random),
-            } as f32;
+        let y = row.y;
+        match self.electrons.nonuniformity {
+            None => self.streams.pixels(row, |_, charge, random| charge + self.distribution.sample(random) as f32),
+            Some(_) => self
+                .streams
+                .pixels(row, |x, charge, random| charge + poisson(self.electrons.of_pixel(x, y), random) as f32),
         }
     }
 }

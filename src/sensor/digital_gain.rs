@@ -3,20 +3,26 @@
 
 use super::charge_plane::{Row, RowStage};
 use super::expose::Frame;
-use super::{Exposure, SensorModel};
+use super::{BinningMethod, Exposure, SensorModel};
 
 impl SensorModel {
-    /// System gain K of the numbers that leave the sensor at an exposure's gains, DN/e⁻.
+    /// System gain K of the numbers that leave the sensor at an exposure's gains, DN/e⁻. Of bins, the electrons are the
+    /// mean of their pixels.
     pub fn system_gain(&self, exposure: &Exposure) -> f64 {
-        self.converter.system_gain(exposure.gain) * exposure.digital_gain.factor()
+        let binning = exposure.window.binning;
+        let digital = exposure.digital_gain.factor() * binning.digital_gain();
+        self.converter.system_gain(exposure.gain) * binning.charge_gain() * digital
     }
 }
 
-/// Variance that rounding after a digital gain adds, referred to electrons, (e⁻)²: 1/(12·K²). Whole factors need no
-/// rounding.
+/// Variance that rounding after a digital gain and after taking means adds, referred to electrons, (e⁻)²: 1/(12·K²) with
+/// the gain K so far. Whole factors need no rounding.
 pub(super) fn rounding_variance_e2(sensor: &SensorModel, exposure: &Exposure) -> f64 {
-    let factor = exposure.digital_gain.factor();
-    if factor.fract() == 0.0 { 0.0 } else { (1.0 / 12.0) / sensor.system_gain(exposure).powi(2) }
+    let (factor, binning) = (exposure.digital_gain.factor(), exposure.window.binning);
+    let rounding = |gain: f64| (1.0 / 12.0) / gain.powi(2);
+    let of_gain = if factor.fract() == 0.0 { 0.0 } else { rounding(sensor.system_gain(exposure)) };
+    let takes_means = binning.method == BinningMethod::Mean && binning.pixels() > 1;
+    of_gain + if takes_means { rounding(sensor.system_gain(exposure) / factor) } else { 0.0 }
 }
 
 /// The gain of the converter's numbers.

@@ -5,7 +5,7 @@ use crate::image::Planes;
 use crate::raw::{Area, Cfa, RawImage, RawMetadata};
 
 use super::amplifiers::{AmplifierNonlinearity, ColumnAmplifiers, Gain};
-use super::charge_plane::RowStage;
+use super::charge_plane::{RowStage, for_each_row};
 use super::companding::Compander;
 use super::converter::Digitiser;
 use super::crosstalk::spread;
@@ -27,7 +27,7 @@ use super::reset_noise::ResetNoise;
 use super::shot_noise::ShotNoise;
 use super::stage::{Stage, Stages};
 use super::telegraph::Telegraph;
-use super::{Exposure, NoiseKey, SensorModel, brighter_fatter, ccd, charge_generation};
+use super::{Exposure, NoiseKey, SensorModel, Window, brighter_fatter, ccd, charge_generation};
 
 /// What every stage of one picture may know.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +65,7 @@ pub fn expose(
     key: NoiseKey,
 ) -> Result<RawImage, Invalid> {
     exposure.validate(sensor)?;
+    exposure.window.lies_within([mean_electrons.width(), mean_electrons.height()])?;
 
     // Light and heat free electrons in each pixel.
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
@@ -108,6 +109,8 @@ pub fn expose(
     if let Some(ccd) = ccd {
         charge = ccd::shift_out(ccd, &frame, charge, &passing);
     }
+    let Window { binning, region } = exposure.window;
+    let mut charge = binning.add_charge(charge, &sensor.cfa);
     let frame = Frame { size: [charge.width, charge.height], ..frame };
 
     // Amplifiers turn charge into voltages, converters those into digital numbers.
@@ -124,10 +127,7 @@ pub fn expose(
     let digitiser = Digitiser::new(&frame);
     let dual_gain = DualGainDigitiser::new(&frame);
     let stuck_pixels = StuckPixels::new(&frame);
-    let digital_gain = DigitalGain::new(&frame);
-    let compander = Compander::new(&frame);
-    let transmission_errors = TransmissionErrors::new(&frame);
-    let data = charge.read_out(|row, numbers| {
+    let numbers = charge.read_out(|row, numbers| {
         reset_noise.apply(row);
         telegraph.apply(row);
         dark_offset.apply(row);
@@ -144,21 +144,30 @@ pub fn expose(
             }
         }
         stuck_pixels.apply(numbers);
+    });
+
+    // Numbers are processed and sent.
+    let (mut data, [row_length, height]) = binning.add_numbers(numbers, frame.size, sensor);
+    let frame = Frame { size: [row_length, height], ..frame };
+    let digital_gain = DigitalGain::new(&frame);
+    let compander = Compander::new(&frame);
+    let transmission_errors = TransmissionErrors::new(&frame);
+    for_each_row(&mut data, row_length, |numbers| {
         digital_gain.apply(numbers);
         compander.apply(numbers);
         transmission_errors.apply(numbers);
     });
 
-    let [row_length, height] = frame.size;
-    let width = row_length / sensor.cfa.samples_per_pixel();
-    let area = active_area(sensor, mean_electrons);
-    let channels = sensor.cfa.channels().len();
+    let layout = binning.layout(&sensor.cfa);
+    let width = row_length / layout.samples_per_pixel();
+    let area = active_area(sensor, mean_electrons, binning.factor);
+    let channels = layout.channels().len();
     let linearisation = sensor.linearisation(exposure);
-    Ok(RawImage {
+    let whole = RawImage {
         width,
         height,
         data,
-        cfa: tile_from_corner(&sensor.cfa, area),
+        cfa: tile_from_corner(&layout, area),
         active_area: ([width, height] != [area.width, area.height]).then_some(area),
         bits: sensor.output_bits(),
         black_level_dn: linearisation.as_ref().map_or(sensor.converter.black_level_dn, |l| l.black_level_dn).into(),
@@ -168,21 +177,30 @@ pub fn expose(
             camera_model: sensor.name.clone(),
             exposure_time_s: exposure.time.0,
             iso: sensor.iso(exposure).map(|iso| iso.round() as u32),
-            pixel_pitch_m: Some(sensor.pixel_pitch_m),
+            pixel_pitch_m: Some([0, 1].map(|axis| sensor.pixel_pitch_m[axis] * binning.factor[axis] as f64)),
             noise_profile: sensor.noise_profile(exposure).map(|profile| vec![profile; channels]).unwrap_or_default(),
             ..RawMetadata::default()
         },
+    };
+    Ok(match region {
+        None => whole,
+        Some(region) => whole.part(Area {
+            x: area.x + region.x / binning.factor[0],
+            y: area.y + region.y / binning.factor[1],
+            width: region.width / binning.factor[0],
+            height: region.height / binning.factor[1],
+        }),
     })
 }
 
-/// Where among all that is read out the picture lies.
-fn active_area(sensor: &SensorModel, picture: &Planes) -> Area {
+/// Where among all that is read out the picture lies, in bins of so many columns and rows.
+fn active_area(sensor: &SensorModel, picture: &Planes, [across, down]: [usize; 2]) -> Area {
     let prescan = sensor.architecture.ccd().map_or(0, |ccd| ccd.overscan.prescan_columns);
     Area {
-        x: prescan + sensor.masked.columns[0],
-        y: sensor.masked.rows[0],
-        width: picture.width(),
-        height: picture.height(),
+        x: (prescan + sensor.masked.columns[0]) / across,
+        y: sensor.masked.rows[0] / down,
+        width: picture.width() / across,
+        height: picture.height() / down,
     }
 }
 

@@ -1,9 +1,10 @@
 //! The settings of one exposure.
 
 use crate::Invalid;
+use crate::raw::Area;
 use crate::units::{Celsius, Decibels, Seconds};
 
-use super::{SensorModel, Shutter};
+use super::{Binning, SensorModel, Shutter};
 
 /// Beyond this, a single step of an 8-bit converter fills the range of numbers.
 const MAX_DIGITAL_GAIN_DB: f64 = 48.0;
@@ -21,6 +22,48 @@ pub struct Exposure {
     pub temperature: Celsius,
     /// Time from the start of one picture of a series to that of the next, where it is longer than it has to be.
     pub frame_interval: Option<Seconds>,
+    /// What of the sensor is read out.
+    pub window: Window,
+}
+
+/// What of the sensor is read out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Window {
+    /// Pixels that are read out as one.
+    pub binning: Binning,
+    /// The pixels that leave the sensor, before binning; `None` for all, with those that are covered. Nothing about them
+    /// depends on what else is read out.
+    pub region: Option<Area>,
+}
+
+impl Window {
+    /// All of the sensor, pixel by pixel.
+    pub const WHOLE: Self = Self { binning: Binning::NONE, region: None };
+
+    /// Refuses what this sensor cannot do. Keys are those of the capture file's `[exposure]` table.
+    fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
+        self.binning.validate(sensor)?;
+        self.lies_within(sensor.resolution)
+    }
+
+    /// Refuses a region that is no part of so many columns and rows.
+    pub(super) fn lies_within(&self, [columns, rows]: [usize; 2]) -> Result<(), Invalid> {
+        let Some(Area { x, y, width, height }) = self.region else { return Ok(()) };
+        let refuse = |message: String, help: &str| Err(Invalid::new("region_px", message).help(help));
+        let within = |first: usize, length: usize, side: usize| {
+            length > 0 && first.checked_add(length).is_some_and(|end| end <= side)
+        };
+        if !(within(x, width, columns) && within(y, height, rows)) {
+            let message = format!("{width} × {height} pixels at {x}, {y} are no part of {columns} × {rows}");
+            return refuse(message, "write [first column, first row, columns, rows]");
+        }
+        let [across, down] = self.binning.factor;
+        if [x, width].iter().any(|n| n % across != 0) || [y, height].iter().any(|n| n % down != 0) {
+            let message = format!("{width} × {height} pixels at {x}, {y} are no whole bins of {across} × {down}");
+            return refuse(message, "write multiples of the bins' size");
+        }
+        Ok(())
+    }
 }
 
 impl Exposure {
@@ -39,6 +82,7 @@ impl Exposure {
             let message = format!("must lie from 0 to {MAX_DIGITAL_GAIN_DB}, got {}", self.digital_gain.0);
             return Err(Invalid::new("digital_gain_db", message).help("smaller numbers would never reach white"));
         }
+        self.window.validate(sensor)?;
         let dark = sensor.noise.dark_electrons(self.temperature, self.time);
         if !(self.temperature.0 > -crate::units::ZERO_CELSIUS && dark.0.is_finite()) {
             let message = format!("no sensor works at {} °C", self.temperature.0);

@@ -4,7 +4,7 @@ use crate::Invalid;
 use crate::spectrum::{Spectrum, cie, illuminant};
 use crate::units::{Celsius, Decibels, Electrons, Seconds};
 
-use super::{Exposure, SensorModel};
+use super::{Binning, Exposure, SensorModel, Window};
 
 /// The constant of the saturation-based speed, lx·s: a grey of 18 % then lies at 12.7 % of saturation, half a stop below
 /// what would just fit.
@@ -24,16 +24,21 @@ impl SensorModel {
     }
 
     /// The ISO speed at the smallest gain; there is no lower one.
-    pub fn base_iso(&self) -> Option<f64> {
-        let [gain, _] = self.converter.gain_range;
-        let (time, temperature, digital_gain) = (Seconds(1.0), Celsius(25.0), Decibels(0.0));
-        self.iso(&Exposure { time, gain, digital_gain, temperature, frame_interval: None })
+    pub fn base_iso(&self, binning: Binning) -> Option<f64> {
+        self.iso(&Exposure {
+            time: Seconds(1.0),
+            gain: self.converter.gain_range[0],
+            digital_gain: Decibels(0.0),
+            temperature: Celsius(25.0),
+            frame_interval: None,
+            window: Window { binning, region: None },
+        })
     }
 
     /// The analogue and the digital gain that give an ISO speed: as much of it as the sensor can by the first. Speeds
     /// below the base one, rounded, are refused.
-    pub fn gains_for_iso(&self, iso: f64) -> Result<[Decibels; 2], Invalid> {
-        let Some(base) = self.base_iso() else {
+    pub fn gains_for_iso(&self, iso: f64, binning: Binning) -> Result<[Decibels; 2], Invalid> {
+        let Some(base) = self.base_iso(binning) else {
             let message = format!("sensor {} is logarithmic and has no speed", self.name);
             return Err(Invalid::new("iso", message).help("write gain_db"));
         };
@@ -41,15 +46,16 @@ impl SensorModel {
             let message = format!("{iso} is not among the speeds of sensor {}", self.name);
             return Err(Invalid::new("iso", message).help(format!("its base ISO is {}", base.round())));
         }
-        Ok(self.gains_for_capacity(Electrons(SATURATION_CONSTANT * self.electrons_per_lux_second() / iso)))
+        let capacity = Electrons(SATURATION_CONSTANT * self.electrons_per_lux_second() / iso);
+        Ok(self.gains_for_capacity(capacity, binning))
     }
 
     /// The smallest analogue and digital gain at which no more than `capacity` is left of the saturation capacity.
-    pub(super) fn gains_for_capacity(&self, capacity: Electrons) -> [Decibels; 2] {
+    pub(super) fn gains_for_capacity(&self, capacity: Electrons, binning: Binning) -> [Decibels; 2] {
         let [least, most] = self.converter.gain_range;
-        let signal = self.amplified(capacity.0);
+        let signal = self.amplified(capacity.0 * binning.charge_gain());
         let before_merging = self.converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
-        let merged = self.converter.range_e();
+        let merged = self.converter.range_e() / binning.digital_gain();
         if capacity.0 >= self.full_well.0 {
             return [least, Decibels(0.0)];
         }
@@ -74,7 +80,14 @@ mod tests {
     use crate::sensor::presets;
 
     fn exposure([gain, digital_gain]: [Decibels; 2]) -> Exposure {
-        Exposure { time: Seconds(0.01), gain, digital_gain, temperature: Celsius(25.0), frame_interval: None }
+        Exposure {
+            time: Seconds(0.01),
+            gain,
+            digital_gain,
+            temperature: Celsius(25.0),
+            frame_interval: None,
+            window: Window::WHOLE,
+        }
     }
 
     #[test]
@@ -134,7 +147,7 @@ mod tests {
         sensor.quantum_efficiency = vec![Spectrum::constant(1.0)];
         sensor.full_well = Electrons(10_000.0);
         // Sums in steps of 20 nm over a light of narrow features: 1 %.
-        let base = sensor.base_iso().expect("linear");
+        let base = sensor.base_iso(Binning::NONE).expect("linear");
         assert!((base / by_hand - 1.0).abs() < 0.01, "{base} for {by_hand}");
     }
 
@@ -142,10 +155,10 @@ mod tests {
     fn gains_give_the_speed_that_is_asked_for() {
         for name in presets::names() {
             let sensor = presets::model(name).expect("listed");
-            let base = sensor.base_iso().expect("linear");
+            let base = sensor.base_iso(Binning::NONE).expect("linear");
             assert!(base.is_finite() && base > 0.0, "{name}: {base}");
             for factor in [1.0, 1.01, 2.0, 7.7, 40.0, 100.0] {
-                let gains = sensor.gains_for_iso(base * factor).expect("above the base speed");
+                let gains = sensor.gains_for_iso(base * factor, Binning::NONE).expect("above the base speed");
                 let [least, most] = sensor.converter.gain_range;
                 assert!((least.0..=most.0).contains(&gains[0].0) && gains[1].0 >= 0.0, "{name}: {gains:?}");
                 assert!(gains[1].0 == 0.0 || gains[0] == most, "{name}: digital gain before the analogue one ends");
@@ -153,7 +166,9 @@ mod tests {
                 let found = sensor.iso(&exposure(gains)).expect("linear") / base;
                 assert!((found / factor - 1.0).abs() < 1e-9, "{name}: {found} for {factor}");
             }
-            assert!(sensor.gains_for_iso(base.round() - 1.0).is_err() && sensor.gains_for_iso(f64::NAN).is_err());
+            for iso in [base.round() - 1.0, f64::NAN] {
+                assert!(sensor.gains_for_iso(iso, Binning::NONE).is_err());
+            }
         }
     }
 }

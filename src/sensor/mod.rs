@@ -4,12 +4,16 @@
 //! [`Exposure`]. Out: a [`RawImage`](crate::raw::RawImage) of digital numbers. [`expose()`] is the list of stages, each
 //! of which has a file of its own; names and symbols are those of [Emva1288](crate::references#emva1288).
 //!
+//! Exposure control is beside that list: [`auto_exposure()`] finds time and gains, [`SensorModel::gains_for_iso`] the gains of a
+//! speed, [`SensorModel::linearisation`] the way back from numbers that are bent on purpose.
+//!
 //! Light is left to the renderer, which needs [`SensorModel::responses`] from here; files are left to
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 
 mod amplifiers;
 mod auto_exposure;
 mod band_light;
+mod binning;
 mod brighter_fatter;
 mod ccd;
 mod charge_generation;
@@ -51,6 +55,7 @@ mod telegraph;
 
 pub use auto_exposure::{AutoExposure, Metering, auto_exposure};
 pub use band_light::{BandRates, electron_rates};
+pub use binning::{Binning, BinningMethod};
 pub use ccd::{Ccd, Overscan};
 pub use companding::{Companding, CompandingCurve};
 pub use crosstalk::Kernel;
@@ -63,7 +68,7 @@ pub use description::{
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;
-pub use exposure::Exposure;
+pub use exposure::{Exposure, Window};
 pub use linearisation::Linearisation;
 pub use logarithmic::Logarithmic;
 pub use masked_pixels::MaskedPixels;

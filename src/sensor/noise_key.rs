@@ -74,7 +74,8 @@ impl Streams {
     /// The stream of the pixel at column x, row y.
     #[inline]
     pub(super) fn pixel(&self, x: usize, y: usize) -> Philox {
-        Philox::new(self.key, self.number(x, y))
+        let [even, odd] = Philox::pair(self.key, self.number(x / 2, y));
+        if x.is_multiple_of(2) { even } else { odd }
     }
 
     /// Many streams of the pixel at column x, row y.
@@ -119,12 +120,21 @@ impl Streams {
         self.pixel(x, y).sample(StandardNormal)
     }
 
-    /// Hands each value of a row to `apply`: its column, the value, and a standard normal number of its pixel's.
+    /// Changes each value of a row: hands its column, the value and the stream of its pixel to `change`.
     #[inline]
-    pub(super) fn normals(&self, row: &mut Row<'_>, apply: impl Fn(usize, f32, f32) -> f32) {
-        for (x, value) in row.values.iter_mut().enumerate() {
-            *value = apply(x, *value, self.normal(x, row.y));
+    pub(super) fn pixels(&self, row: &mut Row<'_>, change: impl Fn(usize, f32, &mut Philox) -> f32) {
+        for (pair, values) in row.values.chunks_mut(2).enumerate() {
+            let streams = Philox::pair(self.key, self.number(pair, row.y));
+            for (i, (value, mut random)) in values.iter_mut().zip(streams).enumerate() {
+                *value = change(2 * pair + i, *value, &mut random);
+            }
         }
+    }
+
+    /// The same with a standard normal number of the pixel's in place of its stream.
+    #[inline]
+    pub(super) fn normals(&self, row: &mut Row<'_>, change: impl Fn(usize, f32, f32) -> f32) {
+        self.pixels(row, |x, value, random| change(x, value, random.sample(StandardNormal)));
     }
 }
 

@@ -47,9 +47,7 @@ impl RowStage for ReadNoise {
             }
             Some(Tails { distribution, scale }) => {
                 let scale = self.standard_deviation_e * scale;
-                for (x, signal) in row.values.iter_mut().enumerate() {
-                    *signal += (scale * self.streams.pixel(x, row.y).sample(distribution)) as f32;
-                }
+                self.streams.pixels(row, |_, signal, random| signal + (scale * random.sample(distribution)) as f32);
             }
         }
     }

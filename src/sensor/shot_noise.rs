@@ -27,9 +27,7 @@ impl RowStage for ShotNoise {
     /// Numbers of electrons with the Poisson distributions of their means.
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
-        for (x, charge) in row.values.iter_mut().enumerate() {
-            *charge = poisson(f64::from(*charge), &mut self.streams.pixel(x, row.y)) as f32;
-        }
+        self.streams.pixels(row, |_, mean, random| poisson(f64::from(mean), random) as f32);
     }
 }
 

@@ -34,6 +34,18 @@ fn folder(capture: String) -> Folder {
     "frame_interval_s: 0.01 s is shorter",
     "leave it"
 )]
+#[case::region(
+    "[exposure]\nregion_px = [790, 0, 20, 10]",
+    "region_px: 20 × 10 pixels at 790, 0 are no part",
+    "write ["
+)]
+#[case::parts_of_bins(
+    "[exposure]\nbinning = [2, 2]\nregion_px = [1, 0, 20, 10]",
+    "region_px: 20 × 10 pixels at 1, 0 are no whole bins of 2 × 2",
+    "multiples"
+)]
+#[case::no_bins("[exposure]\nbinning = [0, 2]", "exposure.binning: must be from 1 to 16", "binning = [2, 2]")]
+#[case::how_to_bin("[exposure]\nbinning_method = 'sum'", "exposure.binning_method: says how", "binning = [2, 2]")]
 #[case::digital_gain("[exposure]\ndigital_gain_db = -3", "digital_gain_db: must lie from 0 to 48, got -3", "white")]
 #[case::gain("[exposure]\ngain_db = 90", "gain_db: 90 dB is not among the gains", "write 0 to 24 dB")]
 #[case::slow("[exposure]\niso = 1", "exposure.iso: 1 is not among the speeds", "its base ISO is")]

@@ -99,7 +99,7 @@ const PAINT: &str = "type = \"diffuse\"\nreflectance = 0.5";
 #[case::model(
     PAINT,
     "type = \"metallic-roughness\"\nbase_colour = 0.5\nroughness = 0.5",
-    "the metallic-roughness model of material"
+    "glTF's material model of material"
 )]
 fn what_has_no_counterpart_is_refused_by_name_or_listed(#[case] from: &str, #[case] to: &str, #[case] named: &str) {
     let folder = triangle();

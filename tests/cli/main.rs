@@ -14,6 +14,7 @@ mod folder;
 mod frames;
 mod geometry_alone;
 mod gltf;
+mod gltf_features;
 mod info;
 mod interruption;
 mod limits;

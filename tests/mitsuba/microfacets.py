@@ -11,11 +11,13 @@ Surfaces", EGSR 2007: eq. 20 and 21 for the BSDF, 13 to 17 for its half vectors 
 distribution, its sampling and G1; directions follow its convention, wi towards the camera.
 
 glTF's metallic-roughness material (glTF 2.0 specification, appendix B) has such facets with α = roughness² and Schlick's
-F = F0 + (1 − F0)·(1 − w·m)⁵, F0 = 0.04 for the coat of what is no metal and the base colour for a metal, mixed by the
+F = F0 + (1 − F0)·(1 − w·m)⁵, F0 that of the index for the coat of what is no metal and the base colour for a metal, mixed by the
 metallic factor. Under the coat lies Lambert's law for what the coat as a whole lets in and out (C. Kelemen and
 L. Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model", Eurographics 2001): base/π·(1 − E(wi))·
 (1 − E(wo))/(1 − mean E), which is photosite's choice where the appendix would give back more than arrives. E, what the
-coat reflects of light from one direction, is integrated here.
+coat reflects of light from one direction, is integrated here. Light that bounces on between the facets of a metal is what
+C. Kulla and A. Conty ("Revisiting Physically Based Shading at Imageworks", SIGGRAPH 2017) add: with E of white facets and
+the mean F of Schlick's factor, metallic·F²·(mean E)/(1 − F·(1 − mean E))·(1 − E(wi))·(1 − E(wo))/(π·(1 − mean E)).
 """
 
 import re
@@ -145,8 +147,6 @@ class CorrelatedRoughDielectric(Microfacets):
         return mi.UnpolarizedSpectrum(dr.select(active, value, 0)), dr.select(active, pdf, 0)
 
 
-# Of the coat at normal incidence: an index of 1.5.
-COAT = 0.04
 # Directions for which the coat's albedo is tabulated, even in the root of the cosine.
 NODES = 128
 
@@ -155,8 +155,8 @@ def schlick(f0, cos):
     return f0 + (1 - f0) * (1 - cos) ** 5
 
 
-def coat_albedo(alpha):
-    """E at the nodes: ∫ F·D·G·(wo·m)/cos θo dm, the facets m drawn from D·cos θm by the midpoint rule."""
+def facet_albedo(alpha, f0):
+    """E of Schlick's F0 at the nodes: ∫ F·D·G·(wo·m)/cos θo dm, the facets m drawn from D·cos θm by the midpoint rule."""
     u, v = np.meshgrid((np.arange(512) + 0.5) / 512, (np.arange(256) + 0.5) / 256)
     cos_m = 1 / np.sqrt(1 + alpha**2 * u / (1 - u))
     sin_m, turn = np.sqrt(1 - cos_m**2), np.pi * v
@@ -172,7 +172,7 @@ def coat_albedo(alpha):
             return (np.sqrt(1 + alpha**2 * (1 / np.maximum(cos, 1e-9) ** 2 - 1)) - 1) / 2
 
         g = 1 / (1 + smith(cos_o) + smith(cos_i))
-        albedo.append(np.mean(np.where(seen, schlick(COAT, o_m) * g * o_m / (cos_o * cos_m), 0)))
+        albedo.append(np.mean(np.where(seen, schlick(f0, o_m) * g * o_m / (cos_o * cos_m), 0)))
     return np.array(albedo)
 
 
@@ -183,11 +183,12 @@ class MetallicRoughness(Microfacets):
         mi.BSDF.__init__(self, props)
         self.base_color, self.metallic = props["base_color"], props["metallic"]
         self.alpha = props["roughness"] ** 2
-        albedo = coat_albedo(self.alpha)
+        self.f0 = ((props["eta"] - 1) / (props["eta"] + 1)) ** 2
         nodes = np.arange(NODES) / (NODES - 1)
+        coat, white = facet_albedo(self.alpha, self.f0), facet_albedo(self.alpha, 1)
         # ∫ 2·E·cos dcos, the node being the root of the cosine.
-        self.mean_albedo = float(np.trapezoid(4 * albedo * nodes**3, nodes))
-        self.albedo = mi.Float(albedo.astype(np.float32))
+        self.mean_coat, self.mean_white = (float(np.trapezoid(4 * e * nodes**3, nodes)) for e in (coat, white))
+        self.coat, self.white = (mi.Float(e.astype(np.float32)) for e in (coat, white))
         lobes = [mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection]
         self.m_components = [lobe | mi.BSDFFlags.FrontSide for lobe in lobes]
         self.m_flags = self.m_components[0] | self.m_components[1]
@@ -195,11 +196,11 @@ class MetallicRoughness(Microfacets):
     def distribution(self):
         return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.alpha, self.alpha, True)
 
-    def let_through(self, cos, active):
+    def let_through(self, albedo, cos, active):
         """1 − E."""
         place = dr.sqrt(dr.clip(cos, 0, 1)) * (NODES - 1)
         node = dr.minimum(mi.UInt32(place), NODES - 2)
-        low, high = dr.gather(mi.Float, self.albedo, node, active), dr.gather(mi.Float, self.albedo, node + 1, active)
+        low, high = dr.gather(mi.Float, albedo, node, active), dr.gather(mi.Float, albedo, node + 1, active)
         return 1 - dr.lerp(low, high, place - node)
 
     def sample(self, ctx, si, sample1, sample2, active):
@@ -223,10 +224,15 @@ class MetallicRoughness(Microfacets):
         base = self.base_color.eval(si, active)
         m = dr.normalize(si.wi + wo)
         i_m = dr.dot(si.wi, m)
-        f0 = COAT * (1 - self.metallic) + base * self.metallic
+        f0 = self.f0 * (1 - self.metallic) + base * self.metallic
         facets = schlick(f0, i_m) * distribution.eval(m) * correlated(distribution, si.wi, wo, m) / (4 * cos_i)
-        through = self.let_through(cos_i, active) * self.let_through(cos_o, active) / (1 - self.mean_albedo)
-        matt = (1 - self.metallic) * base * through * cos_o * dr.inv_pi
+        def left(albedo, mean):
+            return self.let_through(albedo, cos_i, active) * self.let_through(albedo, cos_o, active) / (1 - mean)
+
+        f = base + (1 - base) / 21
+        bounced = self.metallic * f * f * self.mean_white / (1 - f * (1 - self.mean_white))
+        matt = (1 - self.metallic) * base * left(self.coat, self.mean_coat)
+        matt = (matt + bounced * left(self.white, self.mean_white)) * cos_o * dr.inv_pi
         pdf = 0.5 * distribution.pdf(si.wi, m) / (4 * dr.dot(wo, m)) + 0.5 * cos_o * dr.inv_pi
         return dr.select(active, facets + matt, 0), dr.select(active, pdf, 0)
 

@@ -1,7 +1,7 @@
 //! The BSDFs and directions that the tests go through, with names made from their parameters.
 
 use glam::Vec3;
-use photosite::bsdf::{Bsdf, Ggx};
+use photosite::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Sheen, Volume};
 use photosite::spectrum::SampledSpectrum;
 use rand::Rng;
 
@@ -42,7 +42,59 @@ pub(crate) fn glass(eta: f32, distribution: Ggx) -> Bsdf {
 
 /// glTF's material of one colour at all wavelengths.
 pub(crate) fn gltf(base_colour: f32, metallic: f32, distribution: Ggx) -> Bsdf {
-    Bsdf::MetallicRoughness { base_colour: SampledSpectrum::splat(base_colour), metallic, distribution }
+    Bsdf::Layered(Layered {
+        base_colour: SampledSpectrum::splat(base_colour),
+        metallic,
+        distribution,
+        ..Layered::default()
+    })
+}
+
+/// A coat without a normal of its own.
+pub(crate) fn coat(weight: f32, alpha: f32) -> Option<Coat> {
+    Some(Coat { weight, distribution: Ggx::new(alpha, alpha), normal: Vec3::Z })
+}
+
+/// Bases and layers of glTF's material: every base alone under every roughness, every layer over every base.
+pub(crate) fn layered(colour: SampledSpectrum, alphas: &[[f32; 2]]) -> Vec<(String, Layered)> {
+    let waves = SampledSpectrum::from([1.7, 1.4, 1.2, 1.0]);
+    let plain = Layered { base_colour: colour, ..Layered::default() };
+    let volume = |eta: f32| Some(Volume { eta: SampledSpectrum::splat(eta), dispersive: false });
+    let f0 = |eta: f32| SampledSpectrum::splat(((eta - 1.0) / (eta + 1.0)).powi(2));
+    let bases = [
+        ("coloured", plain),
+        ("metal", Layered { metallic: 1.0, ..plain }),
+        ("half metal", Layered { metallic: 0.5, ..plain }),
+        ("matt", Layered { specular: 0.0, ..plain }),
+        ("specular-glossiness", Layered { f0: SampledSpectrum::from([0.1, 0.3, 0.7, 1.0]), ..plain }),
+        ("leaf", Layered { diffuse_transmission: 0.6, diffuse_transmission_colour: colour, ..plain }),
+        ("sheet", Layered { transmission: 1.0, ..plain }),
+        ("half sheet", Layered { transmission: 0.5, diffuse_transmission: 0.3, ..plain }),
+        ("glass", Layered { transmission: 1.0, volume: volume(1.5), ..plain }),
+        ("half diamond", Layered { transmission: 0.6, volume: volume(2.4), f0: f0(2.4), ..plain }),
+    ];
+    let film = Some(Film { weight: 1.0, index: 1.33, waves });
+    let sheen = |alpha| Some(Sheen { colour: colour * 0.8, alpha });
+    let layers = [
+        ("bare", Layered::default()),
+        ("coat 0.25", Layered { coat: coat(1.0, 0.25), ..Layered::default() }),
+        ("coat 1", Layered { coat: coat(0.7, 1.0), ..Layered::default() }),
+        ("sheen 0.2", Layered { sheen: sheen(0.2), ..Layered::default() }),
+        ("sheen 1", Layered { sheen: sheen(1.0), ..Layered::default() }),
+        ("film", Layered { film, ..Layered::default() }),
+        ("all layers", Layered { coat: coat(1.0, 0.3), sheen: sheen(0.5), film, ..Layered::default() }),
+    ];
+    let mut cases = Vec::new();
+    for [x, y] in alphas {
+        for (base_name, base) in &bases {
+            for (layer_name, Layered { coat, sheen, film, .. }) in &layers {
+                let layered =
+                    Layered { distribution: Ggx::new(*x, *y), coat: *coat, sheen: *sheen, film: *film, ..*base };
+                cases.push((format!("{base_name}, {layer_name}, α {x} {y}"), layered));
+            }
+        }
+    }
+    cases
 }
 
 /// Every model that has a lobe of some width, at several roughnesses.
@@ -59,9 +111,20 @@ pub(crate) fn wide() -> Vec<Case> {
             cases.push(Case { name: format!("dielectric η {eta} α {x} {y}"), bsdf: glass(eta, ggx) });
         }
         let base_colour = SampledSpectrum::from([0.05, 0.3, 0.6, 1.0]);
+        if x == 0.1 {
+            continue;
+        }
         for metallic in [0.0, 0.4] {
-            let bsdf = Bsdf::MetallicRoughness { base_colour, metallic, distribution: ggx };
+            let bsdf = Bsdf::Layered(Layered { base_colour, metallic, distribution: ggx, ..Layered::default() });
             cases.push(Case { name: format!("glTF metallic {metallic} α {x} {y}"), bsdf });
+        }
+    }
+    // Every base, every layer over one of all kinds of lobes, all of them over a refracting one.
+    let colours = SampledSpectrum::from([0.05, 0.3, 0.6, 1.0]);
+    for (name, layers) in layered(colours, &[[0.25, 0.5]]) {
+        let has_all = name.starts_with("half diamond") && name.contains("all layers");
+        if name.contains("bare") || name.starts_with("half sheet") || has_all {
+            cases.push(Case { name, bsdf: Bsdf::Layered(layers) });
         }
     }
     cases
@@ -75,10 +138,33 @@ pub(crate) fn above() -> Vec<(String, Vec3)> {
 /// The directions from which a model can be seen: dielectrics from below too.
 pub(crate) fn visible_from(bsdf: &Bsdf) -> Vec<(String, Vec3)> {
     let mut directions = above();
-    if matches!(bsdf, Bsdf::Dielectric { .. }) {
+    if is_seen_from_below(bsdf) {
         directions.extend([(120.0, 70.0), (150.0, 10.0)].into_iter().map(|(t, p)| from_degrees(t, p)));
     }
     directions
+}
+
+/// Whether the model scatters light that comes from below.
+pub(crate) fn is_seen_from_below(bsdf: &Bsdf) -> bool {
+    match bsdf {
+        Bsdf::Dielectric { .. } => true,
+        Bsdf::Layered(layered) => !layered.is_two_sided(),
+        Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } => false,
+    }
+}
+
+/// η² of refraction: the index on the side of `wi` over that on the side of `wo`, squared.
+pub(crate) fn squared_index(bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> f32 {
+    let inside = match bsdf {
+        Bsdf::Dielectric { eta, .. } => eta[0],
+        Bsdf::Layered(Layered { volume: Some(volume), .. }) => volume.eta[0],
+        Bsdf::Layered(_) | Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } => 1.0,
+    };
+    match (wo.z > 0.0, wi.z > 0.0) {
+        (true, false) => inside * inside,
+        (false, true) => 1.0 / (inside * inside),
+        (true, true) | (false, false) => 1.0,
+    }
 }
 
 fn from_degrees(theta: f64, phi: f64) -> (String, Vec3) {

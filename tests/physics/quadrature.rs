@@ -34,16 +34,22 @@ impl Cell {
         (0..rows * columns).map(cell).collect()
     }
 
-    fn rule(&self, f: &impl Fn(Vec3) -> f64) -> f64 {
+    /// The nodes of a rule over the cell with their weights, which sum up to its solid angle.
+    pub(crate) fn visit(&self, mut f: impl FnMut(Vec3, f64)) {
         let [(z, half_z), (phi, half_phi)] =
             [self.z, self.phi].map(|[low, high]| (0.5 * (low + high), 0.5 * (high - low)));
-        let mut sum = 0.0;
         for (node_z, weight_z) in GAUSS {
             for (node_phi, weight_phi) in GAUSS {
-                sum += weight_z * weight_phi * f(direction(z + node_z * half_z, phi + node_phi * half_phi));
+                let w = direction(z + node_z * half_z, phi + node_phi * half_phi);
+                f(w, weight_z * weight_phi * half_z * half_phi);
             }
         }
-        sum * half_z * half_phi
+    }
+
+    fn rule(&self, f: &impl Fn(Vec3) -> f64) -> f64 {
+        let mut sum = 0.0;
+        self.visit(|w, weight| sum += weight * f(w));
+        sum
     }
 
     fn quarters(&self) -> [Self; 4] {

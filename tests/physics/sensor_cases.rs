@@ -3,7 +3,7 @@
 use photosite::image::Planes;
 use photosite::sensor::{
     Architecture, Ccd, CcdArchitecture, Converter, Counting, Defects, DualGain, Exposure, FixedPattern, Flicker,
-    FlickerOrder, Kernel, Noise, Overscan, ResetNoise, SensorModel, Spad, Stage, Telegraph, presets,
+    FlickerOrder, Kernel, Noise, Overscan, ResetNoise, SensorModel, Spad, Stage, Telegraph, Window, presets,
 };
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 
@@ -14,6 +14,7 @@ pub(crate) const EXPOSURE: Exposure = Exposure {
     digital_gain: Decibels(0.0),
     temperature: Celsius(25.0),
     frame_interval: None,
+    window: Window::WHOLE,
 };
 
 /// A monochrome sensor of 16 bits with a system gain of 1 DN/e⁻, a black level of 1000 DN and no noise.

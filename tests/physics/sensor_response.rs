@@ -4,7 +4,7 @@ use photosite::image::{Channel, Planes};
 use photosite::math::statistics::Moments;
 use photosite::raw::{read_dng, write_dng};
 use photosite::sensor::{
-    Companding, CompandingCurve, Exposure, Logarithmic, NoiseKey, SensorModel, Stages, expose, presets,
+    Binning, Companding, CompandingCurve, Exposure, Logarithmic, NoiseKey, SensorModel, Stages, expose, presets,
 };
 use photosite::units::{Electrons, Seconds};
 
@@ -148,7 +148,7 @@ fn noise_of_bent_sensors_is_foretold() {
 #[test]
 fn bent_sensors_have_no_speed_and_no_photon_transfer_curve() {
     let sensor = logarithmic();
-    assert!(sensor.iso(&EXPOSURE).is_none() && sensor.gains_for_iso(400.0).is_err());
+    assert!(sensor.iso(&EXPOSURE).is_none() && sensor.gains_for_iso(400.0, Binning::NONE).is_err());
     let linear = presets::model("sony-imx249-mono").expect("a preset");
     assert!(linear.linearisation(&EXPOSURE).is_none());
 }

@@ -9,7 +9,7 @@ use photosite::integrator::{RenderJob, RenderSettings, render};
 use photosite::optics::{Camera, LensDescription, PixelGrid};
 use photosite::scene::description::{
     AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LightDescription,
-    MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
+    MaterialDescription, MaterialModel, MeshDescription, SceneDescription, TexturedColour,
 };
 use photosite::scene::{Scene, build};
 use photosite::spectrum::Spectrum;
@@ -24,8 +24,8 @@ impl Stage {
     pub(crate) fn diffuse(self, triangles: Vec<[Vec3; 3]>, reflectance: f32, radiance: f32) -> Self {
         let emission =
             EmissionDescription { colour: Colour::Spectrum(Spectrum::constant(radiance)), level: None, texture: None };
-        let reflectance = Colour::Spectrum(Spectrum::constant(reflectance));
-        let model = MaterialModel::Diffuse { reflectance, texture: None };
+        let reflectance = TexturedColour::plain(Colour::Spectrum(Spectrum::constant(reflectance)));
+        let model = MaterialModel::Diffuse { reflectance };
         self.mesh(triangles, model, (radiance > 0.0).then_some(emission))
     }
 
@@ -36,16 +36,8 @@ impl Stage {
         model: MaterialModel,
         emission: Option<EmissionDescription>,
     ) -> Self {
-        let material = MaterialDescription {
-            name: format!("material {}", self.0.materials.len()),
-            model,
-            normal_map: None,
-            emission,
-            alpha: AlphaMode::Opaque,
-            alpha_factor: 1.0,
-            alpha_texture: None,
-            double_sided: false,
-        };
+        let name = format!("material {}", self.0.materials.len());
+        let material = MaterialDescription { emission, ..MaterialDescription::new(name, model) };
         self.0.instances.push(InstanceDescription {
             name: String::new(),
             mesh: self.0.meshes.len(),

@@ -1,5 +1,7 @@
 //! Light transport in scenes whose answer is known.
 
+use std::f64::consts::PI;
+
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::Ray;
 use photosite::integrator::path::{PathLimits, radiance};
@@ -7,9 +9,10 @@ use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::Scene;
 use photosite::scene::description::{
-    AlphaMode, Colour, EmissionDescription, LightDescription, LightKind, MaterialModel,
+    AlphaMode, Colour, EmissionDescription, LayeredDescription, LightDescription, LightKind, MaterialModel,
+    TexturedFactor,
 };
-use photosite::spectrum::{Spectrum, Wavelengths, illuminant, library};
+use photosite::spectrum::{Dispersion, Spectrum, Wavelengths, illuminant, library};
 
 use crate::stage::{Stage, sphere, square};
 
@@ -156,6 +159,45 @@ fn clear_glass_in_a_uniform_sky_cannot_be_seen() {
             assert_mean(&format!("{glass}, {offset} off the middle"), &got, 3.0);
         }
     }
+}
+
+/// A clear closed volume of glTF's kind with constant absorption.
+fn filled(absorption_per_m: f32, index: f64) -> MaterialModel {
+    MaterialModel::Layered(Box::new(LayeredDescription {
+        index: Dispersion::constant(index),
+        roughness: TexturedFactor::plain(0.0),
+        transmission: TexturedFactor::plain(1.0),
+        absorption_per_m: Some(Spectrum::constant(absorption_per_m)),
+        ..LayeredDescription::default()
+    }))
+}
+
+#[test]
+fn a_slab_absorbs_by_beer_and_lamberts_law() {
+    // A slab of thickness d, index n, seen along its normal in front of a uniform sky. With R = ((n − 1)/(n + 1))² at each
+    // face and T = exp(−σd): transmitted (1 − R)²T/(1 − R²T²), reflected R + R(1 − R)²T²/(1 − R²T²).
+    for (sigma, index, d) in [(0.0f64, 1.0, 0.5f32), (2.0, 1.0, 0.5), (3.0, 1.5, 0.2), (0.7, 2.4, 1.0)] {
+        let front = square(Vec3::Z * d, Vec3::X, Vec3::Y, 1000.0);
+        let back = square(Vec3::ZERO, Vec3::Y, Vec3::X, 1000.0);
+        let slab = [front, back].concat();
+        let scene = Stage::default().mesh(slab, filled(sigma as f32, index), None).environment(3.0).build();
+        let got = along(&scene, Vec3::new(0.1, 0.2, 5.0), Vec3::NEG_Z, 200, 20_000);
+        let (r, t) = (((index - 1.0) / (index + 1.0)).powi(2), (-sigma * f64::from(d)).exp());
+        let series = (1.0 - r).powi(2) * t / (1.0 - (r * t).powi(2));
+        assert_mean(&format!("σ {sigma} n {index} d {d}"), &got, 3.0 * (series + r + r * series * t));
+    }
+}
+
+#[test]
+fn within_a_volume_light_is_absorbed_on_the_way_to_the_eye() {
+    // Camera and a glowing wall in the same volume without an interface: L·exp(−σd).
+    let cube = sphere(16, 10.0);
+    let wall = square(Vec3::ZERO, Vec3::X, Vec3::Y, 0.5);
+    let scene = Stage::default().mesh(cube, filled(0.3, 1.0), None).diffuse(wall, 0.0, 2.0).build();
+    let got = along(&scene, Vec3::Z * 20.0, Vec3::NEG_Z, 16, 1000);
+    // The sphere of triangles is entered where its facet over the pole lies: between 10·cos(π/32) and 10 m.
+    let (low, high) = (2.0 * (-0.3f64 * 10.0).exp(), 2.0 * (-0.3 * 10.0 * (PI / 32.0).cos()).exp());
+    assert!((low - 1e-6..=high + 1e-6).contains(&got.mean()), "{} is not within {low} to {high}", got.mean());
 }
 
 #[test]

@@ -13,7 +13,7 @@ use super::tables::{FilterName, LightColour, ReflectanceSource, TextureFile, Wra
 use crate::Invalid;
 use crate::io::picture::read_picture;
 use crate::io::suggest::{did_you_mean, list};
-use crate::scene::description::{Colour, TextureDescription};
+use crate::scene::description::{Colour, TextureDescription, TexturedColour};
 use crate::sensor::SpectrumSource;
 use crate::spectrum::csv::SpectralTable;
 use crate::spectrum::{Outside, Spectrum, illuminant, library, rgb};
@@ -88,10 +88,7 @@ impl<'a> Finder<'a> {
     }
 
     /// What part of the light a surface reflects, and the texture that scales it.
-    pub(super) fn reflectance(
-        &mut self,
-        source: &ReflectanceSource,
-    ) -> Result<(Colour, Option<TextureDescription>), Invalid> {
+    pub(super) fn reflectance(&mut self, source: &ReflectanceSource) -> Result<TexturedColour, Invalid> {
         let colour = match source {
             ReflectanceSource::Number(value) => Colour::Spectrum(self.fraction(&SpectrumSource::Number(*value))?),
             ReflectanceSource::File(curve) => Colour::Spectrum(self.fraction(&SpectrumSource::File(curve.clone()))?),
@@ -103,10 +100,10 @@ impl<'a> Finder<'a> {
                 Colour::Rgb(unit(linear.linear_rgb).map_err(|e| e.within("linear_rgb"))?.map(|c| c as f32))
             }
             ReflectanceSource::Texture(texture) => {
-                return Ok((Colour::Rgb([1.0; 3]), Some(self.texture(texture)?)));
+                return Ok(TexturedColour { texture: Some(self.texture(texture)?), ..TexturedColour::white() });
             }
         };
-        Ok((colour, None))
+        Ok(TexturedColour::plain(colour))
     }
 
     /// The use of a picture.

@@ -11,7 +11,8 @@ use super::tables::{
 use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
 use crate::scene::description::{
-    AlphaMode, EmissionDescription, MaterialDescription, MaterialModel, TextureDescription,
+    AlphaMode, Channel, EmissionDescription, LayeredDescription, MaterialDescription, MaterialModel,
+    TextureDescription, TexturedFactor,
 };
 use crate::spectrum::{Dispersion, Outside, Spectrum, library};
 
@@ -80,8 +81,8 @@ fn kept(finder: &mut Finder<'_>, table: &KeptTable) -> Result<Override, Invalid>
 }
 
 fn diffuse(finder: &mut Finder<'_>, table: &DiffuseTable) -> Result<Override, Invalid> {
-    let (reflectance, texture) = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
-    let model = MaterialModel::Diffuse { reflectance, texture };
+    let reflectance = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
+    let model = MaterialModel::Diffuse { reflectance };
     Ok(Override {
         model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
         emission: shine(finder, table.emission.as_ref())?,
@@ -171,16 +172,16 @@ fn dispersion(finder: &Finder<'_>, source: &IndexSource, abbe: Option<f64>) -> R
 }
 
 fn metallic_roughness(finder: &mut Finder<'_>, table: &MetallicRoughnessTable) -> Result<Override, Invalid> {
-    let (base_colour, base_colour_texture) =
-        finder.reflectance(&table.base_colour).map_err(|e| e.within("base_colour"))?;
+    let base_colour = finder.reflectance(&table.base_colour).map_err(|e| e.within("base_colour"))?;
     let map = table.metallic_roughness_map.as_ref().map(|map| finder.texture(map)).transpose();
-    let model = MaterialModel::MetallicRoughness {
+    let map = map.map_err(|e| e.within("metallic_roughness_map"))?;
+    let factor = |value, channel| TexturedFactor { value, texture: map.clone().map(|map| (map, channel)) };
+    let model = MaterialModel::Layered(Box::new(LayeredDescription {
         base_colour,
-        base_colour_texture,
-        metallic: unit("metallic", table.metallic.unwrap_or(0.0))?,
-        roughness: unit("roughness", table.roughness)?,
-        metallic_roughness_texture: map.map_err(|e| e.within("metallic_roughness_map"))?,
-    };
+        metallic: factor(unit("metallic", table.metallic.unwrap_or(0.0))?, Channel::B),
+        roughness: factor(unit("roughness", table.roughness)?, Channel::G),
+        ..LayeredDescription::default()
+    }));
     Ok(Override {
         model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
         emission: shine(finder, table.emission.as_ref())?,

@@ -11,6 +11,7 @@ use super::material::override_materials;
 use super::source::CaptureSource;
 use super::tables::{CaptureFile, NormalsName, SceneTable};
 use crate::io::obj::MissingNormals;
+use crate::io::suggest::{did_you_mean, list};
 use crate::io::warnings::Warnings;
 use crate::io::{gltf, obj};
 use crate::scene::description::{Colour, EnvironmentDescription, MeshDescription, SceneDescription};
@@ -26,6 +27,8 @@ pub(super) struct ReadScene {
     pub(super) scene: SceneDescription,
     /// Materials of OBJ files that nothing has described yet.
     undescribed_materials: Vec<String>,
+    /// Material variants of glTF files.
+    variants: Vec<String>,
 }
 
 impl ReadScene {
@@ -41,6 +44,7 @@ impl ReadScene {
             }
             read.add(source, table, &path, i)?;
         }
+        read.check_variant(table).map_err(|invalid| source.error(invalid))?;
         Ok(read)
     }
 
@@ -48,6 +52,7 @@ impl ReadScene {
     pub(super) fn of_scene_file(source: &CaptureSource, table: &SceneTable, path: &Path) -> Result<Self> {
         let mut read = Self::default();
         read.add(source, table, path, 0)?;
+        read.check_variant(table).map_err(|invalid| source.error(invalid))?;
         if read.scene.meshes.is_empty() {
             let help = "give a scene with geometry, or a capture file";
             return Err(Invalid::new("", "has no triangles").help(help).in_file(path));
@@ -65,7 +70,11 @@ impl ReadScene {
     fn add(&mut self, source: &CaptureSource, table: &SceneTable, path: &Path, index: usize) -> Result<()> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let scene = match extension.as_deref() {
-            Some("gltf" | "glb") => gltf::read(path)?,
+            Some("gltf" | "glb") => {
+                let mut file = gltf::read(path, table.variant.as_deref())?;
+                self.variants.append(&mut file.variants);
+                file.scene
+            }
             Some("obj") => {
                 let missing = match table.generate_normals {
                     None | Some(NormalsName::Flat) => MissingNormals::Flat,
@@ -92,6 +101,21 @@ impl ReadScene {
         }
         self.merge(scene);
         Ok(())
+    }
+
+    /// Refuses the name of a variant that no file has.
+    fn check_variant(&self, table: &SceneTable) -> Result<(), Invalid> {
+        let Some(variant) = table.variant.as_deref().filter(|variant| !self.variants.iter().any(|v| v == variant))
+        else {
+            return Ok(());
+        };
+        let names = || self.variants.iter().map(String::as_str);
+        let message = format!("the geometry has no material variant {variant:?}{}", did_you_mean(variant, names()));
+        let help = match self.variants[..] {
+            [] => "its files have none; remove the key".to_owned(),
+            _ => format!("its variants are {}", list(names())),
+        };
+        Err(Invalid::new("scene.variant", message).help(help))
     }
 
     /// Appends another scene, whose indices move behind those that are there.

@@ -9,9 +9,9 @@ use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, S
 use crate::Invalid;
 use crate::develop::RawLayout;
 use crate::integrator::RenderSettings;
-use crate::raw::{Cfa, DngCompression, dng_can_hold};
+use crate::raw::{Area, Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
-use crate::sensor::{AutoExposure, Exposure, Metering, SensorModel, Stages};
+use crate::sensor::{AutoExposure, Binning, BinningMethod, Exposure, Metering, SensorModel, Stages, Window};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
@@ -32,6 +32,8 @@ pub struct ExposureSettings {
     pub frames: u32,
     /// Time from the start of one picture to that of the next, where it is longer than the exposure.
     pub frame_interval: Option<Seconds>,
+    /// What of the sensor is read out.
+    pub window: Window,
     /// The stages of the sensor that take part.
     pub stages: Stages,
 }
@@ -44,8 +46,8 @@ impl ExposureSettings {
 
     /// An exposure of this time.
     pub fn at(&self, time: Seconds) -> Exposure {
-        let &Self { gain, digital_gain, temperature, frame_interval, .. } = self;
-        Exposure { time, gain, digital_gain, temperature, frame_interval }
+        let &Self { gain, digital_gain, temperature, frame_interval, window, .. } = self;
+        Exposure { time, gain, digital_gain, temperature, frame_interval, window }
     }
 }
 
@@ -158,7 +160,8 @@ impl SpectralBands {
 
 /// Reads `[exposure]`.
 pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
-    let [gain, digital_gain] = gains(table, sensor)?;
+    let window = window(table, sensor)?;
+    let [gain, digital_gain] = gains(table, sensor, window.binning)?;
     let bracket = bracket(table)?;
     let time_s = table.time_s.or(bracket.as_ref().and_then(Bracket::middle).map(|time| time.0));
     let time = match (time_s, table.auto) {
@@ -188,6 +191,7 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         temperature: Celsius(table.temperature_c.unwrap_or(25.0)),
         frames: table.frames.unwrap_or(1),
         frame_interval: table.frame_interval_s.map(Seconds),
+        window,
         stages: stages(table)?,
         bracket,
     };
@@ -252,7 +256,7 @@ fn bracket(table: &ExposureTable) -> Result<Option<Bracket>, Invalid> {
 }
 
 /// The analogue and the digital gain that are asked for.
-fn gains(table: &ExposureTable, sensor: &SensorModel) -> Result<[Decibels; 2], Invalid> {
+fn gains(table: &ExposureTable, sensor: &SensorModel, binning: Binning) -> Result<[Decibels; 2], Invalid> {
     let Some(iso) = table.iso else {
         let [lowest, highest] = sensor.converter.gain_range.map(|gain| gain.0);
         let gain = table.gain_db.unwrap_or(0f64.clamp(lowest, highest));
@@ -262,7 +266,21 @@ fn gains(table: &ExposureTable, sensor: &SensorModel) -> Result<[Decibels; 2], I
     if let Some((key, _)) = explicit.iter().find(|(_, value)| value.is_some()) {
         return Err(Invalid::new("iso", format!("cannot go with {key}")).help("keep one of them"));
     }
-    sensor.gains_for_iso(iso)
+    sensor.gains_for_iso(iso, binning)
+}
+
+/// What of the sensor is read out.
+fn window(table: &ExposureTable, sensor: &SensorModel) -> Result<Window, Invalid> {
+    let region = table.region_px.map(|[x, y, width, height]| Area { x, y, width, height });
+    if let (None, Some(_)) = (table.binning, table.binning_method) {
+        let message = "says how pixels are binned, but not how many";
+        return Err(Invalid::new("binning_method", message).help("add binning = [2, 2]"));
+    }
+    let own_method = if sensor.architecture.ccd().is_some() { BinningMethod::Charge } else { BinningMethod::Mean };
+    let binning = table
+        .binning
+        .map_or(Binning::NONE, |factor| Binning { factor, method: table.binning_method.unwrap_or(own_method) });
+    Ok(Window { binning, region })
 }
 
 fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {

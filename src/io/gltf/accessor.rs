@@ -63,7 +63,13 @@ impl<'a> Accessors<'a> {
         let (accessor, accessor_key) = self.find(index, key)?;
         let (component, kind) = types(accessor, &accessor_key)?;
         if kind.multiplicity() != N || matches!(kind, Type::Mat2) || component == ComponentType::U32 {
-            let wanted = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
+            let wanted = match N {
+                1 => "SCALAR",
+                2 => "VEC2",
+                3 => "VEC3",
+                4 => "VEC4",
+                _ => "MAT4",
+            };
             let message =
                 format!("{key} needs {wanted} of floats or of 8- or 16-bit integers, found {kind:?} of {component:?}");
             return Err(Invalid::new(accessor_key, message));
@@ -77,6 +83,12 @@ impl<'a> Accessors<'a> {
             self.apply_sparse(sparse, N, component, accessor.normalized, &accessor_key, &mut values, read)?;
         }
         Ok(values)
+    }
+
+    /// Number of components of an element of an accessor.
+    pub(super) fn width(&self, index: usize, key: &str) -> Result<usize, Invalid> {
+        let (accessor, accessor_key) = self.find(index, key)?;
+        Ok(types(accessor, &accessor_key)?.1.multiplicity())
     }
 
     /// Reads vertex indices.

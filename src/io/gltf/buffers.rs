@@ -58,6 +58,12 @@ impl Buffers {
             .get(index)
             .ok_or_else(|| out_of_range(key, "bufferViews", index, root.buffer_views.len()))?;
         let view_key = format!("bufferViews[{index}]");
+        const MESHOPT: &str = "EXT_meshopt_compression";
+        if view.extensions.as_ref().is_some_and(|e| e.others.contains_key(MESHOPT)) {
+            let message = "compressed geometry is not supported";
+            return Err(Invalid::new(format!("{view_key}.extensions.{MESHOPT}"), message)
+                .help("export without compression, or unpack the file, for example with gltf-transform"));
+        }
         let buffer = self.data.get(view.buffer.value()).ok_or_else(|| {
             out_of_range(&format!("{view_key}.buffer"), "buffers", view.buffer.value(), self.data.len())
         })?;

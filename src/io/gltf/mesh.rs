@@ -1,11 +1,12 @@
 //! Meshes: every primitive becomes one [`MeshDescription`] of one material.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DAffine3, Vec2, Vec3, Vec4};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessor::Accessors;
 use super::buffers::out_of_range;
+use super::{skin, variants};
 use crate::Invalid;
 use crate::io::mesh::{Mended, checked};
 use crate::io::warnings::Warnings;
@@ -14,14 +15,40 @@ use crate::scene::description::MeshDescription;
 /// UV sets that a mesh can carry.
 pub(super) const UV_SETS: usize = 2;
 
-/// Reads the triangles of mesh number `index`. `default_material` is the index of glTF's default material.
+/// How the meshes of a document are to be read.
+pub(super) struct MeshReader<'a> {
+    pub(super) accessors: Accessors<'a>,
+    /// Index of glTF's default material.
+    pub(super) default_material: usize,
+    /// Index of the chosen variant (KHR_materials_variants).
+    pub(super) variant: Option<usize>,
+}
+
+/// What changes the shape of a mesh at one of its nodes.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Pose<'a> {
+    /// Weights of the morph targets, instead of the mesh's own.
+    pub(super) weights: Option<&'a [f32]>,
+    /// Mesh → world of the joints of its skin.
+    pub(super) joints: Option<&'a [DAffine3]>,
+}
+
+impl Pose<'_> {
+    /// Whether the mesh has the shape that it has by itself.
+    pub(super) fn is_own(&self) -> bool {
+        self.weights.is_none() && self.joints.is_none()
+    }
+}
+
+/// Reads the triangles of mesh number `index` in a pose.
 pub(super) fn read_mesh(
-    accessors: Accessors<'_>,
+    reader: &MeshReader<'_>,
     index: usize,
     key: &str,
-    default_material: usize,
+    pose: Pose<'_>,
     warnings: &mut Warnings,
 ) -> Result<(Vec<MeshDescription>, Mended), Invalid> {
+    let accessors = reader.accessors;
     let all = &accessors.root.meshes;
     let mesh = all.get(index).ok_or_else(|| out_of_range(key, "meshes", index, all.len()))?;
     if mesh.primitives.is_empty() {
@@ -36,9 +63,13 @@ pub(super) fn read_mesh(
         if mesh.primitives.len() > 1 {
             name += &format!("#{p}");
         }
-        let Some(description) = read_primitive(accessors, primitive, &key, name, default_material, warnings)? else {
+        let weights = pose.weights.or(mesh.weights.as_deref()).unwrap_or_default();
+        let Some(mut description) = read_primitive(reader, primitive, &key, name, weights, warnings)? else {
             continue;
         };
+        if let Some(joints) = pose.joints {
+            skin::bend(&mut description, primitive, accessors, joints, &key)?;
+        }
         let (description, mended_here) = checked(description).map_err(|e| {
             // What is no index is an attribute.
             let e = if e.key == "indices" { e } else { e.within("attributes") };
@@ -55,13 +86,14 @@ pub(super) fn read_mesh(
 
 /// A primitive as the file has it; `None` if it has no triangles by design.
 fn read_primitive(
-    accessors: Accessors<'_>,
+    reader: &MeshReader<'_>,
     primitive: &Primitive,
     key: &str,
     name: String,
-    default_material: usize,
+    weights: &[f32],
     warnings: &mut Warnings,
 ) -> Result<Option<MeshDescription>, Invalid> {
+    let accessors = reader.accessors;
     let mode = match primitive.mode {
         Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
             warnings.once("points and lines have no surface and are left out");
@@ -72,16 +104,18 @@ fn read_primitive(
             return Err(Invalid::new(format!("{key}.mode"), "is unknown").help("write a number from 0 to 6"));
         }
     };
-    if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-        warnings.once("morph targets are not supported; meshes keep their basic shape");
-    }
-    let material = match primitive.material {
-        Some(material) if material.value() < accessors.root.materials.len() => material.value(),
+    refuse_compression(primitive, key)?;
+    let chosen = match reader.variant {
+        Some(variant) => variants::material(primitive, variant, key)?,
+        None => None,
+    };
+    let material = match chosen.or(primitive.material.map(|material| material.value())) {
+        Some(material) if material < accessors.root.materials.len() => material,
         Some(material) => {
             let len = accessors.root.materials.len();
-            return Err(out_of_range(&format!("{key}.material"), "materials", material.value(), len));
+            return Err(out_of_range(&format!("{key}.material"), "materials", material, len));
         }
-        None => default_material,
+        None => reader.default_material,
     };
 
     let attribute_key = |name: &str| format!("{key}.attributes.{name}");
@@ -130,9 +164,19 @@ fn read_primitive(
         uvs.resize(set, vec![Vec2::ZERO; count]);
         uvs.push(values);
     }
-    if attribute(Semantic::Colors(0)).is_some() {
-        warnings.once("vertex colours are not supported and are left out");
-    }
+    let colours = match attribute(Semantic::Colors(0)) {
+        Some(index) => {
+            let key = attribute_key("COLOR_0");
+            let colours: Vec<Vec4> = if accessors.width(index, &key)? == 3 {
+                accessors.floats::<3>(index, &key)?.into_iter().map(|c| Vec3::from(c).extend(1.0)).collect()
+            } else {
+                vectors(accessors.floats::<4>(index, &key)?)
+            };
+            same_count("COLOR_0", colours.len())?;
+            colours
+        }
+        None => Vec::new(),
+    };
 
     let corners = match primitive.indices {
         Some(index) => accessors.indices(index.value(), &format!("{key}.indices"))?,
@@ -147,7 +191,52 @@ fn read_primitive(
         let message = format!("has {} corners, which is no multiple of 3", corners.len());
         return Err(Invalid::new(format!("{key}.indices"), message));
     }
-    Ok(Some(MeshDescription { name, material, positions, normals, tangents, uvs, triangles }))
+    let mut mesh = MeshDescription { name, material, positions, normals, tangents, uvs, colours, triangles };
+    morph(&mut mesh, primitive, accessors, weights, key)?;
+    Ok(Some(mesh))
+}
+
+/// Geometry whose real bytes are compressed, which no kept library reads: without this, its absence would show as garbage.
+fn refuse_compression(primitive: &Primitive, key: &str) -> Result<(), Invalid> {
+    const DRACO: &str = "KHR_draco_mesh_compression";
+    match primitive.extensions.as_ref().and_then(|e| e.others.get(DRACO)) {
+        Some(_) => Err(Invalid::new(format!("{key}.extensions.{DRACO}"), "compressed geometry is not supported")
+            .help("export without compression, or unpack the file, for example with gltf-transform")),
+        None => Ok(()),
+    }
+}
+
+/// Adds the displacements of morph targets, each times its weight (§3.7.2.2). Targets without a weight do nothing.
+fn morph(
+    mesh: &mut MeshDescription,
+    primitive: &Primitive,
+    accessors: Accessors<'_>,
+    weights: &[f32],
+    key: &str,
+) -> Result<(), Invalid> {
+    let targets = primitive.targets.as_deref().unwrap_or_default();
+    for (t, (target, &weight)) in targets.iter().zip(weights).enumerate().filter(|(_, (_, weight))| **weight != 0.0) {
+        let read = |accessor: &Option<gltf::json::Index<gltf::json::Accessor>>, name: &str, count: usize| {
+            let Some(accessor) = accessor.filter(|_| count > 0) else { return Ok(Vec::new()) };
+            let key = format!("{key}.targets[{t}].{name}");
+            let values: Vec<Vec3> = vectors(accessors.floats::<3>(accessor.value(), &key)?);
+            if values.len() != count {
+                return Err(Invalid::new(key, format!("has {} entries for {count} vertices", values.len())));
+            }
+            Ok(values)
+        };
+        let [positions, normals, tangents] = [mesh.positions.len(), mesh.normals.len(), mesh.tangents.len()];
+        for (place, moved) in mesh.positions.iter_mut().zip(read(&target.positions, "POSITION", positions)?) {
+            *place += moved * weight;
+        }
+        for (place, moved) in mesh.normals.iter_mut().zip(read(&target.normals, "NORMAL", normals)?) {
+            *place += moved * weight;
+        }
+        for (place, moved) in mesh.tangents.iter_mut().zip(read(&target.tangents, "TANGENT", tangents)?) {
+            *place += (moved * weight).extend(0.0);
+        }
+    }
+    Ok(())
 }
 
 fn vectors<const N: usize, V: From<[f32; N]>>(arrays: Vec<[f32; N]>) -> Vec<V> {

@@ -140,7 +140,7 @@ fn local_transform(node: &Node, index: usize, name: &str) -> Result<DAffine3, In
 
 /// Whether a transform is finite and keeps three dimensions. The determinant is compared with the lengths of the axes,
 /// so that tiny scales are no problem but parallel axes are: those of f32 numbers leave at least about 1e-7 of it.
-fn is_invertible(transform: &DAffine3) -> bool {
+pub(super) fn is_invertible(transform: &DAffine3) -> bool {
     let m = transform.matrix3;
     let volume = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
     transform.is_finite() && volume > 0.0 && m.determinant().abs() > 1e-12 * volume && transform.inverse().is_finite()

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use rstest::rstest;
 use serde_json::{Value, json};
 
@@ -57,7 +57,7 @@ impl Fixture {
     }
 
     fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
-        let width = ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|k| *k == kind).expect("a vector") + 1;
+        let width = ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|k| *k == kind).map_or(16, |i| i + 1);
         let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.accessor(kind, 5126, values.len() / width, &data)
     }
@@ -107,7 +107,11 @@ impl Fixture {
     }
 
     fn read(self) -> Result<SceneDescription> {
-        read_bytes(self.text().as_bytes(), Path::new("scene.gltf"))
+        self.variant(None).map(|file| file.scene)
+    }
+
+    fn variant(self, variant: Option<&str>) -> Result<GltfFile> {
+        read_bytes(self.text().as_bytes(), Path::new("scene.gltf"), variant)
     }
 
     fn scene(self) -> SceneDescription {
@@ -121,9 +125,10 @@ impl Fixture {
 
 #[test]
 fn a_square_is_read_alike_from_text_and_binary() {
-    for scene in
-        [Fixture::square().scene(), read_bytes(&Fixture::square().glb(), Path::new("scene.glb")).expect("a valid file")]
-    {
+    for scene in [
+        Fixture::square().scene(),
+        read_bytes(&Fixture::square().glb(), Path::new("scene.glb"), None).expect("a valid file").scene,
+    ] {
         let mesh = &scene.meshes[0];
         assert_eq!(mesh.name, "square");
         assert_eq!(mesh.positions[2], Vec3::new(1.0, 1.0, 0.0));
@@ -241,17 +246,11 @@ fn a_material_keeps_all_it_says() {
     assert_eq!((material.name.as_str(), material.double_sided, material.alpha_factor), ("paint", true, 0.4));
     assert_eq!(material.alpha, AlphaMode::Mask { cutoff: 0.5 });
     assert!(material.alpha_texture.is_some());
-    let MaterialModel::MetallicRoughness {
-        base_colour: Colour::Rgb(base),
-        base_colour_texture: Some(texture),
-        metallic,
-        roughness,
-        ..
-    } = &material.model
-    else {
-        panic!("{:?}", material.model)
+    let MaterialModel::Layered(layers) = &material.model else { panic!("{:?}", material.model) };
+    let (Colour::Rgb(base), Some(texture)) = (&layers.base_colour.colour, &layers.base_colour.texture) else {
+        panic!("{:?}", layers.base_colour)
     };
-    assert_eq!((*base, *metallic, *roughness), ([0.1, 0.2, 0.3], 0.5, 0.6));
+    assert_eq!((*base, layers.metallic.value, layers.roughness.value), ([0.1, 0.2, 0.3], 0.5, 0.6));
     assert_eq!(texture.uv_set, 0, "the transform overrides texCoord");
     assert_eq!(texture.sampler.wrap, [Wrap::ClampToEdge, Wrap::MirroredRepeat]);
     assert_eq!(texture.sampler.filter, Filter::Nearest);
@@ -314,10 +313,203 @@ fn tangents_are_generated_where_a_normal_map_needs_them_only() {
 fn required_extensions_are_refused_by_name_and_optional_ones_reported_once() {
     let error = Fixture::square().with("/extensionsRequired", json!(["KHR_draco_mesh_compression"])).error();
     assert!(error.contains("KHR_draco_mesh_compression"), "{error}");
-    let used = json!(["KHR_materials_clearcoat", "KHR_materials_clearcoat", "KHR_lights_punctual"]);
+    let used = json!(["KHR_materials_subsurface", "KHR_materials_subsurface", "KHR_lights_punctual"]);
     let scene = Fixture::square().with("/extensionsUsed", used).scene();
     assert_eq!(scene.warnings.len(), 1);
-    assert!(scene.warnings[0].starts_with("scene.gltf: ") && scene.warnings[0].contains("KHR_materials_clearcoat"));
+    assert!(scene.warnings[0].starts_with("scene.gltf: ") && scene.warnings[0].contains("KHR_materials_subsurface"));
+}
+
+#[test]
+fn extensions_of_materials_are_read_with_their_defaults() {
+    let with = |extensions: Value| {
+        let scene = Fixture::square().with("/materials", json!([{ "extensions": extensions }])).scene();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        let MaterialModel::Layered(layers) = &scene.materials[0].model else { panic!("not layered") };
+        layers.clone()
+    };
+    let plain = with(json!({}));
+    assert!((plain.index.index(589.0) - 1.5).abs() < 1e-9 && plain.metallic.value == 1.0);
+    assert!(plain.coat.is_none() && plain.sheen.is_none() && plain.film.is_none() && plain.absorption_per_m.is_none());
+    let index = with(json!({ "KHR_materials_ior": { "ior": 1.7 }, "KHR_materials_dispersion": { "dispersion": 0.5 } }));
+    assert!((index.index.abbe_number() - 40.0).abs() < 0.01 && (index.index.index(587.5618) - 1.7).abs() < 1e-4);
+    assert_eq!(with(json!({ "KHR_materials_ior": { "ior": 0 } })).normal_reflectance, Some(1.0));
+    let thin = with(json!({ "KHR_materials_transmission": { "transmissionFactor": 0.8 }, "KHR_materials_volume": {} }));
+    assert!(thin.transmission.value == 0.8 && thin.absorption_per_m.is_none());
+    let volume = json!({ "thicknessFactor": 0.1, "attenuationDistance": 0.5, "attenuationColor": [0.25, 0.25, 0.25] });
+    let thick = with(json!({ "KHR_materials_volume": volume }));
+    // A grey of 1/4 after half a metre: ln 4 / 0.5 m at every wavelength.
+    let absorption = thick.absorption_per_m.expect("a volume");
+    assert!((f64::from(absorption.eval(500.0)) - 4f64.ln() / 0.5).abs() < 1e-5);
+    let coat = with(json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1.0, "clearcoatRoughnessFactor": 0.2 } }));
+    assert!(coat.coat.is_some_and(|coat| coat.weight.value == 1.0 && coat.roughness.value == 0.2));
+    let film = with(json!({ "KHR_materials_iridescence": { "iridescenceFactor": 1.0 } })).film.expect("a film");
+    assert_eq!((film.index, film.thickness_nm), (1.3, [100.0, 400.0]));
+    assert!(with(json!({ "KHR_materials_sheen": {} })).sheen.is_none());
+    let leaf = json!({ "diffuseTransmissionFactor": 0.4 });
+    let (part, _) = with(json!({ "KHR_materials_diffuse_transmission": leaf })).diffuse_transmission.expect("a leaf");
+    assert_eq!(part.value, 0.4);
+    let glossy = json!({ "glossinessFactor": 0.75, "specularFactor": [0.5, 0.25, 0.125] });
+    let glossy = with(json!({ "KHR_materials_pbrSpecularGlossiness": glossy }));
+    assert_eq!((glossy.roughness.value, glossy.metallic.value, glossy.normal_reflectance), (0.25, 0.0, Some(1.0)));
+    assert!(matches!(glossy.specular_colour.colour, Colour::Rgb([0.5, 0.25, 0.125])));
+}
+
+#[rstest]
+#[case::index("KHR_materials_ior", json!({ "ior": 0.5 }), "materials[0].extensions.KHR_materials_ior.ior: must be at least 1")]
+#[case::film("KHR_materials_iridescence", json!({ "iridescenceIor": -1 }), "iridescenceIor: must be at least 1")]
+#[case::distance("KHR_materials_volume", json!({ "thicknessFactor": 1, "attenuationDistance": 0 }), "must be above 0")]
+#[case::negative("KHR_materials_dispersion", json!({ "dispersion": -1 }), "must not be negative")]
+#[case::kind("KHR_materials_sheen", json!({ "sheenColorFactor": "red" }), "KHR_materials_sheen: invalid type")]
+#[case::texture("KHR_materials_clearcoat", json!({ "clearcoatTexture": { "index": 7 } }), "refers to textures[7]")]
+fn impossible_extensions_are_refused(#[case] name: &str, #[case] table: Value, #[case] message: &str) {
+    let error = Fixture::square().with("/materials", json!([{ "extensions": { name: table } }])).error();
+    assert!(error.contains(message), "{error}");
+}
+
+#[test]
+fn a_variant_is_chosen_by_its_name() {
+    let fixture = || {
+        let mut fixture = Fixture::square().with("/materials", json!([{ "name": "red" }, { "name": "blue" }]));
+        let variants = json!({ "variants": [{ "name": "summer" }, { "name": "winter" }] });
+        fixture.json["extensions"] = json!({ "KHR_materials_variants": variants });
+        fixture.primitive()["material"] = json!(0);
+        let mappings = json!({ "mappings": [{ "variants": [1], "material": 1 }] });
+        fixture.primitive()["extensions"] = json!({ "KHR_materials_variants": mappings });
+        fixture
+    };
+    for (variant, material) in [(None, 0), (Some("summer"), 0), (Some("winter"), 1), (Some("autumn"), 0)] {
+        let file = fixture().variant(variant).expect("valid");
+        assert_eq!(file.variants, ["summer", "winter"]);
+        assert_eq!(file.scene.meshes[0].material, material, "{variant:?}");
+    }
+    assert!(fixture().with("/extensions/KHR_materials_variants", json!(3)).error().contains("KHR_materials_variants"));
+}
+
+#[test]
+fn vertex_colours_are_read_with_and_without_alpha() {
+    let mut fixture = Fixture::square();
+    let colours = fixture.accessor("VEC3", 5121, 4, &[255, 0, 51, 0, 255, 0, 0, 0, 0, 9, 9, 9]);
+    fixture.json["accessors"][colours]["normalized"] = json!(true);
+    // Three bytes a vertex are not aligned; what matters is that they are found.
+    fixture.primitive()["attributes"]["COLOR_0"] = json!(colours);
+    assert_eq!(fixture.scene().meshes[0].colours[0], Vec4::new(1.0, 0.0, 0.2, 1.0));
+    let mut fixture = Fixture::square();
+    let colours = fixture.floats("VEC4", &[0.1, 0.2, 0.3, 0.4].repeat(4));
+    fixture.primitive()["attributes"]["COLOR_0"] = json!(colours);
+    assert_eq!(fixture.scene().meshes[0].colours[3], Vec4::new(0.1, 0.2, 0.3, 0.4));
+}
+
+#[test]
+fn morph_targets_move_vertices_by_their_weights() {
+    let morphed = || {
+        let mut fixture = Fixture::square();
+        let up = fixture.floats("VEC3", &[0., 0., 1.].repeat(4));
+        let right = fixture.floats("VEC3", &[2., 0., 0.].repeat(4));
+        fixture.primitive()["targets"] = json!([{ "POSITION": up }, { "POSITION": right }]);
+        fixture
+    };
+    let first = |fixture: Fixture| fixture.scene().meshes[0].positions[0];
+    assert_eq!(first(morphed()), Vec3::ZERO);
+    assert_eq!(first(morphed().with("/meshes/0/weights", json!([0.5, 0.25]))), Vec3::new(0.5, 0.0, 0.5));
+    let by_node = morphed().with("/meshes/0/weights", json!([0.5, 0.25])).with("/nodes/0/weights", json!([0, 1]));
+    assert_eq!(first(by_node), Vec3::new(2.0, 0.0, 0.0));
+    let mut torn = morphed().with("/meshes/0/weights", json!([1, 1]));
+    let short = torn.floats("VEC3", &[0.0; 9]);
+    torn.primitive()["targets"][1]["POSITION"] = json!(short);
+    assert!(torn.error().contains("targets[1].POSITION: has 3 entries for 4 vertices"));
+}
+
+#[test]
+fn skinned_vertices_follow_their_joints() {
+    let mut fixture = Fixture::square();
+    let joints = fixture.accessor("VEC4", 5121, 4, &[[0, 0, 0, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]].concat());
+    let weights =
+        fixture.floats("VEC4", &[[1., 0., 0., 0.], [1., 0., 0., 0.], [0.5, 0.5, 0., 0.], [0., 0., 0., 0.]].concat());
+    // The second joint was bound one unit along x, and stands three along x now: it moves what follows it by two.
+    let unmoved = [1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1.];
+    let mut bound = unmoved;
+    bound[12] = -1.0;
+    let binds = fixture.floats("MAT4", &[unmoved, bound].concat());
+    fixture.primitive()["attributes"]["JOINTS_0"] = json!(joints);
+    fixture.primitive()["attributes"]["WEIGHTS_0"] = json!(weights);
+    fixture.json["nodes"] = json!([
+        { "mesh": 0, "skin": 0, "translation": [50, 0, 0] }, {}, { "translation": [3, 0, 0] }
+    ]);
+    fixture.json["scenes"] = json!([{ "nodes": [0, 1, 2] }]);
+    fixture.json["skins"] = json!([{ "joints": [1, 2], "inverseBindMatrices": binds }]);
+    let text = fixture.text();
+    let file = read_bytes(text.as_bytes(), Path::new("scene.gltf"), None).expect("valid");
+    let [x, y] = [Vec3::X, Vec3::Y];
+    assert_eq!(file.scene.meshes[0].positions, [Vec3::ZERO, x * 3.0, x * 2.0 + y, y]);
+    assert_eq!(file.scene.instances[0].to_world, DAffine3::IDENTITY);
+    let error = |from: &str, to: &str| {
+        let damaged = text.replace(from, to);
+        assert_ne!(damaged, text);
+        read_bytes(damaged.as_bytes(), Path::new("scene.gltf"), None).expect_err("damaged").to_string()
+    };
+    assert!(error("\"skin\": 0", "\"skin\": 4").contains("refers to skins[4]"));
+    let compact = text.split_whitespace().collect::<String>();
+    let fewer = compact.replace("\"joints\":[1,2]", "\"joints\":[1]");
+    let error = read_bytes(fewer.as_bytes(), Path::new("scene.gltf"), None).expect_err("damaged").to_string();
+    assert!(error.contains("vertex 1 follows joint 1 of 1"), "{error}");
+}
+
+#[test]
+fn instances_stand_where_the_accessors_say() {
+    let mut fixture = Fixture::square();
+    let translations = fixture.floats("VEC3", &[0., 0., 0., 5., 0., 0.]);
+    let scales = fixture.floats("VEC3", &[1., 1., 1., 2., 2., 2.]);
+    fixture.json["nodes"][0]["translation"] = json!([0, 1, 0]);
+    let attributes = json!({ "attributes": { "TRANSLATION": translations, "SCALE": scales, "_ID": 0 } });
+    fixture.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": attributes });
+    let scene = fixture.scene();
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 2));
+    let corner = scene.instances[1].to_world.transform_point3(DVec3::new(1.0, 1.0, 0.0));
+    assert_eq!(corner, DVec3::new(7.0, 3.0, 0.0));
+}
+
+#[test]
+fn quantised_positions_are_read_as_they_stand_or_normalised() {
+    // KHR_mesh_quantization: the node's scale undoes it.
+    let corners: Vec<u8> =
+        [0i16, 0, 0, 0, 127, 0, 0, 0, 127, 127, 0, 0, 0, 127, 0, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    for (normalized, expected) in [(false, 127.0), (true, 127.0 / 32767.0)] {
+        let mut fixture = Fixture::square().with("/extensionsRequired", json!(["KHR_mesh_quantization"]));
+        let positions = fixture.accessor("VEC3", 5122, 4, &corners);
+        let view = fixture.json["accessors"][positions]["bufferView"].as_u64().expect("a view") as usize;
+        fixture.json["bufferViews"][view]["byteStride"] = json!(8);
+        fixture.json["accessors"][positions]["normalized"] = json!(normalized);
+        fixture.primitive()["attributes"]["POSITION"] = json!(positions);
+        assert_eq!(fixture.scene().meshes[0].positions[2], Vec3::new(expected, expected, 0.0));
+    }
+}
+
+#[test]
+fn compressed_geometry_and_textures_are_refused_by_name() {
+    let draco = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": {} } });
+    let error = Fixture::square().with("/meshes/0/primitives/0/extensions", draco).error();
+    assert!(error.contains("KHR_draco_mesh_compression"), "{error}");
+    let meshopt = json!({ "EXT_meshopt_compression": { "buffer": 0 } });
+    let error = Fixture::square().with("/bufferViews/0/extensions", meshopt).error();
+    assert!(error.contains("EXT_meshopt_compression"), "{error}");
+    let texture = json!([{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }]);
+    let material = json!([{ "emissiveTexture": { "index": 0 } }]);
+    let error = Fixture::square().with("/textures", texture).with("/materials", material).error();
+    assert!(error.contains("KHR_texture_basisu"), "{error}");
+}
+
+#[test]
+fn webp_pictures_are_read() {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let pixels = image::RgbaImage::from_pixel(2, 2, image::Rgba([1, 2, 3, 4]));
+    pixels.write_to(&mut bytes, image::ImageFormat::WebP).expect("encoded");
+    let mut fixture = Fixture::square();
+    let view = fixture.view(&bytes.into_inner());
+    fixture.json["images"] = json!([{ "bufferView": view, "mimeType": "image/webp" }]);
+    fixture.json["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
+    fixture.json["materials"] = json!([{ "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }]);
+    let scene = fixture.with("/extensionsRequired", json!(["EXT_texture_webp"])).scene();
+    assert!(matches!(&scene.images[0].texels, Texels::Rgba8(t) if t[3] == [1, 2, 3, 4]));
 }
 
 #[test]
@@ -394,7 +586,7 @@ fn missing_files_are_named() {
     let error = fixture.with("/materials", material).error();
     assert!(error.contains("images[0].uri") && error.contains("no such.png"), "{error}");
     let text = Fixture::square().with("/buffers", json!([{ "byteLength": 4, "uri": "gone.bin" }])).json.to_string();
-    let error = read_bytes(text.as_bytes(), Path::new("scene.gltf")).expect_err("missing").to_string();
+    let error = read_bytes(text.as_bytes(), Path::new("scene.gltf"), None).expect_err("missing").to_string();
     assert!(error.contains("buffers[0].uri") && error.contains("gone.bin"), "{error}");
 }
 
@@ -402,7 +594,7 @@ fn missing_files_are_named() {
 fn every_prefix_of_a_binary_file_is_an_error_and_no_panic() {
     let glb = Fixture::square().glb();
     for len in 0..glb.len() {
-        let error = read_bytes(&glb[..len], Path::new("torn.glb")).expect_err("truncated").to_string();
+        let error = read_bytes(&glb[..len], Path::new("torn.glb"), None).expect_err("truncated").to_string();
         assert!(error.starts_with("torn.glb: "), "{error}");
     }
 }
@@ -415,8 +607,8 @@ fn no_flipped_byte_makes_a_binary_file_panic() {
         for flip in [0x01, 0x10, 0x80, 0xff] {
             let mut damaged = glb.clone();
             damaged[at] ^= flip;
-            if let Ok(mut scene) = read_bytes(&damaged, path) {
-                crate::io::complete(&mut scene);
+            if let Ok(mut file) = read_bytes(&damaged, path, None) {
+                crate::io::complete(&mut file.scene);
             }
         }
     }

@@ -16,7 +16,7 @@ use super::mesh::UV_SETS;
 use crate::Invalid;
 use crate::io::picture::decode_picture;
 use crate::scene::description::TextureDescription;
-use crate::texture::{Bitmap, Filter, SamplerSettings, UvTransform, Wrap};
+use crate::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
 
 /// A reference to a texture, as materials make it in several shapes.
 pub(super) struct TextureUse<'a> {
@@ -28,10 +28,20 @@ pub(super) struct TextureUse<'a> {
 /// Collects the textures that materials use.
 pub(super) struct Textures<'a> {
     root: &'a Root,
-    /// glTF image → index among the images of the scene description.
-    slots: HashMap<usize, usize>,
-    /// glTF images in the order of their slots.
-    used: Vec<usize>,
+    /// Picture → index among the images of the scene description.
+    slots: HashMap<Picture, usize>,
+    /// Pictures in the order of their slots.
+    used: Vec<Picture>,
+}
+
+/// What is made of a glTF image.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Picture {
+    /// The image itself.
+    Image(usize),
+    /// The roughness 1 − factor·alpha, in the green channel, of an image whose alpha is glossiness. The factor is kept by
+    /// its bits.
+    Roughness(usize, u32),
 }
 
 impl<'a> Textures<'a> {
@@ -41,18 +51,42 @@ impl<'a> Textures<'a> {
 
     /// Describes the use of a texture and notes that its image is needed. `key` names what refers to it.
     pub(super) fn describe(&mut self, used: TextureUse<'_>, key: &str) -> Result<TextureDescription, Invalid> {
+        self.describe_picture(used, key, Picture::Image)
+    }
+
+    /// The same for a texture whose alpha is glossiness, as a texture whose green is the roughness that
+    /// `glossiness`·alpha leaves.
+    pub(super) fn describe_roughness(
+        &mut self,
+        used: TextureUse<'_>,
+        glossiness: f32,
+        key: &str,
+    ) -> Result<TextureDescription, Invalid> {
+        self.describe_picture(used, key, |image| Picture::Roughness(image, glossiness.to_bits()))
+    }
+
+    fn describe_picture(
+        &mut self,
+        used: TextureUse<'_>,
+        key: &str,
+        picture: impl FnOnce(usize) -> Picture,
+    ) -> Result<TextureDescription, Invalid> {
         let index = used.texture;
         let textures = &self.root.textures;
         let texture = textures
             .get(index)
             .ok_or_else(|| out_of_range(&format!("{key}.index"), "textures", index, textures.len()))?;
-        let image = texture.source.value();
+        let named = |name: &str| texture.extensions.as_ref().and_then(|e| e.others.get(name)?.get("source")?.as_u64());
+        // A file may offer a PNG beside the WebP; the WebP is the better one.
+        let image = named("EXT_texture_webp").map_or(texture.source.value(), |image| image as usize);
         if image == u32::MAX as usize {
-            return Err(Invalid::new(
-                format!("textures[{index}]"),
-                "has no source: its image is of a kind that is not supported",
-            )
-            .help("export the textures as PNG or JPEG"));
+            let message = match named("KHR_texture_basisu") {
+                Some(_) => "has an image of Basis Universal (KTX2, KHR_texture_basisu) alone, which is not supported",
+                None => "has no source: its image is of a kind that is not supported",
+            };
+            return Err(
+                Invalid::new(format!("textures[{index}]"), message).help("export the textures as PNG, JPEG or WebP")
+            );
         }
         if image >= self.root.images.len() {
             return Err(out_of_range(&format!("textures[{index}].source"), "images", image, self.root.images.len()));
@@ -74,8 +108,9 @@ impl<'a> Textures<'a> {
             return Err(Invalid::new(format!("{key}.texCoord"), message).help("write 0 or 1"));
         }
         let transform = used.transform.map(|t| uv_transform(t, key)).transpose()?.unwrap_or_default();
-        let slot = *self.slots.entry(image).or_insert_with(|| {
-            self.used.push(image);
+        let picture = picture(image);
+        let slot = *self.slots.entry(picture).or_insert_with(|| {
+            self.used.push(picture);
             self.used.len() - 1
         });
         Ok(TextureDescription { image: slot, uv_set, sampler, transform })
@@ -83,7 +118,11 @@ impl<'a> Textures<'a> {
 
     /// Decodes the images that were asked for, in parallel.
     pub(super) fn decode(self, buffers: &Buffers, folder: &Path) -> Result<Vec<Arc<Bitmap>>, Invalid> {
-        let decode = |&image: &usize| read_image(self.root, image, buffers, folder).map(Arc::new);
+        let decode = |&picture: &Picture| match picture {
+            Picture::Image(image) => read_image(self.root, image, buffers, folder).map(Arc::new),
+            Picture::Roughness(image, glossiness) => read_image(self.root, image, buffers, folder)
+                .map(|glossy| Arc::new(roughness(&glossy, f32::from_bits(glossiness)))),
+        };
         // Collected before the first error is looked for, so that always the same error is reported.
         let decoded: Vec<Result<Arc<Bitmap>, Invalid>> = self.used.par_iter().map(decode).collect();
         decoded.into_iter().collect()
@@ -106,6 +145,16 @@ fn read_image(root: &Root, index: usize, buffers: &Buffers, folder: &Path) -> Re
         (None, None) => return Err(Invalid::new(key, "has neither a uri nor a bufferView, so no picture")),
     };
     decode_picture(&bytes, name).map_err(|e| e.within(&key))
+}
+
+/// 1 − factor·alpha in the green channel.
+fn roughness(glossy: &Bitmap, factor: f32) -> Bitmap {
+    let texel = |i: usize| {
+        let roughness = ((1.0 - factor * glossy.linear_texel(i)[3]) * f32::from(u16::MAX)).round() as u16;
+        [u16::MAX, roughness, 0, u16::MAX]
+    };
+    let texels = Texels::Rgba16((0..glossy.texels.len()).map(texel).collect());
+    Bitmap { name: glossy.name.clone(), width: glossy.width, height: glossy.height, texels }
 }
 
 fn sampler_settings(sampler: &Sampler, key: &str) -> Result<SamplerSettings, Invalid> {

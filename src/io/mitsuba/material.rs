@@ -4,7 +4,8 @@ use super::picture::{bitmap, planes};
 use super::{Element, Output, quoted};
 use crate::bsdf::Ggx;
 use crate::scene::description::{
-    AlphaMode, Colour, MaterialDescription, MaterialModel, SceneDescription, TextureDescription,
+    AlphaMode, Colour, LayeredDescription, MaterialDescription, MaterialModel, SceneDescription, TextureDescription,
+    TexturedColour,
 };
 use crate::spectrum::upsampling::reflectance_spectrum;
 use crate::texture::{Bitmap, Filter, UvTransform};
@@ -61,8 +62,8 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
 
 fn scattering(material: &MaterialDescription, name: &str, textures: &Textures<'_>, out: &mut Output) -> Element {
     match &material.model {
-        MaterialModel::Diffuse { reflectance, texture } => {
-            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, texture.as_ref(), name, out)
+        MaterialModel::Diffuse { reflectance } => {
+            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, name, out)
         }
         MaterialModel::Conductor { eta, k, roughness, anisotropy } => {
             let microfacets = Ggx::from_roughness(*roughness, *anisotropy);
@@ -88,30 +89,41 @@ fn scattering(material: &MaterialDescription, name: &str, textures: &Textures<'_
             };
             bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0)
         }
-        MaterialModel::MetallicRoughness {
-            base_colour,
-            base_colour_texture,
-            metallic,
-            roughness,
-            metallic_roughness_texture,
-        } => {
-            out.approximate(format!("the metallic-roughness model of {name}: it becomes \"principled\""));
-            let bsdf = Element::object("bsdf", "principled");
-            let bsdf = textures.colour(bsdf, "base_color", base_colour, base_colour_texture.as_ref(), name, out);
-            let Some(texture) = metallic_roughness_texture else {
-                return bsdf.float("metallic", f64::from(*metallic)).float("roughness", f64::from(*roughness));
-            };
-            let image = textures.image(texture);
-            [("roughness", *roughness, 1), ("metallic", *metallic, 2)].into_iter().fold(
-                bsdf,
-                |bsdf, (key, factor, c)| {
-                    let value = |i| [image.linear_texel(i)[c] * factor; 3];
-                    let file = textures.file(key, image, &["Y"], out, value);
-                    bsdf.child(bitmap(key, &file, true, texture, out))
-                },
-            )
-        }
+        MaterialModel::Layered(layers) => principled(layers, name, textures, out),
     }
+}
+
+/// glTF's material. Mitsuba's "principled" is another model with nearly the same keys.
+fn principled(layers: &LayeredDescription, name: &str, textures: &Textures<'_>, out: &mut Output) -> Element {
+    out.approximate(format!("glTF's material model of {name}: it becomes \"principled\""));
+    let extensions = [
+        ("transmission", layers.transmission.value > 0.0),
+        ("volume", layers.absorption_per_m.is_some()),
+        ("diffuse transmission", layers.diffuse_transmission.is_some()),
+        ("iridescence", layers.film.is_some()),
+        ("anisotropy", layers.anisotropy.is_some()),
+        ("sheen", layers.sheen.is_some()),
+        ("clearcoat", layers.coat.is_some()),
+        (
+            "specular colour",
+            !matches!(layers.specular_colour.colour, Colour::Rgb([1.0, 1.0, 1.0]))
+                || layers.specular_colour.texture.is_some(),
+        ),
+        ("specular factor", layers.specular.value != 1.0 || layers.specular.texture.is_some()),
+        ("specular-glossiness", layers.normal_reflectance.is_some()),
+    ];
+    for (extension, _) in extensions.into_iter().filter(|(_, used)| *used) {
+        out.approximate(format!("the {extension} of {name}: it is left out"));
+    }
+    let bsdf = Element::object("bsdf", "principled").float("eta", layers.index.index(SODIUM_NM));
+    let bsdf = textures.colour(bsdf, "base_color", &layers.base_colour, name, out);
+    [("roughness", &layers.roughness), ("metallic", &layers.metallic)].into_iter().fold(bsdf, |bsdf, (key, factor)| {
+        let Some((texture, channel)) = &factor.texture else { return bsdf.float(key, f64::from(factor.value)) };
+        let image = textures.image(texture);
+        let value = |i| [image.linear_texel(i)[*channel as usize] * factor.value; 3];
+        let file = textures.file(key, image, &["Y"], out, value);
+        bsdf.child(bitmap(key, &file, true, texture, out))
+    })
 }
 
 /// Mitsuba's microfacets hide each other from the two directions independently, G = G₁(wo)·G₁(wi); ours know that what is
@@ -177,8 +189,7 @@ impl<'a> Textures<'a> {
         &self,
         bsdf: Element,
         key: &str,
-        colour: &Colour,
-        texture: Option<&TextureDescription>,
+        TexturedColour { colour, texture }: &TexturedColour,
         name: &str,
         out: &mut Output,
     ) -> Element {

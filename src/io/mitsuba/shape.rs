@@ -82,9 +82,8 @@ fn is_anisotropic(model: &MaterialModel) -> bool {
             let [along, across] = Ggx::from_roughness(*roughness, *anisotropy).alpha();
             along != across
         }
-        MaterialModel::Diffuse { .. } | MaterialModel::Dielectric { .. } | MaterialModel::MetallicRoughness { .. } => {
-            false
-        }
+        // The anisotropy of layers is left out, which their export tells.
+        MaterialModel::Diffuse { .. } | MaterialModel::Dielectric { .. } | MaterialModel::Layered(_) => false,
     }
 }
 

@@ -16,7 +16,8 @@
 use super::mtl::MtlMaterial;
 use crate::io::warnings::Warnings;
 use crate::scene::description::{
-    AlphaMode, Colour, EmissionDescription, MaterialDescription, MaterialModel, TextureDescription,
+    AlphaMode, Colour, EmissionDescription, LayeredDescription, MaterialDescription, MaterialModel, TextureDescription,
+    TexturedColour, TexturedFactor,
 };
 use crate::spectrum::Dispersion;
 
@@ -34,16 +35,8 @@ const DEFAULT_REFLECTANCE: f32 = 0.5;
 
 /// A diffuse grey material, for faces whose material is not described.
 pub(super) fn undescribed(name: &str) -> MaterialDescription {
-    MaterialDescription {
-        name: name.to_owned(),
-        model: MaterialModel::Diffuse { reflectance: Colour::Rgb([DEFAULT_REFLECTANCE; 3]), texture: None },
-        normal_map: None,
-        emission: None,
-        alpha: AlphaMode::Opaque,
-        alpha_factor: 1.0,
-        alpha_texture: None,
-        double_sided: true,
-    }
+    let reflectance = TexturedColour::plain(Colour::Rgb([DEFAULT_REFLECTANCE; 3]));
+    MaterialDescription { double_sided: true, ..MaterialDescription::new(name, MaterialModel::Diffuse { reflectance }) }
 }
 
 /// The material that the module's table gives.
@@ -90,14 +83,14 @@ fn opaque(
     let specular = mtl.specular.unwrap_or_default();
     let shines = !is_black(specular) && mtl.shininess.is_some_and(|n| n > 0.0);
     let mirrors = matches!(mtl.illumination_model, Some(3 | 5 | 8));
-    let metallic_roughness =
-        |base, base_colour_texture, metallic: f32, roughness: f32| MaterialModel::MetallicRoughness {
-            base_colour: Colour::Rgb(base),
-            base_colour_texture,
-            metallic: metallic.clamp(0.0, 1.0),
-            roughness: roughness.clamp(0.0, 1.0),
-            metallic_roughness_texture: None,
-        };
+    let metallic_roughness = |base, texture, metallic: f32, roughness: f32| {
+        MaterialModel::Layered(Box::new(LayeredDescription {
+            base_colour: TexturedColour { colour: Colour::Rgb(base), texture },
+            metallic: TexturedFactor::plain(metallic.clamp(0.0, 1.0)),
+            roughness: TexturedFactor::plain(roughness.clamp(0.0, 1.0)),
+            ..LayeredDescription::default()
+        }))
+    };
     if mtl.roughness.is_some() || mtl.metallic.is_some() {
         let roughness = mtl.roughness.or(mtl.shininess.map(roughness_of_exponent)).unwrap_or(0.5);
         metallic_roughness(diffuse, texture, mtl.metallic.unwrap_or(0.0), roughness)
@@ -107,7 +100,7 @@ fn opaque(
     } else if shines && !matches!(mtl.illumination_model, Some(0 | 1)) {
         metallic_roughness(diffuse, texture, 0.0, mtl.shininess.map_or(1.0, roughness_of_exponent))
     } else {
-        MaterialModel::Diffuse { reflectance: Colour::Rgb(diffuse), texture }
+        MaterialModel::Diffuse { reflectance: TexturedColour { colour: Colour::Rgb(diffuse), texture } }
     }
 }
 
@@ -141,18 +134,23 @@ mod tests {
     #[test]
     fn the_table_of_the_module_holds() {
         let plain = MtlMaterial { diffuse: Some([0.2, 0.4, 0.6]), ..MtlMaterial::default() };
-        assert!(matches!(model(&plain), MaterialModel::Diffuse { reflectance: Colour::Rgb([0.2, 0.4, 0.6]), .. }));
+        assert!(
+            matches!(model(&plain), MaterialModel::Diffuse { reflectance } if matches!(reflectance.colour, Colour::Rgb([0.2, 0.4, 0.6])))
+        );
+        let layers = |mtl: &MtlMaterial| {
+            let MaterialModel::Layered(layers) = model(mtl) else { panic!("not layered") };
+            (layers.metallic.value, layers.roughness.value)
+        };
         let shiny = MtlMaterial { specular: Some([0.5; 3]), shininess: Some(30.0), ..plain.clone() };
         // α = √(2/32) = 1/4, so the perceptual roughness is 1/2.
-        assert!(
-            matches!(model(&shiny), MaterialModel::MetallicRoughness { metallic: 0.0, roughness, .. } if (roughness - 0.5).abs() < 1e-6)
-        );
+        let (metallic, roughness) = layers(&shiny);
+        assert!(metallic == 0.0 && (roughness - 0.5).abs() < 1e-6);
         let matt = MtlMaterial { illumination_model: Some(1), ..shiny.clone() };
         assert!(matches!(model(&matt), MaterialModel::Diffuse { .. }));
         let mirror = MtlMaterial { diffuse: Some([0.0; 3]), illumination_model: Some(3), ..shiny };
-        assert!(matches!(model(&mirror), MaterialModel::MetallicRoughness { metallic: 1.0, .. }));
+        assert_eq!(layers(&mirror).0, 1.0);
         let modern = MtlMaterial { roughness: Some(0.3), metallic: Some(0.7), ..plain.clone() };
-        assert!(matches!(model(&modern), MaterialModel::MetallicRoughness { metallic: 0.7, roughness: 0.3, .. }));
+        assert_eq!(layers(&modern), (0.7, 0.3));
         for (illumination_model, opacity) in [(Some(7), None), (Some(2), Some(0.3)), (None, Some(0.1))] {
             let glass = MtlMaterial { index: Some(1.5), illumination_model, opacity, ..plain.clone() };
             assert!(matches!(model(&glass), MaterialModel::Dielectric { .. }));
@@ -173,7 +171,9 @@ mod tests {
         let mut warnings = Warnings::default();
         let bright = MtlMaterial { diffuse: Some([1.5, 0.5, -0.1]), ..MtlMaterial::default() };
         let material = describe(&bright, MaterialTextures::default(), &mut warnings);
-        assert!(matches!(material.model, MaterialModel::Diffuse { reflectance: Colour::Rgb([1.0, 0.5, 0.0]), .. }));
+        assert!(
+            matches!(material.model, MaterialModel::Diffuse { reflectance } if matches!(reflectance.colour, Colour::Rgb([1.0, 0.5, 0.0])))
+        );
         assert_eq!(warnings.into_messages().len(), 1);
     }
 }

@@ -91,9 +91,9 @@ fn materials_come_from_the_library_and_pictures_from_beside_it() {
     assert!(file.undescribed_materials.is_empty());
     let wood = &scene.materials[0];
     assert_eq!((wood.name.as_str(), wood.alpha), ("my wood", AlphaMode::Blend));
-    let MaterialModel::Diffuse { reflectance: Colour::Rgb([1.0, 0.5, 0.25]), texture: Some(texture) } = &wood.model
-    else {
-        panic!("{:?}", wood.model)
+    let MaterialModel::Diffuse { reflectance } = &wood.model else { panic!("{:?}", wood.model) };
+    let (Colour::Rgb([1.0, 0.5, 0.25]), Some(texture)) = (&reflectance.colour, &reflectance.texture) else {
+        panic!("{reflectance:?}")
     };
     assert_eq!(texture.transform.scale, Vec2::splat(2.0));
     let opacity = wood.alpha_texture.as_ref().expect("map_d");

@@ -14,6 +14,8 @@ pub(crate) struct SceneTable {
     /// Files of geometry, glTF (.gltf, .glb) or OBJ (.obj), relative to this file.
     #[serde(default)]
     pub(crate) geometry: Vec<String>,
+    /// Name of a material variant of the glTF files (KHR_materials_variants). Left out: their basic materials.
+    pub(crate) variant: Option<String>,
     /// Length of the unit of OBJ files, m. Left out: 1. (glTF is in metres.)
     pub(crate) meters_per_unit: Option<f64>,
     /// What OBJ faces without normals get, outside the smoothing groups of the file. Left out: "flat".

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::develop::RawLayout;
 use crate::io::capture::settings::RawFormat;
 use crate::raw::DngCompression;
-use crate::sensor::Stage;
+use crate::sensor::{BinningMethod, Stage};
 
 /// How long, at what gain and temperature.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -44,6 +44,14 @@ pub(crate) struct ExposureTable {
     pub(crate) frames: Option<u32>,
     /// Time from the start of one picture to that of the next, s. Left out: one exposure follows another.
     pub(crate) frame_interval_s: Option<f64>,
+    /// The part of the sensor that is read out: [first column, first row, columns, rows]. Light is traced and metered for
+    /// all of it, so that `photosite expose` can read out another. Left out: all, with covered pixels.
+    pub(crate) region_px: Option<[usize; 4]>,
+    /// Columns and rows of pixels of one colour that are read out as one, such as [2, 2]. Left out: [1, 1].
+    pub(crate) binning: Option<[usize; 2]>,
+    /// How: "charge" adds electrons before they are read out, "sum" numbers, "mean" takes the mean of numbers. Left out:
+    /// "charge" for a CCD, else "mean".
+    pub(crate) binning_method: Option<BinningMethod>,
     /// The stages of the sensor that take part, such as ["shot-noise"] to see that noise alone; [] for none. Left out:
     /// all.
     pub(crate) stages: Option<Vec<Stage>>,

@@ -60,9 +60,10 @@ fn materials_replace_those_of_the_geometry() {
     files.add("red.csv", b"400,0.1\n700,0.7\n");
     let capture = files.read(&[]).expect("valid");
     assert!(capture.scene.warnings.is_empty(), "{:?}", capture.scene.warnings);
-    let MaterialModel::Diffuse { reflectance: Colour::Spectrum(red), .. } = &material(&capture, "wall").model else {
+    let MaterialModel::Diffuse { reflectance } = &material(&capture, "wall").model else {
         panic!("{:?}", material(&capture, "wall"))
     };
+    let Colour::Spectrum(red) = &reflectance.colour else { panic!("{reflectance:?}") };
     assert!((red.eval(550.0) - 0.4).abs() < 1e-6 && red.eval(1000.0) == 0.7);
     let lamp = material(&capture, "lamp");
     assert!(matches!(lamp.model, MaterialModel::Diffuse { .. }) && !lamp.double_sided);
@@ -81,8 +82,8 @@ fn materials_replace_those_of_the_geometry() {
 #[case::name("reflectance = \"cornell/white\"")]
 fn reflectances_come_in_several_shapes(#[case] line: &str) {
     let capture = capture(&room(&format!("[materials.wall]\ntype = \"diffuse\"\n{line}")));
-    let MaterialModel::Diffuse { reflectance, .. } = &material(&capture, "wall").model else { panic!("not diffuse") };
-    match reflectance {
+    let MaterialModel::Diffuse { reflectance } = &material(&capture, "wall").model else { panic!("not diffuse") };
+    match &reflectance.colour {
         Colour::Rgb(rgb) if line.contains("linear") => assert_eq!(*rgb, [1.0, 0.5, 0.0]),
         // sRGB 0.5 is 0.21404 in linear light.
         Colour::Rgb(rgb) => assert!((rgb[1] - 0.214_041).abs() < 1e-5 && rgb[0] == 1.0 && rgb[2] == 0.0, "{rgb:?}"),
@@ -111,7 +112,7 @@ fn metals_indices_and_textures_come_in_several_shapes() {
         ("type = 'dielectric'\nindex = { file = 'k.csv' }", "Table"),
         (
             "type = 'metallic-roughness'\nbase_colour = { texture = 'a.png', tiles = [2, 3], wrap = 'clamp' }\nroughness = 0.5\nnormal_map = { texture = 'a.png' }\nmetallic_roughness_map = { texture = 'a.png' }",
-            "MetallicRoughness",
+            "Layered",
         ),
     ] {
         let files = Files::new(&room(&format!("[materials.wall]\n{table}")));
@@ -121,7 +122,9 @@ fn metals_indices_and_textures_come_in_several_shapes() {
         let capture = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));
         let wall = material(&capture, "wall");
         assert!(format!("{:?}", wall.model).contains(check), "{table}");
-        if let MaterialModel::MetallicRoughness { base_colour_texture: Some(texture), .. } = &wall.model {
+        if let MaterialModel::Layered(layers) = &wall.model
+            && let Some(texture) = &layers.base_colour.texture
+        {
             assert_eq!(texture.sampler.wrap, [Wrap::ClampToEdge; 2]);
             assert_eq!(capture.scene.images.len(), 1, "a picture is read once");
             let mesh = &capture.scene.meshes[0];
@@ -343,10 +346,15 @@ fn arguments_come_before_the_file() {
     assert_eq!((capture.sensor.name.as_str(), capture.sensor.converter.bits), ("sony-imx249-mono", 10));
     assert_eq!(capture.scene.lights[0].emission.level, Some(9.0));
     assert!(capture.scene.environment.is_none());
-    assert!(matches!(
-        material(&capture, "wall").model,
-        MaterialModel::Diffuse { reflectance: Colour::Spectrum(_), .. }
-    ));
+    let MaterialModel::Diffuse { reflectance } = &material(&capture, "wall").model else { panic!("not diffuse") };
+    assert!(matches!(reflectance.colour, Colour::Spectrum(_)));
+}
+
+#[test]
+fn a_variant_that_no_file_has_is_refused() {
+    let files = Files::new(&room(""));
+    let error = files.read(&["scene.variant=winter"]).expect_err("no glTF there").to_string();
+    assert!(error.contains("scene.variant") && error.contains("no material variant \"winter\""), "{error}");
 }
 
 #[test]

@@ -1,0 +1,65 @@
+//! The files of `tests/gltf`, one for each feature of glTF: thumbnails against stored ones.
+//!
+//! Both are Monte Carlo estimates with the variance of each pixel, so the verdict is that of `photosite compare`: no pixel
+//! and no mean is further off than noise explains (Šidák's correction, α = 0.01 for all pixels of a file). After a change
+//! that is meant to change pictures, look at them, then store them anew with another seed than the test's:
+//! `for f in tests/gltf/*.gltf; do photosite render tests/gltf/capture.toml …` as [`render`] has it, and the
+//! `electrons.exr` of each as `tests/gltf/expected/NAME.exr`.
+
+use std::path::{Path, PathBuf};
+
+use super::folder::Folder;
+
+fn folder_of_files() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gltf")
+}
+
+/// The arguments that render the file of that name into `out`.
+fn render(name: &str, seed: u32, out: &str) -> String {
+    let capture = folder_of_files().join("capture.toml");
+    format!(
+        "render {} --quiet --seed {seed} --set scene.geometry=[\"{name}.gltf\"] -o {out}",
+        capture.to_str().expect("UTF-8")
+    )
+}
+
+#[test]
+fn every_feature_looks_as_it_did() {
+    let files = folder_of_files();
+    let mut names: Vec<String> = std::fs::read_dir(&files)
+        .expect("the folder of files")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "gltf"))
+        .map(|path| path.file_stem().expect("a name").to_str().expect("UTF-8").to_owned())
+        .collect();
+    names.sort();
+    assert!(names.len() >= 28, "{names:?}");
+    let folder = Folder::new([]);
+    let mut wrong = Vec::new();
+    for name in &names {
+        let outcome = folder.run(&render(name, 1, name));
+        if outcome.status != Some(0) {
+            wrong.push(format!("{name}: {}", outcome.stderr));
+            continue;
+        }
+        let expected = files.join("expected").join(format!("{name}.exr"));
+        let expected = expected.to_str().expect("UTF-8");
+        let outcome = folder.run(&format!("compare {name}/electrons.exr {expected}"));
+        if outcome.status != Some(0) {
+            wrong.push(format!("{name}: {}{}", outcome.stdout, outcome.stderr));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn features_are_told_apart() {
+    // The test above would notice a feature that is ignored: each differs from the plain ball.
+    let folder = Folder::new([]);
+    folder.succeed(&render("plain", 1, "plain"));
+    for name in ["sheen", "clearcoat", "iridescence", "transmission", "morph-target", "vertex-colours"] {
+        let expected = folder_of_files().join("expected").join(format!("{name}.exr"));
+        let outcome = folder.run(&format!("compare plain/electrons.exr {}", expected.to_str().expect("UTF-8")));
+        assert_eq!(outcome.status, Some(1), "{name}: {}", outcome.stdout);
+    }
+}
