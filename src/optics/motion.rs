@@ -30,7 +30,7 @@ pub struct TimedPose {
 impl CameraMotion {
     /// Camera → world at the time t, s, of a camera that stands at `start` at time 0:
     ///
-    /// - steady: p = p₀ + v·t, R = R₀·exp([ω]ₓ·t);
+    /// - steady: p = p₀ + v·t, R = R₀·exp(\[ω\]ₓ·t);
     /// - poses: p linearly from one to the next, R on the shortest way at a constant rate ([Shoemake85](crate::references#shoemake85)).
     ///   They are those of the world, and `start` is not looked at.
     #[inline]

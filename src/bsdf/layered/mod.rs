@@ -6,8 +6,8 @@
 //! | layer | what it does | from |
 //! |---|---|---|
 //! | coat | GGX reflection, F₀ = 0.04, with a normal of its own | `clearcoat` |
-//! | sheen | fibres ([`sheen`]) | `sheen` |
-//! | facets | GGX reflection: Schlick's Fresnel factor, or that of a film ([`film`]) | appendix B, `ior`, `specular`, `iridescence`, `anisotropy` |
+//! | sheen | fibres (`sheen`) | `sheen` |
+//! | facets | GGX reflection: Schlick's Fresnel factor, or that of a film (`film`) | appendix B, `ior`, `specular`, `iridescence`, `anisotropy` |
 //! | base | nothing (metal), Lambert reflection, Lambert transmission, straight or refracted transmission | appendix B, `transmission`, `volume`, `dispersion`, `diffuse_transmission` |
 //!
 //! α = roughness². The parts of the base are mixed as "metallic" (m) and "transmission" (t) say: metal m, coloured
@@ -15,7 +15,7 @@
 //!
 //! - coat c·F(0.04)·k_c, sheen s·D·G/(4·cos θₒ·cos θᵢ) below the coat, facets F·k below both;
 //! - clear and thin: (1 − F)·base·k with `wi` mirrored back to the side of `wo` (`transmission`, "Transmission BTDF");
-//! - clear with a volume behind: F and refraction of a rough interface ([`dielectric`](super::dielectric)), with the exact
+//! - clear with a volume behind: F and refraction of a rough interface (`dielectric`), with the exact
 //!   Fresnel factor in place of Schlick's weight, since there is total reflection from inside.
 //!
 //! **Layers.** What lies under a layer of directional albedo E is multiplied by 1 − max(E(wo), E(wi)), the reciprocal
