@@ -11,7 +11,7 @@ use photosite::io::output::write_whole;
 use photosite::{Error, Result};
 use serde::Serialize;
 
-use super::{print_json, rounded};
+use super::{print_json, rounded, start_threads};
 
 /// Develop a raw file to a picture: PNG, TIFF, JPEG, PPM or EXR.
 ///
@@ -66,10 +66,7 @@ struct Timings {
 }
 
 pub(super) fn run(args: &DevelopArgs) -> Result<()> {
-    if let Some(threads) = args.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-        pool.map_err(|e| Error::Usage { message: format!("cannot start {threads} threads: {e}"), help: None })?;
-    }
+    start_threads(args.threads)?;
     let path = args
         .output
         .clone()

@@ -13,7 +13,7 @@ use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
-use super::{print_json, rounded};
+use super::{print_json, rounded, start_threads};
 
 /// Merge raw files that were exposed for different times to a linear picture of their common light.
 ///
@@ -33,6 +33,9 @@ pub(super) struct MergeHdrArgs {
     /// Change a key of that table, for example --set develop.colour_space=acescg.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    /// Threads to use [default: all cores].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -70,6 +73,7 @@ struct Timings {
 }
 
 pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
+    start_threads(args.threads)?;
     if PictureFormat::of(&args.output)? != PictureFormat::Exr {
         return Err(Error::Usage {
             message: format!("{} cannot hold the range of a bracket", args.output.display()),

@@ -103,6 +103,13 @@ pub(crate) fn run() -> ExitCode {
     }
 }
 
+/// Starts as many threads as are asked for.
+fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
+    let Some(threads) = threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+    pool.map_err(|e| Error::Usage { message: format!("cannot start {threads} threads: {e}"), help: None })
+}
+
 /// Significant digits, few enough for people.
 fn rounded(x: f64, digits: i32) -> f64 {
     if x == 0.0 || !x.is_finite() {

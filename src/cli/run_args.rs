@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use photosite::{Error, Result};
+use photosite::Result;
+
+use super::start_threads;
 
 #[derive(Args)]
 pub(super) struct RunArgs {
@@ -43,8 +45,6 @@ impl RunArgs {
 
     /// Starts as many threads as are asked for.
     pub(super) fn start_threads(&self) -> Result<()> {
-        let Some(threads) = self.threads else { return Ok(()) };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-        pool.map_err(|e| Error::Usage { message: format!("cannot start {threads} threads: {e}"), help: None })
+        start_threads(self.threads)
     }
 }

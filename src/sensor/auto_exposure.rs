@@ -68,7 +68,10 @@ pub fn auto_exposure(
         Metering::Mean(level) => time_of_mean(&mosaic, collected, dark, level)?,
     };
     let time = per_capacity * sensor.saturation_capacity(wanted).0;
-    let Some(limit) = target.max_time.filter(|limit| limit.0 < time) else {
+    // Pixels that scan see the next line after one line time.
+    let line_time = sensor.shutter.scans().then(|| sensor.shutter.row_time());
+    let limits = [target.max_time, line_time].into_iter().flatten();
+    let Some(limit) = limits.filter(|limit| limit.0 < time).min_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Ok(Exposure { time: Seconds(time), ..*wanted });
     };
     let limited = Exposure { time: limit, ..*wanted };

@@ -87,7 +87,7 @@ impl Binning {
         let before = [prescan + sensor.masked.columns[0], sensor.masked.rows[0]];
         let cell = self.cell(&sensor.cfa);
         for (axis, what) in ["columns", "rows"].into_iter().enumerate() {
-            if before[axis] % cell[axis] != 0 {
+            if !before[axis].is_multiple_of(cell[axis]) {
                 let message = format!("{} covered {what} before the picture make no whole bins", before[axis]);
                 let help = format!("change masked_{what} to a multiple of {}", cell[axis]);
                 return Err(Invalid::new("binning", message).help(help));

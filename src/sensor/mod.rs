@@ -4,6 +4,9 @@
 //! [`Exposure`]. Out: a [`RawImage`](crate::raw::RawImage) of digital numbers. [`expose()`] is the list of stages, each
 //! of which has a file of its own; names and symbols are those of [Emva1288](crate::references#emva1288).
 //!
+//! Exposure control is beside that list: [`auto_exposure()`] finds time and gains, [`SensorModel::gains_for_iso`] the gains of a
+//! speed, [`SensorModel::linearisation`] the way back from numbers that are bent on purpose.
+//!
 //! Light is left to the renderer, which needs [`SensorModel::responses`] from here; files are left to
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).
 

@@ -40,7 +40,7 @@ fn folder(capture: String) -> Folder {
     "write ["
 )]
 #[case::parts_of_bins(
-    "[exposure]\nregion_px = [1, 0, 20, 10]\nbinning = [2, 2]",
+    "[exposure]\nbinning = [2, 2]\nregion_px = [1, 0, 20, 10]",
     "region_px: 20 × 10 pixels at 1, 0 are no whole bins of 2 × 2",
     "multiples"
 )]

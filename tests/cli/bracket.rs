@@ -52,6 +52,9 @@ fn files_and_render_merge_to_the_same_light() {
     let folder = room("bracket_ev = [-3, 0, 3]\n[render]\nsamples_per_pixel = 64\n");
     folder.succeed("render capture.toml -o out");
     folder.succeed("merge-hdr out/raw-0002.dng out/raw-0000.dng out/raw-0001.dng -o merged.exr");
+    folder.succeed("merge-hdr out/raw-0001.dng out/raw-0002.dng out/raw-0000.dng -o single.exr --threads 1");
+    let [many, single] = ["merged.exr", "single.exr"].map(|name| std::fs::read(folder.path(name)).expect("a file"));
+    assert!(many == single, "order of files and number of threads make no difference");
     let [ours, merged] = ["out/hdr.exr", "merged.exr"].map(|name| exr(&folder, name));
     let time = |picture: &ExrPicture| picture.attributes.iter().find(|(name, _)| name == "exposureTime").cloned();
     let of_longest =

@@ -87,6 +87,24 @@ fn what_automatic_gain_control_chose_gives_the_same_bytes_when_it_is_written_dow
     }
 }
 
+#[test]
+fn what_is_set_takes_the_place_of_what_says_the_same() {
+    let folder = room("gain_db = 6\n[render]\nsamples_per_pixel = 1\n");
+    folder.succeed("render capture.toml -o out");
+    let exposure = |arguments: &str| {
+        folder.succeed(&format!("expose out -o again --force {arguments}"));
+        folder.report("again")["exposure"].clone()
+    };
+    let fast = exposure("--set exposure.iso=100000");
+    // Rounding of logarithms and powers.
+    assert!((fast["iso"].as_f64().expect("a number") - 1e5).abs() < 1e-4, "{fast}");
+    assert_eq!(exposure("--set exposure.auto=true")["auto"], true);
+    assert_eq!(exposure("--set exposure.auto_mean=0.2 --set exposure.max_time_s=0.001")["auto"], true);
+    assert_eq!(exposure("--set exposure.auto=true --set exposure.time_s=0.002")["time_s"], 0.002);
+    let bracket = exposure("--set exposure.bracket_times_s=[0.004,0.001,0.002]");
+    assert_eq!((&bracket["time_s"], &bracket["bracket_s"]), (&json!(0.002), &json!([0.004, 0.001, 0.002])));
+}
+
 fn first_picture(folder: &Folder) -> Vec<u8> {
     folder.results("out")["image.png"].clone()
 }

@@ -31,12 +31,12 @@ fn electrons_of_a_known_lamp_on_a_known_patch_by_hand() {
 fn auto_exposure_brings_the_bright_pixels_to_the_level() {
     for name in presets::names() {
         let sensor = presets::model(name).expect("listed");
-        // A ramp of rates, and one pixel in 400 that shines far brighter.
+        // A ramp of rates, bright enough for times that scanning sensors allow, and one pixel in 400 that shines far brighter.
         let (width, height) = (100, 80);
         let mut rates = Planes::zeros(width, height, sensor.cfa.channels());
         for channel in rates.channels_mut() {
             for (i, rate) in channel.data.iter_mut().enumerate() {
-                *rate = if i % 400 == 0 { 1e9 } else { 10.0 * i as f32 };
+                *rate = if i % 400 == 0 { 1e12 } else { 1e6 * i as f32 };
             }
         }
         let metering = Metering::Highlights { brighter_part: 0.01, level: 0.8 };
@@ -55,6 +55,16 @@ fn auto_exposure_brings_the_bright_pixels_to_the_level() {
         assert!(brighter <= numbers.len() / 100, "{name}: {brighter} pixels above the level");
         assert!(close >= numbers.len() / 100, "{name}: {close} pixels at the level");
     }
+}
+
+#[test]
+fn sensors_that_scan_are_exposed_for_a_line_time_at_most() {
+    let sensor = presets::model("generic-line-scan").expect("a preset");
+    let rates = flat(&sensor, 64, 4, 10.0);
+    let found =
+        auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, AutoExposure::default()).expect("there is light");
+    assert_eq!(found.time, sensor.shutter.row_time());
+    found.validate(&sensor).expect("what the sensor can do");
 }
 
 #[test]

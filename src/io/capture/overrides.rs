@@ -8,7 +8,38 @@ use crate::{Error, Result};
 /// Lays `key=value` over the values of a capture file. The key is a path of keys, where elements of arrays are numbered
 /// from 0 (`lights.0.intensity_cd`); the value is TOML, or a bare word that stands for itself.
 pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
+    let (key, value) = argument.split_once('=').unwrap_or((argument, ""));
+    if let Some(key) = key.trim().strip_prefix("exposure.") {
+        alternatives(key, value.trim()).iter().for_each(|other| source.remove("exposure", other));
+    }
     set_in(source, "", "lens.f_number=4", argument)
+}
+
+/// Keys of `[exposure]` that say in another way what this one says. In a file the two cannot stand together; on the command
+/// line, where nothing can be taken away, the one takes the place of the other.
+fn alternatives(key: &str, value: &str) -> &'static [&'static str] {
+    match (key, value) {
+        ("iso", _) => &["gain_db", "digital_gain_db"],
+        ("gain_db" | "digital_gain_db", _) => &["iso"],
+        ("auto", "true") | ("max_time_s" | "max_gain_db", _) => &["time_s", "bracket_times_s"],
+        ("auto_mean", _) => &["time_s", "bracket_times_s", "auto_target", "auto_brighter_part"],
+        ("auto_target" | "auto_brighter_part", _) => &["time_s", "bracket_times_s", "auto_mean"],
+        ("bracket_ev", _) => &["bracket_times_s"],
+        ("time_s", _) => {
+            &["auto", "auto_target", "auto_brighter_part", "auto_mean", "max_time_s", "max_gain_db", "bracket_times_s"]
+        }
+        ("bracket_times_s", _) => &[
+            "auto",
+            "auto_target",
+            "auto_brighter_part",
+            "auto_mean",
+            "max_time_s",
+            "max_gain_db",
+            "time_s",
+            "bracket_ev",
+        ],
+        _ => &[],
+    }
 }
 
 /// The same for keys below `table`.

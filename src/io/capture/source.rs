@@ -83,6 +83,15 @@ impl CaptureSource {
         Ok(())
     }
 
+    /// Takes a key out of a table at the top of the tree, if it is there.
+    pub(super) fn remove(&mut self, table: &str, key: &str) {
+        if let Value::Table(tables) = &mut self.root.value
+            && let Some(entry) = tables.get_mut(table)
+        {
+            entry.node.remove(key);
+        }
+    }
+
     fn add(&mut self, origin: Origin, text: String) -> Result<Node> {
         let start = self.texts.last().map_or(0, |last| last.start + last.text.len() + 1);
         let parsed = parse(&text, start);
