@@ -6,7 +6,7 @@ use crate::raw::{BlackLevel, Cfa, RawImage, RawMetadata};
 use crate::sensor::{NoiseKey, SensorModel, Stages, expose};
 use crate::units::Seconds;
 
-use super::expected::quantum_efficiency;
+use super::expected::{first_place, freed_per_photon};
 use super::plan::OperatingPoint;
 
 /// A sensor in front of even light, of which the numbers of one channel are looked at.
@@ -14,28 +14,29 @@ use super::plan::OperatingPoint;
 pub struct FlatField<'a> {
     sensor: &'a SensorModel,
     point: OperatingPoint,
-    /// η of every channel at the light's wavelength.
+    /// Electrons per photon that are freed in every channel.
     efficiencies: Vec<f64>,
     /// Columns and rows of the plane of one channel.
     size: [usize; 2],
     /// Where the channel first stands in the tile of the colour filter array.
     place: [usize; 2],
+    /// Columns and rows of tiles around the images that are exposed, too: pixels at an edge lack neighbours whose crosstalk
+    /// those of real sensors have.
+    margin: [usize; 2],
 }
 
 impl<'a> FlatField<'a> {
     /// `size`: columns and rows of the images, which show one number of every tile of the colour filter array, of channel
     /// `point.channel`: programs that evaluate them know of no mosaics.
     pub fn new(sensor: &'a SensorModel, point: &OperatingPoint, size: [usize; 2]) -> Self {
-        let channels = sensor.cfa.channels().len();
-        let (columns, rows) = sensor.cfa.tile_size();
-        let places = (0..columns * rows).map(|i| [i % columns, i / columns]);
-        let is_place = |&[x, y]: &[usize; 2]| sensor.cfa.channel_at(x, y) == point.channel;
+        let (reach, tile) = (sensor.crosstalk_reach(), pixels_of_tile(&sensor.cfa));
         Self {
+            margin: [0, 1].map(|axis| reach[axis].div_ceil(tile[axis])),
             sensor,
             point: *point,
-            efficiencies: (0..channels).map(|i| quantum_efficiency(sensor, i, point.wavelength_nm)).collect(),
+            efficiencies: freed_per_photon(sensor, point.wavelength_nm),
             size,
-            place: places.filter(is_place).min_by_key(|&[x, y]| (y, x)).unwrap_or_default(),
+            place: first_place(&sensor.cfa, point.channel),
         }
     }
 
@@ -54,7 +55,8 @@ impl<'a> FlatField<'a> {
         frames: impl Iterator<Item = u64>,
     ) -> impl Iterator<Item = Result<RawImage, Invalid>> {
         let [columns, rows] = pixels_of_tile(&self.sensor.cfa);
-        let [width, height] = [self.size[0] * columns, self.size[1] * rows];
+        let [width, height] =
+            [(self.size[0] + 2 * self.margin[0]) * columns, (self.size[1] + 2 * self.margin[1]) * rows];
         let electrons = |(name, efficiency): (&String, &f64)| Channel {
             name: name.clone(),
             data: vec![(photons * efficiency) as f32; width * height],
@@ -73,8 +75,10 @@ impl<'a> FlatField<'a> {
     fn plane(&self, raw: &RawImage) -> RawImage {
         let raw = raw.cropped();
         let (columns, rows) = raw.cfa.tile_size();
-        let lines = raw.data.chunks_exact(raw.row_length()).skip(self.place[1]).step_by(rows);
-        let data = lines.flat_map(|line| line[self.place[0]..].iter().step_by(columns).copied()).collect();
+        let [first, top] = [self.place[0] + self.margin[0] * columns, self.place[1] + self.margin[1] * rows];
+        let [width, height] = self.size;
+        let lines = raw.data.chunks_exact(raw.row_length()).skip(top).step_by(rows).take(height);
+        let data = lines.flat_map(|line| line[first..].iter().step_by(columns).take(width).copied()).collect();
         let noise_profile = raw.metadata.noise_profile.get(self.point.channel).copied().into_iter().collect();
         RawImage {
             width: self.size[0],

@@ -21,9 +21,17 @@ pub struct OperatingPoint {
 }
 
 impl OperatingPoint {
-    /// Refuses what this sensor cannot do.
+    /// Refuses what this sensor cannot do, and single-photon counters, of which the standard's linear model does not hold:
+    /// their counts bend with the light, and the noise of counts that saturate falls to nothing.
     pub fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
         self.exposure(USUAL_TIME).validate(sensor)?;
+        if sensor.architecture.spad().is_some() {
+            let message = format!("{} counts single photons, and EMVA 1288 (linear) does not apply to it", sensor.name);
+            return Err(Invalid::new("", message).help(
+                "its counts saturate as 1 − exp(−H) or n/(1 + n·τ), so that neither K nor a line describes them; photosite \
+                 noise takes the figures of its pictures",
+            ));
+        }
         let bent = [
             ("charge.logarithmic_reference_e_per_s", sensor.logarithmic.is_some()),
             ("adc.companding", sensor.converter.companding.is_some()),

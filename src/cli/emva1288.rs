@@ -301,7 +301,7 @@ impl Camera<'_> {
             descriptor,
             wavelength_nm: point.wavelength_nm,
             temperature_c: point.temperature.0,
-            expected: expected_figures(sensor, point, linear.half_time),
+            expected: expected_figures(sensor, point, linear),
             wavelengths,
             doubling_temperature_k: doubling_temperature(
                 temperatures.iter().map(|set| (set.temperature_c, set.dark_current_e_per_s)),

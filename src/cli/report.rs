@@ -90,13 +90,14 @@ pub(super) struct CameraReport {
     motion: Option<MotionReport>,
 }
 
-/// Row y of frame k sees light from t = k·interval + y·row time on, for the exposure time.
+/// Row y of frame k sees light from t = k·interval + (|y + ½ − first row| − ½)·row time on, for the exposure time.
 #[derive(Serialize)]
 pub(super) struct MotionReport {
     #[serde(flatten)]
     path: PathReport,
     exposure_s: f64,
     row_time_s: f64,
+    first_row: f64,
     frame_interval_s: f64,
 }
 
@@ -134,8 +135,8 @@ impl MotionReport {
                 PathReport::Poses { poses: poses.collect() }
             }
         };
-        let Recording { exposure_s, row_time_s, frame_interval_s, .. } = *recording;
-        Self { path, exposure_s, row_time_s, frame_interval_s }
+        let Recording { exposure_s, row_time_s, first_row, frame_interval_s, .. } = *recording;
+        Self { path, exposure_s, row_time_s, first_row, frame_interval_s }
     }
 }
 

@@ -6,6 +6,7 @@ use super::charge_plane::Row;
 use super::description::Converters;
 use super::expose::Frame;
 use super::model::Converter;
+use super::noise_key::Streams;
 use super::stage::Stage;
 
 /// The converters of a sensor.
@@ -28,10 +29,10 @@ struct Nonlinearity {
 }
 
 impl Nonlinearity {
-    fn new(frame: &Frame<'_>) -> Option<Self> {
-        let converter = &frame.sensor.converter;
+    /// `None` for equal steps, and where the stage is switched off (`streams`).
+    fn new(converter: &Converter, streams: Option<Streams>) -> Option<Self> {
         let is_ideal = converter.inl_dn == 0.0 && converter.dnl_dn == 0.0;
-        let streams = frame.fixed(Stage::ConverterNonlinearity).filter(|_| !is_ideal)?;
+        let streams = streams.filter(|_| !is_ideal)?;
         Some(Self {
             inl_dn: converter.inl_dn,
             displacement_dn: displacement_dn(converter.dnl_dn),
@@ -55,8 +56,7 @@ impl Nonlinearity {
     #[inline]
     fn number(&self, level: f64, max_dn: f64, x: usize) -> f64 {
         let part = level / max_dn;
-        // A bow that is nothing at both ends of the range.
-        let bent = if (0.0..1.0).contains(&part) { level + self.inl_dn * 4.0 * part * (1.0 - part) } else { level };
+        let bent = level + bow_dn(self.inl_dn, part);
         let nearest = (bent + 0.5).floor();
         if bent < nearest - 0.5 + self.displacement(x, nearest) {
             nearest - 1.0
@@ -66,6 +66,11 @@ impl Nonlinearity {
             nearest
         }
     }
+}
+
+/// Integral nonlinearity at a part of the range, DN: a bow that is nothing at both ends.
+pub(super) fn bow_dn(inl_dn: f64, part: f64) -> f64 {
+    if (0.0..1.0).contains(&part) { inl_dn * 4.0 * part * (1.0 - part) } else { 0.0 }
 }
 
 /// Thresholds are displaced evenly by up to u to both sides; the width of a step, a difference of two, then has the
@@ -82,7 +87,12 @@ pub(super) fn dnl_variance_dn2(dnl_dn: f64) -> f64 {
 
 impl Digitiser {
     pub(super) fn new(frame: &Frame<'_>) -> Self {
-        Self { nonlinearity: Nonlinearity::new(frame), ..Self::ideal(&frame.sensor.converter) }
+        Self::of(&frame.sensor.converter, frame.fixed(Stage::ConverterNonlinearity))
+    }
+
+    /// A converter of unequal steps, which `streams` decide on; equal without.
+    pub(super) fn of(converter: &Converter, streams: Option<Streams>) -> Self {
+        Self { nonlinearity: Nonlinearity::new(converter, streams), ..Self::ideal(converter) }
     }
 
     /// A converter of equal steps.
@@ -97,21 +107,22 @@ impl Digitiser {
         match &self.nonlinearity {
             None => {
                 for (signal, number) in row.values.iter().zip(numbers.values.iter_mut()) {
-                    *number = self.number(f64::from(*signal));
+                    *number = self.clamp(f64::from(*signal) + self.black_level_dn);
                 }
             }
-            Some(nonlinearity) => {
+            Some(_) => {
                 for (x, (signal, number)) in row.values.iter().zip(numbers.values.iter_mut()).enumerate() {
-                    let level = f64::from(*signal) + self.black_level_dn;
-                    *number = self.clamp(nonlinearity.number(level, self.max_dn, x));
+                    *number = self.number(f64::from(*signal), x);
                 }
             }
         }
     }
 
+    /// The number of one signal, DN, in column x.
     #[inline]
-    pub(super) fn number(&self, signal_dn: f64) -> u16 {
-        self.clamp(signal_dn + self.black_level_dn)
+    pub(super) fn number(&self, signal_dn: f64, x: usize) -> u16 {
+        let level = signal_dn + self.black_level_dn;
+        self.clamp(self.nonlinearity.map_or(level, |nonlinearity| nonlinearity.number(level, self.max_dn, x)))
     }
 
     #[inline]

@@ -51,6 +51,32 @@ impl Kernel {
     }
 }
 
+impl SensorModel {
+    /// Columns and rows of pixels that crosstalk reaches over.
+    pub fn crosstalk_reach(&self) -> [usize; 2] {
+        let reach =
+            |side: fn(&Kernel) -> usize| self.crosstalk.iter().flatten().map(|k| side(k) / 2).max().unwrap_or(0);
+        [reach(|kernel| kernel.width), reach(|kernel| kernel.height)]
+    }
+
+    /// Electrons that are collected on average in the values of column x, row y (see [`Cfa::channel_at`]), far from the
+    /// edges, in even light that frees `freed` electrons in each pixel, one number for each of the CFA's channels.
+    pub fn collected(&self, freed: &[f64], x: usize, y: usize) -> f64 {
+        let Some(kernels) = &self.crosstalk else { return freed[self.cfa.channel_at(x, y)] };
+        let (columns, rows) = self.cfa.tile_size();
+        let at = |from: isize, size: usize| from.rem_euclid(size as isize) as usize;
+        let step = self.cfa.samples_per_pixel() as isize;
+        let from = |(channel, kernel): (usize, &Kernel)| -> f64 {
+            let parts = kernel.displacements().filter(|&(dx, dy, _)| {
+                let (x, y) = (at(x as isize - dx * step, columns), at(y as isize - dy, rows));
+                self.cfa.channel_at(x, y) == channel
+            });
+            freed[channel] * parts.map(|(_, _, part)| f64::from(part)).sum::<f64>()
+        };
+        kernels.iter().enumerate().map(from).sum()
+    }
+}
+
 /// Spreads mean electrons to neighbours.
 pub(super) fn spread(charge: &mut ChargePlane, sensor: &SensorModel, stages: Stages) {
     if let (Some(kernels), true) = (&sensor.crosstalk, stages.has(Stage::Crosstalk)) {

@@ -55,13 +55,32 @@ impl Noise {
     }
 }
 
+/// Thermal electrons of each pixel on average.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DarkElectrons {
+    mean: Electrons,
+    nonuniformity: Option<Nonuniformity>,
+}
+
+impl DarkElectrons {
+    pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
+        let Frame { sensor, exposure, stages, .. } = frame;
+        let mean = sensor.noise.dark_electrons(exposure.temperature, exposure.time);
+        stages.has(Stage::DarkCurrent).then(|| Self { mean, nonuniformity: Nonuniformity::new(frame) })
+    }
+
+    #[inline]
+    pub(super) fn of_pixel(&self, x: usize, y: usize) -> f64 {
+        self.mean.0 * self.nonuniformity.map_or(1.0, |nonuniformity| nonuniformity.factor(x, y))
+    }
+}
+
 /// Adds thermal electrons, which have shot noise of their own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DarkCurrent {
-    mean: Electrons,
+    electrons: DarkElectrons,
     /// That of pixels that are all alike, prepared once.
     distribution: Poisson<f64>,
-    nonuniformity: Option<Nonuniformity>,
     streams: Streams,
 }
 
@@ -90,12 +109,10 @@ impl Nonuniformity {
 
 impl DarkCurrent {
     pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
-        let Frame { sensor, exposure, .. } = frame;
-        let mean = sensor.noise.dark_electrons(exposure.temperature, exposure.time);
-        let streams = frame.temporal(Stage::DarkCurrent)?;
+        let (electrons, streams) = (DarkElectrons::new(frame)?, frame.temporal(Stage::DarkCurrent)?);
         // More than the distribution can take fills any well; without any dark current there is no distribution.
-        let distribution = Poisson::new(mean.0.min(Poisson::<f64>::MAX_LAMBDA)).ok()?;
-        Some(Self { mean, distribution, nonuniformity: Nonuniformity::new(frame), streams })
+        let distribution = Poisson::new(electrons.mean.0.min(Poisson::<f64>::MAX_LAMBDA)).ok()?;
+        Some(Self { electrons, distribution, streams })
     }
 }
 
@@ -104,11 +121,11 @@ impl RowStage for DarkCurrent {
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
         let y = row.y;
-        match &self.nonuniformity {
+        match self.electrons.nonuniformity {
             None => self.streams.pixels(row, |_, charge, random| charge + self.distribution.sample(random) as f32),
-            Some(nonuniformity) => self.streams.pixels(row, |x, charge, random| {
-                charge + poisson(self.mean.0 * nonuniformity.factor(x, y), random) as f32
-            }),
+            Some(_) => self
+                .streams
+                .pixels(row, |x, charge, random| charge + poisson(self.electrons.of_pixel(x, y), random) as f32),
         }
     }
 }
@@ -130,14 +147,21 @@ impl HotPixels {
         let electrons = frame.temporal(Stage::HotPixels)?;
         Some(Self { part: sensor.noise.defects.hot, mean, places, electrons })
     }
+
+    /// The hot pixels of the first `width` of a row, and the electrons that each has more on average.
+    pub(super) fn of_row(&self, y: usize, width: usize) -> impl Iterator<Item = (usize, f64)> {
+        self.places.chosen(self.part, y, width).map(move |x| {
+            let rate: f64 = self.places.part(0).pixel(x, y).sample(Exp1);
+            (x, rate * self.mean.0)
+        })
+    }
 }
 
 impl RowStage for HotPixels {
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
-        for x in self.places.chosen(self.part, row.y, row.values.len()) {
-            let rate: f64 = self.places.part(0).pixel(x, row.y).sample(Exp1);
-            row.values[x] += poisson(rate * self.mean.0, &mut self.electrons.pixel(x, row.y)) as f32;
+        for (x, mean) in self.of_row(row.y, row.values.len()) {
+            row.values[x] += poisson(mean, &mut self.electrons.pixel(x, row.y)) as f32;
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::units::{Decibels, Electrons};
 
 use super::charge_plane::Row;
 use super::converter::Digitiser;
-use super::description::DualGainDescription;
+use super::description::{AdcDescription, DualGainDescription};
 use super::expose::Frame;
 use super::model::checks::{not_negative, positive};
 use super::model::{Converter, converter_range};
@@ -28,8 +28,12 @@ pub struct DualGain {
 }
 
 impl DualGain {
-    /// Keys of errors are those of the table `[adc.dual_gain]`.
-    pub(super) fn new(d: &DualGainDescription, gain_range: [Decibels; 2]) -> Result<Self, Invalid> {
+    /// Keys of errors are those of the table `[adc.dual_gain]`. Both converters have the nonlinearity of `adc`.
+    pub(super) fn new(
+        d: &DualGainDescription,
+        adc: &AdcDescription,
+        gain_range: [Decibels; 2],
+    ) -> Result<Self, Invalid> {
         let black_level_dn = converter_range(d.bits, d.black_level_dn)?;
         positive("high_gain_dn_per_e", d.high_gain_dn_per_e, "4.0")?;
         positive("low_gain_dn_per_e", d.low_gain_dn_per_e, "0.1")?;
@@ -43,6 +47,9 @@ impl DualGain {
             conversion_gain_dn_per_e,
             black_level_dn,
             gain_range,
+            inl_dn: adc.inl_dn,
+            dnl_dn: adc.dnl_dn,
+            converters: adc.converters,
             ..Converter::ideal()
         };
         Ok(Self {
@@ -50,6 +57,19 @@ impl DualGain {
             low: converter(d.low_gain_dn_per_e),
             low_read_noise: Electrons(d.low_gain_read_noise_e),
         })
+    }
+}
+
+impl DualGain {
+    /// From this number on the high gain does not count.
+    fn threshold_dn(&self) -> u16 {
+        self.high.max_dn() - self.high.max_dn() / 16
+    }
+
+    /// Whether the low gain counts for an amplified charge.
+    pub(super) fn is_clipped(&self, charge_e: f64, gain: Decibels) -> bool {
+        let level = f64::from(self.high.black_level_dn) + self.high.system_gain(gain) * charge_e;
+        level >= self.threshold_dn().into()
     }
 }
 
@@ -79,18 +99,20 @@ impl DualGainDigitiser {
     /// `None` for sensors with one gain.
     pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
         let (converter, gain) = (&frame.sensor.converter, frame.exposure.gain);
-        let DualGain { high, low, low_read_noise } = converter.dual_gain.as_deref()?;
-        let branch = |converter: &Converter, noise: Electrons, stage| Branch {
+        let dual = converter.dual_gain.as_deref()?;
+        let DualGain { high, low, low_read_noise } = dual;
+        let steps = frame.fixed(Stage::ConverterNonlinearity);
+        let branch = |converter: &Converter, noise: Electrons, stage, number| Branch {
             read_noise_e: noise.0 as f32,
             streams: frame.temporal(stage),
-            digitiser: Digitiser::ideal(converter),
+            digitiser: Digitiser::of(converter, steps.map(|streams| streams.part(number))),
             system_gain: converter.system_gain(gain),
             black_level_dn: converter.black_level_dn.into(),
         };
         Some(Self {
-            high: branch(high, frame.sensor.noise.read, Stage::ReadNoise),
-            low: branch(low, *low_read_noise, Stage::LowGainReadNoise),
-            threshold_dn: high.max_dn() - high.max_dn() / 16,
+            high: branch(high, frame.sensor.noise.read, Stage::ReadNoise, 0),
+            low: branch(low, *low_read_noise, Stage::LowGainReadNoise, 1),
+            threshold_dn: dual.threshold_dn(),
             merged: Digitiser::ideal(converter),
             system_gain: converter.system_gain(gain),
         })
@@ -106,7 +128,7 @@ impl DualGainDigitiser {
             } else {
                 self.low.electrons(self.low.convert(charge_e, x, row.y))
             };
-            *number = self.merged.number(self.system_gain * estimate_e);
+            *number = self.merged.number(self.system_gain * estimate_e, x);
         }
     }
 }
@@ -114,7 +136,7 @@ impl DualGainDigitiser {
 impl Branch {
     fn convert(&self, charge_e: f32, x: usize, y: usize) -> u16 {
         let noise_e = self.streams.as_ref().map_or(0.0, |streams| self.read_noise_e * streams.normal(x, y));
-        self.digitiser.number(self.system_gain * f64::from(charge_e + noise_e))
+        self.digitiser.number(self.system_gain * f64::from(charge_e + noise_e), x)
     }
 
     /// The charge that a number stands for.

@@ -92,8 +92,8 @@ impl Exposure {
             && !(interval.0.is_finite() && interval.0 >= sensor.frame_interval(self.time, None).0)
         {
             let message = if interval.0 >= self.time.0 {
-                let [rows, row_time_us] = [sensor.rows_read_out() as f64, sensor.shutter.row_time().0 * 1e6];
-                format!("{} s is shorter than {rows} rows take, {row_time_us} µs each", interval.0)
+                let all_s = sensor.shutter.duration(sensor.rows_read_out()).0;
+                format!("{} s is shorter than the {all_s} s that all rows take one after the other", interval.0)
             } else {
                 format!("{} s is shorter than the exposure of {} s", interval.0, self.time.0)
             };
@@ -111,7 +111,7 @@ impl Exposure {
         Ok(())
     }
 
-    /// When the top row of a picture of a series is read out, counted from the start of the first.
+    /// When the first row of a picture of a series is read out, counted from the start of the first.
     pub(super) fn read_out_time(&self, sensor: &SensorModel, frame: u64) -> Seconds {
         let interval = sensor.frame_interval(self.time, self.frame_interval);
         Seconds(interval.0 * frame as f64 + self.time.0)

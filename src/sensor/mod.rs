@@ -62,8 +62,9 @@ pub use crosstalk::Kernel;
 pub use description::{
     AdcDescription, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription, CompandingDescription,
     Converters, CountingMode, CurveFile, DarkCurrentLawName, DefectsDescription, DualGainDescription,
-    FilterDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription, SensorDescription,
-    SensorKind, ShutterDescription, ShutterKind, SpadDescription, SpectrumSource, TelegraphDescription,
+    FilterDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription, RowOrder,
+    SensorDescription, SensorKind, ShutterDescription, ShutterKind, SpadDescription, SpectrumSource,
+    TelegraphDescription,
 };
 pub use dual_gain::DualGain;
 pub use expose::expose;

@@ -1,9 +1,9 @@
 //! The sensor's noise in closed form: what [`expose()`](super::expose()) does, foretold. It tells a renderer when Monte
 //! Carlo noise is small beside it, and a raw file what its noise profile is.
 
-use crate::units::{DigitalNumber, Electrons};
+use crate::units::{Decibels, DigitalNumber, Electrons};
 
-use super::converter::dnl_variance_dn2;
+use super::converter::{bow_dn, dnl_variance_dn2};
 use super::digital_gain::rounding_variance_e2;
 use super::{Binning, BinningMethod, Converter, Exposure, SensorModel};
 
@@ -36,14 +36,10 @@ impl SensorModel {
     /// Variance of what the read-out adds, whatever the signal, (e⁻)².
     fn read_out_variance(&self, exposure: &Exposure) -> f64 {
         let noise = &self.noise;
-        let variance = |sigma: Electrons| sigma.0 * sigma.0;
         let [across, down] = self.converted_bins(exposure).map(|n| n as f64);
-        let pixel = variance(noise.read)
-            + variance(noise.reset.standard_deviation(exposure.temperature))
-            + variance(noise.flicker.noise)
-            + noise.telegraph.variance();
+        let pixel = self.pixel_variance(noise.read, exposure);
         // Pixels of a row share its noise, which their mean keeps.
-        let shared = variance(noise.row) / down + variance(noise.column) / across;
+        let shared = noise.row.0.powi(2) / down + noise.column.0.powi(2) / across;
         let quantisation = |converter: &Converter| {
             (1.0 / 12.0 + dnl_variance_dn2(converter.dnl_dn)) / converter.system_gain(exposure.gain).powi(2)
         };
@@ -59,6 +55,28 @@ impl SensorModel {
             BinningMethod::Charge => [1, 1],
             BinningMethod::Sum | BinningMethod::Mean => factor,
         }
+    }
+
+    /// Variance of what each pixel's read-out adds by itself before the signal becomes a number, (e⁻)².
+    fn pixel_variance(&self, read: Electrons, exposure: &Exposure) -> f64 {
+        let noise = &self.noise;
+        let gaussian = [read, noise.reset.standard_deviation(exposure.temperature), noise.flicker.noise];
+        gaussian.iter().map(|sigma| sigma.0 * sigma.0).sum::<f64>() + noise.telegraph.variance()
+    }
+
+    /// Variance at a mean of `mean` photo-electrons before the signal becomes a number, (e⁻)², without binning; with two
+    /// gains, σ_read is that of the one which counts.
+    pub fn signal_variance(&self, mean: Electrons, exposure: &Exposure) -> f64 {
+        let read = self.branch(mean, exposure.gain).map_or(self.noise.read, |(_, read_noise)| read_noise);
+        let shared = self.noise.row.0.powi(2) + self.noise.column.0.powi(2);
+        mean.0.max(0.0) + self.thermal_electrons(exposure) + self.pixel_variance(read, exposure) + shared
+    }
+
+    /// With two gains, the converter that counts for a charge, and its read noise.
+    fn branch(&self, charge: Electrons, gain: Decibels) -> Option<(&Converter, Electrons)> {
+        let dual = self.converter.dual_gain.as_deref()?;
+        let low = dual.is_clipped(self.amplified(charge.0), gain);
+        Some(if low { (&dual.low, dual.low_read_noise) } else { (&dual.high, self.noise.read) })
     }
 
     /// Variance of what companding takes from the precision of numbers, (e⁻)².
@@ -79,6 +97,28 @@ impl SensorModel {
         let signal = before_merging.min(converter.range_e() / digital) / exposure.gain.factor();
         let charge = self.pixel_charge(self.charge_for(signal), exposure.time) / binning.charge_gain();
         Electrons(self.full_well.0.min(charge))
+    }
+
+    /// Whether signal and noise are other than the linear model of [Emva1288](crate::references#emva1288) has them, in which
+    /// signals lie on a line and K·signal is all of the light's noise: amplifiers and converters that bend, two gains.
+    pub fn is_nonlinear(&self) -> bool {
+        let converter = &self.converter;
+        !converter.amplifier_nonlinearity.is_empty() || converter.inl_dn != 0.0 || converter.dual_gain.is_some()
+    }
+
+    /// The number that becomes of a charge with its noise, e⁻, without digital gain, companding and the patterns of columns
+    /// and converters, DN.
+    pub fn number(&self, charge: Electrons, gain: Decibels) -> f64 {
+        let signal = self.amplified(charge.0.min(self.full_well.0));
+        let convert = |converter: &Converter, signal: f64| {
+            let max = f64::from(converter.max_dn());
+            let level = f64::from(converter.black_level_dn) + converter.system_gain(gain) * signal;
+            (level + bow_dn(converter.inl_dn, level / max)).clamp(0.0, max).round()
+        };
+        let merged = self.branch(charge, gain).map_or(signal, |(converter, _)| {
+            (convert(converter, signal) - f64::from(converter.black_level_dn)) / converter.system_gain(gain)
+        });
+        convert(&self.converter, merged)
     }
 
     /// Smallest whole linear number at which a noise-free pixel is saturated, always above the black level.

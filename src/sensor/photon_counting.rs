@@ -2,7 +2,7 @@
 //! the diode is dead for a while.
 //!
 //! A photon that reaches the diode is detected with a probability, the quantum efficiency here. Dark counts add to the
-//! photons'. A count is followed by another one, without light, with the afterpulsing probability p.
+//! photons', at a rate of each pixel's own where they are uneven or it is a hot one. A count is followed by another one, without light, with the afterpulsing probability p.
 
 use rand::RngExt;
 use rand::distr::Distribution;
@@ -13,6 +13,7 @@ use crate::math::philox::Philox;
 use crate::units::Seconds;
 
 use super::charge_plane::{Row, RowStage};
+use super::dark_current::{DarkElectrons, HotPixels};
 use super::description::{CountingMode, SpadDescription};
 use super::expose::Frame;
 use super::model::checks::{fraction_below_one, not_negative};
@@ -102,7 +103,8 @@ const MAX_FRAMES: u32 = 65_535;
 pub(super) struct PhotonCounter<'a> {
     spad: &'a Spad,
     time: Seconds,
-    dark_counts: f64,
+    dark_counts: Option<DarkElectrons>,
+    hot_pixels: Option<HotPixels>,
     /// `None` for mean counts.
     streams: Option<Streams>,
 }
@@ -112,16 +114,23 @@ impl<'a> PhotonCounter<'a> {
     pub(super) fn new(frame: &Frame<'a>) -> Option<Self> {
         let Frame { sensor, exposure, stages, .. } = frame;
         let spad = sensor.architecture.spad().filter(|_| stages.has(Stage::PhotonCounting))?;
-        let dark = sensor.noise.dark_electrons(exposure.temperature, exposure.time);
-        let dark_counts = if stages.has(Stage::DarkCurrent) { dark.0 } else { 0.0 };
-        Some(Self { spad, time: exposure.time, dark_counts, streams: frame.temporal(Stage::ShotNoise) })
+        Some(Self {
+            spad,
+            time: exposure.time,
+            dark_counts: DarkElectrons::new(frame),
+            hot_pixels: HotPixels::new(frame),
+            streams: frame.temporal(Stage::ShotNoise),
+        })
     }
 }
 
 impl RowStage for PhotonCounter<'_> {
     fn apply(&self, row: &mut Row<'_>) {
+        if let Some(hot_pixels) = &self.hot_pixels {
+            hot_pixels.of_row(row.y, row.values.len()).for_each(|(x, mean)| row.values[x] += mean as f32);
+        }
         for (x, value) in row.values.iter_mut().enumerate() {
-            let mean = f64::from(*value) + self.dark_counts;
+            let mean = f64::from(*value) + self.dark_counts.map_or(0.0, |dark_counts| dark_counts.of_pixel(x, row.y));
             *value = match &self.streams {
                 Some(streams) => self.spad.count(mean, self.time, &mut streams.pixel(x, row.y)),
                 None => self.spad.mean_count(mean, self.time),

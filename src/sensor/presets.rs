@@ -22,6 +22,7 @@ const PRESETS: &[(&str, &str)] = &[
     ("onsemi-kai-02170-mono", include_str!("../../assets/sensors/onsemi-kai-02170-mono.toml")),
     ("sony-imx249-color", include_str!("../../assets/sensors/sony-imx249-color.toml")),
     ("sony-imx249-mono", include_str!("../../assets/sensors/sony-imx249-mono.toml")),
+    ("sony-imx250-mono", include_str!("../../assets/sensors/sony-imx250-mono.toml")),
     ("sony-imx363-color", include_str!("../../assets/sensors/sony-imx363-color.toml")),
     ("swissspad2", include_str!("../../assets/sensors/swissspad2.toml")),
     ("textbook-ccd", include_str!("../../assets/sensors/textbook-ccd.toml")),

@@ -11,6 +11,7 @@ use rand_distr::{Exp1, Poisson};
 
 use crate::units::Seconds;
 
+use super::Shutter;
 use super::charge_plane::{Row, RowStage};
 use super::expose::Frame;
 use super::model::Telegraph as Signal;
@@ -21,9 +22,10 @@ use super::stage::Stage;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Telegraph {
     signal: Signal,
-    /// When the top row is read out.
+    /// When the first row is read out.
     time: Seconds,
-    row_time: Seconds,
+    shutter: Shutter,
+    rows: usize,
     streams: Streams,
 }
 
@@ -36,14 +38,14 @@ impl Telegraph {
         let signal = frame.sensor.noise.telegraph;
         let streams = frame.fixed(Stage::Telegraph).filter(|_| signal.pixels > 0.0 && signal.amplitude.0 > 0.0)?;
         let time = frame.exposure.read_out_time(frame.sensor, frame.key.frame);
-        Some(Self { signal, time, row_time: frame.sensor.shutter.row_time(), streams })
+        Some(Self { signal, time, shutter: frame.sensor.shutter, rows: frame.size[1], streams })
     }
 
     /// Whether a pixel is on its high level.
     fn is_high(&self, x: usize, y: usize) -> bool {
         let Signal { high, low, .. } = self.signal;
         // Time in units of the mean distance of two draws, cut into pieces of one unit.
-        let now = (self.time.0 + self.row_time.0 * y as f64) * (1.0 / high.0 + 1.0 / low.0);
+        let now = (self.time.0 + self.shutter.delay(y, self.rows).0) * (1.0 / high.0 + 1.0 / low.0);
         let events = self.streams.part(EVENTS).part_of_pixel(x, y);
         let mut piece = now.floor();
         let mut until = now - piece;

@@ -2,10 +2,10 @@
 
 use photosite::characterisation::{
     Evaluation, FlatField, Light, OperatingPoint, PairStatistics, Plan, SpatialStack, TemporalPoint, evaluate,
-    expected_figures,
+    expected_figures, quantum_efficiency,
 };
 use photosite::raw::Cfa;
-use photosite::sensor::{FixedPattern, SensorModel, presets};
+use photosite::sensor::{FixedPattern, Kernel, SensorModel, presets};
 use photosite::units::{Celsius, Decibels};
 
 const SIZE: [usize; 2] = [96, 80];
@@ -54,7 +54,7 @@ fn check(sensor: &SensorModel, channel: usize, wavelength_nm: f64, gain: Decibel
     let point = OperatingPoint { channel, wavelength_nm, gain, temperature: Celsius(35.0) };
     let plan = Plan::linear(sensor, &point, STEPS, STACK, None).expect("light to see");
     let found = measure(sensor, &point, &plan);
-    let expected = expected_figures(sensor, &point, plan.half_time);
+    let expected = expected_figures(sensor, &point, &plan);
     let f = found.figures;
 
     // Of a slope through the origin over 12 even points whose variance is that of a difference of n pixels,
@@ -136,7 +136,7 @@ fn rows_and_columns_are_told_from_pixels() {
     let point = OperatingPoint { channel: 0, wavelength_nm: 550.0, gain: Decibels(0.0), temperature: Celsius(25.0) };
     let plan = Plan::linear(&sensor, &point, STEPS, STACK, None).expect("light to see");
     let found = measure(&sensor, &point, &plan).figures;
-    let expected = expected_figures(&sensor, &point, plan.half_time);
+    let expected = expected_figures(&sensor, &point, &plan);
     // Rows and columns are few: their spread is known to √(2/80)/2 = 8 % and √(2/96)/2 = 7 %, pixels to 0.8 %; 4 times
     // that, and twice for what one pattern leaves in the other.
     for (name, found, expected) in
@@ -151,4 +151,44 @@ fn rows_and_columns_are_told_from_pixels() {
             assert!((ratio - 1.0).abs() < within, "{name} of {part}: {found:?} instead of {expected:?}");
         }
     }
+}
+
+#[test]
+fn bent_amplifiers_and_converters_are_expected_to_bend() {
+    let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
+    let point = OperatingPoint { channel: 0, wavelength_nm: 550.0, gain: Decibels(0.0), temperature: Celsius(25.0) };
+    for (amplifier, inl_dn) in [(vec![-0.04], 0.0), (vec![0.01, -0.03], 0.0), (vec![], 15.0)] {
+        sensor.converter.amplifier_nonlinearity = amplifier;
+        sensor.converter.inl_dn = inl_dn;
+        let plan = Plan::linear(&sensor, &point, STEPS, STACK, None).expect("light to see");
+        let found = measure(&sensor, &point, &plan).figures;
+        let expected = expected_figures(&sensor, &point, &plan);
+        // The dimmest point, at 5 %, has a relative error of √μ/μ/√n, and pulls the line with it: in all three of it.
+        let noise = 100.0 * 3.0 / (0.05 * expected.saturation_e * PIXELS).sqrt();
+        for (found, expected) in [
+            (found.linearity_error_min_percent, expected.linearity_error_min_percent),
+            (found.linearity_error_max_percent, expected.linearity_error_max_percent),
+        ] {
+            let (found, expected) = (found.expect("points"), expected.expect("points"));
+            assert!((found - expected).abs() < noise, "{found} % for {expected} % ± {noise}");
+            assert!(expected.abs() > 2.0 * noise, "{expected} % would be lost in the noise of {noise} %");
+        }
+        let sums = |power: i32| (1..=12).map(|i| f64::from(i).powi(power)).sum::<f64>();
+        let of_gain = (2.0 / PIXELS).sqrt() * sums(4).sqrt() / sums(2);
+        let gains = (found.system_gain_dn_per_e, expected.system_gain_dn_per_e);
+        assert!(deviation(gains.0, gains.1, of_gain).abs() < 4.0, "{gains:?}");
+    }
+}
+
+#[test]
+fn crosstalk_is_part_of_the_quantum_efficiency() {
+    let mut sensor = presets::model("sony-imx249-color").expect("a preset");
+    let plain = quantum_efficiency(&sensor, 0, 540.0);
+    // Of a red pixel in light that green ones see: the kernel leaves it 0.9 and brings it a tenth of its green neighbours.
+    let parts = [[0.0, 0.03, 0.0], [0.02, 0.9, 0.02], [0.0, 0.03, 0.0]].map(|row| row.to_vec());
+    sensor.crosstalk = Some(vec![Kernel::new(&parts).expect("a kernel"); 3]);
+    let expected = quantum_efficiency(&sensor, 0, 540.0);
+    let green = sensor.efficiencies()[1].eval(540.0);
+    assert!((expected - (0.9 * plain + 0.1 * f64::from(green))).abs() < 1e-6, "{expected}");
+    check(&sensor, 0, 540.0, Decibels(0.0));
 }

@@ -42,7 +42,7 @@ fn steady(speed_m_per_s: f64, pan_rad_per_s: f64) -> Recording {
         velocity_m_per_s: DVec3::X * speed_m_per_s,
         angular_velocity_rad_per_s: DVec3::Y * pan_rad_per_s,
     };
-    Recording { motion, start_s: 0.0, exposure_s: 0.0, row_time_s: 0.0, frame_interval_s: 0.0 }
+    Recording { motion, start_s: 0.0, exposure_s: 0.0, row_time_s: 0.0, first_row: 0.0, frame_interval_s: 0.0 }
 }
 
 /// How much of each pixel is bright.

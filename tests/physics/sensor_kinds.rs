@@ -56,6 +56,33 @@ fn dark_counts_are_counted_like_photons() {
 }
 
 #[test]
+fn dark_counts_are_uneven_and_hot_pixels_stay_in_their_places() {
+    // Without dead time counts are Poisson, of a mean of their own in every pixel.
+    let mut sensor = counter(Counting::FreeRunning { dead_time: Seconds(0.0) });
+    sensor.noise.dark_current_e_per_s = 50.0;
+    sensor.noise.dark_current_nonuniformity = 0.5;
+    let m = moments(&numbers(&sensor, &EXPOSURE, 0.0, 0));
+    // 50 of shot noise and 25² of the pattern. The squares of such log-normal numbers spread by √7/256 of their mean.
+    assert!((m.mean() - 50.0).abs() < 5.0 * (675.0 / PIXELS).sqrt(), "{}", m.mean());
+    assert!((m.variance() / 675.0 - 1.0).abs() < 5.0 * 7f64.sqrt() / SIDE as f64, "{}", m.variance());
+
+    sensor.noise.dark_current_e_per_s = 0.0;
+    sensor.noise.defects.hot = 0.02;
+    sensor.noise.defects.hot_dark_current_e_per_s = 400.0;
+    let [a, b] = [0, 1].map(|frame| numbers(&sensor, &EXPOSURE, 0.0, frame));
+    let hot = |counts: &[f64]| counts.iter().filter(|&&count| count > 0.0).count() as f64 / PIXELS;
+    // Of a mean that is exponentially distributed around m, nothing is counted with the probability 1/(1 + m).
+    let expected = 0.02 * (400.0 / 401.0);
+    assert!((hot(&a) - expected).abs() < 5.0 * (expected / PIXELS).sqrt(), "{} for {expected}", hot(&a));
+    let both: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a.min(*b)).collect();
+    assert!(hot(&both) > 0.99 * hot(&a) && a != b);
+
+    let off = Stages::ALL.without(Stage::HotPixels);
+    let raw = expose(&flat(&sensor, SIDE, SIDE, 0.0), &sensor, &EXPOSURE, off, NoiseKey { seed: 4, frame: 0 });
+    assert!(raw.expect("valid").data.iter().all(|&count| count == 0));
+}
+
+#[test]
 fn dead_time_bends_the_counts() {
     let exposure = Exposure { time: Seconds(1e-3), ..EXPOSURE };
     let dead_time = Seconds(200e-9);
@@ -115,6 +142,30 @@ fn two_gains_meet_in_a_straight_line() {
         let dark = 0.1 * 2f64.powf(25.0 / 7.0);
         let expected = f64::from(mean_e) + dark;
         assert!((m.mean() / gain - expected).abs() < spread, "{} for {expected}", m.mean() / gain);
+    }
+}
+
+#[test]
+fn both_converters_of_two_gains_bend() {
+    let mut sensor = presets::model("andor-zyla-55").expect("a preset");
+    sensor.noise.prnu = Default::default();
+    sensor.noise.dsnu = Default::default();
+    let gain = sensor.converter.system_gain(Decibels(0.0));
+    for mean_e in [500.0f32, 15_000.0] {
+        let before = moments(&numbers(&sensor, &EXPOSURE, mean_e, 0)).mean();
+        let dual = sensor.converter.dual_gain.as_mut().expect("two gains");
+        (dual.high.inl_dn, dual.low.inl_dn) = (20.0, 10.0);
+        let converter = if mean_e < 1000.0 { dual.high.clone() } else { dual.low.clone() };
+        let part = (50.0 + converter.conversion_gain_dn_per_e * f64::from(mean_e)) / 4095.0;
+        let expected_e = converter.inl_dn * 4.0 * part * (1.0 - part) / converter.conversion_gain_dn_per_e;
+        let found_e = (moments(&numbers(&sensor, &EXPOSURE, mean_e, 0)).mean() - before) / gain;
+        // Noise is the same in both pictures, but the steps of a number are not; 5 σ, and what the bow bends within the
+        // noise and the dark current of 1.2 e⁻.
+        let step_e = 1.0 / converter.conversion_gain_dn_per_e;
+        let tolerance = 5.0 * step_e * (2.0 / 12.0 / PIXELS).sqrt() + 0.005 * expected_e;
+        assert!((found_e - expected_e).abs() < tolerance, "{mean_e}: {found_e} for {expected_e}");
+        let dual = sensor.converter.dual_gain.as_mut().expect("two gains");
+        (dual.high.inl_dn, dual.low.inl_dn) = (0.0, 0.0);
     }
 }
 

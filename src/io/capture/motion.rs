@@ -80,6 +80,7 @@ pub(super) fn recording(
         start_s: 0.0,
         exposure_s: time.0,
         row_time_s: sensor.shutter.row_time().0,
+        first_row: sensor.shutter.first_row(sensor.resolution[1]),
         frame_interval_s: sensor.frame_interval(time, exposure.frame_interval).0,
     })
 }

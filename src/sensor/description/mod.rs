@@ -17,7 +17,7 @@ pub use noise::{
     TelegraphDescription,
 };
 pub use read_out::{AdcDescription, ChargeDescription, CompandingDescription, Converters};
-pub use shutter::{ShutterDescription, ShutterKind};
+pub use shutter::{RowOrder, ShutterDescription, ShutterKind};
 
 /// An image sensor: pixels, colour filters, noise, charge capacity and converter.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]

@@ -90,7 +90,8 @@ pub struct ResetDescription {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FlickerDescription {
-    /// Its standard deviation, e⁻: all frequencies together, from once a picture to every second sample.
+    /// Its standard deviation, e⁻: all frequencies together, from once a picture to every second sample;
+    /// pictures of a series have none of it in common.
     pub noise_e: f64,
     /// Exponent of the frequency, above 0 up to 2. Left out: 1.
     pub exponent: f64,

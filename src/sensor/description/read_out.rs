@@ -36,7 +36,8 @@ pub struct AdcDescription {
     /// c₁, c₂ … in percent. Left out: linear.
     #[serde(default)]
     pub amplifier_nonlinearity_percent: Vec<f64>,
-    /// Integral nonlinearity of the converter: it bends by so many DN in the middle of its range, upwards or downwards.
+    /// Integral nonlinearity of the converter: it bends by so many DN in the middle of its range, upwards or downwards. With
+    /// dual_gain, it is that of either converter in its own DN; so is dnl_dn.
     #[serde(default)]
     pub inl_dn: f64,
     /// Differential nonlinearity of the converter: standard deviation of the width of its steps, DN, up to 0.4. Steps

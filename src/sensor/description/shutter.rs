@@ -12,6 +12,20 @@ pub struct ShutterDescription {
     pub kind: ShutterKind,
     /// Time from the start of one row's exposure to that of the next, µs; needed unless the shutter is global.
     pub row_time_us: Option<f64>,
+    /// Where a rolling shutter begins. Left out: "from-top".
+    #[serde(default)]
+    pub order: RowOrder,
+}
+
+/// In which order the rows of a rolling shutter are exposed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RowOrder {
+    /// One after the other from the top.
+    #[default]
+    FromTop,
+    /// Upwards and downwards from the middle at the same time, as sensors do that are read from both sides.
+    FromMiddle,
 }
 
 /// Kinds of shutters.
@@ -21,7 +35,7 @@ pub enum ShutterKind {
     /// All rows at once.
     #[default]
     Global,
-    /// Row after row from the top.
+    /// Row after row.
     Rolling,
     /// A single row of pixels, which records one line of the picture after the other as the camera moves (pushbroom).
     /// The second number of resolution_px counts the lines of a picture.

@@ -86,17 +86,15 @@ impl Converter {
                 .help("write the smaller gain first"));
         }
         let gain_range = [Decibels(low), Decibels(high)];
-        let dual_gain = d.dual_gain.as_ref().map(|dual| DualGain::new(dual, gain_range));
-        let of_one_converter = [
-            ("inl_dn", d.inl_dn),
-            ("dnl_dn", d.dnl_dn),
-            ("column_gain_percent", d.column_gain_percent),
-            ("column_offset_dn", d.column_offset_dn),
-        ];
+        let dual_gain = d.dual_gain.as_ref().map(|dual| DualGain::new(dual, d, gain_range));
+        let of_one_converter =
+            [("column_gain_percent", d.column_gain_percent), ("column_offset_dn", d.column_offset_dn)];
         if let (Some(_), Some((key, _))) = (&dual_gain, of_one_converter.iter().find(|(_, value)| *value != 0.0)) {
             return Err(Invalid::new(*key, "cannot go with dual_gain").help("its converters are taken to be alike"));
         }
         let inl_dn = finite("inl_dn", d.inl_dn)?;
+        // It is the converters that bend, and theirs are the bits.
+        let max_dn = d.dual_gain.as_ref().map_or(max_dn, |dual| (1 << dual.bits.min(16)) - 1);
         // A steeper bend would make the converter's numbers fall with rising voltage: the slope at the ends is 1 ± 4·INL/max.
         if 4.0 * inl_dn.abs() >= f64::from(max_dn) {
             let message = format!("{inl_dn} DN is too much for a range of {max_dn} DN");
@@ -119,8 +117,9 @@ impl Converter {
             black_level_dn,
             gain_range,
             amplifier_nonlinearity,
-            inl_dn,
-            dnl_dn,
+            // Merging two numbers adds no nonlinearity of its own.
+            inl_dn: if d.dual_gain.is_some() { 0.0 } else { inl_dn },
+            dnl_dn: if d.dual_gain.is_some() { 0.0 } else { dnl_dn },
             converters: d.converters,
             column_gain: not_negative("column_gain_percent", d.column_gain_percent)? / 100.0,
             column_offset_dn: not_negative("column_offset_dn", d.column_offset_dn)?,

@@ -157,7 +157,7 @@ impl SensorModel {
     /// Time from the start of one picture of a series to that of the next: as stated, else as short as the exposure and
     /// rows that follow each other allow.
     pub fn frame_interval(&self, exposure: Seconds, stated: Option<Seconds>) -> Seconds {
-        stated.unwrap_or(Seconds(exposure.0.max(self.rows_read_out() as f64 * self.shutter.row_time().0)))
+        stated.unwrap_or(Seconds(exposure.0.max(self.shutter.duration(self.rows_read_out()).0)))
     }
 
     /// Width of a pixel over its height.
