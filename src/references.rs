@@ -64,6 +64,13 @@
 //! ## Walter07
 //! B. Walter, S. Marschner, H. Li, K. Torrance, "Microfacet Models for Refraction through Rough Surfaces", EGSR (2007).
 //!
+//! ## Portsmouth25
+//! J. Portsmouth, P. Kutz, S. Hill, "EON: A Practical Energy-Preserving Rough Diffuse BRDF", JCGT 14(1) (2025).
+//!
+//! ## LafortuneWillems94
+//! E. P. Lafortune, Y. D. Willems, "Using the Modified Phong Reflectance Model for Physically Based Rendering", report
+//! CW 197, Katholieke Universiteit Leuven (1994).
+//!
 //! ## Heitz14
 //! E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", JCGT 3(2) (2014).
 //!

@@ -11,6 +11,10 @@
 //! | [`Bsdf::Diffuse`] | `diffuse` | Lambert |
 //! | [`Bsdf::Conductor`] | `conductor` | mirror or GGX reflection, exact Fresnel |
 //! | [`Bsdf::Dielectric`] | `dielectric` | mirror or GGX reflection and refraction, exact Fresnel |
+//! | [`Bsdf::OrenNayar`] | `oren_nayar` | matt with relief |
+//! | [`Bsdf::Phong`] | [`phong`] | Lambert and a power of the cosine to the mirror direction |
+//! | [`Bsdf::Translucent`] | `translucent` | Lambert on both sides |
+//! | [`Bsdf::ThinDielectric`] | `thin_dielectric` | mirror and straight on, as a pane |
 //! | [`Bsdf::Layered`] | [`layered`] | glTF: coat, sheen, facets, and a metallic, coloured or clear base |
 //!
 //! [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
@@ -21,11 +25,15 @@
 pub mod fresnel;
 pub mod layered;
 pub mod microfacet;
+pub mod phong;
 
 mod albedo;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod oren_nayar;
+mod thin_dielectric;
+mod translucent;
 
 use glam::Vec3;
 
@@ -33,6 +41,7 @@ use crate::math::{Pdf, SolidAngle};
 use crate::spectrum::SampledSpectrum;
 pub use layered::{Coat, Film, Layered, Sheen, Volume};
 pub use microfacet::Ggx;
+pub use phong::Phong;
 
 /// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are is
 /// no longer known, a unit vector being rounded to 6e-8.
@@ -63,6 +72,29 @@ pub enum Bsdf {
         dispersive: bool,
         /// Roughness.
         distribution: Ggx,
+    },
+    /// A matt surface with relief.
+    OrenNayar {
+        /// 0–1.
+        reflectance: SampledSpectrum,
+        /// 0–1; 0 is Lambert's law.
+        roughness: f32,
+    },
+    /// Phong's model.
+    Phong(Phong),
+    /// A thin matt sheet.
+    Translucent {
+        /// 0–1.
+        reflectance: SampledSpectrum,
+        /// 0–1; with the reflectance at most 1.
+        transmittance: SampledSpectrum,
+    },
+    /// A polished pane.
+    ThinDielectric {
+        /// n_inside/n_outside.
+        eta: SampledSpectrum,
+        /// What is left of light that crosses it along the normal, but for its surfaces, 0–1.
+        transmittance: SampledSpectrum,
     },
     /// glTF's material.
     Layered(Layered),
@@ -132,6 +164,10 @@ impl Bsdf {
             Self::Dielectric { eta, dispersive, distribution } => {
                 dielectric::eval(eta, dispersive, distribution, wo, wi)
             }
+            Self::OrenNayar { reflectance, roughness } => oren_nayar::eval(reflectance, roughness, wo, wi),
+            Self::Phong(ref phong) => phong.eval(wo, wi),
+            Self::Translucent { reflectance, transmittance } => translucent::eval(reflectance, transmittance, wo, wi),
+            Self::ThinDielectric { .. } => BsdfEval::ZERO,
             Self::Layered(ref layered) => layered.eval(wo, wi),
         }
     }
@@ -146,6 +182,12 @@ impl Bsdf {
             Self::Dielectric { eta, dispersive, distribution } => {
                 dielectric::sample(eta, dispersive, distribution, wo, u_lobe, u)
             }
+            Self::OrenNayar { reflectance, roughness } => oren_nayar::sample(reflectance, roughness, wo, u_lobe, u),
+            Self::Phong(ref phong) => phong.sample(wo, u_lobe, u),
+            Self::Translucent { reflectance, transmittance } => {
+                translucent::sample(reflectance, transmittance, wo, u_lobe, u)
+            }
+            Self::ThinDielectric { eta, transmittance } => thin_dielectric::sample(eta, transmittance, wo, u_lobe),
             Self::Layered(ref layered) => layered.sample(wo, u_lobe, u),
         }
     }
@@ -154,8 +196,8 @@ impl Bsdf {
     #[inline]
     pub fn transmits(&self) -> bool {
         match *self {
-            Self::Diffuse { .. } | Self::Conductor { .. } => false,
-            Self::Dielectric { .. } => true,
+            Self::Diffuse { .. } | Self::Conductor { .. } | Self::OrenNayar { .. } | Self::Phong(_) => false,
+            Self::Dielectric { .. } | Self::Translucent { .. } | Self::ThinDielectric { .. } => true,
             Self::Layered(ref layered) => layered.transmits(),
         }
     }
@@ -164,7 +206,8 @@ impl Bsdf {
     #[inline]
     pub fn is_delta(&self) -> bool {
         match *self {
-            Self::Diffuse { .. } => false,
+            Self::Diffuse { .. } | Self::OrenNayar { .. } | Self::Phong(_) | Self::Translucent { .. } => false,
+            Self::ThinDielectric { .. } => true,
             Self::Conductor { distribution, .. } => distribution.is_smooth(),
             Self::Dielectric { eta, distribution, .. } => dielectric::is_delta(eta, distribution),
             Self::Layered(ref layered) => layered.is_delta(),
@@ -176,7 +219,12 @@ impl Bsdf {
     #[inline]
     pub fn needs_single_wavelength(&self) -> bool {
         match *self {
-            Self::Diffuse { .. } | Self::Conductor { .. } => false,
+            Self::Diffuse { .. }
+            | Self::Conductor { .. }
+            | Self::OrenNayar { .. }
+            | Self::Phong(_)
+            | Self::Translucent { .. }
+            | Self::ThinDielectric { .. } => false,
             Self::Dielectric { eta, dispersive, distribution } => {
                 dispersive && !dielectric::is_delta(eta, distribution)
             }

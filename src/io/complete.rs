@@ -42,8 +42,12 @@ fn tangent_frame(material: &MaterialDescription) -> Option<(usize, UvTransform)>
     if let Some((texture, _)) = &material.normal_map {
         return Some((texture.uv_set, texture.transform));
     }
+    tangent_frame_of(&material.model)
+}
+
+fn tangent_frame_of(model: &MaterialModel) -> Option<(usize, UvTransform)> {
     let coat_bumps = |layers: &LayeredDescription| layers.coat.as_ref().and_then(|coat| coat.normal_map.clone());
-    match &material.model {
+    match model {
         MaterialModel::Conductor { anisotropy, .. } => (*anisotropy != 0.0).then(|| (0, UvTransform::default())),
         MaterialModel::Layered(layers) => match (coat_bumps(layers), &layers.anisotropy) {
             (Some((texture, _)), _) => Some((texture.uv_set, texture.transform)),
@@ -52,6 +56,12 @@ fn tangent_frame(material: &MaterialDescription) -> Option<(usize, UvTransform)>
             }
             (None, None) => None,
         },
-        MaterialModel::Diffuse { .. } | MaterialModel::Dielectric { .. } => None,
+        MaterialModel::Mix { models, .. } => models.iter().find_map(tangent_frame_of),
+        MaterialModel::Diffuse { .. }
+        | MaterialModel::Dielectric { .. }
+        | MaterialModel::OrenNayar { .. }
+        | MaterialModel::Phong { .. }
+        | MaterialModel::Translucent { .. }
+        | MaterialModel::ThinDielectric { .. } => None,
     }
 }

@@ -11,8 +11,8 @@ use super::description::{
     TextureDescription, TexturedColour, TexturedFactor,
 };
 use super::{
-    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
-    ScatteringModel, Scene,
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, Mix,
+    NormalMap, ScatteringModel, Scene,
 };
 use crate::bsdf::Ggx;
 use crate::geometry::{Accel, Geometry, MeshRange, Placement, Transform, Triangle};
@@ -27,8 +27,14 @@ use crate::texture::{Bitmap, Texture};
 /// [`Capture::read`](crate::io::capture::Capture::read) returns do.
 pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
-    let mut builder =
-        Builder { images, textures: Vec::new(), layered: Vec::new(), spectra: SpectrumTable::default(), importance };
+    let mut builder = Builder {
+        images,
+        textures: Vec::new(),
+        layered: Vec::new(),
+        mixes: Vec::new(),
+        spectra: SpectrumTable::default(),
+        importance,
+    };
     let emission = |m: &MaterialDescription| m.emission.as_ref().map(|e| builder.surface_emission(e, m.double_sided));
     let emissions: Vec<Option<Emission>> = materials.iter().map(emission).collect();
     let material =
@@ -59,8 +65,10 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         geometry,
         accel,
         has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
+        has_media: table.iter().any(|m| m.absorption.is_some()),
         materials: table,
         layered: builder.layered,
+        mixes: builder.mixes,
         textures: builder.textures,
         spectra: builder.spectra,
         lights: Lights::new(all.lights, &all.powers, environment),
@@ -95,6 +103,7 @@ struct Builder<'a> {
     images: Vec<Arc<Bitmap>>,
     textures: Vec<Texture>,
     layered: Vec<LayeredMaterial>,
+    mixes: Vec<Mix>,
     spectra: SpectrumTable,
     importance: &'a Spectrum,
 }
@@ -175,9 +184,8 @@ impl Builder<'_> {
         }
     }
 
-    fn material(&mut self, m: &MaterialDescription, emission: Option<SurfaceEmission>) -> Material {
-        let mut absorption = None;
-        let model = match &m.model {
+    fn model(&mut self, model: &MaterialModel) -> ScatteringModel {
+        match model {
             MaterialModel::Diffuse { reflectance } => {
                 ScatteringModel::Diffuse { reflectance: self.colour(reflectance) }
             }
@@ -191,12 +199,48 @@ impl Builder<'_> {
                 dispersive: !index.is_constant(),
                 distribution: Ggx::from_roughness(*roughness, 0.0),
             },
+            MaterialModel::OrenNayar { reflectance, roughness } => {
+                ScatteringModel::OrenNayar { reflectance: self.colour(reflectance), roughness: *roughness }
+            }
+            MaterialModel::Phong { diffuse, specular, exponent } => ScatteringModel::Phong {
+                diffuse: self.colour(diffuse),
+                specular: self.colour(specular),
+                exponent: *exponent,
+            },
+            MaterialModel::Translucent { reflectance, transmittance } => ScatteringModel::Translucent {
+                reflectance: self.colour(reflectance),
+                transmittance: self.colour(transmittance),
+            },
+            MaterialModel::ThinDielectric { index, transmittance } => ScatteringModel::ThinDielectric {
+                eta: self.spectra.add(&index.to_spectrum()),
+                transmittance: self.spectra.add(transmittance),
+            },
+            MaterialModel::Mix { models, weight } => {
+                let [first, second] = models.as_ref();
+                let mix = Mix { models: [self.model(first), self.model(second)], weight: *weight };
+                self.mixes.push(mix);
+                ScatteringModel::Mix((self.mixes.len() - 1) as u32)
+            }
             MaterialModel::Layered(layers) => {
-                absorption = layers.absorption_per_m.as_ref().map(|a| self.spectra.add(a));
                 let layers = self.layers(layers);
                 self.layered.push(layers);
                 ScatteringModel::Layered((self.layered.len() - 1) as u32)
             }
+        }
+    }
+
+    fn material(&mut self, m: &MaterialDescription, emission: Option<SurfaceEmission>) -> Material {
+        let model = self.model(&m.model);
+        let absorption = match &m.model {
+            MaterialModel::Layered(layers) => layers.absorption_per_m.as_ref().map(|a| self.spectra.add(a)),
+            MaterialModel::Diffuse { .. }
+            | MaterialModel::Conductor { .. }
+            | MaterialModel::Dielectric { .. }
+            | MaterialModel::OrenNayar { .. }
+            | MaterialModel::Phong { .. }
+            | MaterialModel::Translucent { .. }
+            | MaterialModel::ThinDielectric { .. }
+            | MaterialModel::Mix { .. } => None,
         };
         let factor = m.alpha_factor;
         let alpha = match m.alpha {

@@ -124,26 +124,16 @@ impl MaterialDescription {
 
     /// All textures that the material uses.
     pub fn textures(&self) -> impl Iterator<Item = &TextureDescription> {
-        let of_model = match &self.model {
-            MaterialModel::Diffuse { reflectance } => vec![reflectance.texture.as_ref()],
-            MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => Vec::new(),
-            MaterialModel::Layered(layers) => layers.textures(),
-        };
         let normal = self.normal_map.as_ref().map(|(texture, _)| texture);
         let emission = self.emission.as_ref().and_then(|emission| emission.texture.as_ref());
-        of_model.into_iter().chain([normal, emission, self.alpha_texture.as_ref()]).flatten()
+        self.model.textures().into_iter().chain([normal, emission, self.alpha_texture.as_ref()]).flatten()
     }
 
     /// All textures that the material uses, to be changed.
     pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureDescription> {
-        let of_model = match &mut self.model {
-            MaterialModel::Diffuse { reflectance } => vec![reflectance.texture.as_mut()],
-            MaterialModel::Conductor { .. } | MaterialModel::Dielectric { .. } => Vec::new(),
-            MaterialModel::Layered(layers) => layers.textures_mut(),
-        };
         let normal = self.normal_map.as_mut().map(|(texture, _)| texture);
         let emission = self.emission.as_mut().and_then(|emission| emission.texture.as_mut());
-        of_model.into_iter().chain([normal, emission, self.alpha_texture.as_mut()]).flatten()
+        self.model.textures_mut().into_iter().chain([normal, emission, self.alpha_texture.as_mut()]).flatten()
     }
 }
 
@@ -173,8 +163,70 @@ pub enum MaterialModel {
         /// Perceptual roughness 0–1; α = roughness².
         roughness: f32,
     },
+    /// A matt surface with relief.
+    OrenNayar {
+        /// Reflectance, 0–1.
+        reflectance: TexturedColour,
+        /// 0–1; 0 is Lambert's law.
+        roughness: f32,
+    },
+    /// Phong's model.
+    Phong {
+        /// The part that is scattered by Lambert's law, 0–1.
+        diffuse: TexturedColour,
+        /// The part in the lobe, 0–1; with the other at most 1.
+        specular: TexturedColour,
+        /// Exponent of the lobe, at least 0.
+        exponent: f32,
+    },
+    /// A thin matt sheet.
+    Translucent {
+        /// Reflectance, 0–1.
+        reflectance: TexturedColour,
+        /// Transmittance, 0–1; with the reflectance at most 1.
+        transmittance: TexturedColour,
+    },
+    /// A polished pane with two parallel surfaces.
+    ThinDielectric {
+        /// Index of its glass.
+        index: Dispersion,
+        /// Internal transmittance along the normal, 0–1.
+        transmittance: Spectrum,
+    },
+    /// Two models side by side, finer than the eye sees.
+    Mix {
+        /// Both.
+        models: Box<[MaterialModel; 2]>,
+        /// The part of the second, 0–1.
+        weight: f32,
+    },
     /// glTF 2.0's material with its extensions.
     Layered(Box<LayeredDescription>),
+}
+
+/// All textures of a model, by shared or by mutable reference.
+macro_rules! model_textures {
+    ($name:ident, $textured:ident, $iter:ident $(, $mutable:tt)?) => {
+        fn $name(& $($mutable)? self) -> Vec<Option<& $($mutable)? TextureDescription>> {
+            match self {
+                Self::Diffuse { reflectance } | Self::OrenNayar { reflectance, roughness: _ } => {
+                    vec![reflectance.texture.$textured()]
+                }
+                Self::Phong { diffuse: first, specular: second, exponent: _ }
+                | Self::Translucent { reflectance: first, transmittance: second } => {
+                    vec![first.texture.$textured(), second.texture.$textured()]
+                }
+                Self::Conductor { .. } | Self::Dielectric { .. } | Self::ThinDielectric { .. } => Vec::new(),
+                Self::Mix { models, weight: _ } => models.$iter().flat_map(Self::$name).collect(),
+                Self::Layered(layers) => layers.$name(),
+            }
+        }
+    };
+}
+
+impl MaterialModel {
+    model_textures!(textures, as_ref, iter);
+    model_textures!(textures_mut, as_mut, iter_mut, mut);
 }
 
 /// A colour, times an sRGB-encoded texture.

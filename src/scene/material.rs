@@ -66,8 +66,49 @@ pub enum ScatteringModel {
         /// Microfacets.
         distribution: Ggx,
     },
+    /// A matt surface with relief.
+    OrenNayar {
+        /// Reflectance.
+        reflectance: ColourSource,
+        /// 0–1.
+        roughness: f32,
+    },
+    /// Phong's model.
+    Phong {
+        /// The part scattered by Lambert's law.
+        diffuse: ColourSource,
+        /// The part in the lobe.
+        specular: ColourSource,
+        /// Exponent of the lobe.
+        exponent: f32,
+    },
+    /// A thin matt sheet.
+    Translucent {
+        /// Reflectance.
+        reflectance: ColourSource,
+        /// Transmittance.
+        transmittance: ColourSource,
+    },
+    /// A polished pane.
+    ThinDielectric {
+        /// Relative index.
+        eta: SpectrumId,
+        /// Internal transmittance along the normal.
+        transmittance: SpectrumId,
+    },
+    /// Two models side by side: handle among the mixes.
+    Mix(u32),
     /// glTF's material: handle among the layered materials.
     Layered(u32),
+}
+
+/// Two models side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Mix {
+    /// Both.
+    pub models: [ScatteringModel; 2],
+    /// The part of the second, 0–1.
+    pub weight: f32,
 }
 
 /// A number, times a channel of a linear texture.

@@ -12,8 +12,8 @@ mod shading;
 pub use build::build;
 pub(crate) use build::{emission_spectrum, nit_per_unit};
 pub use material::{
-    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
-    ScatteringModel,
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, Mix,
+    NormalMap, ScatteringModel,
 };
 pub use shading::Shading;
 
@@ -30,12 +30,15 @@ pub struct Scene {
     accel: Accel,
     materials: Vec<Material>,
     layered: Vec<LayeredMaterial>,
+    mixes: Vec<Mix>,
     textures: Vec<Texture>,
     spectra: SpectrumTable,
     lights: Lights,
     light_spectrum: Spectrum,
     /// Whether any material has holes.
     has_alpha: bool,
+    /// Whether any material bounds a volume that absorbs.
+    has_media: bool,
 }
 
 impl Scene {
@@ -91,6 +94,9 @@ impl Scene {
     /// volume: its absorption, m⁻¹.
     #[inline]
     pub fn absorption_behind(&self, point: &SurfacePoint, wo: glam::Vec3) -> Option<SpectrumId> {
+        if !self.has_media {
+            return None;
+        }
         self.materials[point.material as usize].absorption.filter(|_| wo.dot(point.geometric_normal) < 0.0)
     }
 
@@ -102,6 +108,9 @@ impl Scene {
         wi: glam::Vec3,
         medium: Option<SpectrumId>,
     ) -> Option<SpectrumId> {
+        if !self.has_media {
+            return None;
+        }
         match self.materials[point.material as usize].absorption {
             Some(absorption) => (wi.dot(point.geometric_normal) < 0.0).then_some(absorption),
             None => medium,

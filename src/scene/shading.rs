@@ -3,11 +3,12 @@
 use glam::{Vec2, Vec3};
 
 use super::{
-    AnisotropySource, ColourSource, FactorSource, LayeredMaterial, Material, NormalMap, ScatteringModel, Scene,
+    AnisotropySource, ColourSource, FactorSource, LayeredMaterial, Material, Mix, NormalMap, ScatteringModel, Scene,
 };
-use crate::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Sheen, Volume};
+use crate::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Phong, Sheen, Volume};
 use crate::geometry::SurfacePoint;
 use crate::math::Frame;
+use crate::math::hash::{hash64, unit_f32};
 use crate::spectrum::upsampling::reflectance_polynomial;
 use crate::spectrum::{SampledSpectrum, Wavelengths};
 
@@ -29,24 +30,62 @@ impl Scene {
     #[inline]
     pub fn shading(&self, point: &SurfacePoint, wo: Vec3, wavelengths: &Wavelengths) -> Shading {
         let material = &self.materials[point.material as usize];
-        let bsdf = match material.model {
-            ScatteringModel::Diffuse { reflectance } => {
-                Bsdf::Diffuse { reflectance: self.colour(reflectance, point, wavelengths) }
-            }
+        let mut model = &material.model;
+        while let ScatteringModel::Mix(mix) = model {
+            model = self.chosen(&self.mixes[*mix as usize], point, wo);
+        }
+        // Each arm makes the whole, so that none copies a `Bsdf`, which is large.
+        let two_sided = || self.frame(material, point, wo, true);
+        match *model {
+            ScatteringModel::Diffuse { reflectance } => Shading {
+                frame: two_sided(),
+                bsdf: Bsdf::Diffuse { reflectance: self.colour(reflectance, point, wavelengths) },
+            },
             ScatteringModel::Conductor { eta, k, distribution } => {
                 let (eta, k) = (self.spectra.sample(eta, wavelengths), self.spectra.sample(k, wavelengths));
-                Bsdf::Conductor { eta, k, distribution }
+                Shading { frame: two_sided(), bsdf: Bsdf::Conductor { eta, k, distribution } }
             }
             ScatteringModel::Dielectric { eta, dispersive, distribution } => {
                 let frame = self.frame(material, point, wo, false);
                 let eta = self.spectra.sample(eta, wavelengths);
-                return Shading { frame, bsdf: Bsdf::Dielectric { eta, dispersive, distribution } };
+                Shading { frame, bsdf: Bsdf::Dielectric { eta, dispersive, distribution } }
             }
+            ScatteringModel::OrenNayar { reflectance, roughness } => {
+                let reflectance = self.colour(reflectance, point, wavelengths);
+                Shading { frame: two_sided(), bsdf: Bsdf::OrenNayar { reflectance, roughness } }
+            }
+            ScatteringModel::Phong { diffuse, specular, exponent } => {
+                let (diffuse, specular) =
+                    (self.colour(diffuse, point, wavelengths), self.colour(specular, point, wavelengths));
+                Shading { frame: two_sided(), bsdf: Bsdf::Phong(Phong { diffuse, specular, exponent }) }
+            }
+            ScatteringModel::Translucent { reflectance, transmittance } => {
+                let (reflectance, transmittance) =
+                    (self.colour(reflectance, point, wavelengths), self.colour(transmittance, point, wavelengths));
+                Shading { frame: two_sided(), bsdf: Bsdf::Translucent { reflectance, transmittance } }
+            }
+            ScatteringModel::ThinDielectric { eta, transmittance } => {
+                let (eta, transmittance) =
+                    (self.spectra.sample(eta, wavelengths), self.spectra.sample(transmittance, wavelengths));
+                Shading { frame: two_sided(), bsdf: Bsdf::ThinDielectric { eta, transmittance } }
+            }
+            ScatteringModel::Mix(_) => unreachable!("a mix was chosen from"),
             ScatteringModel::Layered(layers) => {
-                return self.layers(material, &self.layered[layers as usize], point, wo, wavelengths);
+                self.layers(material, &self.layered[layers as usize], point, wo, wavelengths)
             }
-        };
-        Shading { frame: self.frame(material, point, wo, true), bsdf }
+        }
+    }
+
+    /// One of two models, the second with the probability of its weight: the expected radiance is that of both. The
+    /// choice is a function of where the path comes from and meets the surface.
+    #[inline(never)]
+    fn chosen<'a>(&self, mix: &'a Mix, point: &SurfacePoint, wo: Vec3) -> &'a ScatteringModel {
+        let bits = |v: Vec3| v.to_array().map(|c| u64::from(c.to_bits()));
+        let ([x, y, z], [u, v, w]) = (bits(wo), bits(point.position));
+        let key = hash64(hash64(x << 32 | y, z << 32 | u), v << 32 | w);
+        // Mixes within mixes choose by their own bits.
+        let own = hash64(key, u64::from(mix.weight.to_bits()));
+        &mix.models[usize::from(unit_f32(own as u32) < mix.weight)]
     }
 
     /// glTF's material.

@@ -42,7 +42,7 @@ fn folder(capture: String) -> Folder {
     "[materials.wall]\ntype = 'difuse'",
     5,
     "materials.wall.type: unknown value \"difuse\"; did you mean `diffuse`?",
-    "write one of \"diffuse\", \"conductor\", \"dielectric\", \"metallic-roughness\""
+    "write one of \"diffuse\", \"conductor\", \"dielectric\", \"metallic-roughness\", \"oren-nayar\", \"plastic\""
 )]
 #[case::material_name(
     "[materials.wal]\ntype = 'diffuse'\nreflectance = 0.5",

@@ -1,7 +1,7 @@
 //! The BSDFs and directions that the tests go through, with names made from their parameters.
 
 use glam::Vec3;
-use photosite::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Sheen, Volume};
+use photosite::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Phong, Sheen, Volume};
 use photosite::spectrum::SampledSpectrum;
 use rand::Rng;
 
@@ -103,6 +103,17 @@ pub(crate) fn wide() -> Vec<Case> {
         name: "diffuse".into(),
         bsdf: Bsdf::Diffuse { reflectance: SampledSpectrum::from([0.1, 0.4, 0.7, 1.0]) },
     }];
+    let (some, other) = (SampledSpectrum::from([0.1, 0.4, 0.7, 1.0]), SampledSpectrum::from([0.9, 0.5, 0.2, 0.0]));
+    for roughness in [0.3, 1.0] {
+        let bsdf = Bsdf::OrenNayar { reflectance: some, roughness };
+        cases.push(Case { name: format!("Oren–Nayar {roughness}"), bsdf });
+    }
+    for exponent in [3.0, 60.0] {
+        let bsdf = Bsdf::Phong(Phong { diffuse: some * 0.4, specular: other * 0.6, exponent });
+        cases.push(Case { name: format!("Phong {exponent}"), bsdf });
+    }
+    let bsdf = Bsdf::Translucent { reflectance: some, transmittance: other * 0.5 };
+    cases.push(Case { name: "translucent".into(), bsdf });
     cases.push(Case { name: "glTF smooth".into(), bsdf: gltf(0.5, 0.0, Ggx::SMOOTH) });
     for [x, y] in ALPHAS {
         let ggx = Ggx::new(x, y);
@@ -149,7 +160,12 @@ pub(crate) fn is_seen_from_below(bsdf: &Bsdf) -> bool {
     match bsdf {
         Bsdf::Dielectric { .. } => true,
         Bsdf::Layered(layered) => !layered.is_two_sided(),
-        Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } => false,
+        Bsdf::Diffuse { .. }
+        | Bsdf::Conductor { .. }
+        | Bsdf::OrenNayar { .. }
+        | Bsdf::Phong(_)
+        | Bsdf::Translucent { .. }
+        | Bsdf::ThinDielectric { .. } => false,
     }
 }
 
@@ -158,7 +174,13 @@ pub(crate) fn squared_index(bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> f32 {
     let inside = match bsdf {
         Bsdf::Dielectric { eta, .. } => eta[0],
         Bsdf::Layered(Layered { volume: Some(volume), .. }) => volume.eta[0],
-        Bsdf::Layered(_) | Bsdf::Diffuse { .. } | Bsdf::Conductor { .. } => 1.0,
+        Bsdf::Layered(_)
+        | Bsdf::Diffuse { .. }
+        | Bsdf::Conductor { .. }
+        | Bsdf::OrenNayar { .. }
+        | Bsdf::Phong(_)
+        | Bsdf::Translucent { .. }
+        | Bsdf::ThinDielectric { .. } => 1.0,
     };
     match (wo.z > 0.0, wi.z > 0.0) {
         (true, false) => inside * inside,

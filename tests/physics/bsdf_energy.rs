@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use photosite::bsdf::{Bsdf, Ggx};
+use photosite::bsdf::{Bsdf, Ggx, Phong};
 use photosite::spectrum::SampledSpectrum;
 
 use super::bsdf_cases::{ALPHAS, above, glass, gltf, gold, lossless_metal, squared_index, visible_from};
@@ -90,6 +90,76 @@ fn a_white_diffuse_surface_gives_back_everything() {
     for (from, wo) in above() {
         let [power, _] = albedo(&white, wo);
         assert!((power - 1.0).abs() < 1e-5, "{from}: {power}");
+    }
+}
+
+#[test]
+fn a_white_surface_with_relief_gives_back_everything() {
+    for roughness in [0.2, 0.6, 1.0] {
+        let white = Bsdf::OrenNayar { reflectance: SampledSpectrum::ONE, roughness };
+        for (from, wo) in above() {
+            let [power, _] = albedo(&white, wo);
+            // The quadrature's 1e-5, and as much again for f's bends.
+            assert!((power - 1.0).abs() < 1e-4, "roughness {roughness} {from}: {power}");
+        }
+    }
+}
+
+#[test]
+fn phongs_lobe_along_the_normal_holds_all_of_its_part() {
+    // ∫ (n + 2)/2π·cosⁿ⁺¹ dω = 1; from elsewhere the horizon cuts some off.
+    for exponent in [0.0, 4.0, 50.0] {
+        let [diffuse, specular] = [0.3, 0.5].map(SampledSpectrum::splat);
+        let phong = Bsdf::Phong(Phong { diffuse, specular, exponent });
+        let powers: Vec<f64> = above().into_iter().map(|(_, wo)| albedo(&phong, wo)[0]).collect();
+        assert!((powers[0] - 0.8).abs() < 1e-4, "n {exponent}: {powers:?}");
+        assert!(powers.iter().all(|&power| power < 0.8 + 1e-4), "n {exponent}: {powers:?}");
+    }
+}
+
+#[test]
+fn translucent_sheets_keep_their_two_parts() {
+    let sheet =
+        Bsdf::Translucent { reflectance: SampledSpectrum::splat(0.25), transmittance: SampledSpectrum::splat(0.6) };
+    for (from, wo) in above() {
+        let [reflected, passed] = albedo(&sheet, wo);
+        assert!((reflected - 0.25).abs() < 1e-5 && (passed - 0.6).abs() < 1e-5, "{from}: {reflected} {passed}");
+    }
+}
+
+#[test]
+fn panes_are_the_sum_of_the_bounces_between_their_surfaces() {
+    for (index, transmittance) in [(1.5f32, 1.0f32), (1.5, 0.7), (2.4, 0.95), (1.0, 0.5)] {
+        let pane = Bsdf::ThinDielectric {
+            eta: SampledSpectrum::splat(index),
+            transmittance: SampledSpectrum::splat(transmittance),
+        };
+        for (from, wo) in above() {
+            let (n, cos) = (f64::from(index), f64::from(wo.z));
+            let r = clear(cos, n);
+            let inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
+            let once = f64::from(transmittance).powf(1.0 / inside);
+            let (mut reflected, mut passed, mut left) = (r, 0.0, (1.0 - r) * once);
+            for bounce in 0..200 {
+                let out = left * (1.0 - r);
+                if bounce % 2 == 0 {
+                    passed += out
+                } else {
+                    reflected += out
+                }
+                left *= r * once;
+            }
+            let power = |u_lobe: f32| {
+                let ray = pane.sample(wo, u_lobe, [0.5; 2]).expect("goes on");
+                assert!(ray.is_delta && (ray.is_transmission == (u_lobe > 0.5)), "{from}");
+                f64::from(ray.throughput()[0] * ray.pdf.0)
+            };
+            // Rounding of f32 Fresnel equations, at 80° some 1e-6. Without an interface nothing is reflected.
+            assert!((power(0.999_999) - passed).abs() < 1e-5, "n {index} τ {transmittance} {from}: {passed}");
+            if index > 1.0 {
+                assert!((power(0.0) - reflected).abs() < 1e-5, "n {index} τ {transmittance} {from}: {reflected}");
+            }
+        }
     }
 }
 

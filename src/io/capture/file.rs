@@ -7,7 +7,9 @@ use serde::de::DeserializeOwned;
 
 use super::sensor::read_sensor;
 use super::source::CaptureSource;
-use super::tables::{CaptureFile, LightTable, LightType, MaterialTable, MaterialType, SECTIONS, TypedMaterialTable};
+use super::tables::{
+    CaptureFile, LightTable, LightType, MaterialTable, MaterialType, MixTable, SECTIONS, TypedMaterialTable,
+};
 use super::tree::{Node, Value};
 use crate::io::suggest::{did_you_mean, list};
 use crate::{Invalid, Result};
@@ -53,14 +55,40 @@ fn materials(source: &CaptureSource) -> Result<BTreeMap<String, MaterialTable>> 
 }
 
 fn material(source: &CaptureSource, path: &str, node: &Node) -> Result<MaterialTable> {
-    let (kind, node) = split_type(source, path, node)?;
+    let (kind, mut node) = split_type(source, path, node)?;
     Ok(MaterialTable::Typed(match kind {
         None => return Ok(MaterialTable::Kept(source.read_node(path, &node)?)),
         Some(MaterialType::Diffuse) => TypedMaterialTable::Diffuse(source.read_node(path, &node)?),
         Some(MaterialType::Conductor) => TypedMaterialTable::Conductor(source.read_node(path, &node)?),
         Some(MaterialType::Dielectric) => TypedMaterialTable::Dielectric(source.read_node(path, &node)?),
         Some(MaterialType::MetallicRoughness) => TypedMaterialTable::MetallicRoughness(source.read_node(path, &node)?),
+        Some(MaterialType::OrenNayar) => TypedMaterialTable::OrenNayar(source.read_node(path, &node)?),
+        Some(MaterialType::Plastic) => TypedMaterialTable::Plastic(source.read_node(path, &node)?),
+        Some(MaterialType::ThinDielectric) => TypedMaterialTable::ThinDielectric(source.read_node(path, &node)?),
+        Some(MaterialType::Translucent) => TypedMaterialTable::Translucent(source.read_node(path, &node)?),
+        Some(MaterialType::Phong) => TypedMaterialTable::Phong(source.read_node(path, &node)?),
+        Some(MaterialType::Mix) => {
+            let mut part = |key: &str| mixed(source, path, key, node.remove(key));
+            let (first, second) = (Box::new(part("first")?), Box::new(part("second")?));
+            TypedMaterialTable::Mix(MixTable { first, second, rest: source.read_node(path, &node)? })
+        }
     }))
+}
+
+/// A material of a mix.
+fn mixed(source: &CaptureSource, path: &str, key: &str, node: Option<Node>) -> Result<TypedMaterialTable> {
+    const HELP: &str = "for example first = { type = \"diffuse\", reflectance = 0.5 }";
+    let Some(node) = node else {
+        return Err(source.error(Invalid::new(path, format!("the key `{key}` is missing")).help(HELP)));
+    };
+    let path = format!("{path}.{key}");
+    if node.as_table().is_none() {
+        return Err(source.error(Invalid::new(path, "expected a table").help(HELP)));
+    }
+    match material(source, &path, &node)? {
+        MaterialTable::Typed(table) => Ok(table),
+        MaterialTable::Kept(_) => Err(source.error(Invalid::new(path, "the key `type` is missing").help(HELP))),
+    }
 }
 
 fn lights(source: &CaptureSource) -> Result<Vec<LightTable>> {

@@ -6,14 +6,17 @@ use super::colour::Finder;
 use super::light::emission;
 use super::tables::{
     ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MetalSource,
-    MetallicRoughnessTable, TextureFile, TypedMaterialTable,
+    MetallicRoughnessTable, MixRest, MixTable, OrenNayarTable, PhongTable, PlasticTable, TextureFile,
+    ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
 use crate::scene::description::{
-    AlphaMode, Channel, EmissionDescription, LayeredDescription, MaterialDescription, MaterialModel,
-    TextureDescription, TexturedFactor,
+    AlphaMode, Channel, Colour, EmissionDescription, LayeredDescription, MaterialDescription, MaterialModel,
+    TextureDescription, TexturedColour, TexturedFactor,
 };
+use crate::spectrum::dispersion::lines;
+use crate::spectrum::upsampling::reflectance_spectrum;
 use crate::spectrum::{Dispersion, Outside, Spectrum, library};
 
 /// Applies every `[materials.NAME]` to the materials of that name.
@@ -29,10 +32,7 @@ pub(super) fn override_materials(
         }
         let material = match table {
             MaterialTable::Kept(table) => kept(finder, table),
-            MaterialTable::Typed(TypedMaterialTable::Diffuse(table)) => diffuse(finder, table),
-            MaterialTable::Typed(TypedMaterialTable::Conductor(table)) => conductor(finder, table),
-            MaterialTable::Typed(TypedMaterialTable::Dielectric(table)) => dielectric(finder, table),
-            MaterialTable::Typed(TypedMaterialTable::MetallicRoughness(table)) => metallic_roughness(finder, table),
+            MaterialTable::Typed(table) => typed(finder, table),
         };
         let material = material.map_err(|invalid| invalid.within(&path))?;
         materials.iter_mut().filter(|place| place.name == *name).for_each(|place| material.clone().apply(place));
@@ -78,6 +78,21 @@ impl Override {
 
 fn kept(finder: &mut Finder<'_>, table: &KeptTable) -> Result<Override, Invalid> {
     Ok(Override { model: None, emission: shine(finder, table.emission.as_ref())?, double_sided: table.double_sided })
+}
+
+fn typed(finder: &mut Finder<'_>, table: &TypedMaterialTable) -> Result<Override, Invalid> {
+    match table {
+        TypedMaterialTable::Diffuse(table) => diffuse(finder, table),
+        TypedMaterialTable::Conductor(table) => conductor(finder, table),
+        TypedMaterialTable::Dielectric(table) => dielectric(finder, table),
+        TypedMaterialTable::MetallicRoughness(table) => metallic_roughness(finder, table),
+        TypedMaterialTable::OrenNayar(table) => oren_nayar(finder, table),
+        TypedMaterialTable::Plastic(table) => plastic(finder, table),
+        TypedMaterialTable::ThinDielectric(table) => thin_dielectric(finder, table),
+        TypedMaterialTable::Translucent(table) => translucent(finder, table),
+        TypedMaterialTable::Phong(table) => phong(finder, table),
+        TypedMaterialTable::Mix(table) => mix(finder, table),
+    }
 }
 
 fn diffuse(finder: &mut Finder<'_>, table: &DiffuseTable) -> Result<Override, Invalid> {
@@ -134,23 +149,33 @@ fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectru
 }
 
 fn dielectric(finder: &mut Finder<'_>, table: &DielectricTable) -> Result<Override, Invalid> {
-    let index = match (&table.glass, &table.index) {
-        (Some(_), Some(_)) => return Err(Invalid::new("index", "cannot go with glass").help("keep one of them")),
+    let index = index(finder, table.glass.as_deref(), table.index.as_ref(), table.abbe_number)?;
+    let model = MaterialModel::Dielectric { index, roughness: unit("roughness", table.roughness.unwrap_or(0.0))? };
+    Ok(Override { model: Some((model, None)), emission: None, double_sided: None })
+}
+
+/// An index, or that of a glass.
+fn index(
+    finder: &Finder<'_>,
+    glass: Option<&str>,
+    index: Option<&IndexSource>,
+    abbe_number: Option<f64>,
+) -> Result<Dispersion, Invalid> {
+    if abbe_number.is_some() && !matches!(index, Some(IndexSource::Number(_))) {
+        return Err(Invalid::new("abbe_number", "goes only with an index that is a number").help("remove it"));
+    }
+    match (glass, index) {
+        (Some(_), Some(_)) => Err(Invalid::new("index", "cannot go with glass").help("keep one of them")),
         (None, None) => {
             let help = "for example glass = \"BK7\" or index = 1.5";
-            return Err(Invalid::new("", "needs a glass or an index").help(help));
+            Err(Invalid::new("", "needs a glass or an index").help(help))
         }
         (Some(name), None) => library::glass(name).ok_or_else(|| {
             let message = format!("photosite has no glass {name:?}{}", did_you_mean(name, library::glasses()));
             Invalid::new("glass", message).help(format!("known are {}; or give an index", list(library::glasses())))
-        })?,
-        (None, Some(index)) => dispersion(finder, index, table.abbe_number).map_err(|e| e.within("index"))?,
-    };
-    if table.abbe_number.is_some() && !matches!(table.index, Some(IndexSource::Number(_))) {
-        return Err(Invalid::new("abbe_number", "goes only with an index that is a number").help("remove it"));
+        }),
+        (None, Some(index)) => dispersion(finder, index, abbe_number).map_err(|e| e.within("index")),
     }
-    let model = MaterialModel::Dielectric { index, roughness: unit("roughness", table.roughness.unwrap_or(0.0))? };
-    Ok(Override { model: Some((model, None)), emission: None, double_sided: None })
 }
 
 fn dispersion(finder: &Finder<'_>, source: &IndexSource, abbe: Option<f64>) -> Result<Dispersion, Invalid> {
@@ -186,6 +211,112 @@ fn metallic_roughness(finder: &mut Finder<'_>, table: &MetallicRoughnessTable) -
         model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
         emission: shine(finder, table.emission.as_ref())?,
         double_sided: table.double_sided,
+    })
+}
+
+fn oren_nayar(finder: &mut Finder<'_>, table: &OrenNayarTable) -> Result<Override, Invalid> {
+    let reflectance = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
+    let model = MaterialModel::OrenNayar { reflectance, roughness: unit("roughness", table.roughness)? };
+    Ok(Override {
+        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
+        emission: shine(finder, table.emission.as_ref())?,
+        double_sided: table.double_sided,
+    })
+}
+
+fn plastic(finder: &mut Finder<'_>, table: &PlasticTable) -> Result<Override, Invalid> {
+    let base_colour = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
+    let index = match (&table.glass, &table.index) {
+        (None, None) => Dispersion::constant(1.5),
+        (glass, number) => index(finder, glass.as_deref(), number.as_ref(), None)?,
+    };
+    let n = index.index(lines::D);
+    if n < 1.0 {
+        return Err(Invalid::new("index", format!("must be at least 1, got {n}")).help("most plastics have 1.4 to 1.6"));
+    }
+    let model = MaterialModel::Layered(Box::new(LayeredDescription {
+        base_colour,
+        roughness: TexturedFactor::plain(unit("roughness", table.roughness.unwrap_or(0.0))?),
+        index,
+        ..LayeredDescription::default()
+    }));
+    Ok(Override {
+        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
+        emission: shine(finder, table.emission.as_ref())?,
+        double_sided: table.double_sided,
+    })
+}
+
+fn thin_dielectric(finder: &mut Finder<'_>, table: &ThinDielectricTable) -> Result<Override, Invalid> {
+    let index = index(finder, table.glass.as_deref(), table.index.as_ref(), table.abbe_number)?;
+    let transmittance = match &table.transmittance {
+        Some(source) => finder.fraction(source).map_err(|e| e.within("transmittance"))?,
+        None => Spectrum::constant(1.0),
+    };
+    let model = MaterialModel::ThinDielectric { index, transmittance };
+    Ok(Override { model: Some((model, None)), emission: None, double_sided: None })
+}
+
+fn translucent(finder: &mut Finder<'_>, table: &TranslucentTable) -> Result<Override, Invalid> {
+    let reflectance = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
+    let transmittance = finder.reflectance(&table.transmittance).map_err(|e| e.within("transmittance"))?;
+    at_most_one(("reflectance", &reflectance), ("transmittance", &transmittance))?;
+    let model = MaterialModel::Translucent { reflectance, transmittance };
+    Ok(Override {
+        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
+        emission: shine(finder, table.emission.as_ref())?,
+        double_sided: table.double_sided,
+    })
+}
+
+fn phong(finder: &mut Finder<'_>, table: &PhongTable) -> Result<Override, Invalid> {
+    let diffuse = finder.reflectance(&table.diffuse).map_err(|e| e.within("diffuse"))?;
+    let specular = finder.reflectance(&table.specular).map_err(|e| e.within("specular"))?;
+    at_most_one(("diffuse", &diffuse), ("specular", &specular))?;
+    if !(0.0..=1e5).contains(&table.exponent) {
+        let message = format!("must lie between 0 and 100000, got {}", table.exponent);
+        return Err(Invalid::new("exponent", message).help("the larger, the narrower the lobe; 50 is glossy"));
+    }
+    let model = MaterialModel::Phong { diffuse, specular, exponent: table.exponent as f32 };
+    Ok(Override {
+        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
+        emission: shine(finder, table.emission.as_ref())?,
+        double_sided: table.double_sided,
+    })
+}
+
+/// Refuses two parts of the light that are more than all of it. Textures count as white.
+fn at_most_one(first: (&str, &TexturedColour), second: (&str, &TexturedColour)) -> Result<(), Invalid> {
+    let spectrum = |colour: &TexturedColour| match &colour.colour {
+        Colour::Rgb(rgb) => reflectance_spectrum(*rgb),
+        Colour::Spectrum(spectrum) => spectrum.clone(),
+    };
+    let sum =
+        spectrum(first.1).values().iter().zip(spectrum(second.1).values()).map(|(a, b)| a + b).fold(0.0, f32::max);
+    // What the upsampling of white lacks to 1.
+    if sum <= 1.001 {
+        return Ok(());
+    }
+    let message = format!("and {} are together {sum:.3} of the light at some wavelength", first.0);
+    Err(Invalid::new(second.0, message).help("more than 1 cannot leave the surface; a texture counts as white"))
+}
+
+fn mix(finder: &mut Finder<'_>, table: &MixTable) -> Result<Override, Invalid> {
+    let mut part = |key: &str, table: &TypedMaterialTable| {
+        let part = typed(finder, table).map_err(|e| e.within(key))?;
+        match (part.model, part.emission, part.double_sided) {
+            (Some((model, None)), None, None) => Ok(model),
+            (_, _, _) => Err(Invalid::new(key, "has an emission, a normal map or double_sided of its own")
+                .help("write it in the table of the mix: it belongs to both")),
+        }
+    };
+    let models = Box::new([part("first", &table.first)?, part("second", &table.second)?]);
+    let MixRest { weight, emission, normal_map: map, double_sided } = &table.rest;
+    let model = MaterialModel::Mix { models, weight: unit("weight", *weight)? };
+    Ok(Override {
+        model: Some((model, normal_map(finder, map.as_ref())?)),
+        emission: shine(finder, emission.as_ref())?,
+        double_sided: *double_sided,
     })
 }
 

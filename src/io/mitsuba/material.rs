@@ -35,7 +35,7 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
     if used.any(|t| (t.uv_set, t.transform) != (uv_set, uv_transform)) {
         out.approximate(format!("textures of {name} with UVs of their own: those of the first serve all"));
     }
-    let mut bsdf = scattering(material, &name, textures, out);
+    let mut bsdf = scattering(&material.model, &name, textures, out);
     if let Some((texture, scale)) = &material.normal_map {
         let image = textures.image(texture);
         let file = textures.file("normal", image, &["R", "G", "B"], out, |i| {
@@ -52,7 +52,7 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
             .child(bsdf);
     }
     // A dielectric has two sides of its own; of everything else we look at both, and Mitsuba at the front alone.
-    if !matches!(material.model, MaterialModel::Dielectric { .. }) {
+    if !has_two_sides(&material.model) {
         bsdf = Element::object("bsdf", "twosided").child(bsdf);
     }
     bsdf = masked(bsdf, material, &name, textures, out);
@@ -60,8 +60,22 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
     ExportedMaterial { bsdf: bsdf.attribute("id", &id), id, uv_set, uv_transform }
 }
 
-fn scattering(material: &MaterialDescription, name: &str, textures: &Textures<'_>, out: &mut Output) -> Element {
-    match &material.model {
+/// Whether Mitsuba's model is one for both sides, which "twosided" refuses.
+fn has_two_sides(model: &MaterialModel) -> bool {
+    match model {
+        MaterialModel::Dielectric { .. } | MaterialModel::ThinDielectric { .. } => true,
+        MaterialModel::Mix { models, .. } => models.iter().any(has_two_sides),
+        MaterialModel::Diffuse { .. }
+        | MaterialModel::Conductor { .. }
+        | MaterialModel::OrenNayar { .. }
+        | MaterialModel::Phong { .. }
+        | MaterialModel::Translucent { .. }
+        | MaterialModel::Layered(_) => false,
+    }
+}
+
+fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &mut Output) -> Element {
+    match model {
         MaterialModel::Diffuse { reflectance } => {
             textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, name, out)
         }
@@ -88,6 +102,34 @@ fn scattering(material: &MaterialDescription, name: &str, textures: &Textures<'_
                 ggx(Element::object("bsdf", "roughdielectric")).float("alpha", microfacets.alpha()[0].into())
             };
             bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0)
+        }
+        MaterialModel::OrenNayar { reflectance, .. } => {
+            out.approximate(format!("the relief of {name}: it becomes \"diffuse\""));
+            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, name, out)
+        }
+        MaterialModel::Phong { diffuse, .. } => {
+            out.approximate(format!("Phong's lobe of {name}: it is left out"));
+            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", diffuse, name, out)
+        }
+        MaterialModel::Translucent { reflectance, .. } => {
+            out.approximate(format!("the light that passes {name}: it is left out"));
+            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, name, out)
+        }
+        MaterialModel::ThinDielectric { index, transmittance } => {
+            if !index.is_constant() {
+                out.approximate(format!("the dispersion of {name}: its index is that at {SODIUM_NM} nm"));
+            }
+            if transmittance.min() < 1.0 {
+                out.approximate(format!("the absorption of {name}: it is left out"));
+            }
+            Element::object("bsdf", "thindielectric").float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0)
+        }
+        MaterialModel::Mix { models, weight } => {
+            let [first, second] = models.as_ref();
+            Element::object("bsdf", "blendbsdf")
+                .float("weight", f64::from(*weight))
+                .child(scattering(first, name, textures, out))
+                .child(scattering(second, name, textures, out))
         }
         MaterialModel::Layered(layers) => principled(layers, name, textures, out),
     }

@@ -83,7 +83,14 @@ fn is_anisotropic(model: &MaterialModel) -> bool {
             along != across
         }
         // The anisotropy of layers is left out, which their export tells.
-        MaterialModel::Diffuse { .. } | MaterialModel::Dielectric { .. } | MaterialModel::Layered(_) => false,
+        MaterialModel::Mix { models, .. } => models.iter().any(is_anisotropic),
+        MaterialModel::Diffuse { .. }
+        | MaterialModel::Dielectric { .. }
+        | MaterialModel::OrenNayar { .. }
+        | MaterialModel::Phong { .. }
+        | MaterialModel::Translucent { .. }
+        | MaterialModel::ThinDielectric { .. }
+        | MaterialModel::Layered(_) => false,
     }
 }
 

@@ -2,24 +2,26 @@
 //!
 //! | the file says | it is taken as |
 //! |---|---|
-//! | `Pr` or `Pm` | metallic-roughness with these and the colour `Kd` |
-//! | `Ni` > 1 and (`illum` 4, 6, 7, 9 or `d` < 1), no `map_d` | clear glass of index `Ni`, its colour left out |
+//! | `Pr`, `Pm`, `Pc`, `Ps`, `aniso` or a map of `Pr` or `Pm` | glTF's material with these and the colour `Kd` |
+//! | `Ni` > 1 and (`illum` 4, 6, 7, 9 or `d` < 1), no `map_d` | clear glass of index `Ni`, tinted `Tf` where light passes its surface |
 //! | `Kd` black, `Ks` not, `illum` 3, 5 or 8 | a mirroring metal of colour `Ks` |
 //! | `Ks` not black and `Ns` > 0, `illum` not 0 or 1 | plastic of colour `Kd`: metallic-roughness, not metallic |
 //! | otherwise | diffuse of colour `Kd` |
 //!
 //! `Ns` is the exponent n of a Blinn–Phong lobe, of which α = √(2/(n + 2)) is the microfacet roughness
 //! ([Walter07](crate::references#walter07) §5.2), so the perceptual roughness is √α. `d` below 1 lets through a part of
-//! the light (`Blend`) unless it is glass. `Ke` is in nit. Surfaces scatter on both sides, since the format has no
+//! the light (`Blend`) unless it is glass. Plastic and glTF's material have the index `Ni` where it is above 1, else 1.5.
+//! `Pc` and `Pcr` are weight and roughness of a coat, `Ps` the weight of white sheen of roughness 0.5 (assumed: the format
+//! has no key for it), `aniso` 0–1 and `anisor` (in turns) are strength and rotation of grooves; `-bm` scales the bumps of `norm`. `Ke` is in nit. Surfaces scatter on both sides, since the format has no
 //! notion of a front.
 
-use super::mtl::MtlMaterial;
+use super::mtl::{Map, MtlMaterial};
 use crate::io::warnings::Warnings;
 use crate::scene::description::{
-    AlphaMode, Colour, EmissionDescription, LayeredDescription, MaterialDescription, MaterialModel, TextureDescription,
-    TexturedColour, TexturedFactor,
+    AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, EmissionDescription, LayeredDescription,
+    MaterialDescription, MaterialModel, TextureDescription, TexturedColour, TexturedFactor,
 };
-use crate::spectrum::Dispersion;
+use crate::spectrum::{Dispersion, Spectrum};
 
 /// The textures of a material, its pictures already among the scene's.
 #[derive(Debug, Default)]
@@ -27,8 +29,13 @@ pub(super) struct MaterialTextures {
     pub(super) diffuse: Option<TextureDescription>,
     pub(super) emission: Option<TextureDescription>,
     pub(super) opacity: Option<TextureDescription>,
+    pub(super) roughness: Option<TextureDescription>,
+    pub(super) metallic: Option<TextureDescription>,
     pub(super) normal: Option<TextureDescription>,
 }
+
+/// Perceptual roughness of sheen, of which the format says nothing.
+const SHEEN_ROUGHNESS: f32 = 0.5;
 
 /// Reflectance of surfaces of which nothing is known.
 const DEFAULT_REFLECTANCE: f32 = 0.5;
@@ -40,7 +47,11 @@ pub(super) fn undescribed(name: &str) -> MaterialDescription {
 }
 
 /// The material that the module's table gives.
-pub(super) fn describe(mtl: &MtlMaterial, textures: MaterialTextures, warnings: &mut Warnings) -> MaterialDescription {
+pub(super) fn describe(
+    mtl: &MtlMaterial,
+    mut textures: MaterialTextures,
+    warnings: &mut Warnings,
+) -> MaterialDescription {
     let diffuse = match (mtl.diffuse, &textures.diffuse) {
         (Some(colour), _) => reflectance(mtl, "Kd", colour, warnings),
         (None, Some(_)) => [1.0; 3],
@@ -49,10 +60,12 @@ pub(super) fn describe(mtl: &MtlMaterial, textures: MaterialTextures, warnings: 
     let opacity = mtl.opacity.unwrap_or(1.0).clamp(0.0, 1.0);
     let is_glass = is_glass(mtl);
     let see_through = !is_glass && (opacity < 1.0 || textures.opacity.is_some());
+    let bumps = mtl.normal_map.as_ref().map_or(1.0, |map| map.bumps);
+    let model = if is_glass { glass(mtl) } else { opaque(mtl, diffuse, &mut textures, warnings) };
     MaterialDescription {
         name: mtl.name.clone(),
-        model: if is_glass { glass(mtl) } else { opaque(mtl, diffuse, textures.diffuse, warnings) },
-        normal_map: textures.normal.map(|texture| (texture, 1.0)),
+        model,
+        normal_map: textures.normal.map(|texture| (texture, bumps)),
         emission: emission(mtl, textures.emission),
         alpha: if see_through { AlphaMode::Blend } else { AlphaMode::Opaque },
         alpha_factor: if see_through { opacity } else { 1.0 },
@@ -67,18 +80,75 @@ fn is_glass(mtl: &MtlMaterial) -> bool {
 }
 
 fn glass(mtl: &MtlMaterial) -> MaterialModel {
-    MaterialModel::Dielectric {
-        index: Dispersion::constant(f64::from(mtl.index.unwrap_or(1.5))),
-        roughness: mtl.roughness.unwrap_or(0.0).clamp(0.0, 1.0),
+    let (index, roughness) = (index(mtl), mtl.roughness.unwrap_or(0.0).clamp(0.0, 1.0));
+    match mtl.transmission_filter.map(|filter| filter.map(|c| c.clamp(0.0, 1.0))) {
+        None | Some([1.0, 1.0, 1.0]) => MaterialModel::Dielectric { index, roughness },
+        Some(filter) => MaterialModel::Layered(Box::new(LayeredDescription {
+            base_colour: TexturedColour::plain(Colour::Rgb(filter)),
+            roughness: TexturedFactor::plain(roughness),
+            index,
+            transmission: TexturedFactor::plain(1.0),
+            absorption_per_m: Some(Spectrum::constant(0.0)),
+            ..LayeredDescription::default()
+        })),
     }
+}
+
+fn index(mtl: &MtlMaterial) -> Dispersion {
+    Dispersion::constant(f64::from(mtl.index.filter(|n| n.is_finite() && *n > 1.0).unwrap_or(1.5)))
+}
+
+/// glTF's material with what the extension of the format for it says.
+fn physically_based(mtl: &MtlMaterial, diffuse: [f32; 3], textures: &mut MaterialTextures) -> MaterialModel {
+    let unit = |value: Option<f32>, default: f32| value.unwrap_or(default).clamp(0.0, 1.0);
+    let channel = |map: &Option<Map>| map.as_ref().map_or(Channel::R, |map| map.channel);
+    let factor = |value, texture: Option<TextureDescription>, map| TexturedFactor {
+        value,
+        texture: texture.map(|texture| (texture, channel(map))),
+    };
+    // A map without its number stands alone.
+    let alone = |texture: &Option<TextureDescription>, otherwise| if texture.is_some() { 1.0 } else { otherwise };
+    let by_exponent = mtl.shininess.map_or(0.5, roughness_of_exponent);
+    let roughness = unit(mtl.roughness, alone(&textures.roughness, by_exponent));
+    let metallic = unit(mtl.metallic, alone(&textures.metallic, 0.0));
+    let (sheen, strength) = (unit(mtl.sheen, 0.0), unit(mtl.anisotropy, 0.0));
+    MaterialModel::Layered(Box::new(LayeredDescription {
+        base_colour: TexturedColour { colour: Colour::Rgb(diffuse), texture: textures.diffuse.take() },
+        metallic: factor(metallic, textures.metallic.take(), &mtl.metallic_map),
+        roughness: factor(roughness, textures.roughness.take(), &mtl.roughness_map),
+        index: index(mtl),
+        coat: mtl.coat.filter(|&weight| weight > 0.0).map(|weight| CoatDescription {
+            weight: TexturedFactor::plain(weight.min(1.0)),
+            roughness: TexturedFactor::plain(unit(mtl.coat_roughness, 0.0)),
+            normal_map: None,
+        }),
+        sheen: (sheen > 0.0)
+            .then(|| (TexturedColour::plain(Colour::Rgb([sheen; 3])), TexturedFactor::plain(SHEEN_ROUGHNESS))),
+        anisotropy: (strength > 0.0).then(|| AnisotropyDescription {
+            strength,
+            rotation_rad: mtl.anisotropy_rotation.unwrap_or(0.0) * std::f32::consts::TAU,
+            texture: None,
+        }),
+        ..LayeredDescription::default()
+    }))
+}
+
+/// Whether a key of the extension for physically based materials is there.
+fn is_physically_based(mtl: &MtlMaterial) -> bool {
+    let numbers = [mtl.roughness, mtl.metallic, mtl.coat, mtl.sheen, mtl.anisotropy];
+    numbers.iter().any(Option::is_some) || mtl.roughness_map.is_some() || mtl.metallic_map.is_some()
 }
 
 fn opaque(
     mtl: &MtlMaterial,
     diffuse: [f32; 3],
-    texture: Option<TextureDescription>,
+    textures: &mut MaterialTextures,
     warnings: &mut Warnings,
 ) -> MaterialModel {
+    if is_physically_based(mtl) {
+        return physically_based(mtl, diffuse, textures);
+    }
+    let texture = textures.diffuse.take();
     let is_black = |colour: [f32; 3]| colour.iter().all(|&c| c <= 0.0);
     let specular = mtl.specular.unwrap_or_default();
     let shines = !is_black(specular) && mtl.shininess.is_some_and(|n| n > 0.0);
@@ -88,13 +158,11 @@ fn opaque(
             base_colour: TexturedColour { colour: Colour::Rgb(base), texture },
             metallic: TexturedFactor::plain(metallic.clamp(0.0, 1.0)),
             roughness: TexturedFactor::plain(roughness.clamp(0.0, 1.0)),
+            index: index(mtl),
             ..LayeredDescription::default()
         }))
     };
-    if mtl.roughness.is_some() || mtl.metallic.is_some() {
-        let roughness = mtl.roughness.or(mtl.shininess.map(roughness_of_exponent)).unwrap_or(0.5);
-        metallic_roughness(diffuse, texture, mtl.metallic.unwrap_or(0.0), roughness)
-    } else if is_black(diffuse) && !is_black(specular) && mirrors {
+    if is_black(diffuse) && !is_black(specular) && mirrors {
         let base = reflectance(mtl, "Ks", specular, warnings);
         metallic_roughness(base, None, 1.0, mtl.shininess.map_or(0.0, roughness_of_exponent))
     } else if shines && !matches!(mtl.illumination_model, Some(0 | 1)) {

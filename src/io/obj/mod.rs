@@ -157,6 +157,8 @@ impl Pictures {
             diffuse: texture(&mtl.diffuse_map, false)?,
             emission: texture(&mtl.emission_map, false)?,
             opacity: texture(&mtl.opacity_map, true)?,
+            roughness: texture(&mtl.roughness_map, false)?,
+            metallic: texture(&mtl.metallic_map, false)?,
             normal: texture(&mtl.normal_map, false)?,
         })
     }

@@ -6,6 +6,7 @@ use glam::Vec2;
 
 use super::lines::{Statement, number, statements};
 use crate::io::warnings::Warnings;
+use crate::scene::description::Channel;
 use crate::texture::{SamplerSettings, UvTransform, Wrap};
 use crate::{Invalid, Result};
 
@@ -31,9 +32,23 @@ pub(super) struct MtlMaterial {
     pub(super) roughness: Option<f32>,
     /// `Pm`, 0–1.
     pub(super) metallic: Option<f32>,
+    /// `Tf`, the colour of light that passes.
+    pub(super) transmission_filter: Option<[f32; 3]>,
+    /// `Pc`, weight of a clear coat 0–1.
+    pub(super) coat: Option<f32>,
+    /// `Pcr`, its perceptual roughness.
+    pub(super) coat_roughness: Option<f32>,
+    /// `Ps`, weight of sheen 0–1.
+    pub(super) sheen: Option<f32>,
+    /// `aniso`, 0–1.
+    pub(super) anisotropy: Option<f32>,
+    /// `anisor`, in turns.
+    pub(super) anisotropy_rotation: Option<f32>,
     pub(super) diffuse_map: Option<Map>,
     pub(super) emission_map: Option<Map>,
     pub(super) opacity_map: Option<Map>,
+    pub(super) roughness_map: Option<Map>,
+    pub(super) metallic_map: Option<Map>,
     /// `norm`: a tangent-space normal map.
     pub(super) normal_map: Option<Map>,
 }
@@ -44,6 +59,10 @@ pub(super) struct Map {
     pub(super) file: String,
     pub(super) sampler: SamplerSettings,
     pub(super) transform: UvTransform,
+    /// `-imfchan`: which channel counts where one does.
+    pub(super) channel: Channel,
+    /// `-bm`: factor of bumps.
+    pub(super) bumps: f32,
     /// Line and keyword, for messages.
     pub(super) line: usize,
     pub(super) key: String,
@@ -97,15 +116,23 @@ impl MtlMaterial {
             }
             "Pr" => self.roughness = Some(statement.numbers::<1>(1)?.0[0]),
             "Pm" => self.metallic = Some(statement.numbers::<1>(1)?.0[0]),
-            "map_Kd" => self.diffuse_map = Some(map(statement)?),
-            "map_Ke" => self.emission_map = Some(map(statement)?),
-            "map_d" => self.opacity_map = Some(map(statement)?),
-            "norm" | "map_Kn" => self.normal_map = Some(map(statement)?),
+            "Tf" => self.transmission_filter = colour(statement, warnings)?,
+            "Pc" => self.coat = Some(statement.numbers::<1>(1)?.0[0]),
+            "Pcr" => self.coat_roughness = Some(statement.numbers::<1>(1)?.0[0]),
+            "Ps" => self.sheen = Some(statement.numbers::<1>(1)?.0[0]),
+            "aniso" => self.anisotropy = Some(statement.numbers::<1>(1)?.0[0]),
+            "anisor" => self.anisotropy_rotation = Some(statement.numbers::<1>(1)?.0[0]),
+            "map_Kd" => self.diffuse_map = Some(map(statement, warnings)?),
+            "map_Ke" => self.emission_map = Some(map(statement, warnings)?),
+            "map_d" => self.opacity_map = Some(map(statement, warnings)?),
+            "map_Pr" => self.roughness_map = Some(map(statement, warnings)?),
+            "map_Pm" => self.metallic_map = Some(map(statement, warnings)?),
+            "norm" | "map_Kn" => self.normal_map = Some(map(statement, warnings)?),
             "map_Bump" | "map_bump" | "bump" => left_out("a height map; give a normal map as norm"),
-            "map_Ks" | "map_Ns" | "map_Pr" | "map_Pm" | "map_Ps" | "map_RMA" | "map_ORM" => left_out("a texture"),
+            "map_Ks" | "map_Ns" | "map_Ps" | "map_Pc" | "map_Pcr" | "map_RMA" | "map_ORM" => left_out("a texture"),
             "disp" | "decal" | "refl" => left_out("a texture"),
-            "Pc" | "Pcr" | "Ps" | "aniso" | "anisor" | "sharpness" => {}
-            "Ka" | "Tf" | "map_Ka" | "map_aat" => {}
+            // Of pictures that stand for surroundings, of light that comes from nowhere, of rasterisers.
+            "sharpness" | "Ka" | "map_Ka" | "map_aat" => {}
             _ => left_out("an unknown statement"),
         }
         Ok(())
@@ -128,17 +155,54 @@ fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[
 }
 
 /// A file name after its options.
-fn map(statement: &Statement<'_>) -> Result<Map, Invalid> {
+fn map(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Map, Invalid> {
+    let mut left_out = |option: &str| {
+        let (line, key) = (statement.line, statement.keyword());
+        warnings.once(format!("line {line}: {key}: the option -{option} is not supported and is left out"));
+    };
     let mut rest = statement.rest();
     let mut sampler = SamplerSettings::default();
     let (mut scale, mut offset) = (Vec2::ONE, Vec2::ZERO);
+    let (mut channel, mut bumps) = (Channel::R, 1.0);
     while let Some(option) = rest.strip_prefix('-') {
         let (option, mut after) = split_word(option);
         match option {
             "s" => (scale, after) = vector(after, 1.0),
             "o" => (offset, after) = vector(after, 0.0),
-            "t" => (_, after) = vector(after, 0.0),
-            "mm" => after = split_word(split_word(after).1).1,
+            "t" => {
+                let turbulence;
+                (turbulence, after) = vector(after, 0.0);
+                if turbulence != Vec2::ZERO {
+                    left_out(option);
+                }
+            }
+            "mm" => {
+                let (base, next) = split_word(after);
+                let (gain, next) = split_word(next);
+                if (number(base)?, number(gain)?) != (0.0, 1.0) {
+                    left_out(option);
+                }
+                after = next;
+            }
+            "bm" => {
+                let (word, next) = split_word(after);
+                (bumps, after) = (number(word)?, next);
+            }
+            "imfchan" => {
+                let (word, next) = split_word(after);
+                channel = match word {
+                    // Luminance: of a grey picture every channel is.
+                    "r" | "l" => Channel::R,
+                    "g" => Channel::G,
+                    "b" => Channel::B,
+                    "m" => Channel::A,
+                    _ => {
+                        left_out(option);
+                        Channel::R
+                    }
+                };
+                after = next;
+            }
             "clamp" => {
                 let (word, next) = split_word(after);
                 if word == "on" {
@@ -146,7 +210,7 @@ fn map(statement: &Statement<'_>) -> Result<Map, Invalid> {
                 }
                 after = next;
             }
-            "bm" | "blendu" | "blendv" | "boost" | "cc" | "texres" | "imfchan" | "type" | "colorspace" => {
+            "blendu" | "blendv" | "boost" | "cc" | "texres" | "type" | "colorspace" => {
                 after = split_word(after).1;
             }
             // A file may be called anything, even this.
@@ -160,7 +224,8 @@ fn map(statement: &Statement<'_>) -> Result<Map, Invalid> {
     // OBJ scales and moves from the bottom of the picture, glTF (v' = 1 − v) from its top:
     // 1 − (s·(1 − v') + o) = s·v' + (1 − s − o).
     let transform = UvTransform { offset: Vec2::new(offset.x, 1.0 - scale.y - offset.y), rotation_rad: 0.0, scale };
-    Ok(Map { file: rest.to_owned(), sampler, transform, line: statement.line, key: statement.keyword().to_owned() })
+    let (line, key) = (statement.line, statement.keyword().to_owned());
+    Ok(Map { file: rest.to_owned(), sampler, transform, channel, bumps, line, key })
 }
 
 /// The first word and what follows it.
@@ -200,6 +265,9 @@ mod tests {
             (Some(100.0), Some(1.5), Some(7), Some(0.75))
         );
         assert_eq!((m.roughness, m.metallic), (Some(0.4), Some(1.0)));
+        let m = material("Tf 1 0.5 0\nPc 0.3\nPcr 0.1\nPs 0.2\naniso 0.7\nanisor 0.25").expect("valid");
+        assert_eq!((m.transmission_filter, m.coat, m.coat_roughness), (Some([1.0, 0.5, 0.0]), Some(0.3), Some(0.1)));
+        assert_eq!((m.sheen, m.anisotropy, m.anisotropy_rotation), (Some(0.2), Some(0.7), Some(0.25)));
         assert_eq!(material("Tr 1\nd -halo 0.5").expect("valid").opacity, Some(0.5));
         assert_eq!(material("Kd spectral gold.rfl 1.0\nKs xyz 1 1 1").expect("left out").diffuse, None);
     }
@@ -209,6 +277,9 @@ mod tests {
         let map =
             material("map_Kd -clamp on -s 2 4 -o 0.5 0.25 -bm 0.3 -mm 0 1 my wood.png").expect("valid").diffuse_map;
         let map = map.expect("a map");
+        assert_eq!((map.bumps, map.channel), (0.3, Channel::R));
+        let rough = material("map_Pr -imfchan g -mm 0.5 2 r.png").expect("valid").roughness_map.expect("a map");
+        assert_eq!((rough.channel, rough.file.as_str()), (Channel::G, "r.png"));
         assert_eq!((map.file.as_str(), map.sampler.wrap), ("my wood.png", [Wrap::ClampToEdge; 2]));
         // At OBJ's (u, v) = (0, 0), which is (0, 1) here, OBJ looks up (0.5, 0.25), which is (0.5, 0.75) here.
         assert_eq!(Vec2::new(0.0, 1.0) * map.transform.scale + map.transform.offset, Vec2::new(0.5, 0.75));

@@ -30,6 +30,18 @@ pub(crate) enum TypedMaterialTable {
     Dielectric(DielectricTable),
     /// The model of glTF: painted, plastic or metal.
     MetallicRoughness(MetallicRoughnessTable),
+    /// Matt with relief, as plaster and clay: the model of Oren and Nayar.
+    OrenNayar(OrenNayarTable),
+    /// A coloured body under a clear surface.
+    Plastic(PlasticTable),
+    /// A polished pane.
+    ThinDielectric(ThinDielectricTable),
+    /// A thin matt sheet that lets light through: paper, a leaf.
+    Translucent(TranslucentTable),
+    /// The model of Phong.
+    Phong(PhongTable),
+    /// Two materials side by side, finer than the eye sees.
+    Mix(MixTable),
 }
 
 /// The value of `type`.
@@ -40,6 +52,12 @@ pub(crate) enum MaterialType {
     Conductor,
     Dielectric,
     MetallicRoughness,
+    OrenNayar,
+    Plastic,
+    ThinDielectric,
+    Translucent,
+    Phong,
+    Mix,
 }
 
 /// The geometry's own material with changes.
@@ -173,6 +191,118 @@ pub(crate) struct MetallicRoughnessTable {
     pub(crate) roughness: f64,
     /// A picture whose green scales the roughness and whose blue scales the metalness.
     pub(crate) metallic_roughness_map: Option<TextureFile>,
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// A normal map (glTF convention).
+    pub(crate) normal_map: Option<TextureFile>,
+    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// Matt with relief, as plaster and clay: the model of Oren and Nayar.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OrenNayarTable {
+    /// The part of the light that it reflects.
+    pub(crate) reflectance: ReflectanceSource,
+    /// 0 is smooth (Lambert's law), 1 as rough as it gets.
+    pub(crate) roughness: f64,
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// A normal map (glTF convention).
+    pub(crate) normal_map: Option<TextureFile>,
+    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// A coloured body under a clear surface.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PlasticTable {
+    /// The part of the light that gets in that comes out again.
+    pub(crate) reflectance: ReflectanceSource,
+    /// Name of a medium that ships with photosite. Or give its index.
+    pub(crate) glass: Option<String>,
+    /// Refractive index. Left out, as the glass: 1.5.
+    pub(crate) index: Option<IndexSource>,
+    /// 0 is polished, 1 is matt; microfacets have α = roughness². Left out: 0.
+    pub(crate) roughness: Option<f64>,
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// A normal map (glTF convention).
+    pub(crate) normal_map: Option<TextureFile>,
+    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// A polished pane: both its surfaces in one.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ThinDielectricTable {
+    /// Name of a medium that ships with photosite: "BK7", "water" … Or give its index.
+    pub(crate) glass: Option<String>,
+    /// Refractive index.
+    pub(crate) index: Option<IndexSource>,
+    /// Abbe number, with an index that is a number. Left out: the index is the same at all wavelengths.
+    pub(crate) abbe_number: Option<f64>,
+    /// Internal transmittance along the normal, without what the surfaces reflect: a number, a name or a CSV file.
+    /// Left out: 1.
+    pub(crate) transmittance: Option<SpectrumSource>,
+}
+
+/// A thin matt sheet that lets light through: paper, a leaf.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TranslucentTable {
+    /// The part of the light that it reflects.
+    pub(crate) reflectance: ReflectanceSource,
+    /// The part of the light that it lets through. With the other at most 1 at any wavelength.
+    pub(crate) transmittance: ReflectanceSource,
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// A normal map (glTF convention).
+    pub(crate) normal_map: Option<TextureFile>,
+    /// Whether the back shines like the front. Left out: as in the geometry's file.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// The model of Phong, in the form that conserves energy: diffuse/π + specular·(n + 2)/(2π)·cosⁿα.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PhongTable {
+    /// The part of the light that is scattered by Lambert's law.
+    pub(crate) diffuse: ReflectanceSource,
+    /// The part of the light that goes into the lobe. With the other at most 1 at any wavelength.
+    pub(crate) specular: ReflectanceSource,
+    /// n, 0 to 100 000.
+    pub(crate) exponent: f64,
+    /// Light that the surface gives.
+    pub(crate) emission: Option<EmissionTable>,
+    /// A normal map (glTF convention).
+    pub(crate) normal_map: Option<TextureFile>,
+    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// Two materials side by side, finer than the eye sees.
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub(crate) struct MixTable {
+    /// One of them, without light or normal map of its own.
+    pub(crate) first: Box<TypedMaterialTable>,
+    /// The other.
+    pub(crate) second: Box<TypedMaterialTable>,
+    /// How it is mixed.
+    #[schemars(flatten)]
+    pub(crate) rest: MixRest,
+}
+
+/// What a mix says of both its materials.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MixRest {
+    /// The part of the surface that the second covers, 0–1.
+    pub(crate) weight: f64,
     /// Light that the surface gives.
     pub(crate) emission: Option<EmissionTable>,
     /// A normal map (glTF convention).

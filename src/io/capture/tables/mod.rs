@@ -26,7 +26,8 @@ pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile,
 pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, SpotTable};
 pub(super) use material::{
     ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MaterialType,
-    MetalSource, MetallicRoughnessTable, TypedMaterialTable,
+    MetalSource, MetallicRoughnessTable, MixRest, MixTable, OrenNayarTable, PhongTable, PlasticTable,
+    ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable};
 pub(super) use settings::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};

@@ -108,6 +108,18 @@ use super::*;
     "materials.wall.metal: photosite has no metal"
 )]
 #[case::glass("[materials.wall]\ntype = 'dielectric'\nglass = 'BK8'", 6, "did you mean `bk7`?")]
+#[case::too_much("[materials.wall]\ntype = 'translucent'\nreflectance = 0.6\ntransmittance = 0.5", 7, "together 1.1")]
+#[case::exponent(
+    "[materials.wall]\ntype = 'phong'\ndiffuse = 0\nspecular = 0\nexponent = -1",
+    8,
+    "between 0 and 100000"
+)]
+#[case::mix(
+    "[materials.wall]\ntype = 'mix'\nweight = 0.5\nfirst = { type = 'diffuse', reflectance = 0.5 }",
+    4,
+    "the key `second` is missing"
+)]
+#[case::mix_type("[materials.wall]\ntype = 'mix'\nweight = 0.5\nfirst = 3\nsecond = 4", 7, "expected a table")]
 #[case::no_index("[materials.wall]\ntype = 'dielectric'", 4, "needs a glass or an index")]
 #[case::resonance(
     "[materials.wall]\ntype = 'dielectric'\nindex = { sellmeier_b = [1], sellmeier_c_um2 = [0.25] }",

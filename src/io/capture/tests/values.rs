@@ -110,6 +110,16 @@ fn metals_indices_and_textures_come_in_several_shapes() {
         ("type = 'dielectric'\nindex = { sellmeier_b = [1.03961212], sellmeier_c_um2 = [0.00600069867] }", "Sellmeier"),
         ("type = 'dielectric'\nindex = { cauchy_a = 1.5, cauchy_b_um2 = 0.004 }", "Cauchy"),
         ("type = 'dielectric'\nindex = { file = 'k.csv' }", "Table"),
+        ("type = 'oren-nayar'\nreflectance = 0.5\nroughness = 0.8", "OrenNayar"),
+        ("type = 'plastic'\nreflectance = [1, 0, 0]", "Layered"),
+        ("type = 'plastic'\nreflectance = 0.5\nglass = 'BK7'\nroughness = 0.2", "Sellmeier"),
+        ("type = 'thin-dielectric'\nindex = 1.5\ntransmittance = { file = 'part.csv' }", "ThinDielectric"),
+        ("type = 'translucent'\nreflectance = { file = 'part.csv' }\ntransmittance = 0.3", "Translucent"),
+        ("type = 'phong'\ndiffuse = 0.3\nspecular = 0.6\nexponent = 20", "Phong"),
+        (
+            "type = 'mix'\nweight = 0.25\nfirst = { type = 'diffuse', reflectance = 0.5 }\nsecond = { type = 'mix', weight = 0.5, first = { type = 'conductor', metal = 'Au' }, second = { type = 'dielectric', index = 1.5 } }",
+            "weight: 0.25",
+        ),
         (
             "type = 'metallic-roughness'\nbase_colour = { texture = 'a.png', tiles = [2, 3], wrap = 'clamp' }\nroughness = 0.5\nnormal_map = { texture = 'a.png' }\nmetallic_roughness_map = { texture = 'a.png' }",
             "Layered",
@@ -117,6 +127,7 @@ fn metals_indices_and_textures_come_in_several_shapes() {
     ] {
         let files = Files::new(&room(&format!("[materials.wall]\n{table}")));
         files.add("k.csv", b"500,3.0\n600,3.5\n");
+        files.add("part.csv", b"500,0.3\n600,0.7\n");
         files.add("nk.csv", b"wavelength_nm,n,k\n500,0.5,3.0\n600,0.6,3.5\n");
         files.add("a.png", png.get_ref());
         let capture = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));
