@@ -64,6 +64,20 @@ pub fn expected_figures(sensor: &SensorModel, point: &OperatingPoint, plan: &Pla
     }
 }
 
+/// Keys of the effects that a sensor has and [`expected_figures`] leaves out, which has no closed form for them: defective
+/// pixels and numbers, steps of unequal width, pixels that repel each other's charge.
+pub fn effects_left_out(sensor: &SensorModel) -> Vec<&'static str> {
+    let SensorModel { noise, converter, brighter_fatter_per_e, .. } = sensor;
+    let effects = [
+        ("defects.dead_per_million", noise.defects.dead > 0.0),
+        ("defects.stuck_per_million", noise.defects.stuck > 0.0),
+        ("noise.transmission_errors_per_million", noise.transmission_errors > 0.0),
+        ("adc.dnl_dn", converter.dnl_dn > 0.0),
+        ("charge.brighter_fatter_per_e", brighter_fatter_per_e.iter().any(|&a| a > 0.0)),
+    ];
+    effects.into_iter().filter(|(_, is_there)| *is_there).map(|(key, _)| key).collect()
+}
+
 /// Means and variances of the plan's pairs, of so many pixels that they are exact: rounded, and clipped near saturation,
 /// which decides where the evaluation finds it.
 fn exact_points(sensor: &SensorModel, point: &OperatingPoint, shots: &[Shot]) -> Vec<TemporalPoint> {
@@ -122,7 +136,14 @@ fn linear_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_time: Se
     let dark_electrons = noise.dark_electrons(point.temperature, spatial_time).0;
     let uneven_dark_current =
         (noise.dark_current_nonuniformity * dark_electrons).powi(2) + part * (2.0 - part) * hot(spatial_time).powi(2);
-    let dsnu = FixedPattern { pixel: (noise.dsnu.pixel.powi(2) + uneven_dark_current).sqrt(), ..noise.dsnu };
+    // Amplifiers of columns that differ look like columns of pixels that do.
+    let converter = &sensor.converter;
+    let dsnu = FixedPattern {
+        pixel: (noise.dsnu.pixel.powi(2) + uneven_dark_current).sqrt(),
+        column: noise.dsnu.column.hypot(converter.column_offset_dn / gain),
+        ..noise.dsnu
+    };
+    let prnu = FixedPattern { column: noise.prnu.column.hypot(converter.column_gain), ..noise.prnu };
     let pattern = |p: &FixedPattern, scale: f64| SpatialFigures {
         total: Some(scale * p.total()),
         row: Some(scale * p.row),
@@ -142,7 +163,7 @@ fn linear_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_time: Se
         snr_max: saturation.sqrt(),
         dynamic_range: saturation / threshold,
         dsnu_e: pattern(&dsnu, 1.0),
-        prnu_percent: pattern(&noise.prnu, 100.0),
+        prnu_percent: pattern(&prnu, 100.0),
         linearity_error_min_percent: Some(0.0),
         linearity_error_max_percent: Some(0.0),
         dark_current_mean_e_per_s: Some(dark_current),

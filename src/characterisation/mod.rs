@@ -34,7 +34,7 @@ pub use descriptor::{Descriptor, Light, Series};
 pub use evaluation::{
     DarkCurrentFit, Evaluation, Linearity, TemporalPoint, doubling_temperature, evaluate, responsivity,
 };
-pub use expected::{expected_figures, quantum_efficiency};
+pub use expected::{effects_left_out, expected_figures, quantum_efficiency};
 pub use figures::{Decibel, Figures, Row, SpatialFigures};
 pub use fit::{Line, line, through_origin};
 pub use flat_field::FlatField;

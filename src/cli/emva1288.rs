@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use photosite::characterisation::{
-    Descriptor, FlatField, OperatingPoint, Plan, Series, Shot, doubling_temperature, expected_figures,
-    quantum_efficiency,
+    Descriptor, FlatField, OperatingPoint, Plan, Series, Shot, doubling_temperature, effects_left_out,
+    expected_figures, quantum_efficiency,
 };
 use photosite::io::capture::read_named_sensor;
 use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageFormat, ImageSets, SetWriter, SpectralSet, ThermalSet};
@@ -111,6 +111,11 @@ pub(super) fn run(args: &Emva1288Args) -> Result<()> {
     let size = image_size(&sensor, args.size)?;
     let work = works(args, &sensor)?;
     refuse_output(&output, args.force)?;
+    if !args.quiet {
+        for key in effects_left_out(&sensor) {
+            eprintln!("warning: {key} is in the images, but not in the figures that are expected of them");
+        }
+    }
 
     let parent = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).map_err(|reason| Error::io(parent, "create the folder", reason))?;
@@ -236,6 +241,12 @@ fn peak(sensor: &SensorModel, channel: usize) -> f64 {
 
 fn image_size(sensor: &SensorModel, wanted: Option<[usize; 2]>) -> Result<[usize; 2]> {
     let largest = FlatField::largest_size(sensor);
+    if largest.iter().any(|&side| side < 3) {
+        return Err(Error::Usage {
+            message: format!("sensor {} is a line of pixels, and EMVA 1288 measures areas", sensor.name),
+            help: Some("photosite noise takes the figures of its pictures".to_owned()),
+        });
+    }
     let size = wanted.unwrap_or(largest.map(|side| side.min(512)));
     if (0..2).any(|axis| size[axis] > largest[axis] || size[axis] < 3) {
         let [[w, h], [most_w, most_h]] = [size, largest];

@@ -96,8 +96,14 @@ impl Binning {
         Ok(())
     }
 
+    /// Columns and rows of whole bins among so many of pixels.
+    pub(super) fn whole_bins(&self, pixels: [usize; 2], cfa: &Cfa) -> [usize; 2] {
+        let cell = self.cell(cfa);
+        [0, 1].map(|axis| pixels[axis] / cell[axis] * (cell[axis] / self.factor[axis]))
+    }
+
     /// Pixels after which bins repeat, along both sides.
-    fn cell(&self, cfa: &Cfa) -> [usize; 2] {
+    pub(super) fn cell(&self, cfa: &Cfa) -> [usize; 2] {
         let (_, step) = cfa.binned(self.factor);
         [0, 1].map(|axis| step[axis] * self.factor[axis])
     }
@@ -154,7 +160,7 @@ impl Binning {
         let pixels = [size[0] / samples, size[1]];
         let (_, step) = cfa.binned(self.factor);
         let cell = self.cell(cfa);
-        let bins = [0, 1].map(|axis| pixels[axis] / cell[axis] * step[axis]);
+        let bins = self.whole_bins(pixels, cfa);
         // The first pixel of a bin; the others follow at distances of a step.
         let first = |bin: usize, axis: usize| bin / step[axis] * cell[axis] + bin % step[axis];
         let width = bins[0] * samples;

@@ -27,7 +27,7 @@ use super::reset_noise::ResetNoise;
 use super::shot_noise::ShotNoise;
 use super::stage::{Stage, Stages};
 use super::telegraph::Telegraph;
-use super::{Exposure, NoiseKey, SensorModel, Window, brighter_fatter, ccd, charge_generation};
+use super::{Binning, Exposure, NoiseKey, SensorModel, Window, brighter_fatter, ccd, charge_generation};
 
 /// What every stage of one picture may know.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +65,7 @@ pub fn expose(
     key: NoiseKey,
 ) -> Result<RawImage, Invalid> {
     exposure.validate(sensor)?;
-    exposure.window.lies_within([mean_electrons.width(), mean_electrons.height()])?;
+    exposure.window.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
 
     // Light and heat free electrons in each pixel.
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
@@ -160,7 +160,7 @@ pub fn expose(
 
     let layout = binning.layout(&sensor.cfa);
     let width = row_length / layout.samples_per_pixel();
-    let area = active_area(sensor, mean_electrons, binning.factor);
+    let area = active_area(sensor, mean_electrons, binning);
     let channels = layout.channels().len();
     let linearisation = sensor.linearisation(exposure);
     let whole = RawImage {
@@ -193,15 +193,12 @@ pub fn expose(
     })
 }
 
-/// Where among all that is read out the picture lies, in bins of so many columns and rows.
-fn active_area(sensor: &SensorModel, picture: &Planes, [across, down]: [usize; 2]) -> Area {
+/// Where among all that is read out the picture lies, in bins.
+fn active_area(sensor: &SensorModel, picture: &Planes, binning: Binning) -> Area {
     let prescan = sensor.architecture.ccd().map_or(0, |ccd| ccd.overscan.prescan_columns);
-    Area {
-        x: (prescan + sensor.masked.columns[0]) / across,
-        y: sensor.masked.rows[0] / down,
-        width: picture.width() / across,
-        height: picture.height() / down,
-    }
+    let [across, down] = binning.factor;
+    let [width, height] = binning.whole_bins([picture.width(), picture.height()], &sensor.cfa);
+    Area { x: (prescan + sensor.masked.columns[0]) / across, y: sensor.masked.rows[0] / down, width, height }
 }
 
 /// The tile as it lies at the corner of all that is read out, so that it begins at that of the picture.

@@ -43,11 +43,28 @@ impl Window {
     /// Refuses what this sensor cannot do. Keys are those of the capture file's `[exposure]` table.
     fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
         self.binning.validate(sensor)?;
-        self.lies_within(sensor.resolution)
+        self.fits(sensor, sensor.resolution)?;
+        let cell = self.binning.cell(&sensor.cfa);
+        match self.region {
+            Some(Area { x, y, width, height })
+                if [x, width].iter().any(|n| n % cell[0] != 0) || [y, height].iter().any(|n| n % cell[1] != 0) =>
+            {
+                let [across, down] = self.binning.factor;
+                let message = format!("{width} × {height} pixels at {x}, {y} are no whole bins of {across} × {down}");
+                let help = format!("write multiples of {} along rows and of {} along columns", cell[0], cell[1]);
+                Err(Invalid::new("region_px", message).help(help))
+            }
+            Some(_) | None => Ok(()),
+        }
     }
 
-    /// Refuses a region that is no part of so many columns and rows.
-    pub(super) fn lies_within(&self, [columns, rows]: [usize; 2]) -> Result<(), Invalid> {
+    /// Refuses bins that are larger than so many columns and rows, and a region that is no part of them.
+    pub(super) fn fits(&self, sensor: &SensorModel, [columns, rows]: [usize; 2]) -> Result<(), Invalid> {
+        if self.binning.whole_bins([columns, rows], &sensor.cfa).contains(&0) {
+            let [across, down] = self.binning.cell(&sensor.cfa);
+            let message = format!("{columns} × {rows} pixels have no whole bins, which take {across} × {down} of them");
+            return Err(Invalid::new("binning", message).help("write smaller bins"));
+        }
         let Some(Area { x, y, width, height }) = self.region else { return Ok(()) };
         let refuse = |message: String, help: &str| Err(Invalid::new("region_px", message).help(help));
         let within = |first: usize, length: usize, side: usize| {
@@ -56,11 +73,6 @@ impl Window {
         if !(within(x, width, columns) && within(y, height, rows)) {
             let message = format!("{width} × {height} pixels at {x}, {y} are no part of {columns} × {rows}");
             return refuse(message, "write [first column, first row, columns, rows]");
-        }
-        let [across, down] = self.binning.factor;
-        if [x, width].iter().any(|n| n % across != 0) || [y, height].iter().any(|n| n % down != 0) {
-            let message = format!("{width} × {height} pixels at {x}, {y} are no whole bins of {across} × {down}");
-            return refuse(message, "write multiples of the bins' size");
         }
         Ok(())
     }

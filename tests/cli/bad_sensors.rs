@@ -44,6 +44,11 @@ fn folder(capture: String) -> Folder {
     "region_px: 20 × 10 pixels at 1, 0 are no whole bins of 2 × 2",
     "multiples"
 )]
+#[case::large_bins(
+    "[sensor]\nresolution_px = [40, 20]\n[exposure]\nbinning = [8, 16]",
+    "exposure.binning: 40 × 20 pixels have no",
+    "smaller"
+)]
 #[case::no_bins("[exposure]\nbinning = [0, 2]", "exposure.binning: must be from 1 to 16", "binning = [2, 2]")]
 #[case::how_to_bin("[exposure]\nbinning_method = 'sum'", "exposure.binning_method: says how", "binning = [2, 2]")]
 #[case::digital_gain("[exposure]\ndigital_gain_db = -3", "digital_gain_db: must lie from 0 to 48, got -3", "white")]

@@ -7,6 +7,7 @@ use photosite::characterisation::{
 use photosite::raw::Cfa;
 use photosite::sensor::{FixedPattern, Kernel, SensorModel, presets};
 use photosite::units::{Celsius, Decibels};
+use rstest::rstest;
 
 const SIZE: [usize; 2] = [96, 80];
 const PIXELS: f64 = 96.0 * 80.0;
@@ -128,11 +129,15 @@ fn every_channel_of_a_colour_sensor_is_recovered() {
     }
 }
 
-#[test]
-fn rows_and_columns_are_told_from_pixels() {
+#[rstest]
+#[case::of_pixels([4.0, 0.0], [0.006, 0.0])]
+#[case::of_amplifiers([2.0, 3.0], [0.004, 0.006])]
+fn rows_and_columns_are_told_from_pixels(#[case] offsets_e: [f64; 2], #[case] gains: [f64; 2]) {
     let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
-    sensor.noise.dsnu = FixedPattern { pixel: 5.0, row: 3.0, column: 4.0 };
-    sensor.noise.prnu = FixedPattern { pixel: 0.01, row: 0.004, column: 0.006 };
+    sensor.noise.dsnu = FixedPattern { pixel: 5.0, row: 3.0, column: offsets_e[0] };
+    sensor.noise.prnu = FixedPattern { pixel: 0.01, row: 0.004, column: gains[0] };
+    sensor.converter.column_offset_dn = offsets_e[1] * sensor.converter.conversion_gain_dn_per_e;
+    sensor.converter.column_gain = gains[1];
     let point = OperatingPoint { channel: 0, wavelength_nm: 550.0, gain: Decibels(0.0), temperature: Celsius(25.0) };
     let plan = Plan::linear(&sensor, &point, STEPS, STACK, None).expect("light to see");
     let found = measure(&sensor, &point, &plan).figures;

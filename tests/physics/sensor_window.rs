@@ -42,6 +42,19 @@ fn a_region_is_a_part_of_the_whole_picture(#[case] kind: Stage, #[case] binning:
     }
 }
 
+#[rstest]
+#[case::mono("mono", [7, 3], [5, 10])]
+#[case::bayer("RGGB", [3, 3], [12, 10])]
+fn what_makes_no_whole_bin_is_left_out(#[case] cfa: &str, #[case] factor: [usize; 2], #[case] bins: [usize; 2]) {
+    let mut sensor = quiet_sensor();
+    sensor.cfa = Cfa::parse(cfa).expect("a layout");
+    for method in [BinningMethod::Charge, BinningMethod::Sum, BinningMethod::Mean] {
+        let raw = read_out(&sensor, &flat(&sensor, 40, 30, 100.0), binned(factor, method));
+        raw.validate().expect("a whole picture");
+        assert_eq!(([raw.width, raw.height], raw.active_area), (bins, None), "{method:?}");
+    }
+}
+
 #[test]
 fn a_region_keeps_the_colours_of_its_pixels() {
     let mut sensor = quiet_sensor();

@@ -48,6 +48,11 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
             merged.remove(other);
         }
     }
+    for [table, kind] in KINDS {
+        if said(&changes, table, kind).is_some_and(|new| said(&merged, table, kind) != Some(new)) {
+            merged.remove(table);
+        }
+    }
     merged.lay_over(changes);
     // The place of the table as a whole is where the capture file speaks of it.
     if let Some(node) = source.get("sensor") {
@@ -62,6 +67,14 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
 
 /// Keys of a sensor that say the same thing in two ways: one of them in a capture file takes the place of the other.
 const ALTERNATIVES: [[&str; 2]; 1] = [["pixel_pitch_um", "format"]];
+
+/// Tables with the key that says what the others mean: where a capture file changes that, none of the preset's stay.
+const KINDS: [[&str; 2]; 2] = [["shutter", "kind"], ["spad", "counting"]];
+
+/// The text at a key of a table of the sensor.
+fn said<'a>(sensor: &'a Node, table: &str, key: &str) -> Option<&'a str> {
+    sensor.as_table()?.get(table)?.node.as_table()?.get(key)?.node.as_str()
+}
 
 /// Reads a sensor of which all keys are there, whatever preset they come from.
 pub(super) fn read_whole_sensor(source: &mut CaptureSource, name: &str) -> Result<MergedSensor> {

@@ -12,7 +12,7 @@ use crate::sampler::SamplerKind;
 use crate::scene::description::{
     AlphaMode, Colour, EnvironmentDescription, LightKind, MaterialDescription, MaterialModel, PictureLevel,
 };
-use crate::sensor::presets;
+use crate::sensor::{Counting, presets};
 use crate::spectrum::{illuminant, library};
 use crate::texture::Wrap;
 use crate::units::{Celsius, Decibels, Seconds};
@@ -294,6 +294,16 @@ fn a_sensor_is_a_preset_or_a_file_with_changes() {
         "[sensor]\npreset = \"sensors/mine.toml\"\n[sensor.channels.Y]\nquantum_efficiency = { file = \"other.csv\" }",
     );
     assert_eq!(sensor.quantum_efficiency[0].eval(690.0), 0.5);
+    // Another kind of shutter or counter leaves nothing of the preset's behind.
+    let sensor = read("[sensor]\npreset = \"sony-imx363-color\"\nshutter = { kind = \"global\" }");
+    assert_eq!(sensor.shutter.row_time().0, 0.0);
+    let sensor = read("[sensor]\npreset = \"sony-imx363-color\"\nshutter = { row_time_us = 7.5 }");
+    assert_eq!(sensor.shutter.row_time().0, 7.5e-6);
+    let free_running = "spad = { counting = \"free-running\", dead_time_ns = 100 }";
+    let sensor = read(&format!("[sensor]\npreset = \"swissspad2\"\n{free_running}"));
+    let counting = sensor.architecture.spad().expect("a counter").counting;
+    // Two roundings of 100 · 10⁻⁹.
+    assert!(matches!(counting, Counting::FreeRunning { dead_time } if (dead_time.0 - 1e-7).abs() < 1e-22));
 }
 
 #[test]
