@@ -56,6 +56,7 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
                 let value = match value {
                     Attribute::Text(text) => json!(text),
                     Attribute::Number(number) => json!(number),
+                    Attribute::Chromaticities(points) => json!(points),
                 };
                 facts.insert(name.clone(), value);
             }

@@ -62,6 +62,18 @@ impl ColourSpace {
         DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
     }
 
+    /// CIE x and y of red, green, blue and white; of XYZ those of its axes and of equal parts.
+    pub fn chromaticities(self) -> [[f64; 2]; 4] {
+        match self.primaries() {
+            Some([red, green, blue]) => {
+                let white = self.white();
+                let sum = white.element_sum();
+                [red, green, blue, [white.x / sum, white.y / sum]]
+            }
+            None => [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]],
+        }
+    }
+
     /// Linear RGB → XYZ relative to the space's own white.
     pub fn to_xyz(self) -> DMat3 {
         match self.primaries() {

@@ -143,16 +143,24 @@ pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut d
 
 /// Writes linear planes as EXR, with the chromaticities of their colour space.
 pub fn write_linear<W: Write + Seek>(planes: &Planes, space: ColourSpace, to: W) -> io::Result<()> {
-    let attributes = [("colorSpace", Attribute::Text(space.name().to_owned()))];
-    write_exr(planes, &attributes, to)
+    write_exr(planes, &colour_attributes(planes, space), to)
 }
 
 /// Writes the linear planes of a bracket as EXR, with the exposure time that a value of 1 saturates in the attribute
 /// `exposureTime`.
 pub fn write_hdr<W: Write + Seek>(planes: &Planes, space: ColourSpace, time: Seconds, to: W) -> io::Result<()> {
-    let attributes =
-        [("colorSpace", Attribute::Text(space.name().to_owned())), ("exposureTime", Attribute::Number(time.0))];
+    let mut attributes = colour_attributes(planes, space);
+    attributes.push(("exposureTime", Attribute::Number(time.0)));
     write_exr(planes, &attributes, to)
+}
+
+/// What tells readers of the colour space: the name, and for colour the standard attribute.
+fn colour_attributes(planes: &Planes, space: ColourSpace) -> Vec<(&'static str, Attribute)> {
+    let mut attributes = vec![("colorSpace", Attribute::Text(space.name().to_owned()))];
+    if planes.channels().len() == 3 {
+        attributes.push(("chromaticities", Attribute::Chromaticities(space.chromaticities())));
+    }
+    attributes
 }
 
 fn encode_with(mut encoder: impl ImageEncoder, picture: &EncodedPicture) -> io::Result<()> {

@@ -43,7 +43,7 @@ pub fn electrons(picture: ExrPicture) -> Result<(Estimate, Seconds), Invalid> {
     }
     let time = picture.attributes.iter().find_map(|(name, value)| match value {
         Attribute::Number(time) if name == "exposureTime" => Some(*time),
-        Attribute::Number(_) | Attribute::Text(_) => None,
+        Attribute::Number(_) | Attribute::Text(_) | Attribute::Chromaticities(_) => None,
     });
     let Some(time) = time.filter(|time| time.is_finite() && *time > 0.0) else {
         return Err(Invalid::new("exposureTime", "the file does not say how long the electrons were collected"));

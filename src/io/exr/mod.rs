@@ -5,6 +5,7 @@
 
 mod sorted_header;
 
+use std::collections::HashMap;
 use std::io::{self, BufRead, Seek, Write};
 
 use exr::block::lines::LineRefMut;
@@ -12,7 +13,7 @@ use exr::compression::Compression;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
 use exr::math::RoundingMode;
-use exr::meta::attribute::{AttributeValue, LevelMode, LineOrder, SampleType, Text};
+use exr::meta::attribute::{AttributeValue, Chromaticities, LevelMode, LineOrder, SampleType, Text};
 use exr::meta::header::Header;
 use exr::prelude::{LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImage, read};
 
@@ -28,6 +29,8 @@ pub enum Attribute {
     Text(String),
     /// A number.
     Number(f64),
+    /// CIE x and y of red, green, blue and white: the standard attribute `chromaticities`.
+    Chromaticities([[f64; 2]; 4]),
 }
 
 /// What an EXR file holds.
@@ -44,7 +47,7 @@ impl ExrPicture {
     pub fn text(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find_map(|(n, value)| match value {
             Attribute::Text(text) if n == name => Some(&text[..]),
-            Attribute::Text(_) | Attribute::Number(_) => None,
+            Attribute::Text(_) | Attribute::Number(_) | Attribute::Chromaticities(_) => None,
         })
     }
 }
@@ -83,16 +86,20 @@ pub fn write_planes<'a, W: Write + Seek>(
         sampling: Vec2(1, 1),
     };
     let channels = AnyChannels::sort(planes.into_iter().map(channel).collect());
-    let other = attributes
-        .iter()
-        .map(|(name, value)| {
-            let value = match value {
-                Attribute::Text(text) => AttributeValue::Text(ascii(text)),
-                Attribute::Number(number) => AttributeValue::F64(*number),
-            };
-            (ascii(name), value)
-        })
-        .collect();
+    let mut chromaticities = None;
+    let mut other = HashMap::new();
+    for (name, value) in attributes {
+        let value = match value {
+            Attribute::Text(text) => AttributeValue::Text(ascii(text)),
+            Attribute::Number(number) => AttributeValue::F64(*number),
+            Attribute::Chromaticities(points) => {
+                let [red, green, blue, white] = points.map(|[x, y]| Vec2(x as f32, y as f32));
+                chromaticities = Some(Chromaticities { red, green, blue, white });
+                continue;
+            }
+        };
+        other.insert(ascii(name), value);
+    }
     let software_name = Some(ascii(concat!("photosite ", env!("CARGO_PKG_VERSION"))));
     let header = LayerAttributes { software_name, other, ..LayerAttributes::default() };
     // Noise does not compress, and black areas do even so. Rows in order, since threads finish in any.
@@ -100,7 +107,9 @@ pub fn write_planes<'a, W: Write + Seek>(
         Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let layer = Layer::new(Vec2(width, height), header, encoding, channels);
     let mut to = SortedHeader::new(to);
-    Image::from_layer(layer).write().to_buffered(&mut to).map_err(io_error)?;
+    let mut image = Image::from_layer(layer);
+    image.attributes.chromaticities = chromaticities;
+    image.write().to_buffered(&mut to).map_err(io_error)?;
     to.flush()
 }
 
@@ -239,6 +248,21 @@ mod tests {
         let first = write();
         // Each hash map has an order of its own: 4! orders, so ten files would hardly agree by chance.
         assert!((0..10).all(|_| write() == first));
+    }
+
+    #[test]
+    fn chromaticities_are_those_of_the_standard_attribute() {
+        let points = [[0.708, 0.292], [0.17, 0.797], [0.131, 0.046], [0.3127, 0.329]];
+        let mut file = Vec::new();
+        let attributes = [("chromaticities", Attribute::Chromaticities(points))];
+        write_exr(&planes(), &attributes, Cursor::new(&mut file)).expect("written");
+        // Name, type and length as the layout of the format has them, then eight floats.
+        let head = b"chromaticities\0chromaticities\0\x20\0\0\0";
+        let at = file.windows(head.len()).position(|bytes| bytes == head).expect("the attribute") + head.len();
+        let floats: Vec<f32> =
+            file[at..at + 32].chunks(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        assert_eq!(floats, points.as_flattened().iter().map(|&v| v as f32).collect::<Vec<_>>());
+        assert!(read_exr(Cursor::new(&file)).expect("readable").attributes.is_empty());
     }
 
     #[test]
