@@ -116,6 +116,11 @@ fn folder(capture: String) -> Folder {
     "exposure.bracket_times_s: cannot go with time_s",
     "bracket_ev"
 )]
+#[case::bracket_of_counts(
+    "[sensor]\npreset = 'swissspad2'\n[exposure]\nbracket_ev = [0, 2]",
+    "exposure.bracket_ev: sensor swissspad2 counts photons",
+    "write frames"
+)]
 #[case::bracket_and_frames(
     "[exposure]\nbracket_ev = [0, 2]\nframes = 3",
     "exposure.frames: cannot go with a bracket",

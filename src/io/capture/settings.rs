@@ -162,7 +162,7 @@ impl SpectralBands {
 pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
     let window = window(table, sensor)?;
     let [gain, digital_gain] = gains(table, sensor, window.binning)?;
-    let bracket = bracket(table)?;
+    let bracket = bracket(table, sensor)?;
     let time_s = table.time_s.or(bracket.as_ref().and_then(Bracket::middle).map(|time| time.0));
     let time = match (time_s, table.auto) {
         (Some(_), Some(true)) => {
@@ -222,7 +222,7 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
 }
 
 /// The bracket that is asked for.
-fn bracket(table: &ExposureTable) -> Result<Option<Bracket>, Invalid> {
+fn bracket(table: &ExposureTable, sensor: &SensorModel) -> Result<Option<Bracket>, Invalid> {
     const MOST: usize = 32;
     let (key, values, example) = match (&table.bracket_ev, &table.bracket_times_s) {
         (None, None) => return Ok(None),
@@ -232,6 +232,10 @@ fn bracket(table: &ExposureTable) -> Result<Option<Bracket>, Invalid> {
         (Some(steps), None) => ("bracket_ev", steps, "[-4, 0, 4]"),
         (None, Some(times)) => ("bracket_times_s", times, "[0.001, 0.016]"),
     };
+    if sensor.architecture.spad().is_some() {
+        let message = format!("sensor {} counts photons, and its counts are not in proportion to light", sensor.name);
+        return Err(Invalid::new(key, message).help("remove it, or write frames"));
+    }
     let wrong = |message: String| Invalid::new(key, message).help(format!("for example {key} = {example}"));
     if !(2..=MOST).contains(&values.len()) {
         return Err(wrong(format!("must be 2 to {MOST} exposures, got {}", values.len())));
