@@ -12,9 +12,9 @@ use photosite::image::Planes;
 use photosite::io::developed::{PictureFormat, write_encoded, write_png};
 use photosite::io::output::{create_folder, write_whole};
 use photosite::raw::{RawImage, write_dng};
-use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, Window, expose, presets};
+use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
 use photosite::spectrum::{Spectrum, illuminant, library};
-use photosite::units::{Celsius, Decibels, Seconds};
+use photosite::units::Seconds;
 
 /// Pixels along a patch; six patches in a row, four rows.
 const PATCH: usize = 48;
@@ -50,14 +50,7 @@ fn main() -> miette::Result<()> {
 
 /// A noise-free picture in which white would just saturate.
 fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photosite::Invalid> {
-    let exposure = Exposure {
-        time: Seconds(0.01),
-        gain: Decibels(0.0),
-        digital_gain: Decibels(0.0),
-        temperature: Celsius(25.0),
-        frame_interval: None,
-        window: Window::WHOLE,
-    };
+    let exposure = Exposure::of(Seconds(0.01));
     let responses = sensor.responses();
     let electrons = |reflectance: &Spectrum| -> Vec<f64> {
         responses.iter().map(|(_, r)| r.product(&light.product(reflectance)).integral()).collect()

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{DAffine3, Vec3};
 use photosite::io::obj::{self, MissingNormals};
 use photosite::scene::description::{
-    AlphaMode, Colour, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
+    Colour, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
     SceneDescription, TexturedColour,
 };
 use photosite::spectrum::{Spectrum, library};
@@ -71,14 +71,6 @@ pub(crate) fn visible() -> Spectrum {
 }
 
 fn diffuse(name: &str, reflectance: Colour) -> MaterialDescription {
-    MaterialDescription {
-        name: name.to_owned(),
-        model: MaterialModel::Diffuse { reflectance: TexturedColour::plain(reflectance) },
-        normal_map: None,
-        emission: None,
-        alpha: AlphaMode::Opaque,
-        alpha_factor: 1.0,
-        alpha_texture: None,
-        double_sided: false,
-    }
+    let reflectance = TexturedColour::plain(reflectance);
+    MaterialDescription::new(name, MaterialModel::Diffuse { reflectance })
 }

@@ -2,8 +2,8 @@
 
 use divan::{Bencher, black_box};
 use photosite::image::Planes;
-use photosite::sensor::{Exposure, NoiseKey, Stages, Window, expose, presets};
-use photosite::units::{Celsius, Decibels, Seconds};
+use photosite::sensor::{Exposure, NoiseKey, Stages, expose, presets};
+use photosite::units::Seconds;
 
 /// Light from none to a little above what the pixels hold, in all channels.
 fn mean_electrons(channels: &[String], full_well_e: f32) -> Planes {
@@ -21,13 +21,6 @@ fn mean_electrons(channels: &[String], full_well_e: f32) -> Planes {
 fn expose_24_megapixels(bencher: Bencher<'_, '_>, preset: &str) {
     let sensor = presets::model(preset).expect("a preset");
     let mean_electrons = mean_electrons(sensor.cfa.channels(), sensor.full_well.0 as f32);
-    let exposure = Exposure {
-        time: Seconds(0.01),
-        gain: Decibels(0.0),
-        digital_gain: Decibels(0.0),
-        temperature: Celsius(25.0),
-        frame_interval: None,
-        window: Window::WHOLE,
-    };
+    let exposure = Exposure::of(Seconds(0.01));
     bencher.bench_local(|| black_box(expose(&mean_electrons, &sensor, &exposure, Stages::ALL, NoiseKey::default())));
 }

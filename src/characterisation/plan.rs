@@ -1,7 +1,7 @@
 //! Which images a characterisation takes: exposure times and photons.
 
 use crate::Invalid;
-use crate::sensor::{Exposure, SensorModel, Window};
+use crate::sensor::{Exposure, SensorModel};
 use crate::units::{Celsius, Decibels, Electrons, Seconds};
 
 use super::descriptor::Light;
@@ -46,7 +46,7 @@ impl OperatingPoint {
     /// An exposure of this time.
     pub(super) fn exposure(&self, time: Seconds) -> Exposure {
         let Self { gain, temperature, .. } = *self;
-        Exposure { time, gain, digital_gain: Decibels(0.0), temperature, frame_interval: None, window: Window::WHOLE }
+        Exposure { gain, temperature, ..Exposure::of(time) }
     }
 }
 

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
 use photosite::colour::ColourSpace;
-use photosite::develop::{DevelopSettings, EncodedPicture, RawLayout, encode, with_layout};
+use photosite::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
 use photosite::film::Film;
 use photosite::image::Planes;
 use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands};
@@ -115,13 +115,7 @@ impl OutputFolder {
 
     /// A raw picture in all formats that are asked for, numbered where there are several.
     pub(super) fn write_frame(&mut self, output: &OutputSettings, number: Option<u32>, raw: &RawImage) -> Result<()> {
-        let other;
-        let raw = if output.raw_layout == RawLayout::Sensor {
-            raw
-        } else {
-            other = with_layout(raw, output.raw_layout).map_err(|invalid| invalid.in_file(&self.path))?;
-            &other
-        };
+        let raw = &*with_layout(raw, output.raw_layout).map_err(|invalid| invalid.in_file(&self.path))?;
         output.raw.iter().try_for_each(|format| match format {
             RawFormat::Dng => {
                 self.write(&named("raw", number, "dng"), |to| write_compressed_dng(raw, output.dng_compression, to))

@@ -4,6 +4,8 @@
 //! the scale of digital numbers that it came on. What it says of noise holds for pixels that were measured; those that
 //! were found from their neighbours are smoother.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -45,10 +47,10 @@ impl RawLayout {
 }
 
 /// The picture in another layout.
-pub fn with_layout(raw: &RawImage, layout: RawLayout) -> Result<RawImage, Invalid> {
+pub fn with_layout(raw: &RawImage, layout: RawLayout) -> Result<Cow<'_, RawImage>, Invalid> {
     layout.check(&raw.cfa)?;
     if layout == RawLayout::Sensor || raw.cfa.is_full() {
-        return Ok(raw.clone());
+        return Ok(Cow::Borrowed(raw));
     }
     let raw = raw.linear().cropped();
     let size = [raw.width, raw.height];
@@ -76,7 +78,8 @@ pub fn with_layout(raw: &RawImage, layout: RawLayout) -> Result<RawImage, Invali
             *dn = number(&planes, cfa.channel_at(x, y), y * raw.width + x / samples);
         }
     });
-    Ok(RawImage { data, cfa, black_level_dn: crate::raw::BlackLevel::uniform(black), ..raw })
+    let black_level_dn = crate::raw::BlackLevel::uniform(black);
+    Ok(Cow::Owned(RawImage { data, cfa, black_level_dn, ..raw }))
 }
 
 /// The largest number of a converter.
@@ -116,7 +119,8 @@ mod tests {
             ("x-trans", RawLayout::Linear),
             ("GBRG", RawLayout::Linear),
         ] {
-            let raw = with_layout(&even(cfa), layout).expect("possible");
+            let taken = even(cfa);
+            let raw = with_layout(&taken, layout).expect("possible");
             assert_eq!((raw.width, raw.height, raw.active_area), (33, 25, None));
             assert_eq!(raw.cfa.is_bayer(), layout == RawLayout::Bayer);
             raw.validate().expect("whole");

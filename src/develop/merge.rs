@@ -149,7 +149,7 @@ fn check(pictures: &[RawImage]) -> Result<(), Invalid> {
             return differ("ExposureTime", "the file does not say for how long it was exposed".to_owned());
         }
         let size = |raw: &RawImage| [raw.active().width, raw.active().height];
-        if size(raw) != size(first) || raw.cropped().cfa != first.cropped().cfa {
+        if size(raw) != size(first) || raw.active_cfa() != first.active_cfa() {
             let [[width, height], [w, h]] = [size(raw), size(first)];
             let (cfa, other) = (&raw.cfa, &first.cfa);
             return differ(

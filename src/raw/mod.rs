@@ -112,6 +112,12 @@ impl RawImage {
         self.active_area.unwrap_or(Area { x: 0, y: 0, width: self.width, height: self.height })
     }
 
+    /// The layout from the corner of these.
+    pub fn active_cfa(&self) -> Cfa {
+        let Area { x, y, .. } = self.active();
+        self.cfa.from(x, y)
+    }
+
     /// Refuses a picture whose parts do not belong together.
     pub fn validate(&self) -> Result<(), Invalid> {
         if self.data.len() != self.row_length() * self.height {

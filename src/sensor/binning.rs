@@ -31,12 +31,6 @@ pub enum BinningMethod {
     Mean,
 }
 
-impl Default for Binning {
-    fn default() -> Self {
-        Self::NONE
-    }
-}
-
 /// Most pixels along a side of a bin: cameras offer up to 4, instruments up to 16.
 const MAX_FACTOR: usize = 16;
 
@@ -119,8 +113,7 @@ impl Binning {
             return charge;
         }
         let size = [charge.width, charge.height];
-        let (electrons, [width, height]) =
-            self.bins(&charge.electrons, size, cfa, |values| values.map(f64::from).sum::<f64>() as f32);
+        let (electrons, [width, height]) = self.bins(&charge.electrons, size, cfa, |sum| sum as f32);
         ChargePlane { width, height, samples: charge.samples, electrons }
     }
 
@@ -133,28 +126,29 @@ impl Binning {
     ) -> (Vec<u16>, [usize; 2]) {
         let black = i64::from(sensor.converter.black_level_dn);
         let max = i64::from(sensor.converter.max_dn());
+        let pixels = self.pixels() as i64;
         let divisor = match self.method {
             BinningMethod::Charge => return (numbers, size),
             BinningMethod::Sum => 1,
-            BinningMethod::Mean => self.pixels() as i64,
+            BinningMethod::Mean => pixels,
         };
         if self.is_none() {
             return (numbers, size);
         }
-        self.bins(&numbers, size, &sensor.cfa, |values| {
-            let sum: i64 = values.map(|dn| i64::from(dn) - black).sum();
+        self.bins(&numbers, size, &sensor.cfa, |sum| {
+            let sum = sum as i64 - pixels * black;
             // The nearest number, halves upwards.
             (black + (2 * sum + divisor).div_euclid(2 * divisor)).clamp(0, max) as u16
         })
     }
 
-    /// One value for the values of every bin. `size`: values in a row, and rows.
-    fn bins<T: Copy + Send + Sync + Default>(
+    /// What `value` makes of the sum of every bin, which is exact for numbers. `size`: values in a row, and rows.
+    fn bins<T: Copy + Send + Sync + Default + Into<f64>>(
         &self,
         values: &[T],
         size: [usize; 2],
         cfa: &Cfa,
-        one: impl Fn(&mut dyn Iterator<Item = T>) -> T + Sync,
+        value: impl Fn(f64) -> T + Sync,
     ) -> (Vec<T>, [usize; 2]) {
         let samples = cfa.samples_per_pixel();
         let pixels = [size[0] / samples, size[1]];
@@ -169,11 +163,11 @@ impl Binning {
             for (i, bin) in row.iter_mut().enumerate() {
                 let (x, sample) = (first(i / samples, 0), i % samples);
                 let y = first(y, 1);
-                let mut values = (0..self.pixels()).map(|n| {
+                let sum = (0..self.pixels()).map(|n| -> f64 {
                     let (x, y) = (x + n % self.factor[0] * step[0], y + n / self.factor[0] * step[1]);
-                    values[y * size[0] + x * samples + sample]
+                    values[y * size[0] + x * samples + sample].into()
                 });
-                *bin = one(&mut values);
+                *bin = value(sum.sum());
             }
         });
         (binned, [width, bins[1]])

@@ -27,7 +27,7 @@ pub struct Exposure {
 }
 
 /// What of the sensor is read out.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// Pixels that are read out as one.
     pub binning: Binning,
@@ -79,6 +79,18 @@ impl Window {
 }
 
 impl Exposure {
+    /// So long a time at 25 °C and 0 dB, all of the sensor.
+    pub const fn of(time: Seconds) -> Self {
+        Self {
+            time,
+            gain: Decibels(0.0),
+            digital_gain: Decibels(0.0),
+            temperature: Celsius(25.0),
+            frame_interval: None,
+            window: Window::WHOLE,
+        }
+    }
+
     /// Refuses what this sensor cannot do. Keys are those of the capture file's `[exposure]` table.
     pub fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
         if !(self.time.0.is_finite() && self.time.0 > 0.0) {

@@ -2,7 +2,7 @@
 
 use crate::Invalid;
 use crate::spectrum::{Spectrum, cie, illuminant};
-use crate::units::{Celsius, Decibels, Electrons, Seconds};
+use crate::units::{Decibels, Electrons, Seconds};
 
 use super::{Binning, Exposure, SensorModel, Window};
 
@@ -25,14 +25,8 @@ impl SensorModel {
 
     /// The ISO speed at the smallest gain; there is no lower one.
     pub fn base_iso(&self, binning: Binning) -> Option<f64> {
-        self.iso(&Exposure {
-            time: Seconds(1.0),
-            gain: self.converter.gain_range[0],
-            digital_gain: Decibels(0.0),
-            temperature: Celsius(25.0),
-            frame_interval: None,
-            window: Window { binning, region: None },
-        })
+        let window = Window { binning, region: None };
+        self.iso(&Exposure { gain: self.converter.gain_range[0], window, ..Exposure::of(Seconds(1.0)) })
     }
 
     /// The analogue and the digital gain that give an ISO speed: as much of it as the sensor can by the first. Speeds
@@ -80,14 +74,7 @@ mod tests {
     use crate::sensor::presets;
 
     fn exposure([gain, digital_gain]: [Decibels; 2]) -> Exposure {
-        Exposure {
-            time: Seconds(0.01),
-            gain,
-            digital_gain,
-            temperature: Celsius(25.0),
-            frame_interval: None,
-            window: Window::WHOLE,
-        }
+        Exposure { gain, digital_gain, ..Exposure::of(Seconds(0.01)) }
     }
 
     #[test]

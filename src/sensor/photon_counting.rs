@@ -129,12 +129,18 @@ impl RowStage for PhotonCounter<'_> {
         if let Some(hot_pixels) = &self.hot_pixels {
             hot_pixels.of_row(row.y, row.values.len()).for_each(|(x, mean)| row.values[x] += mean as f32);
         }
-        for (x, value) in row.values.iter_mut().enumerate() {
-            let mean = f64::from(*value) + self.dark_counts.map_or(0.0, |dark_counts| dark_counts.of_pixel(x, row.y));
-            *value = match &self.streams {
-                Some(streams) => self.spad.count(mean, self.time, &mut streams.pixel(x, row.y)),
-                None => self.spad.mean_count(mean, self.time),
-            } as f32;
+        let y = row.y;
+        let mean =
+            |x, light: f32| f64::from(light) + self.dark_counts.map_or(0.0, |dark_counts| dark_counts.of_pixel(x, y));
+        match &self.streams {
+            Some(streams) => {
+                streams.pixels(row, |x, light, random| self.spad.count(mean(x, light), self.time, random) as f32)
+            }
+            None => {
+                for (x, value) in row.values.iter_mut().enumerate() {
+                    *value = self.spad.mean_count(mean(x, *value), self.time) as f32;
+                }
+            }
         }
     }
 }

@@ -3,19 +3,12 @@
 use photosite::image::Planes;
 use photosite::sensor::{
     Architecture, Ccd, CcdArchitecture, Converter, Counting, Defects, DualGain, Exposure, FixedPattern, Flicker,
-    FlickerOrder, Kernel, Noise, Overscan, ResetNoise, SensorModel, Spad, Stage, Telegraph, Window, presets,
+    FlickerOrder, Kernel, Noise, Overscan, ResetNoise, SensorModel, Spad, Stage, Telegraph, presets,
 };
-use photosite::units::{Celsius, Decibels, Electrons, Seconds};
+use photosite::units::{Decibels, Electrons, Seconds};
 
 /// One second at 25 °C and 0 dB.
-pub(crate) const EXPOSURE: Exposure = Exposure {
-    time: Seconds(1.0),
-    gain: Decibels(0.0),
-    digital_gain: Decibels(0.0),
-    temperature: Celsius(25.0),
-    frame_interval: None,
-    window: Window::WHOLE,
-};
+pub(crate) const EXPOSURE: Exposure = Exposure::of(Seconds(1.0));
 
 /// A monochrome sensor of 16 bits with a system gain of 1 DN/e⁻, a black level of 1000 DN and no noise.
 pub(crate) fn quiet_sensor() -> SensorModel {

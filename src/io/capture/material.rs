@@ -98,11 +98,7 @@ fn typed(finder: &mut Finder<'_>, table: &TypedMaterialTable) -> Result<Override
 fn diffuse(finder: &mut Finder<'_>, table: &DiffuseTable) -> Result<Override, Invalid> {
     let reflectance = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
     let model = MaterialModel::Diffuse { reflectance };
-    Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
-        emission: shine(finder, table.emission.as_ref())?,
-        double_sided: table.double_sided,
-    })
+    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
 }
 
 fn conductor(finder: &mut Finder<'_>, table: &ConductorTable) -> Result<Override, Invalid> {
@@ -119,11 +115,7 @@ fn conductor(finder: &mut Finder<'_>, table: &ConductorTable) -> Result<Override
     }
     let roughness = unit("roughness", table.roughness.unwrap_or(0.0))?;
     let model = MaterialModel::Conductor { eta, k, roughness, anisotropy: anisotropy as f32 };
-    Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
-        emission: shine(finder, table.emission.as_ref())?,
-        double_sided: table.double_sided,
-    })
+    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
 }
 
 fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectrum), Invalid> {
@@ -146,6 +138,17 @@ fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectru
             finder.spectrum(&parts.k, Outside::Hold).map_err(|e| e.within("k"))?,
         )),
     }
+}
+
+/// A model with what any surface may have beside it.
+fn surface(
+    finder: &mut Finder<'_>,
+    model: MaterialModel,
+    map: Option<&TextureFile>,
+    emission: Option<&EmissionTable>,
+    double_sided: Option<bool>,
+) -> Result<Override, Invalid> {
+    Ok(Override { model: Some((model, normal_map(finder, map)?)), emission: shine(finder, emission)?, double_sided })
 }
 
 fn dielectric(finder: &mut Finder<'_>, table: &DielectricTable) -> Result<Override, Invalid> {
@@ -207,21 +210,13 @@ fn metallic_roughness(finder: &mut Finder<'_>, table: &MetallicRoughnessTable) -
         roughness: factor(unit("roughness", table.roughness)?, Channel::G),
         ..LayeredDescription::default()
     }));
-    Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
-        emission: shine(finder, table.emission.as_ref())?,
-        double_sided: table.double_sided,
-    })
+    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
 }
 
 fn oren_nayar(finder: &mut Finder<'_>, table: &OrenNayarTable) -> Result<Override, Invalid> {
     let reflectance = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
     let model = MaterialModel::OrenNayar { reflectance, roughness: unit("roughness", table.roughness)? };
-    Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
-        emission: shine(finder, table.emission.as_ref())?,
-        double_sided: table.double_sided,
-    })
+    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
 }
 
 fn plastic(finder: &mut Finder<'_>, table: &PlasticTable) -> Result<Override, Invalid> {
@@ -240,11 +235,7 @@ fn plastic(finder: &mut Finder<'_>, table: &PlasticTable) -> Result<Override, In
         index,
         ..LayeredDescription::default()
     }));
-    Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
-        emission: shine(finder, table.emission.as_ref())?,
-        double_sided: table.double_sided,
-    })
+    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
 }
 
 fn thin_dielectric(finder: &mut Finder<'_>, table: &ThinDielectricTable) -> Result<Override, Invalid> {
@@ -262,11 +253,7 @@ fn translucent(finder: &mut Finder<'_>, table: &TranslucentTable) -> Result<Over
     let transmittance = finder.reflectance(&table.transmittance).map_err(|e| e.within("transmittance"))?;
     at_most_one(("reflectance", &reflectance), ("transmittance", &transmittance))?;
     let model = MaterialModel::Translucent { reflectance, transmittance };
-    Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
-        emission: shine(finder, table.emission.as_ref())?,
-        double_sided: table.double_sided,
-    })
+    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
 }
 
 fn phong(finder: &mut Finder<'_>, table: &PhongTable) -> Result<Override, Invalid> {
@@ -278,11 +265,7 @@ fn phong(finder: &mut Finder<'_>, table: &PhongTable) -> Result<Override, Invali
         return Err(Invalid::new("exponent", message).help("the larger, the narrower the lobe; 50 is glossy"));
     }
     let model = MaterialModel::Phong { diffuse, specular, exponent: table.exponent as f32 };
-    Ok(Override {
-        model: Some((model, normal_map(finder, table.normal_map.as_ref())?)),
-        emission: shine(finder, table.emission.as_ref())?,
-        double_sided: table.double_sided,
-    })
+    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
 }
 
 /// Refuses two parts of the light that are more than all of it. Textures count as white.
