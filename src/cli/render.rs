@@ -259,7 +259,13 @@ pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<H
         let camera = camera_of(lens, &capture.sensor, capture.camera_to_world, distance);
         camera.map_err(|invalid| capture.source.error(invalid.within("lens")))
     };
-    let Focus::Autofocus { pixel } = capture.lens.focus else { return place(&capture.lens, f64::NAN) };
+    let covered = |camera: Camera| match camera.check_coverage() {
+        Ok(()) => Ok(camera),
+        Err(invalid) => Err(capture.source.error(invalid.within("lens"))),
+    };
+    let Focus::Autofocus { pixel } = capture.lens.focus else {
+        return place(&capture.lens, f64::NAN).and_then(covered);
+    };
     // Focusing moves the sensor and with it the direction of the chief ray; a few rounds settle it.
     let mut lens = capture.lens.clone();
     let mut distance = f64::INFINITY;
@@ -271,7 +277,7 @@ pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<H
             break;
         }
     }
-    place(&capture.lens, distance)
+    place(&capture.lens, distance).and_then(covered)
 }
 
 fn render_report(
