@@ -1,5 +1,6 @@
 //! `photosite render`: trace, expose, develop, write.
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -278,6 +279,13 @@ pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<H
         }
     }
     place(&capture.lens, distance).and_then(covered)
+}
+
+/// The camera of a capture that is not rendered: its scene is built only where autofocus has to look at it.
+pub(super) fn lone_camera(capture: &Capture) -> Result<Camera> {
+    let built = OnceCell::new();
+    let build = || scene::build(capture.scene.clone(), &importance(&responses(capture)));
+    place_camera(capture, |ray| built.get_or_init(build).closest(ray))
 }
 
 fn render_report(
