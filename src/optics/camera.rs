@@ -376,7 +376,7 @@ mod tests {
     fn pixels_and_what_they_see_agree_over_the_whole_sensor() {
         for projection in [
             Projection::Perspective,
-            barrel(-0.2),
+            barrel(-0.1),
             barrel(0.4),
             Projection::Polynomial { k: [0.3, 0.0] },
             Projection::Division { lambda: -0.2 },
@@ -397,7 +397,7 @@ mod tests {
 
     #[test]
     fn a_fold_within_the_picture_is_refused_but_no_image_circle() {
-        // It folds at 0.553 focal lengths, 223 px; the corner lies 420 px away.
+        // It folds at r = √(1/1.5), 0.544 focal lengths or some 218 px from the middle; the corner lies 420 px away.
         let invalid = projected(barrel(-0.5), None).check_coverage().expect_err("a fold");
         assert!(invalid.message.contains("folds back over its own picture 21"), "{invalid}");
         let circle = projected(barrel(-0.5), Some(35.0));
