@@ -1,5 +1,6 @@
 //! `photosite render`: trace, expose, develop, write.
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -284,7 +285,13 @@ pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<H
         let camera = camera_of(lens, &capture.sensor, capture.camera_to_world, distance);
         camera.map_err(|invalid| capture.source.error(invalid.within("lens")))
     };
-    let Focus::Autofocus { pixel } = capture.lens.focus else { return place(&capture.lens, f64::NAN) };
+    let covered = |camera: Camera| match camera.check_coverage() {
+        Ok(()) => Ok(camera),
+        Err(invalid) => Err(capture.source.error(invalid.within("lens"))),
+    };
+    let Focus::Autofocus { pixel } = capture.lens.focus else {
+        return place(&capture.lens, f64::NAN).and_then(covered);
+    };
     // Focusing moves the sensor and with it the direction of the chief ray; a few rounds settle it.
     let mut lens = capture.lens.clone();
     let mut distance = f64::INFINITY;
@@ -296,7 +303,14 @@ pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<H
             break;
         }
     }
-    place(&capture.lens, distance)
+    place(&capture.lens, distance).and_then(covered)
+}
+
+/// The camera of a capture that is not rendered: its scene is built only where autofocus has to look at it.
+pub(super) fn lone_camera(capture: &Capture) -> Result<Camera> {
+    let built = OnceCell::new();
+    let build = || scene::build(capture.scene.clone(), &importance(&responses(capture)));
+    place_camera(capture, |ray| built.get_or_init(build).closest(ray))
 }
 
 fn render_report(

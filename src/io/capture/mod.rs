@@ -12,7 +12,7 @@
 //! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
-//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs` |
+//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
 //! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
@@ -30,6 +30,7 @@ mod light;
 mod material;
 mod motion;
 mod overrides;
+mod projection;
 mod reader;
 mod relocate;
 mod scene;
