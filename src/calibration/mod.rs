@@ -3,4 +3,5 @@
 //! In: a [`Scene`](crate::scene::Scene), a [`Camera`](crate::optics::Camera). Out: planes of positions, normals,
 //! identities, motion. Files are left to [`io`](crate::io).
 
+pub mod dataset;
 pub mod truth;

@@ -123,7 +123,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         exposure: chain.exposure_report(&exposure),
         files: folder.files(),
         warnings,
-        timings,
+        timings: Some(timings),
     };
     folder.write_report(&report)?;
     if *json {

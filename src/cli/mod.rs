@@ -5,6 +5,8 @@ mod bracket;
 mod chain;
 mod compare;
 mod compare_text;
+mod dataset;
+mod dataset_folder;
 mod develop;
 mod emva1288;
 mod emva1288_report;
@@ -53,6 +55,7 @@ enum Command {
     Compare(compare::CompareArgs),
     Measure(measure::MeasureArgs),
     MergeHdr(merge_hdr::MergeHdrArgs),
+    Dataset(dataset::DatasetArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     #[command(name = "emva1288")]
     Emva1288(emva1288::Emva1288Args),
@@ -84,6 +87,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::Measure(args) => measure::run(&args),
         Command::MergeHdr(args) => merge_hdr::run(&args),
+        Command::Dataset(args) => dataset::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Emva1288(args) => emva1288::run(&args),
         Command::Emva1288Report(args) => emva1288_report::run(&args),

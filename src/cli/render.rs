@@ -49,10 +49,46 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     args.common.start_threads()?;
     let start = Instant::now();
     let overrides = args.common.overrides();
-    let mut capture = Capture::read(&args.input, &overrides)?;
-    let mut timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
+    let capture = Capture::read(&args.input, &overrides)?;
+    let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let mut folder = OutputFolder::claim(&output.clone().unwrap_or_else(|| default_folder(&args.input)), *force)?;
+    let request = Request { input: &args.input, overrides, quiet: *quiet, silent: *quiet || *json, is_timed: true };
+    let rendered = render(capture, &request, &mut folder, timings)?;
+    if *json {
+        return print_json(&rendered.report);
+    }
+    if !quiet {
+        summarise(&rendered, &folder);
+    }
+    Ok(())
+}
 
+/// What of a render does not stand in its capture.
+pub(super) struct Request<'a> {
+    pub(super) input: &'a Path,
+    pub(super) overrides: Vec<String>,
+    /// Whether warnings are kept from the user.
+    pub(super) quiet: bool,
+    /// Whether progress is.
+    pub(super) silent: bool,
+    /// Whether the report says how long it took, which differs from run to run.
+    pub(super) is_timed: bool,
+}
+
+/// A render that is done and written.
+pub(super) struct Rendered {
+    pub(super) report: Report,
+    paths: u64,
+    timings: Timings,
+}
+
+/// Renders a capture into a folder, the report last. `timings` holds what has passed before.
+pub(super) fn render(
+    mut capture: Capture,
+    request: &Request<'_>,
+    folder: &mut OutputFolder,
+    mut timings: Timings,
+) -> Result<Rendered> {
     let start = Instant::now();
     let responses = responses(&capture);
     let importance = importance(&responses);
@@ -73,7 +109,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     };
     let chain = Chain::new((&capture).into(), optics, &light, &mut warnings)?;
     let chain = chain.with_lens(&capture.lens, &camera, &mut warnings);
-    if !quiet {
+    if !request.quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
     timings.build_s = start.elapsed().as_secs_f64();
@@ -87,7 +123,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         responses: &responses,
         importance: &importance,
     };
-    let Recorded { film, exposure, first, passes } = traced.record(&mut folder, &mut timings, *quiet || *json)?;
+    let Recorded { film, exposure, first, passes } = traced.record(folder, &mut timings, request.silent)?;
 
     let [width, height] = pixels(&capture).map(u64::from);
     let paths = width * height * passes;
@@ -103,12 +139,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         scene_light: LightReport::new(&light),
         truth: truth_report,
         paths,
-        paths_per_s: paths as f64 / timings.trace_s,
+        paths_per_s: request.is_timed.then(|| paths as f64 / timings.trace_s),
     };
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
-        input: args.input.display().to_string(),
-        overrides,
+        input: request.input.display().to_string(),
+        overrides: request.overrides.clone(),
         capture: capture.to_json(folder.path())?,
         seed: capture.render.seed,
         traced: traced.into_map(),
@@ -116,16 +152,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         exposure: chain.exposure_report(&exposure),
         files: folder.files(),
         warnings,
-        timings,
+        timings: request.is_timed.then_some(timings),
     };
     folder.write_report(&report)?;
-    if *json {
-        return print_json(&report);
-    }
-    if !quiet {
-        summarise(&report, paths, &folder);
-    }
-    Ok(())
+    Ok(Rendered { report, paths, timings })
 }
 
 /// All that the pictures of a series are made of.
@@ -183,7 +213,8 @@ impl Series<'_> {
             // Noise of light that stays in its place from frame to frame would pass for a pattern.
             settings.seed = hash64(settings.seed, u64::from(number));
         }
-        let truth_job = TruthJob { scene: self.scene, camera, next, resolution: pixels(capture) };
+        let partner = capture.output.truth.partner.unwrap_or(DAffine3::IDENTITY);
+        let truth_job = TruthJob { scene: self.scene, camera, next, partner, resolution: pixels(capture) };
         check_depths(&truth_job, &capture.output.truth)
             .map_err(|invalid| capture.source.error(invalid.within("output")))?;
         let start = Instant::now();
@@ -331,18 +362,18 @@ fn render_report(
     }
 }
 
-fn summarise(report: &Report, paths: u64, folder: &OutputFolder) {
-    let Report { timings, exposure, .. } = report;
-    let count = match paths {
+fn summarise(rendered: &Rendered, folder: &OutputFolder) {
+    let Rendered { report: Report { exposure, files, .. }, paths, timings } = rendered;
+    let count = match *paths {
         few @ ..1_000_000 => few.to_string(),
         many => format!("{:.1} M", many as f64 / 1e6),
     };
     eprintln!(
         "traced {count} paths in {} s ({:.2} M paths/s) and exposed for {} ms; wrote {}, {REPORT} to {}",
         rounded(timings.trace_s, 3),
-        paths as f64 / timings.trace_s / 1e6,
+        *paths as f64 / timings.trace_s / 1e6,
         rounded(exposure.time_s * 1e3, 4),
-        report.files.join(", "),
+        files.join(", "),
         folder.path().display()
     );
 }

@@ -28,7 +28,9 @@ pub(super) struct Report {
     /// File names in the output folder.
     pub(super) files: Vec<String>,
     pub(super) warnings: Vec<String>,
-    pub(super) timings: Timings,
+    /// Left out where the same input shall give the same bytes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) timings: Option<Timings>,
 }
 
 /// What holds for the light, whatever sensor it falls on.
@@ -42,7 +44,9 @@ pub(super) struct TracedReport {
     pub(super) truth: Option<TruthReport>,
     /// Camera paths traced.
     pub(super) paths: u64,
-    pub(super) paths_per_s: f64,
+    /// Left out where the same input shall give the same bytes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) paths_per_s: Option<f64>,
 }
 
 impl TracedReport {

@@ -8,6 +8,7 @@
 //! | albedo | linear sRGB | `float32` | 65535 for white, linear, kept within |
 //! | instance, material | 0 for nothing | `uint32` | 0 for nothing |
 //! | flow | x, y, visible | `float32` | 64·x + 2¹⁵, 64·y + 2¹⁵, visible (KITTI's) |
+//! | disparity | x, y, visible | `float32` | 256·x where it is visible, 0 elsewhere (KITTI's) |
 
 use std::io::{self, Seek, Write};
 
@@ -67,7 +68,7 @@ pub fn fits_png(truth: &Planes, depth_unit_m: f64) -> Result<(), Invalid> {
 
 /// Writes all layers as one OpenEXR file.
 pub fn write_truth_exr<W: Write + Seek>(truth: &Planes, to: W) -> io::Result<()> {
-    let unit = "depth, distance, position: m; flow: px; position, normals: world axes, x right, y up";
+    let unit = "depth, distance, position: m; flow, disparity: px; position, normals: world axes, x right, y up";
     write_exr(truth, &[("unit", Attribute::Text(unit.to_owned()))], to)
 }
 
@@ -96,7 +97,8 @@ pub fn write_truth_npy<W: Write>(truth: &Planes, layer: TruthLayer, to: W) -> io
         | TruthLayer::ShadingNormal
         | TruthLayer::Uv
         | TruthLayer::Albedo
-        | TruthLayer::Flow => {
+        | TruthLayer::Flow
+        | TruthLayer::Disparity => {
             let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(to).begin_nd()?;
             array.extend(pixels.flat_map(|i| planes.iter().map(move |plane| plane[i])))?;
             array.finish()
@@ -110,13 +112,14 @@ pub fn write_truth_png<W: Write>(truth: &Planes, layer: TruthLayer, depth_unit_m
     let planes = planes_of(truth, layer)?;
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
     let mut info = png::Info::with_size(side(truth.width())?, side(truth.height())?);
-    info.color_type = if planes.len() == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
+    let count = if layer == TruthLayer::Disparity { 1 } else { planes.len() };
+    info.color_type = if count == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
     info.bit_depth = png::BitDepth::Sixteen;
-    let mut bytes = Vec::with_capacity(2 * planes.len() * truth.width() * truth.height());
+    let mut bytes = Vec::with_capacity(2 * count * truth.width() * truth.height());
     for i in 0..truth.width() * truth.height() {
         let values = [0, 1, 2].map(|c| f64::from(planes.get(c).map_or(0.0, |plane| plane[i])));
         let codes = codes(layer, values, depth_unit_m)?;
-        codes[..planes.len()].iter().for_each(|code| bytes.extend(code.to_be_bytes()));
+        codes[..count].iter().for_each(|code| bytes.extend(code.to_be_bytes()));
     }
     let mut writer = png::Encoder::with_info(to, info)?.write_header()?;
     writer.write_image_data(&bytes)?;
@@ -149,6 +152,11 @@ fn codes(layer: TruthLayer, values: [f64; 3], depth_unit_m: f64) -> io::Result<[
             let [x, y] = [0, 1].map(|axis| (values[axis] * 64.0).round() + 32768.0);
             let fits = [x, y].iter().all(|code| (1.0..=LARGEST).contains(code));
             Ok(if fits { [x as u16, y as u16, code(values[2])] } else { [0; 3] })
+        }
+        TruthLayer::Disparity => {
+            let units = (values[0] * 256.0).round();
+            let fits = values[2] > 0.0 && (1.0..=LARGEST).contains(&units);
+            Ok([if fits { units as u16 } else { 0 }, 0, 0])
         }
         TruthLayer::Position | TruthLayer::Uv => Err(io::Error::other("PNG files have no room for it")),
     }

@@ -127,6 +127,12 @@ impl Camera {
         Self { to_world, recording: None, ..self.clone() }
     }
 
+    /// The same camera standing still elsewhere: `place` leads from where it shall be to where it is, both in its own axes.
+    #[must_use]
+    pub fn beside(self, place: &DAffine3) -> Self {
+        Self { to_world: self.to_world * *place, recording: None, ..self }
+    }
+
     /// Camera → world, of a moving camera at time 0.
     pub fn to_world(&self) -> DAffine3 {
         self.to_world

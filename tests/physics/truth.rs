@@ -30,7 +30,8 @@ fn direction(x: usize, y: usize) -> DVec3 {
 }
 
 fn ask(scene: &Scene, camera: &Camera, next: &Camera, layers: &[TruthLayer]) -> Planes {
-    truth(&TruthJob { scene, camera, next, resolution: RESOLUTION }, layers)
+    let job = TruthJob { scene, camera, next, partner: DAffine3::IDENTITY, resolution: RESOLUTION };
+    truth(&job, layers)
 }
 
 fn pixels() -> impl Iterator<Item = (usize, usize, usize)> {
@@ -104,6 +105,23 @@ fn flow_is_that_of_a_passing_wall(
         let to = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) + expected;
         let inside = to.x >= 0.0 && to.y >= 0.0 && to.x < f64::from(RESOLUTION[0]) && to.y < f64::from(RESOLUTION[1]);
         assert_eq!(value(&planes, "flow.visible", i) == 1.0, inside, "{x}, {y}");
+    }
+}
+
+#[rstest]
+fn disparity_is_that_of_a_parallel_pair(#[values(0.0, 1e-3)] row_time_s: f64) {
+    let baseline = 0.12;
+    // Both stand on the same base: where it moves, and rows are exposed one after the other, a point is still in the same
+    // row of both.
+    let camera = moving(DVec3::new(0.3, 0.4, 0.0), row_time_s, 2);
+    let partner = DAffine3::from_translation(DVec3::X * baseline);
+    let job = TruthJob { scene: &wall().build(), camera: &camera, next: &camera, partner, resolution: RESOLUTION };
+    let planes = truth(&job, &[TruthLayer::Disparity, TruthLayer::Depth]);
+    for (i, x, y) in pixels() {
+        let expected = FX * baseline / value(&planes, "depth", i);
+        let found = [value(&planes, "disparity.X", i), value(&planes, "disparity.Y", i)];
+        assert!((found[0] - expected).abs() < ROUNDING_PX && found[1].abs() < ROUNDING_PX, "{x}, {y}: {found:?}");
+        assert_eq!(value(&planes, "disparity.visible", i) == 1.0, x as f64 + 0.5 >= expected, "{x}, {y}");
     }
 }
 

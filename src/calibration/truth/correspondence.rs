@@ -1,10 +1,19 @@
 //! Where a surface that one camera sees appears to another, or to the same one later.
 
-use glam::{DVec2, Vec3};
+use glam::{DAffine3, DVec2, Vec3};
 
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
 use crate::optics::Camera;
 use crate::scene::Scene;
+
+/// A camera whose rows may be exposed one after the other, or its partner, which it carries with it.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Partner → camera, in metres; the identity for the camera itself.
+    pub place: DAffine3,
+}
 
 /// Where a surface point appears in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,33 +24,44 @@ pub struct Correspondence {
     pub visible: bool,
 }
 
-/// Continuous pixel coordinates of a world point in a picture whose rows may be exposed one after the other, each in the
-/// middle of its exposure: the y that solves y = project(p, camera at t(y)). `None` behind the camera, and where a camera
-/// moves too fast for there to be one.
-pub fn project(camera: &Camera, point: Vec3) -> Option<DVec2> {
-    if !camera.moves() {
-        return camera.project(point);
+impl<'a> View<'a> {
+    /// That of a camera itself.
+    pub fn of(camera: &'a Camera) -> Self {
+        Self { camera, place: DAffine3::IDENTITY }
     }
-    let mut pixel = camera.at_row(0.0).project(point)?;
-    // Each round takes the error times (speed of the picture in rows per row time), which is far below 1 in any picture
-    // that is not torn apart.
-    for _ in 0..100 {
-        let next = camera.at_row(pixel.y - 0.5).project(point)?;
-        let change = (next - pixel).length();
-        pixel = next;
-        if change < 1e-9 {
+
+    /// The camera as it stands in the middle of the exposure of a row.
+    fn at_row(&self, row: f64) -> Camera {
+        self.camera.at_row(row).beside(&self.place)
+    }
+
+    /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row: the y that solves
+    /// y = project(p, camera at t(y)). `None` behind the camera, and where it moves too fast for there to be one.
+    pub fn project(&self, point: Vec3) -> Option<DVec2> {
+        let mut pixel = self.at_row(0.0).project(point)?;
+        if !self.camera.moves() {
             return Some(pixel);
         }
+        // Each round takes the error times (speed of the picture in rows per row time), which is far below 1 in any picture
+        // that is not torn apart.
+        for _ in 0..100 {
+            let next = self.at_row(pixel.y - 0.5).project(point)?;
+            let change = (next - pixel).length();
+            pixel = next;
+            if change < 1e-9 {
+                return Some(pixel);
+            }
+        }
+        None
     }
-    None
-}
 
-/// Where a surface point appears in another picture of `size` columns and rows. `None` where it has no place in it.
-pub fn correspondence(scene: &Scene, point: &SurfacePoint, camera: &Camera, size: [u32; 2]) -> Option<Correspondence> {
-    let pixel = project(camera, point.position)?;
-    let [width, height] = size.map(f64::from);
-    let within = (0.0..width).contains(&pixel.x) && (0.0..height).contains(&pixel.y);
-    Some(Correspondence { pixel, visible: within && is_seen(scene, point, &camera.at_row(pixel.y - 0.5)) })
+    /// Where a surface point appears in the picture of `size` columns and rows. `None` where it has no place in it.
+    pub fn correspondence(&self, scene: &Scene, point: &SurfacePoint, size: [u32; 2]) -> Option<Correspondence> {
+        let pixel = self.project(point.position)?;
+        let [width, height] = size.map(f64::from);
+        let within = (0.0..width).contains(&pixel.x) && (0.0..height).contains(&pixel.y);
+        Some(Correspondence { pixel, visible: within && is_seen(scene, point, &self.at_row(pixel.y - 0.5)) })
+    }
 }
 
 /// Whether nothing is between a surface point and the centre of a lens.

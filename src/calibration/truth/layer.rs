@@ -27,11 +27,13 @@ pub enum TruthLayer {
     Material,
     /// Where the surface appears in the next picture of the series less where it appears in this one, px; x right, y down.
     Flow,
+    /// Where the surface appears in this picture less where it appears in that of the camera's partner, px; x right, y down.
+    Disparity,
 }
 
 impl TruthLayer {
     /// All layers.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Depth,
         Self::Distance,
         Self::Position,
@@ -42,6 +44,7 @@ impl TruthLayer {
         Self::Instance,
         Self::Material,
         Self::Flow,
+        Self::Disparity,
     ];
 
     /// Its name in files.
@@ -57,6 +60,7 @@ impl TruthLayer {
             Self::Instance => "instance",
             Self::Material => "material",
             Self::Flow => "flow",
+            Self::Disparity => "disparity",
         }
     }
 
@@ -73,6 +77,7 @@ impl TruthLayer {
             Self::Instance => &["instance"],
             Self::Material => &["material"],
             Self::Flow => &["flow.X", "flow.Y", "flow.visible"],
+            Self::Disparity => &["disparity.X", "disparity.Y", "disparity.visible"],
         }
     }
 
@@ -81,7 +86,13 @@ impl TruthLayer {
         match self {
             Self::Depth | Self::Distance => f32::INFINITY,
             Self::Position | Self::Uv => f32::NAN,
-            Self::Normal | Self::ShadingNormal | Self::Albedo | Self::Instance | Self::Material | Self::Flow => 0.0,
+            Self::Normal
+            | Self::ShadingNormal
+            | Self::Albedo
+            | Self::Instance
+            | Self::Material
+            | Self::Flow
+            | Self::Disparity => 0.0,
         }
     }
 }

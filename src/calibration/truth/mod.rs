@@ -9,6 +9,6 @@ mod correspondence;
 mod layer;
 mod trace;
 
-pub use correspondence::{Correspondence, correspondence, project};
+pub use correspondence::{Correspondence, View};
 pub use layer::TruthLayer;
 pub use trace::{TruthJob, truth};

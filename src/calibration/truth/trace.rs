@@ -1,11 +1,10 @@
 //! One ray a pixel, and what its surface says of itself.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::TruthLayer;
 use super::albedo::albedo;
-use super::correspondence::correspondence;
+use super::{TruthLayer, View};
 use crate::geometry::{Hit, SurfacePoint};
 use crate::image::{Channel, Planes};
 use crate::optics::Camera;
@@ -20,6 +19,8 @@ pub struct TruthJob<'a> {
     pub camera: &'a Camera,
     /// The camera of the next picture, for [`TruthLayer::Flow`].
     pub next: &'a Camera,
+    /// Partner → camera, m, for [`TruthLayer::Disparity`].
+    pub partner: DAffine3,
     /// Columns and rows.
     pub resolution: [u32; 2],
 }
@@ -95,15 +96,19 @@ impl<'a> Seen<'a> {
             }
             TruthLayer::Instance => to[0] = number(self.job.scene.instance(&self.hit)),
             TruthLayer::Material => to[0] = number(self.point.material),
-            TruthLayer::Flow => {
-                let next = correspondence(self.job.scene, &self.point, self.job.next, self.job.resolution);
-                let [x, y, visible] = next.map_or([0.0; 3], |next| {
-                    let flow = next.pixel - self.pixel;
-                    [flow.x as f32, flow.y as f32, f32::from(u8::from(next.visible))]
-                });
-                to.copy_from_slice(&[x, y, visible]);
+            TruthLayer::Flow => self.write_way(&View::of(self.job.next), 1.0, to),
+            TruthLayer::Disparity => {
+                self.write_way(&View { camera: self.job.camera, place: self.job.partner }, -1.0, to);
             }
         }
+    }
+
+    /// `sign` times the way from the pixel to where another view has the point, and whether it is visible there.
+    fn write_way(&self, other: &View<'_>, sign: f64, to: &mut [f32]) {
+        let found = other.correspondence(self.job.scene, &self.point, self.job.resolution);
+        let way = found.map_or(DVec2::ZERO, |found| (found.pixel - self.pixel) * sign).as_vec2();
+        let visible = found.is_some_and(|found| found.visible);
+        to.copy_from_slice(&[way.x, way.y, f32::from(u8::from(visible))]);
     }
 
     /// The point in camera space, m.

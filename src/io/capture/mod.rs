@@ -22,6 +22,7 @@
 
 mod camera;
 mod colour;
+mod dataset;
 mod develop;
 mod file;
 mod framing;
@@ -64,6 +65,7 @@ use scene::ReadScene;
 use sensor::sensor_model;
 use tables::CaptureFile;
 
+pub use dataset::DatasetFile;
 pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};

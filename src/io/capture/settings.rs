@@ -2,10 +2,14 @@
 
 use std::time::Duration;
 
+use glam::DAffine3;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName, TruthSource};
+use super::camera::looking;
+use super::tables::{
+    ExposureTable, IrradianceSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
+};
 use crate::Invalid;
 use crate::calibration::truth::TruthLayer;
 use crate::develop::RawLayout;
@@ -125,6 +129,8 @@ pub struct TruthOutput {
     pub formats: Vec<TruthFormat>,
     /// What one step of depth stands for in files of whole numbers, m.
     pub depth_unit_m: f64,
+    /// Partner → camera of a stereo pair, m.
+    pub partner: Option<DAffine3>,
 }
 
 /// Formats of raw pictures.
@@ -424,7 +430,11 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
 fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
     let layers = match &table.truth {
         None | Some(TruthSource::Flag(false)) => Vec::new(),
-        Some(TruthSource::Flag(true)) => TruthLayer::ALL.to_vec(),
+        Some(TruthSource::Flag(true)) => {
+            // Without a partner there is no disparity to tell.
+            let is_there = |layer: &TruthLayer| *layer != TruthLayer::Disparity || table.truth_partner.is_some();
+            TruthLayer::ALL.into_iter().filter(is_there).collect()
+        }
         Some(TruthSource::Layers(layers)) => without_repetition(layers),
     };
     let others = [
@@ -436,6 +446,11 @@ fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
             Invalid::new(*key, "has no meaning without layers").help("write truth = [\"depth\"] or the like, too")
         );
     }
+    if layers.contains(&TruthLayer::Disparity) && table.truth_partner.is_none() {
+        let message = "\"disparity\" is that of a pair of cameras, and the other one is missing";
+        return Err(Invalid::new("truth", message).help("add truth_partner = { position_m = [0.1, 0, 0] }"));
+    }
+    let partner = table.truth_partner.map(|table| partner(&table).map_err(|e| e.within("truth_partner")));
     let formats = without_repetition(table.truth_formats.as_deref().unwrap_or(&[TruthFormat::Exr]));
     for format in &formats {
         // All layers are those that the format holds.
@@ -444,7 +459,14 @@ fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
         }
     }
     let unit_mm = table.truth_depth_unit_mm.map(|mm| positive_number("truth_depth_unit_mm", mm, "0.1"));
-    Ok(TruthOutput { layers, formats, depth_unit_m: unit_mm.transpose()?.unwrap_or(1.0) * 1e-3 })
+    let depth_unit_m = unit_mm.transpose()?.unwrap_or(1.0) * 1e-3;
+    Ok(TruthOutput { layers, formats, depth_unit_m, partner: partner.transpose()? })
+}
+
+/// Partner → camera.
+fn partner(table: &PartnerTable) -> Result<DAffine3, Invalid> {
+    let [x, y, z] = table.position_m;
+    looking(table.position_m, table.look_at_m.unwrap_or([x, y, z - 1.0]), table.up)
 }
 
 fn without_repetition<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {

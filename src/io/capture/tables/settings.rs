@@ -112,16 +112,31 @@ pub(crate) struct OutputTable {
     /// or errors of colour, as ideal.exr and ideal.png. Left out: false.
     pub(crate) ideal: Option<bool>,
     /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position" (world, m),
-    /// "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture). Left out: false.
+    /// "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture), "disparity" (px from truth_partner).
+    /// Left out: false.
     pub(crate) truth: Option<TruthSource>,
     /// Formats of that: "exr" for one file truth.exr; "npy" or "png" (16 bits) for one file a layer. Left out: ["exr"].
     pub(crate) truth_formats: Option<Vec<TruthFormat>>,
     /// Millimetres that one step of a depth or distance in a PNG file stands for. Left out: 1.
     pub(crate) truth_depth_unit_mm: Option<f64>,
+    /// Where the other camera of a stereo pair is, one of the same kind, for "disparity".
+    pub(crate) truth_partner: Option<PartnerTable>,
     /// Mean electrons of every pixel, without noise. Left out: true.
     pub(crate) electrons: Option<bool>,
     /// Seconds between pictures of a render that is under way; 0 for none. Left out: 10.
     pub(crate) preview_interval_s: Option<f64>,
+}
+
+/// Where the other camera of a stereo pair is and looks, in the axes of this one: x right, y up, looking along −z.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PartnerTable {
+    /// Where the centre of its lens is, m.
+    pub(crate) position_m: [f64; 3],
+    /// A point on its axis, m. Left out: straight ahead.
+    pub(crate) look_at_m: Option<[f64; 3]>,
+    /// What is up in its picture. Left out: [0, 1, 0].
+    pub(crate) up: Option<[f64; 3]>,
 }
 
 /// true, false, or a list of layers.

@@ -1,0 +1,161 @@
+//! The keys of a data set file.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A data set: a capture, and what differs from frame to frame.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "photosite data set")]
+pub struct DatasetDescription {
+    /// The capture file that all frames are made from, relative to this file.
+    pub capture: String,
+    /// How many frames. Left out: as many as the poses ask for, else 1.
+    pub frames: Option<u32>,
+    /// Seed of everything that is random. Left out: 0.
+    pub seed: Option<u32>,
+    /// Changes to keys of the capture, for all frames, as `--set` has them: "render.samples_per_pixel=64".
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// The cameras of a rig. Left out: one, called "camera".
+    #[serde(default)]
+    pub cameras: Vec<RigCameraDescription>,
+    /// Where the rig is. Left out: where the capture's camera is.
+    pub poses: Option<PosesDescription>,
+    /// Keys of the capture that differ from frame to frame.
+    #[serde(default)]
+    pub vary: Vec<VariationDescription>,
+}
+
+/// A camera of a rig. Its place is that in the rig: x right, y up, and the rig looks along −z.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RigCameraDescription {
+    /// What its folder is called.
+    pub name: String,
+    /// Where the centre of its lens is in the rig, m. Left out: [0, 0, 0].
+    pub position_m: Option<[f64; 3]>,
+    /// A point on its axis in the rig, m. Left out: straight ahead.
+    pub look_at_m: Option<[f64; 3]>,
+    /// What is up in its picture. Left out: [0, 1, 0].
+    pub up: Option<[f64; 3]>,
+    /// Changes to keys of the capture for this camera: "lens.focal_length_mm=8".
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// Name of the camera that `disparity` of ground truth leads to.
+    pub disparity_to: Option<String>,
+}
+
+/// Where the rig is in each frame: one of these.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PosesDescription {
+    /// Poses one after the other; from the first again where there are more frames.
+    pub list: Option<Vec<PoseDescription>>,
+    /// All combinations of directions and distances.
+    pub grid: Option<GridPoses>,
+    /// Poses drawn at random.
+    pub random: Option<RandomPoses>,
+    /// Poses along a way, at even intervals of time.
+    pub trajectory: Option<TrajectoryPoses>,
+}
+
+/// Where the rig stands and looks.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PoseDescription {
+    /// Where its origin is, m.
+    pub position_m: [f64; 3],
+    /// A point straight ahead, m.
+    pub look_at_m: [f64; 3],
+    /// What is up. Left out: [0, 1, 0].
+    pub up: Option<[f64; 3]>,
+}
+
+/// Views of a target, or of a point, from all combinations of these directions and distances. The last varies fastest.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GridPoses {
+    /// Name of a target of the capture, whose middle is looked at from its front.
+    pub target: Option<String>,
+    /// In place of a target: a point, looked at along the world's −z, m.
+    pub look_at_m: Option<[f64; 3]>,
+    /// Angles to the right, degrees. Left out: [0].
+    #[serde(default = "straight")]
+    pub azimuth_deg: Vec<f64>,
+    /// Angles upwards, degrees. Left out: [0].
+    #[serde(default = "straight")]
+    pub elevation_deg: Vec<f64>,
+    /// Distances, m.
+    pub distance_m: Vec<f64>,
+}
+
+fn straight() -> Vec<f64> {
+    vec![0.0]
+}
+
+/// Views of a target, or of a point, drawn evenly from these ranges. The middle of the target is sent all over the picture,
+/// as near to its border as the whole target allows.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RandomPoses {
+    /// Name of a target of the capture: all of its points stay in the pictures of all cameras.
+    pub target: Option<String>,
+    /// In place of a target: a point that does so, m.
+    pub look_at_m: Option<[f64; 3]>,
+    /// Least and largest distance, m.
+    pub distance_m: [f64; 2],
+    /// Least and largest angle from the target's front, or from the point's +z, degrees. Left out: [0, 45].
+    pub tilt_deg: Option<[f64; 2]>,
+    /// Least and largest angle about the way of looking, degrees. Left out: [-10, 10].
+    pub roll_deg: Option<[f64; 2]>,
+    /// How far from the border of the picture all points stay, px. Left out: 5.
+    pub margin_px: Option<f64>,
+}
+
+/// A way through poses at times: straight from one to the next, turning evenly.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrajectoryPoses {
+    /// Frames a second.
+    pub frame_rate_hz: f64,
+    /// The poses, in the order of their times.
+    pub poses: Vec<TimedPoseDescription>,
+    /// Whether the rig moves while it records: blur, and the skew of rolling shutters. Left out: true.
+    pub moving: Option<bool>,
+}
+
+/// Where the rig stands and looks at a time.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimedPoseDescription {
+    /// Time from the start of the first frame, s.
+    pub time_s: f64,
+    /// Where its origin is, m.
+    pub position_m: [f64; 3],
+    /// A point straight ahead, m.
+    pub look_at_m: [f64; 3],
+    /// What is up. Left out: [0, 1, 0].
+    pub up: Option<[f64; 3]>,
+}
+
+/// A key that differs from frame to frame, by one of these.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VariationDescription {
+    /// The key of the capture, such as "exposure.gain_db".
+    pub key: String,
+    /// Numbers drawn evenly between two.
+    pub uniform: Option<[f64; 2]>,
+    /// Numbers whose logarithm is drawn evenly between those of two.
+    pub log_uniform: Option<[f64; 2]>,
+    /// Numbers drawn from a normal distribution of this mean and standard deviation.
+    pub normal: Option<[f64; 2]>,
+    /// Values of any kind, one of which is drawn.
+    pub choice: Option<Vec<serde_json::Value>>,
+    /// Numbers from the first to the last, evenly over the frames: focus and zoom sweeps.
+    pub sweep: Option<[f64; 2]>,
+    /// Whether each camera of the rig has a value of its own. Left out: false.
+    #[serde(default)]
+    pub per_camera: bool,
+}

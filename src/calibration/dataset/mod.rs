@@ -1,0 +1,18 @@
+//! Data sets: one capture taken again and again, by one camera or a rig of them, from other poses and under other
+//! conditions.
+//!
+//! In: a [`DatasetDescription`], the cameras of the rig as their captures make them, the points that must stay in the
+//! picture. Out: for each frame and camera the changes to the capture, as `--set` would say them. Each frame is a function of
+//! the description and its number alone, so that any of them can be made by anyone, in any order.
+
+mod description;
+mod plan;
+mod poses;
+mod variation;
+
+pub use description::{
+    DatasetDescription, GridPoses, PoseDescription, PosesDescription, RandomPoses, RigCameraDescription,
+    TimedPoseDescription, TrajectoryPoses, VariationDescription,
+};
+pub use plan::{CALIBRATION_FOLDER, Plan, PlannedFrame, RigCamera};
+pub use poses::Subject;

@@ -1,0 +1,211 @@
+//! What each frame of a data set is.
+
+use std::collections::BTreeSet;
+
+use glam::{DAffine3, DVec3};
+
+use super::poses::{Poses, Way};
+use super::variation::{Variation, number};
+use super::{DatasetDescription, Subject};
+use crate::Invalid;
+use crate::math::hash::hash64;
+use crate::optics::Camera;
+use crate::scene::description::look_at;
+
+/// The folder beside those of the cameras.
+pub const CALIBRATION_FOLDER: &str = "calibration";
+
+/// A camera of the rig.
+#[derive(Clone, Debug)]
+pub struct RigCamera {
+    /// What its folder is called.
+    pub name: String,
+    /// Camera → rig.
+    pub in_rig: DAffine3,
+    /// The camera, wherever it stands, as the capture makes it.
+    pub camera: Camera,
+    /// Changes to the capture for this camera alone.
+    pub set: Vec<String>,
+    /// Index of the camera that disparity leads to.
+    pub partner: Option<usize>,
+}
+
+/// Everything that frames are made from.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    seed: u64,
+    set: Vec<String>,
+    cameras: Vec<RigCamera>,
+    poses: Poses,
+    /// Whether the capture's own camera pose is kept.
+    keeps_pose: bool,
+    variations: Vec<Variation>,
+    frames: u32,
+}
+
+/// One frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedFrame {
+    /// From the start of the first frame, s, along a trajectory.
+    pub time_s: Option<f64>,
+    /// Rig → world.
+    pub rig_to_world: DAffine3,
+    /// For each camera of the rig, the changes to the capture as `--set` has them.
+    pub overrides: Vec<Vec<String>>,
+}
+
+/// What of the description a seed is for.
+#[derive(Clone, Copy)]
+enum Purpose {
+    Light,
+    Poses,
+    Variation,
+}
+
+impl Plan {
+    /// Checks a description against the rig and what there is to look at. `start` is camera → world of the capture.
+    pub fn new(
+        description: &DatasetDescription,
+        cameras: Vec<RigCamera>,
+        subjects: &[Subject],
+        start: DAffine3,
+    ) -> Result<Self, Invalid> {
+        let poses = match &description.poses {
+            None => Poses::Fixed(start),
+            Some(poses) => Poses::new(poses, subjects, start).map_err(|invalid| invalid.within("poses"))?,
+        };
+        let variation = |(i, d): (usize, &super::VariationDescription)| {
+            Variation::new(d).map_err(|invalid| invalid.within(&format!("vary[{i}]")))
+        };
+        let frames = match (description.frames, poses.count()) {
+            (Some(0), _) => return Err(Invalid::new("frames", "must be at least 1, got 0")),
+            (Some(frames), _) => frames,
+            (None, count) => u32::try_from(count.unwrap_or(1)).unwrap_or(u32::MAX),
+        };
+        Ok(Self {
+            seed: u64::from(description.seed.unwrap_or(0)),
+            set: description.set.clone(),
+            keeps_pose: matches!(poses, Poses::Fixed(_)) && cameras.iter().all(|c| c.in_rig == DAffine3::IDENTITY),
+            cameras,
+            poses,
+            variations: description.vary.iter().enumerate().map(variation).collect::<Result<_, _>>()?,
+            frames,
+        })
+    }
+
+    /// How many frames there are.
+    pub fn frames(&self) -> u32 {
+        self.frames
+    }
+
+    /// The rig.
+    pub fn cameras(&self) -> &[RigCamera] {
+        &self.cameras
+    }
+
+    /// A frame by its number.
+    pub fn frame(&self, number: u32) -> Result<PlannedFrame, Invalid> {
+        let poses_seed = self.seed_for(Purpose::Poses, 0);
+        let rig = self.poses.pose(poses_seed, number, &self.cameras).map_err(|e| e.within("poses"))?;
+        let of_camera = |(index, camera): (usize, &RigCamera)| {
+            let mut set: Vec<String> = self.set.iter().chain(&camera.set).cloned().collect();
+            match &self.poses {
+                _ if self.keeps_pose => {}
+                Poses::Trajectory(way) if way.moving => set.extend(on_the_way(way, number, camera)),
+                Poses::Fixed(_) | Poses::List(_) | Poses::Random(_) | Poses::Trajectory(_) => {
+                    set.extend(pose_keys(&(rig * camera.in_rig)).map(|(key, value)| format!("camera.{key}={value}")));
+                }
+            }
+            if let Some(partner) = camera.partner {
+                let partner = camera.in_rig.inverse() * self.cameras[partner].in_rig;
+                let keys = pose_keys(&partner).map(|(key, value)| format!("{key} = {value}"));
+                set.push(format!("output.truth_partner={{ {} }}", keys.join(", ")));
+            }
+            for (i, variation) in self.variations.iter().enumerate() {
+                set.push(variation.set(self.seed_for(Purpose::Variation, i), number, self.frames, index));
+            }
+            // Light and sensor noise of their own, in as many bits as a JSON number holds.
+            let seed = hash64(self.seed_for(Purpose::Light, index), u64::from(number)) >> 11;
+            set.push(format!("render.seed={seed}"));
+            set
+        };
+        let overrides = self.cameras.iter().enumerate().map(of_camera).collect();
+        Ok(PlannedFrame { time_s: self.poses.time_s(number), rig_to_world: rig, overrides })
+    }
+
+    fn seed_for(&self, purpose: Purpose, which: usize) -> u64 {
+        hash64(hash64(self.seed, purpose as u64), which as u64)
+    }
+}
+
+impl DatasetDescription {
+    /// Camera → rig of each camera, with its partner; names are checked.
+    pub fn rig(&self) -> Result<Vec<(String, DAffine3, Option<usize>)>, Invalid> {
+        if self.cameras.is_empty() {
+            return Ok(vec![("camera".to_owned(), DAffine3::IDENTITY, None)]);
+        }
+        let mut names = BTreeSet::new();
+        let mut rig = Vec::new();
+        for (i, d) in self.cameras.iter().enumerate() {
+            let at = |invalid: Invalid| invalid.within(&format!("cameras[{i}]"));
+            let is_folder = !d.name.is_empty()
+                && d.name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
+                && d.name != CALIBRATION_FOLDER;
+            if !is_folder {
+                let help = "letters, digits, - and _ make folders everywhere";
+                return Err(at(Invalid::new("name", format!("{:?} is no name for a folder", d.name)).help(help)));
+            }
+            if !names.insert(d.name.to_ascii_lowercase()) {
+                return Err(at(Invalid::new("name", format!("there are two cameras {:?}", d.name))));
+            }
+            let position = DVec3::from_array(d.position_m.unwrap_or_default());
+            let target = d.look_at_m.map_or(position + DVec3::NEG_Z, DVec3::from_array);
+            let up = DVec3::from_array(d.up.unwrap_or([0.0, 1.0, 0.0]));
+            let in_rig = look_at(position, target, up).filter(|pose| pose.is_finite()).ok_or_else(|| {
+                let help = "look at another point than where it stands, across `up`";
+                at(Invalid::new("look_at_m", "there is no such view").help(help))
+            })?;
+            let partner = d.disparity_to.as_ref().map(|name| {
+                self.cameras
+                    .iter()
+                    .position(|other| other.name == *name && *name != d.name)
+                    .ok_or_else(|| at(Invalid::new("disparity_to", format!("the rig has no other camera {name:?}"))))
+            });
+            rig.push((d.name.clone(), in_rig, partner.transpose()?));
+        }
+        Ok(rig)
+    }
+}
+
+/// A pose as the keys that say it, with their values in TOML.
+fn pose_keys(to_world: &DAffine3) -> [(&'static str, String); 3] {
+    let DAffine3 { matrix3, translation } = *to_world;
+    [
+        ("position_m", vector(translation)),
+        ("look_at_m", vector(translation - matrix3.z_axis)),
+        ("up", vector(matrix3.y_axis)),
+    ]
+}
+
+/// The way of a camera from the start of a frame to the end of the next.
+fn on_the_way(way: &Way, frame: u32, camera: &RigCamera) -> [String; 2] {
+    // Between two of these the camera goes straight. On its turns it is off its way by (angle)²/8 of the distance to the
+    // middle of the rig: a millionth where it turns by a twentieth of a radian.
+    const STEPS: u32 = 32;
+    let interval = 1.0 / way.frame_rate_hz;
+    let pose = |step: u32| {
+        let time = 2.0 * interval * f64::from(step) / f64::from(STEPS);
+        let rig = way.motion.pose(&DAffine3::IDENTITY, f64::from(frame) * interval + time);
+        let keys = pose_keys(&(rig * camera.in_rig)).map(|(key, value)| format!("{key} = {value}"));
+        format!("{{ time_s = {}, {} }}", number(time), keys.join(", "))
+    };
+    let poses: Vec<String> = (0..=STEPS).map(pose).collect();
+    [
+        format!("camera.motion={{ poses = [{}] }}", poses.join(", ")),
+        format!("exposure.frame_interval_s={}", number(interval)),
+    ]
+}
+
+fn vector(v: DVec3) -> String {
+    format!("[{}]", v.to_array().map(|x| number(x + 0.0)).join(", "))
+}

@@ -1,0 +1,235 @@
+//! The folder of a data set: which pictures are there, and what they are pictures of.
+//!
+//! DIR/CAMERA/NUMBER holds the files of one picture. It is made as `.NUMBER.partial` beside and renamed when it is complete,
+//! so that whatever stands under its number is whole. `dataset.json` says what the folder is for, `manifest.jsonl` what is in
+//! it, a line a picture.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use photosite::calibration::dataset::Plan;
+use photosite::io::capture::{Capture, DatasetFile};
+use photosite::io::output::{create_folder, write_whole};
+use photosite::{Error, Invalid, Result};
+use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
+
+use super::output_folder::REPORT;
+use super::pretty_json::pretty_json;
+
+/// What the folder is for.
+const IDENTITY: &str = "dataset.json";
+/// What is in it.
+const MANIFEST: &str = "manifest.jsonl";
+/// The same for people.
+const CARD: &str = "README.md";
+
+/// Everything that decides what the pictures are: version, description, captures, and the files that these name. How many
+/// frames there are decides nothing of any of them, unless a key goes from one value to another over all.
+pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[String]) -> Result<Value> {
+    let mut description = file.values.clone();
+    let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some());
+    if let (false, Value::Object(keys)) = (sweeps, &mut description) {
+        keys.remove("frames");
+    }
+    let mut named = Map::new();
+    let mut keys = Vec::new();
+    for capture in captures {
+        let folder = capture.source.path().parent().unwrap_or(Path::new(""));
+        let values = capture.to_json(folder)?;
+        add_files(&values, folder, &mut named)?;
+        keys.push(values);
+    }
+    let whole = json!({
+        "photosite_version": env!("CARGO_PKG_VERSION"),
+        "dataset": description,
+        "overrides": overrides,
+        "captures": keys,
+        "files_sha256": named,
+    });
+    let fingerprint = hex(&Sha256::digest(whole.to_string()));
+    let Value::Object(whole) = whole else { return Ok(Value::Null) };
+    let first = ("fingerprint".to_owned(), Value::from(fingerprint));
+    Ok(Value::Object(std::iter::once(first).chain(whole).collect()))
+}
+
+/// Adds the hashes of all files that values name.
+fn add_files(values: &Value, folder: &Path, to: &mut Map<String, Value>) -> Result<()> {
+    match values {
+        Value::String(name) => {
+            let path = folder.join(name);
+            if !name.is_empty() && path.is_file() {
+                let bytes = fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+                to.insert(name.clone(), hex(&Sha256::digest(bytes)).into());
+            }
+            Ok(())
+        }
+        Value::Array(values) => values.iter().try_for_each(|value| add_files(value, folder, to)),
+        Value::Object(table) => table.values().try_for_each(|value| add_files(value, folder, to)),
+        Value::Null | Value::Bool(_) | Value::Number(_) => Ok(()),
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A folder that is known to be that of this data set.
+pub(super) struct DatasetFolder {
+    path: PathBuf,
+}
+
+impl DatasetFolder {
+    /// Takes a new or empty folder, or one of the same data set; no other.
+    pub(super) fn claim(path: &Path, identity: &Value, plan: &Plan) -> Result<Self> {
+        let refuse = |message: String| {
+            let help = "choose another folder with -o; pictures of two data sets must not be mixed";
+            Err(Error::Usage { message, help: Some(help.to_owned()) })
+        };
+        if path.is_file() {
+            return refuse(format!("{} is a file, where a folder is needed", path.display()));
+        }
+        create_folder(path)?;
+        let marker = path.join(IDENTITY);
+        if marker.exists() {
+            let text = fs::read(&marker).map_err(|reason| Error::io(&marker, "read", reason))?;
+            let earlier: Value = serde_json::from_slice(&text)
+                .map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(&marker))?;
+            if earlier["fingerprint"] != identity["fingerprint"] {
+                let difference = difference(&earlier, identity);
+                return refuse(format!("{} holds another data set: {difference}", path.display()));
+            }
+        } else {
+            let mut entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
+            if entries.next().is_some() {
+                return refuse(format!("{} is not empty, and holds no data set", path.display()));
+            }
+            write_whole(&marker, |to| writeln!(to, "{}", pretty_json(identity)))?;
+        }
+        for camera in plan.cameras() {
+            create_folder(&path.join(&camera.name))?;
+        }
+        Ok(Self { path: path.to_owned() })
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether a picture is there.
+    pub(super) fn is_done(&self, camera: &str, number: u32) -> bool {
+        self.picture(camera, number).exists()
+    }
+
+    /// An empty folder for a picture that is being made. What an earlier attempt left of it is removed.
+    pub(super) fn begin(&self, camera: &str, number: u32) -> Result<PathBuf> {
+        let partial = self.partial(camera, number);
+        if partial.exists() {
+            fs::remove_dir_all(&partial)
+                .map_err(|reason| Error::io(&partial, "remove the unfinished folder", reason))?;
+        }
+        create_folder(&partial)?;
+        Ok(partial)
+    }
+
+    /// Gives a complete picture its name.
+    pub(super) fn finish(&self, camera: &str, number: u32) -> Result<()> {
+        let (from, to) = (self.partial(camera, number), self.picture(camera, number));
+        fs::rename(&from, &to).map_err(|reason| Error::io(&to, "rename the finished folder to", reason))
+    }
+
+    /// Writes the manifest and the card of what is there, and returns how many pictures that are.
+    pub(super) fn write_index(&self, file: &DatasetFile, identity: &Value, plan: &Plan) -> Result<usize> {
+        let mut lines = Vec::new();
+        for number in 0..plan.frames() {
+            for camera in plan.cameras().iter().filter(|camera| self.is_done(&camera.name, number)) {
+                let time_s = plan.frame(number).map_err(|invalid| file.error(invalid))?.time_s;
+                lines.push(self.line(&camera.name, number, time_s)?.to_string());
+            }
+        }
+        write_whole(&self.path.join(MANIFEST), |to| lines.iter().try_for_each(|line| writeln!(to, "{line}")))?;
+        let card = card(file, identity, plan, lines.len());
+        write_whole(&self.path.join(CARD), |to| to.write_all(card.as_bytes()))?;
+        Ok(lines.len())
+    }
+
+    /// What the manifest says of a picture.
+    fn line(&self, camera: &str, number: u32, time_s: Option<f64>) -> Result<Value> {
+        let path = self.picture(camera, number).join(REPORT);
+        let text = fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let report: Value = serde_json::from_slice(&text)
+            .map_err(|e| Invalid::new("", format!("is damaged: {e}")).help("remove its folder").in_file(&path))?;
+        Ok(json!({
+            "frame": number,
+            "camera": camera,
+            "time_s": time_s,
+            "folder": format!("{camera}/{number:06}"),
+            "files": report["files"],
+            "seed": report["seed"],
+            "overrides": report["overrides"],
+            "pose": { "rotation": report["camera"]["rotation"], "translation_m": report["camera"]["translation_m"] },
+            "camera_matrix": report["camera"]["camera_matrix"],
+            "exposure": report["exposure"],
+        }))
+    }
+
+    fn picture(&self, camera: &str, number: u32) -> PathBuf {
+        self.path.join(camera).join(format!("{number:06}"))
+    }
+
+    fn partial(&self, camera: &str, number: u32) -> PathBuf {
+        self.path.join(camera).join(format!(".{number:06}.partial"))
+    }
+}
+
+/// The first thing in which two data sets differ.
+fn difference(earlier: &Value, now: &Value) -> String {
+    for (key, what) in [
+        ("photosite_version", "it was made by another version of photosite"),
+        ("dataset", "the data set file says something else"),
+        ("overrides", "--set says something else"),
+        ("captures", "the capture says something else"),
+        ("files_sha256", "a file that the capture names has changed"),
+    ] {
+        if earlier[key] != now[key] {
+            return what.to_owned();
+        }
+    }
+    "it is not the same".to_owned()
+}
+
+/// What a reader who finds the folder has to know.
+fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize) -> String {
+    let cameras: Vec<String> = plan
+        .cameras()
+        .iter()
+        .map(|c| {
+            let [width, height] = c.camera.resolution();
+            format!("- `{}`: {width} × {height} pixels", c.name)
+        })
+        .collect();
+    let varied: Vec<String> = file.description.vary.iter().map(|v| format!("- `{}`", v.key)).collect();
+    let varied = if varied.is_empty() { "Nothing but poses and noise.".to_owned() } else { varied.join("\n") };
+    format!(
+        "# Synthetic pictures\n\n\
+         Made by photosite {version} from `{capture}`; everything in them is computed, nothing was photographed.\n\n\
+         {frames} frames by {count} cameras; {present} of {all} pictures are here.\n\n\
+         ## Cameras\n\n{cameras}\n\n\
+         ## What differs from frame to frame\n\n{varied}\n\n\
+         ## Files\n\n\
+         - `CAMERA/NUMBER/`: one picture. `raw.*` are digital numbers of the sensor, `image.png` is developed from them, \
+         `electrons.exr` holds the mean photo-electrons without noise, `truth.*` what is really there at each pixel, \
+         `capture.json` everything that is needed to use and to repeat the picture.\n\
+         - `manifest.jsonl`: a line for each picture: pose (world → camera, OpenCV's axes: x right, y down, z forward), \
+         camera matrix (integer coordinates at pixel centres), exposure, changes to the capture.\n\
+         - `dataset.json`: what the data set was made from, with hashes of the files.\n\n\
+         Lengths are metres, the world is that of glTF (y up). Fingerprint: `{fingerprint}`.\n",
+        version = env!("CARGO_PKG_VERSION"),
+        capture = file.description.capture,
+        frames = plan.frames(),
+        count = plan.cameras().len(),
+        all = plan.frames() as usize * plan.cameras().len(),
+        cameras = cameras.join("\n"),
+        fingerprint = identity["fingerprint"].as_str().unwrap_or_default(),
+    )
+}
