@@ -31,6 +31,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("validation", &["math", "image", "raw"]),
     ("measure", &["math", "colour", "image"]),
     ("characterisation", &["math", "spectrum", "image", "raw", "sensor"]),
+    ("calibration", &["math", "spectrum", "scene"]),
     (
         "io",
         &[
@@ -52,6 +53,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "develop",
             "validation",
             "characterisation",
+            "calibration",
         ],
     ),
 ];
