@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""OpenCV calibrates a camera from our photographs of targets and finds what was put in: calibration.py PHOTOSITE [--full]
+"""OpenCV calibrates a camera from our photographs of targets and finds what was put in: calibration.py PHOTOSITE [--full] [--folder DIR]
 
 18 views of 1280 × 960 pixels through a lens with distortion, f = 1500 px, with the noise of a sensor that counts 10 000
 electrons where the board is white. The targets shine by themselves, as on a screen, so that a few samples are enough.
@@ -17,8 +17,9 @@ import cv2
 import numpy as np
 
 PHOTOSITE, FULL = sys.argv[1], "--full" in sys.argv
-FOLDER = Path(tempfile.mkdtemp())
-SAMPLES = 64 if FULL else 16
+# Renders that are there already are taken as they are.
+FOLDER = Path(sys.argv[sys.argv.index("--folder") + 1] if "--folder" in sys.argv else tempfile.mkdtemp())
+SAMPLES = 64 if FULL else 8
 WHITE_E = 10_000
 
 CAPTURE = """
@@ -49,7 +50,7 @@ preset = "sony-imx249-mono"
 resolution_px = [1280, 960]
 
 [exposure]
-time_s = {time}
+time_s = 0.0092
 
 [render]
 samples_per_pixel = {samples}
@@ -60,7 +61,7 @@ raw = ["npy"]
 """
 
 CHESSBOARD = 'type = "chessboard"\nsquares = [10, 7]\nsquare_mm = 25.0'
-CHARUCO = 'type = "charuco"\nsquares = [10, 7]\nsquare_mm = 25.0\nmarker_mm = 18.0\ndictionary = "DICT_5X5_100"'
+CHARUCO = 'type = "charuco"\nsquares = [10, 7]\nsquare_mm = 25.0\nmarker_mm = 16.0\ndictionary = "DICT_5X5_100"'
 
 # Tilts about the board's axes and roll in degrees, distance in m, and where on the board the camera looks in m.
 POSES = [
@@ -73,7 +74,7 @@ POSES = [
 ]
 
 
-def view(number, name, target, pose, time_s):
+def view(number, name, target, pose):
     """Renders a view: 8-bit picture, points of the target in metres, where they appear by OpenCV's own projection."""
     about_x, about_y, roll, distance, x, y = pose
     a, b, r = (math.radians(angle) for angle in (about_x, about_y, roll))
@@ -85,9 +86,10 @@ def view(number, name, target, pose, time_s):
     path = FOLDER / f"{name}.toml"
     listed = lambda vector: "[" + ", ".join(repr(float(v)) for v in vector) + "]"
     path.write_text(CAPTURE.format(target=target, position=listed(look_at + distance * towards), look_at=listed(look_at),
-                                   up=listed(up), time=time_s, samples=SAMPLES))
+                                   up=listed(up), samples=SAMPLES))
     out = FOLDER / f"{name}-{number:02}"
-    subprocess.run([PHOTOSITE, "render", path, "-o", out, "--quiet", "--seed", str(number)], check=True)
+    if not (out / "capture.json").exists():
+        subprocess.run([PHOTOSITE, "render", path, "-o", out, "--quiet", "--seed", str(number)], check=True)
     report = json.loads((out / "capture.json").read_text())
     sensor = report["sensor"]
     signal = np.load(out / "raw.npy").astype(float) - sensor["black_level_dn"]
@@ -103,21 +105,30 @@ def view(number, name, target, pose, time_s):
     return picture, electrons, board, truth.reshape(-1, 2), matrix, distortion
 
 
+def refined(picture, corners, window):
+    """Corners to a part of a pixel. OpenCV's gradients want edges that are not steps, which a lens without blur leaves:
+    the picture is smoothed as a lens with a spot of three pixels would have."""
+    smooth = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), 1.5)
+    criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-5)
+    return cv2.cornerSubPix(smooth, corners.astype(np.float32).reshape(-1, 1, 2), (window, window), (-1, -1), criteria)
+
+
 def chessboard_corners(picture):
-    found, corners = cv2.findChessboardCornersSB(picture, (9, 6), flags=cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_NORMALIZE_IMAGE)
-    return (np.arange(54), corners.reshape(-1, 2)) if found else None
+    found, corners = cv2.findChessboardCorners(cv2.GaussianBlur(picture, (0, 0), 1), (9, 6))
+    return (np.arange(54), refined(picture, corners, 11).reshape(-1, 2)) if found else None
 
 
 def charuco_corners(picture):
-    board = cv2.aruco.CharucoBoard((10, 7), 0.025, 0.018, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_100))
+    board = cv2.aruco.CharucoBoard((10, 7), 0.025, 0.016, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_100))
     corners, ids, _, _ = cv2.aruco.CharucoDetector(board).detectBoard(picture)
-    return (ids.ravel(), corners.reshape(-1, 2)) if ids is not None else None
+    # The markers begin 4.5 mm from the corners.
+    return (ids.ravel(), refined(picture, corners, 7).reshape(-1, 2)) if ids is not None else None
 
 
-def judge(name, target, detect, time_s):
+def judge(name, target, detect):
     boards, images, errors = [], [], []
     for number, pose in enumerate(POSES):
-        picture, electrons, board, truth, matrix, distortion = view(number, name, target, pose, time_s)
+        picture, electrons, board, truth, matrix, distortion = view(number, name, target, pose)
         white = np.percentile(electrons, 98)
         assert abs(white / WHITE_E - 1) < 0.1, f"white counts {white:.0f} electrons"
         found = detect(picture)
@@ -146,6 +157,6 @@ def judge(name, target, detect, time_s):
         assert value <= limit, f"{name}: {figure} {value} exceeds {limit}"
 
 
-judge("chessboard", CHESSBOARD, chessboard_corners, 0.01)
+judge("chessboard", CHESSBOARD, chessboard_corners)
 if FULL:
-    judge("charuco", CHARUCO, charuco_corners, 0.01)
+    judge("charuco", CHARUCO, charuco_corners)
