@@ -56,9 +56,6 @@
 //! ## Olson11
 //! E. Olson, "AprilTag: A Robust and Flexible Visual Fiducial System", IEEE ICRA, 3400–3407 (2011).
 //!
-//! ## Iso12233
-//! ISO 12233:2014, *Photography – Electronic still picture imaging – Resolution and spatial frequency responses*.
-//!
 //! ## T81
 //! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).
 //!
