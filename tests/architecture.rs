@@ -25,13 +25,13 @@ const EDGES: &[(&str, &[&str])] = &[
     ("film", &["math", "spectrum", "image"]),
     ("sampler", &["math"]),
     ("integrator", &["math", "spectrum", "geometry", "bsdf", "light", "scene", "optics", "film", "sampler"]),
+    ("calibration", &["math", "spectrum", "colour", "image", "geometry", "bsdf", "scene", "optics", "sampler"]),
     ("raw", &["math", "spectrum", "colour", "image"]),
     ("sensor", &["math", "spectrum", "image", "raw"]),
     ("develop", &["math", "spectrum", "colour", "image", "raw"]),
     ("validation", &["math", "image", "raw"]),
     ("measure", &["math", "colour", "image"]),
     ("characterisation", &["math", "spectrum", "image", "raw", "sensor"]),
-    ("calibration", &["math", "spectrum", "scene"]),
     (
         "io",
         &[

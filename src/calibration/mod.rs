@@ -1,6 +1,8 @@
-//! What cameras are calibrated with and against.
+//! What cameras are calibrated with and against: [`targets`], flat patterns whose points are known, which can be printed and
+//! photographed; and [`truth`], what is really there at each pixel.
 //!
-//! [`targets`] are flat patterns whose points are known: as drawings they can be printed, as meshes photographed. Nothing
-//! here touches files or rays.
+//! In: the sizes of a target; a [`Scene`](crate::scene::Scene), a [`Camera`](crate::optics::Camera). Out: drawings and
+//! meshes; planes of positions, normals, identities, motion. Files are left to [`io`](crate::io).
 
 pub mod targets;
+pub mod truth;

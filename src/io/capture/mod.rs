@@ -13,7 +13,7 @@
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[[targets]]` | calibration targets | `target.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
-//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs` |
+//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
 //! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
@@ -31,6 +31,7 @@ mod light;
 mod material;
 mod motion;
 mod overrides;
+mod projection;
 mod reader;
 mod relocate;
 mod scene;
@@ -70,7 +71,7 @@ use target::place_targets;
 pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
-pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
+pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands, TruthOutput};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
 pub use target::read_target;
