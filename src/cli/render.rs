@@ -73,6 +73,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     timings.build_s = start.elapsed().as_secs_f64();
 
     let traced = Series {
+        input: &args.input,
+        overrides: &overrides,
         capture: &capture,
         scene: &scene,
         camera: &camera,
@@ -123,6 +125,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
 /// All that the pictures of a series are made of.
 struct Series<'a> {
+    input: &'a Path,
+    overrides: &'a [String],
     capture: &'a Capture,
     scene: &'a Scene,
     camera: &'a Camera,
@@ -146,11 +150,22 @@ impl Series<'_> {
     fn record(&self, folder: &mut OutputFolder, timings: &mut Timings, silent: bool) -> Result<Recorded> {
         let count = self.capture.exposure.frames;
         let Some(recording) = &self.capture.recording else {
-            return self.picture(self.camera, Frames::All(count), folder, timings, silent);
+            return self.picture(self.scene, self.camera, Frames::All(count), folder, timings, silent);
         };
         let frame = |number: u32, folder: &mut OutputFolder, timings: &mut Timings| {
-            let camera = self.camera.clone().recording(recording.later(number));
-            self.picture(&camera, Frames::One { number, of: count }, folder, timings, silent)
+            let frames = Frames::One { number, of: count };
+            if number == 0 || !self.capture.scene_moves {
+                let camera = self.camera.clone().recording(recording.later(number));
+                return self.picture(self.scene, &camera, frames, folder, timings, silent);
+            }
+            let start = Instant::now();
+            let moved = Capture::read_frame(self.input, self.overrides, number)?;
+            timings.load_s += start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            let scene = scene::build(moved.scene, self.importance);
+            timings.build_s += start.elapsed().as_secs_f64();
+            let recording = moved.recording.unwrap_or_else(|| recording.later(number));
+            self.picture(&scene, &self.camera.clone().recording(recording), frames, folder, timings, silent)
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
@@ -162,6 +177,7 @@ impl Series<'_> {
 
     fn picture(
         &self,
+        scene: &Scene,
         camera: &Camera,
         frames: Frames,
         folder: &mut OutputFolder,
@@ -178,7 +194,7 @@ impl Series<'_> {
         let film = trace(&Trace {
             capture,
             settings: &settings,
-            scene: self.scene,
+            scene,
             camera,
             responses: self.responses,
             importance: self.importance,

@@ -33,7 +33,7 @@ pub struct Camera {
     intrinsics: Intrinsics,
     distortion: super::Distortion,
     falloff: Falloff,
-    /// `None` for a camera that stands still.
+    /// `None` where nothing moves.
     recording: Option<Recording>,
     /// Whether all lines of the picture are seen by one row of pixels.
     scans: bool,
@@ -95,7 +95,7 @@ impl Camera {
         })
     }
 
-    /// The same camera on the move.
+    /// The same camera taking a picture in whose time something moves.
     #[must_use]
     pub fn recording(self, recording: Recording) -> Self {
         Self { recording: Some(recording), ..self }
@@ -163,9 +163,14 @@ impl Camera {
     /// The same ray at the sample `u_time` in [0, 1) of the exposure of the pixel's row.
     #[inline]
     pub fn generate_at(&self, pixel: DVec2, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
-        let to_world = match &self.recording {
-            None => self.to_world,
-            Some(recording) => recording.motion.pose(&self.to_world, recording.time_s(pixel.y.floor(), u_time)),
+        let (to_world, time) = match &self.recording {
+            None => (self.to_world, 0.0),
+            Some(recording) => {
+                let time_s = recording.time_s(pixel.y.floor(), u_time);
+                let pose =
+                    recording.motion.as_ref().map_or(self.to_world, |motion| motion.pose(&self.to_world, time_s));
+                (pose, recording.part(time_s))
+            }
         };
         let chief = self.chief_direction(pixel)?;
         let (opening, direction) = match self.kind {
@@ -184,7 +189,7 @@ impl Camera {
         let cos4 = self.falloff_at(chief, opening);
         let origin = to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
         let direction = to_world.transform_vector3(direction).normalize();
-        let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
+        let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time);
         Some(CameraRay { ray, weight: (self.aperture.area() * cos4 / (v * v)) as f32 })
     }
 

@@ -77,8 +77,10 @@ pub struct Capture {
     pub scene: SceneDescription,
     /// Camera → world; the camera looks along −Z.
     pub camera_to_world: DAffine3,
-    /// The first picture of a camera that moves from there; `None` for one that stands still.
+    /// The picture of a camera or a scene that moves; `None` where all stands still.
     pub recording: Option<Recording>,
+    /// Whether the scene is that of one picture only, so that others need [`Capture::read_frame`].
+    pub scene_moves: bool,
     /// The lens.
     pub lens: LensDescription,
     /// The sensor.
@@ -98,6 +100,11 @@ pub struct Capture {
 impl Capture {
     /// Reads a capture file (`.toml`) or a scene file, with the `key=value` of every `--set` laid over it.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
+        Self::read_frame(path, overrides, 0)
+    }
+
+    /// The same for the picture of that number, in whose time an animated scene has gone on.
+    pub fn read_frame(path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
         let mut source = if is_scene_file(path) {
             CaptureSource::of_scene_file(path)
         } else {
@@ -111,12 +118,13 @@ impl Capture {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = CaptureFile::read(&mut source, folder)?;
+        let moment = motion::moment(&file, frame).map_err(|invalid| source.error(invalid))?;
         let geometry = if is_scene_file(path) {
-            ReadScene::of_scene_file(&source, &file.scene, path)?
+            ReadScene::of_scene_file(&source, &file.scene, moment.as_ref(), path)?
         } else {
-            ReadScene::of_capture(&source, &file.scene, folder)?
+            ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?
         };
-        Self::assemble(&file, geometry, &source, folder).map_err(|invalid| source.error(invalid))
+        Self::assemble(&file, geometry, &source, folder, frame).map_err(|invalid| source.error(invalid))
     }
 
     /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. A sensor file of the
@@ -131,6 +139,7 @@ impl Capture {
         geometry: ReadScene,
         source: &CaptureSource,
         folder: &Path,
+        frame: u32,
     ) -> Result<Self, Invalid> {
         let finder = Finder::new(folder, Vec::new());
         let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
@@ -139,13 +148,22 @@ impl Capture {
         let (camera_to_world, lens) =
             place_camera(&file.camera, motion.as_ref(), &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
-        if motion.is_some() && exposure.bracket.is_some() {
+        let scene_moves = file.scene.animation.is_some();
+        let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
+        let moves = motion.is_some() || scene_moves;
+        if moves && exposure.bracket.is_some() {
             let key = if file.exposure.bracket_ev.is_some() { "bracket_ev" } else { "bracket_times_s" };
-            let invalid = Invalid::new(key, "cannot go with a camera that moves, as its pictures differ");
-            return Err(invalid.help("remove it, or camera.motion").within("exposure"));
+            let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves, as the pictures differ");
+            return Err(invalid.help(format!("remove it, or {mover}")).within("exposure"));
         }
+        let recording = moves.then(|| motion::recording(mover, motion, &exposure, &sensor)).transpose()?;
+        let recording = recording.map(|recording| recording.later(frame)).map(|recording| {
+            let of_file = motion::motion_of_file(&file.camera, &geometry.scene.cameras, &recording);
+            Recording { motion: recording.motion.clone().or(of_file), ..recording }
+        });
         Ok(Self {
-            recording: motion.map(|motion| motion::recording(motion, &exposure, &sensor)).transpose()?,
+            recording,
+            scene_moves,
             exposure,
             render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
             develop: develop::checked(&file.develop)?,
