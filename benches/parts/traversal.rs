@@ -85,7 +85,7 @@ impl Stage {
             let rays = stage.bounces[bounce].clone();
             for (pixel, ray) in rays.iter().enumerate() {
                 let Some(hit) = stage.scene.closest(ray) else { continue };
-                let point = stage.scene.point(&hit);
+                let point = stage.scene.point(&hit, 0.0);
                 let facing = point.geometric_normal * -ray.direction.dot(point.geometric_normal).signum();
                 let origin = offset_origin(point.position, point.error, facing, facing);
                 stage.shadows[bounce].push(Ray { origin, direction: light - origin, t_max: 1.0, time: 0.0 });

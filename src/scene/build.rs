@@ -11,8 +11,8 @@ use super::description::{
     ShapeDescription, TextureDescription, TexturedColour, TexturedFactor,
 };
 use super::{
-    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, Mix,
-    NormalMap, ScatteringModel, Scene,
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, InstanceTable, LayeredMaterial,
+    Material, Mix, NormalMap, ScatteringModel, Scene,
 };
 use crate::bsdf::Ggx;
 use crate::geometry::{Accel, Deformation, Geometry, MeshRange, Motion, Place, Placement, Transform, Triangle};
@@ -41,7 +41,8 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         |(m, e): (&MaterialDescription, &Option<Emission>)| builder.material(m, e.as_ref().map(|e| e.surface));
     let table: Vec<Material> = materials.iter().zip(&emissions).map(material).collect();
 
-    let (geometry, accel, emitters) = place(meshes, &instances, |material| emissions[material].is_some());
+    let (geometry, accel, instance_table, emitters) =
+        place(meshes, &instances, |material| emissions[material].is_some());
     let (low, high) = accel.bounds();
     // The size weighs light from afar against lamps. Without geometry there is none, and any will do.
     let radius = if geometry.triangles.is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
@@ -65,6 +66,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     Scene {
         geometry,
         accel,
+        instances: instance_table,
         has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
         has_media: table.iter().any(|m| m.absorption.is_some()),
         materials: table,
@@ -383,7 +385,7 @@ fn place(
     meshes: Vec<MeshDescription>,
     instances: &[InstanceDescription],
     emits: impl Fn(usize) -> bool,
-) -> (Geometry, Accel, Vec<Range<u32>>) {
+) -> (Geometry, Accel, InstanceTable, Vec<Range<u32>>) {
     let mut uses = vec![0usize; meshes.len()];
     for instance in instances {
         uses[instance.mesh] += 1;
@@ -399,11 +401,14 @@ fn place(
             Layout::Placed
         }
     };
-    let laid_out = |layout_wanted| move |instance: &&InstanceDescription| layout(instance) == layout_wanted;
+    let laid_out = |wanted| instances.iter().enumerate().filter(move |(_, instance)| layout(instance) == wanted);
     let mut geometry = Geometry::default();
+    let mut table = InstanceTable::default();
     let (mut groups, mut placements) = (Vec::new(), Vec::new());
     let (mut emitters, mut light_count) = (Vec::new(), 0);
-    let mut add = |geometry: &mut Geometry, instance: &InstanceDescription| {
+    let mut add = |geometry: &mut Geometry, table: &mut InstanceTable, index: usize| {
+        let instance = &instances[index];
+        table.of_mesh.push(index as u32);
         let mesh = &meshes[instance.mesh];
         let emitting = emits(mesh.material);
         let range = append(geometry, mesh, &instance.to_world, emitting.then_some(light_count));
@@ -413,23 +418,25 @@ fn place(
         }
         range
     };
-    for instance in instances.iter().filter(laid_out(Layout::World)) {
-        add(&mut geometry, instance);
+    for (index, _) in laid_out(Layout::World) {
+        add(&mut geometry, &mut table, index);
     }
     let world_end = geometry.triangles.len() as u32;
     if world_end > 0 {
         groups.push(0..world_end);
         placements.push(Placement { group: 0, place: Place::World });
+        table.of_placement.push(None);
     }
-    for instance in instances.iter().filter(laid_out(Layout::Deforming)) {
-        let range = add(&mut geometry, instance);
+    for (index, instance) in laid_out(Layout::Deforming) {
+        let range = add(&mut geometry, &mut table, index);
         deform(&mut geometry, &meshes[instance.mesh], instance);
         placements.push(Placement { group: groups.len() as u32, place: Place::World });
+        table.of_placement.push(None);
         groups.push(range);
     }
     for (index, mesh) in meshes.iter().enumerate().filter(|&(index, _)| uses[index] > 0) {
         let mut group = None;
-        for i in instances.iter().filter(|i| i.mesh == index).filter(laid_out(Layout::Placed)) {
+        for (number, i) in laid_out(Layout::Placed).filter(|(_, i)| i.mesh == index) {
             let group = *group.get_or_insert_with(|| {
                 groups.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None));
                 (groups.len() - 1) as u32
@@ -439,11 +446,12 @@ fn place(
                 None => Place::Still(Transform::new(&i.to_world)),
             };
             placements.push(Placement { group, place });
+            table.of_placement.push(Some(number as u32));
         }
     }
     drop(meshes);
     let accel = Accel::build(&geometry, &groups, placements);
-    (geometry, accel, emitters)
+    (geometry, accel, table, emitters)
 }
 
 /// Where the triangles of an instance go.

@@ -12,7 +12,7 @@
 //! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
-//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs` |
+//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
 //! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
@@ -30,6 +30,7 @@ mod light;
 mod material;
 mod motion;
 mod overrides;
+mod projection;
 mod reader;
 mod relocate;
 mod scene;
@@ -66,7 +67,7 @@ use tables::CaptureFile;
 pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
-pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
+pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands, TruthOutput};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
 
