@@ -178,6 +178,8 @@ pub(super) struct MotionReport {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum PathReport {
+    /// The scene moves, not the camera.
+    Still {},
     /// position + velocity·t, and turned about the camera's own glTF axes.
     Steady { velocity_m_per_s: [f64; 3], angular_velocity_deg_per_s: [f64; 3] },
     /// Between two poses, position linear in t, rotation on the shortest way.
@@ -195,11 +197,12 @@ struct PoseReport {
 impl MotionReport {
     pub(super) fn new(recording: &Recording) -> Self {
         let path = match &recording.motion {
-            CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s } => PathReport::Steady {
+            None => PathReport::Still {},
+            Some(CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s }) => PathReport::Steady {
                 velocity_m_per_s: velocity_m_per_s.to_array(),
                 angular_velocity_deg_per_s: angular_velocity_rad_per_s.to_array().map(f64::to_degrees),
             },
-            CameraMotion::Poses(poses) => {
+            Some(CameraMotion::Poses(poses)) => {
                 let poses = poses.iter().map(|pose| PoseReport {
                     time_s: pose.time_s,
                     position_m: pose.position_m.to_array(),
