@@ -73,7 +73,8 @@ pub(super) fn scene_of(placed: &PlacedTarget) -> SceneDescription {
         scene.materials.push(material);
         scene.meshes.push(crate::scene::description::MeshDescription { material: index, ..mesh });
         let name = placed.name.clone();
-        scene.instances.push(InstanceDescription { name, mesh: index, to_world: placed.to_world, later: None });
+        let instance = InstanceDescription { name, mesh: index, to_world: placed.to_world, later: Vec::new() };
+        scene.instances.push(instance);
     }
     scene
 }
