@@ -126,7 +126,7 @@ fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result
     for (index, camera) in cameras.iter().enumerate() {
         let Some(partner) = camera.partner else { continue };
         let (own, other) = (&captures[index], &captures[partner]);
-        if (&own.lens, &own.sensor.resolution) != (&other.lens, &other.sensor.resolution) {
+        if own.lens != other.lens || own.sensor.resolution != other.sensor.resolution {
             let message = "disparity is that of two cameras of one kind, and lens or sensor of the other differ";
             let key = format!("cameras[{index}].disparity_to");
             return Err(file.error(Invalid::new(key, message).help("remove it, or give both the same `set`")));

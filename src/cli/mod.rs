@@ -31,6 +31,7 @@ mod run_args;
 mod schema;
 mod sensors;
 mod stored_light;
+mod target;
 mod trace;
 
 use std::io::IsTerminal;
@@ -66,6 +67,7 @@ enum Command {
     Project(project::ProjectArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
+    Target(target::TargetArgs),
 }
 
 /// Runs the command line of this process. Exit status 0: done, 1: failed (or pictures differ), 2: wrong usage.
@@ -96,6 +98,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Project(args) => project::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
+        Command::Target(args) => target::run(&args),
     };
     match outcome {
         Ok(()) => done,

@@ -5,7 +5,7 @@ use crate::Invalid;
 use crate::spectrum::Spectrum;
 
 /// A lens in SI units. Distances are measured from the lens along the axis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LensDescription {
     /// Pinhole or thin lens.
     pub kind: LensKind,

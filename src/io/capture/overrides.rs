@@ -9,8 +9,13 @@ use crate::{Error, Result};
 /// from 0 (`lights.0.intensity_cd`); the value is TOML, or a bare word that stands for itself.
 pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
     let (key, value) = argument.split_once('=').unwrap_or((argument, ""));
-    if let Some(key) = key.trim().strip_prefix("exposure.") {
-        alternatives(key, value.trim()).iter().for_each(|other| source.remove("exposure", other));
+    if let Some((table, key)) = key.trim().split_once('.') {
+        let others = match table {
+            "exposure" => alternatives(key, value.trim()),
+            "camera" => other_places(key),
+            _ => &[],
+        };
+        others.iter().for_each(|other| source.remove(table, other));
     }
     set_in(source, "", "lens.f_number=4", argument)
 }
@@ -42,9 +47,25 @@ fn alternatives(key: &str, value: &str) -> &'static [&'static str] {
     }
 }
 
+/// Keys of `[camera]` that say in another way where it is.
+fn other_places(key: &str) -> &'static [&'static str] {
+    match key {
+        "position_m" | "look_at_m" | "up" => &["gltf_camera"],
+        "gltf_camera" => &["position_m", "look_at_m", "up"],
+        // A motion as a whole takes the place of another as a whole.
+        "motion" => &["motion", "position_m", "look_at_m", "up", "gltf_camera"],
+        _ => &[],
+    }
+}
+
 /// The same for keys below `table`.
 pub(super) fn set_below(source: &mut CaptureSource, table: &str, argument: &str) -> Result<()> {
     set_in(source, &format!("{table}."), "noise.read_noise_e=2", argument)
+}
+
+/// The same for keys of a calibration target.
+pub(super) fn set_target(source: &mut CaptureSource, argument: &str) -> Result<()> {
+    set_in(source, "target.", "square_mm=20", argument)
 }
 
 fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &str) -> Result<()> {
