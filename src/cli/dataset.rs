@@ -71,21 +71,21 @@ pub(super) fn run(args: &DatasetArgs) -> Result<()> {
 
     let todo: Vec<(u32, usize)> = numbers
         .flat_map(|number| (0..plan.cameras().len()).map(move |camera| (number, camera)))
-        .filter(|&(number, camera)| !folder.is_done(&plan.cameras()[camera].name, number))
+        .filter(|&(number, camera)| !folder.is_done(&plan.cameras()[camera].place.name, number))
         .collect();
     let progress = Progress::over_images(todo.len() as u64, args.quiet || args.json);
     for (made, &(number, camera)) in todo.iter().enumerate() {
         let frame = plan.frame(number).map_err(|invalid| file.error(invalid))?;
         let overrides: Vec<String> = frame.overrides[camera].iter().chain(&args.overrides).cloned().collect();
         let capture = Capture::read(&capture_path, &overrides)?;
-        let partial = folder.begin(&plan.cameras()[camera].name, number)?;
+        let partial = folder.begin(&plan.cameras()[camera].place.name, number)?;
         let mut results = OutputFolder::claim(&partial, false)?;
         // What is to be said of the scene is said once.
         let quiet = args.quiet || made > 0;
         let request = Request { input: &capture_path, overrides, quiet, silent: true, is_timed: false };
         render(capture, &request, &mut results, Timings::default())?;
         drop(results);
-        folder.finish(&plan.cameras()[camera].name, number)?;
+        folder.finish(&plan.cameras()[camera].place.name, number)?;
         progress.advance(1);
     }
     progress.finish();
@@ -114,17 +114,16 @@ fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result
     let rig = description.rig().map_err(|invalid| file.error(invalid))?;
     let mut cameras = Vec::new();
     let mut captures = Vec::new();
-    for (index, (name, in_rig, partner)) in rig.into_iter().enumerate() {
-        let own = description.cameras.get(index).map_or(&[][..], |camera| &camera.set);
-        let set: Vec<String> = description.set.iter().chain(own).chain(overrides).cloned().collect();
+    for place in rig {
+        let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
         let capture = Capture::read(capture_path, &set)?;
         check(&capture)?;
         let camera = lone_camera(&capture)?;
-        cameras.push(RigCamera { name, in_rig, camera, set: own.to_vec(), partner });
+        cameras.push(RigCamera { place, camera });
         captures.push(capture);
     }
     for (index, camera) in cameras.iter().enumerate() {
-        let Some(partner) = camera.partner else { continue };
+        let Some(partner) = camera.place.partner else { continue };
         let (own, other) = (&captures[index], &captures[partner]);
         if own.lens != other.lens || own.sensor.resolution != other.sensor.resolution {
             let message = "disparity is that of two cameras of one kind, and lens or sensor of the other differ";

@@ -107,7 +107,7 @@ impl DatasetFolder {
             write_whole(&marker, |to| writeln!(to, "{}", pretty_json(identity)))?;
         }
         for camera in plan.cameras() {
-            create_folder(&path.join(&camera.name))?;
+            create_folder(&path.join(&camera.place.name))?;
         }
         Ok(Self { path: path.to_owned() })
     }
@@ -142,9 +142,9 @@ impl DatasetFolder {
     pub(super) fn write_index(&self, file: &DatasetFile, identity: &Value, plan: &Plan) -> Result<usize> {
         let mut lines = Vec::new();
         for number in 0..plan.frames() {
-            for camera in plan.cameras().iter().filter(|camera| self.is_done(&camera.name, number)) {
+            for camera in plan.cameras().iter().filter(|camera| self.is_done(&camera.place.name, number)) {
                 let time_s = plan.frame(number).map_err(|invalid| file.error(invalid))?.time_s;
-                lines.push(self.line(&camera.name, number, time_s)?.to_string());
+                lines.push(self.line(&camera.place.name, number, time_s)?.to_string());
             }
         }
         write_whole(&self.path.join(MANIFEST), |to| lines.iter().try_for_each(|line| writeln!(to, "{line}")))?;
@@ -205,7 +205,7 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize) -> St
         .iter()
         .map(|c| {
             let [width, height] = c.camera.resolution();
-            format!("- `{}`: {width} × {height} pixels", c.name)
+            format!("- `{}`: {width} × {height} pixels", c.place.name)
         })
         .collect();
     let varied: Vec<String> = file.description.vary.iter().map(|v| format!("- `{}`", v.key)).collect();

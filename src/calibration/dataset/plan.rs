@@ -15,26 +15,32 @@ use crate::scene::description::look_at;
 /// The folder beside those of the cameras.
 pub const CALIBRATION_FOLDER: &str = "calibration";
 
-/// A camera of the rig.
+/// What a description says of a camera of the rig.
 #[derive(Clone, Debug)]
-pub struct RigCamera {
+pub struct RigPlace {
     /// What its folder is called.
     pub name: String,
     /// Camera → rig.
     pub in_rig: DAffine3,
-    /// The camera, wherever it stands, as the capture makes it.
-    pub camera: Camera,
-    /// Changes to the capture for this camera alone.
-    pub set: Vec<String>,
     /// Index of the camera that disparity leads to.
     pub partner: Option<usize>,
+    /// Changes to the capture for this camera, in all frames.
+    pub set: Vec<String>,
+}
+
+/// A camera of the rig.
+#[derive(Clone, Debug)]
+pub struct RigCamera {
+    /// What is said of it.
+    pub place: RigPlace,
+    /// The camera, wherever it stands, as the capture makes it.
+    pub camera: Camera,
 }
 
 /// Everything that frames are made from.
 #[derive(Clone, Debug)]
 pub struct Plan {
     seed: u64,
-    set: Vec<String>,
     cameras: Vec<RigCamera>,
     poses: Poses,
     /// Whether the capture's own camera pose is kept.
@@ -84,8 +90,8 @@ impl Plan {
         };
         Ok(Self {
             seed: u64::from(description.seed.unwrap_or(0)),
-            set: description.set.clone(),
-            keeps_pose: matches!(poses, Poses::Fixed(_)) && cameras.iter().all(|c| c.in_rig == DAffine3::IDENTITY),
+            keeps_pose: matches!(poses, Poses::Fixed(_))
+                && cameras.iter().all(|c| c.place.in_rig == DAffine3::IDENTITY),
             cameras,
             poses,
             variations: description.vary.iter().enumerate().map(variation).collect::<Result<_, _>>()?,
@@ -108,18 +114,15 @@ impl Plan {
         let poses_seed = self.seed_for(Purpose::Poses, 0);
         let rig = self.poses.pose(poses_seed, number, &self.cameras).map_err(|e| e.within("poses"))?;
         let of_camera = |(index, camera): (usize, &RigCamera)| {
-            let mut set: Vec<String> = self.set.iter().chain(&camera.set).cloned().collect();
+            let mut set: Vec<String> = camera.place.set.clone();
             match &self.poses {
                 _ if self.keeps_pose => {}
                 Poses::Trajectory(way) if way.moving => set.extend(on_the_way(way, number, camera)),
                 Poses::Fixed(_) | Poses::List(_) | Poses::Random(_) | Poses::Trajectory(_) => {
-                    set.extend(pose_keys(&(rig * camera.in_rig)).map(|(key, value)| format!("camera.{key}={value}")));
+                    set.extend(
+                        pose_keys(&(rig * camera.place.in_rig)).map(|(key, value)| format!("camera.{key}={value}")),
+                    );
                 }
-            }
-            if let Some(partner) = camera.partner {
-                let partner = camera.in_rig.inverse() * self.cameras[partner].in_rig;
-                let keys = pose_keys(&partner).map(|(key, value)| format!("{key} = {value}"));
-                set.push(format!("output.truth_partner={{ {} }}", keys.join(", ")));
             }
             for (i, variation) in self.variations.iter().enumerate() {
                 set.push(variation.set(self.seed_for(Purpose::Variation, i), number, self.frames, index));
@@ -139,10 +142,11 @@ impl Plan {
 }
 
 impl DatasetDescription {
-    /// Camera → rig of each camera, with its partner; names are checked.
-    pub fn rig(&self) -> Result<Vec<(String, DAffine3, Option<usize>)>, Invalid> {
+    /// The cameras of the rig and their places; names are checked.
+    pub fn rig(&self) -> Result<Vec<RigPlace>, Invalid> {
         if self.cameras.is_empty() {
-            return Ok(vec![("camera".to_owned(), DAffine3::IDENTITY, None)]);
+            let (name, set) = ("camera".to_owned(), self.set.clone());
+            return Ok(vec![RigPlace { name, in_rig: DAffine3::IDENTITY, partner: None, set }]);
         }
         let mut names = BTreeSet::new();
         let mut rig = Vec::new();
@@ -171,7 +175,15 @@ impl DatasetDescription {
                     .position(|other| other.name == *name && *name != d.name)
                     .ok_or_else(|| at(Invalid::new("disparity_to", format!("the rig has no other camera {name:?}"))))
             });
-            rig.push((d.name.clone(), in_rig, partner.transpose()?));
+            let set = self.set.iter().chain(&d.set).cloned().collect();
+            rig.push(RigPlace { name: d.name.clone(), in_rig, partner: partner.transpose()?, set });
+        }
+        let places: Vec<DAffine3> = rig.iter().map(|place| place.in_rig).collect();
+        for place in &mut rig {
+            let Some(partner) = place.partner else { continue };
+            let keys =
+                pose_keys(&(place.in_rig.inverse() * places[partner])).map(|(key, value)| format!("{key} = {value}"));
+            place.set.push(format!("output.truth_partner={{ {} }}", keys.join(", ")));
         }
         Ok(rig)
     }
@@ -196,7 +208,7 @@ fn on_the_way(way: &Way, frame: u32, camera: &RigCamera) -> [String; 2] {
     let pose = |step: u32| {
         let time = 2.0 * interval * f64::from(step) / f64::from(STEPS);
         let rig = way.motion.pose(&DAffine3::IDENTITY, f64::from(frame) * interval + time);
-        let keys = pose_keys(&(rig * camera.in_rig)).map(|(key, value)| format!("{key} = {value}"));
+        let keys = pose_keys(&(rig * camera.place.in_rig)).map(|(key, value)| format!("{key} = {value}"));
         format!("{{ time_s = {}, {} }}", number(time), keys.join(", "))
     };
     let poses: Vec<String> = (0..=STEPS).map(pose).collect();

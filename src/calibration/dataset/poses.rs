@@ -247,7 +247,7 @@ impl Around {
                 let Some(seen) = first.camera.seen(pixel) else { continue };
                 // Turned so that this direction goes where the axis went.
                 let turn = DQuat::from_rotation_arc(seen.direction.normalize(), DVec3::NEG_Z);
-                let rig = rolled * DAffine3::from_quat(turn) * first.in_rig.inverse();
+                let rig = rolled * DAffine3::from_quat(turn) * first.place.in_rig.inverse();
                 if cameras.iter().all(|camera| self.is_within(&rig, camera)) {
                     return Ok(rig);
                 }
@@ -259,7 +259,7 @@ impl Around {
 
     fn is_within(&self, rig: &DAffine3, camera: &RigCamera) -> bool {
         let [width, height] = camera.camera.resolution().map(f64::from);
-        let inverse = (*rig * camera.in_rig).inverse();
+        let inverse = (*rig * camera.place.in_rig).inverse();
         let range = |size: f64| self.margin_px..=size - self.margin_px;
         self.subject.points.iter().all(|point| {
             let pixel = camera.camera.project_camera(inverse.transform_point3(*point));
