@@ -4,7 +4,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use glam::DVec2;
 use photosite::calibration::dataset::{Plan, RigCamera, Subject};
+use photosite::calibration::targets::PlacedTarget;
 use photosite::io::capture::{Capture, DatasetFile};
 use photosite::{Error, Invalid, Result};
 use serde_json::json;
@@ -137,12 +139,13 @@ fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result
     Ok((plan, captures))
 }
 
-/// The targets that poses can be taken around.
+/// The targets that poses can be taken around: those who look for one want all of its sheet.
 fn subjects(capture: &Capture) -> Vec<Subject> {
-    let of_target = |target: &photosite::calibration::targets::PlacedTarget| Subject {
-        name: target.name.clone(),
-        to_world: target.to_world,
-        points: target.points().map(|(_, point)| point).collect(),
+    let of_target = |target: &PlacedTarget| {
+        let [low, high] = target.target.sheet;
+        let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+        let points = corners.map(|corner| target.world(corner)).to_vec();
+        Subject { name: target.name.clone(), to_world: target.to_world, points }
     };
     capture.targets.iter().map(of_target).collect()
 }

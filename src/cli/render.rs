@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use clap::Args;
 use glam::DAffine3;
-use photosite::calibration::truth::{TruthJob, TruthLayer, truth};
+use photosite::calibration::targets::PlacedTarget;
+use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::film::{Film, Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
@@ -128,6 +129,12 @@ pub(super) fn render(
     };
     let Recorded { film, exposure, first, passes } = traced.record(folder, &mut timings, request.silent)?;
 
+    let first_camera = match &capture.recording {
+        Some(recording) => camera.clone().recording(recording.clone()),
+        None => camera.clone(),
+    };
+    let report_target =
+        |target: &PlacedTarget| TargetReport::new(target, &View::of(&first_camera), &scene, pixels(&capture));
     let [width, height] = pixels(&capture).map(u64::from);
     let paths = width * height * passes;
     let traced = TracedReport {
@@ -140,7 +147,7 @@ pub(super) fn render(
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         scene_light: LightReport::new(&light),
-        targets: capture.targets.iter().map(TargetReport::new).collect(),
+        targets: capture.targets.iter().map(report_target).collect(),
         truth: truth_report,
         paths,
         paths_per_s: request.is_timed.then(|| paths as f64 / timings.trace_s),

@@ -1,12 +1,14 @@
 //! `capture.json`: everything needed to reproduce a capture and to use its pictures.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 use photosite::calibration::targets::PlacedTarget;
+use photosite::calibration::truth::{Correspondence, View};
 use photosite::io::capture::TruthOutput;
 use photosite::io::target_file::facts;
 use photosite::optics::{
     Camera, CameraMotion, FieldOfView, Intrinsics, LensDescription, LensKind, Projection, Recording,
 };
+use photosite::scene::Scene;
 use photosite::scene::description::SceneDescription;
 use photosite::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
 use serde::{Deserialize, Serialize};
@@ -124,11 +126,20 @@ pub(super) struct TargetReport {
     translation_m: [f64; 3],
     /// The points in the world (glTF axes, metres), in the same order.
     points_world_m: Vec<[f64; 3]>,
+    /// Where they appear in the picture, through the whole lens: integer coordinates at pixel centres. `null` for those behind
+    /// the camera. Of a camera that moves: in the middle of the first picture's exposure.
+    points_px: Vec<Option<[f64; 2]>>,
+    /// Whether they are within the picture, with nothing before them.
+    points_visible: Vec<bool>,
 }
 
 impl TargetReport {
-    pub(super) fn new(placed: &PlacedTarget) -> Self {
+    pub(super) fn new(placed: &PlacedTarget, view: &View<'_>, scene: &Scene, size: [u32; 2]) -> Self {
+        let found: Vec<_> = placed.points().map(|(_, point)| view.landmark(scene, point, size)).collect();
+        let px = |place: &Correspondence| (place.pixel - DVec2::splat(0.5)).to_array();
         Self {
+            points_px: found.iter().map(|place| place.as_ref().map(px)).collect(),
+            points_visible: found.iter().map(|place| place.is_some_and(|place| place.visible)).collect(),
             name: placed.name.clone(),
             facts: facts(&placed.description, &placed.target),
             rotation: rows(placed.to_world.matrix3),

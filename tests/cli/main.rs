@@ -5,6 +5,7 @@ mod bad_geometry;
 mod bad_sensors;
 mod bad_usage;
 mod bracket;
+mod dataset;
 mod develop;
 mod documents;
 mod emva1288;

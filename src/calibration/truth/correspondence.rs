@@ -1,6 +1,6 @@
 //! Where a surface that one camera sees appears to another, or to the same one later.
 
-use glam::{DAffine3, DVec2, Vec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use crate::geometry::{Ray, SurfacePoint, offset_origin};
 use crate::optics::Camera;
@@ -37,15 +37,19 @@ impl<'a> View<'a> {
 
     /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row: the y that solves
     /// y = project(p, camera at t(y)). `None` behind the camera, and where it moves too fast for there to be one.
-    pub fn project(&self, point: Vec3) -> Option<DVec2> {
-        let mut pixel = self.at_row(0.0).project(point)?;
+    pub fn project(&self, point: DVec3) -> Option<DVec2> {
+        let at_row = |row: f64| {
+            let camera = self.at_row(row);
+            camera.project_camera(camera.to_world().inverse().transform_point3(point))
+        };
+        let mut pixel = at_row(0.0)?;
         if !self.camera.moves() {
             return Some(pixel);
         }
         // Each round takes the error times (speed of the picture in rows per row time), which is far below 1 in any picture
         // that is not torn apart.
         for _ in 0..100 {
-            let next = self.at_row(pixel.y - 0.5).project(point)?;
+            let next = at_row(pixel.y - 0.5)?;
             let change = (next - pixel).length();
             pixel = next;
             if change < 1e-9 {
@@ -57,10 +61,25 @@ impl<'a> View<'a> {
 
     /// Where a surface point appears in the picture of `size` columns and rows. `None` where it has no place in it.
     pub fn correspondence(&self, scene: &Scene, point: &SurfacePoint, size: [u32; 2]) -> Option<Correspondence> {
-        let pixel = self.project(point.position)?;
+        self.found(point.position.as_dvec3(), size, |camera| is_seen(scene, point, camera))
+    }
+
+    /// The same of a point that is known to lie on a surface.
+    pub fn landmark(&self, scene: &Scene, point: DVec3, size: [u32; 2]) -> Option<Correspondence> {
+        self.found(point, size, |camera| {
+            let eye = camera.to_world().translation.as_vec3();
+            let mut ray = Ray::new(eye, point.as_vec3() - eye);
+            // Up to just before the surface that it lies on.
+            ray.t_max = 1.0 - 1e-4;
+            !scene.occluded(&ray)
+        })
+    }
+
+    fn found(&self, point: DVec3, size: [u32; 2], is_seen: impl Fn(&Camera) -> bool) -> Option<Correspondence> {
+        let pixel = self.project(point)?;
         let [width, height] = size.map(f64::from);
         let within = (0.0..width).contains(&pixel.x) && (0.0..height).contains(&pixel.y);
-        Some(Correspondence { pixel, visible: within && is_seen(scene, point, &self.at_row(pixel.y - 0.5)) })
+        Some(Correspondence { pixel, visible: within && is_seen(&self.at_row(pixel.y - 0.5)) })
     }
 }
 
