@@ -6,10 +6,12 @@ use std::time::Instant;
 
 use clap::Args;
 use glam::DAffine3;
+use photosite::calibration::truth::{TruthJob, TruthLayer, truth};
 use photosite::film::{Film, Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
-use photosite::io::capture::Capture;
+use photosite::io::capture::{Capture, TruthOutput};
+use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
 use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
 use photosite::raw::RawImage;
@@ -22,7 +24,9 @@ use photosite::{Invalid, Result};
 use super::chain::{Chain, Optics, scene_light};
 use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
-use super::report::{CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport};
+use super::report::{
+    CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport, TruthReport,
+};
 use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
 use super::trace::{Trace, trace};
@@ -54,6 +58,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let importance = importance(&responses);
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
+    let truth_report = TruthReport::new(&capture.output.truth, &description);
     let scene = scene::build(description, &importance);
     let camera = place_camera(&capture, |ray| scene.closest(ray))?;
     if let (Focus::Autofocus { pixel: [x, y] }, true) = (capture.lens.focus, camera.focus_distance_m().is_infinite()) {
@@ -96,6 +101,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         scene_light: LightReport::new(&light),
+        truth: truth_report,
         paths,
         paths_per_s: paths as f64 / timings.trace_s,
     };
@@ -147,11 +153,12 @@ impl Series<'_> {
     fn record(&self, folder: &mut OutputFolder, timings: &mut Timings, silent: bool) -> Result<Recorded> {
         let count = self.capture.exposure.frames;
         let Some(recording) = &self.capture.recording else {
-            return self.picture(self.camera, Frames::All(count), folder, timings, silent);
+            let still = [self.camera, self.camera];
+            return self.picture(still, Frames::All(count), folder, timings, silent);
         };
         let frame = |number: u32, folder: &mut OutputFolder, timings: &mut Timings| {
-            let camera = self.camera.clone().recording(recording.later(number));
-            self.picture(&camera, Frames::One { number, of: count }, folder, timings, silent)
+            let [camera, next] = [number, number + 1].map(|n| self.camera.clone().recording(recording.later(n)));
+            self.picture([&camera, &next], Frames::One { number, of: count }, folder, timings, silent)
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
@@ -161,9 +168,10 @@ impl Series<'_> {
         Ok(recorded)
     }
 
+    /// One picture, with the camera of it and that of the next one.
     fn picture(
         &self,
-        camera: &Camera,
+        [camera, next]: [&Camera; 2],
         frames: Frames,
         folder: &mut OutputFolder,
         timings: &mut Timings,
@@ -175,6 +183,9 @@ impl Series<'_> {
             // Noise of light that stays in its place from frame to frame would pass for a pattern.
             settings.seed = hash64(settings.seed, u64::from(number));
         }
+        let truth_job = TruthJob { scene: self.scene, camera, next, resolution: pixels(capture) };
+        check_depths(&truth_job, &capture.output.truth)
+            .map_err(|invalid| capture.source.error(invalid.within("output")))?;
         let start = Instant::now();
         let film = trace(&Trace {
             capture,
@@ -197,6 +208,10 @@ impl Series<'_> {
                 let picture = ideal::picture(&film, capture, self.light, &exposure)?;
                 folder.write_ideal(number, picture, &capture.develop)?;
             }
+            if !capture.output.truth.layers.is_empty() {
+                let planes = truth(&truth_job, &capture.output.truth.layers);
+                folder.write_truth(number, &capture.output.truth, &planes)?;
+            }
             match &capture.output.irradiance {
                 Some(bands) => folder.write_irradiance(number, bands, &film),
                 None => Ok(()),
@@ -205,6 +220,16 @@ impl Series<'_> {
         let passes = u64::from(film.samples());
         Ok(Recorded { film, exposure, first, passes })
     }
+}
+
+/// Finds depths that no PNG file can hold before light is traced, which may take an hour.
+fn check_depths(job: &TruthJob<'_>, output: &TruthOutput) -> Result<(), Invalid> {
+    if !output.formats.contains(&TruthFormat::Png) {
+        return Ok(());
+    }
+    let is_depth = |layer: &TruthLayer| matches!(layer, TruthLayer::Depth | TruthLayer::Distance);
+    let depths: Vec<TruthLayer> = output.layers.iter().copied().filter(is_depth).collect();
+    if depths.is_empty() { Ok(()) } else { fits_png(&truth(job, &depths), output.depth_unit_m) }
 }
 
 /// `scenes/cornell-box/capture.toml` → `cornell-box`, `scenes/checker/capture-a.toml` → `checker-a`, `helmet.glb` →

@@ -1,9 +1,11 @@
 //! `capture.json`: everything needed to reproduce a capture and to use its pictures.
 
 use glam::{DAffine3, DMat3, DVec3};
+use photosite::io::capture::TruthOutput;
 use photosite::optics::{
     Camera, CameraMotion, FieldOfView, Intrinsics, LensDescription, LensKind, Projection, Recording,
 };
+use photosite::scene::description::SceneDescription;
 use photosite::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -36,6 +38,8 @@ pub(super) struct TracedReport {
     pub(super) lens: LensReport,
     pub(super) render: RenderReport,
     pub(super) scene_light: LightReport,
+    /// `null` where none is written.
+    pub(super) truth: Option<TruthReport>,
     /// Camera paths traced.
     pub(super) paths: u64,
     pub(super) paths_per_s: f64,
@@ -43,11 +47,35 @@ pub(super) struct TracedReport {
 
 impl TracedReport {
     /// The keys of this in a report.
-    pub(super) const KEYS: [&str; 6] = ["camera", "lens", "render", "scene_light", "paths", "paths_per_s"];
+    pub(super) const KEYS: [&str; 7] = ["camera", "lens", "render", "scene_light", "truth", "paths", "paths_per_s"];
 
     pub(super) fn into_map(self) -> Map<String, Value> {
         let value = serde_json::to_value(self).expect("our own structures have string keys and finite numbers");
         if let Value::Object(map) = value { map } else { Map::new() }
+    }
+}
+
+/// What the numbers of ground truth stand for.
+#[derive(Serialize)]
+pub(super) struct TruthReport {
+    layers: Vec<&'static str>,
+    /// What one step of depth in a PNG file stands for.
+    depth_unit_mm: f64,
+    /// Names of the objects, from number 1 on.
+    instances: Vec<String>,
+    /// Names of the materials, from number 1 on.
+    materials: Vec<String>,
+}
+
+impl TruthReport {
+    /// `None` where no truth is asked for.
+    pub(super) fn new(output: &TruthOutput, scene: &SceneDescription) -> Option<Self> {
+        (!output.layers.is_empty()).then(|| Self {
+            layers: output.layers.iter().map(|layer| layer.name()).collect(),
+            depth_unit_mm: output.depth_unit_m * 1e3,
+            instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
+            materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
+        })
     }
 }
 

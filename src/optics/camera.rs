@@ -118,6 +118,15 @@ impl Camera {
         self.recording.is_some()
     }
 
+    /// The camera as it stands, still, in the middle of the exposure of a row.
+    pub fn at_row(&self, row: f64) -> Self {
+        let to_world = match &self.recording {
+            None => self.to_world,
+            Some(recording) => recording.motion.pose(&self.to_world, recording.time_s(row, 0.5)),
+        };
+        Self { to_world, recording: None, ..self.clone() }
+    }
+
     /// Camera → world, of a moving camera at time 0.
     pub fn to_world(&self) -> DAffine3 {
         self.to_world

@@ -26,10 +26,12 @@ impl Recording {
         Self { start_s: self.start_s + f64::from(frames) * self.frame_interval_s, ..self.clone() }
     }
 
-    /// The time, s, of a sample u in [0, 1) of a row's exposure.
+    /// The time, s, of a sample u in [0, 1) of a row's exposure. Rows beyond the picture go on as those at its border do.
     #[inline]
     pub fn time_s(&self, row: f64, u: f32) -> f64 {
-        self.start_s + ((row + 0.5 - self.first_row).abs() - 0.5) * self.row_time_s + f64::from(u) * self.exposure_s
+        let below_first = row + 0.5 - self.first_row;
+        let before = if self.first_row > 0.0 { below_first.abs() } else { below_first } - 0.5;
+        self.start_s + before * self.row_time_s + f64::from(u) * self.exposure_s
     }
 }
 

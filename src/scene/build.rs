@@ -11,8 +11,8 @@ use super::description::{
     TextureDescription, TexturedColour, TexturedFactor,
 };
 use super::{
-    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, Mix,
-    NormalMap, ScatteringModel, Scene,
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, InstanceTable, LayeredMaterial,
+    Material, Mix, NormalMap, ScatteringModel, Scene,
 };
 use crate::bsdf::Ggx;
 use crate::geometry::{Accel, Geometry, MeshRange, Placement, Transform, Triangle};
@@ -41,7 +41,8 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         |(m, e): (&MaterialDescription, &Option<Emission>)| builder.material(m, e.as_ref().map(|e| e.surface));
     let table: Vec<Material> = materials.iter().zip(&emissions).map(material).collect();
 
-    let (geometry, accel, emitters) = place(meshes, &instances, |material| emissions[material].is_some());
+    let (geometry, accel, instance_table, emitters) =
+        place(meshes, &instances, |material| emissions[material].is_some());
     let (low, high) = accel.bounds();
     // The size weighs light from afar against lamps. Without geometry there is none, and any will do.
     let radius = if geometry.triangles.is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
@@ -64,6 +65,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     Scene {
         geometry,
         accel,
+        instances: instance_table,
         has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
         has_media: table.iter().any(|m| m.absorption.is_some()),
         materials: table,
@@ -370,16 +372,18 @@ fn place(
     meshes: Vec<MeshDescription>,
     instances: &[InstanceDescription],
     emits: impl Fn(usize) -> bool,
-) -> (Geometry, Accel, Vec<Range<u32>>) {
+) -> (Geometry, Accel, InstanceTable, Vec<Range<u32>>) {
     let mut uses = vec![0usize; meshes.len()];
     for instance in instances {
         uses[instance.mesh] += 1;
     }
     let in_world = |mesh: usize| uses[mesh] == 1 || emits(meshes[mesh].material);
     let mut geometry = Geometry::default();
+    let mut table = InstanceTable::default();
     let mut emitters = Vec::new();
     let mut light_count = 0;
-    for instance in instances.iter().filter(|i| in_world(i.mesh)) {
+    for (index, instance) in instances.iter().enumerate().filter(|(_, i)| in_world(i.mesh)) {
+        table.of_mesh.push(index as u32);
         let mesh = &meshes[instance.mesh];
         let emitting = emits(mesh.material);
         let range = append(&mut geometry, mesh, &instance.to_world, emitting.then_some(light_count));
@@ -394,19 +398,21 @@ fn place(
     if world_end > 0 {
         groups.push(0..world_end);
         placements.push(Placement { group: 0, transform: None });
+        table.of_placement.push(None);
     }
     for (index, mesh) in meshes.iter().enumerate().filter(|&(index, _)| uses[index] > 0 && !in_world(index)) {
         groups.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None));
         let group = (groups.len() - 1) as u32;
-        let of_this = instances.iter().filter(|i| i.mesh == index);
-        placements.extend(of_this.map(|i| {
+        let of_this = || instances.iter().enumerate().filter(|(_, i)| i.mesh == index);
+        table.of_placement.extend(of_this().map(|(i, _)| Some(i as u32)));
+        placements.extend(of_this().map(|(_, i)| {
             let transform = Transform { to_world: single(&i.to_world), to_group: single(&i.to_world.inverse()) };
             Placement { group, transform: Some(transform) }
         }));
     }
     drop(meshes);
     let accel = Accel::build(&geometry, &groups, placements);
-    (geometry, accel, emitters)
+    (geometry, accel, table, emitters)
 }
 
 fn single(transform: &DAffine3) -> Affine3A {

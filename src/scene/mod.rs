@@ -28,6 +28,7 @@ use crate::texture::Texture;
 pub struct Scene {
     geometry: Geometry,
     accel: Accel,
+    instances: InstanceTable,
     materials: Vec<Material>,
     layered: Vec<LayeredMaterial>,
     mixes: Vec<Mix>,
@@ -39,6 +40,15 @@ pub struct Scene {
     has_alpha: bool,
     /// Whether any material bounds a volume that absorbs.
     has_media: bool,
+}
+
+/// Which instance of the description each surface belongs to.
+#[derive(Clone, Debug, Default)]
+struct InstanceTable {
+    /// Of meshes that stand in world space: the instance, for each mesh of the geometry up to the last of these.
+    of_mesh: Vec<u32>,
+    /// Of the placements: `None` for the one in world space.
+    of_placement: Vec<Option<u32>>,
 }
 
 impl Scene {
@@ -78,6 +88,12 @@ impl Scene {
     #[inline]
     pub fn point(&self, hit: &Hit) -> SurfacePoint {
         SurfacePoint::new(&self.geometry, &self.accel, hit)
+    }
+
+    /// Index of the instance that was hit, in the description that the scene was built from.
+    pub fn instance(&self, hit: &Hit) -> u32 {
+        let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
+        self.instances.of_placement[hit.placement as usize].unwrap_or_else(|| self.instances.of_mesh[mesh as usize])
     }
 
     /// Radiance that a surface point emits towards the unit direction `wo`.

@@ -53,6 +53,18 @@ impl Stage {
         self
     }
 
+    /// Places the mesh added last once more.
+    pub(crate) fn again(self, to_world: DAffine3) -> Self {
+        let mesh = self.0.meshes.len() - 1;
+        self.again_of(mesh, to_world)
+    }
+
+    /// Places a mesh once more.
+    pub(crate) fn again_of(mut self, mesh: usize, to_world: DAffine3) -> Self {
+        self.0.instances.push(InstanceDescription { name: String::new(), mesh, to_world });
+        self
+    }
+
     /// Says with which probability the mesh added last is there.
     pub(crate) fn alpha(mut self, mode: AlphaMode, alpha: f32) -> Self {
         let material = self.0.materials.last_mut().expect("a mesh was added");

@@ -30,7 +30,7 @@ pub(super) use material::{
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable};
-pub(super) use settings::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
+pub(super) use settings::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName, TruthSource};
 
 /// A capture: a scene, the camera that looks at it, and what to make of it. All quantities are in the unit that their
 /// key names; lengths in metres, angles in degrees.
