@@ -2,6 +2,7 @@
 //! library's.
 
 mod bracket;
+mod camera;
 mod chain;
 mod compare;
 mod compare_text;
@@ -61,6 +62,7 @@ enum Command {
     Info(info::InfoArgs),
     Noise(noise::NoiseArgs),
     Project(project::ProjectArgs),
+    Camera(camera::CameraArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
 }
@@ -90,6 +92,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Noise(args) => noise::run(&args),
         Command::Project(args) => project::run(&args),
+        Command::Camera(args) => camera::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
     };
