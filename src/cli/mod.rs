@@ -30,6 +30,7 @@ mod run_args;
 mod schema;
 mod sensors;
 mod stored_light;
+mod target;
 mod trace;
 
 use std::io::IsTerminal;
@@ -65,6 +66,7 @@ enum Command {
     Camera(camera::CameraArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
+    Target(target::TargetArgs),
 }
 
 /// Runs the command line of this process. Exit status 0: done, 1: failed (or pictures differ), 2: wrong usage.
@@ -95,6 +97,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Camera(args) => camera::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
+        Command::Target(args) => target::run(&args),
     };
     match outcome {
         Ok(()) => done,

@@ -13,7 +13,7 @@ use photosite::integrator::RenderSettings;
 use photosite::io::capture::{Capture, TruthOutput};
 use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
-use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
+use photosite::optics::{Camera, Focus, LensDescription, PixelGrid, Recording};
 use photosite::raw::RawImage;
 use photosite::scene::{self, Scene};
 use photosite::sensor::{Exposure, SensorModel};
@@ -25,7 +25,8 @@ use super::chain::{Chain, Optics, scene_light};
 use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
 use super::report::{
-    CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport, TruthReport,
+    CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, TargetReport, Timings, TracedReport,
+    TruthReport,
 };
 use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
@@ -79,6 +80,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     timings.build_s = start.elapsed().as_secs_f64();
 
     let traced = Series {
+        input: &args.input,
+        overrides: &overrides,
         capture: &capture,
         scene: &scene,
         camera: &camera,
@@ -101,6 +104,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         scene_light: LightReport::new(&light),
+        targets: capture.targets.iter().map(TargetReport::new).collect(),
         truth: truth_report,
         paths,
         paths_per_s: paths as f64 / timings.trace_s,
@@ -130,6 +134,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
 /// All that the pictures of a series are made of.
 struct Series<'a> {
+    input: &'a Path,
+    overrides: &'a [String],
     capture: &'a Capture,
     scene: &'a Scene,
     camera: &'a Camera,
@@ -154,11 +160,31 @@ impl Series<'_> {
         let count = self.capture.exposure.frames;
         let Some(recording) = &self.capture.recording else {
             let still = [self.camera, self.camera];
-            return self.picture(still, Frames::All(count), folder, timings, silent);
+            return self.picture(self.scene, still, Frames::All(count), folder, timings, silent);
         };
         let frame = |number: u32, folder: &mut OutputFolder, timings: &mut Timings| {
-            let [camera, next] = [number, number + 1].map(|n| self.camera.clone().recording(recording.later(n)));
-            self.picture([&camera, &next], Frames::One { number, of: count }, folder, timings, silent)
+            let frames = Frames::One { number, of: count };
+            let recordings = |first: &Recording, next: &Recording| {
+                [first, next].map(|recording| self.camera.clone().recording(recording.clone()))
+            };
+            if !self.capture.scene_moves {
+                let [camera, next] = recordings(&recording.later(number), &recording.later(number + 1));
+                return self.picture(self.scene, [&camera, &next], frames, folder, timings, silent);
+            }
+            let start = Instant::now();
+            let read = |number| Capture::read_frame(self.input, self.overrides, number);
+            let recording_of = |capture: &Capture| capture.recording.clone().unwrap_or_else(|| recording.later(number));
+            let moved = if number == 0 { None } else { Some(read(number)?) };
+            let now = moved.as_ref().map_or_else(|| recording.clone(), recording_of);
+            // Only what is known of pixels beside the picture looks ahead.
+            let looks_ahead = !self.capture.output.truth.layers.is_empty();
+            let next = if looks_ahead { recording_of(&read(number + 1)?) } else { now.later(1) };
+            timings.load_s += start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            let scene = moved.map(|moved| scene::build(moved.scene, self.importance));
+            timings.build_s += start.elapsed().as_secs_f64();
+            let [camera, next] = recordings(&now, &next);
+            self.picture(scene.as_ref().unwrap_or(self.scene), [&camera, &next], frames, folder, timings, silent)
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
@@ -171,6 +197,7 @@ impl Series<'_> {
     /// One picture, with the camera of it and that of the next one.
     fn picture(
         &self,
+        scene: &Scene,
         [camera, next]: [&Camera; 2],
         frames: Frames,
         folder: &mut OutputFolder,
@@ -183,14 +210,14 @@ impl Series<'_> {
             // Noise of light that stays in its place from frame to frame would pass for a pattern.
             settings.seed = hash64(settings.seed, u64::from(number));
         }
-        let truth_job = TruthJob { scene: self.scene, camera, next, resolution: pixels(capture) };
+        let truth_job = TruthJob { scene, camera, next, resolution: pixels(capture) };
         check_depths(&truth_job, &capture.output.truth)
             .map_err(|invalid| capture.source.error(invalid.within("output")))?;
         let start = Instant::now();
         let film = trace(&Trace {
             capture,
             settings: &settings,
-            scene: self.scene,
+            scene,
             camera,
             responses: self.responses,
             importance: self.importance,

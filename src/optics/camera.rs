@@ -37,8 +37,10 @@ pub struct Camera {
     projection: Projection,
     reach: Reach,
     falloff: Falloff,
-    /// `None` for a camera that stands still.
+    /// `None` where nothing moves.
     recording: Option<Recording>,
+    /// Which part of the picture's time has gone by, 0 to 1, where it is always the same.
+    time: f32,
     /// Whether all lines of the picture are seen by one row of pixels.
     scans: bool,
 }
@@ -97,11 +99,12 @@ impl Camera {
             reach: lens.projection.reach(lens.max_angle_rad),
             falloff: lens.falloff,
             recording: None,
+            time: 0.0,
             scans: false,
         })
     }
 
-    /// The same camera on the move.
+    /// The same camera taking a picture in whose time something moves.
     #[must_use]
     pub fn recording(self, recording: Recording) -> Self {
         Self { recording: Some(recording), ..self }
@@ -120,11 +123,18 @@ impl Camera {
 
     /// The camera as it stands, still, in the middle of the exposure of a row.
     pub fn at_row(&self, row: f64) -> Self {
-        let to_world = match &self.recording {
-            None => self.to_world,
-            Some(recording) => recording.motion.pose(&self.to_world, recording.time_s(row, 0.5)),
-        };
-        Self { to_world, recording: None, ..self.clone() }
+        let (to_world, time) = self.pose(row, 0.5);
+        Self { to_world, time, recording: None, ..self.clone() }
+    }
+
+    /// Where the camera is at the sample u in [0, 1) of the exposure of a row, and which part of the picture's time has gone
+    /// by.
+    #[inline]
+    fn pose(&self, row: f64, u: f32) -> (DAffine3, f32) {
+        let Some(recording) = &self.recording else { return (self.to_world, self.time) };
+        let time_s = recording.time_s(row, u);
+        let pose = recording.motion.as_ref().map_or(self.to_world, |motion| motion.pose(&self.to_world, time_s));
+        (pose, recording.part(time_s))
     }
 
     /// Camera → world, of a moving camera at time 0.
@@ -217,7 +227,7 @@ impl Camera {
     /// counts: along the axis, or along the ray where the lens can see more than a half-space.
     pub fn chief_ray(&self, pixel: DVec2) -> Option<Ray> {
         let direction = self.to_world.transform_vector3(self.chief(&self.seen(pixel)?));
-        Some(Ray::new(self.to_world.translation.as_vec3(), direction.as_vec3()))
+        Some(Ray::new(self.to_world.translation.as_vec3(), direction.as_vec3()).at_time(self.time))
     }
 
     /// The ray of a pixel position (continuous coordinates) and an aperture sample. `None` where the position sees
@@ -239,10 +249,7 @@ impl Camera {
     /// The same ray at the sample `u_time` in [0, 1) of the exposure of the pixel's row.
     #[inline]
     pub fn generate_at(&self, pixel: DVec2, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
-        let to_world = match &self.recording {
-            None => self.to_world,
-            Some(recording) => recording.motion.pose(&self.to_world, recording.time_s(pixel.y.floor(), u_time)),
-        };
+        let (to_world, time) = self.pose(pixel.y.floor(), u_time);
         let seen = self.seen(pixel)?;
         let chief = self.chief(&seen);
         let opening = match self.kind {
@@ -255,7 +262,7 @@ impl Camera {
         let weight = self.aperture.area() * self.falloff_at(&seen, opening) / (v * v);
         let origin = to_world.transform_point3(origin);
         let direction = to_world.transform_vector3(towards).normalize();
-        Some(CameraRay { ray: Ray::new(origin.as_vec3(), direction.as_vec3()), weight: weight as f32 })
+        Some(CameraRay { ray: Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time), weight: weight as f32 })
     }
 
     /// A point of the entrance pupil in camera space: across the axis, or turned about the centre on the shortest way to

@@ -84,10 +84,10 @@ impl Scene {
         if self.has_alpha { self.accel.occluded(ray, &Holes(self)) } else { self.accel.occluded(ray, &AcceptAll) }
     }
 
-    /// The surface point of a hit.
+    /// The surface point of a hit by a ray of that time.
     #[inline]
-    pub fn point(&self, hit: &Hit) -> SurfacePoint {
-        SurfacePoint::new(&self.geometry, &self.accel, hit)
+    pub fn point(&self, hit: &Hit, time: f32) -> SurfacePoint {
+        SurfacePoint::new(&self.geometry, &self.accel, hit, time)
     }
 
     /// Index of the instance that was hit, in the description that the scene was built from.
@@ -146,11 +146,12 @@ impl Scene {
         mesh.first_light.map(|first| first + (point.triangle - mesh.first_triangle))
     }
 
-    /// A direction in which `point` looks for light.
+    /// A direction in which `point` looks for light at a time.
     #[inline]
     pub fn sample_light(
         &self,
         point: glam::Vec3,
+        time: f32,
         u_light: f32,
         u: [f32; 2],
         wavelengths: &Wavelengths,
@@ -160,7 +161,7 @@ impl Scene {
             // Where there are holes, rays that look for the light end in front of them.
             if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
         };
-        self.lights.sample(&self.spectra, &self.geometry, emitted_at, point, u_light, u, wavelengths)
+        self.lights.sample(&self.spectra, &self.geometry, emitted_at, point, time, u_light, u, wavelengths)
     }
 
     /// Radiance from infinitely far in the unit direction `towards`.

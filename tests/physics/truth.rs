@@ -80,8 +80,15 @@ fn a_plane_is_where_the_rays_meet_it(#[case] about_x: f64, #[case] about_y: f64)
 /// The camera of picture `number` of a series, rows one after the other where `row_time_s` is not 0.
 fn moving(velocity_m_per_s: DVec3, row_time_s: f64, number: u32) -> Camera {
     let motion = CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s: DVec3::ZERO };
-    let recording =
-        Recording { motion, start_s: 0.0, exposure_s: 2e-3, row_time_s, first_row: 0.0, frame_interval_s: 0.1 };
+    let recording = Recording {
+        motion: Some(motion),
+        start_s: 0.0,
+        exposure_s: 2e-3,
+        row_time_s,
+        first_row: 0.0,
+        duration_s: 1.0,
+        frame_interval_s: 0.1,
+    };
     pinhole(DAffine3::IDENTITY).recording(recording.later(number))
 }
 

@@ -74,7 +74,7 @@ impl<'a> Seen<'a> {
         let ray = camera.chief_ray(pixel)?;
         let hit = job.scene.closest(&ray)?;
         let wo = -ray.direction.normalize();
-        Some(Self { job, camera, pixel, key, hit, point: job.scene.point(&hit), wo })
+        Some(Self { job, camera, pixel, key, hit, point: job.scene.point(&hit, ray.time), wo })
     }
 
     fn write(&self, layer: TruthLayer, to: &mut [f32]) {

@@ -11,6 +11,7 @@
 //! |---|---|---|
 //! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
+//! | `[[targets]]` | calibration targets | `target.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
 //! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
@@ -40,6 +41,7 @@ mod settings;
 mod source;
 mod stored;
 mod tables;
+mod target;
 mod tree;
 
 #[cfg(test)]
@@ -50,6 +52,7 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
 use crate::optics::{LensDescription, Recording};
@@ -63,6 +66,7 @@ use relocate::relocate;
 use scene::ReadScene;
 use sensor::sensor_model;
 use tables::CaptureFile;
+use target::place_targets;
 
 pub use develop::read_develop_settings;
 pub use schema::capture_schema;
@@ -70,16 +74,21 @@ pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands, TruthOutput};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
+pub use target::read_target;
 
 /// Everything that a capture file, the files it names and the command line say.
 #[derive(Debug)]
 pub struct Capture {
     /// What is in front of the camera. Its warnings are those of the whole capture.
     pub scene: SceneDescription,
+    /// Calibration targets in it.
+    pub targets: Vec<PlacedTarget>,
     /// Camera → world; the camera looks along −Z.
     pub camera_to_world: DAffine3,
-    /// The first picture of a camera that moves from there; `None` for one that stands still.
+    /// The picture of a camera or a scene that moves; `None` where all stands still.
     pub recording: Option<Recording>,
+    /// Whether the scene is that of one picture only, so that others need [`Capture::read_frame`].
+    pub scene_moves: bool,
     /// The lens.
     pub lens: LensDescription,
     /// The sensor.
@@ -99,6 +108,11 @@ pub struct Capture {
 impl Capture {
     /// Reads a capture file (`.toml`) or a scene file, with the `key=value` of every `--set` laid over it.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
+        Self::read_frame(path, overrides, 0)
+    }
+
+    /// The same for the picture of that number, in whose time an animated scene has gone on.
+    pub fn read_frame(path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
         let mut source = if is_scene_file(path) {
             CaptureSource::of_scene_file(path)
         } else {
@@ -112,12 +126,18 @@ impl Capture {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = CaptureFile::read(&mut source, folder)?;
-        let geometry = if is_scene_file(path) {
-            ReadScene::of_scene_file(&source, &file.scene, path)?
+        let moment = motion::moment(&file, frame).map_err(|invalid| source.error(invalid))?;
+        let mut geometry = if is_scene_file(path) {
+            ReadScene::of_scene_file(&source, &file.scene, moment.as_ref(), path)?
         } else {
-            ReadScene::of_capture(&source, &file.scene, folder)?
+            ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?
         };
-        Self::assemble(&file, geometry, &source, folder).map_err(|invalid| source.error(invalid))
+        let placed = || -> Result<Self, Invalid> {
+            let targets = place_targets(&file.targets)?;
+            geometry.add_targets(&targets)?;
+            Self::assemble(&file, geometry, targets, &source, folder, frame)
+        };
+        placed().map_err(|invalid| source.error(invalid))
     }
 
     /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. A sensor file of the
@@ -130,8 +150,10 @@ impl Capture {
     fn assemble(
         file: &CaptureFile,
         geometry: ReadScene,
+        targets: Vec<PlacedTarget>,
         source: &CaptureSource,
         folder: &Path,
+        frame: u32,
     ) -> Result<Self, Invalid> {
         let finder = Finder::new(folder, Vec::new());
         let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
@@ -140,18 +162,28 @@ impl Capture {
         let (camera_to_world, lens) =
             place_camera(&file.camera, motion.as_ref(), &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
-        if motion.is_some() && exposure.bracket.is_some() {
+        let scene_moves = file.scene.animation.is_some();
+        let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
+        let moves = motion.is_some() || scene_moves;
+        if moves && exposure.bracket.is_some() {
             let key = if file.exposure.bracket_ev.is_some() { "bracket_ev" } else { "bracket_times_s" };
-            let invalid = Invalid::new(key, "cannot go with a camera that moves, as its pictures differ");
-            return Err(invalid.help("remove it, or camera.motion").within("exposure"));
+            let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves, as the pictures differ");
+            return Err(invalid.help(format!("remove it, or {mover}")).within("exposure"));
         }
+        let recording = moves.then(|| motion::recording(mover, motion, &exposure, &sensor)).transpose()?;
+        let recording = recording.map(|recording| recording.later(frame)).map(|recording| {
+            let of_file = motion::motion_of_file(&file.camera, &geometry.scene.cameras, &recording);
+            Recording { motion: recording.motion.clone().or(of_file), ..recording }
+        });
         Ok(Self {
-            recording: motion.map(|motion| motion::recording(motion, &exposure, &sensor)).transpose()?,
+            recording,
+            scene_moves,
             exposure,
             render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
             develop: develop::checked(&file.develop)?,
             output: settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?,
             scene: geometry.with_tables(file, folder)?,
+            targets,
             camera_to_world,
             lens,
             sensor,

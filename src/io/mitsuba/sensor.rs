@@ -53,7 +53,7 @@ pub(super) fn sensor(
     let lens = &capture.lens;
     let [width, height] = capture.sensor.resolution;
     if capture.recording.is_some() {
-        out.approximate("the motion of [camera]: it stands where it starts");
+        out.approximate("the motion of camera and scene: all stands where it starts");
     }
     if lens.falloff != Falloff::None {
         out.approximate("the falloff of [lens]: Mitsuba's cameras have none, as with falloff = \"none\"");
