@@ -19,7 +19,7 @@ pub(super) fn point_spread(finder: &Finder<'_>, table: &PointSpreadTable) -> Res
             let pitch_m = positive("pitch_um", *pitch_um, "0.5")? * 1e-6;
             let kernels = kernels.iter().enumerate().map(|(i, kernel)| {
                 let measured = measured(finder, &kernel.file, pitch_m);
-                let measured = measured.map_err(|invalid| invalid.within(&format!("kernels.{i}")))?;
+                let measured = measured.map_err(|invalid| invalid.within(&format!("kernels[{i}]")))?;
                 Ok((DVec2::from_array(kernel.at), measured))
             });
             Ok(PointSpread::Measured(Arc::new(KernelField::new(kernels.collect::<Result<_, Invalid>>()?)?)))
@@ -63,7 +63,7 @@ pub(super) fn lateral_colour(table: &LateralColourTable) -> Result<LateralColour
 
 pub(super) fn stops(tables: &[StopTable]) -> Result<Vec<Stop>, Invalid> {
     let stop = |(i, table): (usize, &StopTable)| {
-        let key = |key: &str| format!("stops.{i}.{key}");
+        let key = |key: &str| format!("stops[{i}].{key}");
         if !table.distance_mm.is_finite() {
             return Err(Invalid::new(key("distance_mm"), format!("must be finite, got {}", table.distance_mm)));
         }
