@@ -71,5 +71,4 @@ fn a_slanted_edge_through_airys_pattern_has_the_mtf_of_diffraction() {
         // of a pixel gathers 32 of them, and some 40 bins about the edge differ: 0.02/√32·√40/2 ≈ 0.01 at most.
         assert!(*f > 0.5 || (found - wanted).abs() < 0.01, "{f} cycles per pixel: {found} {wanted}");
     }
-    assert!(wanted.at_nyquist < 0.02, "diffraction leaves nothing at half a cycle per pixel");
 }
