@@ -51,6 +51,13 @@ fn points_appear_where_the_model_puts_them(#[case] lens: &str, #[case] column: f
 #[case::xi("xi = 1\nprojection = 'fisheye'", &["lens.xi", "omnidirectional"])]
 #[case::no_xi("projection = 'omnidirectional'", &["the key `xi` is missing"])]
 #[case::angle("max_angle_deg = -3", &["lens.max_angle_deg"])]
+#[case::sigma("psf = { kind = 'gaussian', sigma_um = -1 }", &["lens.psf.sigma_um", "above 0"])]
+#[case::psf("psf = { kind = 'gauss' }", &["lens.psf", "gaussian"])]
+#[case::kernel("psf = { kind = 'kernel', pitch_um = 1, kernels = [{ file = 'none.csv' }] }", &["none.csv", "cannot be read"])]
+#[case::no_kernel("psf = { kind = 'kernel', pitch_um = 1, kernels = [] }", &["lens.psf.kernels", "there is none"])]
+#[case::lateral("lateral_colour = { wavelength_nm = [450, 650], magnification = [1] }", &["2 wavelengths have 1"])]
+#[case::stop("stops = [{ distance_mm = 3, radius_mm = 0 }]", &["radius_mm", "above 0"])]
+#[case::no_axis("projection = 'fisheye'\nstops = [{ distance_mm = 3, radius_mm = 2 }]", &["lens.stops", "perspective"])]
 fn what_no_lens_can_be_is_refused(#[case] lens: &str, #[case] words: &[&str]) {
     let folder = capture(&format!("{K}\n{lens}"));
     folder.add("points.csv", "");
