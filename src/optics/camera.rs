@@ -581,7 +581,7 @@ mod tests {
         if d <= (a - b).abs() {
             return std::f64::consts::PI * a.min(b).powi(2);
         }
-        let angle = |r: f64, other: f64| ((d * d + r * r - other * other) / (2.0 * d * r)).acos();
+        let angle = |r: f64, other: f64| ((d * d + r * r - other * other) / (2.0 * d * r)).clamp(-1.0, 1.0).acos();
         let segment = |r: f64, other: f64| {
             let half = angle(r, other);
             r * r * (half - half.sin() * half.cos())
