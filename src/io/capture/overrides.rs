@@ -10,19 +10,33 @@ use crate::{Error, Result};
 pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
     let (key, value) = argument.split_once('=').unwrap_or((argument, ""));
     if let Some((table, key)) = key.trim().split_once('.') {
-        let others = match table {
-            "exposure" => alternatives(key, value.trim()),
-            "camera" => other_places(key),
-            _ => &[],
-        };
-        others.iter().for_each(|other| source.remove(table, other));
+        alternatives(table, key, value.trim()).iter().for_each(|other| source.remove(table, other));
     }
     set_in(source, "", "lens.f_number=4", argument)
 }
 
-/// Keys of `[exposure]` that say in another way what this one says. In a file the two cannot stand together; on the command
+/// Keys of the same table that say in another way what this one says. In a file the two cannot stand together; on the command
 /// line, where nothing can be taken away, the one takes the place of the other.
-fn alternatives(key: &str, value: &str) -> &'static [&'static str] {
+fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] {
+    match table {
+        "exposure" => alternatives_in_exposure(key, value),
+        "camera" => match key {
+            "position_m" | "look_at_m" | "up" => &["gltf_camera"],
+            "gltf_camera" => &["position_m", "look_at_m", "up"],
+            // A motion as a whole takes the place of another as a whole.
+            "motion" => &["motion", "position_m", "look_at_m", "up", "gltf_camera"],
+            _ => &[],
+        },
+        "lens" => match key {
+            "focus_distance_m" => &["autofocus_px"],
+            "autofocus_px" => &["focus_distance_m"],
+            _ => &[],
+        },
+        _ => &[],
+    }
+}
+
+fn alternatives_in_exposure(key: &str, value: &str) -> &'static [&'static str] {
     match (key, value) {
         ("iso", _) => &["gain_db", "digital_gain_db"],
         ("gain_db" | "digital_gain_db", _) => &["iso"],
@@ -43,17 +57,6 @@ fn alternatives(key: &str, value: &str) -> &'static [&'static str] {
             "time_s",
             "bracket_ev",
         ],
-        _ => &[],
-    }
-}
-
-/// Keys of `[camera]` that say in another way where it is.
-fn other_places(key: &str) -> &'static [&'static str] {
-    match key {
-        "position_m" | "look_at_m" | "up" => &["gltf_camera"],
-        "gltf_camera" => &["position_m", "look_at_m", "up"],
-        // A motion as a whole takes the place of another as a whole.
-        "motion" => &["motion", "position_m", "look_at_m", "up", "gltf_camera"],
         _ => &[],
     }
 }
