@@ -64,6 +64,7 @@ disparity_to = 'right'
 [[cameras]]
 name = 'right'
 position_m = [0.1, 0, 0]
+disparity_to = 'left'
 set = ['exposure.gain_db=6']
 [poses.random]
 target = 'board'

@@ -448,7 +448,8 @@ fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
     }
     if layers.contains(&TruthLayer::Disparity) && table.truth_partner.is_none() {
         let message = "\"disparity\" is that of a pair of cameras, and the other one is missing";
-        return Err(Invalid::new("truth", message).help("add truth_partner = { position_m = [0.1, 0, 0] }"));
+        return Err(Invalid::new("truth", message)
+            .help("add truth_partner = { position_m = [0.1, 0, 0] }; to a camera of a data set, disparity_to"));
     }
     let partner = table.truth_partner.map(|table| partner(&table).map_err(|e| e.within("truth_partner")));
     let formats = without_repetition(table.truth_formats.as_deref().unwrap_or(&[TruthFormat::Exr]));
