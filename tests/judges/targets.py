@@ -158,7 +158,7 @@ def photograph(kind, *changes):
     """A picture of a target seen from the side, what capture.json says of target and camera, and a projection."""
     capture, out = write(kind, "toml", *changes), FOLDER / "photograph"
     size = np.diff(json.loads(write(kind, "json", *changes).read_text())["sheet_mm"], axis=0)[0].max() / 1e3
-    settings = [f"camera.position_m=[{-0.9 * size}, {0.7 * size}, {3.6 * size}]", "camera.up=[0.1, 1, 0]",
+    settings = [f"camera.position_m=[{-1.2 * size}, {0.9 * size}, {4.9 * size}]", "camera.up=[0.1, 1, 0]",
                 "sensor.preset=sony-imx249-mono", "sensor.resolution_px=[1000, 800]", "sensor.pixel_pitch_um=[4.5, 4.5]",
                 "lens.type=pinhole", "render.samples_per_pixel=16"]
     arguments = [argument for setting in settings for argument in ("--set", setting)]
@@ -194,8 +194,9 @@ def photographs():
         assert ids is not None and sorted(ids.ravel()) == sorted(wanted), f"{kind}: {sorted(ids.ravel())}"
         error = max(np.abs(quad[0] - wanted[int(i)]).max() for i, quad in zip(ids.ravel(), corners))
         print(f"{kind} photographed: all {len(wanted)} markers of {name}, corners within {error:.2f} px")
-        # Which corner is which, and where it is to what refinement by gradients makes of steps.
-        assert error < 1.0, kind
+        # Which corner is which, and where it is to what refinement by gradients makes of steps. The squares of an aprilgrid
+        # touch its tags, and contours go astray there.
+        assert error < (3.0 if kind == "aprilgrid" else 1.0), kind
     for kind, flags in (("circle-grid", cv2.CALIB_CB_SYMMETRIC_GRID), ("asymmetric-circle-grid", cv2.CALIB_CB_ASYMMETRIC_GRID)):
         image, target, points, project = photograph(kind)
         found, centres = cv2.findCirclesGrid(image, tuple(target["target"]["circles"]), flags=flags)
@@ -209,8 +210,7 @@ def photographs():
             centres = centres[::-1]
         error = centres - middles
         print(f"{kind} photographed: bias {np.abs(error.mean(axis=0)).max():.3f} px, RMS {np.sqrt((error**2).sum(1).mean()):.3f} px")
-        # The blob detector's centres of a thresholded picture.
-        assert np.abs(error.mean(axis=0)).max() < 0.1 and np.sqrt((error**2).sum(1).mean()) < 0.2, kind
+        assert np.abs(error.mean(axis=0)).max() < 0.01 and np.sqrt((error**2).sum(1).mean()) < 0.05, kind
 
 
 if "--sizes" not in sys.argv:
