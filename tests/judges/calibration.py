@@ -215,7 +215,7 @@ def stereo(left):
 parser = argparse.ArgumentParser()
 parser.add_argument("photosite")
 parser.add_argument("--full", action="store_true")
-parser.add_argument("--samples", type=int, default=8)
+parser.add_argument("--samples", type=int, default=16)
 parser.add_argument("--folder", type=Path, default=None)
 arguments = parser.parse_args()
 arguments.folder = arguments.folder or Path(tempfile.mkdtemp())
