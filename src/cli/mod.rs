@@ -2,6 +2,7 @@
 //! library's.
 
 mod bracket;
+mod camera;
 mod chain;
 mod compare;
 mod compare_text;
@@ -62,6 +63,7 @@ enum Command {
     Info(info::InfoArgs),
     Noise(noise::NoiseArgs),
     Project(project::ProjectArgs),
+    Camera(camera::CameraArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
     Target(target::TargetArgs),
@@ -92,6 +94,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Noise(args) => noise::run(&args),
         Command::Project(args) => project::run(&args),
+        Command::Camera(args) => camera::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
         Command::Target(args) => target::run(&args),

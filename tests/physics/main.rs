@@ -18,6 +18,7 @@ mod develop_neutral;
 mod lens;
 mod light_sampling;
 mod motion;
+mod point_spread;
 mod quadrature;
 mod sampling;
 mod sensor_cases;

@@ -22,7 +22,9 @@ pub(super) use camera::{
     AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType, MotionTable,
     PoseTable,
 };
-pub(super) use camera::{DistortionModel, FalloffName, ProjectionName};
+pub(super) use camera::{
+    DistortionModel, FalloffName, LateralColourTable, PointSpreadTable, ProjectionName, StopTable,
+};
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
 pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, SpotTable};
 pub(super) use material::{
