@@ -23,13 +23,13 @@ pub(super) use camera::{
 };
 pub(super) use camera::{DistortionModel, FalloffName, ProjectionName};
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
-pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, SpotTable};
+pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable};
 pub(super) use material::{
     ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MaterialType,
     MetalSource, MetallicRoughnessTable, MixRest, MixTable, OrenNayarTable, PhongTable, PlasticTable,
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
-pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable};
+pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
 pub(super) use settings::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName, TruthSource};
 
 /// A capture: a scene, the camera that looks at it, and what to make of it. All quantities are in the unit that their
