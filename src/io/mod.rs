@@ -21,6 +21,7 @@ pub mod raw_exr;
 pub mod spectral_exr;
 mod suggest;
 mod tangents;
+pub mod target_file;
 pub mod truth;
 mod warnings;
 

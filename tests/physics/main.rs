@@ -19,6 +19,7 @@ mod lamps;
 mod lens;
 mod light_sampling;
 mod motion;
+mod point_spread;
 mod quadrature;
 mod sampling;
 mod sensor_cases;
