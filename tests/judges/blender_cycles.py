@@ -42,8 +42,8 @@ KNOWN = {
     "specular ball": "likely: glTF's factor darkens the surface at grazing angles as well, Blender's only in front",
     "specular-glossiness ball": "likely: Blender makes its own material of the deprecated one",
     "transmission ball": "without KHR_materials_volume the wall is thin in glTF and the whole ball is glass in Blender",
-    "unlit ball": "an unlit colour has no unit: 1 nit in Blender, the light of a white surface here",
-    "unlit floor": "likely: the same, seen in the light of the ball",
+    "unlit ball": "white is 1 nit in Blender, 80 nit here, as on the display that sRGB is defined for",
+    "unlit floor": "likely: Blender shows the unlit ball to the camera only, and lets light through",
     "volume ball": ABSORPTION,
 }
 

@@ -165,7 +165,7 @@ impl View<'_> {
 }
 
 impl Share {
-    const NOTHING: Self = Self {
+    pub(super) const NOTHING: Self = Self {
         coat: 0.0,
         sheen: ZERO,
         dielectric: ZERO,
