@@ -69,9 +69,7 @@ fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photos
     }
     let mut raw = expose(&light_on_sensor, sensor, &exposure, Stages::NONE, NoiseKey::default())?;
     if let Some(colour) = camera_colour(&responses, light)? {
-        raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65);
-        raw.metadata.colour_matrix_a = Some(colour.matrix_a);
-        raw.metadata.as_shot_neutral = Some(colour.neutral);
+        colour.tell(&mut raw.metadata);
     }
     Ok(raw)
 }

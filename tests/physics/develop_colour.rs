@@ -36,9 +36,7 @@ fn photograph(patches: &[Spectrum], sensor: &SensorModel, light: &Spectrum) -> R
     }
     let mut raw = expose(&planes, sensor, &EXPOSURE, Stages::NONE, NoiseKey::default()).expect("valid");
     let colour = camera_colour(&responses, light).expect("distinct channels").expect("a colour sensor");
-    raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65);
-    raw.metadata.colour_matrix_a = Some(colour.matrix_a);
-    raw.metadata.as_shot_neutral = Some(colour.neutral);
+    colour.tell(&mut raw.metadata);
     raw
 }
 
