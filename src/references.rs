@@ -255,3 +255,23 @@
 //!
 //! ## NelderMead65
 //! J. A. Nelder, R. Mead, "A Simplex Method for Function Minimization", The Computer Journal 7(4), 308–313 (1965).
+//!
+//! ## Born99
+//! M. Born, E. Wolf, *Principles of Optics*, 7th edition, Cambridge University Press (1999).
+//!
+//! ## OpenCv
+//! OpenCV 4, *Camera Calibration and 3D Reconstruction* (calib3d), <https://docs.opencv.org/4.x/d9/d0c/group__calib3d.html>;
+//! its `fisheye` and `omnidir` namespaces.
+//!
+//! ## Brown71
+//! D. C. Brown, "Close-Range Camera Calibration", Photogrammetric Engineering 37(8), 855–866 (1971).
+//!
+//! ## KannalaBrandt06
+//! J. Kannala, S. S. Brandt, "A Generic Camera Model and Calibration Method for Conventional, Wide-Angle, and Fish-Eye
+//! Lenses", IEEE Transactions on Pattern Analysis and Machine Intelligence 28(8), 1335–1340 (2006).
+//!
+//! ## Fitzgibbon01
+//! A. W. Fitzgibbon, "Simultaneous Linear Estimation of Multiple View Geometry and Lens Distortion", IEEE CVPR (2001).
+//!
+//! ## MeiRives07
+//! C. Mei, P. Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids", IEEE ICRA, 3945–3950 (2007).

@@ -25,6 +25,7 @@ const EDGES: &[(&str, &[&str])] = &[
     ("film", &["math", "spectrum", "image"]),
     ("sampler", &["math"]),
     ("integrator", &["math", "spectrum", "geometry", "bsdf", "light", "scene", "optics", "film", "sampler"]),
+    ("calibration", &["math", "spectrum", "colour", "image", "geometry", "bsdf", "scene", "optics", "sampler"]),
     ("raw", &["math", "spectrum", "colour", "image"]),
     ("sensor", &["math", "spectrum", "image", "raw"]),
     ("develop", &["math", "spectrum", "colour", "image", "raw"]),
@@ -52,6 +53,7 @@ const EDGES: &[(&str, &[&str])] = &[
             "develop",
             "validation",
             "characterisation",
+            "calibration",
         ],
     ),
 ];

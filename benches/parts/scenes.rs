@@ -39,7 +39,12 @@ pub(crate) fn sphere(bands: u32, sectors: u32) -> SceneDescription {
     SceneDescription {
         materials: vec![diffuse("sphere", Colour::Rgb([0.7, 0.5, 0.3]))],
         meshes: vec![MeshDescription { positions, triangles, ..MeshDescription::default() }],
-        instances: vec![InstanceDescription { name: String::new(), mesh: 0, to_world: DAffine3::IDENTITY }],
+        instances: vec![InstanceDescription {
+            name: String::new(),
+            mesh: 0,
+            to_world: DAffine3::IDENTITY,
+            later: Vec::new(),
+        }],
         ..SceneDescription::default()
     }
 }

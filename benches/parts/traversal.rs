@@ -85,10 +85,10 @@ impl Stage {
             let rays = stage.bounces[bounce].clone();
             for (pixel, ray) in rays.iter().enumerate() {
                 let Some(hit) = stage.scene.closest(ray) else { continue };
-                let point = stage.scene.point(&hit);
+                let point = stage.scene.point(&hit, 0.0);
                 let facing = point.geometric_normal * -ray.direction.dot(point.geometric_normal).signum();
                 let origin = offset_origin(point.position, point.error, facing, facing);
-                stage.shadows[bounce].push(Ray { origin, direction: light - origin, t_max: 1.0 });
+                stage.shadows[bounce].push(Ray { origin, direction: light - origin, t_max: 1.0, time: 0.0 });
                 let u = Sampler::new(SamplerKind::Independent, bounce as u64, pixel as u64, 0).next_2d();
                 let direction = Frame::from_normal(facing).to_world(warp::cosine_hemisphere(u));
                 stage.bounces[bounce + 1].push(Ray::new(origin, direction));

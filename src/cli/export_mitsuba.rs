@@ -1,15 +1,14 @@
 //! `photosite export-mitsuba`: a capture as a scene of Mitsuba 3.
 
-use std::cell::OnceCell;
 use std::path::PathBuf;
 
 use clap::Args;
 use photosite::io::capture::Capture;
 use photosite::io::mitsuba::export;
 use photosite::io::output::{create_folder, write_whole};
-use photosite::{Error, Result, scene};
+use photosite::{Error, Result};
 
-use super::render::{importance, place_camera, responses};
+use super::render::lone_camera;
 
 /// Describe a capture to Mitsuba 3, an independent renderer.
 ///
@@ -45,10 +44,7 @@ pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
     let capture = Capture::read(&args.input, &args.overrides)?;
     let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
     warnings.for_each(|warning| eprintln!("warning: {warning}"));
-    // Autofocus alone needs a scene to look at.
-    let built = OnceCell::new();
-    let build = || scene::build(capture.scene.clone(), &importance(&responses(&capture)));
-    let camera = place_camera(&capture, |ray| built.get_or_init(build).closest(ray))?;
+    let camera = lone_camera(&capture)?;
     let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;
     // The scene itself comes last: where it is, all that it names is there too.
     for (name, bytes) in scene.files.iter().rev() {

@@ -17,6 +17,7 @@ use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
+use super::render::camera_of;
 use super::{print_json, println_out, rounded};
 
 /// Say what a scene, capture, sensor, raw or EXR file holds.
@@ -85,6 +86,24 @@ fn map(facts: Value) -> Map<String, Value> {
 fn of_capture(capture: &Capture) -> Map<String, Value> {
     let Capture { scene, lens, sensor, exposure, render, .. } = capture;
     let mut facts = of_scene(scene);
+    let mut warnings = scene.warnings.clone();
+    // What autofocus will find moves the sensor too little to matter here.
+    match camera_of(lens, sensor, capture.camera_to_world, f64::INFINITY) {
+        Err(invalid) => warnings.push(invalid.within("lens").to_string()),
+        Ok(camera) => {
+            let field = camera.field_of_view();
+            let degrees = |angle: f64| round(angle.to_degrees());
+            facts.extend(map(json!({
+                "projection": lens.projection.name(),
+                "distortion_coefficients": lens.projection.coefficients(),
+                "field_of_view_deg": field.across_rad.map(|angle| angle.map(degrees)),
+                "lens_reach_deg": degrees(field.reach_rad),
+                "lens_reach_px": field.radius_px.map(round),
+                "covers_sensor": field.blind_px.is_none(),
+            })));
+            warnings.extend(camera.check_coverage().err().map(|invalid| invalid.within("lens").to_string()));
+        }
+    }
     facts.extend(map(json!({
         "camera_position_m": capture.camera_to_world.translation.to_array(),
         "lens": format!("{} mm f/{}", round(lens.focal_length_m * 1e3), round(lens.f_number)),
@@ -103,7 +122,7 @@ fn of_capture(capture: &Capture) -> Map<String, Value> {
         "digital_gain_db": exposure.digital_gain.0,
         "frames": exposure.frames,
         "samples_per_pixel": render.samples_per_pixel,
-        "warnings": scene.warnings,
+        "warnings": warnings,
     })));
     facts
 }

@@ -1,7 +1,7 @@
 //! What raw files say of the lens, so that developers can correct it.
 
 use glam::DVec2;
-use photosite::optics::{Camera, Distortion, Falloff, Intrinsics, LensDescription};
+use photosite::optics::{BrownConrady, Camera, Falloff, Intrinsics, LensDescription, Projection};
 use photosite::raw::{Area, GainMap, RawImage, Warp};
 use photosite::sensor::Window;
 
@@ -19,21 +19,43 @@ pub(super) fn add(lens: &LensDescription, camera: &Camera, window: &Window, raw:
         Falloff::None => None,
         Falloff::Cos4 => gain_map(camera, seen),
     };
-    raw.metadata.warp = match lens.distortion {
-        Distortion::BrownConrady { k, p } if can_correct(camera, window) => {
-            let Intrinsics { fx, cx, cy, .. } = camera.intrinsics();
-            let centre = [(cx - x as f64) / across as f64, (cy - y as f64) / down as f64];
-            Some(Warp::brown_conrady(k, p, fx / across as f64, centre, [width, height]))
-        }
-        Distortion::BrownConrady { .. } | Distortion::None => None,
-    };
+    raw.metadata.warp = polynomial(&lens.projection).filter(|_| can_correct(camera, window)).map(|(k, p)| {
+        let Intrinsics { fx, cx, cy, .. } = camera.intrinsics();
+        let centre = [(cx - x as f64) / across as f64, (cy - y as f64) / down as f64];
+        Warp::brown_conrady(k, p, fx / across as f64, centre, [width, height])
+    });
 }
 
 /// A complaint about distortion that raw files cannot state.
 pub(super) fn warning(lens: &LensDescription, camera: &Camera, window: &Window) -> Option<String> {
-    (lens.distortion != Distortion::None && !can_correct(camera, window)).then(|| {
-        "raw files do not tell of the distortion, which DNG can state for square pixels without skew only".to_owned()
-    })
+    if lens.projection == Projection::Perspective {
+        return None;
+    }
+    let name = lens.projection.name();
+    match polynomial(&lens.projection) {
+        None => Some(format!("raw files do not tell of the {name} lens, which DNG's correction cannot state")),
+        Some(_) if can_correct(camera, window) => None,
+        Some(_) => Some(
+            "raw files do not tell of the distortion, which DNG can state for square pixels without skew only"
+                .to_owned(),
+        ),
+    }
+}
+
+/// k₁ k₂ k₃ and p₁ p₂ of a lens that has no more than these, as DNG's correction of rectilinear lenses does.
+fn polynomial(projection: &Projection) -> Option<([f64; 3], [f64; 2])> {
+    match *projection {
+        Projection::BrownConrady(BrownConrady { k: [k1, k2, k3, 0.0, 0.0, 0.0], p, s: [0.0, 0.0, 0.0, 0.0] }) => {
+            Some(([k1, k2, k3], p))
+        }
+        Projection::BrownConrady(_)
+        | Projection::Perspective
+        | Projection::Polynomial { .. }
+        | Projection::Division { .. }
+        | Projection::KannalaBrandt { .. }
+        | Projection::Equirectangular
+        | Projection::Omnidirectional { .. } => None,
+    }
 }
 
 /// DNG's correction knows one focal length for both axes.
@@ -65,9 +87,13 @@ mod tests {
 
     const SIZE: [u32; 2] = [640, 480];
 
-    fn camera(distortion: Distortion, f_number: f64, pitch_m: [f64; 2]) -> (LensDescription, Camera) {
+    fn brown_conrady([k1, k2]: [f64; 2], p: [f64; 2]) -> Projection {
+        Projection::BrownConrady(BrownConrady { k: [k1, k2, 0.0, 0.0, 0.0, 0.0], p, ..BrownConrady::default() })
+    }
+
+    fn camera(projection: Projection, f_number: f64, pitch_m: [f64; 2]) -> (LensDescription, Camera) {
         let mut lens = LensDescription::thin(0.004, f_number, Focus::Infinity);
-        lens.distortion = distortion;
+        lens.projection = projection;
         let grid = PixelGrid { resolution: SIZE, pitch_m };
         let camera = Camera::new(&lens, &grid, DAffine3::IDENTITY, 1.0).expect("a lens");
         (lens, camera)
@@ -82,9 +108,9 @@ mod tests {
 
     #[test]
     fn the_warp_finds_what_a_lens_without_distortion_sees() {
-        let distortion = Distortion::BrownConrady { k: [-0.12, 0.03, 0.0], p: [1e-3, -5e-4] };
+        let distortion = brown_conrady([-0.12, 0.03], [1e-3, -5e-4]);
         let (lens, distorting) = camera(distortion, 4.0, [6e-6; 2]);
-        let (_, ideal) = camera(Distortion::None, 4.0, [6e-6; 2]);
+        let (_, ideal) = camera(Projection::Perspective, 4.0, [6e-6; 2]);
         let warp = corrected(&lens, &distorting).metadata.warp.expect("square pixels");
         for pixel in [[320.0, 240.0], [500.0, 100.0], [60.0, 420.0], [0.0, 0.0]] {
             let [x, y] = warp.source_px(pixel, SIZE.map(|n| n as usize));
@@ -97,7 +123,7 @@ mod tests {
 
     #[test]
     fn the_gains_undo_cos4() {
-        let (lens, camera) = camera(Distortion::None, 22.0, [6e-6; 2]);
+        let (lens, camera) = camera(Projection::Perspective, 22.0, [6e-6; 2]);
         let map = corrected(&lens, &camera).metadata.gain_map.expect("falloff");
         for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.25), (0.73, 0.4)] {
             let across = DVec2::new((x - 0.5) * 640.0, (y - 0.5) * 480.0) * 6e-6 / 0.004;
@@ -110,7 +136,7 @@ mod tests {
 
     #[test]
     fn distortion_of_pixels_that_are_not_square_is_left_out_with_a_warning() {
-        let distortion = Distortion::BrownConrady { k: [-0.12, 0.0, 0.0], p: [0.0, 0.0] };
+        let distortion = brown_conrady([-0.12, 0.0], [0.0, 0.0]);
         let (lens, camera) = camera(distortion, 4.0, [6e-6, 3e-6]);
         assert!(warning(&lens, &camera, &Window::WHOLE).is_some() && corrected(&lens, &camera).metadata.warp.is_none());
     }

@@ -221,7 +221,7 @@ fn shown_patches(capture: &Capture, scene: &Scene, patch_of_material: &[Option<u
     let patch = |i: usize| {
         let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
         let hit = scene.closest(&camera.chief_ray(centre)?)?;
-        patch_of_material.get(scene.point(&hit).material as usize).copied().flatten()
+        patch_of_material.get(scene.point(&hit, 0.0).material as usize).copied().flatten()
     };
     let shown: Vec<Option<usize>> = (0..width * height).map(patch).collect();
     let whole = |i: usize| {

@@ -21,6 +21,7 @@ mod noise;
 mod output_folder;
 mod pretty_json;
 mod progress;
+mod project;
 mod render;
 mod report;
 mod results;
@@ -59,6 +60,7 @@ enum Command {
     Emva1288Report(emva1288_report::Emva1288ReportArgs),
     Info(info::InfoArgs),
     Noise(noise::NoiseArgs),
+    Project(project::ProjectArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
 }
@@ -87,6 +89,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Emva1288Report(args) => emva1288_report::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Noise(args) => noise::run(&args),
+        Command::Project(args) => project::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
     };

@@ -4,16 +4,18 @@ use std::fs;
 use std::io::{ErrorKind, Result as IoResult};
 use std::path::{Path, PathBuf};
 
+use photosite::calibration::truth::TruthLayer;
 use photosite::colour::ColourSpace;
 use photosite::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
 use photosite::film::Film;
 use photosite::image::Planes;
-use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands};
+use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands, TruthOutput};
 use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::raw_exr::write_raw_exr;
 use photosite::io::spectral_exr::write_irradiance;
+use photosite::io::truth::{TruthFormat, write_truth_exr, write_truth_npy, write_truth_png};
 use photosite::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
 use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
@@ -25,30 +27,19 @@ use super::report::Report;
 
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
-/// What a render may leave, the report first. None of these is overwritten unasked: a texture may be called `image.png`.
-const RESULTS: [&str; 21] = [
-    REPORT,
-    "image.png",
-    "hdr.exr",
-    "ideal.exr",
-    "ideal.png",
-    "electrons.exr",
-    "irradiance.exr",
-    "image-0000.png",
-    "ideal-0000.exr",
-    "electrons-0000.exr",
-    "irradiance-0000.exr",
-    "raw.dng",
-    "raw.tiff",
-    "raw.pgm",
-    "raw.npy",
-    "raw.exr",
-    "raw-0000.dng",
-    "raw-0000.tiff",
-    "raw-0000.pgm",
-    "raw-0000.npy",
-    "raw-0000.exr",
+/// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
+/// unasked: a texture may be called `image.png`.
+const RESULTS: [(&str, &[&str]); 7] = [
+    ("image", &["png"]),
+    ("hdr", &["exr"]),
+    ("ideal", &["exr", "png"]),
+    ("electrons", &["exr"]),
+    ("irradiance", &["exr"]),
+    ("raw", &["dng", "tiff", "pgm", "npy", "exr"]),
+    (TRUTH, &["exr"]),
 ];
+/// What the names of files of ground truth begin with.
+const TRUTH: &str = "truth";
 /// The picture that is there while a render runs.
 const PREVIEW: &str = "preview.png";
 
@@ -63,12 +54,13 @@ pub(super) struct OutputFolder {
 impl OutputFolder {
     /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given.
     pub(super) fn claim(path: &Path, force: bool) -> Result<Self> {
-        let in_the_way = RESULTS.iter().find(|name| path.join(name).exists());
+        let in_the_way = results().find(|name| path.join(name).exists());
         if let Some(name) = in_the_way.filter(|_| !force) {
             return Err(Error::Usage {
-                message: match *name {
-                    REPORT => format!("{} holds the results of an earlier render", path.display()),
-                    name => format!("{} holds a file {name} already", path.display()),
+                message: if name == REPORT {
+                    format!("{} holds the results of an earlier render", path.display())
+                } else {
+                    format!("{} holds a file {name} already", path.display())
                 },
                 help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
             });
@@ -139,6 +131,24 @@ impl OutputFolder {
         self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
     }
 
+    /// Ground truth, in all formats that are asked for.
+    pub(super) fn write_truth(&mut self, number: Option<u32>, output: &TruthOutput, truth: &Planes) -> Result<()> {
+        for format in &output.formats {
+            let layers = output.layers.iter().filter(|layer| format.check(**layer).is_ok());
+            let name = |layer: TruthLayer, kind| named(&format!("{TRUTH}-{}", layer.name()), number, kind);
+            match format {
+                TruthFormat::Exr => self.write(&named(TRUTH, number, "exr"), |to| write_truth_exr(truth, to))?,
+                TruthFormat::Npy => layers
+                    .copied()
+                    .try_for_each(|layer| self.write(&name(layer, "npy"), |to| write_truth_npy(truth, layer, to)))?,
+                TruthFormat::Png => layers.copied().try_for_each(|layer| {
+                    self.write(&name(layer, "png"), |to| write_truth_png(truth, layer, output.depth_unit_m, to))
+                })?,
+            }
+        }
+        Ok(())
+    }
+
     /// The light of a bracket, in which 1 saturates the longest exposure.
     pub(super) fn write_hdr(&mut self, light: &Planes, space: ColourSpace, longest: Seconds) -> Result<()> {
         self.write("hdr.exr", |to| write_hdr(light, space, longest, to))
@@ -192,6 +202,16 @@ impl Drop for OutputFolder {
 /// `raw.dng`, or with a number `raw-0007.dng`.
 fn named(stem: &str, number: Option<u32>, extension: &str) -> String {
     number.map_or_else(|| format!("{stem}.{extension}"), |number| format!("{stem}-{number:04}.{extension}"))
+}
+
+/// The names of all that a render may leave, of series by that of their first, the report's before all.
+fn results() -> impl Iterator<Item = String> {
+    let names = |stem: String, kinds: &'static [&str]| {
+        kinds.iter().flat_map(move |kind| [named(&stem, None, kind), named(&stem, Some(0), kind)])
+    };
+    let of_layer = move |layer: TruthLayer| names(format!("{TRUTH}-{}", layer.name()), &["npy", "png"]);
+    let fixed = RESULTS.into_iter().flat_map(move |(stem, kinds)| names(stem.to_owned(), kinds));
+    std::iter::once(REPORT.to_owned()).chain(fixed).chain(TruthLayer::ALL.into_iter().flat_map(of_layer))
 }
 
 fn unusable(path: &Path, message: impl Into<String>) -> Error {

@@ -1,16 +1,19 @@
 //! `photosite render`: trace, expose, develop, write.
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use glam::DAffine3;
+use photosite::calibration::truth::{TruthJob, TruthLayer, truth};
 use photosite::film::{Film, Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
-use photosite::io::capture::Capture;
+use photosite::io::capture::{Capture, TruthOutput};
+use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
-use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
+use photosite::optics::{Camera, Focus, LensDescription, PixelGrid, Recording};
 use photosite::raw::RawImage;
 use photosite::scene::{self, Scene};
 use photosite::sensor::{Exposure, SensorModel};
@@ -21,7 +24,9 @@ use photosite::{Invalid, Result};
 use super::chain::{Chain, Optics, scene_light};
 use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
-use super::report::{CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport};
+use super::report::{
+    CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport, TruthReport,
+};
 use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
 use super::trace::{Trace, trace};
@@ -53,6 +58,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let importance = importance(&responses);
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
+    let truth_report = TruthReport::new(&capture.output.truth, &description);
     let scene = scene::build(description, &importance);
     let camera = place_camera(&capture, |ray| scene.closest(ray))?;
     if let (Focus::Autofocus { pixel: [x, y] }, true) = (capture.lens.focus, camera.focus_distance_m().is_infinite()) {
@@ -73,6 +79,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     timings.build_s = start.elapsed().as_secs_f64();
 
     let traced = Series {
+        input: &args.input,
+        overrides: &overrides,
         capture: &capture,
         scene: &scene,
         camera: &camera,
@@ -95,6 +103,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         scene_light: LightReport::new(&light),
+        truth: truth_report,
         paths,
         paths_per_s: paths as f64 / timings.trace_s,
     };
@@ -123,6 +132,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
 /// All that the pictures of a series are made of.
 struct Series<'a> {
+    input: &'a Path,
+    overrides: &'a [String],
     capture: &'a Capture,
     scene: &'a Scene,
     camera: &'a Camera,
@@ -146,11 +157,32 @@ impl Series<'_> {
     fn record(&self, folder: &mut OutputFolder, timings: &mut Timings, silent: bool) -> Result<Recorded> {
         let count = self.capture.exposure.frames;
         let Some(recording) = &self.capture.recording else {
-            return self.picture(self.camera, Frames::All(count), folder, timings, silent);
+            let still = [self.camera, self.camera];
+            return self.picture(self.scene, still, Frames::All(count), folder, timings, silent);
         };
         let frame = |number: u32, folder: &mut OutputFolder, timings: &mut Timings| {
-            let camera = self.camera.clone().recording(recording.later(number));
-            self.picture(&camera, Frames::One { number, of: count }, folder, timings, silent)
+            let frames = Frames::One { number, of: count };
+            let recordings = |first: &Recording, next: &Recording| {
+                [first, next].map(|recording| self.camera.clone().recording(recording.clone()))
+            };
+            if !self.capture.scene_moves {
+                let [camera, next] = recordings(&recording.later(number), &recording.later(number + 1));
+                return self.picture(self.scene, [&camera, &next], frames, folder, timings, silent);
+            }
+            let start = Instant::now();
+            let read = |number| Capture::read_frame(self.input, self.overrides, number);
+            let recording_of = |capture: &Capture| capture.recording.clone().unwrap_or_else(|| recording.later(number));
+            let moved = if number == 0 { None } else { Some(read(number)?) };
+            let now = moved.as_ref().map_or_else(|| recording.clone(), recording_of);
+            // Only what is known of pixels beside the picture looks ahead.
+            let looks_ahead = !self.capture.output.truth.layers.is_empty();
+            let next = if looks_ahead { recording_of(&read(number + 1)?) } else { now.later(1) };
+            timings.load_s += start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            let scene = moved.map(|moved| scene::build(moved.scene, self.importance));
+            timings.build_s += start.elapsed().as_secs_f64();
+            let [camera, next] = recordings(&now, &next);
+            self.picture(scene.as_ref().unwrap_or(self.scene), [&camera, &next], frames, folder, timings, silent)
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
@@ -160,9 +192,11 @@ impl Series<'_> {
         Ok(recorded)
     }
 
+    /// One picture, with the camera of it and that of the next one.
     fn picture(
         &self,
-        camera: &Camera,
+        scene: &Scene,
+        [camera, next]: [&Camera; 2],
         frames: Frames,
         folder: &mut OutputFolder,
         timings: &mut Timings,
@@ -174,11 +208,14 @@ impl Series<'_> {
             // Noise of light that stays in its place from frame to frame would pass for a pattern.
             settings.seed = hash64(settings.seed, u64::from(number));
         }
+        let truth_job = TruthJob { scene, camera, next, resolution: pixels(capture) };
+        check_depths(&truth_job, &capture.output.truth)
+            .map_err(|invalid| capture.source.error(invalid.within("output")))?;
         let start = Instant::now();
         let film = trace(&Trace {
             capture,
             settings: &settings,
-            scene: self.scene,
+            scene,
             camera,
             responses: self.responses,
             importance: self.importance,
@@ -196,6 +233,10 @@ impl Series<'_> {
                 let picture = ideal::picture(&film, capture, self.light, &exposure)?;
                 folder.write_ideal(number, picture, &capture.develop)?;
             }
+            if !capture.output.truth.layers.is_empty() {
+                let planes = truth(&truth_job, &capture.output.truth.layers);
+                folder.write_truth(number, &capture.output.truth, &planes)?;
+            }
             match &capture.output.irradiance {
                 Some(bands) => folder.write_irradiance(number, bands, &film),
                 None => Ok(()),
@@ -204,6 +245,16 @@ impl Series<'_> {
         let passes = u64::from(film.samples());
         Ok(Recorded { film, exposure, first, passes })
     }
+}
+
+/// Finds depths that no PNG file can hold before light is traced, which may take an hour.
+fn check_depths(job: &TruthJob<'_>, output: &TruthOutput) -> Result<(), Invalid> {
+    if !output.formats.contains(&TruthFormat::Png) {
+        return Ok(());
+    }
+    let is_depth = |layer: &TruthLayer| matches!(layer, TruthLayer::Depth | TruthLayer::Distance);
+    let depths: Vec<TruthLayer> = output.layers.iter().copied().filter(is_depth).collect();
+    if depths.is_empty() { Ok(()) } else { fits_png(&truth(job, &depths), output.depth_unit_m) }
 }
 
 /// `scenes/cornell-box/capture.toml` → `cornell-box`, `scenes/checker/capture-a.toml` → `checker-a`, `helmet.glb` →
@@ -259,7 +310,13 @@ pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<H
         let camera = camera_of(lens, &capture.sensor, capture.camera_to_world, distance);
         camera.map_err(|invalid| capture.source.error(invalid.within("lens")))
     };
-    let Focus::Autofocus { pixel } = capture.lens.focus else { return place(&capture.lens, f64::NAN) };
+    let covered = |camera: Camera| match camera.check_coverage() {
+        Ok(()) => Ok(camera),
+        Err(invalid) => Err(capture.source.error(invalid.within("lens"))),
+    };
+    let Focus::Autofocus { pixel } = capture.lens.focus else {
+        return place(&capture.lens, f64::NAN).and_then(covered);
+    };
     // Focusing moves the sensor and with it the direction of the chief ray; a few rounds settle it.
     let mut lens = capture.lens.clone();
     let mut distance = f64::INFINITY;
@@ -271,7 +328,14 @@ pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<H
             break;
         }
     }
-    place(&capture.lens, distance)
+    place(&capture.lens, distance).and_then(covered)
+}
+
+/// The camera of a capture that is not rendered: its scene is built only where autofocus has to look at it.
+pub(super) fn lone_camera(capture: &Capture) -> Result<Camera> {
+    let built = OnceCell::new();
+    let build = || scene::build(capture.scene.clone(), &importance(&responses(capture)));
+    place_camera(capture, |ray| built.get_or_init(build).closest(ray))
 }
 
 fn render_report(

@@ -1,7 +1,11 @@
 //! `capture.json`: everything needed to reproduce a capture and to use its pictures.
 
 use glam::{DAffine3, DMat3, DVec3};
-use photosite::optics::{Camera, CameraMotion, Distortion, Intrinsics, LensDescription, LensKind, Recording};
+use photosite::io::capture::TruthOutput;
+use photosite::optics::{
+    Camera, CameraMotion, FieldOfView, Intrinsics, LensDescription, LensKind, Projection, Recording,
+};
+use photosite::scene::description::SceneDescription;
 use photosite::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -34,6 +38,8 @@ pub(super) struct TracedReport {
     pub(super) lens: LensReport,
     pub(super) render: RenderReport,
     pub(super) scene_light: LightReport,
+    /// `null` where none is written.
+    pub(super) truth: Option<TruthReport>,
     /// Camera paths traced.
     pub(super) paths: u64,
     pub(super) paths_per_s: f64,
@@ -41,11 +47,35 @@ pub(super) struct TracedReport {
 
 impl TracedReport {
     /// The keys of this in a report.
-    pub(super) const KEYS: [&str; 6] = ["camera", "lens", "render", "scene_light", "paths", "paths_per_s"];
+    pub(super) const KEYS: [&str; 7] = ["camera", "lens", "render", "scene_light", "truth", "paths", "paths_per_s"];
 
     pub(super) fn into_map(self) -> Map<String, Value> {
         let value = serde_json::to_value(self).expect("our own structures have string keys and finite numbers");
         if let Value::Object(map) = value { map } else { Map::new() }
+    }
+}
+
+/// What the numbers of ground truth stand for.
+#[derive(Serialize)]
+pub(super) struct TruthReport {
+    layers: Vec<&'static str>,
+    /// What one step of depth in a PNG file stands for.
+    depth_unit_mm: f64,
+    /// Names of the objects, from number 1 on.
+    instances: Vec<String>,
+    /// Names of the materials, from number 1 on.
+    materials: Vec<String>,
+}
+
+impl TruthReport {
+    /// `None` where no truth is asked for.
+    pub(super) fn new(output: &TruthOutput, scene: &SceneDescription) -> Option<Self> {
+        (!output.layers.is_empty()).then(|| Self {
+            layers: output.layers.iter().map(|layer| layer.name()).collect(),
+            depth_unit_mm: output.depth_unit_m * 1e3,
+            instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
+            materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
+        })
     }
 }
 
@@ -79,8 +109,15 @@ pub(super) struct CameraReport {
     resolution_px: [u32; 2],
     /// fx, 0, cx; 0, fy, cy; 0, 0, 1 row by row, with the skew in the first row.
     camera_matrix: [[f64; 3]; 3],
-    /// k₁ k₂ p₁ p₂ k₃ in OpenCV's order.
-    distortion: [f64; 5],
+    /// The model of the lens, as `[lens]` names it.
+    projection: &'static str,
+    /// Its coefficients in OpenCV's order: k₁ k₂ p₁ p₂ k₃ (then k₄ k₅ k₆, then s₁ … s₄) of a rectilinear lens, k₁ … k₄ of
+    /// a fisheye, k₁ k₂ p₁ p₂ of an omnidirectional lens.
+    distortion: Vec<f64>,
+    /// Mirror parameter of an omnidirectional lens.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    xi: Option<f64>,
+    field_of_view: FieldOfViewReport,
     /// World → camera rotation, row by row: x_camera = R·x_world + t.
     rotation: [[f64; 3]; 3],
     translation_m: [f64; 3],
@@ -105,6 +142,8 @@ pub(super) struct MotionReport {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum PathReport {
+    /// The scene moves, not the camera.
+    Still {},
     /// position + velocity·t, and turned about the camera's own glTF axes.
     Steady { velocity_m_per_s: [f64; 3], angular_velocity_deg_per_s: [f64; 3] },
     /// Between two poses, position linear in t, rotation on the shortest way.
@@ -122,11 +161,12 @@ struct PoseReport {
 impl MotionReport {
     pub(super) fn new(recording: &Recording) -> Self {
         let path = match &recording.motion {
-            CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s } => PathReport::Steady {
+            None => PathReport::Still {},
+            Some(CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s }) => PathReport::Steady {
                 velocity_m_per_s: velocity_m_per_s.to_array(),
                 angular_velocity_deg_per_s: angular_velocity_rad_per_s.to_array().map(f64::to_degrees),
             },
-            CameraMotion::Poses(poses) => {
+            Some(CameraMotion::Poses(poses)) => {
                 let poses = poses.iter().map(|pose| PoseReport {
                     time_s: pose.time_s,
                     position_m: pose.position_m.to_array(),
@@ -137,6 +177,30 @@ impl MotionReport {
         };
         let Recording { exposure_s, row_time_s, first_row, frame_interval_s, .. } = *recording;
         Self { path, exposure_s, row_time_s, first_row, frame_interval_s }
+    }
+}
+
+/// Where the model of the lens is one to one, and what of the picture sees something.
+#[derive(Serialize)]
+pub(super) struct FieldOfViewReport {
+    /// From the left to the right edge and from the top to the bottom one; `null` where an edge sees nothing.
+    across_deg: [Option<f64>; 2],
+    /// Largest angle from the axis that the lens reaches.
+    reach_deg: f64,
+    /// Smallest and largest distance from the principal point at which that is.
+    radius_px: [f64; 2],
+    /// Whether every pixel sees something.
+    covers_sensor: bool,
+}
+
+impl FieldOfViewReport {
+    pub(super) fn new(field: &FieldOfView) -> Self {
+        Self {
+            across_deg: field.across_rad.map(|angle| angle.map(f64::to_degrees)),
+            reach_deg: field.reach_rad.to_degrees(),
+            radius_px: field.radius_px,
+            covers_sensor: field.blind_px.is_none(),
+        }
     }
 }
 
@@ -157,10 +221,18 @@ impl CameraReport {
         Self {
             resolution_px,
             camera_matrix: [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]],
-            distortion: match lens.distortion {
-                Distortion::None => [0.0; 5],
-                Distortion::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => [k1, k2, p1, p2, k3],
+            projection: lens.projection.name(),
+            distortion: lens.projection.coefficients(),
+            xi: match lens.projection {
+                Projection::Omnidirectional { xi, .. } => Some(xi),
+                Projection::Perspective
+                | Projection::BrownConrady(_)
+                | Projection::Polynomial { .. }
+                | Projection::Division { .. }
+                | Projection::KannalaBrandt { .. }
+                | Projection::Equirectangular => None,
             },
+            field_of_view: FieldOfViewReport::new(&camera.field_of_view()),
             rotation: rows(rotation),
             translation_m: (DVec3::ZERO - rotation * translation).to_array(),
             position_m: translation.to_array(),

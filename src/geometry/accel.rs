@@ -8,13 +8,15 @@
 
 use std::ops::Range;
 
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, SortPrecision};
 
+use super::mesh::segment;
+use super::motion::{Motion, Transform};
 use super::simd::{Lanes, with_widest_lanes};
 use super::wide_bvh::{BinaryTree, BlockHits, LEAF_SIZE, LeafVisitor, ShearedRay, TriangleBlock, WideBvh};
 use super::{Geometry, Hit, Ray};
@@ -38,36 +40,59 @@ impl HitFilter for AcceptAll {
 }
 
 /// A group of triangles somewhere in the world.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Placement {
     /// Index of the group.
     pub group: u32,
-    /// Group space → world; `None` where the group is given in world space.
-    pub transform: Option<Transform>,
+    /// Where it is.
+    pub place: Place,
 }
 
-/// A transform with its inverse.
-#[derive(Clone, Copy, Debug)]
-pub struct Transform {
-    /// Group space → world.
-    pub to_world: Affine3A,
-    /// World → group space.
-    pub to_group: Affine3A,
+/// Where a group of triangles is.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// Its corners are given in world space.
+    World,
+    /// It stands still.
+    Still(Transform),
+    /// It moves.
+    Moving(Box<Motion>),
+}
+
+impl Place {
+    /// The transform at a time from 0 to 1; `None` in world space.
+    #[inline]
+    pub fn at(&self, time: f32) -> Option<Transform> {
+        match self {
+            Self::World => None,
+            Self::Still(transform) => Some(*transform),
+            Self::Moving(motion) => Some(motion.at(time)),
+        }
+    }
 }
 
 /// Hierarchies over all triangles.
 #[derive(Clone, Debug)]
 pub struct Accel {
-    groups: Vec<TriangleBvh>,
+    groups: Vec<Group>,
     placements: Vec<Placement>,
     /// Over the placements; `None` where there is none, or a single one in world space.
     top: Option<TopLevel>,
 }
 
 #[derive(Clone, Debug)]
-struct TriangleBvh {
+enum Group {
+    /// Its triangles keep their shapes.
+    Rigid(TriangleBvh<TriangleBlock>),
+    /// Its triangles change their shapes: one hierarchy for each part of the time, in which corners move on straight lines,
+    /// over triangles at its start and at its end.
+    Deforming(Vec<TriangleBvh<[TriangleBlock; 2]>>),
+}
+
+#[derive(Clone, Debug)]
+struct TriangleBvh<B> {
     bvh: WideBvh,
-    blocks: Vec<TriangleBlock>,
+    blocks: Vec<B>,
     bounds: (Vec3, Vec3),
 }
 
@@ -79,10 +104,11 @@ struct TopLevel {
 }
 
 impl Accel {
-    /// Builds the hierarchies. `groups` are ranges of triangles of `geometry`, each not empty.
+    /// Builds the hierarchies. `groups` are ranges of triangles of `geometry`, each not empty. The triangles of a mesh that
+    /// deforms are a group of their own.
     pub fn build(geometry: &Geometry, groups: &[Range<u32>], placements: Vec<Placement>) -> Self {
-        let groups: Vec<_> = groups.iter().map(|range| TriangleBvh::build(geometry, range.clone())).collect();
-        let needs_top = !matches!(placements[..], [] | [Placement { transform: None, .. }]);
+        let groups: Vec<_> = groups.iter().map(|range| Group::build(geometry, range)).collect();
+        let needs_top = !matches!(placements[..], [] | [Placement { place: Place::World, .. }]);
         let top = needs_top.then(|| TopLevel::build(&groups, &placements));
         Self { groups, placements, top }
     }
@@ -216,9 +242,9 @@ impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
         for &placement in &self.top.leaves[leaf as usize] {
             let Some(placement) = placement else { break };
-            let Placement { group, transform } = &self.accel.placements[placement as usize];
+            let Placement { group, place } = &self.accel.placements[placement as usize];
             let mut local = *self.ray;
-            if let Some(transform) = transform {
+            if let Some(transform) = place.at(self.ray.time) {
                 local.origin = transform.to_group.transform_point3(self.ray.origin);
                 local.direction = transform.to_group.transform_vector3(self.ray.direction);
             }
@@ -231,42 +257,127 @@ impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
 }
 
 /// Takes a query from the leaves of a group to their triangles.
-struct BlockVisitor<'a, Q> {
-    blocks: &'a [TriangleBlock],
+struct BlockVisitor<'a, Q, B> {
+    blocks: &'a [B],
+    /// How far the time is between two shapes.
+    part: f32,
     sheared: ShearedRay,
     placement: u32,
     query: &'a mut Q,
 }
 
-impl<Q: TriangleQuery> LeafVisitor for BlockVisitor<'_, Q> {
+/// Triangles at a time.
+trait Block {
+    fn at<'a>(&'a self, part: f32, room: &'a mut Option<TriangleBlock>) -> &'a TriangleBlock;
+}
+
+impl Block for TriangleBlock {
+    #[inline(always)]
+    fn at<'a>(&'a self, _: f32, _: &'a mut Option<TriangleBlock>) -> &'a TriangleBlock {
+        self
+    }
+}
+
+impl Block for [TriangleBlock; 2] {
+    #[inline(always)]
+    fn at<'a>(&'a self, part: f32, room: &'a mut Option<TriangleBlock>) -> &'a TriangleBlock {
+        room.insert(TriangleBlock::between(self, part))
+    }
+}
+
+impl<Q: TriangleQuery, B: Block> LeafVisitor for BlockVisitor<'_, Q, B> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
-        let block = &self.blocks[leaf as usize];
+        let mut room = None;
+        let block = self.blocks[leaf as usize].at(self.part, &mut room);
         let hits = block.intersect::<L>(&self.sheared, *t_max);
         hits.mask != 0 && self.query.consider(block, &hits, self.placement, t_max)
     }
 }
 
-impl TriangleBvh {
+impl Group {
     /// `ray` is in the group's space; `t_max` is shortened to the nearest hit that the query keeps.
     #[inline(always)]
     fn traverse<L: Lanes, Q: TriangleQuery>(&self, placement: u32, ray: &Ray, t_max: &mut f32, query: &mut Q) -> bool {
+        match self {
+            Self::Rigid(bvh) => bvh.traverse::<L, _>(placement, ray, 0.0, t_max, query),
+            Self::Deforming(parts) => {
+                let (index, part) = segment(ray.time, parts.len());
+                parts[index].traverse::<L, _>(placement, ray, part, t_max, query)
+            }
+        }
+    }
+
+    fn build(geometry: &Geometry, range: &Range<u32>) -> Self {
+        let mesh = geometry.triangles[range.start as usize].mesh;
+        let Some(deformation) = geometry.meshes[mesh as usize].deformation else {
+            let corners = |triangle| geometry.corners(triangle);
+            return Self::Rigid(TriangleBvh::build(
+                range,
+                |t| bounds_of(&corners(t)),
+                |triangles| TriangleBlock::new(&collect(triangles, corners)),
+            ));
+        };
+        let deformation = &geometry.deformations[deformation as usize];
+        let part = |shape: usize| {
+            let corners = |shape| move |t: u32| deformation.corners(shape, &geometry.triangles[t as usize]);
+            // Rounding between the shapes may leave their box by a unit in the last place or two.
+            let boxes = |t| widened(&bounds_of(&corners(shape)(t)).union(&bounds_of(&corners(shape + 1)(t))));
+            TriangleBvh::build(range, boxes, |triangles| {
+                [shape, shape + 1].map(|shape| TriangleBlock::new(&collect(triangles, corners(shape))))
+            })
+        };
+        Self::Deforming((0..deformation.shape_count() - 1).map(part).collect())
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        match self {
+            Self::Rigid(bvh) => bvh.bounds,
+            Self::Deforming(parts) => {
+                let both = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+                parts.iter().map(|part| part.bounds).reduce(both).unwrap_or_default()
+            }
+        }
+    }
+}
+
+fn widened(aabb: &Aabb) -> Aabb {
+    let (min, max) = (Vec3::from(aabb.min), Vec3::from(aabb.max));
+    let error = min.abs().max(max.abs()) * gamma(3);
+    Aabb::new((min - error).into(), (max + error).into())
+}
+
+/// The handles of up to eight triangles with their corners.
+fn collect(triangles: &[u32], corners: impl Fn(u32) -> [Vec3; 3]) -> Vec<(u32, [Vec3; 3])> {
+    triangles.iter().map(|&triangle| (triangle, corners(triangle))).collect()
+}
+
+impl<B: Block> TriangleBvh<B> {
+    /// `part` is how far the time is between two shapes.
+    #[inline(always)]
+    fn traverse<L: Lanes, Q: TriangleQuery>(
+        &self,
+        placement: u32,
+        ray: &Ray,
+        part: f32,
+        t_max: &mut f32,
+        query: &mut Q,
+    ) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
-        let mut visitor = BlockVisitor { blocks: &self.blocks, sheared, placement, query };
+        let mut visitor = BlockVisitor { blocks: &self.blocks, part, sheared, placement, query };
         self.bvh.traverse::<L>(ray.origin, ray.direction, t_max, &mut visitor)
     }
 
-    fn build(geometry: &Geometry, range: Range<u32>) -> Self {
-        let boxes = range.clone().map(|triangle| bounds_of(&geometry.corners(triangle)));
-        let (tree, bounds) = build_binary(boxes);
+    /// `block` makes the block of up to eight triangles.
+    fn build(range: &Range<u32>, boxes: impl Fn(u32) -> Aabb, block: impl Fn(&[u32]) -> B) -> Self {
+        let (tree, bounds) = build_binary(range.clone().map(boxes));
         let mut blocks = Vec::with_capacity(tree.nodes.len() / 9);
+        let mut triangles = [0; LEAF_SIZE];
         let mut bvh = WideBvh::collapse(&tree, tree.nodes.len(), |primitives| {
-            let mut triangles = [(0, [Vec3::ZERO; 3]); LEAF_SIZE];
             for (slot, &primitive) in triangles.iter_mut().zip(primitives) {
-                let triangle = range.start + primitive;
-                *slot = (triangle, geometry.corners(triangle));
+                *slot = range.start + primitive;
             }
-            blocks.push(TriangleBlock::new(&triangles[..primitives.len()]));
+            blocks.push(block(&triangles[..primitives.len()]));
             (blocks.len() - 1) as u32
         });
         // Shrinking copies, for which the memory of the binary tree will do.
@@ -278,7 +389,7 @@ impl TriangleBvh {
 }
 
 impl TopLevel {
-    fn build(groups: &[TriangleBvh], placements: &[Placement]) -> Self {
+    fn build(groups: &[Group], placements: &[Placement]) -> Self {
         let boxes = placements.iter().map(|p| {
             let (min, max) = p.bounds(groups);
             Aabb::new(min.into(), max.into())
@@ -295,9 +406,17 @@ impl TopLevel {
 
 impl Placement {
     /// World bounds, widened by the rounding of both transforms.
-    fn bounds(&self, groups: &[TriangleBvh]) -> (Vec3, Vec3) {
-        let (min, max) = groups[self.group as usize].bounds;
-        let Some(Transform { to_world, .. }) = self.transform else { return (min, max) };
+    fn bounds(&self, groups: &[Group]) -> (Vec3, Vec3) {
+        let (min, max) = groups[self.group as usize].bounds();
+        let to_world = match &self.place {
+            Place::World => return (min, max),
+            Place::Still(transform) => transform.to_world,
+            Place::Moving(motion) => {
+                let (low, high) = motion.bounds((min, max));
+                let reach = low.abs().max(high.abs()).max(high - low) * (8.0 * gamma(4));
+                return (low - reach, high + reach);
+            }
+        };
         let corners = (0..8).map(|i| Vec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max, min));
         let bounds = corners.map(|c| to_world.transform_point3(c)).fold(Aabb::empty(), |mut all, corner| {
             all.extend(corner.into());

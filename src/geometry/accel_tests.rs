@@ -41,12 +41,13 @@ fn mesh_of(triangle_count: u32) -> MeshRange {
         tangents_from: None,
         uvs_from: [None; 2],
         colours_from: None,
+        deformation: None,
     }
 }
 
 fn in_world(geometry: &Geometry) -> Accel {
     let all = 0..geometry.triangles.len() as u32;
-    Accel::build(geometry, &[all], vec![Placement { group: 0, transform: None }])
+    Accel::build(geometry, &[all], vec![Placement { group: 0, place: Place::World }])
 }
 
 /// A sphere of unit radius as a closed mesh of shared corners: latitude and longitude, with poles.
@@ -162,7 +163,7 @@ fn rays_that_leave_a_surface_do_not_meet_it_again() {
         Vec3::new(100.0, -50.0, 3.0),
     );
     let placed =
-        Placement { group: 0, transform: Some(Transform { to_world: transform, to_group: transform.inverse() }) };
+        Placement { group: 0, place: Place::Still(Transform { to_world: transform, to_group: transform.inverse() }) };
     let all = 0..g.triangles.len() as u32;
     for accel in [in_world(&g), Accel::build(&g, &[all], vec![placed])] {
         let (low, high) = accel.bounds();
@@ -170,7 +171,7 @@ fn rays_that_leave_a_surface_do_not_meet_it_again() {
         for _ in 0..20_000 {
             let ray = Ray::new(centre, warp::uniform_sphere([numbers.next(), numbers.next()]));
             let hit = accel.closest(&ray, &AcceptAll).expect("inside a closed mesh");
-            let point = SurfacePoint::new(&g, &accel, &hit);
+            let point = SurfacePoint::new(&g, &accel, &hit, 0.0);
             assert!((point.position - ray.at(hit.t)).length() < 1e-3);
             // Outwards from a convex body there is nothing more to meet.
             let outward = point.geometric_normal * ray.direction.dot(point.geometric_normal).signum();
@@ -188,7 +189,7 @@ fn instances_stand_where_their_transforms_put_them() {
     let g = sphere(16, 32);
     let at = |x: f32, scale: f32| {
         let to_world = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), Quat::IDENTITY, Vec3::X * x);
-        Placement { group: 0, transform: Some(Transform { to_world, to_group: to_world.inverse() }) }
+        Placement { group: 0, place: Place::Still(Transform { to_world, to_group: to_world.inverse() }) }
     };
     let placements: Vec<_> = (0..40).map(|i| at(4.0 * i as f32, if i % 2 == 0 { 1.0 } else { 0.5 })).collect();
     let all = 0..g.triangles.len() as u32;
@@ -197,7 +198,7 @@ fn instances_stand_where_their_transforms_put_them() {
         let hit = accel.closest(&Ray::new(Vec3::new(4.0 * i as f32 + 0.1, 5.0, 0.1), Vec3::NEG_Y), &AcceptAll);
         let hit = hit.expect("straight above a sphere");
         assert_eq!(hit.placement, i);
-        let point = SurfacePoint::new(&g, &accel, &hit);
+        let point = SurfacePoint::new(&g, &accel, &hit, 0.0);
         let radius = if i % 2 == 0 { 1.0 } else { 0.5 };
         let from_centre = point.position - Vec3::X * 4.0 * i as f32;
         // The chord of a 16-band sphere lies at most 1 − cos(π/32) ≈ 0.5 % inside it.
@@ -240,7 +241,7 @@ fn a_flat_surface_does_not_shadow_itself() {
             let target = corner(numbers.next(), numbers.next());
             let eye = target + frame.to_world(warp::cosine_hemisphere([numbers.next(), numbers.next()])) * 10.0 * side;
             let Some(hit) = accel.closest(&Ray::new(eye, (target - eye).normalize()), &AcceptAll) else { continue };
-            let point = SurfacePoint::new(&g, &accel, &hit);
+            let point = SurfacePoint::new(&g, &accel, &hit, 0.0);
             let wi = frame.to_world(warp::cosine_hemisphere([numbers.next(), numbers.next()]));
             let origin = offset_origin(point.position, point.error, point.geometric_normal, wi);
             // Directions need not be of unit length.

@@ -30,6 +30,22 @@ pub struct MeshRange {
     pub uvs_from: [Option<u32>; 2],
     /// The same for [`Geometry::colours`].
     pub colours_from: Option<u32>,
+    /// Index into [`Geometry::deformations`], where the mesh changes its shape in the time of the picture.
+    pub deformation: Option<u32>,
+}
+
+/// The shapes that a mesh goes through, at evenly spaced times from 0 to 1. Between two of them its corners move on
+/// straight lines.
+#[derive(Clone, Debug)]
+pub struct Deformation {
+    /// Index of the mesh's first corner in [`Geometry::positions`], which holds the first shape too.
+    pub first_corner: u32,
+    /// Number of corners of a shape.
+    pub corner_count: u32,
+    /// Corners of all shapes, one shape after the other, m.
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals in the same order, where the mesh has any.
+    pub normals: Vec<Vec3>,
 }
 
 /// Flat tables of all geometry. Attributes that a mesh lacks take no room: each mesh says where its own begin.
@@ -49,6 +65,8 @@ pub struct Geometry {
     pub triangles: Vec<Triangle>,
     /// Their meshes.
     pub meshes: Vec<MeshRange>,
+    /// Meshes that change their shape.
+    pub deformations: Vec<Deformation>,
 }
 
 impl Geometry {
@@ -56,6 +74,35 @@ impl Geometry {
     #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].corners.map(|corner| self.positions[corner as usize])
+    }
+
+    /// Corner positions of a triangle at a time from 0 to 1.
+    #[inline]
+    pub fn corners_at(&self, triangle: u32, time: f32) -> [Vec3; 3] {
+        let Triangle { corners, mesh } = self.triangles[triangle as usize];
+        match self.meshes[mesh as usize].deformation {
+            None => corners.map(|corner| self.positions[corner as usize]),
+            Some(deformation) => {
+                let deformation = &self.deformations[deformation as usize];
+                let (shape, part) = deformation.shape_at(time);
+                corners.map(|corner| deformation.between(&deformation.positions, shape, part, corner))
+            }
+        }
+    }
+
+    /// Shading normals at the corners of a triangle, not quite of unit length, where its mesh has any.
+    #[inline]
+    pub(super) fn corner_normals(&self, triangle: &Triangle, time: f32) -> Option<[Vec3; 3]> {
+        let mesh = &self.meshes[triangle.mesh as usize];
+        let from = mesh.normals_from?;
+        Some(match mesh.deformation {
+            None => triangle.corners.map(|corner| self.normals[(corner - from) as usize]),
+            Some(deformation) => {
+                let deformation = &self.deformations[deformation as usize];
+                let (shape, part) = deformation.shape_at(time);
+                triangle.corners.map(|corner| deformation.between(&deformation.normals, shape, part, corner))
+            }
+        })
     }
 
     /// UV coordinates at a barycentric point, where the mesh has that set.
@@ -76,6 +123,42 @@ impl Geometry {
         let from = self.meshes[triangle.mesh as usize].colours_from?;
         Some(interpolate(triangle.corners.map(|c| self.colours[(c - from) as usize]), barycentric))
     }
+}
+
+impl Deformation {
+    /// Number of shapes.
+    pub fn shape_count(&self) -> usize {
+        self.positions.len() / self.corner_count as usize
+    }
+
+    /// Corner positions of a shape.
+    pub(super) fn corners(&self, shape: usize, triangle: &Triangle) -> [Vec3; 3] {
+        triangle.corners.map(|corner| self.positions[self.index(shape, corner)])
+    }
+
+    #[inline]
+    fn shape_at(&self, time: f32) -> (usize, f32) {
+        segment(time, self.shape_count() - 1)
+    }
+
+    #[inline]
+    fn index(&self, shape: usize, corner: u32) -> usize {
+        shape * self.corner_count as usize + (corner - self.first_corner) as usize
+    }
+
+    #[inline]
+    fn between(&self, values: &[Vec3], shape: usize, part: f32, corner: u32) -> Vec3 {
+        let [a, b] = [shape, shape + 1].map(|shape| values[self.index(shape, corner)]);
+        a * (1.0 - part) + b * part
+    }
+}
+
+/// Which of so many equal parts of the time from 0 to 1 a time falls into, and how far.
+#[inline]
+pub(super) fn segment(time: f32, count: usize) -> (usize, f32) {
+    let along = time * count as f32;
+    let index = (along as usize).min(count - 1);
+    (index, along - index as f32)
 }
 
 /// Linear interpolation over a triangle; `[b1, b2]` are the weights of the second and third corner.

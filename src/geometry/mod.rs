@@ -11,12 +11,14 @@ mod accel;
 #[cfg(test)]
 mod accel_tests;
 mod mesh;
+mod motion;
 mod point;
 mod ray;
 mod simd;
 mod wide_bvh;
 
-pub use accel::{Accel, AcceptAll, HitFilter, Placement, Transform};
-pub use mesh::{Geometry, MeshRange, Triangle};
+pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement};
+pub use mesh::{Deformation, Geometry, MeshRange, Triangle};
+pub use motion::{Motion, Transform};
 pub use point::SurfacePoint;
 pub use ray::{Hit, Ray, offset_origin};

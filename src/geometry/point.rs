@@ -29,30 +29,31 @@ pub struct SurfacePoint {
     pub material: u32,
     /// Where on the triangle.
     pub barycentric: [f32; 2],
+    /// When, from 0 to 1.
+    pub time: f32,
 }
 
 impl SurfacePoint {
-    /// The point of a hit.
-    pub fn new(geometry: &Geometry, accel: &Accel, hit: &Hit) -> Self {
+    /// The point of a hit by a ray of that time.
+    pub fn new(geometry: &Geometry, accel: &Accel, hit: &Hit, time: f32) -> Self {
         let triangle = &geometry.triangles[hit.triangle as usize];
         let mesh = &geometry.meshes[triangle.mesh as usize];
-        let [a, b, c] = geometry.corners(hit.triangle);
+        let [a, b, c] = geometry.corners_at(hit.triangle, time);
         let [b1, b2] = hit.barycentric;
 
         // pbrt4 §6.8.5: seven roundings at most lie between the corners and their weighted sum.
         let mut position = interpolate([a, b, c], hit.barycentric);
         let mut error = (a.abs() * (1.0 - b1 - b2).abs() + b.abs() * b1 + c.abs() * b2) * gamma(7);
         let mut normal = (b - a).cross(c - a);
-        let mut shading = mesh.normals_from.map_or(normal, |from| {
-            interpolate(triangle.corners.map(|corner| geometry.normals[(corner - from) as usize]), hit.barycentric)
-        });
+        let normals = geometry.corner_normals(triangle, time);
+        let mut shading = normals.map_or(normal, |normals| interpolate(normals, hit.barycentric));
         let tangent = mesh.tangents_from.map(|from| {
             interpolate(triangle.corners.map(|corner| geometry.tangents[(corner - from) as usize]), hit.barycentric)
         });
         let mut along = tangent.map_or(Vec3::ZERO, |t| t.truncate());
         let mut handedness = tangent.map_or(1.0, |t| 1f32.copysign(t.w));
 
-        if let Some(transform) = &accel.placements()[hit.placement as usize].transform {
+        if let Some(transform) = accel.placements()[hit.placement as usize].place.at(time) {
             let (to_world, to_group) = (&transform.to_world, &transform.to_group);
             let magnitude = |m: &glam::Affine3A, v: Vec3| absolute(m) * Vec3A::from(v.abs());
             let local = position;
@@ -81,6 +82,7 @@ impl SurfacePoint {
             mesh: triangle.mesh,
             material: mesh.material,
             barycentric: hit.barycentric,
+            time,
         }
     }
 

@@ -11,13 +11,22 @@ pub struct Ray {
     pub direction: Vec3,
     /// Where it ends; infinite for a ray that does not.
     pub t_max: f32,
+    /// When it meets the scene: 0 for the start and 1 for the end of the time for which the scene was built.
+    pub time: f32,
 }
 
 impl Ray {
-    /// A ray without end.
+    /// A ray without end, at the start.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY }
+        Self { origin, direction, t_max: f32::INFINITY, time: 0.0 }
+    }
+
+    /// The same ray at another time.
+    #[inline]
+    #[must_use]
+    pub fn at_time(self, time: f32) -> Self {
+        Self { time, ..self }
     }
 
     /// The point at t.

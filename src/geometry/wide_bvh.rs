@@ -263,6 +263,20 @@ impl TriangleBlock {
         block
     }
 
+    /// The triangles on their way from one place to another.
+    #[inline(always)]
+    pub(super) fn between([from, to]: &[Self; 2], part: f32) -> Self {
+        let mut block = *from;
+        for (corner, ends) in block.corners.iter_mut().zip(&to.corners) {
+            for (axis, ends) in corner.iter_mut().zip(ends) {
+                for (value, end) in axis.iter_mut().zip(ends) {
+                    *value = *value * (1.0 - part) + end * part;
+                }
+            }
+        }
+        block
+    }
+
     /// Where the ray meets the triangles, from either side.
     #[inline(always)]
     pub(super) fn intersect<L: Lanes>(&self, ray: &ShearedRay, t_max: f32) -> BlockHits {

@@ -54,7 +54,7 @@ pub fn radiance(
             }
             break;
         };
-        let point = scene.point(&hit);
+        let point = scene.point(&hit, ray.time);
         let wo = -ray.direction;
         // A volume seen from behind has been crossed, whether or not its front was met before.
         medium = scene.absorption_behind(&point, wo).or(medium);
@@ -123,7 +123,7 @@ fn direct_light(
     sampler: &mut Sampler,
 ) -> SampledSpectrum {
     let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-    let Some(light) = scene.sample_light(point.position, u_light, u, wavelengths) else {
+    let Some(light) = scene.sample_light(point.position, point.time, u_light, u, wavelengths) else {
         return SampledSpectrum::ZERO;
     };
     let wi_local = shading.frame.to_local(light.wi);
@@ -159,7 +159,7 @@ fn emission_weight(
     match (scattered, scene.light_of(point)) {
         (Some(pdf), Some(light)) => {
             let cos = wo.dot(point.geometric_normal);
-            pdf.power_heuristic(scene.lights().triangle_pdf(light, scene.geometry(), hit.t, cos))
+            pdf.power_heuristic(scene.lights().triangle_pdf(light, scene.geometry(), point.time, hit.t, cos))
         }
         (None, _) | (Some(_), None) => 1.0,
     }
@@ -183,7 +183,7 @@ fn terminate_secondary(wavelengths: &mut Wavelengths, throughput: &mut SampledSp
 /// The ray that leaves a surface point in the unit direction `wi`.
 #[inline]
 fn leave(point: &SurfacePoint, wi: Vec3) -> Ray {
-    Ray::new(offset_origin(point.position, point.error, point.geometric_normal, wi), wi)
+    Ray::new(offset_origin(point.position, point.error, point.geometric_normal, wi), wi).at_time(point.time)
 }
 
 /// The ray from a surface point to a light: up to just before its surface, or without end.

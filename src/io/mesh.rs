@@ -4,7 +4,7 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use crate::Invalid;
-use crate::scene::description::MeshDescription;
+use crate::scene::description::{MeshDescription, ShapeDescription};
 
 /// What [`checked`] had to mend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,8 +18,13 @@ pub(super) struct Mended {
 /// Checks a mesh and mends what real files get wrong harmlessly. Its lists must have equal lengths. An error's key is
 /// that of the attribute at fault, as glTF calls it.
 pub(super) fn checked(mut mesh: MeshDescription) -> Result<(MeshDescription, Mended), Invalid> {
-    all_finite("POSITION", &mesh.positions, |p| p.is_finite())?;
-    all_finite("NORMAL", &mesh.normals, |n| n.is_finite())?;
+    let shapes = || mesh.later_shapes.iter();
+    for positions in shapes().map(|s| &s.positions).chain([&mesh.positions]) {
+        all_finite("POSITION", positions, |p| p.is_finite())?;
+    }
+    for normals in shapes().map(|s| &s.normals).chain([&mesh.normals]) {
+        all_finite("NORMAL", normals, |n| n.is_finite())?;
+    }
     all_finite("TANGENT", &mesh.tangents, |t| t.is_finite())?;
     for (set, uvs) in mesh.uvs.iter().enumerate() {
         all_finite(&format!("TEXCOORD_{set}"), uvs, |uv| uv.is_finite())?;
@@ -61,17 +66,25 @@ pub(super) fn area_vector(positions: &[Vec3], triangle: &[u32; 3]) -> DVec3 {
 
 /// Gives normals unit length; those without a direction get that of the triangles around them. Returns how many.
 fn mend_normals(mesh: &mut MeshDescription) -> usize {
+    let MeshDescription { positions, normals, triangles, later_shapes, .. } = mesh;
+    for shape in later_shapes {
+        mend_normals_of(&shape.positions, &mut shape.normals, triangles);
+    }
+    mend_normals_of(positions, normals, triangles)
+}
+
+fn mend_normals_of(positions: &[Vec3], normals: &mut [Vec3], triangles: &[[u32; 3]]) -> usize {
     let mut missing = Vec::new();
-    for (i, normal) in mesh.normals.iter_mut().enumerate() {
+    for (i, normal) in normals.iter_mut().enumerate() {
         match unit(*normal) {
             Some(n) => *normal = n,
             None => missing.push(i),
         }
     }
     if !missing.is_empty() {
-        let smooth = smooth_normals(&mesh.positions, &mesh.triangles);
+        let smooth = smooth_normals(positions, triangles);
         for &i in &missing {
-            mesh.normals[i] = smooth[i];
+            normals[i] = smooth[i];
         }
     }
     missing.len()
@@ -119,15 +132,21 @@ pub(super) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<
 /// normals.
 pub(super) fn flatten(mesh: &MeshDescription) -> MeshDescription {
     let corners: Vec<usize> = mesh.triangles.iter().flatten().map(|&corner| corner as usize).collect();
-    let normals = mesh.triangles.iter().flat_map(|triangle| {
-        let normal = area_vector(&mesh.positions, triangle).try_normalize().map_or(Vec3::Y, DVec3::as_vec3);
-        [normal; 3]
-    });
+    let flat = |positions: &[Vec3]| {
+        let normals = mesh.triangles.iter().flat_map(|triangle| {
+            let normal = area_vector(positions, triangle).try_normalize().map_or(Vec3::Y, DVec3::as_vec3);
+            [normal; 3]
+        });
+        let positions = corners.iter().map(|&corner| positions[corner]).collect();
+        ShapeDescription { positions, normals: normals.collect() }
+    };
+    let ShapeDescription { positions, normals } = flat(&mesh.positions);
     MeshDescription {
         name: mesh.name.clone(),
         material: mesh.material,
-        positions: corners.iter().map(|&corner| mesh.positions[corner]).collect(),
-        normals: normals.collect(),
+        positions,
+        normals,
+        later_shapes: mesh.later_shapes.iter().map(|shape| flat(&shape.positions)).collect(),
         tangents: Vec::<Vec4>::new(),
         uvs: mesh.uvs.iter().map(|uvs| corners.iter().map(|&corner| uvs[corner]).collect()).collect(),
         colours: if mesh.colours.is_empty() {

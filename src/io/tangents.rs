@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
 
-use crate::scene::description::MeshDescription;
+use crate::scene::description::{MeshDescription, ShapeDescription};
 use crate::texture::UvTransform;
 
 /// Gives a mesh tangents along the u axis of a UV set, w the handedness. The mesh must have normals and that UV set.
@@ -79,6 +79,7 @@ fn split(mesh: &MeshDescription, corners: &[[Vec4; 3]]) -> MeshDescription {
         uvs: vec![Vec::new(); mesh.uvs.len()],
         ..MeshDescription::default()
     };
+    let mut sources = Vec::new();
     let mut known: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     for (triangle, tangents) in mesh.triangles.iter().zip(corners) {
         let mut split = [0; 3];
@@ -87,6 +88,7 @@ fn split(mesh: &MeshDescription, corners: &[[Vec4; 3]]) -> MeshDescription {
             let tangent = orthonormal(tangents[i], mesh.normals[vertex]);
             let key = (triangle[i], tangent.to_array().map(f32::to_bits));
             split[i] = *known.entry(key).or_insert_with(|| {
+                sources.push(vertex);
                 result.positions.push(mesh.positions[vertex]);
                 result.normals.push(mesh.normals[vertex]);
                 result.tangents.push(tangent);
@@ -101,6 +103,10 @@ fn split(mesh: &MeshDescription, corners: &[[Vec4; 3]]) -> MeshDescription {
         }
         result.triangles.push(split);
     }
+    let all = |values: &[Vec3]| sources.iter().filter_map(|&vertex| values.get(vertex)).copied().collect();
+    let shape =
+        |shape: &ShapeDescription| ShapeDescription { positions: all(&shape.positions), normals: all(&shape.normals) };
+    result.later_shapes = mesh.later_shapes.iter().map(shape).collect();
     result
 }
 

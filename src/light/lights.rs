@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Environment, SurfaceEmission};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Motion, Transform};
 use crate::math::distribution::AliasTable;
 use crate::math::{Area, Pdf, SolidAngle, warp};
 use crate::sabotage::{Fault, flip};
@@ -73,6 +73,8 @@ pub struct LightSample {
 #[derive(Clone, Debug)]
 pub struct Lights {
     lights: Vec<Light>,
+    /// The ways of the lights that move, in order of their handles. They are described in their own space.
+    motions: Vec<(u32, Motion)>,
     environment: Option<Environment>,
     environment_light: Option<u32>,
     /// Choice of a light in proportion to its power.
@@ -80,12 +82,18 @@ pub struct Lights {
 }
 
 impl Lights {
-    /// `powers[i]` is the weight by which `lights[i]` is chosen, proportional to its power. An
-    /// [`Environment`] comes with one [`Light::Environment`].
-    pub fn new(lights: Vec<Light>, powers: &[f64], environment: Option<Environment>) -> Self {
+    /// `powers[i]` is the weight by which `lights[i]` is chosen, proportional to its power, and `motions[i]` its way through
+    /// the world, rigid, where it has a space of its own. An [`Environment`] comes with one [`Light::Environment`].
+    pub fn new(
+        lights: Vec<Light>,
+        motions: Vec<Option<Motion>>,
+        powers: &[f64],
+        environment: Option<Environment>,
+    ) -> Self {
+        let motions = (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect();
         let is_environment = |light: &Light| matches!(light, Light::Environment);
         let environment_light = lights.iter().position(is_environment).map(|i| i as u32);
-        Self { selection: AliasTable::new(powers), lights, environment, environment_light }
+        Self { selection: AliasTable::new(powers), lights, motions, environment, environment_light }
     }
 
     /// Number of lights.
@@ -103,7 +111,7 @@ impl Lights {
         self.environment.as_ref()
     }
 
-    /// A direction from `point` towards a light. `emitted_at(light, barycentric)` is the radiance of a point of a
+    /// A direction from `point` towards a light at a time from 0 to 1. `emitted_at(light, barycentric)` is the radiance of a point of a
     /// triangle. `None` where the chosen light cannot reach the point.
     #[inline]
     #[allow(clippy::too_many_arguments, reason = "tables, point and random numbers, each once")]
@@ -113,6 +121,7 @@ impl Lights {
         geometry: &Geometry,
         emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
         point: Vec3,
+        time: f32,
         u_light: f32,
         u: [f32; 2],
         wavelengths: &Wavelengths,
@@ -122,6 +131,41 @@ impl Lights {
         }
         let (index, probability) = self.selection.sample(u_light);
         let probability = flip(Fault::LightPdfWithoutChoice, probability, 1.0);
+        let place = self.place_of(index, time);
+        let local = place.map_or(point, |place| place.to_group.transform_point3(point));
+        let light = &self.lights[index as usize];
+        let sample = self.sample_one(light, spectra, geometry, emitted_at, local, time, probability, u, wavelengths)?;
+        let Some(Transform { to_world, .. }) = place else { return Some(sample) };
+        let in_world = |(position, normal)| (to_world.transform_point3(position), to_world.transform_vector3(normal));
+        Some(LightSample {
+            wi: to_world.transform_vector3(sample.wi).normalize(),
+            position: sample.position.map(in_world),
+            ..sample
+        })
+    }
+
+    /// Where a light's own space is at a time, if it moves.
+    #[inline]
+    fn place_of(&self, light: u32, time: f32) -> Option<Transform> {
+        let found = self.motions.binary_search_by_key(&light, |(light, _)| *light).ok()?;
+        Some(self.motions[found].1.at(time))
+    }
+
+    /// The same for a light that was chosen with that probability, in its own space.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "tables, point and random numbers, each once")]
+    fn sample_one(
+        &self,
+        light: &Light,
+        spectra: &SpectrumTable,
+        geometry: &Geometry,
+        emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
+        point: Vec3,
+        time: f32,
+        probability: f32,
+        u: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
         let from_point = |position: Vec3, intensity: SampledSpectrum| {
             let to_light = position - point;
             let distance_squared = to_light.length_squared();
@@ -133,7 +177,7 @@ impl Lights {
                 is_delta: true,
             })
         };
-        match &self.lights[index as usize] {
+        match light {
             Light::Point { position, intensity } => from_point(*position, spectra.sample(*intensity, wavelengths)),
             Light::Spot { position, axis, cos_inner, cos_outer, intensity } => {
                 let cos = (point - *position).normalize_or_zero().dot(*axis);
@@ -151,7 +195,7 @@ impl Lights {
                 is_delta: true,
             }),
             Light::Triangle(light) => {
-                let [a, b, c] = geometry.corners(light.triangle);
+                let [a, b, c] = geometry.corners_at(light.triangle, time);
                 let barycentric = warp::uniform_triangle(u);
                 let across = (b - a).cross(c - a);
                 let double_area = across.length();
@@ -192,12 +236,12 @@ impl Lights {
     }
 
     /// Density with which [`Self::sample`] finds the point of a triangle light that a ray of unit direction met at
-    /// `distance`, `cos` being the cosine at the light, of either sign.
+    /// `distance` and at that time, `cos` being the cosine at the light, of either sign.
     #[inline]
-    pub fn triangle_pdf(&self, light: u32, geometry: &Geometry, distance: f32, cos: f32) -> Pdf<SolidAngle> {
+    pub fn triangle_pdf(&self, light: u32, geometry: &Geometry, time: f32, distance: f32, cos: f32) -> Pdf<SolidAngle> {
         match &self.lights[light as usize] {
             Light::Triangle(TriangleLight { triangle, .. }) => {
-                let [a, b, c] = geometry.corners(*triangle);
+                let [a, b, c] = geometry.corners_at(*triangle, time);
                 let area = 0.5 * (b - a).cross(c - a).length();
                 Pdf::<Area>::new(1.0 / area)
                     .to_solid_angle(distance * distance, cos.abs())

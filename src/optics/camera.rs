@@ -3,10 +3,12 @@
 //! Camera space is that of glTF: x right, y up, the camera looks along −z, the origin is the centre of the lens. The
 //! sensor stands at z = +v, where the picture lies upside down.
 
-use glam::{DAffine3, DVec2, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
 
 use super::aperture::Aperture;
-use super::{Falloff, Focus, Intrinsics, LensDescription, LensKind, Recording};
+use super::{
+    Falloff, FieldOfView, Focus, Intrinsics, LensDescription, LensKind, Projection, Reach, ReachEnd, Recording, Seen,
+};
 use crate::Invalid;
 use crate::geometry::Ray;
 use crate::sabotage::{Fault, flip};
@@ -30,11 +32,15 @@ pub struct Camera {
     focus_distance_m: f64,
     /// Distance lens → sensor, m.
     image_distance_m: f64,
+    resolution: [u32; 2],
     intrinsics: Intrinsics,
-    distortion: super::Distortion,
+    projection: Projection,
+    reach: Reach,
     falloff: Falloff,
-    /// `None` for a camera that stands still.
+    /// `None` where nothing moves.
     recording: Option<Recording>,
+    /// Which part of the picture's time has gone by, 0 to 1, where it is always the same.
+    time: f32,
     /// Whether all lines of the picture are seen by one row of pixels.
     scans: bool,
 }
@@ -44,7 +50,7 @@ pub struct Camera {
 pub struct CameraRay {
     /// In world space, direction of unit length.
     pub ray: Ray,
-    /// E = weight · L for one sample of the aperture, sr: A·cos⁴θ/v², without the lens's transmittance.
+    /// E = weight · L for one sample of the aperture, sr, without the lens's transmittance.
     pub weight: f32,
 }
 
@@ -87,15 +93,18 @@ impl Camera {
             aperture: Aperture::new(f / lens.f_number / 2.0, lens.blades, lens.blade_rotation_deg),
             focus_distance_m: u,
             image_distance_m: v,
+            resolution: grid.resolution,
             intrinsics,
-            distortion: lens.distortion,
+            projection: lens.projection,
+            reach: lens.projection.reach(lens.max_angle_rad),
             falloff: lens.falloff,
             recording: None,
+            time: 0.0,
             scans: false,
         })
     }
 
-    /// The same camera on the move.
+    /// The same camera taking a picture in whose time something moves.
     #[must_use]
     pub fn recording(self, recording: Recording) -> Self {
         Self { recording: Some(recording), ..self }
@@ -110,6 +119,22 @@ impl Camera {
     /// Whether paths start at times of their own.
     pub fn moves(&self) -> bool {
         self.recording.is_some()
+    }
+
+    /// The camera as it stands, still, in the middle of the exposure of a row.
+    pub fn at_row(&self, row: f64) -> Self {
+        let (to_world, time) = self.pose(row, 0.5);
+        Self { to_world, time, recording: None, ..self.clone() }
+    }
+
+    /// Where the camera is at the sample u in [0, 1) of the exposure of a row, and which part of the picture's time has gone
+    /// by.
+    #[inline]
+    fn pose(&self, row: f64, u: f32) -> (DAffine3, f32) {
+        let Some(recording) = &self.recording else { return (self.to_world, self.time) };
+        let time_s = recording.time_s(row, u);
+        let pose = recording.motion.as_ref().map_or(self.to_world, |motion| motion.pose(&self.to_world, time_s));
+        (pose, recording.part(time_s))
     }
 
     /// Camera → world, of a moving camera at time 0.
@@ -132,29 +157,90 @@ impl Camera {
         self.image_distance_m
     }
 
-    /// Direction in camera space, with z = −1, of the chief ray of a pixel position; `None` where distortion leaves the
-    /// position without one.
+    /// How directions become places in the picture.
+    pub fn projection(&self) -> &Projection {
+        &self.projection
+    }
+
+    /// How far from the axis the lens sees.
+    pub fn reach(&self) -> &Reach {
+        &self.reach
+    }
+
+    /// What of the picture is seen, and how far from the axis.
+    pub fn field_of_view(&self) -> FieldOfView {
+        FieldOfView::new(self)
+    }
+
+    /// Columns and rows.
+    pub fn resolution(&self) -> [u32; 2] {
+        self.resolution
+    }
+
+    /// Refuses a lens whose model ends within the picture, because it folds back over itself or because its picture is
+    /// flat and 90° are not enough; not one whose image circle is smaller than the sensor. The key is that of `[lens]`.
+    pub fn check_coverage(&self) -> Result<(), Invalid> {
+        let what = match self.reach.end {
+            ReachEnd::Sees => return Ok(()),
+            ReachEnd::Folds => "folds back over its own picture",
+            ReachEnd::Flat => "has reached 90° from the axis",
+        };
+        let Some([x, y]) = self.field_of_view().blind_px else { return Ok(()) };
+        let from_centre = DVec2::new(x - self.intrinsics.cx, y - self.intrinsics.cy).length();
+        let degrees = self.reach.angle.to_degrees();
+        let message = format!(
+            "the model {what} {:.1} px from the principal point, {degrees:.2}° from the axis, and the sensor goes on to \
+             {from_centre:.1} px at {x:.0}, {y:.0}",
+            self.field_of_view().radius_px[0],
+        );
+        let angle = (degrees * 100.0).floor() / 100.0;
+        Err(Invalid::new("distortion", message).help(format!(
+            "take weaker coefficients, a longer focal length or fewer pixels; or write lens.max_angle_deg = {angle} to \
+             leave black what lies farther out"
+        )))
+    }
+
+    /// The place of a pixel position in normalised image coordinates.
     #[inline]
-    fn chief_direction(&self, pixel: DVec2) -> Option<DVec3> {
+    fn place(&self, pixel: DVec2) -> DVec2 {
         let i = &self.intrinsics;
         let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
         let y = (row - i.cy) / i.fy;
-        let x = (pixel.x - i.cx - i.skew * y) / i.fx;
-        let ideal = self.distortion.undistort(DVec2::new(x, y))?;
-        Some(DVec3::new(ideal.x, -ideal.y, -1.0))
+        DVec2::new((pixel.x - i.cx - i.skew * y) / i.fx, y)
     }
 
-    /// The ray through the centre of the lens, in world space; parameter t is the distance along the axis in metres.
+    /// What a pixel position sees, in camera space of glTF (x right, y up, z backward); `None` out of the lens's reach.
+    #[inline]
+    pub fn seen(&self, pixel: DVec2) -> Option<Seen> {
+        let Seen { direction, solid_angle } = self.projection.unproject(self.place(pixel), &self.reach)?;
+        Some(Seen { direction: DVec3::new(direction.x, -direction.y, -direction.z), solid_angle })
+    }
+
+    /// From the centre of the lens to what is in focus, in units of the focus distance: to a plane across the axis, or
+    /// to a sphere where the lens can see more than a half-space.
+    #[inline]
+    fn chief(&self, seen: &Seen) -> DVec3 {
+        if self.projection.is_flat() { seen.direction / -seen.direction.z } else { seen.direction }
+    }
+
+    /// The ray through the centre of the lens, in world space. Its parameter t is the distance in metres that focusing
+    /// counts: along the axis, or along the ray where the lens can see more than a half-space.
     pub fn chief_ray(&self, pixel: DVec2) -> Option<Ray> {
-        let direction = self.to_world.transform_vector3(self.chief_direction(pixel)?);
-        Some(Ray::new(self.to_world.translation.as_vec3(), direction.as_vec3()))
+        let direction = self.to_world.transform_vector3(self.chief(&self.seen(pixel)?));
+        Some(Ray::new(self.to_world.translation.as_vec3(), direction.as_vec3()).at_time(self.time))
     }
 
     /// The ray of a pixel position (continuous coordinates) and an aperture sample. `None` where the position sees
-    /// nothing through a distorted lens: its irradiance is zero.
+    /// nothing: its irradiance is zero.
     ///
-    /// E(x, λ) = τ(λ) ∫_A L·cos⁴θ/v² dA with θ between the axis and x → a; one uniform sample of A weighs A·cos⁴θ/v².
-    /// Without falloff cos θ is 1.
+    /// By the étendue that a lens keeps, E(x, λ) = τ(λ) ∫_A L·cosθ dA·dΩ/dA_s ([Born99](crate::references#born99) §4.8), where
+    /// the piece dA_s of the sensor sees the solid angle dΩ. For a rectilinear lens dΩ/dA_s = cos³θ/v², which makes
+    /// E = τ ∫_A L·cos⁴θ/v² dA with θ between the axis and x → a; one uniform sample of A weighs A·cos⁴θ/v². Distortion
+    /// multiplies that by the area in the ideal over that in the distorted picture: a barrel is brighter at its edge.
+    /// A lens that can see more than a half-space has an entrance pupil that faces each direction, so that the cosine
+    /// is 1, and behind it the cone of light that it has on the axis.
+    ///
+    /// Without falloff a sample weighs A/v² everywhere.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
         self.generate_at(pixel, aperture_sample, 0.0)
@@ -163,77 +249,86 @@ impl Camera {
     /// The same ray at the sample `u_time` in [0, 1) of the exposure of the pixel's row.
     #[inline]
     pub fn generate_at(&self, pixel: DVec2, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
-        let to_world = match &self.recording {
-            None => self.to_world,
-            Some(recording) => recording.motion.pose(&self.to_world, recording.time_s(pixel.y.floor(), u_time)),
+        let (to_world, time) = self.pose(pixel.y.floor(), u_time);
+        let seen = self.seen(pixel)?;
+        let chief = self.chief(&seen);
+        let opening = match self.kind {
+            LensKind::Pinhole => DVec2::ZERO,
+            LensKind::Thin => self.aperture.sample(aperture_sample) * flip(Fault::ApertureRadiusDoubled, 1.0, 2.0),
         };
-        let chief = self.chief_direction(pixel)?;
-        let (opening, direction) = match self.kind {
-            LensKind::Pinhole => (DVec2::ZERO, chief),
-            LensKind::Thin => {
-                let a = self.aperture.sample(aperture_sample) * flip(Fault::ApertureRadiusDoubled, 1.0, 2.0);
-                let towards = if self.focus_distance_m.is_finite() {
-                    chief - DVec3::new(a.x, a.y, 0.0) / self.focus_distance_m
-                } else {
-                    chief
-                };
-                (a, towards)
-            }
-        };
+        let origin = self.in_pupil(opening, &seen);
+        let towards = if self.focus_distance_m.is_finite() { chief - origin / self.focus_distance_m } else { chief };
         let v = self.image_distance_m;
-        let cos4 = self.falloff_at(chief, opening);
-        let origin = to_world.transform_point3(DVec3::new(opening.x, opening.y, 0.0));
-        let direction = to_world.transform_vector3(direction).normalize();
-        let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
-        Some(CameraRay { ray, weight: (self.aperture.area() * cos4 / (v * v)) as f32 })
+        let weight = self.aperture.area() * self.falloff_at(&seen, opening) / (v * v);
+        let origin = to_world.transform_point3(origin);
+        let direction = to_world.transform_vector3(towards).normalize();
+        Some(CameraRay { ray: Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time), weight: weight as f32 })
     }
 
-    /// cos⁴θ of the way from a sensor point to a point of the opening, or 1 without falloff.
+    /// A point of the entrance pupil in camera space: across the axis, or turned about the centre on the shortest way to
+    /// face the direction seen.
     #[inline]
-    fn falloff_at(&self, chief: DVec3, opening: DVec2) -> f64 {
+    fn in_pupil(&self, opening: DVec2, seen: &Seen) -> DVec3 {
+        if self.projection.is_flat() {
+            return opening.extend(0.0);
+        }
+        DQuat::from_rotation_arc(DVec3::NEG_Z, seen.direction) * opening.extend(0.0)
+    }
+
+    /// Irradiance through a point of the opening over that through the centre on the axis.
+    #[inline]
+    fn falloff_at(&self, seen: &Seen, opening: DVec2) -> f64 {
         match self.falloff {
             Falloff::None => 1.0,
             Falloff::Cos4 => {
                 let v = self.image_distance_m;
-                // The sensor point is where the undistorted chief ray, carried on behind the lens, meets z = v.
-                let across = opening + DVec2::new(chief.x, chief.y) * v;
+                let cos = -seen.direction.z;
+                let (across, of_picture) = if self.projection.is_flat() {
+                    // The sensor point is where the undistorted chief ray, carried on behind the lens, meets z = v.
+                    let chief = seen.direction / cos;
+                    (opening + DVec2::new(chief.x, chief.y) * v, seen.solid_angle / (cos * cos * cos))
+                } else {
+                    (opening, seen.solid_angle)
+                };
                 let cos2 = v * v / (v * v + across.length_squared());
-                cos2 * cos2
+                cos2 * cos2 * of_picture
             }
         }
     }
 
-    /// Irradiance at a pixel position over that on the axis, under even light: the mean of cos⁴θ over the opening, over
-    /// the same on the axis. `None` where the position sees nothing.
+    /// Irradiance at a pixel position over that on the axis, under even light. `None` where the position sees nothing.
     pub fn relative_illumination(&self, pixel: DVec2) -> Option<f64> {
         // The integrand is smooth: 16 × 16 cells leave an error below 1e-4 even at f/1.
         const CELLS: u16 = 16;
-        let mean = |chief: DVec3| -> f64 {
+        let mean = |seen: &Seen| -> f64 {
             let centre = |i: u16| (f32::from(i) + 0.5) / f32::from(CELLS);
             let opening = |i: u16| match self.kind {
                 LensKind::Pinhole => DVec2::ZERO,
                 LensKind::Thin => self.aperture.sample([centre(i % CELLS), centre(i / CELLS)]),
             };
-            (0..CELLS * CELLS).map(|i| self.falloff_at(chief, opening(i))).sum()
+            (0..CELLS * CELLS).map(|i| self.falloff_at(seen, opening(i))).sum()
         };
-        Some(mean(self.chief_direction(pixel)?) / mean(DVec3::NEG_Z))
+        let on_axis = Seen { direction: DVec3::NEG_Z, solid_angle: 1.0 };
+        Some(mean(&self.seen(pixel)?) / mean(&on_axis))
     }
 
-    /// Where a world point appears: continuous pixel coordinates of its sharp picture, without distortion; `None`
-    /// behind the camera.
+    /// Where a world point appears: continuous pixel coordinates of its sharp picture through the whole lens model, on the
+    /// sensor or beside it; `None` out of the lens's reach. Of a moving camera at time 0.
     pub fn project(&self, point: Vec3) -> Option<DVec2> {
-        let p = self.to_world.inverse().transform_point3(point.as_dvec3());
-        if p.z >= 0.0 {
-            return None;
-        }
-        let distorted = self.distortion.distort(DVec2::new(p.x, -p.y) / -p.z);
+        self.project_camera(self.to_world.inverse().transform_point3(point.as_dvec3()))
+    }
+
+    /// The same for a point in camera space of glTF (x right, y up, z backward).
+    pub fn project_camera(&self, point: DVec3) -> Option<DVec2> {
+        let place = self.projection.project(DVec3::new(point.x, -point.y, -point.z), &self.reach)?;
         let i = &self.intrinsics;
-        Some(DVec2::new(i.fx * distorted.x + i.skew * distorted.y + i.cx, i.fy * distorted.y + i.cy))
+        Some(DVec2::new(i.fx * place.x + i.skew * place.y + i.cx, i.fy * place.y + i.cy))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::BrownConrady;
     use super::*;
 
     const GRID: PixelGrid = PixelGrid { resolution: [640, 480], pitch_m: [5e-6, 6e-6] };
@@ -278,5 +373,123 @@ mod tests {
         assert!(Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.04).is_err());
         let focused = Camera::new(&lens, &GRID, DAffine3::IDENTITY, 2.0).expect("in front");
         assert_eq!(focused.focus_distance_m(), 2.0);
+    }
+
+    fn projected(projection: Projection, max_angle_deg: Option<f64>) -> Camera {
+        let mut lens = LensDescription::thin(0.004, 2.0, Focus::Distance(0.5));
+        (lens.projection, lens.max_angle_rad) = (projection, max_angle_deg.map(f64::to_radians));
+        lens.intrinsics = Some(Intrinsics { fx: 400.0, fy: 410.0, cx: 300.0, cy: 250.0, skew: 1.5 });
+        camera(&lens)
+    }
+
+    fn barrel(k1: f64) -> Projection {
+        Projection::BrownConrady(BrownConrady { k: [k1, 0.0, 0.0, 0.0, 0.0, 0.0], ..BrownConrady::default() })
+    }
+
+    const FISHEYE: Projection = Projection::KannalaBrandt { k: [0.0; 4] };
+
+    #[test]
+    fn pixels_and_what_they_see_agree_over_the_whole_sensor() {
+        for projection in [
+            Projection::Perspective,
+            barrel(-0.1),
+            barrel(0.4),
+            Projection::Polynomial { k: [0.3, 0.0] },
+            Projection::Division { lambda: -0.2 },
+            FISHEYE,
+            Projection::Equirectangular,
+            Projection::Omnidirectional { xi: 1.1, distortion: BrownConrady::default() },
+        ] {
+            let camera = projected(projection, None);
+            camera.check_coverage().expect("all of the sensor sees something");
+            for i in 0..=20 {
+                let pixel = DVec2::new(f64::from(i) * 32.0, f64::from((i * 7) % 21) * 24.0);
+                let seen = camera.seen(pixel).expect("light");
+                let found = camera.project_camera(seen.direction * 3.0).expect("in reach");
+                assert!((found - pixel).length() < 1e-9, "{projection:?} {pixel}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_fold_within_the_picture_is_refused_but_no_image_circle() {
+        // It folds at r = √(1/1.5), 0.544 focal lengths or some 218 px from the middle; the corner lies 420 px away.
+        let invalid = projected(barrel(-0.5), None).check_coverage().expect_err("a fold");
+        assert!(invalid.message.contains("folds back over its own picture 21"), "{invalid}");
+        let circle = projected(barrel(-0.5), Some(35.0));
+        circle.check_coverage().expect("black beyond 35°");
+        assert!(circle.seen(DVec2::new(0.0, 0.0)).is_none() && circle.seen(DVec2::new(300.0, 100.0)).is_some());
+        let field = circle.field_of_view();
+        assert!((field.reach_rad.to_degrees() - 35.0).abs() < 1e-9 && field.blind_px.is_some());
+        projected(FISHEYE, None).check_coverage().expect("180° from the axis are far outside");
+        assert!(projected(FISHEYE, Some(30.0)).field_of_view().blind_px.is_some());
+    }
+
+    #[test]
+    fn lenses_that_see_more_than_a_half_space_are_focused_on_a_sphere() {
+        let camera = projected(FISHEYE, None);
+        // 1.5 rad to the right, and 100° beyond that.
+        for pixel in [DVec2::new(900.0, 250.0), DVec2::new(1000.0, 250.0)] {
+            let direction = camera.seen(pixel).expect("in reach").direction;
+            let sharp = direction * 0.5;
+            for u in [[0.1, 0.2], [0.99, 0.3], [0.2, 0.9]] {
+                let ray = camera.generate(pixel, u).expect("in reach").ray;
+                let origin = ray.origin.as_dvec3();
+                // f32 rays.
+                assert!(origin.dot(direction).abs() < 1e-9, "the pupil faces the direction");
+                assert!((sharp - origin).cross(ray.direction.as_dvec3()).length() < 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn illumination_follows_the_solid_angle() {
+        let at = |camera: &Camera, x: f64| {
+            let i = camera.intrinsics();
+            camera.relative_illumination(DVec2::new(i.cx + i.fx * x, i.cy)).expect("light")
+        };
+        for x in [0.2, 0.5, 0.9] {
+            // dΩ/dA of an equidistant fisheye is sin θ/θ.
+            assert!((at(&projected(FISHEYE, None), x) - x.sin() / x).abs() < 1e-12);
+        }
+        // A distortion that is none keeps cos⁴; a barrel multiplies it by the area of the ideal picture over its own.
+        let mut lens = LensDescription::thin(0.004, 200.0, Focus::Infinity);
+        for (k1, distorted) in [(0.0, 0.5), (-0.2, 0.45), (0.3, 0.5)] {
+            lens.projection = barrel(k1);
+            let camera = camera(&lens);
+            let ideal =
+                camera.seen(DVec2::new(320.0 + camera.intrinsics().fx * distorted, 240.0)).expect("light").direction;
+            let r = -ideal.x / ideal.z;
+            let growth = (1.0 + k1 * r * r) * (1.0 + 3.0 * k1 * r * r);
+            let expected = (1.0 + r * r).powi(-2) / growth;
+            // The opening of f/200 adds (D/2v)² = 6e-6.
+            assert!(
+                (at(&camera, distorted) / expected - 1.0).abs() < 2e-5,
+                "{k1}: {} {expected}",
+                at(&camera, distorted)
+            );
+        }
+    }
+
+    #[test]
+    fn the_light_of_a_picture_is_that_of_what_it_shows() {
+        // Étendue: a far disk of uniform light gives the same power, whatever the distortion. Its image fits the sensor.
+        let power = |projection: Projection| {
+            let camera = projected(projection, Some(20.0));
+            let n = 400;
+            let sum: f64 = (0..n * n)
+                .map(|i| {
+                    let pixel = DVec2::new(f64::from(i % n) + 0.5, f64::from(i / n) + 0.5) / f64::from(n)
+                        * DVec2::new(640.0, 480.0);
+                    camera.generate(pixel, [0.0, 0.0]).map_or(0.0, |ray| f64::from(ray.weight))
+                })
+                .sum();
+            sum
+        };
+        let ideal = power(Projection::Perspective);
+        for k1 in [-0.4, 0.4] {
+            // The rim of the disk crosses some 1000 of 30 000 cells, each known to half a cell: √1000/2/30 000 = 5e-4.
+            assert!((power(barrel(k1)) / ideal - 1.0).abs() < 2e-3, "{k1}: {} {ideal}", power(barrel(k1)));
+        }
     }
 }

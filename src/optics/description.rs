@@ -1,5 +1,6 @@
 //! A lens as a user describes it, checked.
 
+use super::Projection;
 use crate::Invalid;
 use crate::spectrum::Spectrum;
 
@@ -22,8 +23,10 @@ pub struct LensDescription {
     pub falloff: Falloff,
     /// Spectral transmittance τ, 0–1.
     pub transmittance: Spectrum,
-    /// Distortion at ray level.
-    pub distortion: Distortion,
+    /// How directions become places in the picture, at ray level.
+    pub projection: Projection,
+    /// Angle from the axis beyond which the lens sees nothing, rad; `None` for all that its projection can show.
+    pub max_angle_rad: Option<f64>,
     /// Intrinsics given directly, in place of those that follow from v and the pixel pitch.
     pub intrinsics: Option<Intrinsics>,
 }
@@ -54,24 +57,10 @@ pub enum Focus {
 /// Falloff of the irradiance towards the corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Falloff {
-    /// The natural cos⁴θ of each aperture point.
+    /// The natural cos⁴θ of each aperture point, for a rectilinear lens; what keeps the étendue for any other.
     Cos4,
     /// As on the axis everywhere: E = τ·π/4·(D/v)²·(mean radiance over the aperture).
     None,
-}
-
-/// Distortion models of OpenCV, from ideal to distorted normalised coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Distortion {
-    /// A rectilinear lens.
-    None,
-    /// Radial k₁ k₂ k₃ and tangential p₁ p₂ (Brown–Conrady).
-    BrownConrady {
-        /// Radial coefficients.
-        k: [f64; 3],
-        /// Tangential coefficients.
-        p: [f64; 2],
-    },
 }
 
 /// A pinhole matrix in pixels. The principal point is in photosite's continuous coordinates (pixel centres at +0.5).
@@ -101,7 +90,8 @@ impl LensDescription {
             blade_rotation_deg: 0.0,
             falloff: Falloff::Cos4,
             transmittance: Spectrum::constant(1.0),
-            distortion: Distortion::None,
+            projection: Projection::Perspective,
+            max_angle_rad: None,
             intrinsics: None,
         }
     }
@@ -130,6 +120,9 @@ impl LensDescription {
         }
         if self.transmittance.min() < 0.0 || self.transmittance.max() > 1.0 {
             return Err(Invalid::new("transmittance", "must lie between 0 and 1 at every wavelength"));
+        }
+        if let Some(angle) = self.max_angle_rad {
+            positive("max_angle_deg", angle.to_degrees(), "°", "85.0")?;
         }
         if let Some(i) = self.intrinsics {
             positive("intrinsics.fx", i.fx, " px", "1200.0")?;

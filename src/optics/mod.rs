@@ -6,11 +6,14 @@
 mod aperture;
 mod camera;
 mod description;
-mod distortion;
+mod field_of_view;
 mod motion;
+mod projection;
 mod recording;
 
 pub use camera::{Camera, CameraRay, PixelGrid};
-pub use description::{Distortion, Falloff, Focus, Intrinsics, LensDescription, LensKind};
+pub use description::{Falloff, Focus, Intrinsics, LensDescription, LensKind};
+pub use field_of_view::FieldOfView;
 pub use motion::{CameraMotion, TimedPose};
+pub use projection::{BrownConrady, Projection, Reach, ReachEnd, Seen};
 pub use recording::Recording;

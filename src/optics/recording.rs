@@ -1,13 +1,13 @@
-//! When each row of a picture sees light, and where the camera is then.
+//! When each row of a picture sees light, and where a moving camera is then.
 
 use super::CameraMotion;
 
-/// A picture taken by a camera that moves: row y sees light from start + n·row time on, for the exposure time, where
+/// A picture in whose time the camera or the scene moves: row y sees light from start + n·row time on, for the exposure time, where
 /// n = |y + ½ − first row| − ½ rows come before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// How the camera moves.
-    pub motion: CameraMotion,
+    /// How the camera moves; `None` if it stands still.
+    pub motion: Option<CameraMotion>,
     /// When the exposure of the first rows starts, s.
     pub start_s: f64,
     /// How long each row is exposed, s.
@@ -16,6 +16,8 @@ pub struct Recording {
     pub row_time_s: f64,
     /// Where the first rows are exposed: 0 for from the top on, half the rows for from the middle.
     pub first_row: f64,
+    /// Time from the start of the first row's exposure to the end of the last one's, s.
+    pub duration_s: f64,
     /// Time from the start of one picture to that of the next, s.
     pub frame_interval_s: f64,
 }
@@ -26,10 +28,18 @@ impl Recording {
         Self { start_s: self.start_s + f64::from(frames) * self.frame_interval_s, ..self.clone() }
     }
 
-    /// The time, s, of a sample u in [0, 1) of a row's exposure.
+    /// The time, s, of a sample u in [0, 1) of a row's exposure. Rows beyond the picture go on as those at its border do.
     #[inline]
     pub fn time_s(&self, row: f64, u: f32) -> f64 {
-        self.start_s + ((row + 0.5 - self.first_row).abs() - 0.5) * self.row_time_s + f64::from(u) * self.exposure_s
+        let below_first = row + 0.5 - self.first_row;
+        let before = if self.first_row > 0.0 { below_first.abs() } else { below_first } - 0.5;
+        self.start_s + before * self.row_time_s + f64::from(u) * self.exposure_s
+    }
+
+    /// Which part of the picture's duration has gone by at a time, 0 to 1.
+    #[inline]
+    pub fn part(&self, time_s: f64) -> f32 {
+        if self.duration_s > 0.0 { ((time_s - self.start_s) / self.duration_s).clamp(0.0, 1.0) as f32 } else { 0.0 }
     }
 }
 
@@ -43,9 +53,12 @@ mod tests {
     fn rows_start_one_after_the_other() {
         let motion = CameraMotion::Steady { velocity_m_per_s: DVec3::X, angular_velocity_rad_per_s: DVec3::ZERO };
         let (exposure_s, row_time_s, frame_interval_s) = (0.5, 0.25, 2.0);
-        let top = Recording { motion, start_s: 1.0, exposure_s, row_time_s, first_row: 0.0, frame_interval_s };
+        let duration_s = 1.5;
+        let (start_s, first_row, motion) = (1.0, 0.0, Some(motion));
+        let top = Recording { motion, start_s, exposure_s, row_time_s, first_row, duration_s, frame_interval_s };
         assert_eq!([top.time_s(0.0, 0.0), top.time_s(2.0, 0.5)], [1.0, 1.75]);
         assert_eq!(top.later(3).time_s(2.0, 0.5), 7.75);
+        assert_eq!([1.0, 1.75, 2.5, 9.0].map(|time_s| top.part(time_s)), [0.0, 0.5, 1.0, 1.0]);
         let middle = Recording { first_row: 2.0, ..top };
         assert_eq!([0.0, 1.0, 2.0, 3.0].map(|row| middle.time_s(row, 0.0)), [1.25, 1.0, 1.0, 1.25]);
     }

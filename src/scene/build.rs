@@ -3,19 +3,19 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{Affine3A, DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 
 use super::description::{
     AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LayeredDescription,
     LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, PictureLevel, SceneDescription,
-    TextureDescription, TexturedColour, TexturedFactor,
+    ShapeDescription, TextureDescription, TexturedColour, TexturedFactor,
 };
 use super::{
-    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, Mix,
-    NormalMap, ScatteringModel, Scene,
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, InstanceTable, LayeredMaterial,
+    Material, Mix, NormalMap, ScatteringModel, Scene,
 };
 use crate::bsdf::Ggx;
-use crate::geometry::{Accel, Geometry, MeshRange, Placement, Transform, Triangle};
+use crate::geometry::{Accel, Deformation, Geometry, MeshRange, Motion, Place, Placement, Transform, Triangle};
 use crate::light::{Environment, EnvironmentPicture, Light, Lights, SurfaceEmission, Tint, TriangleLight};
 use crate::spectrum::dispersion::lines;
 use crate::spectrum::upsampling::{reflectance_spectrum, rgb_illuminant};
@@ -41,19 +41,21 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         |(m, e): (&MaterialDescription, &Option<Emission>)| builder.material(m, e.as_ref().map(|e| e.surface));
     let table: Vec<Material> = materials.iter().zip(&emissions).map(material).collect();
 
-    let (geometry, accel, emitters) = place(meshes, &instances, |material| emissions[material].is_some());
+    let (geometry, accel, instance_table, emitters) =
+        place(meshes, &instances, |material| emissions[material].is_some());
     let (low, high) = accel.bounds();
     // The size weighs light from afar against lamps. Without geometry there is none, and any will do.
     let radius = if geometry.triangles.is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
 
-    let mut all = LightList { lights: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
+    let mut all =
+        LightList { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
     for range in emitters {
         let material = geometry.meshes[geometry.triangles[range.start as usize].mesh as usize].material;
         if let Some(emission) = &emissions[material as usize] {
             for triangle in range {
                 let power = builder.triangle_power(&geometry, triangle, emission);
                 let light = Light::Triangle(TriangleLight { triangle, emission: emission.surface });
-                all.add(light, power, &emission.spectrum, importance);
+                all.add(light, None, power, &emission.spectrum, importance);
             }
         }
     }
@@ -64,6 +66,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     Scene {
         geometry,
         accel,
+        instances: instance_table,
         has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
         has_media: table.iter().any(|m| m.absorption.is_some()),
         materials: table,
@@ -71,7 +74,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         mixes: builder.mixes,
         textures: builder.textures,
         spectra: builder.spectra,
-        lights: Lights::new(all.lights, &all.powers, environment),
+        lights: Lights::new(all.lights, all.motions, &all.powers, environment),
         light_spectrum: all.spectrum,
     }
 }
@@ -79,14 +82,16 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
 /// Lights as they are gathered, with the weights to choose them by and the sum of their spectra.
 struct LightList {
     lights: Vec<Light>,
+    motions: Vec<Option<Motion>>,
     powers: Vec<f64>,
     spectrum: Spectrum,
 }
 
 impl LightList {
     /// `factor` times the integral of `spectrum` is the light's power, W.
-    fn add(&mut self, light: Light, factor: f64, spectrum: &Spectrum, importance: &Spectrum) {
+    fn add(&mut self, light: Light, motion: Option<Motion>, factor: f64, spectrum: &Spectrum, importance: &Spectrum) {
         self.lights.push(light);
+        self.motions.push(motion);
         self.powers.push(factor * spectrum.product(importance).integral());
         let mut sum = self.spectrum.values().iter();
         self.spectrum = spectrum.map(|_, v| v * factor + f64::from(*sum.next().unwrap_or(&0.0)));
@@ -296,8 +301,11 @@ impl Builder<'_> {
     fn light(&mut self, light: &LightDescription, scene_radius: f64, list: &mut LightList) {
         let spectrum = emission_spectrum(&light.emission.colour, light.emission.level);
         let id = self.spectra.add(&spectrum);
-        let position = light.to_world.translation.as_vec3();
-        let axis = light.to_world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3();
+        let motion = moves_from(&light.to_world, &light.later).map(|places| Motion::new(&places));
+        // A lamp that moves is given in its own space.
+        let to_world = if motion.is_some() { DAffine3::IDENTITY } else { light.to_world };
+        let position = to_world.translation.as_vec3();
+        let axis = to_world.matrix3.mul_vec3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3();
         let (light, solid_angle) = match light.kind {
             LightKind::Point => (Light::Point { position, intensity: id }, 4.0 * std::f64::consts::PI),
             LightKind::Spot { inner_rad, outer_rad } => {
@@ -311,7 +319,7 @@ impl Builder<'_> {
                 (Light::Directional { towards: -axis, irradiance: id }, disk)
             }
         };
-        list.add(light, solid_angle, &spectrum, self.importance);
+        list.add(light, motion, solid_angle, &spectrum, self.importance);
     }
 
     fn environment(&mut self, e: &EnvironmentDescription, scene_radius: f64, list: &mut LightList) -> Environment {
@@ -330,7 +338,7 @@ impl Builder<'_> {
                 (Environment::Picture(picture), spectrum, sphere)
             }
         };
-        list.add(Light::Environment, disk * solid_angle, &spectrum, self.importance);
+        list.add(Light::Environment, None, disk * solid_angle, &spectrum, self.importance);
         environment
     }
 }
@@ -364,54 +372,124 @@ pub(crate) fn emission_spectrum(colour: &Colour, level: Option<f64>) -> Spectrum
     }
 }
 
+/// A transform and those that follow, if any differs from it.
+fn moves_from(first: &DAffine3, later: &[DAffine3]) -> Option<Vec<DAffine3>> {
+    let moves = later.iter().any(|place| place != first);
+    moves.then(|| [first].into_iter().chain(later).copied().collect())
+}
+
 /// Lays meshes out: those placed once, and all emitters, in world space in one group; the others in groups of their own
-/// with a placement for each instance. Returns the triangle ranges of emitters too.
+/// with a placement for each instance. What deforms, emitters that move included, has the world space of all times.
+/// Returns the triangle ranges of emitters too.
 fn place(
     meshes: Vec<MeshDescription>,
     instances: &[InstanceDescription],
     emits: impl Fn(usize) -> bool,
-) -> (Geometry, Accel, Vec<Range<u32>>) {
+) -> (Geometry, Accel, InstanceTable, Vec<Range<u32>>) {
     let mut uses = vec![0usize; meshes.len()];
     for instance in instances {
         uses[instance.mesh] += 1;
     }
-    let in_world = |mesh: usize| uses[mesh] == 1 || emits(meshes[mesh].material);
+    let layout = |instance: &InstanceDescription| {
+        let mesh = &meshes[instance.mesh];
+        let moves = moves_from(&instance.to_world, &instance.later).is_some();
+        if !mesh.later_shapes.is_empty() || moves && emits(mesh.material) {
+            Layout::Deforming
+        } else if !moves && (uses[instance.mesh] == 1 || emits(mesh.material)) {
+            Layout::World
+        } else {
+            Layout::Placed
+        }
+    };
+    let laid_out = |wanted| instances.iter().enumerate().filter(move |(_, instance)| layout(instance) == wanted);
     let mut geometry = Geometry::default();
-    let mut emitters = Vec::new();
-    let mut light_count = 0;
-    for instance in instances.iter().filter(|i| in_world(i.mesh)) {
+    let mut table = InstanceTable::default();
+    let (mut groups, mut placements) = (Vec::new(), Vec::new());
+    let (mut emitters, mut light_count) = (Vec::new(), 0);
+    let mut add = |geometry: &mut Geometry, table: &mut InstanceTable, index: usize| {
+        let instance = &instances[index];
+        table.of_mesh.push(index as u32);
         let mesh = &meshes[instance.mesh];
         let emitting = emits(mesh.material);
-        let range = append(&mut geometry, mesh, &instance.to_world, emitting.then_some(light_count));
+        let range = append(geometry, mesh, &instance.to_world, emitting.then_some(light_count));
         if emitting {
             light_count += range.len() as u32;
-            emitters.push(range);
+            emitters.push(range.clone());
         }
+        range
+    };
+    for (index, _) in laid_out(Layout::World) {
+        add(&mut geometry, &mut table, index);
     }
     let world_end = geometry.triangles.len() as u32;
-    let mut groups = Vec::new();
-    let mut placements = Vec::new();
     if world_end > 0 {
         groups.push(0..world_end);
-        placements.push(Placement { group: 0, transform: None });
+        placements.push(Placement { group: 0, place: Place::World });
+        table.of_placement.push(None);
     }
-    for (index, mesh) in meshes.iter().enumerate().filter(|&(index, _)| uses[index] > 0 && !in_world(index)) {
-        groups.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None));
-        let group = (groups.len() - 1) as u32;
-        let of_this = instances.iter().filter(|i| i.mesh == index);
-        placements.extend(of_this.map(|i| {
-            let transform = Transform { to_world: single(&i.to_world), to_group: single(&i.to_world.inverse()) };
-            Placement { group, transform: Some(transform) }
-        }));
+    for (index, instance) in laid_out(Layout::Deforming) {
+        let range = add(&mut geometry, &mut table, index);
+        deform(&mut geometry, &meshes[instance.mesh], instance);
+        placements.push(Placement { group: groups.len() as u32, place: Place::World });
+        table.of_placement.push(None);
+        groups.push(range);
+    }
+    for (index, mesh) in meshes.iter().enumerate().filter(|&(index, _)| uses[index] > 0) {
+        let mut group = None;
+        for (number, i) in laid_out(Layout::Placed).filter(|(_, i)| i.mesh == index) {
+            let group = *group.get_or_insert_with(|| {
+                groups.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None));
+                (groups.len() - 1) as u32
+            });
+            let place = match moves_from(&i.to_world, &i.later) {
+                Some(places) => Place::Moving(Box::new(Motion::new(&places))),
+                None => Place::Still(Transform::new(&i.to_world)),
+            };
+            placements.push(Placement { group, place });
+            table.of_placement.push(Some(number as u32));
+        }
     }
     drop(meshes);
     let accel = Accel::build(&geometry, &groups, placements);
-    (geometry, accel, emitters)
+    (geometry, accel, table, emitters)
 }
 
-fn single(transform: &DAffine3) -> Affine3A {
-    let [x, y, z] = [transform.matrix3.x_axis, transform.matrix3.y_axis, transform.matrix3.z_axis].map(|c| c.as_vec3());
-    Affine3A::from_cols(x.into(), y.into(), z.into(), transform.translation.as_vec3().into())
+/// Where the triangles of an instance go.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Layout {
+    /// Into the world, with others.
+    World,
+    /// Into the world in several shapes.
+    Deforming,
+    /// Into their own space, with a placement.
+    Placed,
+}
+
+/// Gives the mesh that was added last the shapes that it goes through in the world.
+fn deform(geometry: &mut Geometry, mesh: &MeshDescription, instance: &InstanceDescription) {
+    let first = ShapeDescription { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
+    let shapes: Vec<&ShapeDescription> = [&first].into_iter().chain(&mesh.later_shapes).collect();
+    let places: Vec<&DAffine3> = [&instance.to_world].into_iter().chain(&instance.later).collect();
+    let corner_count = mesh.positions.len() as u32;
+    let mut deformation = Deformation {
+        first_corner: geometry.positions.len() as u32 - corner_count,
+        corner_count,
+        positions: Vec::new(),
+        normals: Vec::new(),
+    };
+    // One of both may stand still.
+    for i in 0..shapes.len().max(places.len()) {
+        let (shape, place) = (shapes[i.min(shapes.len() - 1)], places[i.min(places.len() - 1)]);
+        let normal_matrix = place.matrix3.inverse().transpose();
+        deformation.positions.extend(shape.positions.iter().map(|p| place.transform_point3(p.as_dvec3()).as_vec3()));
+        let normal = |n: &Vec3| (normal_matrix * n.as_dvec3()).normalize_or_zero().as_vec3();
+        deformation.normals.extend(shape.normals.iter().map(normal));
+    }
+    let handle = geometry.deformations.len() as u32;
+    geometry.deformations.push(deformation);
+    if let Some(range) = geometry.meshes.last_mut() {
+        range.deformation = Some(handle);
+    }
 }
 
 /// Adds a mesh, transformed, and returns its triangles.
@@ -437,6 +515,7 @@ fn append(
         tangents_from: from(!mesh.tangents.is_empty(), geometry.tangents.len()),
         uvs_from: [0, 1].map(|set| from(mesh.uvs.len() > set, geometry.uvs[set].len())),
         colours_from: from(!mesh.colours.is_empty(), geometry.colours.len()),
+        deformation: None,
     };
     geometry.positions.extend(mesh.positions.iter().map(point));
     geometry.normals.extend(mesh.normals.iter().map(normal));

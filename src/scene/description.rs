@@ -51,6 +51,17 @@ pub struct MeshDescription {
     pub colours: Vec<Vec4>,
     /// Corner indices, counter-clockwise seen from the front. In range, no triangle of zero area.
     pub triangles: Vec<[u32; 3]>,
+    /// The shapes that follow in the time of the picture, at evenly spaced times, where the mesh deforms.
+    pub later_shapes: Vec<ShapeDescription>,
+}
+
+/// Where the corners of a mesh have gone.
+#[derive(Clone, Debug, Default)]
+pub struct ShapeDescription {
+    /// Corners, metres. Finite, as many as in the first shape.
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals, one per position, or empty if the first shape has none.
+    pub normals: Vec<Vec3>,
 }
 
 /// One placement of a mesh.
@@ -62,6 +73,8 @@ pub struct InstanceDescription {
     pub mesh: usize,
     /// Mesh space → world. Finite and invertible.
     pub to_world: DAffine3,
+    /// The same at the evenly spaced times that follow in the time of the picture, where it moves.
+    pub later: Vec<DAffine3>,
 }
 
 /// A colour or spectrum that scales a texture or stands alone.
@@ -443,6 +456,8 @@ pub struct LightDescription {
     pub name: String,
     /// Node → world; only rotation and translation matter.
     pub to_world: DAffine3,
+    /// The same at the evenly spaced times that follow in the time of the picture, where it moves.
+    pub later: Vec<DAffine3>,
     /// Shape and unit of the level.
     pub kind: LightKind,
     /// Its light. The texture is ignored.
@@ -502,6 +517,8 @@ pub struct CameraDescription {
     pub name: String,
     /// Camera → world; looks along −Z, +Y up.
     pub to_world: DAffine3,
+    /// The same at the evenly spaced times that follow in the time of the picture, where it moves.
+    pub later: Vec<DAffine3>,
     /// Full vertical field of view, rad.
     pub vertical_fov_rad: f64,
 }

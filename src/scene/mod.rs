@@ -28,6 +28,7 @@ use crate::texture::Texture;
 pub struct Scene {
     geometry: Geometry,
     accel: Accel,
+    instances: InstanceTable,
     materials: Vec<Material>,
     layered: Vec<LayeredMaterial>,
     mixes: Vec<Mix>,
@@ -39,6 +40,15 @@ pub struct Scene {
     has_alpha: bool,
     /// Whether any material bounds a volume that absorbs.
     has_media: bool,
+}
+
+/// Which instance of the description each surface belongs to.
+#[derive(Clone, Debug, Default)]
+struct InstanceTable {
+    /// Of meshes that stand in world space: the instance, for each mesh of the geometry up to the last of these.
+    of_mesh: Vec<u32>,
+    /// Of the placements: `None` for the one in world space.
+    of_placement: Vec<Option<u32>>,
 }
 
 impl Scene {
@@ -74,10 +84,16 @@ impl Scene {
         if self.has_alpha { self.accel.occluded(ray, &Holes(self)) } else { self.accel.occluded(ray, &AcceptAll) }
     }
 
-    /// The surface point of a hit.
+    /// The surface point of a hit by a ray of that time.
     #[inline]
-    pub fn point(&self, hit: &Hit) -> SurfacePoint {
-        SurfacePoint::new(&self.geometry, &self.accel, hit)
+    pub fn point(&self, hit: &Hit, time: f32) -> SurfacePoint {
+        SurfacePoint::new(&self.geometry, &self.accel, hit, time)
+    }
+
+    /// Index of the instance that was hit, in the description that the scene was built from.
+    pub fn instance(&self, hit: &Hit) -> u32 {
+        let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
+        self.instances.of_placement[hit.placement as usize].unwrap_or_else(|| self.instances.of_mesh[mesh as usize])
     }
 
     /// Radiance that a surface point emits towards the unit direction `wo`.
@@ -130,11 +146,12 @@ impl Scene {
         mesh.first_light.map(|first| first + (point.triangle - mesh.first_triangle))
     }
 
-    /// A direction in which `point` looks for light.
+    /// A direction in which `point` looks for light at a time.
     #[inline]
     pub fn sample_light(
         &self,
         point: glam::Vec3,
+        time: f32,
         u_light: f32,
         u: [f32; 2],
         wavelengths: &Wavelengths,
@@ -144,7 +161,7 @@ impl Scene {
             // Where there are holes, rays that look for the light end in front of them.
             if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
         };
-        self.lights.sample(&self.spectra, &self.geometry, emitted_at, point, u_light, u, wavelengths)
+        self.lights.sample(&self.spectra, &self.geometry, emitted_at, point, time, u_light, u, wavelengths)
     }
 
     /// Radiance from infinitely far in the unit direction `towards`.

@@ -17,6 +17,7 @@ mod gltf;
 mod gltf_features;
 mod info;
 mod interruption;
+mod lens;
 mod limits;
 mod motion;
 mod noise;

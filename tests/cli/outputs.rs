@@ -1,5 +1,6 @@
 //! What a render leaves in its folder, and what it prints.
 
+use rstest::rstest;
 use serde_json::{Value, json};
 
 use crate::folder::Folder;
@@ -171,4 +172,53 @@ fn curves_of_a_sensor_lie_beside_the_capture_wherever_that_is() {
          channels.Y.quantum_efficiency = { file = 'line.csv' }\n",
     );
     folder.succeed("render sub/capture.toml -o out");
+}
+
+#[test]
+fn ground_truth_appears_in_the_formats_that_are_asked_for() {
+    let folder = room(
+        "[render]\nsamples_per_pixel = 1\n[output]\ntruth = ['depth', 'normal', 'instance', 'flow']\n\
+         truth_formats = ['exr', 'npy', 'png']\ntruth_depth_unit_mm = 0.5\n",
+    );
+    folder.succeed("render capture.toml -o out");
+    let layer_files = |kind: &str| ["depth", "normal", "instance", "flow"].map(|layer| format!("truth-{layer}.{kind}"));
+    let results = folder.results("out");
+    for name in layer_files("npy").iter().chain(&layer_files("png")).chain(&["truth.exr".to_owned()]) {
+        assert!(results.contains_key(name), "{name} in {:?}", results.keys());
+    }
+    let truth = &folder.report("out")["truth"];
+    assert_eq!(truth["depth_unit_mm"], 0.5);
+    let names: Vec<_> = truth["instances"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    assert!(names.contains(&"left") && names.contains(&"right"), "{names:?}");
+
+    // The same depths in all of them: 32-bit floats at the end of the NPY file, half millimetres in the PNG file.
+    let exr = photosite::io::exr::read_exr(std::io::Cursor::new(&results["truth.exr"])).expect("an EXR file").planes;
+    let depths = exr.plane("depth").expect("a plane of depths");
+    let npy = &results["truth-depth.npy"];
+    let tail: Vec<u8> = depths.iter().flat_map(|depth| depth.to_le_bytes()).collect();
+    assert_eq!(npy[npy.len() - tail.len()..], tail);
+    let png = image::load_from_memory(&results["truth-depth.png"]).expect("a picture").into_luma16();
+    for (code, &depth) in png.iter().zip(depths) {
+        let expected = if depth.is_finite() { (f64::from(depth) / 0.5e-3).round() } else { 0.0 };
+        assert_eq!(f64::from(*code), expected);
+    }
+    // The camera stands 3.2 m before the middle of the room, and nothing of it is farther away than its corner.
+    assert!(depths.iter().any(|d| (2.0..4.0).contains(d)) && depths.iter().all(|d| *d < 5.0 || d.is_infinite()));
+    folder.fail("render capture.toml -o out", 2, &["holds the results of an earlier render", "--force"]);
+}
+
+#[rstest]
+#[case::layer(
+    "output.truth=['depths']",
+    "output.truth: expected true, false, or a list such as [\"depth\", \"normal\"]"
+)]
+#[case::no_room("output.truth=['uv'] --set output.truth_formats=['png']", "16-bit PNG files have no room for uv")]
+#[case::nothing("output.truth_formats=['npy']", "truth_formats: has no meaning without layers")]
+#[case::too_far(
+    "output.truth=['depth'] --set output.truth_formats=['png'] --set output.truth_depth_unit_mm=0.01",
+    "does not fit into 16 bits of 0.01 mm"
+)]
+fn impossible_ground_truth_is_refused(#[case] set: &str, #[case] message: &str) {
+    let folder = room("[render]\nsamples_per_pixel = 1\n");
+    folder.fail(&format!("render capture.toml -o out --set {set}"), 1, &[message]);
 }

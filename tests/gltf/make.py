@@ -192,6 +192,8 @@ def write(name, material=None, ball=None, extensions=(), nodes=None, document=No
                 p["targets"] = [named(target) for target in p["targets"]]
             if isinstance(p.get("indices"), str):
                 p["indices"] = accessor_of(p["indices"])
+    for animation in file.get("animations", []):
+        animation["samplers"] = [named(sampler) for sampler in animation["samplers"]]
     for skin in file.get("skins", []):
         skin["inverseBindMatrices"] = accessor_of(skin["inverseBindMatrices"])
     for node in file["nodes"]:
@@ -267,6 +269,29 @@ variants = {"variants": [{"name": "night"}, {"name": "day"}]}
 mapping = {"KHR_materials_variants": {"mappings": [{"variants": [0], "material": 1}, {"variants": [1], "material": 2}]}}
 document = {"extensions": {"KHR_materials_variants": variants}}
 write("variants", None, {"extensions": mapping}, ["KHR_materials_variants"], document=document)
+
+
+
+def animation(*channels):
+    """An animation "move" of channels (node, path, output)."""
+    samplers = [{"input": "time", "output": output} for _, _, output in channels]
+    targets = [{"node": node, "path": path} for node, path, _ in channels]
+    channels = [{"sampler": i, "target": target} for i, target in enumerate(targets)]
+    return {"animations": [{"name": "move", "samplers": samplers, "channels": channels}]}
+
+
+data.add("time", [0, 1], "SCALAR", target=None)
+data.add("way", [(-0.8, 1, 0), (0.8, 1, 0)], target=None)
+data.add("growth", [(0.4, 1, 1), (1, 0.4, 1)], target=None)
+data.add("turn", [(0, 0, 0, 1), (0, 0, math.sqrt(0.5), math.sqrt(0.5))], "VEC4", target=None)
+data.add("amount", [0, 1], "SCALAR", target=None)
+moving = animation((0, "translation", "way"), (0, "scale", "growth"), (0, "rotation", "turn"))
+write("animation-node", document=moving)
+node = {"name": "ball", "mesh": 0, "translation": [0, 1, 0], "weights": [0.8]}
+morph = {"targets": [{"POSITION": "position morph"}]}
+write("animation-morph", None, morph, nodes=[node], document=animation((0, "weights", "amount")))
+skin = {"skins": [{"joints": [1, 2], "inverseBindMatrices": "binds"}]}
+write("animation-skin", None, skinned, nodes=bones, document=skin | animation((2, "rotation", "turn")))
 
 (HERE / "shapes.bin").write_bytes(data.bytes)
 checks = lambda x, y: (230, 80, 40, 255) if (x + y) % 2 else (40, 120, 220, 60)

@@ -76,6 +76,7 @@ fn a_known_lamp_on_a_known_patch_frees_the_electrons_computed_by_hand() {
     let lamp = LightDescription {
         name: "lamp".into(),
         to_world: DAffine3::from_translation(DVec3::Y * 2.0),
+        later: Vec::new(),
         kind: LightKind::Point,
         emission: EmissionDescription { colour: Colour::Spectrum(line), level: None, texture: None },
     };

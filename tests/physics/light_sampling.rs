@@ -32,10 +32,10 @@ fn sky(level: f64) -> EnvironmentDescription {
 /// Density of the direction `wi` from the origin: that of the lamp met there, if it shines this way, and that of the sky.
 fn density(scene: &Scene, wi: Vec3) -> f64 {
     let of_lamp = scene.closest(&Ray::new(Vec3::ZERO, wi)).map_or(0.0, |hit| {
-        let point = scene.point(&hit);
+        let point = scene.point(&hit, 0.0);
         let cos = -wi.dot(point.geometric_normal);
         let light = scene.light_of(&point).filter(|_| cos > 0.0);
-        light.map_or(0.0, |light| scene.lights().triangle_pdf(light, scene.geometry(), hit.t, cos).0)
+        light.map_or(0.0, |light| scene.lights().triangle_pdf(light, scene.geometry(), 0.0, hit.t, cos).0)
     });
     f64::from(of_lamp + scene.lights().environment_pdf(wi).0)
 }
@@ -70,7 +70,7 @@ fn directions_to_light_are_distributed_as_the_density_says() {
         let (mut observed, mut misjudged) = (vec![0.0; expected.len()], 0);
         for _ in 0..SAMPLES {
             let (u_light, u) = uniform.lobe_and_direction();
-            let Some(sample) = scene.sample_light(Vec3::ZERO, u_light, u, &lambda()) else {
+            let Some(sample) = scene.sample_light(Vec3::ZERO, 0.0, u_light, u, &lambda()) else {
                 observed[expected.len() - 1] += 1.0;
                 continue;
             };
@@ -97,7 +97,7 @@ fn the_sky_is_looked_at_where_it_is_bright() {
     let mut bright = 0.0;
     for _ in 0..n {
         let (u_light, u) = uniform.lobe_and_direction();
-        let sample = scene.sample_light(Vec3::ZERO, u_light, u, &lambda()).expect("the sky is everywhere");
+        let sample = scene.sample_light(Vec3::ZERO, 0.0, u_light, u, &lambda()).expect("the sky is everywhere");
         bright += f64::from(u8::from(sample.radiance[2] > 1.5 * scene.environment_radiance(Vec3::NEG_Y, &lambda())[2]));
     }
     let part = bright / f64::from(n);
@@ -111,6 +111,7 @@ fn lights_are_chosen_by_their_power() {
     let lamp = |x: f64, intensity: f32| LightDescription {
         name: String::new(),
         to_world: DAffine3::from_translation(DVec3::X * x),
+        later: Vec::new(),
         kind: LightKind::Point,
         emission: EmissionDescription {
             colour: Colour::Spectrum(Spectrum::constant(intensity)),
@@ -127,7 +128,7 @@ fn lights_are_chosen_by_their_power() {
     let mut found = [0.0; 3];
     for i in 0..n {
         let u_light = (i as f32 + 0.5) / n as f32;
-        let sample = scene.sample_light(Vec3::ZERO, u_light, [0.3, 0.4], &lambda()).expect("all can be seen");
+        let sample = scene.sample_light(Vec3::ZERO, 0.0, u_light, [0.3, 0.4], &lambda()).expect("all can be seen");
         let which = if sample.wi.x > 0.9 {
             0
         } else if sample.wi.x < -0.9 {

@@ -32,3 +32,4 @@ mod sensor_stages;
 mod sensor_window;
 mod stage;
 mod transport;
+mod truth;

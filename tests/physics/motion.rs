@@ -1,4 +1,5 @@
-//! What a moving camera records: the skew of a rolling shutter, motion blur, and the pictures of line cameras.
+//! What is recorded of things that move, the camera or what it sees: the skew of a rolling shutter, motion blur, and the
+//! pictures of line cameras.
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::integrator::RenderSettings;
@@ -24,9 +25,30 @@ const SETTINGS: RenderSettings = RenderSettings {
 
 /// A bright half-plane x > 0, 1 m in front of a pinhole camera at `x`.
 fn scene() -> Scene {
+    half_plane(true, &[DAffine3::IDENTITY])
+}
+
+/// The same on the move through places at evenly spaced times: a lamp, or what a black plate leaves of a bright sky.
+fn half_plane(is_lamp: bool, places: &[DAffine3]) -> Scene {
     let corner = |x: f32, y: f32| Vec3::new(x, y, -1.0);
-    let (a, b, c, d) = (corner(0.0, -3.0), corner(3.0, -3.0), corner(3.0, 3.0), corner(0.0, 3.0));
-    Stage::default().diffuse(vec![[a, b, c], [a, c, d]], 0.0, 1.0).build()
+    let side = if is_lamp { 3.0 } else { -3.0 };
+    let (a, b, c, d) = (corner(0.0, -3.0), corner(side, -3.0), corner(side, 3.0), corner(0.0, 3.0));
+    let plate = vec![[a, b, c], [a, c, d]];
+    if is_lamp {
+        return Stage::default().diffuse(plate, 0.0, 1.0).moving(places).build();
+    }
+    Stage::default().diffuse(plate, 0.0, 0.0).moving(places).environment(1.0).build()
+}
+
+/// A way along x of so many metres, at a constant speed.
+fn along_x(way_m: f64) -> [DAffine3; 2] {
+    [0.0, way_m].map(|x| DAffine3::from_translation(DVec3::X * x))
+}
+
+/// The time that a camera at rest takes for a picture.
+fn at_rest(exposure_s: f64, row_time_s: f64) -> Recording {
+    let duration_s = exposure_s + f64::from(RESOLUTION[1] - 1) * row_time_s;
+    Recording { motion: None, exposure_s, row_time_s, duration_s, ..steady(0.0, 0.0) }
 }
 
 fn pinhole(x: f64) -> Camera {
@@ -42,12 +64,20 @@ fn steady(speed_m_per_s: f64, pan_rad_per_s: f64) -> Recording {
         velocity_m_per_s: DVec3::X * speed_m_per_s,
         angular_velocity_rad_per_s: DVec3::Y * pan_rad_per_s,
     };
-    Recording { motion, start_s: 0.0, exposure_s: 0.0, row_time_s: 0.0, first_row: 0.0, frame_interval_s: 0.0 }
+    Recording {
+        motion: Some(motion),
+        start_s: 0.0,
+        exposure_s: 0.0,
+        row_time_s: 0.0,
+        first_row: 0.0,
+        duration_s: 0.0,
+        frame_interval_s: 0.0,
+    }
 }
 
 /// How much of each pixel is bright.
-fn coverage(camera: &Camera) -> Vec<Vec<f64>> {
-    let estimate = irradiance(&scene(), camera, RESOLUTION, &SETTINGS);
+fn coverage(scene: &Scene, camera: &Camera) -> Vec<Vec<f64>> {
+    let estimate = irradiance(scene, camera, RESOLUTION, &SETTINGS);
     let rows = estimate.mean.channels()[0].data.chunks(RESOLUTION[0] as usize);
     let rows: Vec<Vec<f64>> = rows.map(|row| row.iter().map(|&e| f64::from(e)).collect()).collect();
     // The last ten columns are bright throughout.
@@ -64,7 +94,22 @@ fn a_rolling_shutter_skews_a_moving_edge(#[case] speed_m_per_s: f64, #[case] pan
     let (row_time_s, exposure_s) = (1e-3, 1e-5);
     let recording = Recording { exposure_s, row_time_s, ..steady(speed_m_per_s, pan_rad_per_s) };
     let camera = pinhole(x).recording(recording);
-    let rows = coverage(&camera);
+    assert_skewed(&coverage(&scene(), &camera), row_time_s, exposure_s, speed_m_per_s, pan_rad_per_s, x);
+}
+
+#[rstest]
+#[case::lamp(true)]
+#[case::plate(false)]
+fn a_rolling_shutter_skews_an_edge_that_moves(#[case] is_lamp: bool) {
+    // The edge goes to the left as the camera went to the right.
+    let recording = at_rest(1e-5, 1e-3);
+    let scene = half_plane(is_lamp, &along_x(-recording.duration_s));
+    let rows = coverage(&scene, &pinhole(-0.06).recording(recording));
+    assert_skewed(&rows, 1e-3, 1e-5, 1.0, 0.0, -0.06);
+}
+
+/// Checks where each row sees the edge.
+fn assert_skewed(rows: &[Vec<f64>], row_time_s: f64, exposure_s: f64, speed_m_per_s: f64, pan_rad_per_s: f64, x: f64) {
     let (width, centre) = (f64::from(RESOLUTION[0]), f64::from(RESOLUTION[0]) / 2.0);
     let expected = |row: usize| {
         let t = row as f64 * row_time_s + 0.5 * exposure_s;
@@ -88,9 +133,56 @@ fn a_rolling_shutter_skews_a_moving_edge(#[case] speed_m_per_s: f64, #[case] pan
 }
 
 #[test]
-fn an_exposure_blurs_what_moves_over_its_way() {
+fn an_exposure_blurs_what_it_moves_over() {
     // Over 0.1 s at 1 m/s an edge 1 m away moves by 20 pixels.
-    let rows = coverage(&pinhole(-0.05).recording(Recording { exposure_s: 0.1, ..steady(1.0, 0.0) }));
+    let camera = pinhole(-0.05).recording(Recording { exposure_s: 0.1, ..steady(1.0, 0.0) });
+    assert_blurred(&coverage(&scene(), &camera));
+}
+
+#[rstest]
+#[case::lamp(true)]
+#[case::plate(false)]
+fn an_exposure_blurs_what_moves_over_its_way(#[case] is_lamp: bool) {
+    let scene = half_plane(is_lamp, &along_x(-0.1));
+    assert_blurred(&coverage(&scene, &pinhole(-0.05).recording(at_rest(0.1, 0.0))));
+}
+
+/// An edge through the middle of the picture turns by a right angle. A point at the angle φ from where it starts is passed
+/// after the part φ/(π/2) of the time.
+#[rstest]
+// Lamps move on straight lines between their places: with 32 of them the arc is cut short by 1 − cos(π/128) = 0.03 %.
+#[case::lamp(true, 32)]
+#[case::plate(false, 1)]
+fn what_turns_passes_every_angle_in_its_time(#[case] is_lamp: bool, #[case] parts: u32) {
+    let turned = |i: u32| DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2 * f64::from(i) / f64::from(parts));
+    let places: Vec<DAffine3> = (0..=parts).map(turned).collect();
+    let estimate =
+        irradiance(&half_plane(is_lamp, &places), &pinhole(0.0).recording(at_rest(0.1, 0.0)), RESOLUTION, &SETTINGS);
+    let values = &estimate.mean.channels()[0].data;
+    let level = f64::from(values.iter().copied().fold(0.0, f32::max));
+    let mut errors = photosite::math::statistics::Moments::default();
+    for (i, value) in values.iter().enumerate() {
+        let (x, y) = ((i % 96) as f64 + 0.5 - 48.0, 60.0 - (i / 96) as f64 - 0.5);
+        if x.hypot(y) < 30.0 || x.hypot(y) > 45.0 {
+            continue;
+        }
+        // The bright side is x > 0 first and y > 0 last, and the angle is that from the edge's ends at ±y.
+        let angle = (-x).atan2(y);
+        let part = angle / std::f64::consts::FRAC_PI_2;
+        let bright = match part {
+            p if p < -1.0 => p + 2.0,
+            p if p < 0.0 => 1.0,
+            p if p < 1.0 => 1.0 - p,
+            _ => 0.0,
+        };
+        errors.add(f64::from(*value) / level - bright);
+    }
+    // Were the 64 samples of a pixel independent, its error would be 0.5/√64 at most; 3500 pixels, 5 σ.
+    assert!(errors.mean().abs() < 5.0 * 0.0625 / 3500f64.sqrt(), "{}", errors.mean());
+    assert!(errors.variance().sqrt() < 0.0625, "{}", errors.variance().sqrt());
+}
+
+fn assert_blurred(rows: &[Vec<f64>]) {
     let n = rows.len() as f64;
     let profile: Vec<f64> =
         (0..RESOLUTION[0] as usize).map(|x| rows.iter().map(|row| row[x]).sum::<f64>() / n).collect();
@@ -104,7 +196,7 @@ fn an_exposure_blurs_what_moves_over_its_way() {
 fn later_pictures_are_taken_from_further_on() {
     // 0.05 s at 1 m/s are 10 pixels.
     let first = Recording { exposure_s: 1e-6, frame_interval_s: 0.05, ..steady(1.0, 0.0) };
-    let bright = |recording| coverage(&pinhole(-0.1).recording(recording)).iter().flatten().sum::<f64>();
+    let bright = |recording| coverage(&scene(), &pinhole(-0.1).recording(recording)).iter().flatten().sum::<f64>();
     let moved = (bright(first.later(1)) - bright(first.clone())) / f64::from(RESOLUTION[1]);
     // The noise of 120 pixels at the edge, 0.5/√64 each, in two pictures: 0.008 pixels on average. 5 σ.
     assert!((moved - 10.0).abs() < 0.04, "{moved}");
@@ -128,7 +220,7 @@ fn a_line_camera_that_moves_makes_an_ellipse_of_a_circle() {
     let start = DAffine3::from_translation(DVec3::Y * (60.0 * line_time_s * speed));
     let motion =
         CameraMotion::Steady { velocity_m_per_s: DVec3::NEG_Y * speed, angular_velocity_rad_per_s: DVec3::ZERO };
-    let recording = Recording { motion, exposure_s: 1e-9, row_time_s: line_time_s, ..steady(0.0, 0.0) };
+    let recording = Recording { motion: Some(motion), exposure_s: 1e-9, row_time_s: line_time_s, ..steady(0.0, 0.0) };
     let camera = camera(&lens, &grid, start).scanning().recording(recording);
     let picture = irradiance(&scene, &camera, RESOLUTION, &SETTINGS);
     let values = &picture.mean.channels()[0].data;

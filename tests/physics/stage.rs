@@ -42,6 +42,7 @@ impl Stage {
             name: String::new(),
             mesh: self.0.meshes.len(),
             to_world: DAffine3::IDENTITY,
+            later: Vec::new(),
         });
         self.0.meshes.push(MeshDescription {
             material: self.0.materials.len(),
@@ -50,6 +51,25 @@ impl Stage {
             ..Default::default()
         });
         self.0.materials.push(material);
+        self
+    }
+
+    /// Moves the mesh added last through transforms at evenly spaced times.
+    pub(crate) fn moving(mut self, places: &[DAffine3]) -> Self {
+        let instance = self.0.instances.last_mut().expect("a mesh was added");
+        (instance.to_world, instance.later) = (places[0], places[1..].to_vec());
+        self
+    }
+
+    /// Places the mesh added last once more.
+    pub(crate) fn again(self, to_world: DAffine3) -> Self {
+        let mesh = self.0.meshes.len() - 1;
+        self.again_of(mesh, to_world)
+    }
+
+    /// Places a mesh once more.
+    pub(crate) fn again_of(mut self, mesh: usize, to_world: DAffine3) -> Self {
+        self.0.instances.push(InstanceDescription { name: String::new(), mesh, to_world, later: Vec::new() });
         self
     }
 

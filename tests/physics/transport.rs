@@ -43,6 +43,7 @@ fn lamp(kind: LightKind, position: DVec3, level: f32) -> LightDescription {
             glam::DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2),
             position,
         ),
+        later: Vec::new(),
         kind,
         emission: EmissionDescription {
             colour: Colour::Spectrum(Spectrum::constant(level)),

@@ -1,11 +1,12 @@
 //! `[lens]`: from the table to a [`LensDescription`].
 
+use std::f64::consts::{PI, TAU};
+
 use super::colour::Finder;
-use super::tables::{
-    AutofocusTable, DistortionModel, DistortionTable, FalloffName, FocusDistance, IntrinsicsTable, LensTable, LensType,
-};
+use super::projection::projection;
+use super::tables::{AutofocusTable, FalloffName, FocusDistance, IntrinsicsTable, LensTable, LensType};
 use crate::Invalid;
-use crate::optics::{Distortion, Falloff, Focus, Intrinsics, LensDescription, LensKind};
+use crate::optics::{Falloff, Focus, Intrinsics, LensDescription, LensKind, Projection};
 use crate::sensor::SensorModel;
 
 /// Focal length where nothing asks for another, m.
@@ -31,7 +32,12 @@ pub(super) fn describe_lens(
         (None, Some(pixel)) => autofocus(pixel, size_px)?,
         (None, None) => default_focus.unwrap_or(Focus::Autofocus { pixel: size_px.map(|n| n / 2.0) }),
     };
-    let intrinsics = table.intrinsics.map(intrinsics).transpose()?;
+    let projection = projection(table)?;
+    let intrinsics = match (table.intrinsics, table.focal_length_mm, projection) {
+        (Some(table), ..) => Some(intrinsics(table)?),
+        (None, None, Projection::Equirectangular) => Some(whole_sphere(size_px)),
+        (None, ..) => None,
+    };
     let focal_length_m = match (table.focal_length_mm, intrinsics, vertical_fov_rad) {
         (Some(mm), ..) => mm / 1e3,
         (None, Some(i), _) => focal_length(i.fy * sensor.pixel_pitch_m[1], focus),
@@ -59,7 +65,8 @@ pub(super) fn describe_lens(
             Some(source) => finder.fraction(source).map_err(|e| e.within("transmittance"))?,
             None => crate::spectrum::Spectrum::constant(1.0),
         },
-        distortion: table.distortion.map_or(Ok(Distortion::None), distortion)?,
+        projection,
+        max_angle_rad: table.max_angle_deg.map(f64::to_radians),
         intrinsics,
     };
     if !lens.blade_rotation_deg.is_finite() {
@@ -102,6 +109,11 @@ fn autofocus(pixel: &AutofocusTable, size_px: [f64; 2]) -> Result<Focus, Invalid
     }
 }
 
+/// Panoramas show all directions unless a focal length says otherwise.
+fn whole_sphere([width, height]: [f64; 2]) -> Intrinsics {
+    Intrinsics { fx: width / TAU, fy: height / PI, cx: width / 2.0, cy: height / 2.0, skew: 0.0 }
+}
+
 /// From OpenCV's convention, where the centre of the first pixel is 0, to ours, where it is 0.5.
 fn intrinsics(table: IntrinsicsTable) -> Result<Intrinsics, Invalid> {
     let IntrinsicsTable { fx, fy, cx, cy, skew } = table;
@@ -111,17 +123,4 @@ fn intrinsics(table: IntrinsicsTable) -> Result<Intrinsics, Invalid> {
         }
     }
     Ok(Intrinsics { fx, fy, cx: cx + 0.5, cy: cy + 0.5, skew })
-}
-
-fn distortion(table: DistortionTable) -> Result<Distortion, Invalid> {
-    if let Some(value) = table.k.iter().chain(&table.p).find(|value| !value.is_finite()) {
-        return Err(Invalid::new("distortion", format!("must be finite, got {value}")));
-    }
-    match table.model {
-        DistortionModel::BrownConrady => Ok(Distortion::BrownConrady { k: table.k, p: table.p }),
-        DistortionModel::None if table.k == [0.0; 3] && table.p == [0.0; 2] => Ok(Distortion::None),
-        DistortionModel::None => {
-            Err(Invalid::new("distortion.model", "has no coefficients").help("write model = \"brown-conrady\""))
-        }
-    }
 }

@@ -39,6 +39,7 @@ fn point(finder: &Finder<'_>, table: &PointTable) -> Result<LightDescription, In
         kind: LightKind::Point,
         emission: emission(finder, table.colour(), Some(("intensity_cd", table.intensity_cd)), "intensity_cd")?,
         name: String::new(),
+        later: Vec::new(),
     })
 }
 
@@ -65,6 +66,7 @@ fn spot(finder: &Finder<'_>, table: &SpotTable) -> Result<LightDescription, Inva
         kind: LightKind::Spot { inner_rad: inner.to_radians() as f32, outer_rad: outer.to_radians() as f32 },
         emission: emission(finder, table.colour(), Some(("intensity_cd", table.intensity_cd)), "intensity_cd")?,
         name: String::new(),
+        later: Vec::new(),
     })
 }
 
@@ -75,6 +77,7 @@ fn directional(finder: &Finder<'_>, table: &DirectionalTable) -> Result<LightDes
         kind: LightKind::Directional,
         emission: emission(finder, table.colour(), level, "illuminance_lux")?,
         name: String::new(),
+        later: Vec::new(),
     })
 }
 

@@ -12,7 +12,7 @@
 //! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
-//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs` |
+//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
 //! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
@@ -30,6 +30,7 @@ mod light;
 mod material;
 mod motion;
 mod overrides;
+mod projection;
 mod reader;
 mod relocate;
 mod scene;
@@ -66,7 +67,7 @@ use tables::CaptureFile;
 pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
-pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands};
+pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands, TruthOutput};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
 
@@ -77,8 +78,10 @@ pub struct Capture {
     pub scene: SceneDescription,
     /// Camera → world; the camera looks along −Z.
     pub camera_to_world: DAffine3,
-    /// The first picture of a camera that moves from there; `None` for one that stands still.
+    /// The picture of a camera or a scene that moves; `None` where all stands still.
     pub recording: Option<Recording>,
+    /// Whether the scene is that of one picture only, so that others need [`Capture::read_frame`].
+    pub scene_moves: bool,
     /// The lens.
     pub lens: LensDescription,
     /// The sensor.
@@ -99,6 +102,11 @@ impl Capture {
     /// Reads a capture file (`.toml`), a report of one that was rendered (`capture.json`) or a scene file, with the
     /// `key=value` of every `--set` laid over it.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
+        Self::read_frame(path, overrides, 0)
+    }
+
+    /// The same for the picture of that number, in whose time an animated scene has gone on.
+    pub fn read_frame(path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
         let is_report = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
         let mut source = if is_scene_file(path) {
             CaptureSource::of_scene_file(path)
@@ -115,12 +123,13 @@ impl Capture {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = CaptureFile::read(&mut source, folder)?;
+        let moment = motion::moment(&file, frame).map_err(|invalid| source.error(invalid))?;
         let geometry = if is_scene_file(path) {
-            ReadScene::of_scene_file(&source, &file.scene, path)?
+            ReadScene::of_scene_file(&source, &file.scene, moment.as_ref(), path)?
         } else {
-            ReadScene::of_capture(&source, &file.scene, folder)?
+            ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?
         };
-        Self::assemble(&file, geometry, &source, folder).map_err(|invalid| source.error(invalid))
+        Self::assemble(&file, geometry, &source, folder, frame).map_err(|invalid| source.error(invalid))
     }
 
     /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. A sensor file of the
@@ -135,6 +144,7 @@ impl Capture {
         geometry: ReadScene,
         source: &CaptureSource,
         folder: &Path,
+        frame: u32,
     ) -> Result<Self, Invalid> {
         let finder = Finder::new(folder, Vec::new());
         let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
@@ -143,13 +153,22 @@ impl Capture {
         let (camera_to_world, lens) =
             place_camera(&file.camera, motion.as_ref(), &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
-        if motion.is_some() && exposure.bracket.is_some() {
+        let scene_moves = file.scene.animation.is_some();
+        let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
+        let moves = motion.is_some() || scene_moves;
+        if moves && exposure.bracket.is_some() {
             let key = if file.exposure.bracket_ev.is_some() { "bracket_ev" } else { "bracket_times_s" };
-            let invalid = Invalid::new(key, "cannot go with a camera that moves, as its pictures differ");
-            return Err(invalid.help("remove it, or camera.motion").within("exposure"));
+            let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves, as the pictures differ");
+            return Err(invalid.help(format!("remove it, or {mover}")).within("exposure"));
         }
+        let recording = moves.then(|| motion::recording(mover, motion, &exposure, &sensor)).transpose()?;
+        let recording = recording.map(|recording| recording.later(frame)).map(|recording| {
+            let of_file = motion::motion_of_file(&file.camera, &geometry.scene.cameras, &recording);
+            Recording { motion: recording.motion.clone().or(of_file), ..recording }
+        });
         Ok(Self {
-            recording: motion.map(|motion| motion::recording(motion, &exposure, &sensor)).transpose()?,
+            recording,
+            scene_moves,
             exposure,
             render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
             develop: develop::checked(&file.develop)?,

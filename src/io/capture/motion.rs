@@ -1,13 +1,16 @@
-//! `[camera.motion]`: how the camera moves while it records.
+//! `[camera.motion]` and `scene.animation`: how camera and scene move while a picture is taken.
 
-use glam::{DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec3};
 
 use super::camera::looking;
 use super::light::vector;
-use super::settings::{ExposureSettings, ExposureTime};
-use super::tables::{CameraTable, MotionTable, PoseTable};
+use super::sensor::sensor_model;
+use super::settings::{self, ExposureSettings, ExposureTime};
+use super::tables::{CameraTable, CaptureFile, MotionTable, PoseTable, SceneTable};
 use crate::Invalid;
+use crate::io::gltf::Moment;
 use crate::optics::{CameraMotion, Recording, TimedPose};
+use crate::scene::description::CameraDescription;
 use crate::sensor::SensorModel;
 
 /// How the camera of the table moves; `None` if it stands still.
@@ -63,24 +66,67 @@ fn timed_pose(table: &PoseTable) -> Result<TimedPose, Invalid> {
     Ok(TimedPose { time_s: table.time_s, position_m: to_world.translation, rotation })
 }
 
-/// The first picture that a moving camera takes.
+/// The motion of the glTF camera that the table takes, in a picture that is taken at that time.
+pub(super) fn motion_of_file(
+    table: &CameraTable,
+    cameras: &[CameraDescription],
+    recording: &Recording,
+) -> Option<CameraMotion> {
+    let camera = match &table.gltf_camera {
+        Some(name) => cameras.iter().find(|camera| camera.name == *name),
+        None => cameras.first().filter(|_| table.position_m.is_none()),
+    }?;
+    let parts = camera.later.len() as f64;
+    let pose = |(i, place): (usize, &DAffine3)| TimedPose {
+        time_s: recording.start_s + recording.duration_s * i as f64 / parts,
+        position_m: place.translation,
+        rotation: DQuat::from_mat3(&place.matrix3),
+    };
+    let places = || [&camera.to_world].into_iter().chain(&camera.later);
+    (parts > 0.0).then(|| CameraMotion::Poses(places().enumerate().map(pose).collect()))
+}
+
+/// When the picture of that number is taken of the animation, if one is.
+pub(super) fn moment(file: &CaptureFile, frame: u32) -> Result<Option<Moment>, Invalid> {
+    let SceneTable { animation, animation_time_s, .. } = &file.scene;
+    let Some(animation) = animation else {
+        return match animation_time_s {
+            None => Ok(None),
+            Some(_) => Err(Invalid::new("scene.animation_time_s", "goes only with an animation")
+                .help("remove it, or name an animation, for example animation = \"Walk\"")),
+        };
+    };
+    let start_s = animation_time_s.unwrap_or(0.0);
+    if !start_s.is_finite() {
+        return Err(Invalid::new("scene.animation_time_s", format!("must be finite, got {start_s}")));
+    }
+    let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
+    let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
+    let recording = recording("scene.animation", None, &exposure, &sensor)?.later(frame);
+    let start_s = start_s + recording.start_s;
+    Ok(Some(Moment { animation: animation.clone(), start_s, duration_s: recording.duration_s }))
+}
+
+/// The first picture of something that moves. `key` names what does.
 pub(super) fn recording(
-    motion: CameraMotion,
+    key: &str,
+    motion: Option<CameraMotion>,
     exposure: &ExposureSettings,
     sensor: &SensorModel,
 ) -> Result<Recording, Invalid> {
     let ExposureTime::Fixed(time) = exposure.time else {
-        let message = "needs an exposure time, which tells how far the camera comes meanwhile";
-        return Err(
-            Invalid::new("camera.motion", message).help("write [exposure] with time_s, for example time_s = 0.01")
-        );
+        let message = "needs an exposure time, which tells how far things come meanwhile";
+        return Err(Invalid::new(key, message).help("write [exposure] with time_s, for example time_s = 0.01"));
     };
+    let rows = sensor.resolution[1];
+    let last = (0..rows).map(|row| sensor.shutter.delay(row, rows).0).fold(0.0, f64::max);
     Ok(Recording {
         motion,
         start_s: 0.0,
         exposure_s: time.0,
         row_time_s: sensor.shutter.row_time().0,
-        first_row: sensor.shutter.first_row(sensor.resolution[1]),
+        first_row: sensor.shutter.first_row(rows),
+        duration_s: last + time.0,
         frame_interval_s: sensor.frame_interval(time, exposure.frame_interval).0,
     })
 }

@@ -10,10 +10,11 @@ use super::light::{describe_environment, describe_lights};
 use super::material::override_materials;
 use super::source::CaptureSource;
 use super::tables::{CaptureFile, NormalsName, SceneTable};
+use crate::io::gltf::{self, Choice, Moment};
+use crate::io::obj;
 use crate::io::obj::MissingNormals;
 use crate::io::suggest::{did_you_mean, list};
 use crate::io::warnings::Warnings;
-use crate::io::{gltf, obj};
 use crate::scene::description::{Colour, EnvironmentDescription, MeshDescription, SceneDescription};
 use crate::spectrum::illuminant;
 use crate::{Invalid, Result};
@@ -29,11 +30,18 @@ pub(super) struct ReadScene {
     undescribed_materials: Vec<String>,
     /// Material variants of glTF files.
     variants: Vec<String>,
+    /// Animations of glTF files.
+    animations: Vec<String>,
 }
 
 impl ReadScene {
     /// Reads all geometry of a capture file.
-    pub(super) fn of_capture(source: &CaptureSource, table: &SceneTable, folder: &Path) -> Result<Self> {
+    pub(super) fn of_capture(
+        source: &CaptureSource,
+        table: &SceneTable,
+        moment: Option<&Moment>,
+        folder: &Path,
+    ) -> Result<Self> {
         let mut read = Self::default();
         for (i, file) in table.geometry.iter().enumerate() {
             let path = folder.join(file);
@@ -42,17 +50,22 @@ impl ReadScene {
                 let help = "paths are relative to the capture file";
                 return Err(source.error(Invalid::new(format!("scene.geometry[{i}]"), message).help(help)));
             }
-            read.add(source, table, &path, i)?;
+            read.add(source, table, moment, &path, i)?;
         }
-        read.check_variant(table).map_err(|invalid| source.error(invalid))?;
+        read.check_names(table).map_err(|invalid| source.error(invalid))?;
         Ok(read)
     }
 
     /// Reads a scene file that stands for a capture file. It gets surroundings unless it has lights of its own.
-    pub(super) fn of_scene_file(source: &CaptureSource, table: &SceneTable, path: &Path) -> Result<Self> {
+    pub(super) fn of_scene_file(
+        source: &CaptureSource,
+        table: &SceneTable,
+        moment: Option<&Moment>,
+        path: &Path,
+    ) -> Result<Self> {
         let mut read = Self::default();
-        read.add(source, table, path, 0)?;
-        read.check_variant(table).map_err(|invalid| source.error(invalid))?;
+        read.add(source, table, moment, path, 0)?;
+        read.check_names(table).map_err(|invalid| source.error(invalid))?;
         if read.scene.meshes.is_empty() {
             let help = "give a scene with geometry, or a capture file";
             return Err(Invalid::new("", "has no triangles").help(help).in_file(path));
@@ -67,12 +80,20 @@ impl ReadScene {
     }
 
     /// Reads a file of geometry and adds what it holds.
-    fn add(&mut self, source: &CaptureSource, table: &SceneTable, path: &Path, index: usize) -> Result<()> {
+    fn add(
+        &mut self,
+        source: &CaptureSource,
+        table: &SceneTable,
+        moment: Option<&Moment>,
+        path: &Path,
+        index: usize,
+    ) -> Result<()> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let scene = match extension.as_deref() {
             Some("gltf" | "glb") => {
-                let mut file = gltf::read(path, table.variant.as_deref())?;
+                let mut file = gltf::read(path, Choice { variant: table.variant.as_deref(), moment })?;
                 self.variants.append(&mut file.variants);
+                self.animations.append(&mut file.animations);
                 file.scene
             }
             Some("obj") => {
@@ -103,19 +124,10 @@ impl ReadScene {
         Ok(())
     }
 
-    /// Refuses the name of a variant that no file has.
-    fn check_variant(&self, table: &SceneTable) -> Result<(), Invalid> {
-        let Some(variant) = table.variant.as_deref().filter(|variant| !self.variants.iter().any(|v| v == variant))
-        else {
-            return Ok(());
-        };
-        let names = || self.variants.iter().map(String::as_str);
-        let message = format!("the geometry has no material variant {variant:?}{}", did_you_mean(variant, names()));
-        let help = match self.variants[..] {
-            [] => "its files have none; remove the key".to_owned(),
-            _ => format!("its variants are {}", list(names())),
-        };
-        Err(Invalid::new("scene.variant", message).help(help))
+    /// Refuses names of variants and animations that no file has.
+    fn check_names(&self, table: &SceneTable) -> Result<(), Invalid> {
+        check_name("variant", "material variant", table.variant.as_deref(), &self.variants)?;
+        check_name("animation", "animation", table.animation.as_deref(), &self.animations)
     }
 
     /// Appends another scene, whose indices move behind those that are there.
@@ -161,6 +173,18 @@ impl ReadScene {
         }
         Ok(self.scene)
     }
+}
+
+/// Refuses a name that is not among those of its kind in the files.
+fn check_name(key: &str, kind: &str, name: Option<&str>, known: &[String]) -> Result<(), Invalid> {
+    let Some(name) = name.filter(|name| !known.iter().any(|known| known == name)) else { return Ok(()) };
+    let names = || known.iter().map(String::as_str);
+    let message = format!("the geometry has no {kind} {name:?}{}", did_you_mean(name, names()));
+    let help = match known {
+        [] => "its files have none; remove the key".to_owned(),
+        _ => format!("its {key}s are {}", list(names())),
+    };
+    Err(Invalid::new(format!("scene.{key}"), message).help(help))
 }
 
 /// Coordinates beyond this have squares, such as areas, that come close to the largest number of single precision.

@@ -5,10 +5,12 @@ use std::time::Duration;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
+use super::tables::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName, TruthSource};
 use crate::Invalid;
+use crate::calibration::truth::TruthLayer;
 use crate::develop::RawLayout;
 use crate::integrator::RenderSettings;
+use crate::io::truth::TruthFormat;
 use crate::raw::{Area, Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
 use crate::sensor::{AutoExposure, Binning, BinningMethod, Exposure, Metering, SensorModel, Stages, Window};
@@ -108,8 +110,21 @@ pub struct OutputSettings {
     pub irradiance: Option<SpectralBands>,
     /// Whether the picture of an ideal observer is written.
     pub ideal: bool,
+    /// What is told of the surfaces that pixels see.
+    pub truth: TruthOutput,
     /// Time between pictures of a render that is under way; `None` for no such pictures.
     pub preview_interval: Option<Duration>,
+}
+
+/// Which ground truth is written, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TruthOutput {
+    /// The layers, none twice.
+    pub layers: Vec<TruthLayer>,
+    /// The formats of each.
+    pub formats: Vec<TruthFormat>,
+    /// What one step of depth stands for in files of whole numbers, m.
+    pub depth_unit_m: f64,
 }
 
 /// Formats of raw pictures.
@@ -382,12 +397,9 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
             Invalid::new("dng_baseline_exposure_ev", message).help("for example dng_baseline_exposure_ev = 0.5")
         );
     }
-    let mut raw = Vec::new();
-    for format in table.raw.as_deref().unwrap_or(&[RawFormat::Dng]) {
+    let raw = without_repetition(table.raw.as_deref().unwrap_or(&[RawFormat::Dng]));
+    for format in &raw {
         can_hold(*format, cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
-        if !raw.contains(format) {
-            raw.push(*format);
-        }
     }
     let preview = table.preview_interval_s.unwrap_or(10.0);
     Ok(OutputSettings {
@@ -397,6 +409,7 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
         raw_layout,
         electrons: table.electrons.unwrap_or(true),
         ideal: table.ideal.unwrap_or(false),
+        truth: truth(table)?,
         irradiance: match table.irradiance {
             None | Some(IrradianceSource::Flag(false)) => None,
             Some(IrradianceSource::Flag(true)) => Some(SpectralBands::default()),
@@ -406,6 +419,37 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
         },
         preview_interval: if preview == 0.0 { None } else { Some(duration("preview_interval_s", preview)?) },
     })
+}
+
+fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
+    let layers = match &table.truth {
+        None | Some(TruthSource::Flag(false)) => Vec::new(),
+        Some(TruthSource::Flag(true)) => TruthLayer::ALL.to_vec(),
+        Some(TruthSource::Layers(layers)) => without_repetition(layers),
+    };
+    let others = [
+        ("truth_formats", table.truth_formats.is_some()),
+        ("truth_depth_unit_mm", table.truth_depth_unit_mm.is_some()),
+    ];
+    if let (true, Some((key, _))) = (layers.is_empty(), others.iter().find(|(_, is_given)| *is_given)) {
+        return Err(
+            Invalid::new(*key, "has no meaning without layers").help("write truth = [\"depth\"] or the like, too")
+        );
+    }
+    let formats = without_repetition(table.truth_formats.as_deref().unwrap_or(&[TruthFormat::Exr]));
+    for format in &formats {
+        // All layers are those that the format holds.
+        if let Some(TruthSource::Layers(layers)) = &table.truth {
+            layers.iter().try_for_each(|layer| format.check(*layer))?;
+        }
+    }
+    let unit_mm = table.truth_depth_unit_mm.map(|mm| positive_number("truth_depth_unit_mm", mm, "0.1"));
+    Ok(TruthOutput { layers, formats, depth_unit_m: unit_mm.transpose()?.unwrap_or(1.0) * 1e-3 })
+}
+
+fn without_repetition<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
+    let first = |(i, value): (usize, &T)| (!values[..i].contains(value)).then_some(*value);
+    values.iter().enumerate().filter_map(first).collect()
 }
 
 /// Whether a format has room for such pixels.

@@ -33,7 +33,12 @@ pub(super) fn read_camera(
         let key = format!("cameras[{index}].perspective.yfov");
         return Err(Invalid::new(key, format!("must lie between 0 and π, got {fov}")));
     }
-    Ok(Some(CameraDescription { name, to_world: rigid(&placed.to_world), vertical_fov_rad: f64::from(fov) }))
+    Ok(Some(CameraDescription {
+        name,
+        to_world: rigid(&placed.to_world),
+        later: Vec::new(),
+        vertical_fov_rad: f64::from(fov),
+    }))
 }
 
 /// The light of a node, if it has one that shines. Intensities are in candela (point and spot) or lux (directional).
@@ -67,7 +72,13 @@ pub(super) fn read_light(
         level: Some(f64::from(light.intensity)),
         texture: None,
     };
-    Ok(Some(LightDescription { name, to_world: rigid(&placed.to_world), kind: light_kind(light, &key)?, emission }))
+    Ok(Some(LightDescription {
+        name,
+        to_world: rigid(&placed.to_world),
+        later: Vec::new(),
+        kind: light_kind(light, &key)?,
+        emission,
+    }))
 }
 
 fn light_kind(light: &Light, key: &str) -> Result<LightKind, Invalid> {

@@ -10,7 +10,7 @@ use super::{skin, variants};
 use crate::Invalid;
 use crate::io::mesh::{Mended, checked};
 use crate::io::warnings::Warnings;
-use crate::scene::description::MeshDescription;
+use crate::scene::description::{MeshDescription, ShapeDescription};
 
 /// UV sets that a mesh can carry.
 pub(super) const UV_SETS: usize = 2;
@@ -25,10 +25,10 @@ pub(super) struct MeshReader<'a> {
 }
 
 /// What changes the shape of a mesh at one of its nodes.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Default, PartialEq)]
 pub(super) struct Pose<'a> {
     /// Weights of the morph targets, instead of the mesh's own.
-    pub(super) weights: Option<&'a [f32]>,
+    pub(super) weights: Option<Vec<f32>>,
     /// Mesh → world of the joints of its skin.
     pub(super) joints: Option<&'a [DAffine3]>,
 }
@@ -40,12 +40,12 @@ impl Pose<'_> {
     }
 }
 
-/// Reads the triangles of mesh number `index` in a pose.
+/// Reads the triangles of mesh number `index` in the first of some poses, and where they go in the others.
 pub(super) fn read_mesh(
     reader: &MeshReader<'_>,
     index: usize,
     key: &str,
-    pose: Pose<'_>,
+    poses: &[Pose<'_>],
     warnings: &mut Warnings,
 ) -> Result<(Vec<MeshDescription>, Mended), Invalid> {
     let accessors = reader.accessors;
@@ -63,12 +63,19 @@ pub(super) fn read_mesh(
         if mesh.primitives.len() > 1 {
             name += &format!("#{p}");
         }
-        let weights = pose.weights.or(mesh.weights.as_deref()).unwrap_or_default();
-        let Some(mut description) = read_primitive(reader, primitive, &key, name, weights, warnings)? else {
-            continue;
+        let mut posed = |pose: &Pose<'_>| {
+            let weights = pose.weights.as_deref().or(mesh.weights.as_deref()).unwrap_or_default();
+            let mut description = read_primitive(reader, primitive, &key, name.clone(), weights, warnings)?;
+            if let (Some(joints), Some(description)) = (pose.joints, &mut description) {
+                skin::bend(description, primitive, accessors, joints, &key)?;
+            }
+            Ok::<_, Invalid>(description)
         };
-        if let Some(joints) = pose.joints {
-            skin::bend(&mut description, primitive, accessors, joints, &key)?;
+        let Some((first, later)) = poses.split_first() else { continue };
+        let Some(mut description) = posed(first)? else { continue };
+        for pose in later {
+            let MeshDescription { positions, normals, .. } = posed(pose)?.unwrap_or_default();
+            description.later_shapes.push(ShapeDescription { positions, normals });
         }
         let (description, mended_here) = checked(description).map_err(|e| {
             // What is no index is an attribute.
@@ -191,7 +198,17 @@ fn read_primitive(
         let message = format!("has {} corners, which is no multiple of 3", corners.len());
         return Err(Invalid::new(format!("{key}.indices"), message));
     }
-    let mut mesh = MeshDescription { name, material, positions, normals, tangents, uvs, colours, triangles };
+    let mut mesh = MeshDescription {
+        name,
+        material,
+        positions,
+        normals,
+        tangents,
+        uvs,
+        colours,
+        triangles,
+        later_shapes: Vec::new(),
+    };
     morph(&mut mesh, primitive, accessors, weights, key)?;
     Ok(Some(mesh))
 }

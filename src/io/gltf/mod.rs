@@ -8,6 +8,7 @@
 //! extension but those in [`SUPPORTED_EXTENSIONS`].
 
 mod accessor;
+mod animation;
 mod buffers;
 mod extensions;
 mod glb;
@@ -31,12 +32,14 @@ use std::path::Path;
 
 use glam::DAffine3;
 use gltf::json::Root;
+use gltf::json::scene::Node;
 
 use super::json::located;
 use super::warnings::Warnings;
-use crate::scene::description::{InstanceDescription, SceneDescription};
+use crate::scene::description::{CameraDescription, InstanceDescription, LightDescription, SceneDescription};
 use crate::{Error, Invalid, Result};
 use accessor::Accessors;
+pub use animation::Moment;
 use buffers::Buffers;
 use mesh::{MeshReader, Pose};
 use texture::Textures;
@@ -71,16 +74,27 @@ pub struct GltfFile {
     pub scene: SceneDescription,
     /// Names of its material variants.
     pub variants: Vec<String>,
+    /// Names of its animations.
+    pub animations: Vec<String>,
 }
 
-/// Reads a `.gltf` or `.glb` file, with the materials of `variant` where it has a variant of that name.
-pub fn read(path: &Path, variant: Option<&str>) -> Result<GltfFile> {
+/// What of a file is wanted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Choice<'a> {
+    /// The materials of this variant, where the file has one of that name.
+    pub variant: Option<&'a str>,
+    /// Where things are then; without it, as the file has them.
+    pub moment: Option<&'a Moment>,
+}
+
+/// Reads a `.gltf` or `.glb` file.
+pub fn read(path: &Path, choice: Choice<'_>) -> Result<GltfFile> {
     let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
-    read_bytes(&bytes, path, variant)
+    read_bytes(&bytes, path, choice)
 }
 
 /// Reads a document from memory; `path` is for messages and for what the document refers to.
-pub(super) fn read_bytes(bytes: &[u8], path: &Path, variant: Option<&str>) -> Result<GltfFile> {
+pub(super) fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfFile> {
     let is_glb = glb::is_glb(bytes);
     let (json, chunk) =
         if is_glb { glb::split(bytes).map_err(|invalid| invalid.in_file(path))? } else { (bytes, None) };
@@ -97,9 +111,9 @@ pub(super) fn read_bytes(bytes: &[u8], path: &Path, variant: Option<&str>) -> Re
     let read = || {
         check(&root)?;
         let variants = variants::names(&root)?;
-        let chosen = variant.and_then(|variant| variants.iter().position(|name| name == variant));
-        let (scene, warnings) = convert(&root, chunk, folder, chosen)?;
-        Ok((GltfFile { scene, variants }, warnings))
+        let chosen = choice.variant.and_then(|variant| variants.iter().position(|name| name == variant));
+        let (scene, warnings) = convert(&root, chunk, folder, chosen, choice.moment)?;
+        Ok((GltfFile { scene, variants, animations: animation::names(&root) }, warnings))
     };
     read().map_err(in_text).map(|(mut file, warnings)| {
         file.scene.warnings = warnings.of_file(path);
@@ -129,6 +143,7 @@ fn convert(
     chunk: Option<&[u8]>,
     folder: &Path,
     variant: Option<usize>,
+    moment: Option<&Moment>,
 ) -> Result<(SceneDescription, Warnings), Invalid> {
     let mut warnings = Warnings::default();
     for name in root.extensions_used.iter().filter(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str())) {
@@ -145,30 +160,39 @@ fn convert(
     let default_material = scene.materials.len();
     scene.materials.push(material::default_material());
 
-    let placed = nodes::placed_nodes(root)?;
-    let mut to_world = vec![None; root.nodes.len()];
-    for node in &placed {
-        to_world[node.index] = Some(node.to_world);
-    }
+    let poses = animation::poses(accessors, moment, &mut warnings)?;
+    let times = poses.iter().map(|nodes| Moved::new(root, nodes)).collect::<Result<Vec<_>, _>>()?;
     let reader = MeshReader { accessors, default_material, variant };
     // glTF mesh in its own shape → the descriptions of its primitives, read once however often it is placed.
     let mut meshes: HashMap<usize, Range<usize>> = HashMap::new();
     let mut zero_area = 0;
-    for placed in placed {
-        scene.cameras.extend(light::read_camera(root, &placed, &mut warnings)?);
-        scene.lights.extend(light::read_light(root, &placed, &mut warnings)?);
+    for (i, placed) in times[0].placed.iter().enumerate() {
+        // The node at all times.
+        let always = || times.iter().map(|time| &time.placed[i]);
+        let later: Vec<DAffine3> = always().skip(1).map(|placed| nodes::rigid(&placed.to_world)).collect();
+        let camera = light::read_camera(root, placed, &mut warnings)?;
+        scene.cameras.extend(camera.map(|camera| CameraDescription { later: later.clone(), ..camera }));
+        let light = light::read_light(root, placed, &mut warnings)?;
+        scene.lights.extend(light.map(|light| LightDescription { later, ..light }));
         let Some(mesh) = placed.node.mesh else { continue };
         let key = format!("nodes[{}].mesh", placed.index);
-        let joints = match placed.node.skin {
-            Some(skin) => {
-                let key = format!("nodes[{}].skin", placed.index);
-                Some(skin::joints(accessors, skin.value(), &key, &to_world)?)
+        let mut joints = Vec::new();
+        if let Some(skin) = placed.node.skin {
+            let key = format!("nodes[{}].skin", placed.index);
+            for time in &times {
+                joints.push(skin::joints(accessors, skin.value(), &key, &time.to_world)?);
             }
-            None => None,
+        }
+        let pose = |(time, placed): (usize, &nodes::PlacedNode<'_>)| Pose {
+            weights: placed.node.weights.clone(),
+            joints: joints.get(time).map(Vec::as_slice),
         };
-        let pose = Pose { weights: placed.node.weights.as_deref(), joints: joints.as_deref() };
+        let mut poses: Vec<Pose<'_>> = always().enumerate().map(pose).collect();
+        if poses.iter().all(|pose| *pose == poses[0]) {
+            poses.truncate(1);
+        }
         let mut read = |warnings: &mut Warnings| {
-            let (read, mended) = mesh::read_mesh(&reader, mesh.value(), &key, pose, warnings)?;
+            let (read, mended) = mesh::read_mesh(&reader, mesh.value(), &key, &poses, warnings)?;
             zero_area += mended.zero_area;
             if mended.normals > 0 {
                 warnings.once("some normals have no length and were computed from the triangles around them");
@@ -177,7 +201,7 @@ fn convert(
             scene.meshes.extend(read);
             Ok::<_, Invalid>(first..scene.meshes.len())
         };
-        let primitives = if pose.is_own() {
+        let primitives = if poses.iter().all(Pose::is_own) {
             match meshes.entry(mesh.value()) {
                 Entry::Occupied(known) => known.get().clone(),
                 Entry::Vacant(new) => new.insert(read(&mut warnings)?).clone(),
@@ -186,12 +210,16 @@ fn convert(
             read(&mut warnings)?
         };
         // The joints of a skin stand in the world; where its mesh does is of no importance (§3.7.3.3).
-        let places = match joints {
-            Some(_) => vec![DAffine3::IDENTITY],
-            None => instancing::placements(accessors, &placed)?,
+        let places = |placed| match joints[..] {
+            [] => instancing::placements(accessors, placed),
+            _ => Ok(vec![DAffine3::IDENTITY]),
         };
-        for to_world in places {
-            let place = |mesh| InstanceDescription { name: placed.name.clone(), mesh, to_world };
+        let (first, later) = (places(placed)?, always().skip(1).map(places).collect::<Result<Vec<_>, _>>()?);
+        for (p, to_world) in first.into_iter().enumerate() {
+            let place = |mesh| {
+                let later = later.iter().map(|places| places[p]).collect();
+                InstanceDescription { name: placed.name.clone(), mesh, to_world, later }
+            };
             scene.instances.extend(primitives.clone().map(place));
         }
     }
@@ -203,4 +231,23 @@ fn convert(
     }
     scene.images = textures.decode(&buffers, folder)?;
     Ok((scene, warnings))
+}
+
+/// Where all nodes are at a time.
+struct Moved<'a> {
+    /// Those of the scene, in the same order at every time.
+    placed: Vec<nodes::PlacedNode<'a>>,
+    /// Node → world by index, if it is in the scene.
+    to_world: Vec<Option<DAffine3>>,
+}
+
+impl<'a> Moved<'a> {
+    fn new(root: &Root, nodes: &'a [Node]) -> Result<Self, Invalid> {
+        let placed = nodes::placed_nodes(root, nodes)?;
+        let mut to_world = vec![None; nodes.len()];
+        for node in &placed {
+            to_world[node.index] = Some(node.to_world);
+        }
+        Ok(Self { placed, to_world })
+    }
 }

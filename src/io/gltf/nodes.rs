@@ -15,14 +15,14 @@ pub(super) struct PlacedNode<'a> {
     pub(super) to_world: DAffine3,
 }
 
-/// All nodes of the default scene, parents before children.
-pub(super) fn placed_nodes(root: &Root) -> Result<Vec<PlacedNode<'_>>, Invalid> {
+/// All nodes of the default scene, parents before children. `nodes` are those of the document as they are at some time.
+pub(super) fn placed_nodes<'a>(root: &Root, nodes: &'a [Node]) -> Result<Vec<PlacedNode<'a>>, Invalid> {
     let mut placed = Vec::new();
-    let mut parents: Vec<Visit> = vec![Visit::Never; root.nodes.len()];
+    let mut parents: Vec<Visit> = vec![Visit::Never; nodes.len()];
     let mut stack: Vec<Pending> = roots(root)?;
     stack.reverse();
     while let Some(Pending { index, parent, to_world, key }) = stack.pop() {
-        let node = root.nodes.get(index).ok_or_else(|| out_of_range(&key, "nodes", index, root.nodes.len()))?;
+        let node = nodes.get(index).ok_or_else(|| out_of_range(&key, "nodes", index, nodes.len()))?;
         if parents[index] != Visit::Never {
             return Err(visited_twice(&parents, index, parent, &key));
         }
@@ -165,7 +165,7 @@ mod tests {
     }
 
     fn names(root: &Root) -> Vec<String> {
-        placed_nodes(root).expect("valid").into_iter().map(|placed| placed.name).collect()
+        placed_nodes(root, &root.nodes).expect("valid").into_iter().map(|placed| placed.name).collect()
     }
 
     #[test]
@@ -178,7 +178,7 @@ mod tests {
             ]),
             serde_json::json!([{ "nodes": [1] }]),
         );
-        let placed = placed_nodes(&root).expect("valid");
+        let placed = placed_nodes(&root, &root.nodes).expect("valid");
         assert_eq!(placed[1].name, "child");
         // Scaled by 2, turned by 90° about z (x → y; the quaternion is made a unit one), moved by 5 along z.
         let origin = placed[1].to_world.transform_point3(DVec3::ZERO);
@@ -206,7 +206,7 @@ mod tests {
             (serde_json::json!([{}]), serde_json::json!([{ "nodes": [3] }]), "nodes[3]"),
         ] {
             let root = parse(nodes, scenes);
-            let error = placed_nodes(&root).err().expect("refused");
+            let error = placed_nodes(&root, &root.nodes).err().expect("refused");
             assert!(error.message.contains(word), "{error}");
         }
     }
@@ -222,7 +222,7 @@ mod tests {
             serde_json::json!({ "name": "bad", "translation": [1e39, 0.0, 0.0] }),
         ] {
             let root = parse(serde_json::json!([node]), serde_json::json!([{ "nodes": [0] }]));
-            let error = placed_nodes(&root).err().expect("refused");
+            let error = placed_nodes(&root, &root.nodes).err().expect("refused");
             assert!(error.message.contains("\"bad\"") && error.key.starts_with("nodes[0]"), "{error}");
         }
         let tiny =

@@ -111,7 +111,7 @@ impl Fixture {
     }
 
     fn variant(self, variant: Option<&str>) -> Result<GltfFile> {
-        read_bytes(self.text().as_bytes(), Path::new("scene.gltf"), variant)
+        read_bytes(self.text().as_bytes(), Path::new("scene.gltf"), Choice { variant, moment: None })
     }
 
     fn scene(self) -> SceneDescription {
@@ -127,7 +127,7 @@ impl Fixture {
 fn a_square_is_read_alike_from_text_and_binary() {
     for scene in [
         Fixture::square().scene(),
-        read_bytes(&Fixture::square().glb(), Path::new("scene.glb"), None).expect("a valid file").scene,
+        read_bytes(&Fixture::square().glb(), Path::new("scene.glb"), Choice::default()).expect("a valid file").scene,
     ] {
         let mesh = &scene.meshes[0];
         assert_eq!(mesh.name, "square");
@@ -438,20 +438,89 @@ fn skinned_vertices_follow_their_joints() {
     fixture.json["scenes"] = json!([{ "nodes": [0, 1, 2] }]);
     fixture.json["skins"] = json!([{ "joints": [1, 2], "inverseBindMatrices": binds }]);
     let text = fixture.text();
-    let file = read_bytes(text.as_bytes(), Path::new("scene.gltf"), None).expect("valid");
+    let file = read_bytes(text.as_bytes(), Path::new("scene.gltf"), Choice::default()).expect("valid");
     let [x, y] = [Vec3::X, Vec3::Y];
     assert_eq!(file.scene.meshes[0].positions, [Vec3::ZERO, x * 3.0, x * 2.0 + y, y]);
     assert_eq!(file.scene.instances[0].to_world, DAffine3::IDENTITY);
     let error = |from: &str, to: &str| {
         let damaged = text.replace(from, to);
         assert_ne!(damaged, text);
-        read_bytes(damaged.as_bytes(), Path::new("scene.gltf"), None).expect_err("damaged").to_string()
+        read_bytes(damaged.as_bytes(), Path::new("scene.gltf"), Choice::default()).expect_err("damaged").to_string()
     };
     assert!(error("\"skin\": 0", "\"skin\": 4").contains("refers to skins[4]"));
     let compact = text.split_whitespace().collect::<String>();
     let fewer = compact.replace("\"joints\":[1,2]", "\"joints\":[1]");
-    let error = read_bytes(fewer.as_bytes(), Path::new("scene.gltf"), None).expect_err("damaged").to_string();
+    let error =
+        read_bytes(fewer.as_bytes(), Path::new("scene.gltf"), Choice::default()).expect_err("damaged").to_string();
     assert!(error.contains("vertex 1 follows joint 1 of 1"), "{error}");
+}
+
+/// A square that goes 2 m along x in 2 s and then turns by 90° about y in 1 s, with a camera and a lamp on it, and a morph
+/// target that comes in the same time.
+fn animated() -> Fixture {
+    let mut f = Fixture::square();
+    let times = f.floats("SCALAR", &[0.0, 2.0]);
+    let way = f.floats("VEC3", &[0., 0., 0., 2., 0., 0.]);
+    let turning = f.floats("SCALAR", &[2.0, 3.0]);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let turn = f.floats("VEC4", &[0., 0., 0., 1., 0., half, 0., half]);
+    let weights = f.floats("SCALAR", &[0.0, 1.0]);
+    let raised = f.floats("VEC3", &[0., 0., 1.].repeat(4));
+    f.primitive()["targets"] = json!([{ "POSITION": raised }]);
+    let sampler = |input: usize, output: usize| json!({ "input": input, "output": output });
+    let channel = |sampler: usize, path: &str| json!({ "sampler": sampler, "target": { "node": 0, "path": path } });
+    f.with(
+        "/animations",
+        json!([{ "name": "go", "samplers": [sampler(times, way), sampler(turning, turn), sampler(times, weights)],
+            "channels": [channel(0, "translation"), channel(1, "rotation"), channel(2, "weights")] }]),
+    )
+    .with("/nodes", json!([{ "name": "node", "mesh": 0, "children": [1] }, { "camera": 0, "translation": [0, 0, 1] }]))
+    .with("/cameras", json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]))
+}
+
+fn at_moment(fixture: Fixture, start_s: f64, duration_s: f64) -> Result<SceneDescription> {
+    let moment = Moment { animation: "go".into(), start_s, duration_s };
+    let choice = Choice { variant: None, moment: Some(&moment) };
+    read_bytes(fixture.text().as_bytes(), Path::new("scene.gltf"), choice).map(|file| file.scene)
+}
+
+#[test]
+fn animations_are_evaluated_over_the_time_of_a_picture() {
+    // On a straight way two times are enough, at 0.5 m and 1.5 m; the morph target is there by a quarter, then three.
+    let scene = at_moment(animated(), 0.5, 1.0).expect("valid");
+    let (instance, mesh) = (&scene.instances[0], &scene.meshes[0]);
+    assert_eq!((instance.to_world.translation, instance.later.len()), (DVec3::X * 0.5, 1));
+    assert_eq!(instance.later[0].translation, DVec3::X * 1.5);
+    assert_eq!((mesh.positions[2].z, mesh.later_shapes.len(), mesh.later_shapes[0].positions[2].z), (0.25, 1, 0.75));
+    assert_eq!(scene.cameras[0].later[0].translation, DVec3::new(1.5, 0.0, 1.0));
+    // A quarter turn is cut into parts of less than 5.2°, the angle of which the arc is 0.1 % off its chord: 32, of 2.8°.
+    let scene = at_moment(animated(), 2.0, 1.0).expect("valid");
+    let places = &scene.instances[0].later;
+    assert_eq!(places.len(), 32);
+    assert!(places[31].abs_diff_eq(
+        DAffine3::from_translation(DVec3::X * 2.0) * DAffine3::from_rotation_y(std::f64::consts::FRAC_PI_2),
+        1e-6
+    ));
+    // The weight has come to its end and stays.
+    assert!(scene.meshes[0].later_shapes.is_empty() && scene.meshes[0].positions[2].z == 1.0);
+    // Of an animation that the file lacks, and in no time, there is one place.
+    let still = at_moment(animated(), 1.0, 0.0).expect("valid");
+    assert_eq!((still.instances[0].to_world.translation, still.instances[0].later.len()), (DVec3::X, 0));
+    assert_eq!(animated().scene().instances[0].to_world, DAffine3::IDENTITY);
+}
+
+#[rstest]
+#[case::sampler("/animations/0/channels/0/sampler", json!(9), "animations[0].channels[0].sampler")]
+#[case::node("/animations/0/channels/0/target/node", json!(9), "animations[0].channels[0].target.node")]
+#[case::input("/animations/0/samplers/0/input", json!(99), "animations[0].samplers[0].input")]
+#[case::still_times("/animations/0/samplers/0/input", json!(1), "needs SCALAR")]
+#[case::count("/animations/0/samplers/0/output", json!(0), "holds 12 numbers for 2 times")]
+#[case::interpolation("/animations/0/samplers/0/interpolation", json!("SPLINE"), "write LINEAR, STEP or CUBICSPLINE")]
+#[case::matrix("/nodes/0/matrix", json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]), "has a matrix")]
+fn damaged_animations_are_refused(#[case] pointer: &str, #[case] value: Value, #[case] message: &str) {
+    let error = at_moment(animated().with(pointer, value), 0.0, 1.0).expect_err("refused");
+    let text = format!("{error} {:?}", error);
+    assert!(text.contains(message), "{text}");
 }
 
 #[test]
@@ -586,7 +655,8 @@ fn missing_files_are_named() {
     let error = fixture.with("/materials", material).error();
     assert!(error.contains("images[0].uri") && error.contains("no such.png"), "{error}");
     let text = Fixture::square().with("/buffers", json!([{ "byteLength": 4, "uri": "gone.bin" }])).json.to_string();
-    let error = read_bytes(text.as_bytes(), Path::new("scene.gltf"), None).expect_err("missing").to_string();
+    let error =
+        read_bytes(text.as_bytes(), Path::new("scene.gltf"), Choice::default()).expect_err("missing").to_string();
     assert!(error.contains("buffers[0].uri") && error.contains("gone.bin"), "{error}");
 }
 
@@ -594,7 +664,8 @@ fn missing_files_are_named() {
 fn every_prefix_of_a_binary_file_is_an_error_and_no_panic() {
     let glb = Fixture::square().glb();
     for len in 0..glb.len() {
-        let error = read_bytes(&glb[..len], Path::new("torn.glb"), None).expect_err("truncated").to_string();
+        let error =
+            read_bytes(&glb[..len], Path::new("torn.glb"), Choice::default()).expect_err("truncated").to_string();
         assert!(error.starts_with("torn.glb: "), "{error}");
     }
 }
@@ -607,7 +678,7 @@ fn no_flipped_byte_makes_a_binary_file_panic() {
         for flip in [0x01, 0x10, 0x80, 0xff] {
             let mut damaged = glb.clone();
             damaged[at] ^= flip;
-            if let Ok(mut file) = read_bytes(&damaged, path, None) {
+            if let Ok(mut file) = read_bytes(&damaged, path, Choice::default()) {
                 crate::io::complete(&mut file.scene);
             }
         }

@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat4, DVec3};
 use super::{Element, Output};
 use crate::integrator::RenderSettings;
 use crate::io::capture::{Capture, ExposureTime};
-use crate::optics::{Camera, Distortion, Falloff, LensKind};
+use crate::optics::{Camera, Falloff, LensKind, Projection};
 use crate::spectrum::Spectrum;
 
 /// Mitsuba's spectra of RGB colours are zero outside of this range, nm (its CIE_MIN and CIE_MAX).
@@ -53,13 +53,24 @@ pub(super) fn sensor(
     let lens = &capture.lens;
     let [width, height] = capture.sensor.resolution;
     if capture.recording.is_some() {
-        out.approximate("the motion of [camera]: it stands where it starts");
+        out.approximate("the motion of camera and scene: all stands where it starts");
     }
     if lens.falloff != Falloff::None {
         out.approximate("the falloff of [lens]: Mitsuba's cameras have none, as with falloff = \"none\"");
     }
-    if lens.distortion != Distortion::None {
-        out.approximate("the distortion of [lens]: it is left out");
+    match lens.projection {
+        Projection::Perspective => {}
+        Projection::BrownConrady(_) | Projection::Polynomial { .. } | Projection::Division { .. } => {
+            out.approximate("the distortion of [lens]: it is left out");
+        }
+        projection @ (Projection::KannalaBrandt { .. }
+        | Projection::Equirectangular
+        | Projection::Omnidirectional { .. }) => {
+            out.approximate(format!("the {} projection of [lens]: it becomes perspective", projection.name()));
+        }
+    }
+    if lens.max_angle_rad.is_some() {
+        out.approximate("max_angle_deg of [lens]: the picture is not cut off there");
     }
     let i = camera.intrinsics();
     // Half a thousandth of a pixel is seen by nobody.

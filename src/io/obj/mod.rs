@@ -82,7 +82,12 @@ pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
         }
         let (name, index) = (mesh.name.clone(), scene.meshes.len());
         scene.meshes.push(mesh);
-        scene.instances.push(InstanceDescription { name, mesh: index, to_world: DAffine3::IDENTITY });
+        scene.instances.push(InstanceDescription {
+            name,
+            mesh: index,
+            to_world: DAffine3::IDENTITY,
+            later: Vec::new(),
+        });
     }
     if zero_area > 0 {
         warnings.once(super::zero_area_message(zero_area));

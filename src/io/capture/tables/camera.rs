@@ -74,8 +74,16 @@ pub(crate) struct LensTable {
     /// Transmittance, 0–1: a number, the name of a spectrum that ships with photosite, or { file = "lens.csv" }. Left out:
     /// 1.
     pub(crate) transmittance: Option<SpectrumSource>,
+    /// How directions become places in the picture. Left out: "fisheye" with distortion of kannala-brandt,
+    /// "omnidirectional" with xi, else "perspective".
+    pub(crate) projection: Option<ProjectionName>,
+    /// Mirror parameter ξ of an omnidirectional lens: 0 for a pinhole, 1 for a parabolic mirror.
+    pub(crate) xi: Option<f64>,
     /// Distortion. Left out: none.
     pub(crate) distortion: Option<DistortionTable>,
+    /// Angle from the axis beyond which the lens sees nothing: the rim of its image circle. Left out: all that its
+    /// projection can show.
+    pub(crate) max_angle_deg: Option<f64>,
     /// The pinhole matrix, in place of the one that follows from focal length and focus.
     pub(crate) intrinsics: Option<IntrinsicsTable>,
 }
@@ -114,34 +122,58 @@ pub(crate) enum AutofocusTable {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum FalloffName {
-    /// By the natural cos⁴ of each point of the aperture.
+    /// By the natural cos⁴ of each point of the aperture, for a rectilinear lens; by the étendue for any other.
     Cos4,
     /// As bright everywhere as on the axis.
     None,
 }
 
-/// Distortion by a model of OpenCV.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+/// How directions become places in the picture.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum ProjectionName {
+    /// Rectilinear: straight lines stay straight, but for the distortion.
+    Perspective,
+    /// The radius is the angle from the axis, but for the distortion (Kannala and Brandt; OpenCV's fisheye).
+    Fisheye,
+    /// A panorama of longitude and latitude.
+    Equirectangular,
+    /// The unified model of mirrors and fisheyes, with xi (Mei and Rives; OpenCV's omnidir).
+    Omnidirectional,
+}
+
+/// How the lens departs from its projection.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DistortionTable {
     /// The model.
     pub(crate) model: DistortionModel,
-    /// Radial coefficients k₁, k₂, k₃.
+    /// Radial coefficients: k₁ … k₆ of brown-conrady (k₁, k₂ of an omnidirectional lens), k₁ … k₄ of kannala-brandt,
+    /// k₁, k₂ of polynomial, λ of division. Those left out are 0.
     #[serde(default)]
-    pub(crate) k: [f64; 3],
-    /// Tangential coefficients p₁, p₂.
+    pub(crate) k: Vec<f64>,
+    /// Tangential coefficients p₁, p₂ of brown-conrady.
     #[serde(default)]
-    pub(crate) p: [f64; 2],
+    pub(crate) p: Vec<f64>,
+    /// Thin-prism coefficients s₁ … s₄ of brown-conrady.
+    #[serde(default)]
+    pub(crate) s: Vec<f64>,
 }
 
 /// Models of distortion.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum DistortionModel {
-    /// A rectilinear lens.
+    /// None.
     None,
-    /// Radial and tangential (OpenCV's standard model).
+    /// Radial, rational, tangential and thin-prism (OpenCV's standard model), from the ideal to the distorted picture.
     BrownConrady,
+    /// u = u_d·(1 + k₁r² + k₂r⁴), from the distorted to the ideal picture.
+    Polynomial,
+    /// u = u_d/(1 + λr²), from the distorted to the ideal picture.
+    Division,
+    /// The radius θ + k₁θ³ + k₂θ⁵ + k₃θ⁷ + k₄θ⁹ of a fisheye.
+    KannalaBrandt,
 }
 
 /// A pinhole matrix in OpenCV's convention: the centre of the top-left pixel is (0, 0).

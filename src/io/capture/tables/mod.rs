@@ -21,7 +21,7 @@ pub(super) use camera::{
     AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType, MotionTable,
     PoseTable,
 };
-pub(super) use camera::{DistortionModel, FalloffName};
+pub(super) use camera::{DistortionModel, FalloffName, ProjectionName};
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
 pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, SpotTable};
 pub(super) use material::{
@@ -30,7 +30,7 @@ pub(super) use material::{
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable};
-pub(super) use settings::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName};
+pub(super) use settings::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName, TruthSource};
 
 /// A capture: a scene, the camera that looks at it, and what to make of it. All quantities are in the unit that their
 /// key names; lengths in metres, angles in degrees.

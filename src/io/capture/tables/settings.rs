@@ -3,8 +3,10 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::calibration::truth::TruthLayer;
 use crate::develop::RawLayout;
 use crate::io::capture::settings::RawFormat;
+use crate::io::truth::TruthFormat;
 use crate::raw::DngCompression;
 use crate::sensor::{BinningMethod, Stage};
 
@@ -109,10 +111,30 @@ pub(crate) struct OutputTable {
     /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise, mosaic
     /// or errors of colour, as ideal.exr and ideal.png. Left out: false.
     pub(crate) ideal: Option<bool>,
+    /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position" (world, m),
+    /// "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture). Left out: false.
+    pub(crate) truth: Option<TruthSource>,
+    /// Formats of that: "exr" for one file truth.exr; "npy" or "png" (16 bits) for one file a layer. Left out: ["exr"].
+    pub(crate) truth_formats: Option<Vec<TruthFormat>>,
+    /// Millimetres that one step of a depth or distance in a PNG file stands for. Left out: 1.
+    pub(crate) truth_depth_unit_mm: Option<f64>,
     /// Mean electrons of every pixel, without noise. Left out: true.
     pub(crate) electrons: Option<bool>,
     /// Seconds between pictures of a render that is under way; 0 for none. Left out: 10.
     pub(crate) preview_interval_s: Option<f64>,
+}
+
+/// true, false, or a list of layers.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected true, false, or a list such as [\"depth\", \"normal\"]; `photosite schema` has all layers"
+)]
+pub(crate) enum TruthSource {
+    /// All layers, or none.
+    Flag(bool),
+    /// These layers.
+    Layers(Vec<TruthLayer>),
 }
 
 /// true, false, or { bands_nm = [first, last, step] }.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rstest::rstest;
 
 use super::*;
-use crate::optics::{Distortion, Falloff, Focus, LensKind};
+use crate::optics::{BrownConrady, Falloff, Focus, LensKind, Projection};
 use crate::sampler::SamplerKind;
 use crate::scene::description::{
     AlphaMode, Colour, EnvironmentDescription, LightKind, MaterialDescription, MaterialModel, PictureLevel,
@@ -242,7 +242,8 @@ fn the_camera_and_its_lens_are_as_written() {
         (LensKind::Pinhole, 0.025, 1.4, Focus::Infinity)
     );
     assert_eq!((lens.blades, lens.falloff, lens.transmittance.max()), (6, Falloff::None, 0.9));
-    assert_eq!(lens.distortion, Distortion::BrownConrady { k: [-0.1, 0.0, 0.0], p: [0.0; 2] });
+    let distortion = BrownConrady { k: [-0.1, 0.0, 0.0, 0.0, 0.0, 0.0], ..BrownConrady::default() };
+    assert_eq!(lens.projection, Projection::BrownConrady(distortion));
     let intrinsics = lens.intrinsics.expect("given");
     assert_eq!((intrinsics.cx, intrinsics.cy), (400.0, 300.0), "OpenCV counts from the centre of the first pixel");
 }

@@ -1,0 +1,103 @@
+//! What can be asked of each pixel.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A quantity of the surface that a pixel sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TruthLayer {
+    /// Depth: distance from the centre of the lens along the optical axis, m.
+    Depth,
+    /// Distance from the centre of the lens along the ray, m.
+    Distance,
+    /// Position in the world, m.
+    Position,
+    /// Unit normal of the surface in the world, on the camera's side.
+    Normal,
+    /// The same with the smoothing of the geometry's normals and without that of normal maps.
+    ShadingNormal,
+    /// UV coordinates, first set.
+    Uv,
+    /// Part of the light that the surface scatters, as linear sRGB under D65.
+    Albedo,
+    /// Which object it belongs to: numbers from 1 on.
+    Instance,
+    /// Which material it is of: numbers from 1 on.
+    Material,
+    /// Where the surface appears in the next picture of the series less where it appears in this one, px; x right, y down.
+    Flow,
+}
+
+impl TruthLayer {
+    /// All layers.
+    pub const ALL: [Self; 10] = [
+        Self::Depth,
+        Self::Distance,
+        Self::Position,
+        Self::Normal,
+        Self::ShadingNormal,
+        Self::Uv,
+        Self::Albedo,
+        Self::Instance,
+        Self::Material,
+        Self::Flow,
+    ];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::Distance => "distance",
+            Self::Position => "position",
+            Self::Normal => "normal",
+            Self::ShadingNormal => "shading-normal",
+            Self::Uv => "uv",
+            Self::Albedo => "albedo",
+            Self::Instance => "instance",
+            Self::Material => "material",
+            Self::Flow => "flow",
+        }
+    }
+
+    /// The names of its planes. That of a layer of one plane is the layer's own.
+    pub fn channels(self) -> &'static [&'static str] {
+        match self {
+            Self::Depth => &["depth"],
+            Self::Distance => &["distance"],
+            Self::Position => &["position.X", "position.Y", "position.Z"],
+            Self::Normal => &["normal.X", "normal.Y", "normal.Z"],
+            Self::ShadingNormal => &["shading-normal.X", "shading-normal.Y", "shading-normal.Z"],
+            Self::Uv => &["uv.U", "uv.V"],
+            Self::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
+            Self::Instance => &["instance"],
+            Self::Material => &["material"],
+            Self::Flow => &["flow.X", "flow.Y", "flow.visible"],
+        }
+    }
+
+    /// What its planes hold where there is no surface.
+    pub fn nothing(self) -> f32 {
+        match self {
+            Self::Depth | Self::Distance => f32::INFINITY,
+            Self::Position | Self::Uv => f32::NAN,
+            Self::Normal | Self::ShadingNormal | Self::Albedo | Self::Instance | Self::Material | Self::Flow => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_bear_the_name_of_their_layer() {
+        for layer in TruthLayer::ALL {
+            let name = layer.name();
+            match layer.channels() {
+                [single] => assert_eq!(*single, name),
+                several => assert!(several.iter().all(|c| c.split_once('.').is_some_and(|(of, _)| of == name))),
+            }
+        }
+    }
+}

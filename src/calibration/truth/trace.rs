@@ -1,0 +1,118 @@
+//! One ray a pixel, and what its surface says of itself.
+
+use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::TruthLayer;
+use super::albedo::albedo;
+use super::correspondence::correspondence;
+use crate::geometry::{Hit, SurfacePoint};
+use crate::image::{Channel, Planes};
+use crate::optics::Camera;
+use crate::scene::Scene;
+
+/// What truth is asked of.
+#[derive(Clone, Copy)]
+pub struct TruthJob<'a> {
+    /// What is in front of the camera.
+    pub scene: &'a Scene,
+    /// The camera of the picture.
+    pub camera: &'a Camera,
+    /// The camera of the next picture, for [`TruthLayer::Flow`].
+    pub next: &'a Camera,
+    /// Columns and rows.
+    pub resolution: [u32; 2],
+}
+
+/// The planes of the layers that are asked for, in their order. A camera that moves is taken as it stands in the middle of
+/// the exposure of each row.
+pub fn truth(job: &TruthJob<'_>, layers: &[TruthLayer]) -> Planes {
+    let [width, height] = job.resolution.map(|n| n as usize);
+    let count: usize = layers.iter().map(|layer| layer.channels().len()).sum();
+    let row_of = |y: usize| {
+        let mut row = vec![0.0f32; width * count];
+        let camera = job.camera.at_row(y as f64);
+        for (x, values) in row.chunks_exact_mut(count.max(1)).enumerate() {
+            let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let seen = Seen::through(job, &camera, centre, (y * width + x) as u64);
+            let mut rest = values;
+            for &layer in layers {
+                let (own, after) = rest.split_at_mut(layer.channels().len());
+                match &seen {
+                    Some(seen) => seen.write(layer, own),
+                    None => own.fill(layer.nothing()),
+                }
+                rest = after;
+            }
+        }
+        row
+    };
+    let rows: Vec<Vec<f32>> = (0..height).into_par_iter().map(row_of).collect();
+    let names = layers.iter().flat_map(|layer| layer.channels());
+    let plane = |(index, name): (usize, &&str)| {
+        let values = rows.iter().flat_map(|row| row.iter().skip(index).step_by(count)).copied();
+        Channel { name: (*name).to_owned(), data: values.collect() }
+    };
+    let channels = names.enumerate().map(plane).collect();
+    Planes::new(width, height, channels).expect("a value for each pixel")
+}
+
+/// What a pixel sees.
+struct Seen<'a> {
+    job: &'a TruthJob<'a>,
+    camera: &'a Camera,
+    pixel: DVec2,
+    key: u64,
+    hit: Hit,
+    point: SurfacePoint,
+    /// Unit direction to the camera.
+    wo: Vec3,
+}
+
+impl<'a> Seen<'a> {
+    fn through(job: &'a TruthJob<'a>, camera: &'a Camera, pixel: DVec2, key: u64) -> Option<Self> {
+        let ray = camera.chief_ray(pixel)?;
+        let hit = job.scene.closest(&ray)?;
+        let wo = -ray.direction.normalize();
+        Some(Self { job, camera, pixel, key, hit, point: job.scene.point(&hit, ray.time), wo })
+    }
+
+    fn write(&self, layer: TruthLayer, to: &mut [f32]) {
+        let towards_camera = |n: Vec3| if self.point.geometric_normal.dot(self.wo) < 0.0 { -n } else { n };
+        let vector = |to: &mut [f32], v: Vec3| to.copy_from_slice(&v.to_array());
+        match layer {
+            TruthLayer::Depth => to[0] = -self.in_camera().z as f32,
+            TruthLayer::Distance => to[0] = self.in_camera().length() as f32,
+            TruthLayer::Position => vector(to, self.point.position),
+            TruthLayer::Normal => vector(to, towards_camera(self.point.geometric_normal)),
+            TruthLayer::ShadingNormal => vector(to, towards_camera(self.point.shading_normal)),
+            TruthLayer::Uv => {
+                let uv = self.job.scene.geometry().uv(self.point.triangle, self.point.barycentric, 0);
+                to.copy_from_slice(&uv.to_array());
+            }
+            TruthLayer::Albedo => {
+                vector(to, albedo(self.job.scene, &self.point, self.wo, self.key).as_vec3());
+            }
+            TruthLayer::Instance => to[0] = number(self.job.scene.instance(&self.hit)),
+            TruthLayer::Material => to[0] = number(self.point.material),
+            TruthLayer::Flow => {
+                let next = correspondence(self.job.scene, &self.point, self.job.next, self.job.resolution);
+                let [x, y, visible] = next.map_or([0.0; 3], |next| {
+                    let flow = next.pixel - self.pixel;
+                    [flow.x as f32, flow.y as f32, f32::from(u8::from(next.visible))]
+                });
+                to.copy_from_slice(&[x, y, visible]);
+            }
+        }
+    }
+
+    /// The point in camera space, m.
+    fn in_camera(&self) -> DVec3 {
+        self.camera.to_world().inverse().transform_point3(self.point.position.as_dvec3())
+    }
+}
+
+/// A number from 1 on: 0 is for nothing.
+fn number(index: u32) -> f32 {
+    (index + 1) as f32
+}

@@ -1,0 +1,98 @@
+//! `photosite project`: where points appear in the picture, and what pixels look at.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use glam::{DVec2, DVec3};
+use photosite::io::capture::Capture;
+use photosite::optics::Camera;
+use photosite::{Error, Invalid, Result};
+
+use super::println_out;
+use super::render::lone_camera;
+
+/// Say where points appear in the picture of a camera, or what its pixels look at.
+///
+/// In and out are lines of numbers with commas between them. Pixels are those of OpenCV: column and row, whole numbers at
+/// the centres. What the lens does not show is `nan,nan`. A camera that moves stands where it does at time 0.
+#[derive(Args)]
+pub(super) struct ProjectArgs {
+    /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
+    input: PathBuf,
+    /// A file with a point x, y, z a line; - for standard input.
+    #[arg(long, value_name = "FILE")]
+    points: PathBuf,
+    /// The points are in the camera's coordinates of OpenCV (x right, y down, z forward), m, not in those of the world.
+    #[arg(long)]
+    camera_space: bool,
+    /// The other way round: from a pixel a line to the unit vector of what it looks at, in the camera's coordinates of
+    /// OpenCV with --camera-space, else in those of the world.
+    #[arg(long)]
+    inverse: bool,
+    /// Change a key of the capture file, for example --set lens.max_angle_deg=80.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+}
+
+pub(super) fn run(args: &ProjectArgs) -> Result<()> {
+    let capture = Capture::read(&args.input, &args.overrides)?;
+    let camera = lone_camera(&capture)?;
+    let text = read(&args.points)?;
+    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or("").trim()));
+    let mut out = String::new();
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
+        let in_line = |invalid: Invalid| invalid.at_line(&args.points, number);
+        let answer = if args.inverse {
+            let [column, row] = numbers(line, "100.5, 42").map_err(in_line)?;
+            direction(&camera, DVec2::new(column, row) + 0.5, args.camera_space)
+                .to_array()
+                .map(|x| x.to_string())
+                .join(",")
+        } else {
+            let point = DVec3::from_array(numbers(line, "0.1, -0.2, 3").map_err(in_line)?);
+            let pixel = match args.camera_space {
+                true => camera.project_camera(flipped(point)),
+                false => camera.project_camera(camera.to_world().inverse().transform_point3(point)),
+            };
+            (pixel.unwrap_or(DVec2::NAN) - 0.5).to_array().map(|x| x.to_string()).join(",")
+        };
+        out += &answer.to_lowercase();
+        out.push('\n');
+    }
+    println_out(out.trim_end())
+}
+
+fn direction(camera: &Camera, pixel: DVec2, camera_space: bool) -> DVec3 {
+    match (camera.seen(pixel), camera_space) {
+        (None, _) => DVec3::NAN,
+        (Some(seen), true) => flipped(seen.direction),
+        (Some(seen), false) => camera.to_world().transform_vector3(seen.direction),
+    }
+}
+
+/// Between the axes of OpenCV and those of glTF.
+fn flipped(v: DVec3) -> DVec3 {
+    // Adding zero makes zeros of negative ones.
+    DVec3::new(v.x, -v.y, -v.z) + 0.0
+}
+
+fn read(path: &Path) -> Result<String> {
+    if path == Path::new("-") {
+        let mut text = String::new();
+        let read = std::io::stdin().lock().read_to_string(&mut text);
+        return read.map(|_| text).map_err(|reason| Error::io("standard input".as_ref(), "read", reason));
+    }
+    std::fs::read_to_string(path).map_err(|reason| Error::io(path, "read", reason))
+}
+
+fn numbers<const N: usize>(line: &str, example: &str) -> Result<[f64; N], Invalid> {
+    let parts: Option<Vec<f64>> = line
+        .split(|c: char| c == ',' || c.is_whitespace())
+        .filter(|part| !part.is_empty())
+        .map(|part| part.parse().ok())
+        .collect();
+    parts.and_then(|parts| parts.try_into().ok()).ok_or_else(|| {
+        Invalid::new("", format!("\"{line}\" is not {N} numbers")).help(format!("write a line such as {example}"))
+    })
+}

@@ -1,0 +1,58 @@
+//! The polynomial of lecture notes, from the distorted to the ideal picture: u = u_d·(1 + k₁r² + k₂r⁴), r = |u_d|.
+//!
+//! The opposite direction of OpenCV's model, so that the same numbers mean the opposite: k₁ > 0 is a barrel here. Radii
+//! are those of the distorted picture.
+
+use glam::DVec2;
+
+use super::rising::{first_loss, solve};
+use super::{FLAT_ANGLE, Reach, ReachEnd};
+
+/// Factor 1 + k₁r² + k₂r⁴, and the derivative of r times it.
+#[inline]
+fn factor([k1, k2]: [f64; 2], r: f64) -> (f64, f64) {
+    let r2 = r * r;
+    (1.0 + r2 * (k1 + r2 * k2), 1.0 + r2 * (3.0 * k1 + r2 * 5.0 * k2))
+}
+
+#[inline]
+fn ideal_radius(k: [f64; 2], r: f64) -> (f64, f64) {
+    let (factor, slope) = factor(k, r);
+    (r * factor, slope)
+}
+
+/// The derivative vanishes where 1 + 3k₁r² + 5k₂r⁴ = 0.
+pub(super) fn reach(k: [f64; 2]) -> Reach {
+    let flat = FLAT_ANGLE.tan();
+    let [a, b] = [5.0 * k[1], 3.0 * k[0]];
+    // Its smallest root above 0 in r², without cancellation; there is none where the parabola stays above 0.
+    let under = b * b - 4.0 * a;
+    let fold = (under >= 0.0).then(|| -2.0 / (b - under.sqrt())).filter(|r2| *r2 > 0.0 && r2.is_finite());
+    let fold = fold.map(f64::sqrt).filter(|r| ideal_radius(k, *r).0 < flat);
+    match fold {
+        Some(radius) => Reach { angle: ideal_radius(k, radius).0.atan(), end: ReachEnd::Folds, radius },
+        None => {
+            // As far as the ideal picture goes.
+            let beyond = first_loss(|r| ideal_radius(k, r).0 < flat, 2.0 * flat, 64);
+            Reach { angle: FLAT_ANGLE, end: ReachEnd::Flat, radius: beyond.unwrap_or(2.0 * flat) }
+        }
+    }
+}
+
+/// Ideal → distorted within a radius of the distorted picture.
+#[inline]
+pub(super) fn distort(k: [f64; 2], ideal: DVec2, radius: f64) -> Option<DVec2> {
+    let distance = ideal.length();
+    if distance == 0.0 {
+        return Some(ideal);
+    }
+    Some(ideal * (solve(|r| ideal_radius(k, r), distance, distance, radius)? / distance))
+}
+
+/// Distorted → ideal, and area in the ideal over area in the distorted picture.
+#[inline]
+pub(super) fn undistort(k: [f64; 2], distorted: DVec2, radius: f64) -> Option<(DVec2, f64)> {
+    let r = distorted.length();
+    let (factor, slope) = factor(k, r);
+    (r <= radius).then_some((distorted * factor, factor * slope))
+}
