@@ -94,15 +94,20 @@ pub fn neutral(channels: &[(String, Spectrum)], light: &Spectrum) -> Result<Vec<
 /// them in D50: it takes a mean of the two by reciprocal temperature.
 fn forward_matrices([d65, d50, a]: [&Chart; 3], [of_d65, of_a]: &[Vec<DVec3>; 2]) -> [Vec<DVec3>; 2] {
     let alone = |chart: &Chart, start: &[DVec3]| {
-        searched(&free(&chart.forward_matrix_of(start)), |free| chart.error(&complete(free)))
+        searched(&free(&chart.forward_matrix_of(start)), |free| chart.cost(&complete(free)))
     };
     let part = part_of_a(d50.white);
     let error = |both: &[f64]| {
         let (d65_free, a_free) = both.split_at(both.len() / 2);
         let between: Vec<f64> = d65_free.iter().zip(a_free).map(|(d65, a)| d65 * (1.0 - part) + a * part).collect();
-        d65.error(&complete(d65_free)) + d50.error(&complete(&between)) + a.error(&complete(a_free))
+        d65.cost(&complete(d65_free)) + d50.cost(&complete(&between)) + a.cost(&complete(a_free))
     };
-    let found = searched(&[alone(d65, of_d65), alone(a, of_a)].concat(), error);
+    let (of_d65, of_a) = (alone(d65, of_d65), alone(a, of_a));
+    // A camera with the eyes of the observer is right in its own lights, and shall stay so.
+    if d65.error(&complete(&of_d65)) + a.error(&complete(&of_a)) < 1e-2 {
+        return [complete(&of_d65), complete(&of_a)];
+    }
+    let found = searched(&[of_d65, of_a].concat(), error);
     let (d65, a) = found.split_at(found.len() / 2);
     [complete(d65), complete(a)]
 }
@@ -124,6 +129,9 @@ fn searched(start: &[f64], error: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let best = nelder_mead(start, 0.02, 100 * start.len(), &error);
     if error(start) - error(&best) < 1e-3 { start.to_vec() } else { best }
 }
+
+/// ΔE₀₀ for a noise that is as large in XYZ as in a channel that sees most.
+const NOISE_PRICE: f64 = 0.2;
 
 /// A colour checker in a light: what the camera responds, and what the observer sees.
 struct Chart {
@@ -171,6 +179,18 @@ impl Chart {
             difference::delta_e_2000(patch.lab, cielab::from_xyz(shown(&patch.camera) * (product / square), D50))
         };
         self.patches.iter().map(difference).sum::<f64>() / self.patches.len() as f64
+    }
+
+    /// The same with a price on noise where there are more than three channels: the patches leave combinations of them open,
+    /// of which those with large entries of both signs would show more noise than colour. Shot noise of a balanced channel
+    /// has a variance in proportion to 1/n.
+    fn cost(&self, columns: &[DVec3]) -> f64 {
+        if columns.len() == 3 {
+            return self.error(columns);
+        }
+        let noise =
+            columns.iter().zip(&self.neutral).map(|(column, n)| column.length_squared() / n).sum::<f64>().sqrt();
+        self.error(columns) + NOISE_PRICE * noise
     }
 
     /// A colour matrix to begin with: each row c is min Σᵢ (c·xᵢ − rᵢ)² rᵢ^(−4/3), subject to c·w = n, with the responses rᵢ to
@@ -292,8 +312,8 @@ mod tests {
             channels.push(bell(name, centre, 0.6, width));
             let [four, by_inverse] = errors(&channels);
             println!("{name}: {four:.3}, by the inverse {by_inverse:.3}, without it {three:.3}");
-            // The inverse takes the sum of all channels for a brightness.
-            assert!(four < three && by_inverse < 2.0, "{name}: {four} {by_inverse}, {three} without it");
+            // Less noise may cost a little; the inverse takes the sum of all channels for a brightness.
+            assert!(four < three + 0.1 && by_inverse < 2.0, "{name}: {four} {by_inverse}, {three} without it");
         }
     }
 

@@ -76,8 +76,10 @@ const SATURATED: f32 = 0.98;
 const MOST_SATURATED: f64 = 1.0 / 16.0;
 /// Pixels along a cell, about. Pictures have six cells along their shorter side at least.
 const CELL: usize = 16;
-/// One in so many cells is white, and at least so many are.
-const WHITE_CELLS: (usize, usize) = (100, 4);
+/// One in so many cells is white.
+const WHITE_CELLS: usize = 100;
+/// In pictures of few cells more of them, up to so many: one in so many of all.
+const FEW_WHITE_CELLS: [usize; 2] = [16, 16];
 
 /// Sums and counts of the channels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -173,8 +175,8 @@ fn brightest(raw: &RawImage, signal: &[f32]) -> Result<Vec<f64>, Invalid> {
     };
     let mut bright: Vec<(f64, &Cell)> = cells.iter().filter_map(|cell| Some((brightness(cell)?, cell))).collect();
     bright.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let (one_in, least) = WHITE_CELLS;
-    let white = (bright.len() / one_in).max(least);
+    let [at_most, one_in] = FEW_WHITE_CELLS;
+    let white = (bright.len() / WHITE_CELLS).max((bright.len() / one_in).clamp(1, at_most));
     let measured = bright.iter().take(white).map(|(_, [_, measured])| measured);
     total(measured, channels).means().ok_or_else(nothing_to_balance)
 }

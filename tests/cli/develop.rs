@@ -134,7 +134,7 @@ falloff = 'none'
 [sensor]
 resolution_px = [48, 32]
 [exposure]
-time_s = 0.004
+time_s = 0.04
 [render]
 samples_per_pixel = 64
 [output]
@@ -291,7 +291,11 @@ fn a_bent_sensor_develops_with_and_without_its_table() {
 
 #[test]
 fn pictures_are_measured_in_the_colours_that_their_files_say() {
-    let folder = rendered("");
+    let wall = "usemtl wall\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
+    // A colour that sRGB holds, with all its noise.
+    let capture = WALL.replace("0.5", "'colour-checker/09-moderate-red'");
+    let folder = Folder::new([("wall.obj", wall.into()), ("capture.toml", capture.into())]);
+    folder.succeed("render capture.toml -o out");
     for (name, setting) in [
         ("wide.png", "colour_space=rec2020"),
         ("p3.tiff", "colour_space=display-p3"),
@@ -319,7 +323,7 @@ fn pictures_are_measured_in_the_colours_that_their_files_say() {
         ("linear.tiff", "a.png"),
         ("aces.exr", "plain.exr"),
     ] {
-        // Colours that sRGB does not hold are cut off in a.png alone, where they are few.
+        // Codes of 16 bits, and profiles with 16 bits behind the point.
         let found = difference(a, b);
         assert!(found < 0.3, "{a}: {found}");
     }
@@ -360,7 +364,7 @@ fn checkers_are_found_by_capture_or_report_and_the_right_file_is_blamed() {
 #[cfg(target_os = "linux")]
 #[test]
 fn files_that_claim_to_be_huge_take_no_memory() {
-    let folder = rendered("[output]\nraw = ['dng', 'tiff', 'npy', 'exr']\n");
+    let folder = rendered("[output]\nraw = ['dng', 'tiff', 'exr']\n");
     let with = |name: &str, change: &dyn Fn(&mut Vec<u8>)| {
         let mut file = bytes(&folder, &format!("out/raw.{name}"));
         change(&mut file);
@@ -380,11 +384,11 @@ fn files_that_claim_to_be_huge_take_no_memory() {
     };
     with("tiff", &sides);
     with("dng", &sides);
-    with("npy", &|file| {
-        let shape = file.windows(8).position(|w| w == b"(24, 32)").expect("the shape");
-        // As long as it was, blanks behind it among them.
-        file.splice(shape..shape + 14, *b"(60000, 60000)");
-    });
+    let header = "{'descr': '<u2', 'fortran_order': False, 'shape': (60000, 60000), }\n";
+    folder.add(
+        "huge.npy",
+        [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), b"1234"].concat(),
+    );
     with("exr", &|file| {
         let window = file.windows(10).position(|w| w == b"dataWindow").expect("it has one") + 10 + 1 + 6 + 4;
         file[window + 8..window + 16].copy_from_slice(&[0x5f, 0xea, 0, 0, 0x5f, 0xea, 0, 0]);
