@@ -17,7 +17,8 @@
 //! [`units`], [`math`] → [`spectrum`], [`image`] → [`colour`]; → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
 //! [`optics`], [`film`], [`sampler`] → [`integrator`]. [`sensor`], [`raw`] and [`develop`] see only units, math,
 //! spectrum and image: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
-//! these edges. [`calibration`] asks a scene what is really there at each pixel. [`validation`] compares pictures and sees units, math, image and raw; [`measure`] takes
+//! these edges. [`calibration`] draws targets and asks a scene what is really there at each pixel. [`validation`]
+//! compares pictures and sees units, math, image and raw; [`measure`] takes
 //! figures from pictures; [`characterisation`] takes and evaluates
 //! images of even light as EMVA 1288 has it and sees sensor and what sensor sees; [`io::mitsuba`] describes a capture to
 //! an independent renderer.

@@ -57,6 +57,13 @@
 //! M. Granados, B. Ajdin, M. Wand, C. Theobalt, H.-P. Seidel, H. P. A. Lensch, "Optimal HDR Reconstruction with Linear
 //! Digital Cameras", IEEE CVPR, 215–222 (2010).
 //!
+//! ## GarridoJurado14
+//! S. Garrido-Jurado, R. Muñoz-Salinas, F. J. Madrid-Cuevas, M. J. Marín-Jiménez, "Automatic Generation and Detection of
+//! Highly Reliable Fiducial Markers under Occlusion", Pattern Recognition 47(6), 2280–2292 (2014): ArUco.
+//!
+//! ## Olson11
+//! E. Olson, "AprilTag: A Robust and Flexible Visual Fiducial System", IEEE ICRA, 3400–3407 (2011).
+//!
 //! ## T81
 //! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).
 //!

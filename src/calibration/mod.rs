@@ -1,6 +1,9 @@
-//! What calibration needs beside a picture: [`truth`], what is really there at each pixel.
+//! What cameras are calibrated with and against: [`targets`], flat patterns whose points are known, which can be printed and
+//! photographed; [`truth`], what is really there at each pixel; and [`camera_files`], by which other tools know a camera.
 //!
-//! In: a [`Scene`](crate::scene::Scene), a [`Camera`](crate::optics::Camera). Out: planes of positions, normals,
-//! identities, motion. Files are left to [`io`](crate::io).
+//! In: the sizes of a target; a [`Scene`](crate::scene::Scene), a [`Camera`](crate::optics::Camera). Out: drawings and
+//! meshes; planes of positions, normals, identities, motion. Files are left to [`io`](crate::io).
 
+pub mod camera_files;
+pub mod targets;
 pub mod truth;

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand. Arguments come in here, results and errors go out; the work is the
 //! library's.
 
+mod camera;
 mod chain;
 mod compare;
 mod compare_text;
@@ -29,6 +30,7 @@ mod run_args;
 mod schema;
 mod sensors;
 mod stored_light;
+mod target;
 mod trace;
 
 use std::io::IsTerminal;
@@ -61,8 +63,10 @@ enum Command {
     Info(info::InfoArgs),
     Noise(noise::NoiseArgs),
     Project(project::ProjectArgs),
+    Camera(camera::CameraArgs),
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
+    Target(target::TargetArgs),
 }
 
 /// Runs the command line of this process. Exit status 0: done, 1: failed (or pictures differ), 2: wrong usage.
@@ -90,8 +94,10 @@ pub(crate) fn run() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Noise(args) => noise::run(&args),
         Command::Project(args) => project::run(&args),
+        Command::Camera(args) => camera::run(&args),
         Command::Sensors(args) => sensors::run(&args),
         Command::Schema(args) => schema::run(&args),
+        Command::Target(args) => target::run(&args),
     };
     match outcome {
         Ok(()) => done,

@@ -25,7 +25,8 @@ use super::chain::{Chain, Optics, scene_light};
 use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
 use super::report::{
-    CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, Timings, TracedReport, TruthReport,
+    CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, TargetReport, Timings, TracedReport,
+    TruthReport,
 };
 use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
@@ -103,6 +104,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
         scene_light: LightReport::new(&light),
+        targets: capture.targets.iter().map(TargetReport::new).collect(),
         truth: truth_report,
         paths,
         paths_per_s: paths as f64 / timings.trace_s,

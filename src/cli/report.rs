@@ -1,7 +1,9 @@
 //! `capture.json`: everything needed to reproduce a capture and to use its pictures.
 
 use glam::{DAffine3, DMat3, DVec3};
+use photosite::calibration::targets::PlacedTarget;
 use photosite::io::capture::TruthOutput;
+use photosite::io::target_file::facts;
 use photosite::optics::{
     Camera, CameraMotion, FieldOfView, Intrinsics, LensDescription, LensKind, Projection, Recording,
 };
@@ -38,6 +40,8 @@ pub(super) struct TracedReport {
     pub(super) lens: LensReport,
     pub(super) render: RenderReport,
     pub(super) scene_light: LightReport,
+    /// Calibration targets in the scene.
+    pub(super) targets: Vec<TargetReport>,
     /// `null` where none is written.
     pub(super) truth: Option<TruthReport>,
     /// Camera paths traced.
@@ -47,7 +51,8 @@ pub(super) struct TracedReport {
 
 impl TracedReport {
     /// The keys of this in a report.
-    pub(super) const KEYS: [&str; 7] = ["camera", "lens", "render", "scene_light", "truth", "paths", "paths_per_s"];
+    pub(super) const KEYS: [&str; 8] =
+        ["camera", "lens", "render", "scene_light", "targets", "truth", "paths", "paths_per_s"];
 
     pub(super) fn into_map(self) -> Map<String, Value> {
         let value = serde_json::to_value(self).expect("our own structures have string keys and finite numbers");
@@ -101,6 +106,37 @@ impl LightReport {
         let usable = whole && self.relative.iter().all(|value| value.is_finite() && *value >= 0.0);
         usable.then(|| Spectrum::from_fn(|lambda| self.relative[(lambda - f64::from(LAMBDA_MIN_NM)) as usize]))
     }
+}
+
+/// A calibration target: what is known of it, and where it stands.
+#[derive(Serialize)]
+pub(super) struct TargetReport {
+    name: String,
+    /// Its keys, its points and its markers in its own frame (x right, y down, z into the sheet).
+    #[serde(flatten)]
+    facts: Value,
+    /// Target → world rotation, row by row: x_world = R·x_target + t.
+    rotation: [[f64; 3]; 3],
+    translation_m: [f64; 3],
+    /// The points in the world (glTF axes, metres), in the same order.
+    points_world_m: Vec<[f64; 3]>,
+}
+
+impl TargetReport {
+    pub(super) fn new(placed: &PlacedTarget) -> Self {
+        Self {
+            name: placed.name.clone(),
+            facts: facts(&placed.description, &placed.target),
+            rotation: rows(placed.to_world.matrix3),
+            translation_m: placed.to_world.translation.to_array(),
+            points_world_m: placed.points().map(|(_, point)| point.to_array()).collect(),
+        }
+    }
+}
+
+/// Rows of a matrix. Adding zero makes zeros of negative ones.
+fn rows(m: DMat3) -> [[f64; 3]; 3] {
+    m.transpose().to_cols_array_2d().map(|row| row.map(|x| x + 0.0))
 }
 
 /// Pose and intrinsics in OpenCV's conventions: x right, y down, z forward; integer coordinates at pixel centres.
@@ -216,8 +252,6 @@ impl CameraReport {
         // glTF's camera looks along −z with y up.
         let flip = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
         let rotation = flip * matrix3.transpose();
-        // Adding zero makes zeros of negative ones.
-        let rows = |m: DMat3| m.transpose().to_cols_array_2d().map(|row| row.map(|x| x + 0.0));
         Self {
             resolution_px,
             camera_matrix: [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]],

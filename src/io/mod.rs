@@ -22,6 +22,7 @@ pub mod raw_file;
 pub mod spectral_exr;
 mod suggest;
 mod tangents;
+pub mod target_file;
 pub mod truth;
 mod warnings;
 

@@ -8,9 +8,11 @@ use serde::de::DeserializeOwned;
 use super::sensor::read_sensor;
 use super::source::CaptureSource;
 use super::tables::{
-    CaptureFile, LightTable, LightType, MaterialTable, MaterialType, MixTable, SECTIONS, TypedMaterialTable,
+    CaptureFile, LightTable, LightType, MaterialTable, MaterialType, MixTable, PlacementTable, SECTIONS, TargetTable,
+    TypedMaterialTable,
 };
 use super::tree::{Node, Value};
+use crate::calibration::targets::TargetKind;
 use crate::io::suggest::{did_you_mean, list};
 use crate::{Invalid, Result};
 
@@ -21,6 +23,7 @@ impl CaptureFile {
         Ok(Self {
             scene: source.read("scene")?.unwrap_or_default(),
             lights: lights(source)?,
+            targets: targets(source)?,
             materials: materials(source)?,
             camera: source.read("camera")?.unwrap_or_default(),
             lens: source.read("lens")?.unwrap_or_default(),
@@ -111,6 +114,34 @@ fn light(source: &CaptureSource, path: &str, node: &Node) -> Result<LightTable> 
             Err(source.error(invalid.help("write type = \"point\", \"spot\" or \"directional\"")))
         }
     }
+}
+
+fn targets(source: &CaptureSource) -> Result<Vec<TargetTable>> {
+    let Some(node) = source.get("targets") else { return Ok(Vec::new()) };
+    let Value::Array(nodes) = &node.value else {
+        let invalid = Invalid::new("targets", "expected a list of tables");
+        return Err(source.error(invalid.help("begin each target with [[targets]]")));
+    };
+    nodes.iter().enumerate().map(|(i, node)| target(source, &format!("targets[{i}]"), node)).collect()
+}
+
+/// A target: where it stands, and what it is.
+pub(super) fn target(source: &CaptureSource, path: &str, node: &Node) -> Result<TargetTable> {
+    let (kind, mut description) = split_type::<TargetKind>(source, path, node)?;
+    let kind = kind.ok_or_else(|| {
+        let names = TargetKind::ALL.iter().map(|kind| kind.name());
+        let invalid = Invalid::new(path, "the key `type` is missing");
+        source.error(invalid.help(format!("write type = \"chessboard\", or one of {}", list(names))))
+    })?;
+    let mut placement = description.clone();
+    if let (Value::Table(place), Value::Table(own)) = (&mut placement.value, &mut description.value) {
+        place.retain(|key, _| PlacementTable::KEYS.contains(&key.as_str()));
+        own.retain(|key, _| !PlacementTable::KEYS.contains(&key.as_str()));
+    }
+    Ok(TargetTable {
+        description: source.read_beside(path, &description, kind, &PlacementTable::KEYS)?,
+        placement: source.read_node(path, &placement)?,
+    })
 }
 
 /// Takes the `type` out of a table, so that the rest can be read as that type has it.

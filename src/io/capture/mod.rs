@@ -11,6 +11,7 @@
 //! |---|---|---|
 //! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
+//! | `[[targets]]` | calibration targets | `target.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
 //! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
@@ -40,6 +41,7 @@ mod settings;
 mod source;
 mod stored;
 mod tables;
+mod target;
 mod tree;
 
 #[cfg(test)]
@@ -50,6 +52,7 @@ use std::path::Path;
 
 use glam::DAffine3;
 
+use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
 use crate::optics::{LensDescription, Recording};
@@ -63,6 +66,7 @@ use relocate::relocate;
 use scene::ReadScene;
 use sensor::sensor_model;
 use tables::CaptureFile;
+use target::place_targets;
 
 pub use develop::read_develop_settings;
 pub use schema::capture_schema;
@@ -70,12 +74,15 @@ pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands, TruthOutput};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
+pub use target::read_target;
 
 /// Everything that a capture file, the files it names and the command line say.
 #[derive(Debug)]
 pub struct Capture {
     /// What is in front of the camera. Its warnings are those of the whole capture.
     pub scene: SceneDescription,
+    /// Calibration targets in it.
+    pub targets: Vec<PlacedTarget>,
     /// Camera → world; the camera looks along −Z.
     pub camera_to_world: DAffine3,
     /// The picture of a camera or a scene that moves; `None` where all stands still.
@@ -124,12 +131,17 @@ impl Capture {
         let folder = path.parent().unwrap_or(Path::new(""));
         let file = CaptureFile::read(&mut source, folder)?;
         let moment = motion::moment(&file, frame).map_err(|invalid| source.error(invalid))?;
-        let geometry = if is_scene_file(path) {
+        let mut geometry = if is_scene_file(path) {
             ReadScene::of_scene_file(&source, &file.scene, moment.as_ref(), path)?
         } else {
             ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?
         };
-        Self::assemble(&file, geometry, &source, folder, frame).map_err(|invalid| source.error(invalid))
+        let placed = || -> Result<Self, Invalid> {
+            let targets = place_targets(&file.targets)?;
+            geometry.add_targets(&targets)?;
+            Self::assemble(&file, geometry, targets, &source, folder, frame)
+        };
+        placed().map_err(|invalid| source.error(invalid))
     }
 
     /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. A sensor file of the
@@ -142,6 +154,7 @@ impl Capture {
     fn assemble(
         file: &CaptureFile,
         geometry: ReadScene,
+        targets: Vec<PlacedTarget>,
         source: &CaptureSource,
         folder: &Path,
         frame: u32,
@@ -174,6 +187,7 @@ impl Capture {
             develop: develop::checked(&file.develop)?,
             output: settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?,
             scene: geometry.with_tables(file, folder)?,
+            targets,
             camera_to_world,
             lens,
             sensor,

@@ -50,6 +50,11 @@ pub(super) fn set_below(source: &mut CaptureSource, table: &str, argument: &str)
     set_in(source, &prefix, "noise.read_noise_e=2", argument)
 }
 
+/// The same for keys of a calibration target.
+pub(super) fn set_target(source: &mut CaptureSource, argument: &str) -> Result<()> {
+    set_in(source, "target.", "square_mm=20", argument)
+}
+
 fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &str) -> Result<()> {
     let wrong = |message: String| Error::Usage { message, help: Some(format!("for example --set {example}")) };
     let Some((key, value)) = argument.split_once('=') else {

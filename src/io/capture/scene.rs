@@ -10,6 +10,8 @@ use super::light::{describe_environment, describe_lights};
 use super::material::override_materials;
 use super::source::CaptureSource;
 use super::tables::{CaptureFile, NormalsName, SceneTable};
+use super::target::scene_of;
+use crate::calibration::targets::PlacedTarget;
 use crate::io::gltf::{self, Choice, Moment};
 use crate::io::obj;
 use crate::io::obj::MissingNormals;
@@ -121,6 +123,19 @@ impl ReadScene {
             return Err(invalid.help(help).in_file(path));
         }
         self.merge(scene);
+        Ok(())
+    }
+
+    /// Adds calibration targets.
+    pub(super) fn add_targets(&mut self, targets: &[PlacedTarget]) -> Result<(), Invalid> {
+        for (i, target) in targets.iter().enumerate() {
+            let scene = scene_of(target);
+            if !within_reach(&scene) {
+                let message = format!("lies farther out than {FARTHEST_M:e} m, too far to compute with");
+                return Err(Invalid::new(format!("targets[{i}].position_m"), message));
+            }
+            self.merge(scene);
+        }
         Ok(())
     }
 

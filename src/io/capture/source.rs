@@ -7,11 +7,12 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, DeserializeSeed};
 
 use super::reader::{ReadError, Reader};
 use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
 use crate::io::json;
+use crate::io::suggest::{did_you_mean, list};
 use crate::{Error, Invalid, Result};
 
 /// The values of a capture and where they come from.
@@ -136,6 +137,25 @@ impl CaptureSource {
     /// Reads a value. `path` is where it is, for messages.
     pub(super) fn read_node<T: DeserializeOwned>(&self, path: &str, node: &Node) -> Result<T> {
         T::deserialize(Reader(node)).map_err(|error| self.type_error(path, error))
+    }
+
+    /// Reads a table as `seed` has it. Keys that belong there but are read elsewhere are suggested, too.
+    pub(super) fn read_beside<S: for<'de> DeserializeSeed<'de, Value = T>, T>(
+        &self,
+        path: &str,
+        node: &Node,
+        seed: S,
+        elsewhere: &[&str],
+    ) -> Result<T> {
+        seed.deserialize(Reader(node)).map_err(|mut error| {
+            if let Some(key) = error.unknown_key.as_ref().filter(|_| error.path.is_empty()) {
+                if !error.message.contains(';') {
+                    error.message += &did_you_mean(key, elsewhere.iter().copied());
+                }
+                error.help = error.help.map(|help| format!("{help}; and {}", list(elsewhere.iter().copied())));
+            }
+            self.type_error(path, error)
+        })
     }
 
     /// The error of a value that does not fit its type.

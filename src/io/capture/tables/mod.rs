@@ -9,6 +9,7 @@ mod light;
 mod material;
 mod scene;
 mod settings;
+mod target;
 
 use std::collections::BTreeMap;
 
@@ -31,6 +32,7 @@ pub(super) use material::{
 };
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable};
 pub(super) use settings::{ExposureTable, IrradianceSource, OutputTable, RenderTable, SamplerName, TruthSource};
+pub(super) use target::{PlacementTable, TargetTable};
 
 /// A capture: a scene, the camera that looks at it, and what to make of it. All quantities are in the unit that their
 /// key names; lengths in metres, angles in degrees.
@@ -43,6 +45,9 @@ pub(crate) struct CaptureFile {
     /// Lights without a surface, besides those of the geometry's files.
     #[schemars(with = "Option<Vec<LightTable>>")]
     pub(crate) lights: Vec<LightTable>,
+    /// Calibration targets, flat sheets of exact patterns whose points `capture.json` lists.
+    #[schemars(with = "Option<Vec<TargetTable>>")]
+    pub(crate) targets: Vec<TargetTable>,
     /// Materials by the names that the geometry uses; each replaces what the geometry's file says.
     #[schemars(with = "Option<BTreeMap<String, MaterialTable>>")]
     pub(crate) materials: BTreeMap<String, MaterialTable>,
@@ -71,8 +76,8 @@ pub(crate) struct CaptureFile {
 }
 
 /// Names of the tables of a capture file.
-pub(super) const SECTIONS: [&str; 10] =
-    ["scene", "lights", "materials", "camera", "lens", "sensor", "exposure", "render", "develop", "output"];
+pub(super) const SECTIONS: [&str; 11] =
+    ["scene", "lights", "targets", "materials", "camera", "lens", "sensor", "exposure", "render", "develop", "output"];
 
 /// A preset or sensor file with the changes of `[sensor]` laid over it.
 #[derive(Debug)]

@@ -1,0 +1,98 @@
+//! `photosite camera`: the camera of a capture as other tools read it.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use photosite::calibration::camera_files::{
+    CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, euroc, kalibr, opencv, ros,
+};
+use photosite::io::capture::Capture;
+use photosite::io::output::{create_folder, write_whole};
+use photosite::{Error, Result};
+
+use super::println_out;
+use super::render::lone_camera;
+
+/// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
+///
+/// What a format has no words for is refused. A camera that moves stands where it does at time 0.
+#[derive(Args)]
+pub(super) struct CameraArgs {
+    /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
+    input: PathBuf,
+    /// The tool.
+    #[arg(long, value_enum)]
+    format: Format,
+    /// File, or folder for COLMAP's text model [default: standard output].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// What the file calls the camera.
+    #[arg(long, default_value = "camera")]
+    name: String,
+    /// Change a key of the capture file, for example --set lens.f_number=4.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Overwrite an earlier file.
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    /// YAML for cv2.FileStorage.
+    Opencv,
+    /// camera_info of ROS.
+    Ros,
+    /// camchain.yaml; the camera is cam0.
+    Kalibr,
+    /// cameras.txt, images.txt and points3D.txt; the picture is image.png.
+    Colmap,
+    /// sensor.yaml; the body is the camera.
+    Euroc,
+}
+
+pub(super) fn run(args: &CameraArgs) -> Result<()> {
+    let capture = Capture::read(&args.input, &args.overrides)?;
+    let camera = CalibratedCamera::new(&args.name, &lone_camera(&capture)?);
+    let one = std::slice::from_ref(&camera);
+    let text = match args.format {
+        Format::Opencv => opencv(&camera),
+        Format::Ros => ros(&camera),
+        Format::Kalibr => kalibr(one),
+        Format::Colmap => colmap_cameras(one),
+        Format::Euroc => euroc(&camera, &camera.from_world().inverse(), 20.0),
+    };
+    let text = text.map_err(|invalid| capture.source.error(invalid))?;
+    match (args.format, &args.output) {
+        (Format::Colmap, Some(folder)) => {
+            let image = ColmapImage { name: "image.png".to_owned(), camera: 0, to_world: camera.to_world };
+            let files = [
+                ("cameras.txt", text),
+                ("images.txt", colmap_images(&[image])),
+                ("points3D.txt", "# none\n".to_owned()),
+            ];
+            create_folder(folder)?;
+            files.iter().try_for_each(|(name, _)| unused(&folder.join(name), args.force))?;
+            files.iter().try_for_each(|(name, text)| write(&folder.join(name), text))
+        }
+        (Format::Opencv | Format::Ros | Format::Kalibr | Format::Euroc, Some(file)) => {
+            unused(file, args.force)?;
+            write(file, &text)
+        }
+        (_, None) => println_out(text.trim_end()),
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    write_whole(path, |to| to.write_all(text.as_bytes()))
+}
+
+fn unused(path: &Path, force: bool) -> Result<()> {
+    if path.exists() && !force {
+        return Err(Error::Usage {
+            message: format!("{} exists already", path.display()),
+            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
+        });
+    }
+    Ok(())
+}

@@ -1,0 +1,64 @@
+//! `photosite target`: calibration targets as files.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use photosite::calibration::targets::TargetKind;
+use photosite::io::capture::read_target;
+use photosite::io::target_file::{target_files, write_target};
+use photosite::{Error, Result};
+
+use super::println_out;
+
+/// Write a calibration target: to print, to photograph, or for other programs.
+///
+/// The extension of FILE says what is written: .svg and .pdf are pages in true size (print them at 100 %), .toml is a
+/// capture file that photographs the target, .obj (with .mtl) its mesh, .json its points and markers. Sizes are the keys of
+/// [[targets]] in a capture file: photosite target chessboard --set squares=[10,7] --set square_mm=25 -o board.pdf
+#[derive(Args)]
+pub(super) struct TargetArgs {
+    /// What to write.
+    #[arg(value_parser = kinds())]
+    kind: TargetKind,
+    /// .svg, .pdf, .toml, .obj or .json.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Change a size or another key of the target, for example --set square_mm=20.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Overwrite an earlier file.
+    #[arg(long)]
+    force: bool,
+}
+
+/// The kinds by their names.
+fn kinds() -> impl TypedValueParser<Value = TargetKind> {
+    let values = TargetKind::ALL.iter().map(|kind| PossibleValue::new(kind.name()).help(kind.summary()));
+    PossibleValuesParser::new(values).try_map(|name| {
+        let named = TargetKind::ALL.iter().find(|kind| kind.name() == name);
+        named.copied().ok_or_else(|| format!("there is no target {name}"))
+    })
+}
+
+pub(super) fn run(args: &TargetArgs) -> Result<()> {
+    if let Some(path) = target_files(&args.output)?.into_iter().find(|path| path.exists() && !args.force) {
+        return Err(Error::Usage {
+            message: format!("{} is there already", path.display()),
+            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
+        });
+    }
+    let (description, target) = read_target(args.kind, &args.overrides)?;
+    write_target(&args.output, &description, &target)?;
+    if args.quiet {
+        return Ok(());
+    }
+    let size = target.size_m() * 1e3;
+    // Whole micrometres.
+    let mm = |x: f64| (x * 1e3).round() / 1e3;
+    let (path, kind, points) = (args.output.display(), args.kind.name(), target.points.len());
+    println_out(&format!("{path}: {kind}, {} × {} mm, points: {points}", mm(size.x), mm(size.y)))
+}
