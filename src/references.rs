@@ -282,3 +282,14 @@
 //!
 //! ## MeiRives07
 //! C. Mei, P. Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids", IEEE ICRA, 3945–3950 (2007).
+//!
+//! ## HosekWilkie12
+//! L. Hosek, A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics 31(4) (2012).
+//!
+//! ## HosekWilkie13
+//! L. Hosek, A. Wilkie, "Adding a Solar-Radiance Function to the Hošek–Wilkie Skylight Model", IEEE Computer Graphics and
+//! Applications 33(3) (2013).
+//!
+//! ## LM63
+//! ANSI/IES LM-63, *Standard File Format for the Electronic Transfer of Photometric Data and Related Information*, editions
+//! of 1986 to 2019.

@@ -131,16 +131,19 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
     let triangles = |mesh: usize| scene.meshes[mesh].triangles.len();
     let named = |name: &str| if name.is_empty() { "unnamed".to_owned() } else { name.to_owned() };
     let emits = |m: &&MaterialDescription| m.emission.is_some();
-    let kind = |kind| match kind {
+    let kind = |kind: &LightKind| match kind {
         LightKind::Point => "point",
         LightKind::Spot { .. } => "spot",
         LightKind::Directional => "directional",
+        LightKind::Profile(_) => "profile",
+        LightKind::Projector(_) => "projector",
     };
     let environment = scene.environment.as_ref().map(|environment| match environment {
         EnvironmentDescription::Constant { luminance_nit: Some(nit), .. } => {
             format!("the same light everywhere, {} lux on a plane", round(PI * nit))
         }
         EnvironmentDescription::Constant { luminance_nit: None, .. } => "the same light everywhere".to_owned(),
+        EnvironmentDescription::Sky(_) => "the sky by day".to_owned(),
         EnvironmentDescription::Picture { image, .. } => {
             format!("the picture {}, {} × {} pixels", image.name, image.width, image.height)
         }
@@ -153,7 +156,7 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
         "textures": scene.images.len(),
         "materials": scene.materials.iter().map(|m| named(&m.name)).collect::<Vec<_>>(),
         "emitting_materials": scene.materials.iter().filter(emits).map(|m| named(&m.name)).collect::<Vec<_>>(),
-        "lights": scene.lights.iter().map(|l| json!({"name": named(&l.name), "type": kind(l.kind)})).collect::<Vec<_>>(),
+        "lights": scene.lights.iter().map(|l| json!({"name": named(&l.name), "type": kind(&l.kind)})).collect::<Vec<_>>(),
         "environment": environment,
         "cameras": scene.cameras.iter().map(|c| named(&c.name)).collect::<Vec<_>>(),
     }))

@@ -16,8 +16,8 @@ pub(super) fn add(lens: &LensDescription, camera: &Camera, window: &Window, raw:
     let [x, y] = window.region.map_or([0, 0], |region| [region.x, region.y]);
     let seen = Area { x, y, width: width * across, height: height * down };
     raw.metadata.gain_map = match lens.falloff {
-        Falloff::None => None,
-        Falloff::Cos4 => gain_map(camera, seen),
+        Falloff::None if lens.stops.is_empty() => None,
+        Falloff::None | Falloff::Cos4 => gain_map(camera, seen),
     };
     raw.metadata.warp = polynomial(&lens.projection).filter(|_| can_correct(camera, window)).map(|(k, p)| {
         let Intrinsics { fx, cx, cy, .. } = camera.intrinsics();
@@ -73,7 +73,8 @@ fn gain_map(camera: &Camera, area: Area) -> Option<GainMap> {
         let part = [i % columns, i / columns].map(|n| n as f64);
         let x = area.x as f64 + part[0] / (columns - 1) as f64 * area.width as f64;
         let y = area.y as f64 + part[1] / (rows - 1) as f64 * area.height as f64;
-        camera.relative_illumination(DVec2::new(x, y)).map_or(1.0, |illumination| 1.0 / illumination as f32)
+        let illumination = camera.relative_illumination(DVec2::new(x, y)).filter(|illumination| *illumination > 0.0);
+        illumination.map_or(1.0, |illumination| 1.0 / illumination as f32)
     };
     GainMap::new(columns, rows, (0..columns * rows).map(gain).collect()).ok()
 }

@@ -81,8 +81,10 @@ pub fn render(
                     let position = DVec2::new(x as f64 + f64::from(dx), y as f64 + f64::from(dy));
                     // A camera that stands still needs no time, and its samples stay what they are.
                     let time = if job.camera.moves() { sampler.next_1d() } else { 0.0 };
-                    let Some(camera_ray) = job.camera.generate_at(position, aperture, time) else { continue };
-                    let through = spectra.sample(transmittance, &lambda) * camera_ray.weight;
+                    let spread = if job.camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
+                    let ray = job.camera.generate_spectral(position, aperture, time, spread, &mut lambda);
+                    let Some((camera_ray, weights)) = ray else { continue };
+                    let through = spectra.sample(transmittance, &lambda) * weights * camera_ray.weight;
                     let arriving = radiance(job.scene, camera_ray.ray, &mut lambda, &mut sampler, limits);
                     row.add(x, arriving * through, &lambda);
                 }

@@ -8,6 +8,7 @@ mod environment;
 pub mod exr;
 pub mod gltf;
 mod icc;
+mod ies;
 pub mod image_sets;
 mod json;
 pub mod linear_picture;

@@ -7,11 +7,13 @@ use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
 
 use super::aperture::Aperture;
 use super::{
-    Falloff, FieldOfView, Focus, Intrinsics, LensDescription, LensKind, Projection, Reach, ReachEnd, Recording, Seen,
+    Falloff, FieldOfView, Focus, Intrinsics, LateralColour, LensDescription, LensKind, PointSpread, Projection, Reach,
+    ReachEnd, Recording, Seen, Stop,
 };
 use crate::Invalid;
 use crate::geometry::Ray;
 use crate::sabotage::{Fault, flip};
+use crate::spectrum::{SampledSpectrum, Wavelengths};
 
 /// The grid of pixels behind the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,10 +35,17 @@ pub struct Camera {
     /// Distance lens → sensor, m.
     image_distance_m: f64,
     resolution: [u32; 2],
+    /// Width and height of a pixel, m.
+    pitch_m: [f64; 2],
     intrinsics: Intrinsics,
     projection: Projection,
     reach: Reach,
     falloff: Falloff,
+    /// Distance lens → sensor over the diameter of the aperture.
+    working_f_number: f64,
+    point_spread: Option<PointSpread>,
+    lateral_colour: Option<LateralColour>,
+    stops: Vec<Stop>,
     /// `None` where nothing moves.
     recording: Option<Recording>,
     /// Which part of the picture's time has gone by, 0 to 1, where it is always the same.
@@ -94,10 +103,15 @@ impl Camera {
             focus_distance_m: u,
             image_distance_m: v,
             resolution: grid.resolution,
+            pitch_m: grid.pitch_m,
             intrinsics,
             projection: lens.projection,
             reach: lens.projection.reach(lens.max_angle_rad),
             falloff: lens.falloff,
+            working_f_number: v * lens.f_number / f,
+            point_spread: lens.point_spread.clone(),
+            lateral_colour: lens.lateral_colour.clone(),
+            stops: lens.stops.clone(),
             recording: None,
             time: 0.0,
             scans: false,
@@ -212,7 +226,12 @@ impl Camera {
     /// What a pixel position sees, in camera space of glTF (x right, y up, z backward); `None` out of the lens's reach.
     #[inline]
     pub fn seen(&self, pixel: DVec2) -> Option<Seen> {
-        let Seen { direction, solid_angle } = self.projection.unproject(self.place(pixel), &self.reach)?;
+        self.seen_at(self.place(pixel))
+    }
+
+    #[inline]
+    fn seen_at(&self, place: DVec2) -> Option<Seen> {
+        let Seen { direction, solid_angle } = self.projection.unproject(place, &self.reach)?;
         Some(Seen { direction: DVec3::new(direction.x, -direction.y, -direction.z), solid_angle })
     }
 
@@ -249,20 +268,75 @@ impl Camera {
     /// The same ray at the sample `u_time` in [0, 1) of the exposure of the pixel's row.
     #[inline]
     pub fn generate_at(&self, pixel: DVec2, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
-        let (to_world, time) = self.pose(pixel.y.floor(), u_time);
-        let seen = self.seen(pixel)?;
+        self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, u_time)
+    }
+
+    /// Whether a path needs a sample of the point spread.
+    pub fn spreads_points(&self) -> bool {
+        self.point_spread.is_some()
+    }
+
+    /// The same ray through a lens with a point spread and lateral colour, and what each wavelength counts. Lateral colour
+    /// leaves only the hero, whose direction it is.
+    #[inline]
+    pub fn generate_spectral(
+        &self,
+        pixel: DVec2,
+        aperture_sample: [f32; 2],
+        u_time: f32,
+        spread_sample: [f32; 2],
+        wavelengths: &mut Wavelengths,
+    ) -> Option<(CameraRay, SampledSpectrum)> {
+        let mut place = self.place(pixel);
+        let mut weights = SampledSpectrum::ONE;
+        if let Some(lateral) = &self.lateral_colour {
+            wavelengths.terminate_secondary();
+            place /= lateral.magnification(f64::from(wavelengths.lambda_nm(0)));
+        }
+        if let Some(spread) = &self.point_spread {
+            let in_picture = pixel / DVec2::from_array(self.resolution.map(f64::from)) * 2.0 - 1.0;
+            let (offset, of_wavelengths) = spread.sample(spread_sample, wavelengths, self.working_f_number, in_picture);
+            let Intrinsics { fx, fy, .. } = self.intrinsics;
+            place += offset / DVec2::new(self.pitch_m[0] * fx, self.pitch_m[1] * fy);
+            weights = of_wavelengths;
+        }
+        Some((self.ray(place, pixel.y.floor(), aperture_sample, u_time)?, weights))
+    }
+
+    #[inline]
+    fn ray(&self, place: DVec2, row: f64, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
+        let (to_world, time) = self.pose(row, u_time);
+        let seen = self.seen_at(place)?;
         let chief = self.chief(&seen);
         let opening = match self.kind {
             LensKind::Pinhole => DVec2::ZERO,
             LensKind::Thin => self.aperture.sample(aperture_sample) * flip(Fault::ApertureRadiusDoubled, 1.0, 2.0),
         };
         let origin = self.in_pupil(opening, &seen);
-        let towards = if self.focus_distance_m.is_finite() { chief - origin / self.focus_distance_m } else { chief };
+        let towards = self.towards(chief, origin);
+        if !self.passes(chief, opening, towards) {
+            return None;
+        }
         let v = self.image_distance_m;
         let weight = self.aperture.area() * self.falloff_at(&seen, opening) / (v * v);
         let origin = to_world.transform_point3(origin);
         let direction = to_world.transform_vector3(towards).normalize();
         Some(CameraRay { ray: Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time), weight: weight as f32 })
+    }
+
+    /// From a point of the pupil to what is in focus, in units of the focus distance.
+    #[inline]
+    fn towards(&self, chief: DVec3, origin: DVec3) -> DVec3 {
+        if self.focus_distance_m.is_finite() { chief - origin / self.focus_distance_m } else { chief }
+    }
+
+    /// Whether all stops let light through.
+    #[inline]
+    fn passes(&self, chief: DVec3, opening: DVec2, towards: DVec3) -> bool {
+        let v = self.image_distance_m;
+        // The picture lies upside down behind the lens.
+        let sensor = DVec2::new(chief.x, chief.y) * -v;
+        self.stops.iter().all(|stop| stop.passes(opening, towards, sensor, v))
     }
 
     /// A point of the entrance pupil in camera space: across the axis, or turned about the centre on the shortest way to
@@ -298,15 +372,21 @@ impl Camera {
 
     /// Irradiance at a pixel position over that on the axis, under even light. `None` where the position sees nothing.
     pub fn relative_illumination(&self, pixel: DVec2) -> Option<f64> {
-        // The integrand is smooth: 16 × 16 cells leave an error below 1e-4 even at f/1.
-        const CELLS: u16 = 16;
+        // The integrand is smooth: 16 × 16 cells leave an error below 1e-4 even at f/1. The edge of a stop crosses some 4·128
+        // of 128² cells, each right to a half of itself at random: 1e-3.
+        let cells: u16 = if self.stops.is_empty() { 16 } else { 128 };
         let mean = |seen: &Seen| -> f64 {
-            let centre = |i: u16| (f32::from(i) + 0.5) / f32::from(CELLS);
-            let opening = |i: u16| match self.kind {
-                LensKind::Pinhole => DVec2::ZERO,
-                LensKind::Thin => self.aperture.sample([centre(i % CELLS), centre(i / CELLS)]),
+            let centre = |i: u16| (f32::from(i) + 0.5) / f32::from(cells);
+            let chief = self.chief(seen);
+            let through = |i: u16| {
+                let opening = match self.kind {
+                    LensKind::Pinhole => DVec2::ZERO,
+                    LensKind::Thin => self.aperture.sample([centre(i % cells), centre(i / cells)]),
+                };
+                let towards = self.towards(chief, self.in_pupil(opening, seen));
+                if self.passes(chief, opening, towards) { self.falloff_at(seen, opening) } else { 0.0 }
             };
-            (0..CELLS * CELLS).map(|i| self.falloff_at(seen, opening(i))).sum()
+            (0..cells * cells).map(through).sum()
         };
         let on_axis = Seen { direction: DVec3::NEG_Z, solid_angle: 1.0 };
         Some(mean(&self.seen(pixel)?) / mean(&on_axis))
@@ -490,6 +570,63 @@ mod tests {
         for k1 in [-0.4, 0.4] {
             // The rim of the disk crosses some 1000 of 30 000 cells, each known to half a cell: √1000/2/30 000 = 5e-4.
             assert!((power(barrel(k1)) / ideal - 1.0).abs() < 2e-3, "{k1}: {} {ideal}", power(barrel(k1)));
+        }
+    }
+
+    /// Area common to two circles whose centres are `d` apart.
+    fn overlap(a: f64, b: f64, d: f64) -> f64 {
+        if d >= a + b {
+            return 0.0;
+        }
+        if d <= (a - b).abs() {
+            return std::f64::consts::PI * a.min(b).powi(2);
+        }
+        let angle = |r: f64, other: f64| ((d * d + r * r - other * other) / (2.0 * d * r)).clamp(-1.0, 1.0).acos();
+        let segment = |r: f64, other: f64| {
+            let half = angle(r, other);
+            r * r * (half - half.sin() * half.cos())
+        };
+        segment(a, b) + segment(b, a)
+    }
+
+    #[test]
+    fn stops_leave_the_overlap_of_two_circles() {
+        // f = 4 mm at f/2: R = 1 mm.
+        let mut lens = LensDescription::thin(0.004, 2.0, Focus::Infinity);
+        lens.falloff = Falloff::None;
+        // A stop in front is seen along the ray, one behind between lens and sensor, where light converges.
+        for (distance_m, radius_m) in [(0.003, 0.0012), (0.006, 0.0015), (-0.002, 0.0009)] {
+            lens.stops = vec![Stop { distance_m, radius_m }];
+            let camera = camera(&lens);
+            for x in [0.0, 80.0, 160.0, 300.0] {
+                let tan = x * 5e-6 / 0.004;
+                let (radius, apart) = match distance_m {
+                    d if d > 0.0 => (radius_m, d * tan),
+                    // At half of the way to the sensor, the light is half as wide and half as far out as the picture.
+                    _ => (radius_m * 2.0, 2.0 * 0.5 * 0.004 * tan),
+                };
+                let open = overlap(0.001, radius, 0.0);
+                let expected = overlap(0.001, radius, apart) / open;
+                let found = camera.relative_illumination(DVec2::new(320.0 + x, 240.0)).expect("in reach");
+                assert!((found - expected).abs() < 3e-3, "{distance_m} {x}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn lateral_colour_moves_the_picture_of_the_hero() {
+        let mut lens = LensDescription::thin(0.004, 2.0, Focus::Infinity);
+        lens.lateral_colour = Some(LateralColour { points: vec![(450.0, 0.998), (650.0, 1.002)] });
+        let camera = camera(&lens);
+        for (lambda, magnification) in [(400.0, 0.998), (550.0, 1.0), (600.0, 1.001)] {
+            let mut wavelengths = Wavelengths::new([lambda, 500.0, 550.0, 600.0], [1.0; 4]);
+            let pixel = DVec2::new(600.5, 100.5);
+            let (ray, _) = camera.generate_spectral(pixel, [0.5; 2], 0.0, [0.0; 2], &mut wavelengths).expect("light");
+            assert!(wavelengths.is_hero_alone());
+            let expected = DVec2::new(320.0, 240.0) + (pixel - DVec2::new(320.0, 240.0)) / magnification;
+            let found = camera.project_camera(ray.ray.direction.as_dvec3()).expect("in reach");
+            // f32 directions: 1e-7 of 800 px.
+            assert!((found - expected).length() < 2e-4, "{lambda}: {found} {expected}");
         }
     }
 }

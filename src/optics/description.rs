@@ -1,6 +1,6 @@
 //! A lens as a user describes it, checked.
 
-use super::Projection;
+use super::{LateralColour, PointSpread, Projection, Stop};
 use crate::Invalid;
 use crate::spectrum::Spectrum;
 
@@ -27,6 +27,12 @@ pub struct LensDescription {
     pub projection: Projection,
     /// Angle from the axis beyond which the lens sees nothing, rad; `None` for all that its projection can show.
     pub max_angle_rad: Option<f64>,
+    /// The picture of a point; `None` for a point.
+    pub point_spread: Option<PointSpread>,
+    /// Lateral chromatic aberration; `None` for none.
+    pub lateral_colour: Option<LateralColour>,
+    /// What cuts off light beside the aperture.
+    pub stops: Vec<Stop>,
     /// Intrinsics given directly, in place of those that follow from v and the pixel pitch.
     pub intrinsics: Option<Intrinsics>,
 }
@@ -92,6 +98,9 @@ impl LensDescription {
             transmittance: Spectrum::constant(1.0),
             projection: Projection::Perspective,
             max_angle_rad: None,
+            point_spread: None,
+            lateral_colour: None,
+            stops: Vec::new(),
             intrinsics: None,
         }
     }
@@ -123,6 +132,10 @@ impl LensDescription {
         }
         if let Some(angle) = self.max_angle_rad {
             positive("max_angle_deg", angle.to_degrees(), "°", "85.0")?;
+        }
+        if !self.stops.is_empty() && !self.projection.is_flat() {
+            let message = "a lens that can see more than a half-space has no axis for stops to stand across";
+            return Err(Invalid::new("stops", message).help("remove them, or take a perspective lens"));
         }
         if let Some(i) = self.intrinsics {
             positive("intrinsics.fx", i.fx, " px", "1200.0")?;

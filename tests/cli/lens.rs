@@ -51,6 +51,13 @@ fn points_appear_where_the_model_puts_them(#[case] lens: &str, #[case] column: f
 #[case::xi("xi = 1\nprojection = 'fisheye'", &["lens.xi", "omnidirectional"])]
 #[case::no_xi("projection = 'omnidirectional'", &["the key `xi` is missing"])]
 #[case::angle("max_angle_deg = -3", &["lens.max_angle_deg"])]
+#[case::sigma("psf = { kind = 'gaussian', sigma_um = -1 }", &["lens.psf.sigma_um", "above 0"])]
+#[case::psf("psf = { kind = 'gauss' }", &["lens.psf", "gaussian"])]
+#[case::kernel("psf = { kind = 'kernel', pitch_um = 1, kernels = [{ file = 'none.csv' }] }", &["none.csv", "cannot be read"])]
+#[case::no_kernel("psf = { kind = 'kernel', pitch_um = 1, kernels = [] }", &["lens.psf.kernels", "there is none"])]
+#[case::lateral("lateral_colour = { wavelength_nm = [450, 650], magnification = [1] }", &["2 wavelengths have 1"])]
+#[case::stop("stops = [{ distance_mm = 3, radius_mm = 0 }]", &["radius_mm", "above 0"])]
+#[case::no_axis("projection = 'fisheye'\nstops = [{ distance_mm = 3, radius_mm = 2 }]", &["lens.stops", "perspective"])]
 fn what_no_lens_can_be_is_refused(#[case] lens: &str, #[case] words: &[&str]) {
     let folder = capture(&format!("{K}\n{lens}"));
     folder.add("points.csv", "");
@@ -67,4 +74,28 @@ fn info_says_how_far_the_lens_reaches() {
     // 400 px a radian.
     let reach = facts["lens_reach_px"][0].as_f64().expect("a number");
     assert!((reach - 400.0 * 30.0_f64.to_radians()).abs() < 1e-2, "{reach}");
+}
+
+#[test]
+fn sweeps_change_focus_and_focal_length_on_the_command_line() {
+    let folder = capture("focal_length_mm = 4");
+    let focus = |options: &str| {
+        let facts: Value =
+            serde_json::from_str(&folder.succeed(&format!("info capture.toml --json{options}")).stdout).expect("JSON");
+        facts["focus"].as_str().expect("text").to_owned()
+    };
+    assert_eq!(focus(""), "2 m");
+    folder.add("points.csv", "1, 0, 0\n");
+    let column = |options: &str| -> f64 {
+        let answer = folder.succeed(&format!("project capture.toml --points points.csv {options}")).stdout;
+        answer.split(',').next().expect("a column").parse().expect("a number")
+    };
+    // f/(1 − f/u) over the pixel pitch, times 1/2 of the distance.
+    for (f, u) in [(4.0, 2.0), (4.0, 0.5), (8.0, 2.0)] {
+        let found = column(&format!("--set lens.focal_length_mm={f} --set lens.focus_distance_m={u}"));
+        let expected = 319.5 + 0.5 * f / (1.0 - f * 1e-3 / u) / 4e-3;
+        assert!((found - expected).abs() < 1e-9, "{f} {u}: {found} {expected}");
+    }
+    // What the file says of focus gives way.
+    column("--set lens.autofocus_px=centre");
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::aberrations::{lateral_colour, point_spread, stops};
 use super::colour::Finder;
 use super::projection::projection;
 use super::tables::{AutofocusTable, FalloffName, FocusDistance, IntrinsicsTable, LensTable, LensType};
@@ -66,6 +67,19 @@ pub(super) fn describe_lens(
             None => crate::spectrum::Spectrum::constant(1.0),
         },
         projection,
+        point_spread: table
+            .psf
+            .as_ref()
+            .map(|psf| point_spread(finder, psf))
+            .transpose()
+            .map_err(|e| e.within("psf"))?,
+        lateral_colour: table
+            .lateral_colour
+            .as_ref()
+            .map(lateral_colour)
+            .transpose()
+            .map_err(|e| e.within("lateral_colour"))?,
+        stops: stops(&table.stops)?,
         max_angle_rad: table.max_angle_deg.map(f64::to_radians),
         intrinsics,
     };

@@ -13,7 +13,7 @@
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[[targets]]` | calibration targets | `target.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
-//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs` |
+//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs`, `aberrations.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
 //! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
@@ -21,6 +21,7 @@
 //! The keys are documented where they are declared, in `tables/`; [`capture_schema`] makes a JSON Schema of that.
 //! Rendering is left to others.
 
+mod aberrations;
 mod camera;
 mod colour;
 mod develop;

@@ -9,15 +9,27 @@ use crate::{Error, Result};
 /// from 0 (`lights.0.intensity_cd`); the value is TOML, or a bare word that stands for itself.
 pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
     let (key, value) = argument.split_once('=').unwrap_or((argument, ""));
-    if let Some(key) = key.trim().strip_prefix("exposure.") {
-        alternatives(key, value.trim()).iter().for_each(|other| source.remove("exposure", other));
+    if let Some((table, key)) = key.trim().split_once('.') {
+        alternatives(table, key, value.trim()).iter().for_each(|other| source.remove(table, other));
     }
     set_in(source, "", "lens.f_number=4", argument)
 }
 
-/// Keys of `[exposure]` that say in another way what this one says. In a file the two cannot stand together; on the command
+/// Keys of the same table that say in another way what this one says. In a file the two cannot stand together; on the command
 /// line, where nothing can be taken away, the one takes the place of the other.
-fn alternatives(key: &str, value: &str) -> &'static [&'static str] {
+fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] {
+    match table {
+        "exposure" => alternatives_in_exposure(key, value),
+        "lens" => match key {
+            "focus_distance_m" => &["autofocus_px"],
+            "autofocus_px" => &["focus_distance_m"],
+            _ => &[],
+        },
+        _ => &[],
+    }
+}
+
+fn alternatives_in_exposure(key: &str, value: &str) -> &'static [&'static str] {
     match (key, value) {
         ("iso", _) => &["gain_db", "digital_gain_db"],
         ("gain_db" | "digital_gain_db", _) => &["iso"],

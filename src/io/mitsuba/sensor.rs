@@ -69,6 +69,15 @@ pub(super) fn sensor(
             out.approximate(format!("the {} projection of [lens]: it becomes perspective", projection.name()));
         }
     }
+    for (is_there, what) in [
+        (lens.point_spread.is_some(), "psf of [lens]: points stay points"),
+        (lens.lateral_colour.is_some(), "lateral_colour of [lens]: all wavelengths are as large"),
+        (!lens.stops.is_empty(), "stops of [lens]: they cut off nothing"),
+    ] {
+        if is_there {
+            out.approximate(what);
+        }
+    }
     if lens.max_angle_rad.is_some() {
         out.approximate("max_angle_deg of [lens]: the picture is not cut off there");
     }

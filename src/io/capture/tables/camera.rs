@@ -84,6 +84,13 @@ pub(crate) struct LensTable {
     /// Angle from the axis beyond which the lens sees nothing: the rim of its image circle. Left out: all that its
     /// projection can show.
     pub(crate) max_angle_deg: Option<f64>,
+    /// The picture of a point. Left out: a point.
+    pub(crate) psf: Option<PointSpreadTable>,
+    /// Lateral chromatic aberration. Left out: none.
+    pub(crate) lateral_colour: Option<LateralColourTable>,
+    /// Rings that cut off light beside the aperture. Left out: none.
+    #[serde(default)]
+    pub(crate) stops: Vec<StopTable>,
     /// The pinhole matrix, in place of the one that follows from focal length and focus.
     pub(crate) intrinsics: Option<IntrinsicsTable>,
 }
@@ -174,6 +181,58 @@ pub(crate) enum DistortionModel {
     Division,
     /// The radius θ + k₁θ³ + k₂θ⁵ + k₃θ⁷ + k₄θ⁹ of a fisheye.
     KannalaBrandt,
+}
+
+/// The picture of a point.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub(crate) enum PointSpreadTable {
+    /// The same at all wavelengths.
+    Gaussian {
+        /// Standard deviation along each axis, µm on the sensor.
+        sigma_um: f64,
+    },
+    /// Diffraction at a round aperture, for each wavelength.
+    Airy,
+    /// As measured.
+    Kernel {
+        /// Distance between the values of the files, µm on the sensor.
+        pitch_um: f64,
+        /// At least one; the nearest counts.
+        kernels: Vec<KernelTable>,
+    },
+}
+
+/// A measured picture of a point.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct KernelTable {
+    /// CSV file: a row of numbers a line; only their ratios count.
+    pub(crate) file: String,
+    /// Where in the picture it was measured, from −1 at the left and the top edge to 1 at the opposite ones. Left out: the
+    /// middle.
+    #[serde(default)]
+    pub(crate) at: [f64; 2],
+}
+
+/// Size of the picture by wavelength.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LateralColourTable {
+    /// nm, rising.
+    pub(crate) wavelength_nm: Vec<f64>,
+    /// Magnification about the principal point at each, for example 1.001; linear between them.
+    pub(crate) magnification: Vec<f64>,
+}
+
+/// A round opening across the axis.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StopTable {
+    /// Distance before the lens, mm; below 0 behind it.
+    pub(crate) distance_mm: f64,
+    /// Radius, mm.
+    pub(crate) radius_mm: f64,
 }
 
 /// A pinhole matrix in OpenCV's convention: the centre of the top-left pixel is (0, 0).

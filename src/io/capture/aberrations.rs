@@ -1,0 +1,82 @@
+//! `psf`, `lateral_colour` and `stops` of `[lens]`: from the keys to their meaning.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use super::colour::Finder;
+use super::tables::{LateralColourTable, PointSpreadTable, StopTable};
+use crate::Invalid;
+use crate::optics::{Kernel, KernelField, LateralColour, PointSpread, Stop};
+
+pub(super) fn point_spread(finder: &Finder<'_>, table: &PointSpreadTable) -> Result<PointSpread, Invalid> {
+    match table {
+        PointSpreadTable::Gaussian { sigma_um } => {
+            Ok(PointSpread::Gaussian { sigma_m: positive("sigma_um", *sigma_um, "1.5")? * 1e-6 })
+        }
+        PointSpreadTable::Airy => Ok(PointSpread::Airy),
+        PointSpreadTable::Kernel { pitch_um, kernels } => {
+            let pitch_m = positive("pitch_um", *pitch_um, "0.5")? * 1e-6;
+            let kernels = kernels.iter().enumerate().map(|(i, kernel)| {
+                let measured = measured(finder, &kernel.file, pitch_m);
+                let measured = measured.map_err(|invalid| invalid.within(&format!("kernels[{i}]")))?;
+                Ok((DVec2::from_array(kernel.at), measured))
+            });
+            Ok(PointSpread::Measured(Arc::new(KernelField::new(kernels.collect::<Result<_, Invalid>>()?)?)))
+        }
+    }
+}
+
+/// A kernel from a CSV file.
+fn measured(finder: &Finder<'_>, file: &str, pitch_m: f64) -> Result<Kernel, Invalid> {
+    let path = finder.path(file);
+    let wrong = |message: String| Invalid::new("file", format!("{}: {message}", path.display()));
+    let text = std::fs::read_to_string(&path).map_err(|reason| {
+        wrong(format!("cannot be read: {reason}")).help("paths are relative to the file that they are written in")
+    })?;
+    let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or_default().trim()));
+    let row = |(number, line): (usize, &str)| {
+        let values: Result<Vec<f32>, _> = line.split(',').map(|value| value.trim().parse()).collect();
+        values.map_err(|_| wrong(format!("line {number} is no row of numbers: {line}")).help("write 0.1, 0.5, 0.1"))
+    };
+    let rows = lines.filter(|(_, line)| !line.is_empty()).map(row).collect::<Result<Vec<_>, _>>()?;
+    Kernel::new(&rows, pitch_m).map_err(|invalid| Invalid {
+        message: wrong(invalid.message).message,
+        key: "file".to_owned(),
+        ..invalid
+    })
+}
+
+pub(super) fn lateral_colour(table: &LateralColourTable) -> Result<LateralColour, Invalid> {
+    let LateralColourTable { wavelength_nm, magnification } = table;
+    if wavelength_nm.is_empty() || wavelength_nm.len() != magnification.len() {
+        let message = format!("{} wavelengths have {} magnifications", wavelength_nm.len(), magnification.len());
+        let help = "write as many of each, such as wavelength_nm = [450, 650] and magnification = [0.9995, 1.0005]";
+        return Err(Invalid::new("magnification", message).help(help));
+    }
+    if !wavelength_nm.is_sorted_by(|a, b| a < b) {
+        return Err(Invalid::new("wavelength_nm", "must rise from each to the next"));
+    }
+    magnification.iter().try_for_each(|m| positive("magnification", *m, "[0.9995, 1.0005]").map(drop))?;
+    Ok(LateralColour { points: wavelength_nm.iter().copied().zip(magnification.iter().copied()).collect() })
+}
+
+pub(super) fn stops(tables: &[StopTable]) -> Result<Vec<Stop>, Invalid> {
+    let stop = |(i, table): (usize, &StopTable)| {
+        let key = |key: &str| format!("stops[{i}].{key}");
+        if !table.distance_mm.is_finite() {
+            return Err(Invalid::new(key("distance_mm"), format!("must be finite, got {}", table.distance_mm)));
+        }
+        let radius_mm = positive(&key("radius_mm"), table.radius_mm, "12")?;
+        Ok(Stop { distance_m: table.distance_mm / 1e3, radius_m: radius_mm / 1e3 })
+    };
+    tables.iter().enumerate().map(stop).collect()
+}
+
+fn positive(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    let help = format!("for example {} = {example}", key.rsplit('.').next().unwrap_or(key));
+    Err(Invalid::new(key, format!("must be above 0, got {value}")).help(help))
+}
