@@ -118,7 +118,7 @@ class View:
         self.board = np.array([[*point["xy_mm"], 0.0] for point in board["points"]]) / 1e3
         world = np.array(board["points_world_m"]).reshape(-1, 1, 3)
         pose = cv2.Rodrigues(self.rotation)[0], self.translation
-        if camera["projection"] == "fisheye":
+        if camera["projection"] == "kannala-brandt":
             truth, _ = cv2.fisheye.projectPoints(world, *pose, self.matrix, self.distortion)
         else:
             truth, _ = cv2.projectPoints(world, *pose, self.matrix, self.distortion)
@@ -174,7 +174,7 @@ def calibrate(name, target, lens, detector, closer=1.0):
     corners = [corners.astype(np.float64).reshape(-1, 1, 2) for _, corners in found]
     matrix, distortion = views[0].matrix, views[0].distortion
     if lens == FISHEYE:
-        flags = cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW
+        flags = cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW
         rms, got, coefficients, _, _ = cv2.fisheye.calibrate(boards, corners, SIZE, None, None, flags=flags)
     else:
         as_f32 = [[part.astype(np.float32) for part in parts] for parts in (boards, corners)]
