@@ -195,20 +195,18 @@ fn of_profile(bytes: &[u8]) -> Result<Meaning, Invalid> {
         let evaluator = trc.make_linear_evaluator().map_err(damaged)?;
         Ok(Box::new(move |code| evaluator.evaluate_value(code)))
     };
-    match profile.color_space {
-        DataColorSpace::Gray => {
-            let [r, g, b] = [(); 3].map(|()| curve(&profile.gray_trc));
-            Ok(Meaning { curves: [r?, g?, b?], to_srgb: DMat3::IDENTITY })
-        }
-        DataColorSpace::Rgb => {
-            let [r, g, b] = [&profile.red_trc, &profile.green_trc, &profile.blue_trc].map(curve);
-            let colorants = [profile.red_colorant, profile.green_colorant, profile.blue_colorant];
-            let to_xyz = colorants.map(|c| DVec3::new(c.x, c.y, c.z));
-            let to_xyz = DMat3::from_cols(to_xyz[0], to_xyz[1], to_xyz[2]);
-            Ok(Meaning { curves: [r?, g?, b?], to_srgb: ColourSpace::Srgb.from_xyz(D50) * to_xyz })
-        }
-        other => Err(not_read("ICC profile", &format!("colours of the kind {other:?}"))),
+    if profile.color_space == DataColorSpace::Gray {
+        let [r, g, b] = [(); 3].map(|()| curve(&profile.gray_trc));
+        return Ok(Meaning { curves: [r?, g?, b?], to_srgb: DMat3::IDENTITY });
     }
+    if profile.color_space == DataColorSpace::Rgb {
+        let [r, g, b] = [&profile.red_trc, &profile.green_trc, &profile.blue_trc].map(curve);
+        let colorants = [profile.red_colorant, profile.green_colorant, profile.blue_colorant];
+        let to_xyz = colorants.map(|c| DVec3::new(c.x, c.y, c.z));
+        let to_xyz = DMat3::from_cols(to_xyz[0], to_xyz[1], to_xyz[2]);
+        return Ok(Meaning { curves: [r?, g?, b?], to_srgb: ColourSpace::Srgb.from_xyz(D50) * to_xyz });
+    }
+    Err(not_read("ICC profile", &format!("colours of the kind {:?}", profile.color_space)))
 }
 
 const CONVERT: &str = "convert the picture to sRGB first, or say --linear where its codes are in proportion to light";

@@ -43,9 +43,9 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     // Not with the capacity that the header states, which may be damaged.
     let mut data = Vec::new();
     for number in numbers {
-        let number = number.map_err(|error| match error.kind() {
-            io::ErrorKind::UnexpectedEof => unreadable(&format!("{} numbers instead of {wanted}", data.len())),
-            _ => unreadable(&error),
+        let number = number.map_err(|error| {
+            let is_cut = error.kind() == io::ErrorKind::UnexpectedEof;
+            if is_cut { unreadable(&format!("{} numbers instead of {wanted}", data.len())) } else { unreadable(&error) }
         });
         data.push(number.map_err(|invalid| invalid.help("the file is cut short"))?);
     }

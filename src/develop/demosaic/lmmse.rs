@@ -105,9 +105,10 @@ impl Weights {
         let n = side * side;
         let mut matrix = vec![vec![0.0; n + channels]; n + channels];
         for i in 0..n {
-            for j in 0..n {
-                let [[xi, yi], [xj, yj]] = [step(i), step(j)];
-                matrix[i][j] = covariance([xi - xj, yi - yj], channel(i), channel(j));
+            let [xi, yi] = step(i);
+            for (j, entry) in matrix[i].iter_mut().enumerate().take(n) {
+                let [xj, yj] = step(j);
+                *entry = covariance([xi - xj, yi - yj], channel(i), channel(j));
             }
             matrix[i][i] += NOISE;
             matrix[i][n + channel(i)] = 1.0;
