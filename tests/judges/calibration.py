@@ -175,7 +175,8 @@ def calibrate(name, target, lens, detector, closer=1.0):
     matrix, distortion = views[0].matrix, views[0].distortion
     if lens == FISHEYE:
         flags = cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW
-        rms, got, coefficients, _, _ = cv2.fisheye.calibrate(boards, corners, SIZE, None, None, flags=flags)
+        listed = [[part.reshape(1, -1, part.shape[-1]) for part in parts] for parts in (boards, corners)]
+        rms, got, coefficients, _, _ = cv2.fisheye.calibrate(*listed, SIZE, None, None, flags=flags)
     else:
         as_f32 = [[part.astype(np.float32) for part in parts] for parts in (boards, corners)]
         rms, got, coefficients, _, _ = cv2.calibrateCamera(*as_f32, SIZE, None, None, flags=cv2.CALIB_FIX_K3)
