@@ -30,6 +30,14 @@
 //! ## Png3
 //! W3C, *Portable Network Graphics (PNG) Specification*, 3rd edition (2025); its code points are those of ITU-T H.273.
 //!
+//! ## Zhang05
+//! L. Zhang, X. Wu, "Color Demosaicking via Directional Linear Minimum Mean Square-Error Estimation", IEEE Transactions on
+//! Image Processing 14(12), 2167–2178 (2005).
+//!
+//! ## Chaix07
+//! B. Chaix de Lavarène, D. Alleysson, J. Hérault, "Practical Implementation of LMMSE Demosaicing Using Luminance and
+//! Chrominance Spaces", Computer Vision and Image Understanding 107(1–2), 3–13 (2007).
+//!
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!

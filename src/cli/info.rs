@@ -23,7 +23,7 @@ use super::{print_json, println_out, rounded};
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
 pub(super) struct InfoArgs {
-    /// A .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or the name of a sensor preset.
+    /// A .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a sensor preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -63,7 +63,7 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
             }
             Ok(facts)
         }
-        "dng" => Ok(of_raw(&raw::read(path)?)),
+        "dng" => Ok(of_raw(&raw::read(path)?.linear())),
         "tif" | "tiff" | "pgm" | "ppm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
         _ => {
             let help = "give a .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or a name that `photosite sensors` lists";

@@ -26,3 +26,4 @@ mod report;
 mod room;
 mod same_bytes;
 mod seeds;
+mod targets;
