@@ -371,7 +371,7 @@ mod tests {
         for i in 0..u32::from(n) * u32::from(n) {
             let u = [i % u32::from(n), i / u32::from(n)].map(|i| (i as f32 + 0.5) / f32::from(n));
             if let Some((towards, pdf)) = sky.sample(u) {
-                sum = sum + sky.radiance(&spectra, towards, &wavelengths) * (1.0 / pdf.0);
+                sum += sky.radiance(&spectra, towards, &wavelengths) * (1.0 / pdf.0);
             }
             let uniform = warp::uniform_sphere(u);
             if sky.towards_sun.dot(uniform) < sky.cos_sun_radius {
