@@ -47,6 +47,8 @@ fn main() {
         "rgb_of_hsv": each(&hue::hsv_to_rgb),
         "hsl": each(&hue::rgb_to_hsl),
         "rgb_of_hsl": each(&hue::hsl_to_rgb),
+        "hsi": each(&hue::rgb_to_hsi),
+        "rgb_of_hsi": each(&|c| hue::hsi_to_rgb(hue::rgb_to_hsi(c))),
         "lab": each(&|c| lab(&c)),
         "xyz_of_lab": list(&mut rgb.iter().map(|c| cielab::to_xyz(lab(c), white))),
         "xyy": list(&mut xyz.iter().map(|c| cielab::xyy_from_xyz(*c, white))),

@@ -18,12 +18,13 @@ use photosite::raw::{Cfa, RawImage, write_tiff};
 
 const SIZE: usize = 192;
 const WHITE: f64 = 65_535.0;
-const METHODS: [(&str, Demosaic); 5] = [
+const METHODS: [(&str, Demosaic); 6] = [
     ("nearest", Demosaic::Nearest),
     ("bilinear", Demosaic::Bilinear),
     ("guided", Demosaic::Guided),
     ("malvar", Demosaic::Malvar),
     ("menon", Demosaic::Menon),
+    ("lmmse", Demosaic::Lmmse),
 ];
 
 /// A picture with all channels at every pixel, interleaved.

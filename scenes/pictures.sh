@@ -19,5 +19,6 @@ small=(sensor.pixel_pitch_um='[12, 12]' render.samples_per_pixel=1024)
 picture cornell-box/picture cornell-box/capture.toml
 picture colour-checker/picture-d50 colour-checker/capture-d50.toml "${small[@]}" sensor.resolution_px='[400, 300]' exposure.time_s=0.005
 picture colour-checker/picture-a colour-checker/capture-a.toml "${small[@]}" sensor.resolution_px='[400, 300]' exposure.time_s=0.005
+picture targets/picture targets/capture.toml
 picture depth-of-field/picture depth-of-field/capture.toml "${small[@]}" sensor.resolution_px='[400, 260]' exposure.time_s=0.0025
 picture balls/picture balls/capture.toml "${small[@]}" sensor.resolution_px='[400, 260]' exposure.time_s=0.00025

@@ -30,6 +30,14 @@
 //! ## Png3
 //! W3C, *Portable Network Graphics (PNG) Specification*, 3rd edition (2025); its code points are those of ITU-T H.273.
 //!
+//! ## Zhang05
+//! L. Zhang, X. Wu, "Color Demosaicking via Directional Linear Minimum Mean Square-Error Estimation", IEEE Transactions on
+//! Image Processing 14(12), 2167–2178 (2005).
+//!
+//! ## Chaix07
+//! B. Chaix de Lavarène, D. Alleysson, J. Hérault, "Practical Implementation of LMMSE Demosaicing Using Luminance and
+//! Chrominance Spaces", Computer Vision and Image Understanding 107(1–2), 3–13 (2007).
+//!
 //! ## Dng16
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!
@@ -274,3 +282,14 @@
 //!
 //! ## MeiRives07
 //! C. Mei, P. Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids", IEEE ICRA, 3945–3950 (2007).
+//!
+//! ## HosekWilkie12
+//! L. Hosek, A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics 31(4) (2012).
+//!
+//! ## HosekWilkie13
+//! L. Hosek, A. Wilkie, "Adding a Solar-Radiance Function to the Hošek–Wilkie Skylight Model", IEEE Computer Graphics and
+//! Applications 33(3) (2013).
+//!
+//! ## LM63
+//! ANSI/IES LM-63, *Standard File Format for the Electronic Transfer of Photometric Data and Related Information*, editions
+//! of 1986 to 2019.

@@ -137,9 +137,9 @@ impl<'a> Chain<'a> {
         let mut raw = expose(&electrons.mean, sensor, exposure, *stages, key).map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = self.optics.f_number;
         raw.metadata.focal_length_m = self.optics.focal_length_m;
-        raw.metadata.colour_matrix_d65 = self.colour.as_ref().map(|c| c.matrix_d65.clone());
-        raw.metadata.colour_matrix_a = self.colour.as_ref().map(|c| c.matrix_a.clone());
-        raw.metadata.as_shot_neutral = self.colour.as_ref().map(|c| c.neutral.clone());
+        if let Some(colour) = &self.colour {
+            colour.tell(&mut raw.metadata);
+        }
         raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
         if let Some((lens, camera)) = self.lens {
             lens_corrections::add(lens, camera, &exposure.window, &mut raw);

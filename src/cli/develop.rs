@@ -4,45 +4,32 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
+use photosite::Result;
 use photosite::develop::{DevelopSettings, Development, develop_linear, encode};
-use photosite::io::capture::read_develop_settings;
 use photosite::io::developed::{PictureFormat, write_encoded, write_linear};
 use photosite::io::output::write_whole;
-use photosite::{Error, Result};
+use photosite::io::raw_file::read_raw;
 use serde::Serialize;
 
-use super::{print_json, rounded, start_threads};
+use super::develop_args::CommonDevelopArgs;
+use super::{print_json, rounded};
 
 /// Develop a raw file to a picture: PNG, TIFF, JPEG, PPM or EXR.
 ///
 /// The steps are those of the table [develop] of capture files: white_balance, demosaic, highlights, noise_filter,
 /// colour_space, exposure_ev, tone_curve, sharpening, bits, dither and more; `photosite schema` describes them all. EXR
-/// files hold linear light. TIFF, PGM and NPY files do not say what filters their pixels have and become grey.
+/// pictures hold linear light. Raw files other than DNG do not say all of themselves: TIFF, PGM and NPY files become grey, or
+/// RGB, unless told by develop.raw what their filters are, for example with --set develop.raw.cfa=RGGB --set
+/// develop.raw.black_level_dn=64 --set develop.raw.white_level_dn=4095.
 #[derive(Args)]
 pub(super) struct DevelopArgs {
-    /// A raw file: DNG, TIFF, PGM, PPM or NPY.
+    /// A raw file: DNG, 16-bit TIFF, PGM, PPM, NPY, or an EXR file of digital numbers.
     raw: PathBuf,
     /// The picture: .png, .tiff, .jpg, .ppm or .exr [default: the raw file's name with .png, in the current folder].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Take the table [develop] of this capture file.
-    #[arg(long, value_name = "FILE")]
-    capture: Option<PathBuf>,
-    /// Change a key of that table, for example --set develop.demosaic=malvar.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<String>,
-    /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
-    /// Print nothing but errors.
-    #[arg(short, long)]
-    quiet: bool,
-    /// Print what was done as JSON on standard output.
-    #[arg(long)]
-    json: bool,
-    /// Overwrite the picture if it exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    common: CommonDevelopArgs,
 }
 
 /// The object that `--json` prints.
@@ -66,30 +53,27 @@ struct Timings {
 }
 
 pub(super) fn run(args: &DevelopArgs) -> Result<()> {
-    start_threads(args.threads)?;
+    args.common.start_threads()?;
     let path = args
         .output
         .clone()
         .unwrap_or_else(|| Path::new(args.raw.file_name().unwrap_or("picture".as_ref())).with_extension("png"));
     let format = PictureFormat::of(&path)?;
-    let (settings, source) = read_develop_settings(args.capture.as_deref(), &args.overrides)?;
+    let (settings, source) = args.common.settings()?;
     format.check(&settings).map_err(|invalid| source.error(invalid.within("develop")))?;
-    if path.exists() && !args.force {
-        return Err(Error::Usage {
-            message: format!("{} exists already", path.display()),
-            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
-        });
-    }
+    args.common.check_output(&path)?;
     let start = Instant::now();
-    let raw = photosite::raw::read(&args.raw)?;
+    let raw = read_raw(&args.raw)?;
     let load_s = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
     // What is wrong now lies between the settings and the raw file; either is named by its key.
-    let is_setting = |key: &str| serde_json::to_value(&settings).is_ok_and(|keys| keys.get(key).is_some());
     let failed = |invalid: photosite::Invalid| {
-        let is_given = is_setting(&invalid.key) && source.has(&format!("develop.{}", invalid.key));
-        if is_given { source.error(invalid.within("develop")) } else { invalid.in_file(&args.raw) }
+        if source.has(&format!("develop.{}", invalid.key)) {
+            source.error(invalid.within("develop"))
+        } else {
+            invalid.in_file(&args.raw)
+        }
     };
     let (planes, development) = develop_linear(&raw, &settings).map_err(failed)?;
     let resolution_px = [planes.width(), planes.height()];
@@ -115,10 +99,10 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         development,
         timings: Timings { load_s, develop_s, write_s },
     };
-    if args.json {
+    if args.common.json {
         return print_json(&report);
     }
-    if !args.quiet {
+    if !args.common.quiet {
         summarise(&report);
     }
     Ok(())

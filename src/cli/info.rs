@@ -23,7 +23,7 @@ use super::{print_json, println_out, rounded};
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
 pub(super) struct InfoArgs {
-    /// A .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or the name of a sensor preset.
+    /// A .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a sensor preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -63,7 +63,7 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
             }
             Ok(facts)
         }
-        "dng" => Ok(of_raw(&raw::read(path)?)),
+        "dng" => Ok(of_raw(&raw::read(path)?.linear())),
         "tif" | "tiff" | "pgm" | "ppm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
         _ => {
             let help = "give a .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or a name that `photosite sensors` lists";
@@ -131,16 +131,19 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
     let triangles = |mesh: usize| scene.meshes[mesh].triangles.len();
     let named = |name: &str| if name.is_empty() { "unnamed".to_owned() } else { name.to_owned() };
     let emits = |m: &&MaterialDescription| m.emission.is_some();
-    let kind = |kind| match kind {
+    let kind = |kind: &LightKind| match kind {
         LightKind::Point => "point",
         LightKind::Spot { .. } => "spot",
         LightKind::Directional => "directional",
+        LightKind::Profile(_) => "profile",
+        LightKind::Projector(_) => "projector",
     };
     let environment = scene.environment.as_ref().map(|environment| match environment {
         EnvironmentDescription::Constant { luminance_nit: Some(nit), .. } => {
             format!("the same light everywhere, {} lux on a plane", round(PI * nit))
         }
         EnvironmentDescription::Constant { luminance_nit: None, .. } => "the same light everywhere".to_owned(),
+        EnvironmentDescription::Sky(_) => "the sky by day".to_owned(),
         EnvironmentDescription::Picture { image, .. } => {
             format!("the picture {}, {} × {} pixels", image.name, image.width, image.height)
         }
@@ -153,7 +156,7 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
         "textures": scene.images.len(),
         "materials": scene.materials.iter().map(|m| named(&m.name)).collect::<Vec<_>>(),
         "emitting_materials": scene.materials.iter().filter(emits).map(|m| named(&m.name)).collect::<Vec<_>>(),
-        "lights": scene.lights.iter().map(|l| json!({"name": named(&l.name), "type": kind(l.kind)})).collect::<Vec<_>>(),
+        "lights": scene.lights.iter().map(|l| json!({"name": named(&l.name), "type": kind(&l.kind)})).collect::<Vec<_>>(),
         "environment": environment,
         "cameras": scene.cameras.iter().map(|c| named(&c.name)).collect::<Vec<_>>(),
     }))

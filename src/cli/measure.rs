@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 use glam::{DVec2, DVec3};
 use photosite::colour::adaptation::bradford;
-use photosite::colour::{ColourSpace, Transfer, cielab, difference};
+use photosite::colour::{ColourSpace, cielab, difference};
 use photosite::image::{Channel, Planes};
 use photosite::io::capture::Capture;
+use photosite::io::linear_picture::read_linear_picture;
 use photosite::io::picture_file::read_picture_file;
 use photosite::measure::{CheckerReport, EdgeResponse, Histogram, checker, histogram, slanted_edge, ssim};
 use photosite::scene::description::{Colour, MaterialDescription, MaterialModel};
@@ -52,7 +53,8 @@ enum Measure {
     Checker {
         #[command(flatten)]
         picture: PictureArgs,
-        /// The capture that the picture is of: materials with reflectances colour-checker/… are the patches.
+        /// The capture that the picture is of, or the capture.json beside it: materials with reflectances
+        /// colour-checker/… are the patches.
         #[arg(long, value_name = "FILE")]
         capture: PathBuf,
     },
@@ -67,9 +69,9 @@ enum Measure {
 
 #[derive(Args)]
 struct PictureArgs {
-    /// A picture: .exr, .png, .tiff, or a raw file of a monochrome sensor.
+    /// A picture: .png, .tiff, .jpg, .ppm or .exr; or the numbers of a raw file: .dng, .pgm or .npy.
     picture: PathBuf,
-    /// Codes of the picture are in proportion to light, not encoded as sRGB.
+    /// Codes are in proportion to light, whatever the file says [default: what its profile says, else sRGB].
     #[arg(long)]
     linear: bool,
     /// Print JSON instead of text.
@@ -82,20 +84,9 @@ impl PictureArgs {
         read_picture_file(&self.picture)
     }
 
-    /// Planes of linear light, white at 1 where the file has codes.
+    /// Planes of linear light, white at 1 where the file has codes; colours are sRGB.
     fn read_linear(&self, path: &Path) -> Result<Planes> {
-        let picture = read_picture_file(path)?;
-        let Some(full_scale) = picture.full_scale.filter(|_| picture.unit.as_deref() != Some("DN")) else {
-            return Ok(picture.mean);
-        };
-        let transfer = if self.linear { Transfer::Linear } else { Transfer::Srgb };
-        let decoded = |channel: &Channel| Channel {
-            name: channel.name.clone(),
-            data: channel.data.iter().map(|&code| transfer.decode(code / full_scale as f32)).collect(),
-        };
-        let (width, height) = (picture.mean.width(), picture.mean.height());
-        let planes = Planes::new(width, height, picture.mean.channels().iter().map(decoded).collect());
-        planes.map_err(|invalid| invalid.in_file(path))
+        read_linear_picture(path, self.linear)
     }
 
     fn print<T: Serialize>(&self, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {
@@ -126,7 +117,8 @@ pub(super) fn run(args: &MeasureArgs) -> Result<()> {
             picture.print(&read.mean.channels().iter().map(of).collect::<Vec<_>>(), |all| histogram_text(all))
         }
         Measure::Checker { picture, capture } => {
-            picture.print(&measure_checker(&picture.read_linear(&picture.picture)?, capture)?, checker_text)
+            let planes = picture.read_linear(&picture.picture)?;
+            picture.print(&measure_checker(&planes, &picture.picture, capture)?, checker_text)
         }
         Measure::Similarity { picture, b } => picture.print(&similarity(picture, b)?, similarity_text),
     }
@@ -179,7 +171,7 @@ fn histogram_text(histograms: &[Histogram]) -> String {
 /// Pixels that a patch's edge is kept away from, since neighbours mix there.
 const MARGIN: usize = 3;
 
-fn measure_checker(picture: &Planes, path: &Path) -> Result<CheckerReport> {
+fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result<CheckerReport> {
     let mut capture = Capture::read(path, &[])?;
     let [width, height] = pixels(&capture).map(|n| n as usize);
     if [picture.width(), picture.height()] != [width, height] {
@@ -188,7 +180,8 @@ fn measure_checker(picture: &Planes, path: &Path) -> Result<CheckerReport> {
             picture.width(),
             picture.height()
         );
-        return Err(usage(Invalid::new("", message).help("give the capture that the picture was rendered from")));
+        let help = "give the capture that the picture was rendered from";
+        return Err(Invalid::new("", message).help(help).in_file(picture_path));
     }
     let description = std::mem::take(&mut capture.scene);
     let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
@@ -197,16 +190,18 @@ fn measure_checker(picture: &Planes, path: &Path) -> Result<CheckerReport> {
         description.materials.iter().map(|material| patch_of(material, &spectra)).collect();
     let scene = scene::build(description, &Spectrum::constant(1.0));
     let seen = shown_patches(&capture, &scene, &patch_of_material)?;
+    if seen.iter().all(Option::is_none) {
+        let help = "the chart's materials must have reflectances \"colour-checker/01-dark-skin\" and so on";
+        let message = "its camera sees no patch of a colour checker";
+        return Err(capture.source.error(Invalid::new("materials", message).help(help)));
+    }
     let light = scene.light_spectrum();
     let white = DVec3::from_array(cie::xyz(light));
     let adaptation = bradford(white / white.y, ColourSpace::Srgb.white());
     let colour = |spectrum: &Spectrum| adaptation * (DVec3::from_array(cie::xyz(&light.product(spectrum))) / white.y);
     let patches: Vec<(String, DVec3)> =
         names.iter().zip(&spectra).map(|(name, spectrum)| ((*name).to_owned(), colour(spectrum))).collect();
-    checker(picture, &seen, &patches).map_err(|invalid| {
-        let help = "the chart's materials must have reflectances \"colour-checker/01-dark-skin\" and so on";
-        capture.source.error(Invalid { help: invalid.help.or(Some(help.to_owned())), ..invalid })
-    })
+    checker(picture, &seen, &patches).map_err(|invalid| invalid.in_file(picture_path))
 }
 
 /// The patch whose reflectance a material has.
@@ -267,7 +262,7 @@ fn checker_text(report: &CheckerReport) -> String {
 #[derive(Serialize)]
 struct Similarity {
     channels: Vec<ChannelSimilarity>,
-    /// Of pictures with R, G and B: colour differences of their pixels, as sRGB.
+    /// Of pictures with R, G and B: colour differences of their pixels, in the colours that the files say.
     mean_delta_e_2000: Option<f64>,
     largest_delta_e_2000: Option<f64>,
 }
@@ -303,8 +298,11 @@ fn similarity(args: &PictureArgs, b_path: &Path) -> Result<Similarity> {
             ssim: ssim(ours, &theirs.data, size, peak),
         });
     }
-    let (a, b) = (args.read_linear(&args.picture)?, args.read_linear(b_path)?);
-    let differences = colour_differences(&a, &b);
+    // What is counted or measured has no colour.
+    let is_shown =
+        [&a, &b].iter().all(|p| p.unit.is_none() || p.full_scale.is_some() && p.unit.as_deref() != Some("DN"));
+    let linear = || Ok::<_, Error>((args.read_linear(&args.picture)?, args.read_linear(b_path)?));
+    let differences = if is_shown { linear().map(|(a, b)| colour_differences(&a, &b))? } else { None };
     Ok(Similarity {
         channels,
         mean_delta_e_2000: differences.as_ref().map(|all| all.iter().sum::<f64>() / all.len() as f64),

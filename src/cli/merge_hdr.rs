@@ -6,14 +6,15 @@ use std::time::Instant;
 use clap::Args;
 use photosite::develop::merge::merge;
 use photosite::develop::{DevelopSettings, Development, develop_merged};
-use photosite::io::capture::read_develop_settings;
 use photosite::io::developed::{PictureFormat, write_hdr};
 use photosite::io::output::write_whole;
+use photosite::io::raw_file::read_raw;
 use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
-use super::{print_json, rounded, start_threads};
+use super::develop_args::CommonDevelopArgs;
+use super::{print_json, rounded};
 
 /// Merge raw files that were exposed for different times to a linear picture of their common light.
 ///
@@ -27,24 +28,8 @@ pub(super) struct MergeHdrArgs {
     /// The picture, an .exr file.
     #[arg(short, long, value_name = "FILE", default_value = "hdr.exr")]
     output: PathBuf,
-    /// Take the table [develop] of this capture file.
-    #[arg(long, value_name = "FILE")]
-    capture: Option<PathBuf>,
-    /// Change a key of that table, for example --set develop.colour_space=acescg.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<String>,
-    /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
-    /// Print nothing but errors.
-    #[arg(short, long)]
-    quiet: bool,
-    /// Print what was done as JSON on standard output.
-    #[arg(long)]
-    json: bool,
-    /// Overwrite the picture if it exists.
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    common: CommonDevelopArgs,
 }
 
 /// The object that `--json` prints.
@@ -73,22 +58,17 @@ struct Timings {
 }
 
 pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
-    start_threads(args.threads)?;
+    args.common.start_threads()?;
     if PictureFormat::of(&args.output)? != PictureFormat::Exr {
         return Err(Error::Usage {
             message: format!("{} cannot hold the range of a bracket", args.output.display()),
             help: Some("give a name that ends with .exr".to_owned()),
         });
     }
-    let (settings, source) = read_develop_settings(args.capture.as_deref(), &args.overrides)?;
-    if args.output.exists() && !args.force {
-        return Err(Error::Usage {
-            message: format!("{} exists already", args.output.display()),
-            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
-        });
-    }
+    let (settings, source) = args.common.settings()?;
+    args.common.check_output(&args.output)?;
     let start = Instant::now();
-    let pictures = args.raw.iter().map(|path| photosite::raw::read(path)).collect::<Result<Vec<_>>>()?;
+    let pictures = args.raw.iter().map(|path| read_raw(path)).collect::<Result<Vec<_>>>()?;
     let load_s = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -104,7 +84,7 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
     let merge_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
     write_whole(&args.output, |to| write_hdr(&planes, settings.colour_space, Seconds(longest_s), to))?;
-    if !args.quiet {
+    if !args.common.quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
     let report = Report {
@@ -120,10 +100,10 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
         warnings,
         timings: Timings { load_s, merge_s, write_s: start.elapsed().as_secs_f64() },
     };
-    if args.json {
+    if args.common.json {
         return print_json(&report);
     }
-    if !args.quiet {
+    if !args.common.quiet {
         eprintln!(
             "merged {} pictures of {} to {} s in {} s; {saturated} numbers are saturated in all; wrote {}",
             report.raw.len(),

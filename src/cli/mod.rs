@@ -1,7 +1,6 @@
 //! The command line: one file a subcommand. Arguments come in here, results and errors go out; the work is the
 //! library's.
 
-mod bracket;
 mod camera;
 mod chain;
 mod compare;
@@ -9,6 +8,7 @@ mod compare_text;
 mod dataset;
 mod dataset_folder;
 mod develop;
+mod develop_args;
 mod emva1288;
 mod emva1288_report;
 mod export_mitsuba;
@@ -137,8 +137,13 @@ fn print_json(value: &impl serde::Serialize) -> photosite::Result<()> {
     println_out(&pretty_json::pretty_json(value))
 }
 
-/// Prints a line on standard output. A reader that went away (a closed pipe) is an error like any other, not a panic.
+/// Prints a line on standard output. A reader that has seen enough and went away, as `head` does, is no error.
 fn println_out(text: &str) -> photosite::Result<()> {
-    use std::io::Write;
-    writeln!(std::io::stdout().lock(), "{text}").map_err(|e| Error::io("standard output".as_ref(), "write", e))
+    use std::io::{ErrorKind, Write};
+    match writeln!(std::io::stdout().lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::io("standard output".as_ref(), "write", error))
+        }
+        Ok(()) | Err(_) => Ok(()),
+    }
 }

@@ -1,11 +1,14 @@
-//! What follows from exposed light: frames, their picture, files.
+//! What follows from exposed light: frames or the pictures of a bracket, what is developed of them, files.
 
 use std::time::Instant;
 
 use photosite::Result;
+use photosite::develop::merge::merge;
+use photosite::image::{Estimate, Planes};
 use photosite::raw::RawImage;
+use photosite::sensor::Exposure;
+use photosite::units::Seconds;
 
-use super::bracket::write_bracket;
 use super::chain::{Chain, Exposed};
 use super::output_folder::OutputFolder;
 use super::report::Timings;
@@ -19,8 +22,19 @@ pub(super) enum Frames {
     One { number: u32, of: u32 },
 }
 
-/// Reads out the frames and writes them, or those of a bracket; develops the first, which is returned. `write_light` writes
-/// what is left of the light beside the electrons, numbered where there are several.
+impl Frames {
+    /// Numbers of the frames, and whether they are part of their files' names.
+    fn numbers(self) -> (std::ops::Range<u32>, bool) {
+        match self {
+            Self::All(count) => (0..count, count > 1),
+            Self::One { number, of } => (number..number + 1, of > 1),
+        }
+    }
+}
+
+/// Reads out the frames, or a picture for each time of a bracket, and writes them; develops the first, or the one of a
+/// bracket whose time is nearest to that of `exposed`, which is returned; merges a bracket to a map of the light.
+/// `write_light` writes what is left of the light beside the electrons, numbered where there are several.
 ///
 /// Raw files and light are there before anything is developed: they take the longest to get, whatever becomes of the
 /// development, and the light's memory is free again.
@@ -32,46 +46,71 @@ pub(super) fn write_results(
     timings: &mut Timings,
     write_light: impl FnOnce(&mut OutputFolder, Option<u32>) -> Result<()>,
 ) -> Result<RawImage> {
-    if let Some(times) = chain.bracket(&exposed)? {
-        return write_bracket(chain, &exposed, &times, folder, timings, |folder| write_light(folder, None));
-    }
-    let (first_frame, light_number, raw_number, more) = match frames {
-        Frames::All(1) => (0, None, None, 1..1),
-        Frames::All(count) => (0, None, Some(0), 1..count),
-        Frames::One { number, of: 1 } => (number, None, None, 1..1),
-        Frames::One { number, .. } => (number, Some(number), Some(number), 1..1),
-    };
-    let start = Instant::now();
-    let first = chain.read_out(&exposed, first_frame)?;
-    timings.expose_s += start.elapsed().as_secs_f64();
-
-    let start = Instant::now();
-    let mut reading_out = 0.0;
-    if first_frame == 0 {
-        folder.remove_earlier()?;
-    }
     let output = chain.settings.output;
-    folder.write_frame(output, raw_number, &first)?;
-    // One after the other: a series may be larger than the memory.
-    for frame in more {
+    let times = chain.bracket(&exposed)?;
+    let (numbers, are_named) = match &times {
+        Some(times) => (0..times.len() as u32, true),
+        None => frames.numbers(),
+    };
+    let light_number = match frames {
+        Frames::One { number, of } if of > 1 => Some(number),
+        Frames::All(_) | Frames::One { .. } => None,
+    };
+    // One after the other: a series may be larger than the memory. Those of a bracket are needed together.
+    let mut kept = Vec::new();
+    let first = numbers.start;
+    for number in numbers {
         let start = Instant::now();
-        let raw = chain.read_out(&exposed, frame)?;
-        reading_out += start.elapsed().as_secs_f64();
-        folder.write_frame(output, Some(frame), &raw)?;
+        let raw = match &times {
+            Some(times) => chain.read_out(&shot(&exposed, times[number as usize]), number)?,
+            None => chain.read_out(&exposed, number)?,
+        };
+        timings.expose_s += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        if number == 0 {
+            folder.remove_earlier()?;
+        }
+        folder.write_frame(output, are_named.then_some(number), &raw)?;
+        timings.write_s += start.elapsed().as_secs_f64();
+        if number == first || times.is_some() {
+            kept.push(raw);
+        }
     }
+    let start = Instant::now();
     if output.electrons {
         folder.write_electrons(light_number, &exposed)?;
     }
     write_light(folder, light_number)?;
+    timings.write_s += start.elapsed().as_secs_f64();
+    let distance = |time: Seconds| (time.0 / exposed.exposure.time.0).ln().abs();
+    let times = times.unwrap_or_default();
+    let shown = (0..times.len()).min_by(|&a, &b| distance(times[a]).total_cmp(&distance(times[b]))).unwrap_or(0);
     drop(exposed);
-    timings.expose_s += reading_out;
-    timings.write_s += start.elapsed().as_secs_f64() - reading_out;
 
+    if times.len() > 1 {
+        let start = Instant::now();
+        let merged = merge(&kept).map_err(|invalid| chain.in_exposure(invalid))?;
+        let longest = Seconds(merged.times_s[1]);
+        let light = chain.develop_merged(merged)?;
+        timings.develop_s += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        folder.write_hdr(&light, chain.settings.develop.colour_space, longest)?;
+        timings.write_s += start.elapsed().as_secs_f64();
+    }
     let start = Instant::now();
-    let picture = chain.develop(&first)?;
+    let raw = kept.swap_remove(shown);
+    let picture = chain.develop(&raw)?;
     timings.develop_s += start.elapsed().as_secs_f64();
     let start = Instant::now();
     folder.write_picture(light_number, &picture)?;
     timings.write_s += start.elapsed().as_secs_f64();
-    Ok(first)
+    Ok(raw)
+}
+
+/// The same light, collected for another time.
+fn shot(exposed: &Exposed, time: Seconds) -> Exposed {
+    let mean = exposed.electrons.mean.clone().scaled(time.0 / exposed.exposure.time.0);
+    // No picture needs the variance.
+    let variance = Planes::zeros::<&str>(mean.width(), mean.height(), []);
+    Exposed { exposure: Exposure { time, ..exposed.exposure }, electrons: Estimate { mean, variance } }
 }

@@ -2,6 +2,9 @@
 
 use glam::{DMat3, DVec3};
 
+/// XYZ of D50, the white of ICC profiles and of forward matrices, as both specifications round it.
+pub const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
+
 /// XYZ under the white `from` → XYZ that looks the same under `to`: the Bradford transform in its linear form, as the
 /// ICC ([Icc4](crate::references#icc4), annex E) and DNG ([Dng16](crate::references#dng16)) specifications have it. The
 /// whites are XYZ of any common scale, all components above 0.

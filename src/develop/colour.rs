@@ -4,14 +4,18 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::Invalid;
+use crate::colour::adaptation::D50;
 use crate::colour::{ColourSpace, temperature};
 use crate::image::{Channel, Planes};
 use crate::raw::RawMetadata;
 
-/// XYZ → camera for colours under D65 and under illuminant A, a row per channel.
+/// What a raw file says of its colours under D65 and under illuminant A.
 pub(super) struct CameraMatrices {
+    /// XYZ → camera, a row per channel.
     d65: Vec<DVec3>,
     a: Vec<DVec3>,
+    /// White-balanced camera → XYZ adapted to D50, a column per channel, where the file has such.
+    forward: Option<[Vec<DVec3>; 2]>,
 }
 
 impl CameraMatrices {
@@ -23,15 +27,18 @@ impl CameraMatrices {
             let message = format!("{} rows, while ColorMatrix1 has {}", a.len(), d65.len());
             return Err(Invalid::new("ColorMatrix2", message));
         }
-        let rows = |matrix: &[[f64; 3]]| matrix.iter().map(|&row| DVec3::from_array(row)).collect();
-        Ok(Some(Self { d65: rows(d65), a: rows(a) }))
+        let vectors = |matrix: &[[f64; 3]]| matrix.iter().map(|&row| DVec3::from_array(row)).collect::<Vec<_>>();
+        let forward_d65 = metadata.forward_matrix_d65.as_ref();
+        let forward_a = metadata.forward_matrix_a.as_ref().or(forward_d65);
+        let forward = forward_d65.zip(forward_a).filter(|(of_d65, of_a)| [of_d65.len(), of_a.len()] == [d65.len(); 2]);
+        let forward = forward.map(|(d65, a)| [vectors(d65), vectors(a)]);
+        Ok(Some(Self { d65: vectors(d65), a: vectors(a), forward }))
     }
 
     /// The matrix for a scene whose white has this XYZ: it lies between those of D65 and illuminant A by reciprocal
     /// colour temperature ([Dng16](crate::references#dng16), chapter 6).
     pub(super) fn at(&self, white: DVec3) -> Vec<DVec3> {
-        let part = part_of_a(white);
-        self.d65.iter().zip(&self.a).map(|(d65, a)| *d65 * (1.0 - part) + *a * part).collect()
+        between(&self.d65, &self.a, white)
     }
 
     /// The scene's white in XYZ, Y = 1, for the camera's response to it, with camera → XYZ, a column per channel. The
@@ -47,11 +54,17 @@ impl CameraMatrices {
     }
 }
 
+/// The mean of a matrix for D65 and one for A that holds for a white of this XYZ.
+fn between(d65: &[DVec3], a: &[DVec3], white: DVec3) -> Vec<DVec3> {
+    let part = part_of_a(white);
+    d65.iter().zip(a).map(|(d65, a)| *d65 * (1.0 - part) + *a * part).collect()
+}
+
 /// Enough for the fixed point to settle to 1e-6: the matrices differ little, so each round gains a digit or more.
 const ROUNDS: usize = 12;
 
 /// The least-squares inverse (CᵀC)⁻¹Cᵀ of a matrix given by rows, by columns; with three channels the inverse.
-fn inverse(rows: &[DVec3]) -> Vec<DVec3> {
+pub(super) fn inverse(rows: &[DVec3]) -> Vec<DVec3> {
     let normal: DMat3 = rows.iter().map(|row| DMat3::from_cols(*row * row.x, *row * row.y, *row * row.z)).sum();
     let inverse = normal.inverse();
     rows.iter().map(|row| inverse * *row).collect()
@@ -73,14 +86,19 @@ pub(super) fn camera_to_rgb(
         return Err(wrong());
     }
     let (white, to_xyz) = matrices.scene_white(neutral);
-    let from_xyz = space.from_xyz(white / white.y);
-    let column = |(xyz, n): (&DVec3, &f64)| from_xyz * (*xyz * (n / white.y));
-    let columns: Vec<DVec3> = to_xyz.iter().zip(neutral).map(column).collect();
-    if columns.iter().all(|column| column.is_finite()) { Ok(Some(columns)) } else { Err(wrong()) }
+    let columns: Vec<DVec3> = match &matrices.forward {
+        // The way that the specification prefers.
+        Some([d65, a]) => between(d65, a, white).into_iter().map(|column| space.from_xyz(D50) * column).collect(),
+        None => {
+            let from_xyz = space.from_xyz(white / white.y);
+            to_xyz.iter().zip(neutral).map(|(xyz, n)| from_xyz * (*xyz * (n / white.y))).collect()
+        }
+    };
+    if white.is_finite() && columns.iter().all(|column| column.is_finite()) { Ok(Some(columns)) } else { Err(wrong()) }
 }
 
 /// How far the white XYZ lies from D65 to illuminant A in reciprocal correlated colour temperature, 0–1.
-fn part_of_a(white: DVec3) -> f64 {
+pub(super) fn part_of_a(white: DVec3) -> f64 {
     let [x, y] = [white.x, white.y].map(|component| component / white.element_sum());
     // McCamy (1992), good to a few kelvin between the two, which is all that counts here.
     let n = (x - 0.3320) / (0.1858 - y);

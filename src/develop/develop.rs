@@ -8,12 +8,14 @@ use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::raw::RawImage;
 
+use super::description::RawDescription;
 use super::encode::{EncodedPicture, encode};
 use super::merge::Merged;
 use super::neighbours::densest;
 use super::settings::{Demosaic, DevelopSettings};
 use super::{
-    black_level, colour, defects, demosaic, distortion, highlights, lens_falloff, noise_filter, tone, white_balance,
+    black_level, colour, defects, demosaic, distortion, highlights, lens_falloff, linearisation, noise_filter, tone,
+    white_balance,
 };
 
 /// What was found out on the way.
@@ -41,7 +43,8 @@ pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPict
 pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     raw.validate()?;
     settings.validate()?;
-    let raw = raw.linear();
+    let raw = settings.raw.apply(raw).map_err(|invalid| invalid.within("raw"))?;
+    let raw = linearisation::apply(&raw, settings.linearisation);
     let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { raw };
     let signal = black_level::subtract(&raw, settings.black_level);
     develop_signal(signal, &raw, settings)
@@ -51,6 +54,17 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Pla
 /// exposure, above which the shorter ones reach.
 pub fn develop_merged(merged: Merged, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     settings.validate()?;
+    let default = RawDescription::default();
+    for (key, is_default) in [
+        ("raw", settings.raw == default),
+        ("linearisation", settings.linearisation),
+        ("black_level", settings.black_level),
+    ] {
+        if !is_default {
+            let message = "a bracket is merged from linear light, as its files say";
+            return Err(Invalid::new(key, message).help(format!("remove {key}")));
+        }
+    }
     let Merged { signal, raw, times_s: [shortest, longest], .. } = merged;
     let (picture, development) = develop_signal(signal, &raw, settings)?;
     Ok((picture.scaled(longest / shortest), development))
@@ -79,11 +93,10 @@ fn develop_signal(
     let mut picture = to_colour_space(picture, raw, &neutral, settings)?;
     tone::apply(&mut picture, settings.tone_curve);
 
-    let has_mosaic = !(raw.cfa.is_mono() || raw.cfa.is_full());
     let light = colour::temperature_of(&raw.metadata, &neutral);
     let development = Development {
         cfa: raw.cfa.to_string(),
-        demosaic: if has_mosaic { Some(demosaic::method_for(&raw.cfa, settings.demosaic)?) } else { None },
+        demosaic: if raw.cfa.is_mosaic() { Some(demosaic::method_for(&raw.cfa, settings.demosaic)?) } else { None },
         temperature_k: light.map(|(kelvin, _)| kelvin),
         tint: light.map(|(_, tint)| tint),
         neutral,

@@ -38,7 +38,7 @@ impl RawLayout {
         };
         match self {
             Self::Sensor => Ok(()),
-            Self::Bayer if demosaic::bayer_of(cfa).is_some() => Ok(()),
+            Self::Bayer if bayer_of(cfa).is_some() => Ok(()),
             Self::Bayer => refused("blocks of one colour each, as those of Quad Bayer are"),
             Self::Linear if cfa.channels() == ["R", "G", "B"] => Ok(()),
             Self::Linear => refused("red, green and blue alone"),
@@ -57,11 +57,10 @@ pub fn with_layout(raw: &RawImage, layout: RawLayout) -> Result<Cow<'_, RawImage
     let neutral = raw.metadata.as_shot_neutral.clone().unwrap_or_else(|| vec![1.0; raw.cfa.channels().len()]);
     let mut signal = black_level::subtract(&raw, true);
     white_balance::apply(&mut signal, &raw, &neutral, f32::INFINITY);
-    let (cfa, planes) = match layout {
-        RawLayout::Bayer => demosaic::bayer_planes(&signal, size, &raw.cfa)?,
-        RawLayout::Sensor | RawLayout::Linear => {
-            (Cfa::full(["R", "G", "B"])?, demosaic::demosaic(&signal, size, &raw.cfa, Demosaic::Auto)?)
-        }
+    let planes = demosaic::demosaic(&signal, size, &raw.cfa, Demosaic::Auto)?;
+    let cfa = match layout {
+        RawLayout::Bayer => bayer_of(&raw.cfa).unwrap_or_else(|| raw.cfa.clone()),
+        RawLayout::Sensor | RawLayout::Linear => Cfa::full(["R", "G", "B"])?,
     };
     let black = raw.black_level_dn.mean();
     let range = f32::from(raw.white_level_dn) - black;
@@ -80,6 +79,27 @@ pub fn with_layout(raw: &RawImage, layout: RawLayout) -> Result<Cow<'_, RawImage
     });
     let black_level_dn = crate::raw::BlackLevel::uniform(black);
     Ok(Cow::Owned(RawImage { data, cfa, black_level_dn, ..raw }))
+}
+
+/// The Bayer filter whose pixels an array's blocks are; `None` where there are no such blocks.
+fn bayer_of(cfa: &Cfa) -> Option<Cfa> {
+    let (columns, rows) = cfa.tile_size();
+    let block = columns / 2;
+    if columns != rows || columns % 2 == 1 || block < 2 || cfa.is_full() {
+        return None;
+    }
+    // A part of a picture may begin anywhere within a block.
+    (0..block * block).find_map(|i| {
+        let (left, top) = (i % block, i / block);
+        let corner = |x: usize, y: usize| cfa.channel_at(left + x * block, top + y * block);
+        let fills = |i: usize| {
+            let (x, y) = (i % columns, i / columns);
+            cfa.channel_at(left + x, top + y) == corner(x / block, y / block)
+        };
+        let letters = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| cfa.channels()[corner(x, y)].as_str());
+        let bayer = Cfa::parse(&letters.concat()).ok().filter(Cfa::is_bayer)?;
+        (0..columns * rows).all(fills).then_some(bayer)
+    })
 }
 
 /// The largest number of a converter.

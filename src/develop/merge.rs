@@ -64,11 +64,12 @@ pub fn merge(pictures: &[RawImage]) -> Result<Merged, Invalid> {
     let mut sorted: Vec<&RawImage> = pictures.iter().collect();
     sorted.sort_by(|a, b| a.metadata.exposure_time_s.total_cmp(&b.metadata.exposure_time_s));
     let times_s = [sorted[0], sorted[sorted.len() - 1]].map(|raw| raw.metadata.exposure_time_s);
-    let shots: Vec<Shot> = sorted.iter().map(|raw| Shot::new(raw, times_s[0])).collect();
-
-    let reference = sorted[0].linear().cropped();
+    let mut reference = sorted[0].linear().cropped();
+    let others = sorted[1..].iter().map(|raw| Shot::new(&raw.linear().cropped(), times_s[0]));
+    let shots: Vec<Shot> = std::iter::once(Shot::new(&reference, times_s[0])).chain(others).collect();
+    reference.data = Vec::new();
     let (cfa, row_length) = (&reference.cfa, reference.row_length());
-    let mut signal = vec![0.0f32; reference.data.len()];
+    let mut signal = vec![0.0f32; shots[0].signal.len()];
     let rows = signal.par_chunks_mut(row_length.max(1)).enumerate();
     let saturated = rows
         .map(|(y, row)| {
@@ -82,7 +83,7 @@ pub fn merge(pictures: &[RawImage]) -> Result<Merged, Invalid> {
         })
         .sum();
     let noise_is_stated = pictures.iter().all(|raw| stated_noise(raw).is_some());
-    let mut raw = RawImage { data: Vec::new(), ..reference };
+    let mut raw = reference;
     // The noise of the merged signal is no longer of that form.
     raw.metadata.noise_profile.clear();
     Ok(Merged { signal, raw, times_s, saturated, noise_is_stated })
@@ -112,6 +113,7 @@ fn merge_number(shots: &[Shot], i: usize, channel: usize) -> Option<f32> {
 }
 
 impl Shot {
+    /// Of a linear picture without masked pixels.
     fn new(raw: &RawImage, shortest_s: f64) -> Self {
         let channels = raw.cfa.channels().len();
         let noise = stated_noise(raw).map_or_else(|| vec![ASSUMED_NOISE; channels], <[_]>::to_vec);
@@ -119,7 +121,7 @@ impl Shot {
         let limit = |[slope, offset]: &[f64; 2]| (1.0 - LEFT_OUT_SIGMA * (slope + offset).sqrt()).max(0.5) as f32;
         Self {
             time: raw.metadata.exposure_time_s / shortest_s,
-            signal: black_level::subtract(&raw.linear().cropped(), true),
+            signal: black_level::subtract(raw, true),
             limit: noise.iter().map(limit).collect(),
             noise,
         }

@@ -6,7 +6,8 @@
 //!
 //! | step | file |
 //! |---|---|
-//! | linear numbers | [`RawImage::linear`](crate::raw::RawImage::linear); a DNG file's table is applied when it is read |
+//! | what the file does not say | `description.rs` |
+//! | linear numbers | `linearisation.rs` |
 //! | black level | `black_level.rs` |
 //! | defective pixels | `defects.rs` |
 //! | lens falloff | `lens_falloff.rs` |
@@ -29,6 +30,7 @@ mod colour;
 pub mod colour_matrix;
 mod defects;
 mod demosaic;
+mod description;
 #[expect(clippy::module_inception, reason = "the step that all others are steps of")]
 mod develop;
 mod distortion;
@@ -37,6 +39,7 @@ mod highlights;
 mod ideal;
 mod layout;
 mod lens_falloff;
+mod linearisation;
 pub mod merge;
 mod neighbours;
 mod noise_filter;
@@ -46,6 +49,7 @@ mod tone;
 mod white_balance;
 mod window;
 
+pub use description::RawDescription;
 pub use develop::{Development, develop, develop_linear, develop_merged};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::description::RawDescription;
 use super::encode::Encoding;
 use crate::Invalid;
 use crate::colour::{ColourSpace, Transfer, temperature};
@@ -11,6 +12,10 @@ use crate::colour::{ColourSpace, Transfer, temperature};
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DevelopSettings {
+    /// What the raw file does not say, or says wrong.
+    pub raw: RawDescription,
+    /// Makes numbers linear that a sensor has bent, by the table of the raw file. Left out: true.
+    pub linearisation: bool,
     /// Subtracts the black level. Left out: true.
     pub black_level: bool,
     /// What becomes of defective pixels. Left out: "none".
@@ -94,8 +99,8 @@ pub enum WhiteBalance {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Demosaic {
-    /// The best that the filter array allows: menon for Bayer, markesteijn for X-Trans, remosaic for Quad Bayer, guided for
-    /// others.
+    /// The best that the filter array allows: menon for Bayer, markesteijn for X-Trans, lmmse for Quad Bayer and others, guided
+    /// for large tiles.
     #[default]
     Auto,
     /// The nearest pixel of the channel. Any filter array.
@@ -111,8 +116,9 @@ pub enum Demosaic {
     /// In four directions, of which those where colours change least are taken, after Markesteijn. X-Trans and other
     /// arrays in which green is densest.
     Markesteijn,
-    /// Quad Bayer and the like become a Bayer mosaic of the same size first, then menon.
-    Remosaic,
+    /// Linear estimates of the least mean square error along rows and along columns, the more of either the less colours
+    /// change along it, after Zhang and Wu (2005). Any filter array with tiles of up to 64 pixels.
+    Lmmse,
 }
 
 /// What becomes of pixels that are full in one channel.
@@ -167,6 +173,8 @@ pub enum ToneCurve {
 impl Default for DevelopSettings {
     fn default() -> Self {
         Self {
+            raw: RawDescription::default(),
+            linearisation: true,
             black_level: true,
             defects: Defects::default(),
             lens_falloff: true,
@@ -199,6 +207,7 @@ const MAX_RADIUS: usize = 50;
 impl DevelopSettings {
     /// Refuses values out of range, and keys that go with a choice that was not made.
     pub fn validate(&self) -> Result<(), Invalid> {
+        self.raw.validate().map_err(|invalid| invalid.within("raw"))?;
         let with_temperature = self.white_balance == WhiteBalance::Temperature;
         let smooths = self.noise_filter != NoiseFilter::None;
         let by_noise = matches!(self.noise_filter, NoiseFilter::Bilateral | NoiseFilter::NonLocalMeans);

@@ -5,18 +5,14 @@
 
 use std::io;
 
-use glam::DVec3;
 use moxcms::{
     ColorProfile, DataColorSpace, LocalizableString, Matrix3d, ProfileClass, ProfileText, RenderingIntent,
     ToneReprCurve, Xyzd,
 };
 
-use crate::colour::adaptation::bradford;
+use crate::colour::adaptation::{D50, bradford};
 use crate::colour::{ColourSpace, Transfer};
 use crate::develop::EncodedPicture;
-
-/// The white of the profile connection space: D50 as the specification rounds it.
-const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
 
 /// The profile of a picture.
 pub(super) fn icc_profile(picture: &EncodedPicture) -> io::Result<Vec<u8>> {
@@ -77,6 +73,8 @@ fn xyz([x, y, z]: [f64; 3]) -> Xyzd {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     #[test]

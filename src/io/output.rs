@@ -6,7 +6,7 @@ use std::path::Path;
 
 use tempfile::NamedTempFile;
 
-use crate::{Error, Result};
+use crate::{Error, Invalid, Result};
 
 /// A file being written, as encoders see it.
 pub trait Sink: Write + Seek {}
@@ -17,7 +17,12 @@ impl<T: Write + Seek> Sink for T {}
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>) -> Result<()> {
     let failed = |reason| Error::io(path, "write", reason);
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let temporary = NamedTempFile::new_in(folder).map_err(failed)?;
+    if !folder.is_dir() {
+        let help = "make it first, or choose another name";
+        return Err(Invalid::new("", "is no folder to write to").help(help).in_file(folder));
+    }
+    // The reason names the temporary file, which nobody knows.
+    let temporary = NamedTempFile::new_in(folder).map_err(|reason| failed(reason.kind().into()))?;
     let mut buffered = BufWriter::new(temporary);
     write(&mut buffered).map_err(failed)?;
     let temporary = buffered.into_inner().map_err(|e| failed(e.into_error()))?;

@@ -3,8 +3,8 @@
 //! | file | channels | unit |
 //! |---|---|---|
 //! | EXR | as they are named; `variance.X` is the variance of `X`; of spectral pictures the bands, named by their wavelengths in nm, without the preview | attribute `unit` or `emissiveUnits` |
-//! | DNG, NPY, PGM, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic; `R`, `G`, `B` where every pixel has all of them | DN |
-//! | other PNG and TIFF | `Y`, `R`, `G`, `B`, alpha `A` | codes, as they are encoded |
+//! | DNG, NPY, PGM, raw EXR, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic; `R`, `G`, `B` where every pixel has all of them | DN |
+//! | other PNG and TIFF, JPEG, PPM | `Y`, `R`, `G`, `B`, alpha `A` | codes, as they are encoded |
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -28,14 +28,16 @@ pub fn read_picture_file(path: &Path) -> Result<Picture> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let name = path.display().to_string();
     let read: fn(&mut BufReader<File>, String) -> Result<Picture, Invalid> = match extension.as_str() {
-        "dng" | "npy" | "pgm" | "ppm" => return Ok(Picture::from_raw(name, raw::read(path)?)),
+        "dng" | "npy" | "pgm" => return Ok(Picture::from_raw(name, raw::read(path)?.linear().into_owned())),
         "exr" => |file, name| of_exr(read_exr(file)?, name),
         "tif" | "tiff" => of_tiff,
-        "png" => of_png,
+        "png" => |file, name| of_codes(file, name, "PNG"),
+        "jpg" | "jpeg" => |file, name| of_codes(file, name, "JPEG"),
+        "ppm" => |file, name| of_codes(file, name, "PPM"),
         _ => {
             return Err(Error::Usage {
                 message: format!("{} is no picture of a kind that photosite knows", path.display()),
-                help: Some("give a .exr, .png, .tiff, .dng, .pgm or .npy file".to_owned()),
+                help: Some("give a .exr, .png, .tiff, .jpg, .ppm, .dng, .pgm or .npy file".to_owned()),
             });
         }
     };
@@ -62,9 +64,9 @@ fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
     Ok(Picture { name, mean: planes(mean)?, variance: planes(variance)?, unit, full_scale: None, mosaic: None })
 }
 
-fn of_png(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {
+fn of_codes(file: &mut BufReader<File>, name: String, kind: &str) -> Result<Picture, Invalid> {
     let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).map_err(|e| unreadable("PNG", &e))?;
+    file.read_to_end(&mut bytes).map_err(|e| unreadable(kind, &e))?;
     let picture = decode(&bytes, "the picture").map_err(|error| Invalid { help: None, ..error })?;
     let size = [picture.width() as usize, picture.height() as usize];
     let components = usize::from(picture.color().channel_count());

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use super::Sky;
 use super::emission::tint_spectrum;
 use crate::math::distribution::PiecewiseConstant2D;
 use crate::math::{Pdf, SolidAngle, warp};
@@ -21,6 +22,8 @@ pub enum Environment {
     },
     /// A picture; see [`EnvironmentPicture`].
     Picture(EnvironmentPicture),
+    /// The sky by day; see [`Sky`].
+    Sky(Box<Sky>),
 }
 
 /// An equirectangular picture of linear sRGB. Its top row is +Y, its centre lies along −Z before the rotation.
@@ -44,6 +47,7 @@ impl Environment {
                 let [r, g, b, _] = picture.picture.sample_rgba_srgb(Vec2::from_array(picture.uv(towards)));
                 spectra.sample(picture.radiance, wavelengths) * tint_spectrum([r, g, b], wavelengths)
             }
+            Self::Sky(sky) => sky.radiance(spectra, towards, wavelengths),
         }
     }
 
@@ -58,6 +62,7 @@ impl Environment {
                 let direction = picture.direction(uv, sin, cos);
                 (sin > 0.0 && density > 0.0).then(|| (direction, Pdf::new(density / (TAU * PI * sin))))
             }
+            Self::Sky(sky) => sky.sample(u),
         }
     }
 
@@ -73,6 +78,7 @@ impl Environment {
                 }
                 Pdf::new(picture.distribution.pdf(picture.uv(towards)) / (TAU * PI * sin))
             }
+            Self::Sky(sky) => sky.pdf(towards),
         }
     }
 }

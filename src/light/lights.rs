@@ -1,8 +1,10 @@
 //! All lights of a scene, chosen in proportion to their power as the sensor sees it.
 
-use glam::Vec3;
+use std::sync::Arc;
 
-use super::{Environment, SurfaceEmission};
+use glam::{Quat, Vec3};
+
+use super::{Environment, Profile, Projector, SurfaceEmission};
 use crate::geometry::{Geometry, Motion, Transform};
 use crate::math::distribution::AliasTable;
 use crate::math::{Area, Pdf, SolidAngle, warp};
@@ -39,10 +41,41 @@ pub enum Light {
         /// On a plane across the direction, W·m⁻²·nm⁻¹.
         irradiance: SpectrumId,
     },
+    /// Intensity by a measured profile.
+    Profile {
+        /// Metres.
+        position: Vec3,
+        /// World → lamp, which shines along −z.
+        to_lamp: Quat,
+        /// Handle in [`Lamps::profiles`].
+        profile: u32,
+        /// W·sr⁻¹·nm⁻¹ for each candela of the profile.
+        per_candela: SpectrumId,
+    },
+    /// A slide thrown through a lens.
+    Projector {
+        /// Metres.
+        position: Vec3,
+        /// World → projector, which shines along −z.
+        to_lamp: Quat,
+        /// Handle in [`Lamps::projectors`].
+        projector: u32,
+        /// Spectral flux of a white slide, W·nm⁻¹.
+        flux: SpectrumId,
+    },
     /// A triangle that emits.
     Triangle(TriangleLight),
     /// The environment, of which there is at most one.
     Environment,
+}
+
+/// What lamps are that do not shine by a formula.
+#[derive(Clone, Debug, Default)]
+pub struct Lamps {
+    /// Of [`Light::Profile`].
+    pub profiles: Vec<Arc<Profile>>,
+    /// Of [`Light::Projector`].
+    pub projectors: Vec<Projector>,
 }
 
 /// A triangle that emits.
@@ -75,6 +108,7 @@ pub struct Lights {
     lights: Vec<Light>,
     /// The ways of the lights that move, in order of their handles. They are described in their own space.
     motions: Vec<(u32, Motion)>,
+    lamps: Lamps,
     environment: Option<Environment>,
     environment_light: Option<u32>,
     /// Choice of a light in proportion to its power.
@@ -88,12 +122,13 @@ impl Lights {
         lights: Vec<Light>,
         motions: Vec<Option<Motion>>,
         powers: &[f64],
+        lamps: Lamps,
         environment: Option<Environment>,
     ) -> Self {
         let motions = (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect();
         let is_environment = |light: &Light| matches!(light, Light::Environment);
         let environment_light = lights.iter().position(is_environment).map(|i| i as u32);
-        Self { selection: AliasTable::new(powers), lights, motions, environment, environment_light }
+        Self { selection: AliasTable::new(powers), lights, motions, lamps, environment, environment_light }
     }
 
     /// Number of lights.
@@ -187,6 +222,25 @@ impl Lights {
                 }
                 from_point(*position, spectra.sample(*intensity, wavelengths) * falloff)
             }
+            Light::Profile { position, to_lamp, profile, per_candela } => {
+                let direction = *to_lamp * (point - *position).normalize_or_zero();
+                let candela = self.lamps.profiles[*profile as usize].intensity(direction);
+                if candela == 0.0 {
+                    return None;
+                }
+                from_point(*position, spectra.sample(*per_candela, wavelengths) * candela)
+            }
+            Light::Projector { position, to_lamp, projector, flux } => {
+                let projector = &self.lamps.projectors[*projector as usize];
+                let opening = projector.opening(u);
+                let from = *position + to_lamp.inverse() * opening;
+                let direction = *to_lamp * (point - from).normalize_or_zero();
+                let intensity = projector.intensity(opening, direction, wavelengths);
+                if intensity.is_black() {
+                    return None;
+                }
+                from_point(from, spectra.sample(*flux, wavelengths) * intensity)
+            }
             Light::Directional { towards, irradiance } => Some(LightSample {
                 radiance: spectra.sample(*irradiance, wavelengths),
                 wi: *towards,
@@ -247,7 +301,12 @@ impl Lights {
                     .to_solid_angle(distance * distance, cos.abs())
                     .times(self.selection.probability(light))
             }
-            Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. } | Light::Environment => Pdf::new(0.0),
+            Light::Point { .. }
+            | Light::Spot { .. }
+            | Light::Profile { .. }
+            | Light::Projector { .. }
+            | Light::Directional { .. }
+            | Light::Environment => Pdf::new(0.0),
         }
     }
 

@@ -6,7 +6,13 @@
 mod emission;
 mod environment;
 mod lights;
+mod profile;
+mod projector;
+mod sky;
 
 pub use emission::{SurfaceEmission, Tint};
 pub use environment::{Environment, EnvironmentPicture};
-pub use lights::{Light, LightSample, Lights, TriangleLight};
+pub use lights::{Lamps, Light, LightSample, Lights, TriangleLight};
+pub use profile::Profile;
+pub use projector::Projector;
+pub use sky::{Sky, SkyConditions};

@@ -69,7 +69,7 @@ pub fn checker(
     let denominator: f64 = seen.iter().map(|(_, found, _)| found.y * found.y).sum();
     let scale = numerator / denominator;
     if seen.is_empty() || !(scale.is_finite() && scale > 0.0) {
-        return Err(Invalid::new("", "the picture shows no patch of the chart, or shows it black"));
+        return Err(Invalid::new("", "shows the chart black"));
     }
     let white = ColourSpace::Srgb.white();
     let report = |((name, expected), found, pixels): &(&(String, DVec3), DVec3, usize)| {

@@ -209,6 +209,11 @@ impl Cfa {
         self.samples_per_pixel > 1
     }
 
+    /// Whether pixels lack channels that others have.
+    pub fn is_mosaic(&self) -> bool {
+        !(self.is_mono() || self.is_full())
+    }
+
     /// Whether this is one of the four phases of a Bayer filter.
     pub fn is_bayer(&self) -> bool {
         let corners = [0, 1, 2, 3].map(|i| self.channel_at(i % 2, i / 2));

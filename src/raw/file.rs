@@ -29,7 +29,7 @@ fn read_any<R: Read + Seek>(mut from: BufReader<R>) -> std::result::Result<RawIm
         [b'P', b'5' | b'6', ..] => read_pgm(from),
         b"\x93NUM" => read_npy(from),
         _ => Err(Invalid::new("", "is no raw file of a kind that photosite knows")
-            .help("give a DNG, 16-bit TIFF, PGM, PPM or NPY file")),
+            .help("give a DNG, 16-bit TIFF, PGM, PPM or NPY file, or a raw.exr that photosite wrote")),
     }
 }
 
@@ -37,8 +37,45 @@ fn read_any<R: Read + Seek>(mut from: BufReader<R>) -> std::result::Result<RawIm
 mod tests {
     use std::io::Cursor;
 
+    use rand::RngExt;
+
     use super::*;
+    use crate::math::philox::Philox;
     use crate::raw::{Cfa, write_dng, write_npy, write_pgm, write_tiff};
+
+    #[test]
+    fn mutated_files_are_errors_or_pictures_no_larger_than_their_bytes_can_hold() {
+        let mut random = Philox::new(7, 0);
+        for cfa in ["mono", "full:RGB", "RGGB"] {
+            let cfa = Cfa::parse(cfa).expect("known");
+            let data = (0..12 * cfa.samples_per_pixel() as u16).map(|i| i * 3_000).collect();
+            let raw = RawImage { width: 4, height: 3, data, cfa, ..RawImage::default() };
+            let [mut dng, mut tiff, mut pgm, mut npy] = [const { Vec::new() }; 4];
+            write_dng(&raw, Cursor::new(&mut dng)).expect("written");
+            write_tiff(&raw, Cursor::new(&mut tiff)).expect("written");
+            write_pgm(&raw, &mut pgm).expect("written");
+            write_npy(&raw, &mut npy).expect("written");
+            for (kind, file) in [("DNG", dng), ("TIFF", tiff), ("PGM", pgm), ("NPY", npy)] {
+                for _ in 0..3000 {
+                    let mut file = file.clone();
+                    for _ in 0..random.random_range(1..6) {
+                        let at = random.random_range(0..file.len());
+                        match random.random_range(0..5) {
+                            0 => file[at] = random.random(),
+                            1 => file[at] ^= 1 << random.random_range(0..8),
+                            2 => file[at] = [0, 0xff, 0x7f, b'9'][random.random_range(0..4)],
+                            3 => drop(file.remove(at)),
+                            _ => file.insert(at, random.random()),
+                        }
+                    }
+                    if let Ok(read) = read_any(BufReader::new(Cursor::new(&file))) {
+                        read.validate().expect("whole");
+                        assert!(read.data.len() <= 1032 * file.len(), "{kind}: {} numbers", read.data.len());
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn files_are_known_by_what_they_begin_with() {

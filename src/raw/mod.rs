@@ -191,8 +191,14 @@ pub struct RawMetadata {
     pub colour_matrix_d65: Option<Vec<[f64; 3]>>,
     /// The same for colours under CIE illuminant A, where it is known.
     pub colour_matrix_a: Option<Vec<[f64; 3]>>,
+    /// White-balanced camera → XYZ adapted to D50 for colours under D65, a column per channel, where it is known.
+    pub forward_matrix_d65: Option<Vec<[f64; 3]>>,
+    /// The same for colours under CIE illuminant A, where it is known.
+    pub forward_matrix_a: Option<Vec<[f64; 3]>>,
     /// The camera's response to the scene's white, per channel, the largest 1; `None` for monochrome.
     pub as_shot_neutral: Option<Vec<f64>>,
+    /// CIE x and y of the scene's white, where that is what a file says in place of the camera's response to it.
+    pub as_shot_white_xy: Option<[f64; 2]>,
     /// Per channel (S, O): variance of the normalised signal x in 0–1 is S·x + O (DNG NoiseProfile).
     pub noise_profile: Vec<[f64; 2]>,
     /// By how much a developer brightens the picture unasked, so that it looks as it should, EV (DNG BaselineExposure).

@@ -22,7 +22,7 @@ pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
 /// channels as RGB: nothing in it says more.
 pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as NPY: {error}"));
-    let array = NpyFile::new(from).map_err(|e| unreadable(&e))?;
+    let array = NpyFile::new(with_short_header(from)?).map_err(|e| unreadable(&e))?;
     let (height, width, cfa) = match *array.shape() {
         [height, width] => (height, width, Cfa::mono()),
         [height, width, 3] => (height, width, Cfa::full(["R", "G", "B"])?),
@@ -39,12 +39,36 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
         return Err(unreadable(&"its columns come first").help("write numpy.ascontiguousarray(array) instead"));
     }
     let numbers = array.data::<u16>().map_err(|e| unreadable(&e).help("write an array of uint16"))?;
+    let wanted = width as usize * height as usize * cfa.samples_per_pixel();
     // Not with the capacity that the header states, which may be damaged.
     let mut data = Vec::new();
     for number in numbers {
-        data.push(number.map_err(|e| unreadable(&e).help("the file is cut short"))?);
+        let number = number.map_err(|error| {
+            let is_cut = error.kind() == io::ErrorKind::UnexpectedEof;
+            if is_cut { unreadable(&format!("{} numbers instead of {wanted}", data.len())) } else { unreadable(&error) }
+        });
+        data.push(number.map_err(|invalid| invalid.help("the file is cut short"))?);
     }
     Ok(RawImage::bare(width as usize, height as usize, data, cfa, u16::MAX))
+}
+
+/// Bytes of the longest header: that of a picture has a line of text.
+const LONGEST_HEADER: u32 = 1 << 16;
+
+/// The same file, unless its header states a length that memory must not be taken for.
+fn with_short_header<R: Read>(mut from: R) -> Result<impl Read, Invalid> {
+    let mut start = Vec::new();
+    let read = from.by_ref().take(12).read_to_end(&mut start);
+    read.map_err(|error| Invalid::new("", format!("cannot read it as NPY: {error}")))?;
+    // Version 1 has two bytes for the length, later ones four.
+    if let [_, _, _, _, _, _, 2..=u8::MAX, _, a, b, c, d] = start[..] {
+        let length = u32::from_le_bytes([a, b, c, d]);
+        if length > LONGEST_HEADER {
+            let message = format!("cannot read it as NPY: a header of {length} bytes");
+            return Err(Invalid::new("", message).help("the file is damaged"));
+        }
+    }
+    Ok(io::Cursor::new(start).chain(from))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::description::{
     AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LayeredDescription,
@@ -16,7 +16,9 @@ use super::{
 };
 use crate::bsdf::Ggx;
 use crate::geometry::{Accel, Deformation, Geometry, MeshRange, Motion, Place, Placement, Transform, Triangle};
-use crate::light::{Environment, EnvironmentPicture, Light, Lights, SurfaceEmission, Tint, TriangleLight};
+use crate::light::{
+    Environment, EnvironmentPicture, Lamps, Light, Lights, Projector, Sky, SurfaceEmission, Tint, TriangleLight,
+};
 use crate::spectrum::dispersion::lines;
 use crate::spectrum::upsampling::{reflectance_spectrum, rgb_illuminant};
 use crate::spectrum::{Spectrum, SpectrumTable, cie, illuminant};
@@ -32,6 +34,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         textures: Vec::new(),
         layered: Vec::new(),
         mixes: Vec::new(),
+        lamps: Lamps::default(),
         spectra: SpectrumTable::default(),
         importance,
     };
@@ -74,7 +77,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         mixes: builder.mixes,
         textures: builder.textures,
         spectra: builder.spectra,
-        lights: Lights::new(all.lights, all.motions, &all.powers, environment),
+        lights: Lights::new(all.lights, all.motions, &all.powers, builder.lamps, environment),
         light_spectrum: all.spectrum,
     }
 }
@@ -109,6 +112,7 @@ struct Builder<'a> {
     textures: Vec<Texture>,
     layered: Vec<LayeredMaterial>,
     mixes: Vec<Mix>,
+    lamps: Lamps,
     spectra: SpectrumTable,
     importance: &'a Spectrum,
 }
@@ -306,8 +310,21 @@ impl Builder<'_> {
         let to_world = if motion.is_some() { DAffine3::IDENTITY } else { light.to_world };
         let position = to_world.translation.as_vec3();
         let axis = to_world.matrix3.mul_vec3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3();
-        let (light, solid_angle) = match light.kind {
+        let to_lamp = DQuat::from_mat3(&to_world.matrix3).inverse().normalize().as_quat();
+        let (light, solid_angle) = match &light.kind {
             LightKind::Point => (Light::Point { position, intensity: id }, 4.0 * std::f64::consts::PI),
+            LightKind::Profile(profile) => {
+                let handle = self.lamps.profiles.len() as u32;
+                self.lamps.profiles.push(Arc::clone(profile));
+                (Light::Profile { position, to_lamp, profile: handle, per_candela: id }, profile.flux_lm())
+            }
+            LightKind::Projector(p) => {
+                let projector = Projector::new(Arc::clone(&p.slide), p.extent, p.shift, p.radius_m, p.focus_distance_m);
+                let brightness = projector.brightness();
+                let handle = self.lamps.projectors.len() as u32;
+                self.lamps.projectors.push(projector);
+                (Light::Projector { position, to_lamp, projector: handle, flux: id }, brightness)
+            }
             LightKind::Spot { inner_rad, outer_rad } => {
                 let (cos_inner, cos_outer) = (inner_rad.cos(), outer_rad.cos());
                 // ∫ of the squared ramp over the cosine.
@@ -336,6 +353,11 @@ impl Builder<'_> {
                 let radiance = self.spectra.add(&spectrum);
                 let picture = EnvironmentPicture::new(Arc::clone(image), radiance, *rotation_deg);
                 (Environment::Picture(picture), spectrum, sphere)
+            }
+            EnvironmentDescription::Sky(conditions) => {
+                // Its spectrum is that of the light from all directions together.
+                let (sky, spectrum) = Sky::new(conditions, &mut self.spectra);
+                (Environment::Sky(Box::new(sky)), spectrum, 1.0)
             }
         };
         list.add(Light::Environment, None, disk * solid_angle, &spectrum, self.importance);

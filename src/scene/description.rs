@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 
+use crate::light::{Profile, SkyConditions};
 use crate::spectrum::{Dispersion, Spectrum};
 use crate::texture::{Bitmap, SamplerSettings, UvTransform};
 
@@ -465,7 +466,7 @@ pub struct LightDescription {
 }
 
 /// Shapes of lights without a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum LightKind {
     /// Intensity (cd) equal in all directions.
     Point,
@@ -478,6 +479,25 @@ pub enum LightKind {
     },
     /// Illuminance (lux) on a plane across the direction, from infinitely far.
     Directional,
+    /// Intensity by a measured profile; the level is by what its candela are multiplied.
+    Profile(Arc<Profile>),
+    /// Flux (lm) of a white slide that a lens throws, as [`Projector`](crate::light::Projector) has it.
+    Projector(ProjectorDescription),
+}
+
+/// A slide and its lens.
+#[derive(Clone, Debug)]
+pub struct ProjectorDescription {
+    /// The slide, sRGB-encoded.
+    pub slide: Arc<Bitmap>,
+    /// Width and height of the picture 1 m away, m.
+    pub extent: [f64; 2],
+    /// Where the middle of the picture is 1 m away, m to the right and up.
+    pub shift: [f64; 2],
+    /// Radius of the opening, m; 0 for a picture that is sharp everywhere.
+    pub radius_m: f64,
+    /// Distance of the plane of focus, m.
+    pub focus_distance_m: f64,
 }
 
 /// Light from infinitely far in all directions.
@@ -499,6 +519,8 @@ pub enum EnvironmentDescription {
         /// Rotation about +Y, counter-clockwise seen from above, degrees.
         rotation_deg: f64,
     },
+    /// The sky by day.
+    Sky(SkyConditions),
 }
 
 /// How the pixel values of an environment picture become luminances.

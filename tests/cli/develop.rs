@@ -80,6 +80,7 @@ fn what_goes_wrong_is_told() {
     for (arguments, status, wanted) in [
         ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .ppm or .exr"][..]),
         ("out/raw.dng -o out/image.png", 2, &["exists already", "--force"]),
+        ("out/raw.dng -o nowhere/p.png", 1, &["nowhere: is no folder to write to"]),
         ("missing.dng", 1, &["missing.dng", "cannot read"]),
         ("torn.dng", 1, &["torn.dng"]),
         ("notes.txt", 1, &["notes.txt", "no raw file", "DNG"]),
@@ -115,23 +116,293 @@ fn measures_of_pictures() {
     assert!((same["channels"][0]["ssim"].as_f64().expect("large enough") - 1.0).abs() < 1e-9);
     folder.fail("measure mtf out/image.png --channel W", 2, &["no channel W", "R, G, B"]);
     folder.fail("measure mtf out/image.png --region 1,2,3", 2, &["3 numbers instead of 4"]);
-    folder.fail("measure checker out/image.png --capture capture.toml", 1, &["no patch"]);
+}
+
+/// A grey wall that fills the view of a thin lens, in even light from all sides: every pixel has the radiance ρ·E/π.
+const WALL: &str = "\
+[scene]
+geometry = ['wall.obj']
+environment = { illuminant = 'D50', illuminance_lux = 1000 }
+[materials.wall]
+type = 'diffuse'
+reflectance = 0.5
+[camera]
+position_m = [0, 0, 1]
+look_at_m = [0, 0, 0]
+[lens]
+falloff = 'none'
+[sensor]
+resolution_px = [48, 32]
+[exposure]
+time_s = 0.04
+[render]
+samples_per_pixel = 64
+[output]
+ideal = true
+";
+
+#[test]
+fn a_grey_wall_is_as_bright_in_the_ideal_picture_as_in_the_developed_one() {
+    let wall = "usemtl wall\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
+    let folder = Folder::new([("wall.obj", wall.into()), ("capture.toml", WALL.into())]);
+    folder.succeed("render capture.toml -o out");
+    folder.succeed("develop out/raw.dng -o out/developed.exr");
+    let mean = |picture: &str, channel: usize| {
+        let found: Value =
+            serde_json::from_str(&folder.succeed(&format!("measure histogram {picture} --json")).stdout).expect("JSON");
+        (
+            found[channel]["mean"].as_f64().expect("a number"),
+            found[channel]["standard_deviation"].as_f64().expect("one"),
+        )
+    };
+    for channel in 0..3 {
+        let ((developed, noise), (ideal, _)) = (mean("out/developed.exr", channel), mean("out/ideal.exr", channel));
+        // White is kept exactly, so that what is left is noise: that of 1536 developed pixels, a quarter of which see the
+        // channel, and of light transport, 100 000 paths whose weights differ by about their mean: 0.3 %. Four times both.
+        let tolerance = 4.0 * (noise / 384f64.sqrt()).hypot(0.003 * ideal);
+        assert!(ideal > 0.05 && (developed - ideal).abs() < tolerance, "{channel}: {developed} {ideal} ± {tolerance}");
+    }
+    assert!(bytes(&folder, "out/ideal.png").starts_with(b"\x89PNG"));
+}
+
+/// What the schema says a key of [develop] may be.
+fn values_of(schema: &Value, property: &Value) -> Vec<String> {
+    if let Some(reference) = property["$ref"].as_str().or_else(|| property["allOf"][0]["$ref"].as_str()) {
+        let path = reference.trim_start_matches('#');
+        return values_of(schema, schema.pointer(path).expect("a definition"));
+    }
+    let listed = |key: &str| property[key].as_array().into_iter().flatten();
+    let named: Vec<String> = (listed("oneOf").filter_map(|one| one["const"].as_str()))
+        .chain(listed("enum").filter_map(Value::as_str))
+        .map(str::to_owned)
+        .collect();
+    if property["type"] == "boolean" { vec!["true".to_owned(), "false".to_owned()] } else { named }
+}
+
+/// Values of the keys that the schema has no list of, with what they go with.
+const NUMBERS: [(&str, &str); 17] = [
+    ("temperature_k=4000", "white_balance=temperature"),
+    ("tint=12.5", "white_balance=temperature temperature_k=5000"),
+    ("patch_px=[3,5,20,12]", "white_balance=patch"),
+    ("noise_radius_px=2", "noise_filter=median"),
+    ("noise_strength=1.5", "noise_filter=bilateral"),
+    ("exposure_ev=-1.5", ""),
+    ("gamma=1.8", "tone_curve=gamma"),
+    ("sharpening=0.5", ""),
+    ("sharpening_radius_px=2.5", "sharpening=1"),
+    ("bits=16", ""),
+    ("raw.cfa=BGGR", ""),
+    ("raw.black_level_dn=70", ""),
+    ("raw.white_level_dn=3000", ""),
+    ("raw.as_shot_neutral=[0.7,1,0.5]", ""),
+    ("raw.colour_matrix_d65=[[0.8,-0.2,-0.1],[-0.4,1.2,0.2],[0,0.1,0.6]]", ""),
+    ("white_balance=temperature", "temperature_k=3000 tint=-5"),
+    ("white_balance=patch", "patch_px=[0,0,32,24]"),
+];
+
+#[test]
+fn every_key_and_value_of_the_schema_develops() {
+    let folder = rendered("");
+    let schema: Value = serde_json::from_str(&folder.succeed("schema").stdout).expect("JSON");
+    let develop = schema["properties"]["develop"]["$ref"].as_str().expect("a table").trim_start_matches('#');
+    let properties = schema.pointer(develop).expect("a definition")["properties"].as_object().expect("keys");
+    let mut tried = 0;
+    for (key, property) in properties {
+        let listed = values_of(&schema, property).into_iter().map(|value| (format!("{key}={value}"), ""));
+        let listed = listed.filter(|(setting, _)| !NUMBERS.iter().any(|(with, _)| with == setting));
+        let numbers = NUMBERS.iter().filter(|(setting, _)| setting.split(['=', '.']).next() == Some(key));
+        let settings: Vec<(String, &str)> = listed.chain(numbers.map(|(s, w)| ((*s).to_owned(), *w))).collect();
+        assert!(!settings.is_empty(), "{key} has no value to try");
+        for (setting, with) in settings {
+            tried += 1;
+            let all = with.split_whitespace().chain([&setting[..]]).map(|s| format!(" --set develop.{s}"));
+            // Codes cannot hold X and Z of white.
+            let extension = if setting == "colour_space=xyz" { "exr" } else { "png" };
+            let arguments = format!("develop out/raw.dng -o {tried}.{extension} --json{}", all.collect::<String>());
+            let outcome = folder.run(&arguments);
+            if ["demosaic=markesteijn"].contains(&&setting[..]) {
+                assert_eq!(outcome.status, Some(1), "{arguments}: {}", outcome.stderr);
+                assert!(outcome.text().contains("develop.demosaic"), "{}", outcome.stderr);
+                continue;
+            }
+            assert_eq!(outcome.status, Some(0), "{arguments}: {}", outcome.stderr);
+            let report: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+            let (path, value) = setting.split_once('=').expect("a key and a value");
+            let shown = report["settings"].pointer(&format!("/{}", path.replace('.', "/"))).expect("the key");
+            let same = |text: &str| text.replace(".0", "").trim_matches('"').to_owned();
+            assert_eq!(same(&shown.to_string()), same(value), "{arguments}");
+            assert!(!bytes(&folder, &format!("{tried}.{extension}")).is_empty());
+        }
+    }
+    // A key that has got lost would not be missed above.
+    assert!(tried > 50, "{tried}");
 }
 
 #[test]
-fn the_ideal_picture_lies_beside_the_developed_one() {
-    let folder = room("[render]\nsamples_per_pixel = 16\n[output]\nideal = true\n");
-    folder.succeed("render capture.toml -o out");
-    folder.succeed("develop out/raw.dng -o out/developed.exr");
-    let found: Value =
-        serde_json::from_str(&folder.succeed("measure similarity out/developed.exr out/ideal.exr --json").stdout)
-            .expect("JSON");
-    // The same light and scale; noise of a few electrons and a mosaic of 32 × 24 pixels lie between them. Pictures of
-    // different things, values even from 0 to the largest, would differ by its sixth in the mean square, 7.8 dB; 12 dB
-    // are a quarter of it as root mean square, the step that edges take where a pixel is half covered.
-    for channel in found["channels"].as_array().expect("a list") {
-        let psnr = channel["psnr_db"].as_f64().expect("they differ");
-        assert!(psnr > 12.0, "{found}");
+fn files_of_numbers_alone_can_be_told_what_they_are() {
+    let folder = rendered("[output]\nraw = ['dng', 'tiff', 'pgm', 'npy', 'exr']\n");
+    let raw = folder.raw("out/raw.dng");
+    let list = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    let neutral = raw.metadata.as_shot_neutral.expect("a colour sensor");
+    let matrix = raw.metadata.colour_matrix_d65.expect("a colour sensor");
+    let rows: Vec<String> = matrix.iter().map(|row| format!("[{}]", list(row))).collect();
+    let told = format!(
+        "--set develop.raw.cfa={} --set develop.raw.black_level_dn={} --set develop.raw.white_level_dn={} --set \
+         develop.raw.as_shot_neutral=[{}] --set develop.raw.colour_matrix_d65=[{}]",
+        raw.cfa,
+        raw.black_level_dn.mean(),
+        raw.white_level_dn,
+        list(&neutral),
+        rows.join(",")
+    );
+    // The DNG file says more: matrices for another light, the lens.
+    let plain = "--set develop.lens_falloff=false --set develop.distortion=false";
+    folder.succeed(&format!("develop out/raw.dng -o dng.png {told} {plain}"));
+    for kind in ["tiff", "pgm", "npy", "exr"] {
+        folder.succeed(&format!("develop out/raw.{kind} -o {kind}.png {told}"));
+        assert!(bytes(&folder, &format!("{kind}.png")) == bytes(&folder, "dng.png"), "{kind}");
     }
-    assert!(bytes(&folder, "out/ideal.png").starts_with(b"\x89PNG"));
+    for (setting, words) in [
+        ("raw.cfa=full:RGB", &["develop.raw.cfa", "3 numbers a pixel, the file 1"][..]),
+        ("raw.cfa=RGBGR", &["develop.raw.cfa", "no square tile"]),
+        ("raw.white_level_dn=0", &["develop.raw.white_level_dn", "leave no range"]),
+        ("raw.as_shot_neutral=[1,1]", &["develop.raw.as_shot_neutral", "2 entries"]),
+        ("raw.cfo=RGGB", &["cfo", "cfa"]),
+        ("demosaic=menon", &["develop.demosaic", "nothing to do", "mono"]),
+    ] {
+        folder.fail(&format!("develop out/raw.tiff -o p.png --set develop.{setting}"), 1, words);
+    }
+}
+
+#[test]
+fn a_bent_sensor_develops_with_and_without_its_table() {
+    let bent = "[sensor.adc]\ncompanding = { bits = 10, gamma = 2.2 }\n";
+    let folder = rendered(bent);
+    folder.succeed("develop out/raw.dng -o linear.png");
+    folder.succeed("develop out/raw.dng -o bent.png --set develop.linearisation=false");
+    let mean = |picture: &str| -> f64 {
+        let found: Value =
+            serde_json::from_str(&folder.succeed(&format!("measure histogram {picture} --json")).stdout).expect("JSON");
+        found[1]["mean"].as_f64().expect("a number")
+    };
+    // A gamma lifts what lies between black and white.
+    assert!(mean("bent.png") > 1.1 * mean("linear.png"), "{} {}", mean("bent.png"), mean("linear.png"));
+}
+
+#[test]
+fn pictures_are_measured_in_the_colours_that_their_files_say() {
+    let wall = "usemtl wall\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
+    // A colour that sRGB holds, with all its noise.
+    let capture = WALL.replace("0.5", "'colour-checker/09-moderate-red'");
+    let folder = Folder::new([("wall.obj", wall.into()), ("capture.toml", capture.into())]);
+    folder.succeed("render capture.toml -o out");
+    for (name, setting) in [
+        ("wide.png", "colour_space=rec2020"),
+        ("p3.tiff", "colour_space=display-p3"),
+        ("gamma.png", "tone_curve=gamma"),
+        ("linear.tiff", "tone_curve=linear"),
+        ("aces.exr", "colour_space=acescg"),
+        ("xyz.exr", "colour_space=xyz"),
+        ("plain.exr", "bits=16"),
+    ] {
+        let bits = if name.ends_with("exr") { "" } else { "--set develop.bits=16" };
+        folder.succeed(&format!("develop out/raw.dng -o {name} --set develop.{setting} {bits}"));
+    }
+    folder.succeed("develop out/raw.dng -o a.png --set develop.bits=16");
+    folder.succeed("develop out/raw.dng -o a.jpg");
+    folder.succeed("develop out/raw.dng -o a.ppm");
+    let difference = |a: &str, b: &str| -> f64 {
+        let found: Value =
+            serde_json::from_str(&folder.succeed(&format!("measure similarity {a} {b} --json")).stdout).expect("JSON");
+        found["mean_delta_e_2000"].as_f64().unwrap_or_else(|| panic!("{a} and {b} have colours: {found}"))
+    };
+    for (a, b) in [
+        ("wide.png", "a.png"),
+        ("p3.tiff", "a.png"),
+        ("gamma.png", "a.png"),
+        ("linear.tiff", "a.png"),
+        ("aces.exr", "plain.exr"),
+    ] {
+        // Codes of 16 bits, and profiles with 16 bits behind the point.
+        let found = difference(a, b);
+        assert!(found < 0.3, "{a}: {found}");
+    }
+    // JPEG halves the resolution of colours; the picture is small.
+    let found = difference("a.jpg", "a.ppm");
+    assert!(found < 5.0, "{found}");
+    let numbers = folder.succeed("measure similarity out/electrons.exr out/electrons.exr --json").stdout;
+    assert!(numbers.contains("\"mean_delta_e_2000\": null"), "electrons have no colours: {numbers}");
+}
+
+#[test]
+fn checkers_are_found_by_capture_or_report_and_the_right_file_is_blamed() {
+    let folder = rendered("");
+    folder.succeed("develop out/raw.dng -o black.png --set develop.exposure_ev=-20");
+    for capture in ["capture.toml", "out/capture.json"] {
+        folder.fail(
+            &format!("measure checker out/image.png --capture {capture}"),
+            1,
+            &[capture, "no patch", "colour-checker/"],
+        );
+    }
+    folder.add("wall.obj", "usemtl wall\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n");
+    folder.add("chart.toml", WALL.replace("0.5", "'colour-checker/19-white'").replace("D50", "D65"));
+    folder.succeed("render chart.toml -o chart");
+    for capture in ["chart.toml", "chart/capture.json"] {
+        let found = folder.succeed(&format!("measure checker chart/image.png --capture {capture} --json")).stdout;
+        let found: Value = serde_json::from_str(&found).expect("JSON");
+        assert_eq!(found["patches"][0]["name"], "colour-checker/19-white");
+        assert!(found["mean_delta_e_2000"].as_f64().expect("a number") < 1.0, "{found}");
+    }
+    folder.succeed("develop chart/raw.dng -o black.png --force --set develop.exposure_ev=-20");
+    folder.fail("measure checker black.png --capture chart.toml", 1, &["black.png: ", "shows the chart black"]);
+    folder.fail("measure checker out/image.png --capture chart.toml", 1, &["out/image.png: ", "32 × 24", "48 × 32"]);
+    folder.fail("measure checker chart/ideal.exr --capture out", 1, &["out: is a folder"]);
+}
+
+/// What a file of so many pixels would hold, and does not.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_that_claim_to_be_huge_take_no_memory() {
+    let folder = rendered("[output]\nraw = ['dng', 'tiff', 'exr']\n");
+    let with = |name: &str, change: &dyn Fn(&mut Vec<u8>)| {
+        let mut file = bytes(&folder, &format!("out/raw.{name}"));
+        change(&mut file);
+        folder.add(&format!("huge.{name}"), file);
+    };
+    // ImageWidth and ImageLength, wherever they are: entries of one LONG or SHORT.
+    let sides = |file: &mut Vec<u8>| {
+        let mut found = 0;
+        for at in 0..file.len() - 12 {
+            let is_side = file[at + 1] == 1 && file[at] <= 1 && [3, 4].contains(&file[at + 2]) && file[at + 3] == 0;
+            if is_side && file[at + 4..at + 8] == [1, 0, 0, 0] {
+                file[at + 8..at + 12].copy_from_slice(&60_000u32.to_le_bytes());
+                found += 1;
+            }
+        }
+        assert!(found >= 2, "width and height");
+    };
+    with("tiff", &sides);
+    with("dng", &sides);
+    let header = "{'descr': '<u2', 'fortran_order': False, 'shape': (60000, 60000), }\n";
+    folder.add(
+        "huge.npy",
+        [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), b"1234"].concat(),
+    );
+    with("exr", &|file| {
+        let window = file.windows(10).position(|w| w == b"dataWindow").expect("it has one") + 10 + 1 + 6 + 4;
+        file[window + 8..window + 16].copy_from_slice(&[0x5f, 0xea, 0, 0, 0x5f, 0xea, 0, 0]);
+    });
+    folder.add("huge.pgm", b"P5 60000 60000 65535 \0\0\0\0");
+    folder.add("header.npy", b"\x93NUMPY\x02\x00\xff\xff\xff\xf0{'descr'");
+    for name in ["huge.tiff", "huge.dng", "huge.npy", "huge.exr", "huge.pgm", "header.npy"] {
+        // What 60 000 × 60 000 numbers need is 7.2 GB.
+        let script =
+            format!("ulimit -v 1500000; exec {} develop {name} -o p.png --threads 2", env!("CARGO_BIN_EXE_photosite"));
+        let mut shell = std::process::Command::new("sh");
+        let output = shell.args(["-c", &script]).current_dir(folder.path("")).output().expect("a shell");
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{name}: {text}");
+        assert!(text.contains(name) && !text.contains("panicked"), "{text}");
+    }
 }

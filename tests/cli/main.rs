@@ -27,3 +27,4 @@ mod report;
 mod room;
 mod same_bytes;
 mod seeds;
+mod targets;

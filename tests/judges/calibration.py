@@ -1,25 +1,25 @@
 #!/usr/bin/env python3
-"""OpenCV calibrates a camera from our photographs of targets and finds what was put in: calibration.py PHOTOSITE [--full] [--folder DIR]
+"""OpenCV calibrates cameras from our photographs of targets and finds what was put in:
 
-18 views of 1280 × 960 pixels through a lens with distortion, f = 1500 px, with the noise of a sensor that counts 10 000
-electrons where the board is white. The targets shine by themselves, as on a screen, so that a few samples are enough.
-Without --full: the chessboard alone, and fewer samples a pixel.
+    calibration.py PHOTOSITE [--full] [--samples N] [--folder DIR]
+
+18 views of 1280 × 960 pixels through a lens with distortion, f = 1500 px (a fisheye 600 px), with all the noise of a sensor
+that counts 10 000 electrons where the board is white. The targets shine by themselves, as on a screen, so that a few
+samples a pixel are enough. Without --full: the chessboard alone; with it ChArUco, a fisheye and a stereo pair. Renders that
+are in DIR already are taken as they are.
 """
 
+import argparse
 import json
 import math
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-PHOTOSITE, FULL = sys.argv[1], "--full" in sys.argv
-# Renders that are there already are taken as they are.
-FOLDER = Path(sys.argv[sys.argv.index("--folder") + 1] if "--folder" in sys.argv else tempfile.mkdtemp())
-SAMPLES = 64 if FULL else 8
+SIZE = (1280, 960)
 WHITE_E = 10_000
 
 CAPTURE = """
@@ -37,20 +37,17 @@ look_at_m = {look_at}
 up = {up}
 
 [lens]
-type = "pinhole"
-focal_length_mm = 8.79
+{lens}
 f_number = 8.0
 focus_distance_m = "infinity"
 falloff = "none"
-intrinsics = {{ fx = 1500.0, fy = 1500.0, cx = 650.0, cy = 470.0 }}
-distortion = {{ model = "brown-conrady", k = [-0.12, 0.05, 0.0], p = [0.0005, -0.0004] }}
 
 [sensor]
 preset = "sony-imx249-mono"
 resolution_px = [1280, 960]
 
 [exposure]
-time_s = 0.0092
+time_s = {time}
 
 [render]
 samples_per_pixel = {samples}
@@ -62,6 +59,14 @@ raw = ["npy"]
 
 CHESSBOARD = 'type = "chessboard"\nsquares = [10, 7]\nsquare_mm = 25.0'
 CHARUCO = 'type = "charuco"\nsquares = [10, 7]\nsquare_mm = 25.0\nmarker_mm = 16.0\ndictionary = "DICT_5X5_100"'
+RECTILINEAR = """type = "pinhole"
+focal_length_mm = 8.79
+intrinsics = { fx = 1500.0, fy = 1500.0, cx = 650.0, cy = 470.0 }
+distortion = { model = "brown-conrady", k = [-0.12, 0.05, 0.0], p = [0.0005, -0.0004] }"""
+FISHEYE = """type = "pinhole"
+focal_length_mm = 3.516
+intrinsics = { fx = 600.0, fy = 600.0, cx = 650.0, cy = 470.0 }
+distortion = { model = "kannala-brandt", k = [0.04, -0.01, 0.002, -0.0005] }"""
 
 # Tilts about the board's axes and roll in degrees, distance in m, and where on the board the camera looks in m.
 POSES = [
@@ -72,37 +77,62 @@ POSES = [
     (-15, -10, 0, 0.60, -0.08, -0.05), (30, 0, 12, 0.62, 0.09, 0.00), (-30, 0, -12, 0.62, -0.09, 0.00),
     (0, 32, 0, 0.60, 0.00, 0.07), (0, -32, 0, 0.60, 0.00, -0.07), (10, -15, 90, 0.62, 0.00, 0.00),
 ]
+# Where the right camera of the pair stands and how it is turned, in the frame of the left (x right, y up, z backward).
+RIGHT_M = np.array([0.10, 0.004, -0.006])
+RIGHT_ROTATION = cv2.Rodrigues(np.radians([0.8, 7.0, -1.0]))[0]
 
 
-def view(number, name, target, pose):
-    """Renders a view: 8-bit picture, points of the target in metres, where they appear by OpenCV's own projection."""
+def camera_pose(pose, closer):
+    """Position and axes (columns x right, y up, z backward) of the camera of a pose."""
     about_x, about_y, roll, distance, x, y = pose
     a, b, r = (math.radians(angle) for angle in (about_x, about_y, roll))
-    towards = np.array([math.sin(b) * math.cos(a), math.sin(a), math.cos(b) * math.cos(a)])
-    side = np.cross([0.0, 1.0, 0.0], towards)
+    back = np.array([math.sin(b) * math.cos(a), math.sin(a), math.cos(b) * math.cos(a)])
+    side = np.cross([0.0, 1.0, 0.0], back)
     side /= np.linalg.norm(side)
-    up = math.cos(r) * np.cross(towards, side) + math.sin(r) * side
-    look_at = np.array([x, y, 0.0])
-    path = FOLDER / f"{name}.toml"
-    listed = lambda vector: "[" + ", ".join(repr(float(v)) for v in vector) + "]"
-    path.write_text(CAPTURE.format(target=target, position=listed(look_at + distance * towards), look_at=listed(look_at),
-                                   up=listed(up), samples=SAMPLES))
-    out = FOLDER / f"{name}-{number:02}"
-    if not (out / "capture.json").exists():
-        subprocess.run([PHOTOSITE, "render", path, "-o", out, "--quiet", "--seed", str(number)], check=True)
-    report = json.loads((out / "capture.json").read_text())
-    sensor = report["sensor"]
-    signal = np.load(out / "raw.npy").astype(float) - sensor["black_level_dn"]
-    electrons = signal / sensor["system_gain_dn_per_e"]
-    picture = np.clip(electrons / WHITE_E * 220, 0, 255).round().astype(np.uint8)
-    placed = report["targets"][0]
-    world = np.array(placed["points_world_m"])
-    board = np.array([[*point["xy_mm"], 0.0] for point in placed["points"]]) / 1e3
-    camera = report["camera"]
-    matrix, distortion = np.array(camera["camera_matrix"]), np.array(camera["distortion"])
-    rotation, translation = np.array(camera["rotation"]), np.array(camera["translation_m"])
-    truth, _ = cv2.projectPoints(world, cv2.Rodrigues(rotation)[0], translation, matrix, distortion)
-    return picture, electrons, board, truth.reshape(-1, 2), matrix, distortion
+    up = math.cos(r) * np.cross(back, side) + math.sin(r) * side
+    return np.array([x, y, 0.0]) + distance * closer * back, np.column_stack([np.cross(up, back), up, back])
+
+
+class View:
+    """A photograph, with what is known of it."""
+
+    def __init__(self, name, number, target, lens, position, axes):
+        path = arguments.folder / f"{name}.toml"
+        listed = lambda vector: "[" + ", ".join(repr(float(v)) for v in vector) + "]"
+        text = CAPTURE.format(target=target, lens=lens, position=listed(position), up=listed(axes[:, 1]),
+                              look_at=listed(position - axes[:, 2]), time=0.0093, samples=arguments.samples)
+        path.write_text(text)
+        out = arguments.folder / f"{name}-{number:02}"
+        if not (out / "capture.json").exists():
+            command = [arguments.photosite, "render", path, "-o", out, "--quiet", "--seed", str(number)]
+            subprocess.run(command, check=True)
+        report = json.loads((out / "capture.json").read_text())
+        sensor, camera, board = report["sensor"], report["camera"], report["targets"][0]
+        signal = np.load(out / "raw.npy").astype(float) - sensor["black_level_dn"]
+        electrons = signal / sensor["system_gain_dn_per_e"]
+        white = np.percentile(electrons, 98)
+        assert abs(white / WHITE_E - 1) < 0.1, f"white counts {white:.0f} electrons"
+        self.picture = np.clip(electrons / WHITE_E * 220, 0, 255).round().astype(np.uint8)
+        self.matrix, self.distortion = np.array(camera["camera_matrix"]), np.array(camera["distortion"])
+        self.rotation, self.translation = np.array(camera["rotation"]), np.array(camera["translation_m"])
+        self.board = np.array([[*point["xy_mm"], 0.0] for point in board["points"]]) / 1e3
+        world = np.array(board["points_world_m"]).reshape(-1, 1, 3)
+        pose = cv2.Rodrigues(self.rotation)[0], self.translation
+        if camera["projection"] == "kannala-brandt":
+            truth, _ = cv2.fisheye.projectPoints(world, *pose, self.matrix, self.distortion)
+        else:
+            truth, _ = cv2.projectPoints(world, *pose, self.matrix, self.distortion)
+        self.truth = truth.reshape(-1, 2)
+
+    def detect(self, detector):
+        """Numbers and places of the points that are found. A chessboard may be read from either end; which, the truth
+        says."""
+        found = detector(self.picture)
+        assert found is not None, "nothing is found"
+        ids, corners = found
+        if np.linalg.norm(corners - self.truth[ids], axis=1).max() > 5:
+            corners = corners[::-1]
+        return ids, corners
 
 
 def refined(picture, corners, window):
@@ -110,53 +140,90 @@ def refined(picture, corners, window):
     the picture is smoothed as a lens with a spot of three pixels would have."""
     smooth = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), 1.5)
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-5)
-    return cv2.cornerSubPix(smooth, corners.astype(np.float32).reshape(-1, 1, 2), (window, window), (-1, -1), criteria)
+    start = corners.astype(np.float32).reshape(-1, 1, 2)
+    return cv2.cornerSubPix(smooth, start, (window, window), (-1, -1), criteria).reshape(-1, 2)
 
 
 def chessboard_corners(picture):
     found, corners = cv2.findChessboardCorners(cv2.GaussianBlur(picture, (0, 0), 1), (9, 6))
-    return (np.arange(54), refined(picture, corners, 11).reshape(-1, 2)) if found else None
+    return (np.arange(54), refined(picture, corners, 11)) if found else None
 
 
 def charuco_corners(picture):
     board = cv2.aruco.CharucoBoard((10, 7), 0.025, 0.016, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_100))
     corners, ids, _, _ = cv2.aruco.CharucoDetector(board).detectBoard(picture)
     # The markers begin 4.5 mm from the corners.
-    return (ids.ravel(), refined(picture, corners, 7).reshape(-1, 2)) if ids is not None else None
+    return (ids.ravel(), refined(picture, corners, 7)) if ids is not None else None
 
 
-def judge(name, target, detect):
-    boards, images, errors = [], [], []
-    for number, pose in enumerate(POSES):
-        picture, electrons, board, truth, matrix, distortion = view(number, name, target, pose)
-        white = np.percentile(electrons, 98)
-        assert abs(white / WHITE_E - 1) < 0.1, f"white counts {white:.0f} electrons"
-        found = detect(picture)
-        assert found is not None, f"{name}: nothing found in view {number}"
-        ids, corners = found
-        # A chessboard may be read from either end; which, says the truth.
-        if np.linalg.norm(corners - truth[ids], axis=1).max() > 5:
-            corners = corners[::-1]
-        error = corners - truth[ids]
-        errors.append(error)
-        boards.append(board[ids].astype(np.float32))
-        images.append(corners.astype(np.float32).reshape(-1, 1, 2))
-    error = np.concatenate(errors)
-    bias, rms = np.abs(error.mean(axis=0)).max(), math.sqrt((error**2).sum(axis=1).mean())
-    size = (1280, 960)
-    flags = cv2.CALIB_FIX_K3
-    reprojection, found, coefficients, _, _ = cv2.calibrateCamera(boards, images, size, None, None, flags=flags)
-    f = np.abs(np.diag(found)[:2] - np.diag(matrix)[:2]).max()
-    c = np.abs(found[:2, 2] - matrix[:2, 2]).max()
-    k1 = abs(coefficients.ravel()[0] - distortion[0])
-    print(f"{name}: {len(error)} corners; bias {bias:.4f} px, RMS {rms:.4f} px (largest {np.abs(error).max():.3f}); "
-          f"|Δf| {f:.3f} px, |Δc| {c:.3f} px, |Δk1| {k1:.5f}, reprojection {reprojection:.4f} px")
-    # RMS of the distance and of OpenCV's reprojection error: both over x and y together.
-    for figure, value, limit in (("bias", bias, 0.01), ("RMS", rms, 0.05), ("f", f, 0.5), ("c", c, 0.5), ("k1", k1, 0.001),
-                                 ("reprojection", reprojection, 0.05)):
-        assert value <= limit, f"{name}: {figure} {value} exceeds {limit}"
+def within(name, **figures):
+    """Prints figures with their limits, and fails where one exceeds it."""
+    print(f"{name}: " + ", ".join(f"{figure} {value:.5g} (≤ {limit})" for figure, (value, limit) in figures.items()))
+    for figure, (value, limit) in figures.items():
+        assert value <= limit, f"{name}: {figure}"
 
 
-judge("chessboard", CHESSBOARD, chessboard_corners)
-if FULL:
-    judge("charuco", CHARUCO, charuco_corners)
+def calibrate(name, target, lens, detector, closer=1.0):
+    """Takes and detects all views, calibrates, compares. Returns what is needed for a pair."""
+    views = [View(name, i, target, lens, *camera_pose(pose, closer)) for i, pose in enumerate(POSES)]
+    found = [view.detect(detector) for view in views]
+    error = np.concatenate([corners - view.truth[ids] for view, (ids, corners) in zip(views, found)])
+    within(f"{name}, {len(error)} corners", bias_px=(np.abs(error.mean(axis=0)).max(), 0.01),
+           rms_px=(math.sqrt((error**2).sum(axis=1).mean()), 0.05))
+    boards = [view.board[ids].reshape(-1, 1, 3) for view, (ids, _) in zip(views, found)]
+    corners = [corners.astype(np.float64).reshape(-1, 1, 2) for _, corners in found]
+    matrix, distortion = views[0].matrix, views[0].distortion
+    if lens == FISHEYE:
+        flags = cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW
+        listed = [[part.reshape(1, -1, part.shape[-1]) for part in parts] for parts in (boards, corners)]
+        rms, got, coefficients, _, _ = cv2.fisheye.calibrate(*listed, SIZE, None, None, flags=flags)
+    else:
+        as_f32 = [[part.astype(np.float32) for part in parts] for parts in (boards, corners)]
+        rms, got, coefficients, _, _ = cv2.calibrateCamera(*as_f32, SIZE, None, None, flags=cv2.CALIB_FIX_K3)
+    difference = np.abs(got - matrix)
+    within(f"{name}, calibrated", f_px=(max(difference[0, 0], difference[1, 1]), 0.5), c_px=(difference[:2, 2].max(), 0.5),
+           k1=(abs(coefficients.ravel()[0] - distortion[0]), 0.001), reprojection_px=(rms, 0.05))
+    return views, found, got, coefficients
+
+
+def stereo(left):
+    """A second camera beside the first: baseline and rotation between both."""
+    views, found, matrix, distortion = left
+    detected = []
+    for i, pose in enumerate(POSES):
+        position, axes = camera_pose(pose, 1.0)
+        right = View("right", i, CHESSBOARD, RECTILINEAR, position + axes @ RIGHT_M, axes @ RIGHT_ROTATION)
+        # Where the board leaves the picture there is no pair.
+        margin = 15
+        if (right.truth > margin).all() and (right.truth < np.array(SIZE) - margin).all():
+            detected.append((i, right, right.detect(chessboard_corners)[1]))
+    assert len(detected) >= 10, f"only {len(detected)} pairs"
+    boards = [views[i].board.astype(np.float32) for i, _, _ in detected]
+    lefts = [found[i][1].astype(np.float32) for i, _, _ in detected]
+    rights = [corners.astype(np.float32) for _, _, corners in detected]
+    guess = matrix.copy(), distortion.copy()
+    result = cv2.stereoCalibrate(boards, lefts, rights, matrix, distortion, *guess, SIZE,
+                                 flags=cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_FIX_K3)
+    rotation, translation = result[5], result[6].ravel()
+    i, right, _ = detected[0]
+    true_rotation = right.rotation @ views[i].rotation.T
+    true_translation = right.translation - true_rotation @ views[i].translation
+    baseline = abs(np.linalg.norm(translation) / np.linalg.norm(true_translation) - 1)
+    turn = np.degrees(np.linalg.norm(cv2.Rodrigues(rotation @ true_rotation.T)[0]))
+    within(f"stereo, {len(detected)} pairs", baseline_percent=(100 * baseline, 0.05), rotation_deg=(turn, 0.01))
+
+
+parser = argparse.ArgumentParser()
+parser.add_argument("photosite")
+parser.add_argument("--full", action="store_true")
+parser.add_argument("--samples", type=int, default=16)
+parser.add_argument("--folder", type=Path, default=None)
+arguments = parser.parse_args()
+arguments.folder = arguments.folder or Path(tempfile.mkdtemp())
+arguments.folder.mkdir(parents=True, exist_ok=True)
+
+left = calibrate("chessboard", CHESSBOARD, RECTILINEAR, chessboard_corners)
+if arguments.full:
+    calibrate("charuco", CHARUCO, RECTILINEAR, charuco_corners)
+    calibrate("fisheye", CHESSBOARD, FISHEYE, chessboard_corners, closer=0.45)
+    stereo(left)

@@ -31,7 +31,7 @@ THEIRS = {
     "malvar": demosaicing_CFA_Bayer_Malvar2004,
     "menon": demosaicing_CFA_Bayer_Menon2007,
 }
-OURS = ("nearest", "bilinear", "guided", "malvar", "menon")
+OURS = ("nearest", "bilinear", "guided", "malvar", "menon", "lmmse")
 BORDER = 12
 SAME = 0.01
 

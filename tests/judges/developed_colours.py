@@ -5,17 +5,17 @@ own.
     developed_colours.py FOLDER...
 
 Each FOLDER, whose name ends with that of the light (D65, D50 or A), holds raw.dng, image.png and wide.tiff (linear
-Rec. 2020, 16 bits) of a noise-free colour checker of 6 x 4 patches.
+Rec. 2020, 16 bits) of a noise-free colour checker of 6 x 4 patches. It fills the picture, or, where there is a capture.json
+beside, it is that of scenes/colour-checker as its camera sees it.
 
 - In D65, for which alone LibRaw has a matrix, image.png is compared with its picture in blocks of 16 x 16 pixels whose
-  content is even, so that edges, at which demosaicking differs, do not count.
+  content is even, so that edges, at which demosaicking differs, do not count. Traced pictures have no such blocks.
 - The patches are compared with what the observer sees, computed by the colour-science package, and with the best that
   any matrix of 3 x 3 numbers makes of the camera's channels: photosite may be 0.1 worse in the mean delta E 2000 in all
   lights; the others, which use the matrix for D65 alone, 0.1 in D65 and 1.4 in D50.
 
 Of sensors that have all channels at every pixel, whose responses overlap so far that white itself would be sacrificed
-for other colours, the best matrix is the best of those that keep white. Between D65 and A photosite takes a mean of two
-matrices, as DNG wants it, which costs stacked layers 0.22 in D50. Their colours pass what dcraw, RawTherapee and
+for other colours, the best matrix is the best of those that keep white. Their colours pass what dcraw, RawTherapee and
 darktable do not cut off, so only LibRaw is asked.
 
 Exit status 0 where all is well, 1 otherwise.
@@ -23,6 +23,7 @@ Exit status 0 where all is well, 1 otherwise.
 Needs: pip install -r requirements.txt, apt-get install dcraw rawtherapee darktable.
 """
 
+import json
 import struct
 import subprocess
 import sys
@@ -57,7 +58,6 @@ CHECKER = colour.SDS_COLOURCHECKERS["ISO 17321-1"]
 LIGHTS = {"D65": colour.SDS_ILLUMINANTS["D65"], "D50": colour.SDS_ILLUMINANTS["D50"], "A": colour.SDS_ILLUMINANTS["A"]}
 # Most that a developer may be worse than the best matrix, mean delta E 2000.
 OURS = {"D65": 0.1, "D50": 0.1, "A": 0.1}
-OURS_BETWEEN_MATRICES = 0.25
 OTHERS = {"D65": 0.1, "D50": 1.4}
 
 # Nothing but white balance, matrix and a colour space wide enough for every patch.
@@ -101,6 +101,22 @@ def tristimulus(light, reflectance=None):
         linear = {"interpolator": colour.LinearInterpolator}
         power = power * reflectance.copy().align(shape, **linear, extrapolator_kwargs=hold).values
     return observer.values.T @ power
+
+
+def chart(folder: Path, picture, size):
+    """The part of a picture that the cells of the chart fill, 46 mm each; `size` is that of a whole picture, of which a
+    developer may leave out a frame."""
+    path = folder / "capture.json"
+    if not path.exists():
+        return picture
+    report = json.loads(path.read_text())
+    (fx, _, cx), (_, fy, cy), _ = report["camera"]["camera_matrix"]
+    distance = report["capture"]["camera"]["position_m"][2]
+    left, top = ((whole - there) // 2 for whole, there in zip(size[::-1], picture.shape[1::-1]))
+    x, y = 3 * 0.046 * fx / distance, 2 * 0.046 * fy / distance
+    # The matrix counts from the middle of a pixel.
+    edge = lambda middle, half, first: round(middle + 0.5 + half - first)
+    return picture[edge(cy, -y, top) : edge(cy, y, top), edge(cx, -x, left) : edge(cx, x, left)]
 
 
 def patches(picture):
@@ -184,8 +200,11 @@ def judge_patches(folder: Path):
             output_bps=16,
             user_flip=0,
         )
+    size = planes.shape[:2]
+    whole = lambda picture: chart(folder, picture, size)
+    planes = whole(planes)
     height, width = planes.shape[0] // 4, planes.shape[1] // 6
-    cut = lambda i: planes[i // 6 * height + 8 : (i // 6 + 1) * height - 8, i % 6 * width + 8 : (i % 6 + 1) * width - 8]
+    cut = lambda i: planes[i // 6 * height + height // 4 : (i // 6 + 1) * height - height // 4, i % 6 * width + width // 4 : (i % 6 + 1) * width - width // 4]
     camera = numpy.array([numpy.nanmean(cut(i).reshape(-1, 3), axis=0) for i in range(24)])
     camera /= camera.max()
     search = lambda matrix, start: scipy.optimize.minimize(
@@ -200,15 +219,16 @@ def judge_patches(folder: Path):
         found = search(keeping, (start * d65 / start.sum(axis=0))[:2].ravel())
     best = found.fun
     to_xyz = colour.normalised_primary_matrix(colour.RGB_COLOURSPACES["ITU-R BT.2020"].primaries, d65[:2] / d65.sum())
-    ours = error(patches(tifffile.imread(folder / "wide.tiff").astype(float)) @ to_xyz.T)
-    others = {"LibRaw": error(patches(theirs.astype(float)))}
+    ours = error(patches(whole(tifffile.imread(folder / "wide.tiff").astype(float))) @ to_xyz.T)
+    others = {"LibRaw": error(patches(whole(theirs.astype(float))))}
     if name in OTHERS and not is_full:
         from_d50 = colour.adaptation.matrix_chromatic_adaptation_VonKries(numpy.array([0.9642, 1.0, 0.8249]), d65, transform="Bradford")
         for program, picture, is_d50 in developed_elsewhere(folder / "raw.dng"):
+            picture = whole(picture)
             others[program] = error(patches(picture @ from_d50.T if is_d50 else picture))
     figures = ", ".join(f"{value:.3f} by {program}" for program, value in others.items())
     print(f"{folder.name}: mean delta E 2000 {ours:.3f} here, {figures}, {best:.3f} by the best matrix")
-    if ours > best + (OURS_BETWEEN_MATRICES if is_full and name == "D50" else OURS[name]):
+    if ours > best + OURS[name]:
         yield f"{folder}: mean delta E 2000 of {ours:.3f}, {best:.3f} would be possible"
     for program, value in others.items():
         if name in OTHERS and value > best + OTHERS[name]:
@@ -216,7 +236,7 @@ def judge_patches(folder: Path):
 
 
 def judge_picture(folder: Path):
-    if not folder.name.endswith("-D65"):
+    if not folder.name.endswith("-D65") or (folder / "capture.json").exists():
         return []
     ours = numpy.asarray(Image.open(folder / "image.png").convert("RGB"))
     with rawpy.imread(str(folder / "raw.dng")) as raw:

@@ -154,7 +154,67 @@ def kalibr_grid():
     print("aprilgrid: AprilTag reads all 36 tags upright")
 
 
+def photograph(kind, *changes):
+    """A picture of a target seen from the side, what capture.json says of target and camera, and a projection."""
+    capture, out = write(kind, "toml", *changes), FOLDER / "photograph"
+    size = np.diff(json.loads(write(kind, "json", *changes).read_text())["sheet_mm"], axis=0)[0].max() / 1e3
+    settings = [f"camera.position_m=[{-1.2 * size}, {0.9 * size}, {4.9 * size}]", "camera.up=[0.1, 1, 0]",
+                "sensor.preset=sony-imx249-mono", "sensor.resolution_px=[1000, 800]", "sensor.pixel_pitch_um=[4.5, 4.5]",
+                "lens.type=pinhole", "render.samples_per_pixel=16"]
+    arguments = [argument for setting in settings for argument in ("--set", setting)]
+    subprocess.run([PHOTOSITE, "render", capture, "-o", out, "--quiet", "--force", *arguments], check=True)
+    report = json.loads((out / "capture.json").read_text())
+    camera, target = report["camera"], report["targets"][0]
+
+    def project(xy_mm):
+        board = np.column_stack([np.atleast_2d(xy_mm) / 1e3, np.zeros(len(np.atleast_2d(xy_mm)))])
+        world = board @ np.array(target["rotation"]).T + target["translation_m"]
+        pixels, _ = cv2.projectPoints(world, cv2.Rodrigues(np.array(camera["rotation"]))[0],
+                                      np.array(camera["translation_m"]), np.array(camera["camera_matrix"]), None)
+        return pixels.reshape(-1, 2)
+
+    points = np.array([point["xy_mm"] for point in target["points"]])
+    world = points / 1e3 @ np.array(target["rotation"])[:, :2].T + target["translation_m"]
+    assert np.abs(world - target["points_world_m"]).max() < 1e-9, f"{kind}: points in the world"
+    return cv2.imread(str(out / "image.png"), cv2.IMREAD_GRAYSCALE), target, points, project
+
+
+def photographs():
+    for kind, *changes in (("charuco",), ("marker-grid", "dictionary=DICT_6X6_250"),
+                           ("marker-grid", "dictionary=DICT_APRILTAG_36h11", "first_id=500"), ("aprilgrid",)):
+        image, target, points, project = photograph(kind, *changes)
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        if kind == "aprilgrid":
+            parameters.markerBorderBits = 2
+        name = target["markers"][0]["dictionary"]
+        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+        corners, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(image)
+        wanted = {marker["id"]: project(marker["corners_xy_mm"]) for marker in target["markers"]}
+        assert ids is not None and sorted(ids.ravel()) == sorted(wanted), f"{kind}: {sorted(ids.ravel())}"
+        error = max(np.abs(quad[0] - wanted[int(i)]).max() for i, quad in zip(ids.ravel(), corners))
+        print(f"{kind} photographed: all {len(wanted)} markers of {name}, corners within {error:.2f} px")
+        # Which corner is which, and where it is to what refinement by gradients makes of steps. The squares of an aprilgrid
+        # touch its tags, and contours go astray there.
+        assert error < (3.0 if kind == "aprilgrid" else 1.0), kind
+    for kind, flags in (("circle-grid", cv2.CALIB_CB_SYMMETRIC_GRID), ("asymmetric-circle-grid", cv2.CALIB_CB_ASYMMETRIC_GRID)):
+        image, target, points, project = photograph(kind)
+        found, centres = cv2.findCirclesGrid(image, tuple(target["target"]["circles"]), flags=flags)
+        assert found, kind
+        # What is seen of a circle is an ellipse, whose middle is not the picture of the circle's.
+        angles = np.linspace(0, 2 * np.pi, 400, endpoint=False)
+        circle = np.column_stack([np.cos(angles), np.sin(angles)]) * target["target"]["diameter_mm"] / 2
+        middles = np.array([cv2.fitEllipse(project(point + circle).astype(np.float32))[0] for point in points])
+        centres = centres.reshape(-1, 2)
+        if np.abs(centres - middles).max() > 5:
+            centres = centres[::-1]
+        error = centres - middles
+        print(f"{kind} photographed: bias {np.abs(error.mean(axis=0)).max():.3f} px, RMS {np.sqrt((error**2).sum(1).mean()):.3f} px")
+        assert np.abs(error.mean(axis=0)).max() < 0.01 and np.sqrt((error**2).sum(1).mean()) < 0.05, kind
+
+
 if "--sizes" not in sys.argv:
     decode_every_marker()
 sizes()
 kalibr_grid()
+photographs()

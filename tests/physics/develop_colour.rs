@@ -1,6 +1,7 @@
 //! Colour from spectra to the picture: a colour checker is exposed and developed, and the picture is compared with what
 //! the observer sees.
 
+use photosite::colour::difference::delta_e_2000;
 use photosite::colour::{adaptation::bradford, cielab};
 use photosite::develop::colour_matrix::camera_colour;
 use photosite::develop::{Codes, DevelopSettings, EncodedPicture, develop, develop_linear};
@@ -36,9 +37,7 @@ fn photograph(patches: &[Spectrum], sensor: &SensorModel, light: &Spectrum) -> R
     }
     let mut raw = expose(&planes, sensor, &EXPOSURE, Stages::NONE, NoiseKey::default()).expect("valid");
     let colour = camera_colour(&responses, light).expect("distinct channels").expect("a colour sensor");
-    raw.metadata.colour_matrix_d65 = Some(colour.matrix_d65);
-    raw.metadata.colour_matrix_a = Some(colour.matrix_a);
-    raw.metadata.as_shot_neutral = Some(colour.neutral);
+    colour.tell(&mut raw.metadata);
     raw
 }
 
@@ -71,7 +70,7 @@ fn colour_errors(sensor: &SensorModel, light: &Spectrum) -> (f64, f64) {
         .map(|(found, patch)| {
             let seen = DVec3::from_array(cie::xyz(&light.product(patch))) / white.y;
             let expected = bradford(white / white.y, d65) * seen;
-            cielab::from_xyz(*rgb::rgb_to_xyz() * found, d65).distance(cielab::from_xyz(expected, d65))
+            delta_e_2000(cielab::from_xyz(*rgb::rgb_to_xyz() * found, d65), cielab::from_xyz(expected, d65))
         })
         .collect();
     let mean: Moments = errors.iter().copied().collect();
@@ -80,21 +79,16 @@ fn colour_errors(sensor: &SensorModel, light: &Spectrum) -> (f64, f64) {
 
 #[test]
 fn a_colour_checker_comes_out_close_to_what_the_observer_sees() {
-    // What a linear matrix leaves of the difference between these channels and the observer, as measured here: mean
-    // 2.1–3.0, largest 6.6–8.8. Real cameras reach much the same. A changed curve or light may cost a little more, a
-    // mistake in the chain costs far more: the D65 matrix alone gives a mean of 9 under A.
-    for (sensor, light, mean_limit, largest_limit) in [
-        ("generic-cmos-color", "D65", 2.6, 9.0),
-        ("generic-cmos-color", "D50", 2.6, 9.0),
-        ("generic-cmos-color", "A", 3.3, 9.5),
-        ("sony-imx249-color", "D65", 2.6, 9.0),
-        ("sony-imx249-color", "D50", 2.6, 9.0),
-        ("sony-imx249-color", "A", 3.3, 9.5),
-    ] {
-        let model = presets::model(sensor).expect("a preset");
-        let (mean, largest) = colour_errors(&model, &illuminant::illuminant(light).expect("known"));
-        println!("{sensor} under {light}: mean ΔE {mean:.2}, largest {largest:.2}");
-        assert!(mean < mean_limit && largest < largest_limit, "{sensor} under {light}: {mean:.2}, {largest:.2}");
+    // What a linear matrix leaves of the difference between these channels and the observer: a mean ΔE00 of 1.1 to 1.4, the
+    // best that there is within 0.1 (tests/judges/developed_colours.py). A changed curve or light may cost a little more, a
+    // mistake in the chain costs far more: the D65 matrix alone gives a mean of 4 under A.
+    for sensor in ["generic-cmos-color", "sony-imx249-color"] {
+        for light in ["D65", "D50", "A"] {
+            let model = presets::model(sensor).expect("a preset");
+            let (mean, largest) = colour_errors(&model, &illuminant::illuminant(light).expect("known"));
+            println!("{sensor} under {light}: mean ΔE00 {mean:.2}, largest {largest:.2}");
+            assert!(mean < 2.0, "{sensor} under {light}: {mean:.2}, {largest:.2}");
+        }
     }
 }
 

@@ -276,7 +276,7 @@ impl<'a> Band<'a> {
 }
 
 /// The pixel of a line of `n` that lies `margin` before `i`, or, where there is none, one of the same channel inwards.
-fn inwards(i: usize, margin: usize, n: usize, tile: usize) -> usize {
+pub(super) fn inwards(i: usize, margin: usize, n: usize, tile: usize) -> usize {
     let mut i = i as isize - margin as isize;
     let (n, tile) = (n as isize, tile as isize);
     if n < tile {

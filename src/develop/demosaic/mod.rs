@@ -6,15 +6,13 @@
 
 mod bilinear;
 mod guided;
+mod lmmse;
 mod malvar;
 mod markesteijn;
 mod menon;
 mod nearest;
-mod remosaic;
 
 use rayon::prelude::*;
-
-pub(super) use remosaic::bayer_of;
 
 use super::settings::Demosaic;
 use crate::Invalid;
@@ -28,39 +26,31 @@ pub(super) fn demosaic(
     cfa: &Cfa,
     method: Demosaic,
 ) -> Result<Planes, Invalid> {
-    if cfa.is_mono() || cfa.is_full() {
+    let method = method_for(cfa, method)?;
+    if !cfa.is_mosaic() {
         return Ok(apart(mosaic, [width, height], cfa));
     }
-    let method = method_for(cfa, method)?;
     Ok(match method {
         Demosaic::Nearest => nearest::demosaic(mosaic, width, height, cfa),
         Demosaic::Bilinear => bilinear::demosaic(mosaic, width, height, cfa),
-        Demosaic::Auto | Demosaic::Guided => guided::demosaic(mosaic, width, height, cfa),
+        Demosaic::Auto | Demosaic::Lmmse => lmmse::demosaic(mosaic, width, height, cfa),
+        Demosaic::Guided => guided::demosaic(mosaic, width, height, cfa),
         Demosaic::Malvar => malvar::demosaic(mosaic, width, height, cfa),
         Demosaic::Menon => menon::demosaic(mosaic, width, height, cfa),
         Demosaic::Markesteijn => markesteijn::demosaic(mosaic, width, height, cfa),
-        Demosaic::Remosaic => remosaic::demosaic(mosaic, width, height, cfa),
     })
-}
-
-/// The Bayer filter that an array of blocks becomes, and planes that hold what its pixels see.
-pub(super) fn bayer_planes(mosaic: &[f32], [width, height]: [usize; 2], cfa: &Cfa) -> Result<(Cfa, Planes), Invalid> {
-    method_for(cfa, Demosaic::Remosaic)?;
-    let bayer = bayer_of(cfa).unwrap_or_else(|| cfa.clone());
-    Ok((bayer, guided::demosaic(mosaic, width, height, cfa)))
 }
 
 /// What `method` means for a filter array, as far as it can be used there.
 pub(super) fn method_for(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invalid> {
-    let is_blocks = bayer_of(cfa).is_some();
     let fits = match method {
         Demosaic::Auto => {
             return Ok(if cfa.is_bayer() {
                 Demosaic::Menon
-            } else if is_blocks {
-                Demosaic::Remosaic
             } else if markesteijn::fits(cfa) {
                 Demosaic::Markesteijn
+            } else if lmmse::fits(cfa) {
+                Demosaic::Lmmse
             } else {
                 Demosaic::Guided
             });
@@ -68,13 +58,17 @@ pub(super) fn method_for(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invali
         Demosaic::Nearest | Demosaic::Bilinear | Demosaic::Guided => true,
         Demosaic::Malvar | Demosaic::Menon => cfa.is_bayer(),
         Demosaic::Markesteijn => markesteijn::fits(cfa),
-        Demosaic::Remosaic => is_blocks,
+        Demosaic::Lmmse => lmmse::fits(cfa),
     };
     if fits {
         return Ok(method);
     }
     let name = format!("{method:?}").to_lowercase();
-    let message = format!("{name} does not work for the filter array {cfa}");
+    let message = if cfa.is_mosaic() {
+        format!("{name} does not work for the filter array {cfa}")
+    } else {
+        format!("{name} has nothing to do for pixels without a mosaic of filters ({cfa})")
+    };
     Err(Invalid::new("demosaic", message)
         .help("write \"auto\", \"nearest\", \"bilinear\" or \"guided\", which work for any"))
 }
@@ -111,7 +105,7 @@ mod tests {
         Demosaic::Malvar,
         Demosaic::Menon,
         Demosaic::Markesteijn,
-        Demosaic::Remosaic,
+        Demosaic::Lmmse,
     ];
     const ARRAYS: [&str; 11] =
         ["RGGB", "BGGR", "GRBG", "GBRG", "x-trans", "quad-bayer", "nona-bayer", "rgbw", "ryyb", "mono", "full:RGB"];
@@ -171,7 +165,7 @@ mod tests {
 
     #[test]
     fn what_auto_takes_beats_simpler_methods_on_a_zone_plate() {
-        for (text, ahead_db) in [("RGGB", 8.0), ("x-trans", 3.0), ("quad-bayer", 1.0), ("rgbw", 1.0)] {
+        for (text, ahead_db) in [("RGGB", 8.0), ("x-trans", 3.0), ("quad-bayer", 6.0), ("rgbw", 1.0)] {
             let [auto, bilinear, nearest] =
                 [Demosaic::Auto, Demosaic::Bilinear, Demosaic::Nearest].map(|method| zone_plate(text, method));
             println!("{text}: auto {auto:.2} dB, bilinear {bilinear:.2} dB, nearest {nearest:.2} dB");
@@ -183,9 +177,13 @@ mod tests {
 
     #[test]
     fn methods_are_refused_where_they_do_not_work() {
-        for (text, method) in
-            [("x-trans", Demosaic::Menon), ("rgbw", Demosaic::Markesteijn), ("RGGB", Demosaic::Remosaic)]
-        {
+        for (text, method) in [
+            ("x-trans", Demosaic::Menon),
+            ("rgbw", Demosaic::Markesteijn),
+            ("mono", Demosaic::Lmmse),
+            ("mono", Demosaic::Menon),
+            ("full:RGB", Demosaic::Markesteijn),
+        ] {
             let cfa = Cfa::parse(text).expect("known");
             let error = demosaic(&mosaic(&cfa, 12, 12, |_, _, _| 0.5), [12, 12], &cfa, method).expect_err(text);
             assert_eq!(error.key, "demosaic");

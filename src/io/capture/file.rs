@@ -108,10 +108,13 @@ fn light(source: &CaptureSource, path: &str, node: &Node) -> Result<LightTable> 
     match kind {
         Some(LightType::Point) => Ok(LightTable::Point(source.read_node(path, &node)?)),
         Some(LightType::Spot) => Ok(LightTable::Spot(source.read_node(path, &node)?)),
+        Some(LightType::Profile) => Ok(LightTable::Profile(source.read_node(path, &node)?)),
+        Some(LightType::Projector) => Ok(LightTable::Projector(source.read_node(path, &node)?)),
         Some(LightType::Directional) => Ok(LightTable::Directional(source.read_node(path, &node)?)),
         None => {
             let invalid = Invalid::new(path, "the key `type` is missing");
-            Err(source.error(invalid.help("write type = \"point\", \"spot\" or \"directional\"")))
+            Err(source
+                .error(invalid.help("write type = \"point\", \"spot\", \"directional\", \"profile\" or \"projector\"")))
         }
     }
 }

@@ -5,31 +5,212 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
+use super::camera::looking;
 use super::colour::{Finder, LightSpectrum};
 use super::tables::{
-    DirectionalTable, EnvironmentSource, EnvironmentTable, LightColour, LightTable, PointTable, SpotTable,
+    DirectionalTable, EnvironmentSource, EnvironmentTable, LightColour, LightTable, PointTable, ProfileTable,
+    ProjectorTable, SkyTable, SpotTable,
 };
 use crate::Invalid;
 use crate::io::environment::read_environment;
+use crate::io::ies::read_ies;
+use crate::io::picture::read_picture;
+use crate::io::suggest::{did_you_mean, list};
 use crate::io::warnings::Warnings;
-use crate::light::EnvironmentPicture;
+use crate::light::{EnvironmentPicture, SkyConditions};
 use crate::scene::description::{
-    EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel, look_at,
+    CameraDescription, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
+    ProjectorDescription, SceneDescription, look_at,
 };
 
-/// Describes all `[[lights]]`.
-pub(super) fn describe_lights(tables: &[LightTable], finder: &Finder<'_>) -> Result<Vec<LightDescription>, Invalid> {
-    let describe = |(i, table): (usize, &LightTable)| {
+/// Adds all `[[lights]]` to a scene, whose own ones they may replace.
+pub(super) fn describe_lights(
+    tables: &[LightTable],
+    finder: &Finder<'_>,
+    scene: &mut SceneDescription,
+) -> Result<(), Invalid> {
+    let mut replaced = Vec::new();
+    let mut describe = |(i, table): (usize, &LightTable)| {
         let path = format!("lights[{i}]");
         let (name, light) = match table {
             LightTable::Point(table) => (&table.name, point(finder, table)),
             LightTable::Spot(table) => (&table.name, spot(finder, table)),
             LightTable::Directional(table) => (&table.name, directional(finder, table)),
+            LightTable::Profile(table) => {
+                replaced.extend(table.gltf_light.clone());
+                (&table.name, profile(finder, table, &scene.lights))
+            }
+            LightTable::Projector(table) => (&table.name, projector(finder, table, &scene.cameras)),
         };
         let light = light.map_err(|invalid| invalid.within(&path))?;
         Ok(LightDescription { name: name.clone().unwrap_or(path), ..light })
     };
-    tables.iter().enumerate().map(describe).collect()
+    let lights: Vec<_> = tables.iter().enumerate().map(&mut describe).collect::<Result<_, Invalid>>()?;
+    scene.lights.retain(|light| !replaced.contains(&light.name));
+    scene.lights.extend(lights);
+    Ok(())
+}
+
+fn profile(
+    finder: &Finder<'_>,
+    table: &ProfileTable,
+    lights: &[LightDescription],
+) -> Result<LightDescription, Invalid> {
+    let measured = read_ies(&finder.path(&table.file)).map_err(|error| Invalid::new("file", error.to_string()))?;
+    let direction = match (table.direction, table.look_at_m, table.position_m) {
+        (Some(_), Some(_), _) => {
+            return Err(Invalid::new("look_at_m", "cannot go with direction").help("keep one of them"));
+        }
+        (Some(direction), None, _) => Some(("direction", vector("direction", direction)?)),
+        (None, Some(target), Some(position)) => {
+            Some(("look_at_m", vector("look_at_m", target)? - vector("position_m", position)?))
+        }
+        (None, Some(_), None) => return Err(Invalid::new("look_at_m", "needs position_m")),
+        (None, None, _) => None,
+    };
+    let (to_world, later) = match (table.position_m, &table.gltf_light) {
+        (Some(position), None) => {
+            let (key, direction) = direction.unwrap_or(("direction", DVec3::NEG_Y));
+            (shining_along(key, vector("position_m", position)?, direction)?, Vec::new())
+        }
+        (None, Some(name)) => {
+            if let Some((key, _)) = direction {
+                return Err(Invalid::new(key, "cannot go with gltf_light").help("remove one of them"));
+            }
+            let light = named("gltf_light", "light", name, lights, |light| &light.name)?;
+            (light.to_world, light.later.clone())
+        }
+        (Some(_), Some(_)) => {
+            return Err(Invalid::new("position_m", "cannot go with gltf_light").help("remove one of them"));
+        }
+        (None, None) => return Err(Invalid::new("", "needs position_m or gltf_light")),
+    };
+    let turn = DAffine3::from_rotation_z(-table.rotation_deg.unwrap_or(0.0).to_radians());
+    let scale = match table.flux_lm {
+        None => 1.0,
+        Some(flux_lm) => {
+            let flux_of_file = measured.flux_lm();
+            if flux_of_file <= 0.0 {
+                return Err(Invalid::new("flux_lm", "cannot be reached: the file's lamp is dark"));
+            }
+            not_negative("flux_lm", flux_lm)? / flux_of_file
+        }
+    };
+    Ok(LightDescription {
+        to_world: to_world * turn,
+        later: later.into_iter().map(|place| place * turn).collect(),
+        kind: LightKind::Profile(Arc::new(measured)),
+        emission: emission(finder, table.colour(), Some(("flux_lm", scale)), "flux_lm")?,
+        name: String::new(),
+    })
+}
+
+fn projector(
+    finder: &Finder<'_>,
+    table: &ProjectorTable,
+    cameras: &[CameraDescription],
+) -> Result<LightDescription, Invalid> {
+    let slide = read_picture(&finder.path(&table.image)).map_err(|invalid| invalid.within("image"))?;
+    let [width, height] = [slide.width, slide.height].map(|n| n as f64);
+    let of_file = match &table.gltf_camera {
+        None => None,
+        Some(name) => Some(named("gltf_camera", "camera", name, cameras, |camera| &camera.name)?),
+    };
+    let (to_world, later) = match (of_file, table.position_m, table.look_at_m) {
+        (Some(camera), None, None) => (camera.to_world, camera.later.clone()),
+        (Some(_), _, _) => {
+            return Err(Invalid::new("gltf_camera", "cannot go with position_m or look_at_m").help("remove them"));
+        }
+        (None, Some(position), Some(target)) => (looking(position, target, table.up)?, Vec::new()),
+        (None, _, _) => {
+            return Err(Invalid::new("", "needs position_m and look_at_m, or gltf_camera"));
+        }
+    };
+    let [fx, fy] = match (table.focal_length_px, table.horizontal_fov_deg, of_file) {
+        (Some([fx, fy]), None, _) => [positive("focal_length_px", fx)?, positive("focal_length_px", fy)?],
+        (None, Some(angle), _) if angle > 0.0 && angle < 180.0 => [width / 2.0 / (angle.to_radians() / 2.0).tan(); 2],
+        (None, Some(angle), _) => {
+            return Err(Invalid::new("horizontal_fov_deg", format!("must lie between 0 and 180, got {angle}")));
+        }
+        (None, None, Some(camera)) => [height / 2.0 / (camera.vertical_fov_rad / 2.0).tan(); 2],
+        (Some(_), Some(_), _) => {
+            let invalid = Invalid::new("focal_length_px", "cannot go with horizontal_fov_deg");
+            return Err(invalid.help("keep one of them"));
+        }
+        (None, None, None) => {
+            return Err(
+                Invalid::new("", "does not say how wide the picture is").help("for example horizontal_fov_deg = 40")
+            );
+        }
+    };
+    let [cx, cy] = table.principal_point_px.unwrap_or([width / 2.0, height / 2.0]);
+    if !(cx.is_finite() && cy.is_finite()) {
+        return Err(Invalid::new("principal_point_px", format!("must be finite, got [{cx}, {cy}]")));
+    }
+    let radius_m = not_negative("aperture_mm", table.aperture_mm.unwrap_or(0.0))? / 2e3;
+    let focus_distance_m = match table.focus_distance_m {
+        Some(distance) => positive("focus_distance_m", distance)?,
+        None if radius_m == 0.0 => 1.0,
+        None => {
+            return Err(Invalid::new("aperture_mm", "needs focus_distance_m, where the picture is sharp")
+                .help("for example focus_distance_m = 2.0"));
+        }
+    };
+    let projector = ProjectorDescription {
+        slide: Arc::new(slide),
+        extent: [width / fx, height / fy],
+        shift: [(width / 2.0 - cx) / fx, (cy - height / 2.0) / fy],
+        radius_m,
+        focus_distance_m,
+    };
+    Ok(LightDescription {
+        to_world,
+        later,
+        kind: LightKind::Projector(projector),
+        emission: emission(finder, table.colour(), Some(("flux_lm", table.flux_lm)), "flux_lm")?,
+        name: String::new(),
+    })
+}
+
+/// The one of that name.
+fn named<'a, T>(
+    key: &str,
+    kind: &str,
+    name: &str,
+    all: &'a [T],
+    name_of: impl Fn(&T) -> &String,
+) -> Result<&'a T, Invalid> {
+    let names: Vec<&str> = all.iter().map(|one| name_of(one).as_str()).collect();
+    match names.iter().position(|known| *known == name) {
+        Some(index) => Ok(&all[index]),
+        None => {
+            let message = format!("the geometry has no {kind} {name:?}{}", did_you_mean(name, names.iter().copied()));
+            let help = if names.is_empty() {
+                format!("it has no {kind}s")
+            } else {
+                format!("its {kind}s are {}", list(names.iter().copied()))
+            };
+            Err(Invalid::new(key, message).help(help))
+        }
+    }
+}
+
+fn sky(table: &SkyTable) -> Result<SkyConditions, Invalid> {
+    let within = |key: &str, value: f64, [low, high]: [f64; 2]| {
+        if (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        Err(Invalid::new(key, format!("must lie between {low} and {high}, got {value}")))
+    };
+    let elevation = within("sun_elevation_deg", table.sun_elevation_deg, [0.0, 90.0])?.to_radians();
+    let azimuth = within("sun_azimuth_deg", table.sun_azimuth_deg.unwrap_or(0.0), [-360.0, 360.0])?.to_radians();
+    let towards_sun = DVec3::new(elevation.cos() * azimuth.sin(), elevation.sin(), -elevation.cos() * azimuth.cos());
+    Ok(SkyConditions {
+        towards_sun,
+        turbidity: within("turbidity", table.turbidity.unwrap_or(3.0), [1.0, 10.0])?,
+        ground_albedo: within("ground_albedo", table.ground_albedo.unwrap_or(0.2), [0.0, 1.0])?,
+        has_sun: table.sun.unwrap_or(true),
+    })
 }
 
 fn point(finder: &Finder<'_>, table: &PointTable) -> Result<LightDescription, Invalid> {
@@ -118,9 +299,16 @@ pub(super) fn describe_environment(
         EnvironmentSource::Name(name) if name == "none" => Ok(None),
         EnvironmentSource::Name(name) => Err(Invalid::new("", format!("unknown environment {name:?}"))
             .help("write \"none\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }")),
-        EnvironmentSource::Table(table) => match &table.image {
-            Some(image) => picture(finder, table, image, warnings).map(Some),
-            None => constant(finder, table).map(Some),
+        EnvironmentSource::Table(table) => match (&table.sky, &table.image) {
+            (Some(conditions), _) => {
+                if let Some((key, _)) = table.beside_sky().into_iter().find(|(_, is_given)| *is_given) {
+                    let message = "cannot go with sky, whose light has a colour and a level of its own";
+                    return Err(Invalid::new(key, message).help("remove one of them"));
+                }
+                sky(conditions).map(EnvironmentDescription::Sky).map(Some).map_err(|invalid| invalid.within("sky"))
+            }
+            (None, Some(image)) => picture(finder, table, image, warnings).map(Some),
+            (None, None) => constant(finder, table).map(Some),
         },
     }
 }

@@ -109,15 +109,19 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// Reads a capture file (`.toml`) or a scene file, with the `key=value` of every `--set` laid over it.
+    /// Reads a capture file (`.toml`), a report of one that was rendered (`capture.json`) or a scene file, with the
+    /// `key=value` of every `--set` laid over it.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
         Self::read_frame(path, overrides, 0)
     }
 
     /// The same for the picture of that number, in whose time an animated scene has gone on.
     pub fn read_frame(path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
+        let is_report = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
         let mut source = if is_scene_file(path) {
             CaptureSource::of_scene_file(path)
+        } else if is_report {
+            StoredReport::read(path)?.source(path)
         } else {
             let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
             let source = CaptureSource::parse(path, read_text(path)?);

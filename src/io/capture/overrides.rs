@@ -63,7 +63,10 @@ fn alternatives_in_exposure(key: &str, value: &str) -> &'static [&'static str] {
 
 /// The same for keys below `table`.
 pub(super) fn set_below(source: &mut CaptureSource, table: &str, argument: &str) -> Result<()> {
-    set_in(source, &format!("{table}."), "noise.read_noise_e=2", argument)
+    // With the name of the table, as a capture file has it, it is the same key.
+    let prefix =
+        if argument.trim_start().starts_with(&format!("{table}.")) { String::new() } else { format!("{table}.") };
+    set_in(source, &prefix, "noise.read_noise_e=2", argument)
 }
 
 /// The same for keys of a calibration target.

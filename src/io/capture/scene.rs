@@ -171,7 +171,7 @@ impl ReadScene {
     pub(super) fn with_tables(mut self, file: &CaptureFile, folder: &Path) -> Result<SceneDescription, Invalid> {
         let mut finder = Finder::new(folder, std::mem::take(&mut self.scene.images));
         override_materials(&file.materials, &mut finder, &mut self.scene.materials)?;
-        self.scene.lights.extend(describe_lights(&file.lights, &finder)?);
+        describe_lights(&file.lights, &finder, &mut self.scene)?;
         let mut warnings = Warnings::default();
         for name in self.undescribed_materials.iter().filter(|name| !file.materials.contains_key(*name)) {
             warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));

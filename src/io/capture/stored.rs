@@ -65,10 +65,17 @@ impl StoredReport {
     }
 }
 
+impl StoredReport {
+    /// The values of the capture that was rendered, of a report at this path.
+    pub(super) fn source(&self, path: &Path) -> CaptureSource {
+        CaptureSource::of_report(path, self.text.clone(), &self.values["capture"])
+    }
+}
+
 impl StoredCapture {
     /// What a report at `path` says, with the `key=value` of every `--set` laid over it.
     pub fn of_report(path: &Path, report: &StoredReport, arguments: &[String]) -> Result<Self> {
-        let mut source = CaptureSource::of_report(path, report.text.clone(), &report.values["capture"]);
+        let mut source = report.source(path);
         let changes = changes(path, arguments)?;
         if changes.get("sensor.preset").is_some() {
             // Of another sensor, only the number of pixels is given by the light.

@@ -6,7 +6,7 @@
 mod sorted_header;
 
 use std::collections::HashMap;
-use std::io::{self, BufRead, Seek, Write};
+use std::io::{self, BufRead, Seek, SeekFrom, Write};
 
 use exr::block::lines::LineRefMut;
 use exr::compression::Compression;
@@ -38,7 +38,7 @@ pub enum Attribute {
 pub struct ExrPicture {
     /// The planes, sorted by name as EXR wants it.
     pub planes: Planes,
-    /// The attributes that are no standard ones, sorted by name.
+    /// The attributes that are no standard ones, and `chromaticities`, sorted by name.
     pub attributes: Vec<(String, Attribute)>,
 }
 
@@ -54,6 +54,8 @@ impl ExrPicture {
 
 /// Most bytes of pixels that are read: more is a damaged header, or not a picture of ours.
 const MAX_BYTES: usize = 16 << 30;
+/// Bytes of pixels for each of a file: those of even areas are coded by the wavelets of DWA in next to nothing.
+const MOST_INFLATION: usize = 1 << 14;
 
 /// A plane as it is written: what it is called in the file, and width × height values.
 #[derive(Clone, Debug)]
@@ -145,20 +147,24 @@ impl SamplesWriter for Rows<'_> {
 }
 
 /// Reads all channels of the first layer at full resolution, as 32-bit floats.
-pub fn read_exr<R: BufRead + Seek>(from: R) -> Result<ExrPicture, Invalid> {
+pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrPicture, Invalid> {
     let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as OpenEXR: {error}"));
-    let mut from = from;
+    let length = from.seek(SeekFrom::End(0)).and_then(|length| from.rewind().map(|()| length));
+    let length = usize::try_from(length.map_err(|e| unreadable(&e))?).unwrap_or(usize::MAX);
     let headers = exr::meta::MetaData::read_from_buffered(&mut from, false).map_err(|e| unreadable(&e))?.headers;
     if let Some(header) = headers.first() {
         let pixels = header.layer_size.0.saturating_mul(header.layer_size.1);
-        if pixels.saturating_mul(header.channels.bytes_per_pixel.max(4 * header.channels.list.len())) > MAX_BYTES {
+        if pixels.saturating_mul(header.channels.bytes_per_pixel.max(4 * header.channels.list.len()))
+            > MAX_BYTES.min(length.saturating_mul(MOST_INFLATION))
+        {
             let size = format!("{} × {} pixels", header.layer_size.0, header.layer_size.1);
-            return Err(unreadable(&format!("its {size} are more than fit into memory")));
+            return Err(unreadable(&format!("its {size} are more than the file can hold, or than fit into memory")));
         }
     }
     from.rewind().map_err(|e| unreadable(&e))?;
     let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-    let layer = reader.from_buffered(from).map_err(|e| unreadable(&e))?.layer_data;
+    let image = reader.from_buffered(from).map_err(|e| unreadable(&e))?;
+    let (layer, chromaticities) = (image.layer_data, image.attributes.chromaticities);
     let channel = |c: AnyChannel<FlatSamples>| Channel { name: c.name.to_string(), data: floats(c.sample_data) };
     let channels = layer.channel_data.list.into_iter().map(channel).collect();
     let mut attributes: Vec<(String, Attribute)> = layer
@@ -167,6 +173,11 @@ pub fn read_exr<R: BufRead + Seek>(from: R) -> Result<ExrPicture, Invalid> {
         .into_iter()
         .filter_map(|(name, value)| Some((name.to_string(), attribute(value)?)))
         .collect();
+    let chromaticities = chromaticities.map(|Chromaticities { red, green, blue, white }| {
+        let points = [red, green, blue, white].map(|Vec2(x, y)| [x, y].map(f64::from));
+        ("chromaticities".to_owned(), Attribute::Chromaticities(points))
+    });
+    attributes.extend(chromaticities);
     attributes.sort_by(|a, b| a.0.cmp(&b.0));
     Ok(ExrPicture { planes: Planes::new(layer.size.0, layer.size.1, channels)?, attributes })
 }
@@ -262,7 +273,9 @@ mod tests {
         let floats: Vec<f32> =
             file[at..at + 32].chunks(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         assert_eq!(floats, points.as_flattened().iter().map(|&v| v as f32).collect::<Vec<_>>());
-        assert!(read_exr(Cursor::new(&file)).expect("readable").attributes.is_empty());
+        let found = read_exr(Cursor::new(&file)).expect("readable").attributes;
+        let expected = points.map(|point| point.map(|v| f64::from(v as f32)));
+        assert_eq!(found, [("chromaticities".to_owned(), Attribute::Chromaticities(expected))]);
     }
 
     #[test]

@@ -86,9 +86,8 @@ fn straight(root: &Root, at: &impl Fn(f64) -> Vec<Node>, parts: usize) -> Result
     for (i, pair) in keys.windows(2).enumerate() {
         for inner in INNER {
             let (places, weights) = snapshot((i as f64 + inner) / parts as f64)?;
-            for node in 0..nodes {
+            for (node, place) in places.iter().enumerate() {
                 let [a, b] = [0, 1].map(|end: usize| pair[end].0[node]);
-                let place = places[node];
                 let line = a.matrix3 * (1.0 - inner) + b.matrix3 * inner;
                 let bends = (0..3).any(|axis| {
                     let length = place.matrix3.col(axis).length();

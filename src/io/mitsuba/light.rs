@@ -15,14 +15,14 @@ const NIT_OF_MITSUBA_WHITE: f64 = 106.856895 * 683.0;
 const HARD_EDGE_RAD: f32 = 1e-3;
 
 pub(super) fn lights(scene: &SceneDescription, out: &mut Output) -> Vec<Element> {
-    let mut elements: Vec<_> = scene.lights.iter().map(|l| light(l, out)).collect();
+    let mut elements: Vec<_> = scene.lights.iter().filter_map(|l| light(l, out)).collect();
     elements.extend(scene.environment.as_ref().map(|e| environment(e, out)));
     elements
 }
 
-fn light(light: &LightDescription, out: &mut Output) -> Element {
+fn light(light: &LightDescription, out: &mut Output) -> Option<Element> {
     let spectrum = emission_spectrum(&light.emission.colour, light.emission.level);
-    match light.kind {
+    Some(match light.kind {
         LightKind::Point => {
             let [x, y, z] = light.to_world.translation.to_array();
             let position =
@@ -48,13 +48,36 @@ fn light(light: &LightDescription, out: &mut Output) -> Element {
                 Element::new("vector").named("direction").attribute("x", x).attribute("y", y).attribute("z", z);
             Element::object("emitter", "directional").child(direction).spectrum("irradiance", &spectrum)
         }
-    }
+        LightKind::Profile(_) | LightKind::Projector(_) => {
+            out.approximate(format!(
+                "{}, a measured lamp or a projector: it is left out",
+                quoted("light", &light.name)
+            ));
+            return None;
+        }
+    })
 }
 
 fn environment(environment: &EnvironmentDescription, out: &mut Output) -> Element {
     match environment {
         EnvironmentDescription::Constant { colour, luminance_nit } => {
             Element::object("emitter", "constant").spectrum("radiance", &emission_spectrum(colour, *luminance_nit))
+        }
+        EnvironmentDescription::Sky(conditions) => {
+            if out.sees_beyond_cie {
+                out.approximate("the sky beyond 320 to 720 nm, where Mitsuba's is black");
+            }
+            let [x, y, z] = conditions.towards_sun.to_array();
+            // Up is +z in Mitsuba's sky.
+            let direction =
+                Element::new("vector").named("sun_direction").attribute("x", x).attribute("y", -z).attribute("z", y);
+            let turned = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+            Element::object("emitter", "sunsky")
+                .child(direction)
+                .float("turbidity", conditions.turbidity)
+                .float("albedo", conditions.ground_albedo)
+                .float("sun_scale", f64::from(u8::from(conditions.has_sun)))
+                .transform("to_world", rows(turned))
         }
         EnvironmentDescription::Picture { image, level, rotation_deg } => {
             if out.sees_beyond_cie {

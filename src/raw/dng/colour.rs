@@ -1,45 +1,63 @@
 //! What the colours mean (chapter 6 of the specification).
+//!
+//! A file may give the matrices of a model and, beside them, what sets the single camera apart: its calibration (n × n) and
+//! analogue balance, XYZ → camera being AnalogBalance · CameraCalibration · ColorMatrix. In a picture's metadata they are
+//! one.
 
-use std::io::{Seek, Write};
+use std::io::{Read, Seek, Write};
 
-use glam::{DMat3, DVec3};
-use tiff::TiffResult;
 use tiff::encoder::SRational;
+use tiff::tags::Tag;
+use tiff::{Directory, TiffResult};
 
+use super::read::Tags;
 use super::{Ifd, tag};
-use crate::colour::adaptation::bradford;
+use crate::Invalid;
 use crate::raw::RawMetadata;
 use crate::raw::rational::{rational, srational};
-use crate::spectrum::{cie, illuminant};
 
-/// XYZ of D50, the white of profiles, as ICC has it.
-const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
+/// The tags of a light's matrices.
+struct Places {
+    colour: Tag,
+    light: Tag,
+    forward: Tag,
+    calibration: Tag,
+}
+
+const FIRST: Places = Places {
+    colour: tag::COLOR_MATRIX_1,
+    light: tag::CALIBRATION_ILLUMINANT_1,
+    forward: tag::FORWARD_MATRIX_1,
+    calibration: tag::CAMERA_CALIBRATION_1,
+};
+const SECOND: Places = Places {
+    colour: tag::COLOR_MATRIX_2,
+    light: tag::CALIBRATION_ILLUMINANT_2,
+    forward: tag::FORWARD_MATRIX_2,
+    calibration: tag::CAMERA_CALIBRATION_2,
+};
 
 pub(super) fn write<W: Write + Seek>(metadata: &RawMetadata, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
-    let [d65, a] = [cie::xyz(illuminant::d65()), cie::xyz(&illuminant::a())];
-    let first = [tag::COLOR_MATRIX_1, tag::CALIBRATION_ILLUMINANT_1, tag::FORWARD_MATRIX_1, tag::CAMERA_CALIBRATION_1];
-    let second = [tag::COLOR_MATRIX_2, tag::CALIBRATION_ILLUMINANT_2, tag::FORWARD_MATRIX_2, tag::CAMERA_CALIBRATION_2];
     // Developers that use one matrix only look for that of D65; dcraw takes the last.
-    let places = if metadata.colour_matrix_a.is_some() { [first, second] } else { [second, first] };
-    for ((matrix, light, white), [matrix_tag, light_tag, forward_tag, calibration_tag]) in
-        [(&metadata.colour_matrix_a, tag::STANDARD_LIGHT_A, a), (&metadata.colour_matrix_d65, tag::D65, d65)]
-            .into_iter()
-            .zip(places)
-    {
+    let places = if metadata.colour_matrix_a.is_some() { [FIRST, SECOND] } else { [SECOND, FIRST] };
+    let of_a = (&metadata.colour_matrix_a, &metadata.forward_matrix_a, tag::STANDARD_LIGHT_A);
+    let of_d65 = (&metadata.colour_matrix_d65, &metadata.forward_matrix_d65, tag::D65);
+    for ((matrix, forward, light), places) in [of_a, of_d65].into_iter().zip(places) {
         let Some(matrix) = matrix else { continue };
-        ifd.write_tag(matrix_tag, &entries(matrix.as_flattened())[..])?;
-        ifd.write_tag(light_tag, light)?;
-        if let Some(forward) = forward_matrix(matrix, white) {
-            ifd.write_tag(forward_tag, &entries(&forward.transpose().to_cols_array())[..])?;
+        ifd.write_tag(places.colour, &entries(matrix.as_flattened())[..])?;
+        ifd.write_tag(places.light, light)?;
+        if let Some(columns) = forward {
+            let rows: Vec<f64> = (0..3).flat_map(|row| columns.iter().map(move |column| column[row])).collect();
+            ifd.write_tag(places.forward, &entries(&rows)[..])?;
         }
         // This camera is like all of its model.
-        let side = matrix.len();
-        let identity: Vec<f64> = (0..side * side).map(|i| if i % (side + 1) == 0 { 1.0 } else { 0.0 }).collect();
-        ifd.write_tag(calibration_tag, &entries(&identity)[..])?;
+        ifd.write_tag(places.calibration, &entries(&identity(matrix.len()))[..])?;
     }
     if let Some(neutral) = &metadata.as_shot_neutral {
         let neutral: Vec<_> = neutral.iter().map(|&component| rational(component)).collect();
         ifd.write_tag(tag::AS_SHOT_NEUTRAL, &neutral[..])?;
+    } else if let Some(white) = metadata.as_shot_white_xy {
+        ifd.write_tag(tag::AS_SHOT_WHITE_XY, &white.map(rational)[..])?;
     }
     Ok(())
 }
@@ -48,14 +66,71 @@ fn entries(numbers: &[f64]) -> Vec<SRational> {
     numbers.iter().map(|&number| srational(number)).collect()
 }
 
-/// White-balanced camera → XYZ under D50, of a camera of three channels: what the colour matrix says for colours under
-/// its own light, adapted to D50 by the Bradford transform. White becomes D50 exactly.
-fn forward_matrix(colour_matrix: &[[f64; 3]], white: [f64; 3]) -> Option<DMat3> {
-    let rows: [[f64; 3]; 3] = colour_matrix.try_into().ok()?;
-    let from_xyz = DMat3::from_cols_array_2d(&rows).transpose();
-    let white = DVec3::from_array(white) / white[1];
-    let forward = bradford(white, D50) * from_xyz.inverse() * DMat3::from_diagonal(from_xyz * white);
-    forward.is_finite().then_some(forward)
+/// The identity of n rows and columns.
+fn identity(n: usize) -> Vec<f64> {
+    (0..n * n).map(|i| if i % (n + 1) == 0 { 1.0 } else { 0.0 }).collect()
+}
+
+/// What a file says of one light.
+struct Lit {
+    is_a: bool,
+    /// XYZ → camera, a row per channel.
+    colour: Vec<[f64; 3]>,
+    /// White-balanced camera → XYZ adapted to D50, a column per channel.
+    forward: Option<Vec<[f64; 3]>>,
+}
+
+/// Puts into the metadata what the main directory says of colours.
+pub(super) fn read<R: Read + Seek>(
+    file: &mut Tags<R>,
+    main: &Directory,
+    metadata: &mut RawMetadata,
+) -> Result<(), Invalid> {
+    let balance = file.numbers(main, tag::ANALOG_BALANCE)?;
+    let mut lit = |places: &Places| -> Result<Option<Lit>, Invalid> {
+        let entries = file.numbers(main, places.colour)?;
+        let (rows, rest) = entries.as_chunks::<3>();
+        if rows.is_empty() || !rest.is_empty() {
+            return Ok(None);
+        }
+        let forward = file.numbers(main, places.forward)?;
+        let calibration = file.numbers(main, places.calibration)?;
+        let (colour, is_diagonal) = calibrated(rows, &balance, &calibration);
+        // Forward matrices are for the balanced channels of the model, which those of the camera are unless they mix.
+        let forward = (forward.len() == 3 * rows.len() && is_diagonal)
+            .then(|| (0..rows.len()).map(|c| [0, 1, 2].map(|row| forward[row * rows.len() + c])).collect());
+        let is_a = file.number(main, places.light)? == Some(f64::from(tag::STANDARD_LIGHT_A));
+        Ok(Some(Lit { is_a, colour, forward }))
+    };
+    let (first, second) = (lit(&FIRST)?, lit(&SECOND)?);
+    let (of_a, others): (Vec<_>, Vec<_>) = [first, second].into_iter().flatten().partition(|lit| lit.is_a);
+    // A camera that was measured under illuminant A alone has no other matrix to go by.
+    if let Some(d65) = others.first().or(of_a.first()) {
+        metadata.colour_matrix_d65 = Some(d65.colour.clone());
+        metadata.forward_matrix_d65.clone_from(&d65.forward);
+    }
+    if let Some(a) = of_a.into_iter().next() {
+        metadata.colour_matrix_a = Some(a.colour);
+        metadata.forward_matrix_a = a.forward;
+    }
+    let neutral = file.numbers(main, tag::AS_SHOT_NEUTRAL)?;
+    metadata.as_shot_neutral = (!neutral.is_empty()).then_some(neutral);
+    metadata.as_shot_white_xy = file.array(main, tag::AS_SHOT_WHITE_XY)?;
+    Ok(())
+}
+
+/// XYZ → this camera, from XYZ → its model, with what is missing taken for 1; and whether its channels are those of the
+/// model but for factors.
+fn calibrated(model: &[[f64; 3]], balance: &[f64], calibration: &[f64]) -> (Vec<[f64; 3]>, bool) {
+    let n = model.len();
+    let calibration = if calibration.len() == n * n { calibration.to_vec() } else { identity(n) };
+    let factor = |channel: usize| if balance.len() == n { balance[channel] } else { 1.0 };
+    let row = |channel: usize| {
+        let of = &calibration[channel * n..(channel + 1) * n];
+        [0, 1, 2].map(|i| factor(channel) * of.iter().zip(model).map(|(part, row)| part * row[i]).sum::<f64>())
+    };
+    let is_diagonal = (0..n * n).all(|i| i % (n + 1) == 0 || calibration[i] == 0.0);
+    ((0..n).map(row).collect(), is_diagonal)
 }
 
 #[cfg(test)]
@@ -63,13 +138,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn forward_matrices_take_white_to_d50() {
-        let matrix = [[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]];
-        for light in [illuminant::d65(), &illuminant::a()] {
-            let forward = forward_matrix(&matrix, cie::xyz(light)).expect("three channels");
-            assert!((forward * DVec3::ONE).abs_diff_eq(D50, 1e-12), "{forward}");
-        }
-        assert!(forward_matrix(&matrix[..2], [1.0; 3]).is_none());
-        assert!(forward_matrix(&[[0.0; 3]; 3], [1.0; 3]).is_none());
+    fn a_camera_is_its_model_times_what_sets_it_apart() {
+        let model = [[1.0, 0.0, 0.5], [0.0, 2.0, 0.0], [0.25, 0.0, 1.0]];
+        assert_eq!(calibrated(&model, &[], &[]), (model.to_vec(), true));
+        let scaled = [[2.0, 0.0, 1.0], [0.0, 2.0, 0.0], [0.75, 0.0, 3.0]];
+        let diagonal = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.5];
+        assert_eq!(calibrated(&model, &[2.0, 1.0, 2.0], &diagonal), (scaled.to_vec(), true));
+        let mixing = [1.0, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        let mixed = [[1.0, 1.0, 0.5], [0.0, 2.0, 0.0], [0.25, 0.0, 1.0]];
+        assert_eq!(calibrated(&model, &[1.0], &mixing), (mixed.to_vec(), false));
     }
 }

@@ -11,7 +11,7 @@ use tiff::tags::Tag;
 use tiff::{Directory, TiffError};
 
 use super::openable::{Openable, open};
-use super::{filters, opcodes, read_numbers, tag};
+use super::{colour, filters, opcodes, read_numbers, tag};
 use crate::Invalid;
 use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata, bits_for};
 
@@ -33,14 +33,15 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     let active = area.unwrap_or(Area { x: 0, y: 0, width, height });
     let cfa = file.cfa(picture, active)?;
     let data = read_numbers::read(&mut file, picture, [width, height], cfa.samples_per_pixel())?;
+    let table: Vec<u16> = file.numbers(picture, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect();
     let black_level_dn = file.black_level(picture, &cfa, active)?;
     let white = file.number(picture, tag::WHITE_LEVEL)?.unwrap_or(65_535.0);
     if !(f64::from(black_level_dn.mean()) < white && white <= 65_535.0) {
         let message = format!("white level {white} and black level {} leave no range", black_level_dn.mean());
         return Err(Invalid::new("WhiteLevel", message));
     }
-    // The file does not keep the converter's bits; those that the white level needs are what matters.
-    let bits = bits_for(white as u16);
+    // The file does not keep the converter's bits; those that its table or the white level needs are what matters.
+    let bits = bits_for(if table.is_empty() { white as u16 } else { (table.len() - 1).min(0xffff) as u16 });
     let metadata = file.metadata(&main, picture, [active.width, active.height])?;
     Ok(RawImage {
         width,
@@ -49,7 +50,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         cfa,
         active_area: area,
         bits,
-        linearisation: None,
+        linearisation: (!table.is_empty()).then_some(table),
         black_level_dn,
         white_level_dn: white as u16,
         metadata,
@@ -92,7 +93,11 @@ impl<R: Read + Seek> Tags<R> {
     }
 
     /// The tag's numbers, if there are exactly so many.
-    fn array<const N: usize>(&mut self, directory: &Directory, tag: Tag) -> Result<Option<[f64; N]>, Invalid> {
+    pub(super) fn array<const N: usize>(
+        &mut self,
+        directory: &Directory,
+        tag: Tag,
+    ) -> Result<Option<[f64; N]>, Invalid> {
         Ok(<[f64; N]>::try_from(self.numbers(directory, tag)?).ok())
     }
 
@@ -220,29 +225,22 @@ impl<R: Read + Seek> Tags<R> {
             Some(text) => text.into_string().map_err(unreadable)?,
             None => String::new(),
         };
-        let first = self.colour_matrix(main, tag::COLOR_MATRIX_1, tag::CALIBRATION_ILLUMINANT_1)?;
-        let second = self.colour_matrix(main, tag::COLOR_MATRIX_2, tag::CALIBRATION_ILLUMINANT_2)?;
-        let (of_a, others): (Vec<_>, Vec<_>) = [first, second].into_iter().flatten().partition(|(_, is_a)| *is_a);
-        // A camera that was measured under illuminant A alone has no other matrix to go by.
-        let a = of_a.into_iter().next().map(|(matrix, _)| matrix);
-        let d65 = others.into_iter().next().map(|(matrix, _)| matrix).or_else(|| a.clone());
-        let neutral = self.numbers(main, tag::AS_SHOT_NEUTRAL)?;
         let noise = self.numbers(picture, tag::NOISE_PROFILE)?;
-        Ok(RawMetadata {
+        let mut metadata = RawMetadata {
             camera_model,
             pixel_pitch_m: self.pixel_pitch(&exif)?,
             exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
             iso: self.iso(&exif)?,
             f_number: self.number(&exif, tag::F_NUMBER)?,
             focal_length_m: self.number(&exif, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
-            colour_matrix_d65: d65,
-            colour_matrix_a: a,
-            as_shot_neutral: (!neutral.is_empty()).then_some(neutral),
             noise_profile: noise.as_chunks::<2>().0.to_vec(),
             baseline_exposure_ev: self.number(main, tag::BASELINE_EXPOSURE)?.filter(|ev| ev.is_finite()).unwrap_or(0.0),
             gain_map: opcodes::read_gain_map(&self.bytes(picture, tag::OPCODE_LIST_2)?, size),
             warp: opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?),
-        })
+            ..RawMetadata::default()
+        };
+        colour::read(self, main, &mut metadata)?;
+        Ok(metadata)
     }
 
     /// The speed, which has a number of its own where 16 bits are too few.
@@ -254,14 +252,6 @@ impl<R: Read + Seek> Tags<R> {
         Ok(iso.filter(|iso| *iso > 0.0).map(|iso| iso as u32))
     }
 
-    /// A matrix, and whether it is that of illuminant A.
-    fn colour_matrix(&mut self, main: &Directory, matrix: Tag, light: Tag) -> Result<Option<LitMatrix>, Invalid> {
-        let entries = self.numbers(main, matrix)?;
-        let is_a = self.number(main, light)? == Some(f64::from(tag::STANDARD_LIGHT_A));
-        let (rows, rest) = entries.as_chunks::<3>();
-        Ok((!rows.is_empty() && rest.is_empty()).then(|| (rows.to_vec(), is_a)))
-    }
-
     fn pixel_pitch(&mut self, exif: &Directory) -> Result<Option<[f64; 2]>, Invalid> {
         let x = self.number(exif, tag::FOCAL_PLANE_X_RESOLUTION)?;
         let y = self.number(exif, tag::FOCAL_PLANE_Y_RESOLUTION)?;
@@ -271,9 +261,6 @@ impl<R: Read + Seek> Tags<R> {
         Ok(x.and_then(pitch).zip(y.and_then(pitch)).map(|(x, y)| [x, y]))
     }
 }
-
-/// Rows of a colour matrix, and whether it is that of illuminant A.
-type LitMatrix = (Vec<[f64; 3]>, bool);
 
 fn number(tag: Tag, value: Value) -> Result<f64, Invalid> {
     let signed = value.clone().into_i64().map(|v| v as f64);

@@ -12,7 +12,7 @@ use tiff::tags::{ByteOrder, Tag};
 use super::read::{Tags, unreadable};
 use super::tag;
 use crate::Invalid;
-use crate::raw::{linearise, lossless_jpeg};
+use crate::raw::lossless_jpeg;
 
 /// How numbers lie in the bytes of a strip or tile.
 struct Coding {
@@ -96,8 +96,6 @@ pub(super) fn read<R: Read + Seek>(
             }
         }
     }
-    let table: Vec<u16> = file.numbers(picture, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect();
-    linearise(&mut data, &table);
     Ok(data)
 }
 

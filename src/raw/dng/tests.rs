@@ -29,7 +29,10 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
             focal_length_m: colour.then_some(0.016),
             colour_matrix_d65: colour.then(|| matrix(1.0)),
             colour_matrix_a: colour.then(|| matrix(1.5)),
+            forward_matrix_d65: colour.then(|| matrix(0.5)),
+            forward_matrix_a: colour.then(|| matrix(0.25)),
             as_shot_neutral: colour.then(|| (0..channels).map(|c| 1.0 / (c + 1) as f64).collect()),
+            as_shot_white_xy: None,
             noise_profile: vec![[1e-4, 2e-7]; channels],
             baseline_exposure_ev: 0.75,
             gain_map: colour.then(|| GainMap::new(3, 2, vec![1.5, 1.25, 1.5, 1.75, 1.0, 1.5]).expect("6 gains")),
@@ -71,7 +74,7 @@ fn pictures_come_back_as_they_went() {
 }
 
 #[test]
-fn bent_numbers_come_back_linear() {
+fn bent_numbers_come_back_with_their_table() {
     let raw = picture("RGGB", 37, 23);
     let table: Vec<u16> = (0..1024u32).map(|code| (code * code / 255).min(4095) as u16).collect();
     let data = raw.data.iter().map(|dn| dn % 1024).collect();
@@ -79,7 +82,9 @@ fn bent_numbers_come_back_linear() {
     let linear = raw.linear();
     assert_eq!((linear.data[3], linear.bits), ((u32::from(raw.data[3]).pow(2) / 255).min(4095) as u16, 12));
     for compression in COMPRESSIONS {
-        assert_eq!(read(&file(&raw, compression)).as_ref(), Ok(&*linear), "{compression:?}");
+        // Floating-point numbers have no tables.
+        let expected = if compression == DngCompression::Deflate { &*linear } else { &raw };
+        assert_eq!(read(&file(&raw, compression)).as_ref(), Ok(expected), "{compression:?}");
     }
 }
 

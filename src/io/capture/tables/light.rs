@@ -17,6 +17,10 @@ pub(crate) enum LightTable {
     Spot(SpotTable),
     /// From infinitely far in one direction, as the sun.
     Directional(DirectionalTable),
+    /// A lamp whose intensity was measured in many directions: an IES file.
+    Profile(ProfileTable),
+    /// A slide that a lens throws.
+    Projector(ProjectorTable),
 }
 
 /// The value of `type`.
@@ -26,6 +30,8 @@ pub(crate) enum LightType {
     Point,
     Spot,
     Directional,
+    Profile,
+    Projector,
 }
 
 /// Declares a light's table: the keys that all have, and its own.
@@ -98,5 +104,54 @@ light_table! {
         direction: [f64; 3],
         /// Illuminance on a plane across the direction, lux.
         illuminance_lux: f64,
+    }
+}
+
+light_table! {
+    /// A lamp whose intensity was measured in many directions.
+    ProfileTable {
+        /// An IES file (LM-63), relative to this one. Its vertical angle 0 is the direction that the lamp shines in.
+        file: String,
+        /// Where it is, m; or give gltf_light.
+        position_m: Option<[f64; 3]>,
+        /// Name of a light of the geometry whose place it takes.
+        gltf_light: Option<String>,
+        /// A point that it shines at, m; or give its direction.
+        look_at_m: Option<[f64; 3]>,
+        /// The direction that it shines in, of any length; or give look_at_m. Left out, as is look_at_m: down, or that of
+        /// gltf_light.
+        direction: Option<[f64; 3]>,
+        /// Turns it about that direction, degrees, clockwise seen from behind the lamp.
+        rotation_deg: Option<f64>,
+        /// Luminous flux, lm, in place of that of the file.
+        flux_lm: Option<f64>,
+    }
+}
+
+light_table! {
+    /// A slide that a lens throws.
+    ProjectorTable {
+        /// The slide: PNG, JPEG or WebP, sRGB, relative to this file.
+        image: String,
+        /// Where the lens is, m; or give gltf_camera.
+        position_m: Option<[f64; 3]>,
+        /// A point on its axis, m.
+        look_at_m: Option<[f64; 3]>,
+        /// What is up in the picture. Left out: [0, 1, 0].
+        up: Option<[f64; 3]>,
+        /// Name of a camera of the geometry in whose place it stands, with its field of view.
+        gltf_camera: Option<String>,
+        /// Angle over the width of the picture, degrees; or give focal_length_px.
+        horizontal_fov_deg: Option<f64>,
+        /// fx and fy of the pinhole matrix in pixels of the slide.
+        focal_length_px: Option<[f64; 2]>,
+        /// cx and cy from the top-left corner of the slide. Left out: its middle.
+        principal_point_px: Option<[f64; 2]>,
+        /// Diameter of the opening, mm. Left out: 0, sharp everywhere.
+        aperture_mm: Option<f64>,
+        /// Distance of what is sharp, m; needed with aperture_mm.
+        focus_distance_m: Option<f64>,
+        /// Luminous flux with a white slide, lm.
+        flux_lm: f64,
     }
 }

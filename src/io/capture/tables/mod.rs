@@ -26,13 +26,13 @@ pub(super) use camera::{
     DistortionModel, FalloffName, LateralColourTable, PointSpreadTable, ProjectionName, StopTable,
 };
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
-pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, SpotTable};
+pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable};
 pub(super) use material::{
     ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MaterialType,
     MetalSource, MetallicRoughnessTable, MixRest, MixTable, OrenNayarTable, PhongTable, PlasticTable,
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
-pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable};
+pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
 pub(super) use settings::{
     ExposureTable, IrradianceSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
 };

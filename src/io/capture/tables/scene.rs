@@ -85,6 +85,8 @@ pub(crate) struct EnvironmentTable {
     pub(crate) rgb: Option<[f64; 3]>,
     /// Linear sRGB.
     pub(crate) linear_rgb: Option<[f64; 3]>,
+    /// The sky of a clear or hazy day with the sun, in absolute units.
+    pub(crate) sky: Option<SkyTable>,
     /// An equirectangular picture, Radiance HDR or OpenEXR, relative to this file.
     pub(crate) image: Option<String>,
     /// Turns the picture about the vertical axis, counter-clockwise seen from above, degrees.
@@ -97,7 +99,38 @@ pub(crate) struct EnvironmentTable {
     pub(crate) nit_per_unit: Option<f64>,
 }
 
+/// The sky by Hosek and Wilkie's model. North is −Z, east +X.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SkyTable {
+    /// Height of the sun above the horizon, degrees, 0–90.
+    pub(crate) sun_elevation_deg: f64,
+    /// Where the sun stands, degrees from north over east. Left out: 0.
+    pub(crate) sun_azimuth_deg: Option<f64>,
+    /// Haze: 2 is very clear, 3 clear, 6 warm and moist, 10 hazy; 1–10. Left out: 3.
+    pub(crate) turbidity: Option<f64>,
+    /// Reflectance of the ground, which the sky sees, 0–1. Left out: 0.2.
+    pub(crate) ground_albedo: Option<f64>,
+    /// Whether the sun's disk is there. Left out: true.
+    pub(crate) sun: Option<bool>,
+}
+
 impl EnvironmentTable {
+    /// The keys that mean nothing beside a sky, and whether they are given.
+    pub(crate) fn beside_sky(&self) -> [(&'static str, bool); 9] {
+        [
+            ("illuminant", self.illuminant.is_some()),
+            ("spectrum", self.spectrum.is_some()),
+            ("rgb", self.rgb.is_some()),
+            ("linear_rgb", self.linear_rgb.is_some()),
+            ("image", self.image.is_some()),
+            ("rotation_deg", self.rotation_deg.is_some()),
+            ("illuminance_lux", self.illuminance_lux.is_some()),
+            ("luminance_nit", self.luminance_nit.is_some()),
+            ("nit_per_unit", self.nit_per_unit.is_some()),
+        ]
+    }
+
     /// The keys that say what colour it has.
     pub(crate) fn colour(&self) -> LightColour<'_> {
         LightColour {

@@ -168,10 +168,8 @@ fn lights_stand_where_they_are_put() {
         "#,
     ));
     let [point, spot, sun] = &capture.scene.lights[..] else { panic!("{:?}", capture.scene.lights) };
-    assert_eq!(
-        (point.kind, point.to_world.translation, point.name.as_str()),
-        (LightKind::Point, DVec3::new(1.0, 2.0, 3.0), "lights[0]")
-    );
+    assert!(matches!(point.kind, LightKind::Point));
+    assert_eq!((point.to_world.translation, point.name.as_str()), (DVec3::new(1.0, 2.0, 3.0), "lights[0]"));
     assert_eq!((spot.name.as_str(), spot.emission.level), ("lamp", Some(50.0)));
     assert!((spot.to_world.matrix3.z_axis - DVec3::Y).length() < 1e-12, "a light shines along −Z");
     assert!(
@@ -395,4 +393,22 @@ fn a_scene_file_alone_is_a_capture() {
     assert!((centre - DVec3::new(0.0, 0.0, -u)).length() < 1e-9, "{centre} {u}");
     let error = Capture::read(&path, &["lens.f_number=0".to_owned()]).expect_err("no lens").to_string();
     assert!(error.starts_with("--set lens.f_number=0: lens.f_number: must be above 0"), "{error}");
+}
+
+/// Seen from +x with +y up, −z is to the right.
+#[rstest]
+#[case::default("", [DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z])]
+#[case::turned("look_at_m = [7, 2, 3]", [DVec3::NEG_Z, DVec3::NEG_Y, DVec3::NEG_X])]
+#[case::lying("look_at_m = [1, 9, 3]\nup = [1, 0, 0]", [DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y])]
+fn targets_face_what_they_look_at(#[case] keys: &str, #[case] axes: [DVec3; 3]) {
+    let capture = capture(&room(&format!("[[targets]]\ntype = 'circle-grid'\nposition_m = [1, 2, 3]\n{keys}")));
+    let placed = &capture.targets[0];
+    let [x, y, z] = axes;
+    let matrix = placed.to_world.matrix3;
+    assert!((matrix.x_axis - x).length() + (matrix.y_axis - y).length() + (matrix.z_axis - z).length() < 1e-12);
+    // 9 by 7 circles, 20 mm apart: the middle of the sheet is the one in the middle.
+    let (_, middle) = placed.points().nth(3 * 9 + 4).expect("63 circles");
+    assert!((middle - DVec3::new(1.0, 2.0, 3.0)).length() < 1e-12, "{middle}");
+    let materials: Vec<_> = capture.scene.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(materials[materials.len() - 2..], ["circle-grid-white", "circle-grid-black"]);
 }

@@ -1,0 +1,177 @@
+//! What the layers take of light from one direction, and what they leave.
+
+use super::*;
+
+impl View<'_> {
+    /// The tables at one direction above the surface.
+    #[inline]
+    pub(super) fn under(&self, w: Vec3) -> Under {
+        let tables = &self.tables;
+        Under {
+            facets: tables.facets.directional(w),
+            film: tables.film.as_ref().map(|row| row.directional(w.z)),
+            coat: match (&tables.coat, self.layers.coat) {
+                (Some((row, hidden)), Some(coat)) => {
+                    let in_coat = Vec3::new(0.0, 0.0, w.dot(coat.normal).clamp(0.0, 1.0));
+                    (coat.weight * row.directional(in_coat).at(COAT_F0), Some(hidden.directional(w.z)))
+                }
+                (None, _) | (Some(_), None) => (0.0, None),
+            },
+            sheen: tables
+                .sheen
+                .as_ref()
+                .map_or((0.0, None), |(row, hidden)| (row.directional(w.z), Some(hidden.directional(w.z)))),
+            glass: tables.glass.as_ref().map_or([1.0; 2], |row| row.directional(w)),
+        }
+    }
+
+    #[inline]
+    pub(super) fn under_on_average(&self) -> Under {
+        let tables = &self.tables;
+        let weight = self.layers.coat.map_or(0.0, |coat| coat.weight);
+        Under {
+            facets: tables.facets.mean(),
+            film: tables.film.as_ref().map(FilmRow::mean),
+            coat: tables
+                .coat
+                .as_ref()
+                .map_or((0.0, None), |(row, hidden)| (weight * row.mean().at(COAT_F0), Some(hidden.mean()))),
+            sheen: tables.sheen.as_ref().map_or((0.0, None), |(row, hidden)| (row.mean(), Some(hidden.mean()))),
+            glass: tables.glass.as_ref().map_or([1.0; 2], GlassRow::mean),
+        }
+    }
+
+    #[inline]
+    pub(super) fn share(&self, under: &Under) -> Share {
+        let layers = self.layers;
+        let [scale, bias] = under.facets.parts();
+        let schlick = layers.f0 * scale + SampledSpectrum::splat(bias);
+        let bare = match (layers.film, &self.film, under.film) {
+            (Some(film), Some([nodes, _]), Some(weights)) => {
+                // The weights are those of isotropic facets; their sum is known better.
+                let norm = film.weight * (scale + bias) / weights.sum().max(f32::MIN_POSITIVE);
+                schlick * (1.0 - film.weight) + at_nodes(nodes, &weights) * norm
+            }
+            (_, _, _) => schlick,
+        };
+        let (bare, bare_white) = (bare * layers.specular, SampledSpectrum::splat(scale + bias));
+        // The table is for the exact reflectance alone; with a film, what bounces twice is lost rather than gained.
+        let left_by_glass =
+            if layers.film.is_some() { [0.0; 2] } else { under.glass.map(|bounced| (1.0 - bounced).max(0.0)) };
+        if layers.coat.is_none() && layers.sheen.is_none() {
+            let (left, left_by_white) = (at_least_zero(ONE - bare), at_least_zero(ONE - bare_white));
+            let (dielectric, white) = (bare, bare_white);
+            return Share { coat: 0.0, sheen: ZERO, dielectric, white, left, left_by_white, left_by_glass };
+        }
+        let (coat, hidden_by_coat) = under.coat;
+        let (sheen_albedo, hidden_by_sheen) = under.sheen;
+        let weight = layers.coat.map_or(0.0, |coat| coat.weight);
+        let colour = layers.sheen.map_or(ZERO, |s| s.colour);
+        // The part of the facets' light that the layers let through.
+        let let_through = |f0: f32| {
+            let by_coat = hidden_by_coat.map_or(0.0, |hidden| weight * hidden.at(f0));
+            let by_sheen = hidden_by_sheen.map_or(0.0, |hidden| hidden.at(f0));
+            (ONE - colour * by_sheen) * (1.0 - by_coat)
+        };
+        let (dielectric, white) = (bare * let_through(layers.f0.mean()), bare_white * let_through(1.0));
+        let sheen = colour * sheen_albedo;
+        let below = (ONE - sheen) * (1.0 - coat);
+        Share {
+            coat,
+            sheen,
+            dielectric,
+            white,
+            left: at_least_zero(below - dielectric),
+            left_by_white: at_least_zero(below - white),
+            left_by_glass,
+        }
+    }
+
+    /// The colours of the lobes that share out what is left, see the module.
+    #[inline]
+    pub(super) fn spread(&self) -> [Spread; 2] {
+        let layers = self.layers;
+        let [metal, coloured, clear] = layers.parts();
+        let dt = layers.diffuse_transmission;
+        let per_mean = |mean: SampledSpectrum| mean.map(|m| if m > NOTHING_LEFT { FRAC_1_PI / m } else { 0.0 });
+        let by_coloured = per_mean(self.mean.left) * coloured;
+        let by_white = per_mean(self.mean.left_by_white);
+        let mut bounced = ZERO;
+        if metal > 0.0 {
+            let f = self.mean_reflectance(1, layers.base_colour);
+            let e = self.tables.facets.mean().at(1.0);
+            bounced += f * f * (metal * e) / (ONE - f * (1.0 - e));
+        }
+        let (mut passed, mut glass) = (ZERO, [ZERO; 2]);
+        match self.refracting {
+            None if clear > 0.0 => {
+                let f = self.mean_reflectance(0, layers.f0) * layers.specular;
+                bounced += f * clear;
+                passed = (ONE - f) * layers.base_colour * clear;
+            }
+            Some(volume) => {
+                let [here, there] = self.mean.left_by_glass;
+                let most = here.max(there);
+                if most > NOTHING_LEFT {
+                    let let_in = 1.0 - mean_dielectric(volume.eta[0]);
+                    // What crosses is let_in·there/most of what is left here, and reciprocally.
+                    let crossing = let_in * there / most;
+                    glass[0] = SampledSpectrum::splat(clear * FRAC_1_PI * (1.0 - crossing) / here.max(NOTHING_LEFT));
+                    let over_squared_index = FRAC_1_PI * let_in / (most * volume.eta[0] * volume.eta[0]);
+                    glass[1] = layers.base_colour * (clear * over_squared_index);
+                }
+            }
+            None => {}
+        }
+        [
+            Spread {
+                coloured: layers.base_colour * by_coloured * (1.0 - dt),
+                white: bounced * by_white,
+                glass: glass[0],
+            },
+            Spread {
+                coloured: layers.diffuse_transmission_colour * by_coloured * dt,
+                white: passed * by_white,
+                glass: glass[1],
+            },
+        ]
+    }
+
+    /// f of what is left, between `wo` and a direction that sees `other`; `behind` says on which side.
+    #[inline]
+    pub(super) fn base(&self, other: &Share, behind: bool) -> SampledSpectrum {
+        let (seen, spread) = (&self.seen, &self.spread[usize::from(behind)]);
+        let mut f = spread.coloured * seen.left * other.left + spread.white * seen.left_by_white * other.left_by_white;
+        if self.refracting.is_some() {
+            f += spread.glass * (seen.left_by_glass[0] * other.left_by_glass[usize::from(behind)]);
+        }
+        f
+    }
+
+    /// The same integrated over directions: the albedo of that lobe.
+    #[inline]
+    pub(super) fn base_albedo(&self, behind: bool) -> SampledSpectrum {
+        let (seen, mean, spread) = (&self.seen, &self.mean, &self.spread[usize::from(behind)]);
+        let glass = spread.glass * (seen.left_by_glass[0] * mean.left_by_glass[usize::from(behind)]);
+        (spread.coloured * seen.left * mean.left + spread.white * seen.left_by_white * mean.left_by_white + glass) * PI
+    }
+
+    /// What coat and sheen let through to the facets and back.
+    #[inline]
+    pub(super) fn cover(&self, other: &Share) -> SampledSpectrum {
+        let sheen = SampledSpectrum(self.seen.sheen.0.max(other.sheen.0));
+        (ONE - sheen) * (1.0 - self.seen.coat.max(other.coat))
+    }
+}
+
+impl Share {
+    pub(super) const NOTHING: Self = Self {
+        coat: 0.0,
+        sheen: ZERO,
+        dielectric: ZERO,
+        white: ZERO,
+        left: ZERO,
+        left_by_white: ZERO,
+        left_by_glass: [0.0; 2],
+    };
+}

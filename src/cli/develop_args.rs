@@ -1,0 +1,55 @@
+//! What `develop` and `merge-hdr` have in common on the command line.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use photosite::develop::DevelopSettings;
+use photosite::io::capture::{CaptureSource, read_develop_settings};
+use photosite::{Error, Result};
+
+use super::start_threads;
+
+#[derive(Args)]
+pub(super) struct CommonDevelopArgs {
+    /// Take the table [develop] of this capture file.
+    #[arg(long, value_name = "FILE")]
+    capture: Option<PathBuf>,
+    /// Change a key of that table, for example --set develop.colour_space=acescg.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Threads to use [default: all cores].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+    /// Print what was done as JSON on standard output.
+    #[arg(long)]
+    pub(super) json: bool,
+    /// Overwrite the picture if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+impl CommonDevelopArgs {
+    /// Starts as many threads as are asked for.
+    pub(super) fn start_threads(&self) -> Result<()> {
+        start_threads(self.threads)
+    }
+
+    /// How to develop, and where that stands.
+    pub(super) fn settings(&self) -> Result<(DevelopSettings, CaptureSource)> {
+        read_develop_settings(self.capture.as_deref(), &self.overrides)
+    }
+
+    /// Refuses to overwrite a picture unasked.
+    pub(super) fn check_output(&self, path: &Path) -> Result<()> {
+        if self.force || !path.exists() {
+            return Ok(());
+        }
+        Err(Error::Usage {
+            message: format!("{} exists already", path.display()),
+            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
+        })
+    }
+}

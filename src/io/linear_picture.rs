@@ -1,0 +1,314 @@
+//! Pictures as linear sRGB, by what their files say of their colours. Colours that sRGB does not hold lie outside of 0 to 1.
+//!
+//! | file | says it by |
+//! |---|---|
+//! | PNG | code points (cICP), else an ICC profile, else gAMA and cHRM |
+//! | TIFF, JPEG | an ICC profile |
+//! | EXR | the attribute `chromaticities`; XYZ by `colorSpace` |
+//!
+//! What says nothing is sRGB, and of EXR linear sRGB, as its specification has it. Profiles of tables and curves for high
+//! dynamic range are refused by name.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use glam::{DMat3, DVec3};
+use image::ImageDecoder;
+use image::codecs::jpeg::JpegDecoder;
+use moxcms::{ColorProfile, DataColorSpace, ToneReprCurve, TransferCharacteristics};
+use rayon::prelude::*;
+use tiff::tags::Tag;
+
+use super::exr::{Attribute, read_exr};
+use super::picture_file::read_picture_file;
+use crate::colour::adaptation::D50;
+use crate::colour::{ColourSpace, Transfer};
+use crate::image::{Channel, Planes};
+use crate::spectrum::rgb;
+use crate::{Error, Invalid, Result};
+
+/// What the numbers of a picture mean.
+struct Meaning {
+    /// Of R, G and B: from code, 0 to 1, to linear light.
+    curves: [Curve; 3],
+    /// Linear R, G and B → linear sRGB.
+    to_srgb: DMat3,
+}
+
+type Curve = Box<dyn Fn(f32) -> f32 + Send + Sync>;
+
+impl Meaning {
+    fn new(transfer: Transfer, to_srgb: DMat3) -> Self {
+        Self { curves: [(); 3].map(|()| -> Curve { Box::new(move |code| transfer.decode(code)) }), to_srgb }
+    }
+}
+
+/// Reads a picture as linear light: R, G and B of sRGB, or grey, white at 1 where the file has codes. `is_linear` says that
+/// codes are in proportion to light, whatever the file says of them. Digital numbers and quantities stay as they are.
+pub fn read_linear_picture(path: &Path, is_linear: bool) -> Result<Planes> {
+    let picture = read_picture_file(path)?;
+    let in_file = |invalid: Invalid| invalid.in_file(path);
+    let stated = meaning(path)?;
+    let is_raw = picture.unit.as_deref() == Some("DN") && stated.is_none();
+    let is_quantity = picture.full_scale.is_none() && picture.unit.is_some();
+    if is_raw || is_quantity {
+        return Ok(picture.mean);
+    }
+    let Meaning { mut curves, to_srgb } = stated.unwrap_or_else(|| Meaning::new(Transfer::Srgb, DMat3::IDENTITY));
+    if is_linear || picture.full_scale.is_none() {
+        curves = Meaning::new(Transfer::Linear, to_srgb).curves;
+    }
+    let mut planes = picture.mean;
+    let [width, height] = [planes.width(), planes.height()];
+    if let Some(full_scale) = picture.full_scale {
+        for channel in planes.channels_mut() {
+            let curve = &curves[["R", "G", "B"].iter().position(|name| channel.name == *name).unwrap_or(0)];
+            let table: Vec<f32> =
+                (0..=full_scale as usize).map(|code| curve(code as f32 / full_scale as f32)).collect();
+            channel.data.par_iter_mut().for_each(|code| *code = table[(*code as usize).min(table.len() - 1)]);
+            if channel.name == "raw" {
+                channel.name = "Y".to_owned();
+            }
+        }
+    }
+    let names = if planes.plane("X").is_some() { ["X", "Y", "Z"] } else { ["R", "G", "B"] };
+    let [Some(r), Some(g), Some(b)] = names.map(|name| planes.plane(name)) else { return Ok(planes) };
+    if to_srgb == DMat3::IDENTITY {
+        return Ok(planes);
+    }
+    let converted = ["R", "G", "B"].into_iter().enumerate().map(|(row, name)| {
+        let DVec3 { x, y, z } = to_srgb.row(row);
+        let value = |i: usize| (x * f64::from(r[i]) + y * f64::from(g[i]) + z * f64::from(b[i])) as f32;
+        Channel { name: name.to_owned(), data: (0..width * height).into_par_iter().map(value).collect() }
+    });
+    Planes::new(width, height, converted.collect()).map_err(in_file)
+}
+
+/// What the file says of its colours.
+fn meaning(path: &Path) -> Result<Option<Meaning>> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let read: fn(BufReader<File>) -> Result<Option<Meaning>, Invalid> = match extension.as_str() {
+        "png" => of_png,
+        "tif" | "tiff" => of_tiff,
+        "jpg" | "jpeg" => of_jpeg,
+        "exr" => of_exr,
+        _ => return Ok(None),
+    };
+    let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
+    read(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
+}
+
+fn of_png(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
+    let unreadable = |error| Invalid::new("", format!("cannot read it as PNG: {error}"));
+    let reader = png::Decoder::new(file).read_info().map_err(unreadable)?;
+    let info = reader.info();
+    if let Some(points) = info.coding_independent_code_points {
+        return of_code_points(points.color_primaries, points.transfer_function).map(Some);
+    }
+    if let Some(profile) = &info.icc_profile {
+        return of_profile(profile).map(Some);
+    }
+    if info.srgb.is_some() {
+        return Ok(Some(Meaning::new(Transfer::Srgb, DMat3::IDENTITY)));
+    }
+    let gamma = info.gama_chunk.map(|gamma| f64::from(gamma.into_value())).filter(|gamma| *gamma > 0.0);
+    let to_srgb = info.chrm_chunk.map_or(DMat3::IDENTITY, |c| {
+        let point = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|v| f64::from(v.into_value()));
+        of_chromaticities([c.red, c.green, c.blue, c.white].map(point))
+    });
+    Ok(gamma.map(|gamma| Meaning::new(Transfer::Gamma(1.0 / gamma), to_srgb)))
+}
+
+fn of_tiff(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
+    let unreadable = |error| Invalid::new("", format!("cannot read it as TIFF: {error}"));
+    let mut decoder = tiff::decoder::Decoder::new(file).map_err(unreadable)?;
+    match decoder.find_tag(Tag::IccProfile).map_err(unreadable)? {
+        Some(_) => of_profile(&decoder.get_tag_u8_vec(Tag::IccProfile).map_err(unreadable)?).map(Some),
+        None => Ok(None),
+    }
+}
+
+fn of_jpeg(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
+    let profile = JpegDecoder::new(file).and_then(|mut decoder| decoder.icc_profile());
+    let profile = profile.map_err(|error| Invalid::new("", format!("cannot read it as JPEG: {error}")))?;
+    profile.map(|profile| of_profile(&profile)).transpose()
+}
+
+fn of_exr(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
+    let picture = read_exr(file)?;
+    let to_srgb = if picture.text("colorSpace") == Some(ColourSpace::Xyz.name()) {
+        ColourSpace::Srgb.to_xyz().inverse()
+    } else {
+        let points = picture.attributes.iter().find_map(|(_, value)| match value {
+            Attribute::Chromaticities(points) => Some(*points),
+            Attribute::Text(_) | Attribute::Number(_) => None,
+        });
+        points.map_or(DMat3::IDENTITY, of_chromaticities)
+    };
+    Ok(Some(Meaning::new(Transfer::Linear, to_srgb)))
+}
+
+/// Of linear RGB whose red, green, blue and white have these x and y.
+fn of_chromaticities([red, green, blue, white]: [[f64; 2]; 4]) -> DMat3 {
+    // Files round what they say; those of sRGB are meant to be it.
+    let srgb = ColourSpace::Srgb.chromaticities();
+    if [red, green, blue, white].as_flattened().iter().zip(srgb.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-3) {
+        return DMat3::IDENTITY;
+    }
+    let [x, y] = white;
+    let white = DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
+    ColourSpace::Srgb.from_xyz(white) * rgb::matrix([red, green, blue], white)
+}
+
+/// By numbers of H.273.
+fn of_code_points(primaries: u8, transfer: u8) -> Result<Meaning, Invalid> {
+    let space = match primaries {
+        1 => ColourSpace::Srgb,
+        9 => ColourSpace::Rec2020,
+        12 => ColourSpace::DisplayP3,
+        other => return Err(not_read("cICP", &format!("primaries of the number {other} (H.273)"))),
+    };
+    // Those of PQ and HLG tell the light of a screen, others nothing.
+    let curve = TransferCharacteristics::try_from(transfer).ok().filter(|_| ![0, 2, 3, 16, 18].contains(&transfer));
+    let Some(curve) = curve else {
+        return Err(not_read("cICP", &format!("the transfer function of the number {transfer} (H.273)")));
+    };
+    let to_srgb = if space == ColourSpace::Srgb {
+        DMat3::IDENTITY
+    } else {
+        ColourSpace::Srgb.from_xyz(space.white()) * space.to_xyz()
+    };
+    let curves = match transfer {
+        13 => return Ok(Meaning::new(Transfer::Srgb, to_srgb)),
+        _ => [(); 3].map(|()| -> Curve { Box::new(move |code| curve.linearize(f64::from(code)) as f32) }),
+    };
+    Ok(Meaning { curves, to_srgb })
+}
+
+fn of_profile(bytes: &[u8]) -> Result<Meaning, Invalid> {
+    let damaged =
+        |error: moxcms::CmsError| Invalid::new("ICC profile", format!("cannot be read: {error}")).help(CONVERT);
+    let profile = ColorProfile::new_from_slice(bytes).map_err(damaged)?;
+    let curve = |trc: &Option<ToneReprCurve>| -> Result<Curve, Invalid> {
+        let Some(trc) = trc else { return Err(not_read("ICC profile", "tables in place of curves and a matrix")) };
+        let evaluator = trc.make_linear_evaluator().map_err(damaged)?;
+        Ok(Box::new(move |code| evaluator.evaluate_value(code)))
+    };
+    if profile.color_space == DataColorSpace::Gray {
+        let [r, g, b] = [(); 3].map(|()| curve(&profile.gray_trc));
+        return Ok(Meaning { curves: [r?, g?, b?], to_srgb: DMat3::IDENTITY });
+    }
+    if profile.color_space == DataColorSpace::Rgb {
+        let [r, g, b] = [&profile.red_trc, &profile.green_trc, &profile.blue_trc].map(curve);
+        let colorants = [profile.red_colorant, profile.green_colorant, profile.blue_colorant];
+        let to_xyz = colorants.map(|c| DVec3::new(c.x, c.y, c.z));
+        let to_xyz = DMat3::from_cols(to_xyz[0], to_xyz[1], to_xyz[2]);
+        return Ok(Meaning { curves: [r?, g?, b?], to_srgb: ColourSpace::Srgb.from_xyz(D50) * to_xyz });
+    }
+    Err(not_read("ICC profile", &format!("colours of the kind {:?}", profile.color_space)))
+}
+
+const CONVERT: &str = "convert the picture to sRGB first, or say --linear where its codes are in proportion to light";
+
+fn not_read(key: &str, what: &str) -> Invalid {
+    Invalid::new(key, format!("{what} are not read")).help(CONVERT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::develop::{Codes, EncodedPicture, Encoding, encode};
+    use crate::io::developed::{PictureFormat, write_encoded, write_linear};
+    use crate::io::output::write_whole;
+
+    /// The same colours, seen in each space.
+    fn planes(space: ColourSpace) -> Planes {
+        let from_srgb = space.from_xyz(ColourSpace::Srgb.white()) * ColourSpace::Srgb.to_xyz();
+        let colours = [[0.2, 0.4, 0.6], [0.9, 0.3, 0.1], [0.5, 0.5, 0.5], [0.05, 0.1, 0.7]];
+        let colours = colours.map(|rgb| from_srgb * DVec3::from_array(rgb));
+        let names = if space == ColourSpace::Xyz { ["X", "Y", "Z"] } else { ["R", "G", "B"] };
+        let plane = |(i, name): (usize, &str)| Channel {
+            name: name.to_owned(),
+            data: colours.iter().map(|colour| colour[i] as f32).collect(),
+        };
+        Planes::new(2, 2, names.into_iter().enumerate().map(plane).collect()).expect("right sizes")
+    }
+
+    #[test]
+    fn every_space_and_format_gives_the_same_colours() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let expected = planes(ColourSpace::Srgb);
+        let check = |path: &Path, tolerance: f32| {
+            let found = read_linear_picture(path, false).expect("read");
+            for channel in expected.channels() {
+                let found = found.plane(&channel.name).expect("R, G and B");
+                let largest = channel.data.iter().zip(found).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                assert!(largest < tolerance, "{}: {} is off by {largest}", path.display(), channel.name);
+            }
+        };
+        for space in ColourSpace::ALL {
+            let path = folder.path().join(format!("{space:?}.exr"));
+            write_whole(&path, |to| write_linear(&planes(space), space, to)).expect("written");
+            // Chromaticities are 32-bit floats.
+            check(&path, 1e-5);
+            for transfer in [Transfer::Linear, Transfer::Srgb, Transfer::Gamma(2.2), Transfer::Gamma(1.8)] {
+                let encoding = Encoding {
+                    colour_space: space,
+                    transfer,
+                    bits: 16,
+                    dither: false,
+                    sharpening: 0.0,
+                    sharpening_radius_px: 1.0,
+                };
+                if space == ColourSpace::Xyz {
+                    continue;
+                }
+                let picture = encode(planes(space), &encoding);
+                for (format, extension) in [(PictureFormat::Png, "png"), (PictureFormat::Tiff, "tiff")] {
+                    let path = folder.path().join(format!("{space:?}-{transfer:?}.{extension}"));
+                    write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");
+                    // Profiles have 16 bits behind the point, as codes have; wide spaces and steep curves multiply that.
+                    check(&path, 2e-4);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_says_nothing_is_srgb_and_jpeg_has_a_profile() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (colour_space, transfer) = (ColourSpace::DisplayP3, Transfer::Srgb);
+        // JPEG halves the resolution of colours: one colour for all pixels.
+        let codes = Codes::U8([180, 90, 60].repeat(64));
+        let picture = EncodedPicture { width: 8, height: 8, components: 3, codes, colour_space, transfer };
+        for (format, name) in [(PictureFormat::Jpeg, "a.jpg"), (PictureFormat::Ppm, "a.ppm")] {
+            let path = folder.path().join(name);
+            write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");
+            let found = read_linear_picture(&path, false).expect("read");
+            let rgb = DVec3::from_array([180.0f32, 90.0, 60.0].map(|code| transfer.decode(code / 255.0).into()));
+            let expected = match format {
+                PictureFormat::Jpeg => ColourSpace::Srgb.from_xyz(colour_space.white()) * colour_space.to_xyz() * rgb,
+                PictureFormat::Png | PictureFormat::Tiff | PictureFormat::Ppm | PictureFormat::Exr => rgb,
+            };
+            for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
+                // Three codes of JPEG, of up to 2/255/2.4 each in linear light, through a matrix.
+                let found = found.plane(name).expect("three channels")[27];
+                assert!((f64::from(found) - expected[i]).abs() < 0.02, "{name} of {format:?}: {found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_converted_is_refused_by_name() {
+        for (primaries, transfer, named) in [(2, 13, "primaries of the number 2"), (9, 16, "function of the number 16")]
+        {
+            let error = of_code_points(primaries, transfer).err().expect("refused");
+            assert!(error.message.contains(named) && error.help.is_some(), "{error}");
+        }
+        assert_eq!(of_profile(b"nothing of the kind").err().expect("refused").key, "ICC profile");
+        let mut tables = ColorProfile::new_srgb();
+        tables.green_trc = None;
+        assert!(of_profile(&tables.encode().expect("encoded")).is_err());
+    }
+}

@@ -1,0 +1,134 @@
+//! Lamps without a surface that do more than shine alike in all directions: projectors, measured profiles, lamps that move.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3, Vec3};
+use photosite::light::Profile;
+use photosite::scene::Scene;
+use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind, ProjectorDescription};
+use photosite::spectrum::{Spectrum, Wavelengths};
+use photosite::texture::{Bitmap, Texels};
+use rstest::rstest;
+
+use crate::stage::Stage;
+
+const SLIDE: [usize; 2] = [16, 12];
+/// Pinhole matrix of the projector, in pixels of the slide.
+const FOCAL_PX: [f64; 2] = [14.0, 15.0];
+const PRINCIPAL_PX: [f64; 2] = [7.0, 9.0];
+
+fn lamp(kind: LightKind, to_world: DAffine3, later: Vec<DAffine3>) -> Scene {
+    // 1 W/nm, W/nm/sr or W/nm/m² at every wavelength.
+    let emission =
+        EmissionDescription { colour: Colour::Spectrum(Spectrum::constant(1.0)), level: None, texture: None };
+    Stage::default().light(LightDescription { name: String::new(), to_world, later, kind, emission }).build()
+}
+
+/// Irradiance on a surface at a point, W·m⁻²·nm⁻¹, from one sample.
+fn irradiance(scene: &Scene, point: Vec3, normal: Vec3, time: f32, u: [f32; 2]) -> f64 {
+    let wavelengths = Wavelengths::new([550.0; 4], [1.0; 4]);
+    let sample = scene.sample_light(point, time, 0.5, u, &wavelengths);
+    sample.map_or(0.0, |s| f64::from(s.radiance[0] * s.wi.dot(normal).max(0.0) / s.pdf.0))
+}
+
+fn projector(white: impl Fn(usize) -> bool, radius_m: f64, focus_distance_m: f64) -> LightKind {
+    let [width, height] = SLIDE;
+    let texels = (0..width * height).map(|i| if white(i) { [255; 4] } else { [0, 0, 0, 255] }).collect();
+    let slide = Bitmap { name: "slide".into(), width, height, texels: Texels::Rgba8(texels) };
+    let [w, h] = [width as f64, height as f64];
+    LightKind::Projector(ProjectorDescription {
+        slide: Arc::new(slide),
+        extent: [w / FOCAL_PX[0], h / FOCAL_PX[1]],
+        shift: [(w / 2.0 - PRINCIPAL_PX[0]) / FOCAL_PX[0], (PRINCIPAL_PX[1] - h / 2.0) / FOCAL_PX[1]],
+        radius_m,
+        focus_distance_m,
+    })
+}
+
+/// Where OpenCV's pinhole camera has a position of the slide, at a depth: x right, y down, z forward.
+fn place(to_world: &DAffine3, [u, v]: [f64; 2], depth: f64) -> Vec3 {
+    let (x, y) = ((u - PRINCIPAL_PX[0]) / FOCAL_PX[0], (v - PRINCIPAL_PX[1]) / FOCAL_PX[1]);
+    to_world.transform_point3(DVec3::new(x, -y, -1.0) * depth).as_vec3()
+}
+
+#[test]
+fn a_pixel_of_the_slide_lands_where_a_camera_would_see_it() {
+    let to_world = DAffine3::from_rotation_translation(glam::DQuat::from_rotation_y(0.7), DVec3::new(1.0, 2.0, -3.0));
+    let towards = to_world.matrix3.z_axis.as_vec3();
+    for pixel in [0, 5 * 16 + 11, 11 * 16 + 15] {
+        let scene = lamp(projector(|i| i == pixel, 0.0, 1.0), to_world, Vec::new());
+        let [column, row] = [(pixel % 16) as f64, (pixel / 16) as f64];
+        for depth in [0.4, 3.0] {
+            for (du, dv, inside) in
+                [(0.02, 0.02, true), (0.98, 0.98, true), (-0.02, 0.5, false), (1.02, 0.5, false), (0.5, 1.02, false)]
+            {
+                let point = place(&to_world, [column + du, row + dv], depth);
+                let light = irradiance(&scene, point, towards, 0.0, [0.5; 2]);
+                assert_eq!(light > 0.0, inside, "{pixel} {depth} {du} {dv}");
+            }
+        }
+    }
+}
+
+#[rstest]
+#[case::sharp(0.0, 1.0)]
+#[case::focused(0.05, 2.0)]
+#[case::out_of_focus(0.05, 0.7)]
+fn the_whole_flux_arrives(#[case] radius_m: f64, #[case] focus_distance_m: f64) {
+    let scene = lamp(projector(|_| true, radius_m, focus_distance_m), DAffine3::IDENTITY, Vec::new());
+    // A wall 2 m away, larger than the picture of 2.3 m by 1.6 m and its blur.
+    let (cells, half) = (600u16, 2.0f32);
+    let side = 2.0 * half / f32::from(cells);
+    let mut flux = 0.0;
+    for i in 0..u32::from(cells) * u32::from(cells) {
+        let [x, y] = [i % u32::from(cells), i / u32::from(cells)].map(|i| (i as f32 + 0.5) * side - half);
+        // Points of the opening by a lattice.
+        let u = [(i as f32 * 0.754_877_7).fract(), (i as f32 * 0.569_840_3).fract()];
+        flux += irradiance(&scene, Vec3::new(x, y, -2.0), Vec3::Z, 0.0, u) * f64::from(side * side);
+    }
+    // Cells at the border of the picture, 1 in 150 of its width, are in or out: about 1/(150·√(2·350)) if by chance, at most
+    // half a cell of 350 and one of 240 where the border runs along them.
+    assert!((flux - 1.0).abs() < 0.5 / 350.0 + 0.5 / 240.0, "{flux}");
+}
+
+#[test]
+fn what_is_in_focus_is_sharp_and_what_is_not_is_blurred_by_the_opening() {
+    // The edge of the slide's left half. At the distance d of a wall and f of the focus the opening of radius r spreads it
+    // by ±r·|1 − d/f|.
+    let scene = lamp(projector(|i| i % 16 < 8, 0.05, 1.0), DAffine3::IDENTITY, Vec::new());
+    let edge = |depth: f64| place(&DAffine3::IDENTITY, [8.0, 9.0], depth);
+    let lit = |depth: f64, aside: f32| {
+        let us = (0..64u16).map(|i| [f32::from(i % 8) / 8.0 + 0.06, f32::from(i / 8) / 8.0 + 0.06]);
+        us.filter(|&u| irradiance(&scene, edge(depth) + Vec3::X * aside, Vec3::Z, 0.0, u) > 0.0).count()
+    };
+    assert_eq!([lit(1.0, -0.001), lit(1.0, 0.001)], [64, 0]);
+    assert_eq!([lit(2.0, -0.051), lit(2.0, 0.051)], [64, 0]);
+    assert!((20..45).contains(&lit(2.0, 0.0)) && lit(2.0, 0.04) > 0 && lit(2.0, -0.04) < 64);
+}
+
+#[test]
+fn a_profile_shines_by_its_candela_over_the_square_of_the_distance() {
+    let degrees = [0.0f32, 90.0].map(f32::to_radians).to_vec();
+    let profile = Arc::new(Profile::new(degrees, vec![0.0], vec![8.0, 2.0]));
+    // Shining down.
+    let down = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    let scene = lamp(LightKind::Profile(profile), down, Vec::new());
+    for (point, candela) in [(Vec3::NEG_Y * 2.0, 8.0), (Vec3::new(1.5, -1.5, 0.0), 5.0), (Vec3::X, 2.0)] {
+        let normal = -point.normalize();
+        let expected = candela / f64::from(point.length_squared());
+        let found = irradiance(&scene, point, normal, 0.0, [0.5; 2]);
+        assert!((found / expected - 1.0).abs() < 1e-4, "{point}: {found} {expected}");
+    }
+    assert_eq!(irradiance(&scene, Vec3::Y, Vec3::NEG_Y, 0.0, [0.5; 2]), 0.0);
+}
+
+#[test]
+fn a_lamp_that_moves_is_where_its_time_has_it() {
+    let places = [0.0, 2.0].map(|x| DAffine3::from_translation(DVec3::new(x, 1.0, 0.0)));
+    let scene = lamp(LightKind::Point, places[0], vec![places[1]]);
+    for (time, x) in [(0.0, 0.0f32), (0.25, 0.5), (1.0, 2.0)] {
+        let found = irradiance(&scene, Vec3::ZERO, Vec3::Y, time, [0.5; 2]);
+        let distance = x.hypot(1.0);
+        assert!((found * f64::from(distance.powi(3)) - 1.0).abs() < 1e-5, "{time}: {found}");
+    }
+}
