@@ -122,7 +122,7 @@ fn read(path: &Path) -> Result<Input> {
         let (white, step) = (picture.full_scale, picture.full_scale.map(|_| 1.0));
         return Ok(Input { picture, black: None, white, step });
     }
-    let raw = photosite::raw::read(path)?;
+    let raw = photosite::raw::read(path)?.linear().into_owned();
     Ok(Input {
         black: Some(f64::from(raw.black_level_dn.mean())),
         white: Some(f64::from(raw.white_level_dn)),

@@ -147,6 +147,8 @@ struct Patch {
     camera: Vec<f64>,
     /// XYZ, Y = 1 for white.
     xyz: DVec3,
+    /// Y as it is when adapted to D50.
+    luminance: f64,
     /// CIELAB adapted to D50.
     lab: DVec3,
 }
@@ -161,7 +163,8 @@ impl Chart {
             let reflected = light.product(&reflectance);
             let xyz = DVec3::from_array(cie::xyz(&reflected)) / white.y;
             let camera = respond(&reflected).iter().zip(&full).map(|(r, full)| r / full).collect();
-            Patch { camera, xyz, lab: cielab::from_xyz(adaptation * xyz, D50) }
+            let adapted = adaptation * xyz;
+            Patch { camera, xyz, luminance: adapted.y, lab: cielab::from_xyz(adapted, D50) }
         };
         Self { white: white / white.y, neutral, patches: checker().map(patch).collect() }
     }
@@ -173,7 +176,7 @@ impl Chart {
         // Least squares of luminance.
         let (product, square) = self.patches.iter().fold((0.0, 0.0), |(product, square), patch| {
             let found = shown(&patch.camera).y;
-            (product + patch.xyz.y * found, square + found * found)
+            (product + patch.luminance * found, square + found * found)
         });
         let difference = |patch: &Patch| {
             difference::delta_e_2000(patch.lab, cielab::from_xyz(shown(&patch.camera) * (product / square), D50))

@@ -50,7 +50,7 @@ fn a_target_is_printed_photographed_and_handed_on() {
     1,
     "a.pdf: 6.00 m is longer than a page of a PDF file can be"
 )]
-#[case::folder("target flat -o no/a.svg", 1, "cannot write")]
+#[case::folder("target flat -o no/a.svg", 1, "no: is no folder to write to")]
 fn wrong_targets_are_told(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     Folder::new([]).fail(arguments, status, &[message]);
 }

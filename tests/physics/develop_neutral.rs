@@ -13,7 +13,7 @@ use rstest::rstest;
 
 use crate::sensor_cases::EXPOSURE;
 
-const SIDE: usize = 192;
+const SIDE: usize = 384;
 
 /// A sensor with these filters over its pixels. Clear ones see what the bare silicon of a monochrome sensor does.
 fn sensor(cfa: &str) -> SensorModel {
@@ -49,10 +49,10 @@ fn photograph(sensor: &SensorModel, light: &Spectrum, stages: Stages, seed: u64)
 /// Of the wall 1.
 fn brightness(x: usize, y: usize) -> f64 {
     // No tile lies half on the paper.
-    let paper = 60..132;
+    let paper = 120..264;
     if !(paper.contains(&x) && paper.contains(&y)) {
         1.0
-    } else if x < 72 {
+    } else if x < 144 {
         // One channel is full, and others not.
         3.2
     } else {
@@ -64,7 +64,7 @@ fn brightness(x: usize, y: usize) -> f64 {
 fn distance_from_grey(raw: &RawImage, settings: &DevelopSettings) -> (f64, Development) {
     let (picture, development) = develop_linear(raw, settings).expect("developed");
     // Away from the paper, and from what demosaicking spreads of it.
-    let of_wall = |i: &usize| i % SIDE < 48 || i % SIDE > 143 || i / SIDE < 48 || i / SIDE > 143;
+    let of_wall = |i: &usize| i % SIDE < 96 || i % SIDE > 287 || i / SIDE < 96 || i / SIDE > 287;
     let pixels: Vec<usize> = (0..SIDE * SIDE).filter(of_wall).collect();
     let mean = |name: &str| {
         let plane = picture.plane(name).expect("a colour picture");
@@ -94,8 +94,8 @@ fn a_grey_wall_is_neutral_in_any_light_and_by_any_balance(#[case] cfa: &str, #[c
             (DevelopSettings { white_balance: WhiteBalance::GreyWorld, ..as_shot.clone() }, 0.3),
             (DevelopSettings { white_balance: WhiteBalance::WhitePatch, ..as_shot.clone() }, 0.3),
             // Of the wall and of the paper, its blown part included.
-            (balanced_by([4, 140, 120, 48], &as_shot), 0.3),
-            (balanced_by([60, 60, 72, 72], &as_shot), 0.3),
+            (balanced_by([8, 280, 240, 96], &as_shot), 0.3),
+            (balanced_by([120, 120, 144, 144], &as_shot), 0.3),
             // What the picture says of its light, given back.
             (
                 DevelopSettings {
@@ -107,7 +107,7 @@ fn a_grey_wall_is_neutral_in_any_light_and_by_any_balance(#[case] cfa: &str, #[c
                 0.3,
             ),
         ] {
-            // Shot noise of 1 % a pixel leaves 0.03 % in the mean of a quarter of the pixels of a patch of 1440 or more, four times
+            // Shot noise of 1 % a pixel leaves 0.03 % in the mean of a quarter of the pixels of a patch of 5760 or more, four times
             // that through the colour matrix in weak channels: ΔE00 below 0.1. The rest is the nonuniformity of pixels,
             // 1 % each.
             let (found, _) = distance_from_grey(&raw, &settings);

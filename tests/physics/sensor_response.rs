@@ -43,7 +43,7 @@ fn recovered(sensor: &SensorModel, exposure: &Exposure) -> (Vec<f64>, Vec<u16>) 
     let mut file = std::io::Cursor::new(Vec::new());
     write_dng(&raw, &mut file).expect("written");
     file.set_position(0);
-    let linear = read_dng(file).expect("read");
+    let linear = read_dng(file).expect("read").linear().into_owned();
     let black = f64::from(linear.black_level_dn.mean());
     let range = f64::from(linear.white_level_dn) - black;
     let per_dn = sensor.saturation_capacity(exposure).0 / range;
