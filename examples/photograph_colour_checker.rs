@@ -1,4 +1,4 @@
-//! Photographs a colour checker, from its spectra, with every colour sensor that ships and an X-Trans one, and develops it, for programs
+//! Photographs a colour checker, from its spectra, with every colour sensor that ships, and develops it, for programs
 //! that nobody here wrote to do the same (`tests/judges/developed_colours.py`).
 //!
 //! `cargo run --release --example photograph_colour_checker -- FOLDER`
@@ -11,7 +11,7 @@ use photosite::develop::{DevelopSettings, ToneCurve, develop};
 use photosite::image::Planes;
 use photosite::io::developed::{PictureFormat, write_encoded, write_png};
 use photosite::io::output::{create_folder, write_whole};
-use photosite::raw::{Cfa, RawImage, write_dng};
+use photosite::raw::{RawImage, write_dng};
 use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
 use photosite::spectrum::{Spectrum, illuminant, library};
 use photosite::units::Seconds;
@@ -25,11 +25,7 @@ fn main() -> miette::Result<()> {
     let Some(folder) = std::env::args_os().nth(1).map(PathBuf::from) else {
         return Err(miette::miette!("usage: photograph_colour_checker FOLDER"));
     };
-    let presets = presets::names().filter_map(presets::model).filter(|sensor| !sensor.cfa.is_mono());
-    let cfa = Cfa::parse("x-trans").map_err(|error| miette::miette!("{error}"))?;
-    let x_trans =
-        presets::model("generic-cmos-color").map(|sensor| SensorModel { name: "x-trans".to_owned(), cfa, ..sensor });
-    for sensor in presets.chain(x_trans) {
+    for sensor in presets::names().filter_map(presets::model).filter(|sensor| !sensor.cfa.is_mono()) {
         for light in ["D65", "D50", "A"] {
             let spectrum = illuminant::illuminant(light).ok_or_else(|| miette::miette!("{light} is unknown"))?;
             let raw = photograph(&sensor, &spectrum).map_err(|error| miette::miette!("{error}"))?;

@@ -87,9 +87,12 @@ pub(super) fn camera_to_rgb(
     }
     let (white, to_xyz) = matrices.scene_white(neutral);
     let columns: Vec<DVec3> = match &matrices.forward {
-        // The way that the specification prefers.
-        Some([d65, a]) => between(d65, a, white).into_iter().map(|column| space.from_xyz(D50) * column).collect(),
-        None => {
+        // The way that the specification prefers. Of three channels the inverse of the colour matrix is as exact, and between
+        // two lights it is nearer to the colours of a third.
+        Some([d65, a]) if neutral.len() > 3 => {
+            between(d65, a, white).into_iter().map(|column| space.from_xyz(D50) * column).collect()
+        }
+        Some(_) | None => {
             let from_xyz = space.from_xyz(white / white.y);
             to_xyz.iter().zip(neutral).map(|(xyz, n)| from_xyz * (*xyz * (n / white.y))).collect()
         }

@@ -17,7 +17,7 @@ use glam::{DMat3, DVec3};
 use super::colour::{inverse, part_of_a};
 use crate::Invalid;
 use crate::colour::adaptation::{D50, bradford};
-use crate::colour::{cielab, difference};
+use crate::colour::{ColourSpace, cielab, difference};
 use crate::math::minimise::nelder_mead;
 use crate::raw::RawMetadata;
 use crate::spectrum::{Spectrum, cie, illuminant, library};
@@ -90,23 +90,24 @@ pub fn neutral(channels: &[(String, Spectrum)], light: &Spectrum) -> Result<Vec<
     Ok(response.into_iter().map(|r| r / largest).collect())
 }
 
-/// Forward matrices for D65 and A, each as good as it can be in its own light, then both together with what a reader makes of
-/// them in D50: it takes a mean of the two by reciprocal temperature.
+/// Forward matrices for D65 and A, each as good as it can be in its own light. Of more than three channels, which have no
+/// other way to colours, then both together with what a reader makes of them in D50: it takes a mean of the two by
+/// reciprocal temperature. Of three, a mean of colour matrices does better there.
 fn forward_matrices([d65, d50, a]: [&Chart; 3], [of_d65, of_a]: &[Vec<DVec3>; 2]) -> [Vec<DVec3>; 2] {
     let alone = |chart: &Chart, start: &[DVec3]| {
         searched(&free(&chart.forward_matrix_of(start)), |free| chart.cost(&complete(free)))
     };
+    let channels = of_d65.len();
+    let (of_d65, of_a) = (alone(d65, of_d65), alone(a, of_a));
+    if channels == 3 {
+        return [complete(&of_d65), complete(&of_a)];
+    }
     let part = part_of_a(d50.white);
     let error = |both: &[f64]| {
         let (d65_free, a_free) = both.split_at(both.len() / 2);
         let between: Vec<f64> = d65_free.iter().zip(a_free).map(|(d65, a)| d65 * (1.0 - part) + a * part).collect();
         d65.cost(&complete(d65_free)) + d50.cost(&complete(&between)) + a.cost(&complete(a_free))
     };
-    let (of_d65, of_a) = (alone(d65, of_d65), alone(a, of_a));
-    // A camera with the eyes of the observer is right in its own lights, and shall stay so.
-    if d65.error(&complete(&of_d65)) + a.error(&complete(&of_a)) < 1e-2 {
-        return [complete(&of_d65), complete(&of_a)];
-    }
     let found = searched(&[of_d65, of_a].concat(), error);
     let (d65, a) = found.split_at(found.len() / 2);
     [complete(d65), complete(a)]
@@ -125,10 +126,24 @@ fn complete(free: &[f64]) -> Vec<DVec3> {
 
 /// Variables nearby that lessen an error. A camera that is right already would only gather rounding.
 fn searched(start: &[f64], error: impl Fn(&[f64]) -> f64) -> Vec<f64> {
-    // The edge of the simplex is of the size that entries change by; 100 steps a variable settle the mean to 1e-3.
-    let best = nelder_mead(start, 0.02, 100 * start.len(), &error);
-    if error(start) - error(&best) < 1e-3 { start.to_vec() } else { best }
+    const ROUNDS: usize = 12;
+    let first = error(start);
+    let (mut best, mut least) = (start.to_vec(), first);
+    // The edge of the simplex is of the size that entries change by. It gets thin before it gets small; a new one goes on
+    // from where it stopped, until that gains next to nothing.
+    for _ in 0..ROUNDS {
+        let found = nelder_mead(&best, 0.02, 100 * start.len(), &error);
+        let gain = least - error(&found);
+        (best, least) = (found, least - gain);
+        if gain < 1e-3 {
+            break;
+        }
+    }
+    if first - least < 1e-3 { start.to_vec() } else { best }
 }
+
+/// A space of screens, for its white: the difference of two colours depends on what they are adapted to.
+const SCREEN: ColourSpace = ColourSpace::Srgb;
 
 /// ΔE₀₀ for a noise that is as large in XYZ as in a channel that sees most.
 const NOISE_PRICE: f64 = 0.2;
@@ -139,6 +154,8 @@ struct Chart {
     white: DVec3,
     /// The camera's response to it, the largest component 1.
     neutral: Vec<f64>,
+    /// XYZ adapted to D50 → to D65, in which screens show colours.
+    to_screen: DMat3,
     patches: Vec<Patch>,
 }
 
@@ -147,9 +164,9 @@ struct Patch {
     camera: Vec<f64>,
     /// XYZ, Y = 1 for white.
     xyz: DVec3,
-    /// Y as it is when adapted to D50.
+    /// Y as it is when adapted to D65.
     luminance: f64,
-    /// CIELAB adapted to D50.
+    /// CIELAB adapted to D65.
     lab: DVec3,
 }
 
@@ -158,28 +175,33 @@ impl Chart {
         let respond = |light: &Spectrum| channels.iter().map(|(_, c)| c.product(light).integral()).collect::<Vec<_>>();
         let full = respond(light);
         let white = DVec3::from_array(cie::xyz(light));
-        let adaptation = bradford(white / white.y, D50);
+        let adaptation = bradford(white / white.y, SCREEN.white());
         let patch = |reflectance: Spectrum| {
             let reflected = light.product(&reflectance);
             let xyz = DVec3::from_array(cie::xyz(&reflected)) / white.y;
             let camera = respond(&reflected).iter().zip(&full).map(|(r, full)| r / full).collect();
             let adapted = adaptation * xyz;
-            Patch { camera, xyz, luminance: adapted.y, lab: cielab::from_xyz(adapted, D50) }
+            Patch { camera, xyz, luminance: adapted.y, lab: cielab::from_xyz(adapted, SCREEN.white()) }
         };
-        Self { white: white / white.y, neutral, patches: checker().map(patch).collect() }
+        let to_screen = bradford(D50, SCREEN.white());
+        Self { white: white / white.y, neutral, to_screen, patches: checker().map(patch).collect() }
     }
 
     /// Mean ΔE₀₀ of the patches as a forward matrix shows them, their brightness brought to that of the chart: how bright a
     /// picture is, is a matter of exposure.
     fn error(&self, columns: &[DVec3]) -> f64 {
-        let shown = |camera: &[f64]| camera.iter().zip(columns).map(|(c, column)| *column * *c).sum::<DVec3>();
+        let shown =
+            |camera: &[f64]| self.to_screen * camera.iter().zip(columns).map(|(c, column)| *column * *c).sum::<DVec3>();
         // Least squares of luminance.
         let (product, square) = self.patches.iter().fold((0.0, 0.0), |(product, square), patch| {
             let found = shown(&patch.camera).y;
             (product + patch.luminance * found, square + found * found)
         });
         let difference = |patch: &Patch| {
-            difference::delta_e_2000(patch.lab, cielab::from_xyz(shown(&patch.camera) * (product / square), D50))
+            difference::delta_e_2000(
+                patch.lab,
+                cielab::from_xyz(shown(&patch.camera) * (product / square), SCREEN.white()),
+            )
         };
         self.patches.iter().map(difference).sum::<f64>() / self.patches.len() as f64
     }

@@ -81,7 +81,6 @@ fn distance_from_grey(raw: &RawImage, settings: &DevelopSettings) -> (f64, Devel
 #[case::x_trans("x-trans", &["A", "D65", "FL11"])]
 #[case::quad_bayer("quad-bayer", &["A", "D65", "FL11"])]
 #[case::three_chips("full:RGB", &["A", "D65", "FL11"])]
-#[case::clear("rgbw", &["D50", "D65"])]
 fn a_grey_wall_is_neutral_in_any_light_and_by_any_balance(#[case] cfa: &str, #[case] lights: &[&str]) {
     let sensor = sensor(cfa);
     for (seed, light) in lights.iter().enumerate() {
