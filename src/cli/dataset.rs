@@ -1,11 +1,12 @@
 //! `photosite dataset`: a capture again and again, from other poses, under other conditions.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec2;
-use photosite::calibration::dataset::{Plan, RigCamera, Subject};
+use photosite::calibration::dataset::{Plan, PlannedFrame, RigCamera, Subject};
 use photosite::calibration::targets::PlacedTarget;
 use photosite::io::capture::{Capture, DatasetFile};
 use photosite::{Error, Invalid, Result};
@@ -67,18 +68,30 @@ pub(super) fn run(args: &DatasetArgs) -> Result<()> {
         let message = format!("--frames {}..{}: there are {} frames", numbers.start, numbers.end, plan.frames());
         return Err(Error::Usage { message, help: Some(format!("write at most 0..{}", plan.frames())) });
     }
+    // Poses that cannot be had show now rather than after an hour.
+    let frames: BTreeMap<u32, PlannedFrame> = numbers
+        .map(|number| Ok((number, plan.frame(number).map_err(|invalid| file.error(invalid))?)))
+        .collect::<Result<_>>()?;
+    let overrides = |number: u32, camera: usize| -> Vec<String> {
+        frames[&number].overrides[camera].iter().chain(&args.overrides).cloned().collect()
+    };
+    // As do keys that there are not.
+    if let Some(&first) = frames.keys().next() {
+        (0..plan.cameras().len())
+            .try_for_each(|camera| Capture::read(&capture_path, &overrides(first, camera)).map(|_| ()))?;
+    }
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
     let identity = identity(&file, &captures, &args.overrides)?;
     let folder = DatasetFolder::claim(args.output.as_deref().unwrap_or(&default), &identity, &plan)?;
 
-    let todo: Vec<(u32, usize)> = numbers
-        .flat_map(|number| (0..plan.cameras().len()).map(move |camera| (number, camera)))
+    let todo: Vec<(u32, usize)> = frames
+        .keys()
+        .flat_map(|&number| (0..plan.cameras().len()).map(move |camera| (number, camera)))
         .filter(|&(number, camera)| !folder.is_done(&plan.cameras()[camera].place.name, number))
         .collect();
     let progress = Progress::over_images(todo.len() as u64, args.quiet || args.json);
     for (made, &(number, camera)) in todo.iter().enumerate() {
-        let frame = plan.frame(number).map_err(|invalid| file.error(invalid))?;
-        let overrides: Vec<String> = frame.overrides[camera].iter().chain(&args.overrides).cloned().collect();
+        let overrides = overrides(number, camera);
         let capture = Capture::read(&capture_path, &overrides)?;
         let partial = folder.begin(&plan.cameras()[camera].place.name, number)?;
         let mut results = OutputFolder::claim(&partial, false)?;

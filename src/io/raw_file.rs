@@ -1,4 +1,4 @@
-//! Any raw file, those that [`raw`](crate::raw) reads and EXR files.
+//! Any raw file, those that [`raw`] reads and EXR files.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};

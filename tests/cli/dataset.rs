@@ -251,4 +251,5 @@ fn errors_name_file_key_and_line(#[case] dataset: &str, #[case] message: &str) {
     let outcome = folder.run("dataset set.toml -o out");
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
     assert!(outcome.text().contains(message), "{message:?} is missing in: {}", outcome.stderr);
+    assert!(!folder.path("out").exists(), "nothing is left behind");
 }

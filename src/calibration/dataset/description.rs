@@ -80,10 +80,10 @@ pub struct GridPoses {
     pub target: Option<String>,
     /// In place of a target: a point, looked at along the world's −z, m.
     pub look_at_m: Option<[f64; 3]>,
-    /// Angles to the right, degrees. Left out: [0].
+    /// Angles to the right, degrees. Left out: 0 alone.
     #[serde(default = "straight")]
     pub azimuth_deg: Vec<f64>,
-    /// Angles upwards, degrees. Left out: [0].
+    /// Angles upwards, degrees. Left out: 0 alone.
     #[serde(default = "straight")]
     pub elevation_deg: Vec<f64>,
     /// Distances, m.
