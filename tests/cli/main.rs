@@ -21,6 +21,7 @@ mod interruption;
 mod lens;
 mod limits;
 mod motion;
+mod mtl;
 mod noise;
 mod outputs;
 mod report;

@@ -8,7 +8,7 @@ use photosite::math::statistics::{Moments, chi_squared};
 use photosite::spectrum::SampledSpectrum;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::bsdf_cases::{Case, SAMPLES, Uniform, gold, visible_from, wide};
+use super::bsdf_cases::{Case, SAMPLES, Uniform, drawn, gold, visible_from, wide};
 use super::quadrature::{Cell, integrate_sphere};
 
 pub(crate) const ROWS: usize = 24;
@@ -70,7 +70,7 @@ fn views() -> Vec<(Case, String, Vec3)> {
         let directions = visible_from(&case.bsdf).into_iter().filter(move |(_, wo)| !is_layered || wo.z < 0.6);
         directions.map(move |(from, wo)| (case.clone(), from, wo))
     };
-    wide().into_iter().flat_map(views).collect()
+    wide().into_iter().chain(drawn(4)).flat_map(views).collect()
 }
 
 #[test]

@@ -7,6 +7,7 @@
 //!
 //! Tables are integrated when first used.
 
+mod film_glass;
 mod glass;
 mod grid;
 
@@ -18,6 +19,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::fresnel::schlick_weight;
 use super::layered::sheen;
 use super::microfacet::Ggx;
+pub(super) use film_glass::{FilmGlass, FilmGlassRow};
 pub(super) use glass::GlassRow;
 use grid::{Grid, GridRow, cosine_mean, locate, mix, node};
 

@@ -127,7 +127,8 @@ impl<'de> Deserializer<'de> for Reader<'de> {
             },
             Value::Float(value) => visitor.visit_f64(*value),
             Value::Boolean(value) => visitor.visit_bool(*value),
-            Value::Datetime(text) => Err(ReadError::new(format!("found the date {text}, which nothing here needs"))),
+            // Dates are wanted as text, so that they may be in quotes too.
+            Value::Datetime(text) => visitor.visit_borrowed_str(text),
             Value::Array(array) => {
                 let expected = expectation(&visitor);
                 let mut elements = Elements(array.iter().enumerate());
