@@ -182,7 +182,10 @@ pub(crate) fn drawn(count: usize) -> Vec<Case> {
             coat: maybe(0.1, 1.0).and_then(|alpha| coat(share, alpha)),
             ..plain
         };
-        add("glTF", Bsdf::Layered(layers));
+        // A body that light is refracted into and a leaf that it passes by diffusion are two things.
+        let is_body = layers.volume.is_some() && layers.transmission > 0.0;
+        let diffuse_transmission = if is_body { 0.0 } else { layers.diffuse_transmission };
+        add("glTF", Bsdf::Layered(Layered { diffuse_transmission, ..layers }));
     }
     cases
 }
@@ -219,7 +222,7 @@ pub(crate) fn is_seen_from_below(bsdf: &Bsdf) -> bool {
 pub(crate) fn squared_index(bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> f32 {
     let inside = match bsdf {
         Bsdf::Dielectric { eta, .. } => eta[0],
-        Bsdf::Layered(Layered { volume: Some(volume), .. }) => volume.eta[0],
+        Bsdf::Layered(Layered { volume: Some(volume), transmission, .. }) if *transmission > 0.0 => volume.eta[0],
         Bsdf::Layered(_)
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }

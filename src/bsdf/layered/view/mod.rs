@@ -10,8 +10,7 @@ use glam::{Vec3, Vec4};
 
 use super::{Layered, Volume, sheen};
 use crate::bsdf::albedo::{
-    Albedo, COAT_F0, FILM_NODES, FilmGlass, FilmGlassRow, FilmRow, FilmWeights, GlassRow, Hidden, HiddenPart, Row,
-    SheenRow,
+    Albedo, COAT_F0, FILM_NODES, FilmGlassRow, FilmRow, FilmWeights, GlassRow, Hidden, HiddenPart, Row, SheenRow, node,
 };
 use crate::bsdf::dielectric::{self, Refraction};
 use crate::bsdf::fresnel::{self, schlick_weight};
@@ -57,8 +56,8 @@ struct Under {
     sheen: (f32, Option<HiddenPart>),
     /// One bounce at a refracting interface: from the side of `wo`, and from the other.
     glass: [f32; 2],
-    /// The same with a film.
-    film_glass: Option<[FilmGlass; 2]>,
+    /// The change of that by a film, by its nodes.
+    film_glass: Option<[FilmWeights; 2]>,
 }
 
 /// Tables for the layers of a point.

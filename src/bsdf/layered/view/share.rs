@@ -90,15 +90,18 @@ impl View<'_> {
     /// What one bounce at a refracting interface leaves, on the side of `wo` and on the other.
     #[inline]
     fn left_by_glass(&self, under: &Under) -> [SampledSpectrum; 2] {
-        let bare = under.glass.map(|bounced| SampledSpectrum::splat((1.0 - bounced).max(0.0)));
-        let (Some(film), Some([nodes, _]), Some(with_film)) = (self.layers.film, &self.film, under.film_glass) else {
-            return bare;
+        let bare = under.glass.map(|bounced| SampledSpectrum::splat(1.0 - bounced));
+        let (Some(film), Some([nodes, _]), Some(weights), Some(volume)) =
+            (self.layers.film, &self.film, under.film_glass, self.refracting)
+        else {
+            return bare.map(at_least_zero);
         };
-        std::array::from_fn(|side| {
-            let FilmGlass { rest, weights } = with_film[side];
-            let bounced = at_nodes(nodes, &weights) + SampledSpectrum::splat(rest);
-            bare[side] * (1.0 - film.weight) + at_least_zero(ONE - bounced) * film.weight
-        })
+        let outside = volume.eta[0].max(1.0 / volume.eta[0]);
+        let change = std::array::from_fn(|j| {
+            let cos = node(j, FILM_NODES);
+            nodes[j] - SampledSpectrum::splat(fresnel::dielectric(cos, outside).reflectance)
+        });
+        [0, 1].map(|side| at_least_zero(bare[side] - at_nodes(&change, &weights[side]) * film.weight))
     }
 
     /// The colours of the lobes that share out what is left, see the module.
