@@ -20,6 +20,7 @@ mod info;
 mod interruption;
 mod lens;
 mod limits;
+mod merge;
 mod motion;
 mod noise;
 mod outputs;
