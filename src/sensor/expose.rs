@@ -229,10 +229,13 @@ pub fn expose_with_maps(
             * binning.digital_gain(),
         black_level_dn: sensor.converter.black_level_dn.into(),
     };
-    Ok((match part {
-        None => whole,
-        Some(part) => whole.part(part),
-    }, maps))
+    Ok((
+        match part {
+            None => whole,
+            Some(part) => whole.part(part),
+        },
+        maps,
+    ))
 }
 
 /// Where among all that is read out the picture lies, in bins.
