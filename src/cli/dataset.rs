@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec2;
-use photosite::calibration::dataset::{Plan, PlannedFrame, RigCamera, Subject};
+use photosite::calibration::dataset::{Plan, RigCamera, Subject};
 use photosite::calibration::targets::PlacedTarget;
 use photosite::io::capture::{Capture, DatasetFile};
 use photosite::{Error, Invalid, Result};
@@ -69,11 +69,11 @@ pub(super) fn run(args: &DatasetArgs) -> Result<()> {
         return Err(Error::Usage { message, help: Some(format!("write at most 0..{}", plan.frames())) });
     }
     // Poses that cannot be had show now rather than after an hour.
-    let frames: BTreeMap<u32, PlannedFrame> = numbers
+    let frames: BTreeMap<u32, Vec<Vec<String>>> = numbers
         .map(|number| Ok((number, plan.frame(number).map_err(|invalid| file.error(invalid))?)))
         .collect::<Result<_>>()?;
     let overrides = |number: u32, camera: usize| -> Vec<String> {
-        frames[&number].overrides[camera].iter().chain(&args.overrides).cloned().collect()
+        frames[&number][camera].iter().chain(&args.overrides).cloned().collect()
     };
     // As do keys that there are not.
     if let Some(&first) = frames.keys().next() {
