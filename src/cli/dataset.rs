@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::DVec2;
-use photosite::calibration::dataset::{Plan, PlannedFrame, RigCamera, Subject};
+use photosite::calibration::dataset::{Plan, RigCamera, Subject};
 use photosite::calibration::targets::PlacedTarget;
 use photosite::io::capture::{Capture, DatasetFile};
 use photosite::{Error, Invalid, Result};
@@ -68,7 +68,7 @@ pub(super) fn run(args: &DatasetArgs) -> Result<()> {
     // Keys that there are not show now, as do poses that cannot be had.
     if let Some(frame) = frames.values().next() {
         let keys = |overrides: &Vec<String>| Capture::read(&set.capture_path, &set.with_arguments(overrides));
-        frame.overrides.iter().try_for_each(|overrides| keys(overrides).map(|_| ()))?;
+        frame.iter().try_for_each(|overrides| keys(overrides).map(|_| ()))?;
     }
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
     let path = args.output.as_deref().unwrap_or(&default);
@@ -111,8 +111,8 @@ impl DataSet {
         Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), identity })
     }
 
-    /// The frames of these numbers. Poses that cannot be had show here rather than after an hour.
-    pub(super) fn frames(&self, numbers: Range<u32>) -> Result<BTreeMap<u32, PlannedFrame>> {
+    /// The changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here rather than after an hour.
+    pub(super) fn frames(&self, numbers: Range<u32>) -> Result<BTreeMap<u32, Vec<Vec<String>>>> {
         let frame = |number| {
             let frame = self.plan.frame(number).map_err(|invalid| self.file.error(invalid))?;
             Ok((number, frame))
@@ -133,13 +133,13 @@ impl DataSet {
     /// those were.
     pub(super) fn make(
         &self,
-        frames: &BTreeMap<u32, PlannedFrame>,
+        frames: &BTreeMap<u32, Vec<Vec<String>>>,
         folder: &DatasetFolder,
         talk: Talk,
         light: impl Fn(&str, u32) -> Result<Light>,
     ) -> Result<usize> {
         let pictures = frames.iter().flat_map(|(number, frame)| {
-            self.cameras().zip(&frame.overrides).map(move |(camera, overrides)| (*number, camera, overrides))
+            self.cameras().zip(frame).map(move |(camera, overrides)| (*number, camera, overrides))
         });
         let todo: Vec<_> = pictures.filter(|&(number, camera, _)| !folder.is_done(camera, number)).collect();
         let progress = Progress::over_images(todo.len() as u64, talk.quiet || talk.json);

@@ -199,8 +199,7 @@ impl DatasetFolder {
         let mut lines = Vec::new();
         for number in 0..plan.frames() {
             for camera in plan.cameras().iter().filter(|camera| self.is_done(&camera.place.name, number)) {
-                let time_s = plan.frame(number).map_err(|invalid| file.error(invalid))?.time_s;
-                lines.push(self.line(&camera.place.name, number, time_s)?.to_string());
+                lines.push(self.line(&camera.place.name, number, plan.time_s(number))?.to_string());
             }
         }
         write_whole(&self.path.join(MANIFEST), |to| lines.iter().try_for_each(|line| writeln!(to, "{line}")))?;

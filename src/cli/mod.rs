@@ -40,6 +40,7 @@ mod trace;
 
 use std::io::IsTerminal;
 use std::ops::Range;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -147,6 +148,15 @@ fn rounded(x: f64, digits: i32) -> f64 {
     }
     let scale = 10f64.powf(f64::from(digits - 1) - x.abs().log10().floor());
     if scale.is_finite() && scale > 0.0 { (x * scale).round() / scale } else { x }
+}
+
+/// Refuses to overwrite a file unasked.
+fn refuse_existing(path: &Path, force: bool) -> photosite::Result<()> {
+    if force || !path.exists() {
+        return Ok(());
+    }
+    let message = format!("{} exists already", path.display());
+    Err(Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".to_owned()) })
 }
 
 /// Prints an object as JSON on standard output.
