@@ -16,6 +16,8 @@ mod expose;
 mod figures_text;
 mod ideal;
 mod info;
+mod layout;
+mod layout_folder;
 mod lens_corrections;
 mod listing;
 mod measure;
@@ -58,6 +60,7 @@ enum Command {
     Measure(measure::MeasureArgs),
     MergeHdr(merge_hdr::MergeHdrArgs),
     Dataset(dataset::DatasetArgs),
+    Layout(layout::LayoutArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     #[command(name = "emva1288")]
     Emva1288(emva1288::Emva1288Args),
@@ -92,6 +95,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Measure(args) => measure::run(&args),
         Command::MergeHdr(args) => merge_hdr::run(&args),
         Command::Dataset(args) => dataset::run(&args),
+        Command::Layout(args) => layout::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Emva1288(args) => emva1288::run(&args),
         Command::Emva1288Report(args) => emva1288_report::run(&args),
