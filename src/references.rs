@@ -13,6 +13,13 @@
 //! ## Wilkie14
 //! A. Wilkie et al., "Hero Wavelength Spectral Sampling", Computer Graphics Forum 33(4) (2014).
 //!
+//! ## Knuth97
+//! D. E. Knuth, *The Art of Computer Programming*, volume 2, 3rd edition (1997), section 4.2.2.
+//!
+//! ## Dekker71
+//! T. J. Dekker, "A Floating-Point Technique for Extending the Available Precision", Numerische Mathematik 18, 224–242
+//! (1971).
+//!
 //! ## Emva1288
 //! EMVA Standard 1288, *Standard for Characterization of Image Sensors and Cameras*, release 4.0 Linear (2021).
 //!

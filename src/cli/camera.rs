@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use photosite::Result;
 use photosite::calibration::camera_files::{
     CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
 };
 use photosite::io::capture::Capture;
 use photosite::io::output::{create_folder, write_whole};
-use photosite::{Error, Result};
 
-use super::println_out;
 use super::render::lone_camera;
+use super::{println_out, refuse_existing};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///
@@ -70,11 +70,11 @@ pub(super) fn run(args: &CameraArgs) -> Result<()> {
             let files =
                 [("cameras.txt", text), ("images.txt", colmap_images(&[image])), ("points3D.txt", colmap_points(&[]))];
             create_folder(folder)?;
-            files.iter().try_for_each(|(name, _)| unused(&folder.join(name), args.force))?;
+            files.iter().try_for_each(|(name, _)| refuse_existing(&folder.join(name), args.force))?;
             files.iter().try_for_each(|(name, text)| write(&folder.join(name), text))
         }
         (Format::Opencv | Format::Ros | Format::Kalibr | Format::Euroc, Some(file)) => {
-            unused(file, args.force)?;
+            refuse_existing(file, args.force)?;
             write(file, &text)
         }
         (_, None) => println_out(text.trim_end()),
@@ -83,14 +83,4 @@ pub(super) fn run(args: &CameraArgs) -> Result<()> {
 
 fn write(path: &Path, text: &str) -> Result<()> {
     write_whole(path, |to| to.write_all(text.as_bytes()))
-}
-
-fn unused(path: &Path, force: bool) -> Result<()> {
-    if path.exists() && !force {
-        return Err(Error::Usage {
-            message: format!("{} exists already", path.display()),
-            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
-        });
-    }
-    Ok(())
 }

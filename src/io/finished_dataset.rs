@@ -34,7 +34,7 @@ pub fn read_dataset(folder: &Path) -> Result<PictureSet> {
 }
 
 /// Reads those pictures of a data set that are there.
-pub fn read_part(folder: &Path) -> Result<PictureSet> {
+pub fn read_present(folder: &Path) -> Result<PictureSet> {
     read(folder).map(|(set, _)| set)
 }
 

@@ -6,6 +6,7 @@ pub mod developed;
 pub mod electrons;
 mod environment;
 pub mod exr;
+pub mod film_file;
 pub mod finished_dataset;
 pub mod gltf;
 pub mod grey_png;

@@ -21,6 +21,7 @@ mod interruption;
 mod layout;
 mod lens;
 mod limits;
+mod merge;
 mod motion;
 mod noise;
 mod outputs;

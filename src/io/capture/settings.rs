@@ -6,7 +6,6 @@ use glam::DAffine3;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::camera::looking;
 use super::tables::{
     ExposureTable, IrradianceSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
 };
@@ -17,6 +16,7 @@ use crate::integrator::RenderSettings;
 use crate::io::truth::TruthFormat;
 use crate::raw::{Area, Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
+use crate::scene::description::looking;
 use crate::sensor::{AutoExposure, Binning, BinningMethod, Exposure, Metering, SensorModel, Stages, Window};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
@@ -363,7 +363,7 @@ fn metering(table: &ExposureTable) -> Result<Metering, Invalid> {
     Ok(Metering::Highlights { brighter_part, level })
 }
 
-fn positive_number(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
+pub(super) fn positive_number(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
     }
@@ -374,6 +374,7 @@ fn positive_number(key: &str, value: f64, example: &str) -> Result<f64, Invalid>
 pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
     let default = RenderSettings::default();
     let settings = RenderSettings {
+        first_sample: default.first_sample,
         samples_per_pixel: table.samples_per_pixel.unwrap_or(default.samples_per_pixel),
         time_limit: table.time_limit_s.map(|s| duration("time_limit_s", s)).transpose()?,
         noise_target: table.noise_target,
