@@ -277,6 +277,26 @@
 //! OpenCV 4, *Camera Calibration and 3D Reconstruction* (calib3d), <https://docs.opencv.org/4.x/d9/d0c/group__calib3d.html>;
 //! its `fisheye` and `omnidir` namespaces.
 //!
+//! ## Colmap
+//! J. L. Schönberger et al., COLMAP documentation, "Output Format" and "Camera Models", <https://colmap.github.io/format.html>.
+//!
+//! ## Euroc
+//! M. Burri, J. Nikolic, P. Gohl, T. Schneider, J. Rehder, S. Omari, M. W. Achtelik, R. Siegwart, "The EuRoC Micro Aerial
+//! Vehicle Datasets", International Journal of Robotics Research 35(10), 1157–1163 (2016); the sensor and ground-truth files
+//! of the data sets.
+//!
+//! ## Kalibr
+//! Kalibr wiki, "Bag format", "Calibration targets", "YAML formats", <https://github.com/ethz-asl/kalibr/wiki>; its program
+//! `kalibr_bagcreater`.
+//!
+//! ## Bop
+//! T. Hodaň et al., "BOP: Benchmark for 6D Object Pose Estimation", ECCV (2018); BOP toolkit, `docs/bop_datasets_format.md`
+//! and `scripts/calc_gt_info.py`, <https://github.com/thodan/bop_toolkit>.
+//!
+//! ## Coco
+//! COCO, "Data format", <https://cocodataset.org/#format-data>; its program interface `pycocotools/mask.py`,
+//! <https://github.com/cocodataset/cocoapi>.
+//!
 //! ## Brown71
 //! D. C. Brown, "Close-Range Camera Calibration", Photogrammetric Engineering 37(8), 855–866 (1971).
 //!

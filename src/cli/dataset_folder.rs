@@ -8,8 +8,10 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf, absolute};
 
-use photosite::calibration::dataset::Plan;
+use photosite::calibration::camera_files::{CalibratedCamera, kalibr, opencv, ros};
+use photosite::calibration::dataset::{CALIBRATION_FOLDER, Plan};
 use photosite::io::capture::{Capture, DatasetFile};
+use photosite::io::finished_dataset::{MANIFEST, read_present};
 use photosite::io::output::{create_folder, write_whole};
 use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
@@ -22,8 +24,6 @@ use super::pretty_json::pretty_json;
 const IDENTITY: &str = "dataset.json";
 /// Its key in folders of parts.
 const OF_PART: &str = "part";
-/// What is in it.
-const MANIFEST: &str = "manifest.jsonl";
 /// The same for people.
 const CARD: &str = "README.md";
 
@@ -199,25 +199,57 @@ impl DatasetFolder {
         let mut lines = Vec::new();
         for number in 0..plan.frames() {
             for camera in plan.cameras().iter().filter(|camera| self.is_done(&camera.place.name, number)) {
-                lines.push(self.line(&camera.place.name, number, plan.time_s(number))?.to_string());
+                lines.push(self.line(&camera.place.name, number, plan)?.to_string());
             }
         }
         write_whole(&self.path.join(MANIFEST), |to| lines.iter().try_for_each(|line| writeln!(to, "{line}")))?;
+        if !lines.is_empty() {
+            self.write_calibration()?;
+        }
         let card = card(file, identity, plan, lines.len());
         write_whole(&self.path.join(CARD), |to| to.write_all(card.as_bytes()))?;
         Ok(lines.len())
     }
 
+    /// Writes what calibrations of the cameras shall find, as far as the formats have words for their lenses. Of lenses that
+    /// differ from frame to frame only the pictures' own reports can tell.
+    fn write_calibration(&self) -> Result<()> {
+        let set = read_present(&self.path)?;
+        let rig = set.rig().unwrap_or_default();
+        let beside: Vec<CalibratedCamera> = beside_the_first(&rig).collect();
+        let mut files = vec![("camchain.yaml".to_owned(), (!rig.is_empty()).then(|| kalibr(&rig)))];
+        for (i, name) in set.cameras.iter().enumerate() {
+            files.push((format!("opencv/{name}.yaml"), beside.get(i).map(opencv)));
+            files.push((format!("ros/{name}.yaml"), rig.get(i).map(ros)));
+        }
+        for (name, text) in files {
+            let path = self.path.join(CALIBRATION_FOLDER).join(name);
+            match text {
+                Some(Ok(text)) => {
+                    create_folder(path.parent().unwrap_or(&self.path))?;
+                    write_whole(&path, |to| to.write_all(text.as_bytes()))?;
+                }
+                // What was true of fewer frames is not left behind.
+                Some(Err(_)) | None if path.exists() => {
+                    fs::remove_file(&path).map_err(|reason| Error::io(&path, "remove the earlier file", reason))?;
+                }
+                Some(Err(_)) | None => {}
+            }
+        }
+        Ok(())
+    }
+
     /// What the manifest says of a picture.
-    fn line(&self, camera: &str, number: u32, time_s: Option<f64>) -> Result<Value> {
+    fn line(&self, camera: &str, number: u32, plan: &Plan) -> Result<Value> {
         let path = self.picture(camera, number).join(REPORT);
         let text = fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
         let report: Value = serde_json::from_slice(&text)
             .map_err(|e| Invalid::new("", format!("is damaged: {e}")).help("remove its folder").in_file(&path))?;
         Ok(json!({
             "frame": number,
+            "frames": plan.frames(),
             "camera": camera,
-            "time_s": time_s,
+            "time_s": plan.time_s(number),
             "folder": format!("{camera}/{number:06}"),
             "files": report["files"],
             "seed": report["seed"],
@@ -235,6 +267,12 @@ impl DatasetFolder {
     fn partial(&self, camera: &str, number: u32) -> PathBuf {
         self.path.join(camera).join(format!(".{number:06}.partial"))
     }
+}
+
+/// The cameras in a world whose axes are OpenCV's of the first: its own pose is the identity.
+fn beside_the_first(rig: &[CalibratedCamera]) -> impl Iterator<Item = CalibratedCamera> {
+    let to_first = rig.first().map(CalibratedCamera::from_world).unwrap_or_default();
+    rig.iter().map(move |camera| CalibratedCamera { to_world: to_first * camera.to_world, ..camera.clone() })
 }
 
 /// What a reader who finds the folder has to know.
@@ -261,7 +299,10 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize) -> St
          `capture.json` everything that is needed to use and to repeat the picture.\n\
          - `manifest.jsonl`: a line for each picture: pose (world → camera, OpenCV's axes: x right, y down, z forward), \
          camera matrix (integer coordinates at pixel centres), exposure, changes to the capture.\n\
+         - `calibration/`: the cameras for OpenCV (poses: first camera → camera), ROS and Kalibr, as far as these know such lenses; \
+         not there where a lens differs from frame to frame.\n\
          - `dataset.json`: what the data set was made from, with hashes of the files.\n\n\
+         `photosite layout` arranges all this as COLMAP, EuRoC, Kalibr, BOP or COCO have it.\n\n\
          Lengths are metres, the world is that of glTF (y up). Fingerprint: `{fingerprint}`.\n",
         version = env!("CARGO_PKG_VERSION"),
         capture = file.description.capture,

@@ -17,6 +17,8 @@ mod figures_text;
 mod fingerprint;
 mod ideal;
 mod info;
+mod layout;
+mod layout_folder;
 mod lens_corrections;
 mod listing;
 mod measure;
@@ -64,6 +66,7 @@ enum Command {
     Merge(merge::MergeArgs),
     MergeHdr(merge_hdr::MergeHdrArgs),
     Dataset(dataset::DatasetArgs),
+    Layout(layout::LayoutArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     #[command(name = "emva1288")]
     Emva1288(emva1288::Emva1288Args),
@@ -99,6 +102,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Merge(args) => merge::run(&args),
         Command::MergeHdr(args) => merge_hdr::run(&args),
         Command::Dataset(args) => dataset::run(&args),
+        Command::Layout(args) => layout::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Emva1288(args) => emva1288::run(&args),
         Command::Emva1288Report(args) => emva1288_report::run(&args),

@@ -18,6 +18,7 @@ mod gltf;
 mod gltf_features;
 mod info;
 mod interruption;
+mod layout;
 mod lens;
 mod limits;
 mod merge;
