@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use photosite::Result;
 use photosite::calibration::camera_files::{
-    CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, euroc, kalibr, opencv, ros,
+    CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
 };
 use photosite::io::capture::Capture;
 use photosite::io::output::{create_folder, write_whole};
-use photosite::{Error, Result};
 
-use super::println_out;
 use super::render::lone_camera;
+use super::{println_out, refuse_existing};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///
@@ -65,18 +65,16 @@ pub(super) fn run(args: &CameraArgs) -> Result<()> {
     let text = text.map_err(|invalid| capture.source.error(invalid))?;
     match (args.format, &args.output) {
         (Format::Colmap, Some(folder)) => {
-            let image = ColmapImage { name: "image.png".to_owned(), camera: 0, to_world: camera.to_world };
-            let files = [
-                ("cameras.txt", text),
-                ("images.txt", colmap_images(&[image])),
-                ("points3D.txt", "# none\n".to_owned()),
-            ];
+            let image =
+                ColmapImage { name: "image.png".to_owned(), camera: 0, to_world: camera.to_world, points: Vec::new() };
+            let files =
+                [("cameras.txt", text), ("images.txt", colmap_images(&[image])), ("points3D.txt", colmap_points(&[]))];
             create_folder(folder)?;
-            files.iter().try_for_each(|(name, _)| unused(&folder.join(name), args.force))?;
+            files.iter().try_for_each(|(name, _)| refuse_existing(&folder.join(name), args.force))?;
             files.iter().try_for_each(|(name, text)| write(&folder.join(name), text))
         }
         (Format::Opencv | Format::Ros | Format::Kalibr | Format::Euroc, Some(file)) => {
-            unused(file, args.force)?;
+            refuse_existing(file, args.force)?;
             write(file, &text)
         }
         (_, None) => println_out(text.trim_end()),
@@ -85,14 +83,4 @@ pub(super) fn run(args: &CameraArgs) -> Result<()> {
 
 fn write(path: &Path, text: &str) -> Result<()> {
     write_whole(path, |to| to.write_all(text.as_bytes()))
-}
-
-fn unused(path: &Path, force: bool) -> Result<()> {
-    if path.exists() && !force {
-        return Err(Error::Usage {
-            message: format!("{} exists already", path.display()),
-            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
-        });
-    }
-    Ok(())
 }

@@ -13,7 +13,7 @@ use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
 use super::compare_text::text;
-use super::{print_json, println_out};
+use super::{print_json, println_out, refuse_existing};
 
 /// Compare two pictures: errors per channel, and where variances are known whether noise explains them.
 ///
@@ -159,15 +159,11 @@ fn file_report(picture: &Picture) -> FileReport {
 
 /// Whether the picture can be written shows before anything is read.
 fn refuse_picture(path: &Path, force: bool) -> Result<()> {
-    let usage = |message, help: &str| Err(Error::Usage { message, help: Some(help.to_owned()) });
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        return usage(format!("{} is no name of a PNG file", path.display()), "give a name that ends with .png");
+        let message = format!("{} is no name of a PNG file", path.display());
+        return Err(Error::Usage { message, help: Some("give a name that ends with .png".to_owned()) });
     }
-    if path.exists() && !force {
-        let help = "add --force to overwrite it, or choose another name";
-        return usage(format!("{} exists already", path.display()), help);
-    }
-    Ok(())
+    refuse_existing(path, force)
 }
 
 fn write_picture(path: &Path, picture: FalseColour) -> Result<PictureReport> {

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use photosite::Result;
 use photosite::develop::DevelopSettings;
 use photosite::io::capture::{CaptureSource, read_develop_settings};
-use photosite::{Error, Result};
 
-use super::start_threads;
+use super::{refuse_existing, start_threads};
 
 #[derive(Args)]
 pub(super) struct CommonDevelopArgs {
@@ -44,12 +44,6 @@ impl CommonDevelopArgs {
 
     /// Refuses to overwrite a picture unasked.
     pub(super) fn check_output(&self, path: &Path) -> Result<()> {
-        if self.force || !path.exists() {
-            return Ok(());
-        }
-        Err(Error::Usage {
-            message: format!("{} exists already", path.display()),
-            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
-        })
+        refuse_existing(path, self.force)
     }
 }

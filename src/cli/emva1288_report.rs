@@ -7,12 +7,12 @@ use photosite::characterisation::report::{ChannelReport, Report, SpectralPoint, 
 use photosite::characterisation::{Figures, doubling_temperature, evaluate, responsivity};
 use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
 use photosite::io::output::write_whole;
-use photosite::{Error, Invalid, Result};
+use photosite::{Invalid, Result};
 use serde::Serialize;
 
 use super::figures_text::measured_text;
 use super::progress::Progress;
-use super::{print_json, println_out, rounded};
+use super::{print_json, println_out, refuse_existing, rounded};
 
 /// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
 #[derive(Args)]
@@ -49,12 +49,7 @@ pub(super) fn run(args: &Emva1288ReportArgs) -> Result<()> {
     let is_folder = args.input.is_dir();
     let folder = if is_folder { &*args.input } else { args.input.parent().unwrap_or(Path::new("")) };
     let output = args.output.clone().unwrap_or_else(|| folder.join("report.html"));
-    if output.exists() && !args.force {
-        return Err(Error::Usage {
-            message: format!("{} exists already", output.display()),
-            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
-        });
-    }
+    refuse_existing(&output, args.force)?;
     let report = if is_folder { of_folder(folder, args.quiet || args.json)? } else { of_descriptor(&args.input)? };
     write_whole(&output, |to| to.write_all(report.html().as_bytes()))?;
     if args.json {

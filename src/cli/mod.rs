@@ -14,14 +14,19 @@ mod emva1288_report;
 mod export_mitsuba;
 mod expose;
 mod figures_text;
+mod fingerprint;
 mod ideal;
 mod info;
+mod layout;
+mod layout_folder;
 mod lens_corrections;
 mod listing;
 mod measure;
+mod merge;
 mod merge_hdr;
 mod noise;
 mod output_folder;
+mod parts;
 mod pretty_json;
 mod progress;
 mod project;
@@ -36,6 +41,8 @@ mod target;
 mod trace;
 
 use std::io::IsTerminal;
+use std::ops::Range;
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -56,8 +63,10 @@ enum Command {
     Expose(expose::ExposeArgs),
     Compare(compare::CompareArgs),
     Measure(measure::MeasureArgs),
+    Merge(merge::MergeArgs),
     MergeHdr(merge_hdr::MergeHdrArgs),
     Dataset(dataset::DatasetArgs),
+    Layout(layout::LayoutArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     #[command(name = "emva1288")]
     Emva1288(emva1288::Emva1288Args),
@@ -90,8 +99,10 @@ pub(crate) fn run() -> ExitCode {
         Command::Expose(args) => expose::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::Measure(args) => measure::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::MergeHdr(args) => merge_hdr::run(&args),
         Command::Dataset(args) => dataset::run(&args),
+        Command::Layout(args) => layout::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Emva1288(args) => emva1288::run(&args),
         Command::Emva1288Report(args) => emva1288_report::run(&args),
@@ -123,6 +134,17 @@ fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
     pool.map_err(|e| Error::Usage { message: format!("cannot start {threads} threads: {e}"), help: None })
 }
 
+/// A range of whole numbers as arguments have it, `A..B`: from A up to, but without, B.
+fn parse_range(text: &str) -> Result<Range<u32>, String> {
+    let number = |part: &str| part.trim().parse::<u32>().ok();
+    let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
+    match ends {
+        Some((a, b)) if a < b => Ok(a..b),
+        Some(_) => Err("the first number must be below the second".to_owned()),
+        None => Err("write two whole numbers, for example 0..10".to_owned()),
+    }
+}
+
 /// Significant digits, few enough for people.
 fn rounded(x: f64, digits: i32) -> f64 {
     if x == 0.0 || !x.is_finite() {
@@ -130,6 +152,15 @@ fn rounded(x: f64, digits: i32) -> f64 {
     }
     let scale = 10f64.powf(f64::from(digits - 1) - x.abs().log10().floor());
     if scale.is_finite() && scale > 0.0 { (x * scale).round() / scale } else { x }
+}
+
+/// Refuses to overwrite a file unasked.
+fn refuse_existing(path: &Path, force: bool) -> photosite::Result<()> {
+    if force || !path.exists() {
+        return Ok(());
+    }
+    let message = format!("{} exists already", path.display());
+    Err(Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".to_owned()) })
 }
 
 /// Prints an object as JSON on standard output.

@@ -9,27 +9,34 @@ use photosite::colour::ColourSpace;
 use photosite::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
 use photosite::film::Film;
 use photosite::image::Planes;
-use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands, TruthOutput};
+use photosite::io::capture::{NoiseOutput, OutputSettings, RawFormat, SpectralBands, TruthOutput};
 use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
+use photosite::io::film_file::write_film;
+use photosite::io::noise_maps::{NoiseFormat, write_noise_exr, write_noise_npy};
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::raw_exr::write_raw_exr;
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::io::truth::{TruthFormat, write_truth_exr, write_truth_npy, write_truth_png};
 use photosite::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
+use photosite::sensor::{NoiseMap, NoiseMaps};
 use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
 use super::chain::Exposed;
+use super::parts::PartReport;
 use super::pretty_json::pretty_json;
 use super::report::Report;
 
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
+/// The same of a part of a render.
+pub(super) const PART: &str = "part.json";
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
 /// unasked: a texture may be called `image.png`.
-const RESULTS: [(&str, &[&str]); 7] = [
+const RESULTS: [(&str, &[&str]); 9] = [
+    ("film", &["npy"]),
     ("image", &["png"]),
     ("hdr", &["exr"]),
     ("ideal", &["exr", "png"]),
@@ -37,9 +44,12 @@ const RESULTS: [(&str, &[&str]); 7] = [
     ("irradiance", &["exr"]),
     ("raw", &["dng", "tiff", "pgm", "npy", "exr"]),
     (TRUTH, &["exr"]),
+    (NOISE, &["exr"]),
 ];
 /// What the names of files of ground truth begin with.
 const TRUTH: &str = "truth";
+/// The same of noise maps.
+const NOISE: &str = "noise";
 /// The picture that is there while a render runs.
 const PREVIEW: &str = "preview.png";
 
@@ -57,10 +67,10 @@ impl OutputFolder {
         let in_the_way = results().find(|name| path.join(name).exists());
         if let Some(name) = in_the_way.filter(|_| !force) {
             return Err(Error::Usage {
-                message: if name == REPORT {
-                    format!("{} holds the results of an earlier render", path.display())
-                } else {
-                    format!("{} holds a file {name} already", path.display())
+                message: match name.as_str() {
+                    REPORT => format!("{} holds the results of an earlier render", path.display()),
+                    PART => format!("{} holds a part of a render", path.display()),
+                    _ => format!("{} holds a file {name} already", path.display()),
                 },
                 help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
             });
@@ -87,19 +97,21 @@ impl OutputFolder {
 
     /// Removes the results of an earlier render, its report first: none may pass for results of this one.
     pub(super) fn remove_earlier(&self) -> Result<()> {
-        let report: Value = fs::read(self.path.join(REPORT))
-            .ok()
-            .and_then(|text| serde_json::from_slice(&text).ok())
-            .unwrap_or_default();
-        let files = report["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
-        // A report that somebody edited must not reach beyond the folder.
-        let files = files.filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
-        for path in std::iter::once(REPORT).chain(files).map(|name| self.path.join(name)) {
-            match fs::remove_file(&path) {
-                Err(reason) if reason.kind() != ErrorKind::NotFound => {
-                    return Err(Error::io(&path, "remove the earlier file", reason));
+        for report_name in [REPORT, PART] {
+            let report: Value = fs::read(self.path.join(report_name))
+                .ok()
+                .and_then(|text| serde_json::from_slice(&text).ok())
+                .unwrap_or_default();
+            let files = report["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+            // A report that somebody edited must not reach beyond the folder.
+            let files = files.filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
+            for path in std::iter::once(report_name).chain(files).map(|name| self.path.join(name)) {
+                match fs::remove_file(&path) {
+                    Err(reason) if reason.kind() != ErrorKind::NotFound => {
+                        return Err(Error::io(&path, "remove the earlier file", reason));
+                    }
+                    Ok(()) | Err(_) => {}
                 }
-                Ok(()) | Err(_) => {}
             }
         }
         Ok(())
@@ -131,6 +143,20 @@ impl OutputFolder {
         self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
     }
 
+    /// Noise maps, in all formats that are asked for.
+    pub(super) fn write_noise(&mut self, number: Option<u32>, output: &NoiseOutput, maps: &NoiseMaps) -> Result<()> {
+        if output.maps.is_empty() {
+            return Ok(());
+        }
+        output.formats.iter().try_for_each(|format| match format {
+            NoiseFormat::Exr => self.write(&named(NOISE, number, "exr"), |to| write_noise_exr(maps, to)),
+            NoiseFormat::Npy => output.maps.iter().try_for_each(|&map| {
+                let name = named(&format!("{NOISE}-{}", map.name()), number, "npy");
+                self.write(&name, |to| write_noise_npy(maps, map, to))
+            }),
+        })
+    }
+
     /// Ground truth, in all formats that are asked for.
     pub(super) fn write_truth(&mut self, number: Option<u32>, output: &TruthOutput, truth: &Planes) -> Result<()> {
         for format in &output.formats {
@@ -147,6 +173,16 @@ impl OutputFolder {
             }
         }
         Ok(())
+    }
+
+    /// The sums of a part of a render.
+    pub(super) fn write_film(&mut self, number: Option<u32>, film: &Film) -> Result<()> {
+        self.write(&named("film", number, "npy"), |to| write_film(film, to))
+    }
+
+    /// The last file of a part.
+    pub(super) fn write_part(&self, part: &PartReport) -> Result<()> {
+        write_whole(&self.path.join(PART), |to| writeln!(to, "{}", pretty_json(part)))
     }
 
     /// The light of a bracket, in which 1 saturates the longest exposure.
@@ -200,7 +236,7 @@ impl Drop for OutputFolder {
 }
 
 /// `raw.dng`, or with a number `raw-0007.dng`.
-fn named(stem: &str, number: Option<u32>, extension: &str) -> String {
+pub(super) fn named(stem: &str, number: Option<u32>, extension: &str) -> String {
     number.map_or_else(|| format!("{stem}.{extension}"), |number| format!("{stem}-{number:04}.{extension}"))
 }
 
@@ -210,8 +246,15 @@ fn results() -> impl Iterator<Item = String> {
         kinds.iter().flat_map(move |kind| [named(&stem, None, kind), named(&stem, Some(0), kind)])
     };
     let of_layer = move |layer: TruthLayer| names(format!("{TRUTH}-{}", layer.name()), &["npy", "png"]);
+    let of_map = move |map: NoiseMap| names(format!("{NOISE}-{}", map.name()), &["npy"]);
+    let of_maps = NoiseMap::ALL.into_iter().flat_map(of_map);
     let fixed = RESULTS.into_iter().flat_map(move |(stem, kinds)| names(stem.to_owned(), kinds));
-    std::iter::once(REPORT.to_owned()).chain(fixed).chain(TruthLayer::ALL.into_iter().flat_map(of_layer))
+    [REPORT, PART]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(fixed)
+        .chain(TruthLayer::ALL.into_iter().flat_map(of_layer))
+        .chain(of_maps)
 }
 
 fn unusable(path: &Path, message: impl Into<String>) -> Error {

@@ -24,10 +24,18 @@ pub(super) enum Frames {
 
 impl Frames {
     /// Numbers of the frames, and whether they are part of their files' names.
-    fn numbers(self) -> (std::ops::Range<u32>, bool) {
+    pub(super) fn numbers(self) -> (std::ops::Range<u32>, bool) {
         match self {
             Self::All(count) => (0..count, count > 1),
             Self::One { number, of } => (number..number + 1, of > 1),
+        }
+    }
+
+    /// The number in the names of files of light, where each frame has light of its own.
+    pub(super) fn light_number(self) -> Option<u32> {
+        match self {
+            Self::One { number, of } if of > 1 => Some(number),
+            Self::All(_) | Self::One { .. } => None,
         }
     }
 }
@@ -52,18 +60,16 @@ pub(super) fn write_results(
         Some(times) => (0..times.len() as u32, true),
         None => frames.numbers(),
     };
-    let light_number = match frames {
-        Frames::One { number, of } if of > 1 => Some(number),
-        Frames::All(_) | Frames::One { .. } => None,
-    };
+    let light_number = frames.light_number();
     // One after the other: a series may be larger than the memory. Those of a bracket are needed together.
     let mut kept = Vec::new();
     let first = numbers.start;
     for number in numbers {
         let start = Instant::now();
-        let raw = match &times {
-            Some(times) => chain.read_out(&shot(&exposed, times[number as usize]), number)?,
-            None => chain.read_out(&exposed, number)?,
+        let read_out = |exposed| chain.read_out_with_maps(exposed, number, &output.noise.maps);
+        let (raw, maps) = match &times {
+            Some(times) => read_out(&shot(&exposed, times[number as usize]))?,
+            None => read_out(&exposed)?,
         };
         timings.expose_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -71,6 +77,7 @@ pub(super) fn write_results(
             folder.remove_earlier()?;
         }
         folder.write_frame(output, are_named.then_some(number), &raw)?;
+        folder.write_noise(are_named.then_some(number), &output.noise, &maps)?;
         timings.write_s += start.elapsed().as_secs_f64();
         if number == first || times.is_some() {
             kept.push(raw);

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use photosite::Result;
 use photosite::calibration::targets::TargetKind;
 use photosite::io::capture::read_target;
 use photosite::io::target_file::{target_files, write_target};
-use photosite::{Error, Result};
 
-use super::println_out;
+use super::{println_out, refuse_existing};
 
 /// Write a calibration target: to print, to photograph, or for other programs.
 ///
@@ -45,12 +45,7 @@ fn kinds() -> impl TypedValueParser<Value = TargetKind> {
 }
 
 pub(super) fn run(args: &TargetArgs) -> Result<()> {
-    if let Some(path) = target_files(&args.output)?.into_iter().find(|path| path.exists() && !args.force) {
-        return Err(Error::Usage {
-            message: format!("{} is there already", path.display()),
-            help: Some("add --force to overwrite it, or choose another name with -o".to_owned()),
-        });
-    }
+    target_files(&args.output)?.iter().try_for_each(|path| refuse_existing(path, args.force))?;
     let (description, target) = read_target(args.kind, &args.overrides)?;
     write_target(&args.output, &description, &target)?;
     if args.quiet {

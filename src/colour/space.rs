@@ -53,13 +53,13 @@ impl ColourSpace {
 
     /// XYZ of white with Y = 1. That of D65 is the tabulated illuminant's, of which (0.3127, 0.3290) is the rounded form.
     pub fn white(self) -> DVec3 {
-        let [x, y] = match self {
+        let white = match self {
             Self::Srgb | Self::DisplayP3 | Self::Rec2020 | Self::Xyz => {
                 cie::chromaticity(illuminant::d65()).expect("D65 is not black")
             }
             Self::Acescg => [0.321_68, 0.337_67],
         };
-        DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
+        cie::xyz_of_chromaticity(white)
     }
 
     /// CIE x and y of red, green, blue and white; of XYZ those of its axes and of equal parts.

@@ -1,6 +1,5 @@
 //! White balance: the light of the scene becomes equal numbers in all channels.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::colour;
@@ -8,6 +7,7 @@ use super::settings::{DevelopSettings, WhiteBalance};
 use crate::Invalid;
 use crate::colour::temperature;
 use crate::raw::{Cfa, RawImage};
+use crate::spectrum::cie;
 
 /// The camera's response to what counts as white, per channel, the largest 1. `signal` is that of the raw picture after
 /// the steps before.
@@ -197,11 +197,11 @@ fn of_temperature(raw: &RawImage, settings: &DevelopSettings) -> Result<Vec<f64>
 }
 
 /// The response to a white of this chromaticity.
-fn response_to([x, y]: [f64; 2], raw: &RawImage) -> Result<Vec<f64>, Invalid> {
+fn response_to(white: [f64; 2], raw: &RawImage) -> Result<Vec<f64>, Invalid> {
     let Some(matrices) = colour::CameraMatrices::new(&raw.metadata)? else {
         let message = "the raw file has no colour matrix, so a colour of light says nothing of its channels";
         return Err(Invalid::new("white_balance", message).help("for example white_balance = \"grey-world\""));
     };
-    let white = DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
+    let white = cie::xyz_of_chromaticity(white);
     Ok(matrices.at(white).iter().map(|row| row.dot(white)).collect())
 }

@@ -25,7 +25,7 @@ use super::picture_file::read_picture_file;
 use crate::colour::adaptation::D50;
 use crate::colour::{ColourSpace, Transfer};
 use crate::image::{Channel, Planes};
-use crate::spectrum::rgb;
+use crate::spectrum::{cie, rgb};
 use crate::{Error, Invalid, Result};
 
 /// What the numbers of a picture mean.
@@ -156,8 +156,7 @@ fn of_chromaticities([red, green, blue, white]: [[f64; 2]; 4]) -> DMat3 {
     if [red, green, blue, white].as_flattened().iter().zip(srgb.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-3) {
         return DMat3::IDENTITY;
     }
-    let [x, y] = white;
-    let white = DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
+    let white = cie::xyz_of_chromaticity(white);
     ColourSpace::Srgb.from_xyz(white) * rgb::matrix([red, green, blue], white)
 }
 

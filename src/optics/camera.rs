@@ -141,6 +141,11 @@ impl Camera {
         Self { to_world, time, recording: None, ..self.clone() }
     }
 
+    /// Camera → world in the middle of the exposure of a row, and which part of the picture's time has gone by then.
+    pub fn pose_at_row(&self, row: f64) -> (DAffine3, f32) {
+        self.pose(row, 0.5)
+    }
+
     /// Where the camera is at the sample u in [0, 1) of the exposure of a row, and which part of the picture's time has gone
     /// by.
     #[inline]
@@ -149,12 +154,6 @@ impl Camera {
         let time_s = recording.time_s(row, u);
         let pose = recording.motion.as_ref().map_or(self.to_world, |motion| motion.pose(&self.to_world, time_s));
         (pose, recording.part(time_s))
-    }
-
-    /// The same camera standing still elsewhere: `place` leads from where it shall be to where it is, both in its own axes.
-    #[must_use]
-    pub fn beside(self, place: &DAffine3) -> Self {
-        Self { to_world: self.to_world * *place, recording: None, ..self }
     }
 
     /// Camera → world, of a moving camera at time 0.
@@ -205,13 +204,14 @@ impl Camera {
             ReachEnd::Folds => "folds back over its own picture",
             ReachEnd::Flat => "has reached 90° from the axis",
         };
-        let Some([x, y]) = self.field_of_view().blind_px else { return Ok(()) };
+        let field = self.field_of_view();
+        let Some([x, y]) = field.blind_px else { return Ok(()) };
         let from_centre = DVec2::new(x - self.intrinsics.cx, y - self.intrinsics.cy).length();
         let degrees = self.reach.angle.to_degrees();
         let message = format!(
             "the model {what} {:.1} px from the principal point, {degrees:.2}° from the axis, and the sensor goes on to \
              {from_centre:.1} px at {x:.0}, {y:.0}",
-            self.field_of_view().radius_px[0],
+            field.radius_px[0],
         );
         let angle = (degrees * 100.0).floor() / 100.0;
         Err(Invalid::new("distortion", message).help(format!(
@@ -268,13 +268,7 @@ impl Camera {
     /// Without falloff a sample weighs A/v² everywhere.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
-        self.generate_at(pixel, aperture_sample, 0.0)
-    }
-
-    /// The same ray at the sample `u_time` in [0, 1) of the exposure of the pixel's row.
-    #[inline]
-    pub fn generate_at(&self, pixel: DVec2, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
-        self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, u_time)
+        self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, 0.0)
     }
 
     /// Whether a path needs a sample of the point spread.
@@ -282,8 +276,8 @@ impl Camera {
         self.point_spread.is_some()
     }
 
-    /// The same ray through a lens with a point spread and lateral colour, and what each wavelength counts. Lateral colour
-    /// leaves only the hero, whose direction it is.
+    /// The same ray through a lens with a point spread and lateral colour, at the sample `u_time` in [0, 1) of the exposure of
+    /// the pixel's row, and what each wavelength counts. Lateral colour leaves only the hero, whose direction it is.
     #[inline]
     pub fn generate_spectral(
         &self,
@@ -409,230 +403,5 @@ impl Camera {
         let place = self.projection.project(DVec3::new(point.x, -point.y, -point.z), &self.reach)?;
         let i = &self.intrinsics;
         Some(DVec2::new(i.fx * place.x + i.skew * place.y + i.cx, i.fy * place.y + i.cy))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::BrownConrady;
-    use super::*;
-
-    const GRID: PixelGrid = PixelGrid { resolution: [640, 480], pitch_m: [5e-6, 6e-6] };
-
-    fn camera(lens: &LensDescription) -> Camera {
-        Camera::new(lens, &GRID, DAffine3::IDENTITY, f64::NAN).expect("a valid lens")
-    }
-
-    #[test]
-    fn the_image_distance_follows_the_thin_lens_equation() {
-        let lens = camera(&LensDescription::thin(0.05, 2.0, Focus::Distance(1.0)));
-        let (u, v) = (lens.focus_distance_m(), lens.image_distance_m());
-        assert!((1.0 / 0.05 - 1.0 / u - 1.0 / v).abs() < 1e-12);
-        assert_eq!(camera(&LensDescription::thin(0.05, 2.0, Focus::Infinity)).image_distance_m(), 0.05);
-        assert!((lens.intrinsics().fx - v / 5e-6).abs() < 1e-9 && (lens.intrinsics().fy - v / 6e-6).abs() < 1e-9);
-    }
-
-    #[test]
-    fn all_rays_of_a_pixel_meet_where_it_is_focused() {
-        let lens = camera(&LensDescription::thin(0.05, 1.4, Focus::Distance(0.8)));
-        let pixel = DVec2::new(100.25, 400.75);
-        let sharp = lens.chief_ray(pixel).expect("no distortion").at(0.8);
-        for u in [[0.0, 0.0], [0.99, 0.3], [0.2, 0.9]] {
-            let ray = lens.generate(pixel, u).expect("no distortion").ray;
-            let t = (sharp - ray.origin).dot(ray.direction);
-            // f32 rays at a distance of 0.8 m.
-            assert!((ray.at(t) - sharp).length() < 2e-7, "{:?}", ray.at(t) - sharp);
-        }
-        assert!((lens.project(sharp).expect("in front") - pixel).length() < 1e-3);
-    }
-
-    #[test]
-    fn the_picture_is_upright_and_not_mirrored() {
-        let lens = camera(&LensDescription::thin(0.05, 8.0, Focus::Infinity));
-        let top_right = lens.chief_ray(DVec2::new(600.0, 20.0)).expect("no distortion").direction;
-        assert!(top_right.x > 0.0 && top_right.y > 0.0 && top_right.z < 0.0);
-    }
-
-    #[test]
-    fn autofocus_within_the_focal_length_is_refused() {
-        let lens = LensDescription::thin(0.05, 2.0, Focus::Autofocus { pixel: [320.0, 240.0] });
-        assert!(Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.04).is_err());
-        let focused = Camera::new(&lens, &GRID, DAffine3::IDENTITY, 2.0).expect("in front");
-        assert_eq!(focused.focus_distance_m(), 2.0);
-    }
-
-    fn projected(projection: Projection, max_angle_deg: Option<f64>) -> Camera {
-        let mut lens = LensDescription::thin(0.004, 2.0, Focus::Distance(0.5));
-        (lens.projection, lens.max_angle_rad) = (projection, max_angle_deg.map(f64::to_radians));
-        lens.intrinsics = Some(Intrinsics { fx: 400.0, fy: 410.0, cx: 300.0, cy: 250.0, skew: 1.5 });
-        camera(&lens)
-    }
-
-    fn barrel(k1: f64) -> Projection {
-        Projection::BrownConrady(BrownConrady { k: [k1, 0.0, 0.0, 0.0, 0.0, 0.0], ..BrownConrady::default() })
-    }
-
-    const FISHEYE: Projection = Projection::KannalaBrandt { k: [0.0; 4] };
-
-    #[test]
-    fn pixels_and_what_they_see_agree_over_the_whole_sensor() {
-        for projection in [
-            Projection::Perspective,
-            barrel(-0.1),
-            barrel(0.4),
-            Projection::Polynomial { k: [0.3, 0.0] },
-            Projection::Division { lambda: -0.2 },
-            FISHEYE,
-            Projection::Equirectangular,
-            Projection::Omnidirectional { xi: 1.1, distortion: BrownConrady::default() },
-        ] {
-            let camera = projected(projection, None);
-            camera.check_coverage().expect("all of the sensor sees something");
-            for i in 0..=20 {
-                let pixel = DVec2::new(f64::from(i) * 32.0, f64::from((i * 7) % 21) * 24.0);
-                let seen = camera.seen(pixel).expect("light");
-                let found = camera.project_camera(seen.direction * 3.0).expect("in reach");
-                assert!((found - pixel).length() < 1e-9, "{projection:?} {pixel}: {found}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_fold_within_the_picture_is_refused_but_no_image_circle() {
-        // It folds at r = √(1/1.5), 0.544 focal lengths or some 218 px from the middle; the corner lies 420 px away.
-        let invalid = projected(barrel(-0.5), None).check_coverage().expect_err("a fold");
-        assert!(invalid.message.contains("folds back over its own picture 21"), "{invalid}");
-        let circle = projected(barrel(-0.5), Some(35.0));
-        circle.check_coverage().expect("black beyond 35°");
-        assert!(circle.seen(DVec2::new(0.0, 0.0)).is_none() && circle.seen(DVec2::new(300.0, 100.0)).is_some());
-        let field = circle.field_of_view();
-        assert!((field.reach_rad.to_degrees() - 35.0).abs() < 1e-9 && field.blind_px.is_some());
-        projected(FISHEYE, None).check_coverage().expect("180° from the axis are far outside");
-        assert!(projected(FISHEYE, Some(30.0)).field_of_view().blind_px.is_some());
-    }
-
-    #[test]
-    fn lenses_that_see_more_than_a_half_space_are_focused_on_a_sphere() {
-        let camera = projected(FISHEYE, None);
-        // 1.5 rad to the right, and 100° beyond that.
-        for pixel in [DVec2::new(900.0, 250.0), DVec2::new(1000.0, 250.0)] {
-            let direction = camera.seen(pixel).expect("in reach").direction;
-            let sharp = direction * 0.5;
-            for u in [[0.1, 0.2], [0.99, 0.3], [0.2, 0.9]] {
-                let ray = camera.generate(pixel, u).expect("in reach").ray;
-                let origin = ray.origin.as_dvec3();
-                // f32 rays.
-                assert!(origin.dot(direction).abs() < 1e-9, "the pupil faces the direction");
-                assert!((sharp - origin).cross(ray.direction.as_dvec3()).length() < 1e-7);
-            }
-        }
-    }
-
-    #[test]
-    fn illumination_follows_the_solid_angle() {
-        let at = |camera: &Camera, x: f64| {
-            let i = camera.intrinsics();
-            camera.relative_illumination(DVec2::new(i.cx + i.fx * x, i.cy)).expect("light")
-        };
-        for x in [0.2, 0.5, 0.9] {
-            // dΩ/dA of an equidistant fisheye is sin θ/θ.
-            assert!((at(&projected(FISHEYE, None), x) - x.sin() / x).abs() < 1e-12);
-        }
-        // A distortion that is none keeps cos⁴; a barrel multiplies it by the area of the ideal picture over its own.
-        let mut lens = LensDescription::thin(0.004, 200.0, Focus::Infinity);
-        for (k1, distorted) in [(0.0, 0.5), (-0.2, 0.45), (0.3, 0.5)] {
-            lens.projection = barrel(k1);
-            let camera = camera(&lens);
-            let ideal =
-                camera.seen(DVec2::new(320.0 + camera.intrinsics().fx * distorted, 240.0)).expect("light").direction;
-            let r = -ideal.x / ideal.z;
-            let growth = (1.0 + k1 * r * r) * (1.0 + 3.0 * k1 * r * r);
-            let expected = (1.0 + r * r).powi(-2) / growth;
-            // The opening of f/200 adds (D/2v)² = 6e-6.
-            assert!(
-                (at(&camera, distorted) / expected - 1.0).abs() < 2e-5,
-                "{k1}: {} {expected}",
-                at(&camera, distorted)
-            );
-        }
-    }
-
-    #[test]
-    fn the_light_of_a_picture_is_that_of_what_it_shows() {
-        // Étendue: a far disk of uniform light gives the same power, whatever the distortion. Its image fits the sensor.
-        let power = |projection: Projection| {
-            let camera = projected(projection, Some(20.0));
-            let n = 400;
-            let sum: f64 = (0..n * n)
-                .map(|i| {
-                    let pixel = DVec2::new(f64::from(i % n) + 0.5, f64::from(i / n) + 0.5) / f64::from(n)
-                        * DVec2::new(640.0, 480.0);
-                    camera.generate(pixel, [0.0, 0.0]).map_or(0.0, |ray| f64::from(ray.weight))
-                })
-                .sum();
-            sum
-        };
-        let ideal = power(Projection::Perspective);
-        for k1 in [-0.4, 0.4] {
-            // The rim of the disk crosses some 1000 of 30 000 cells, each known to half a cell: √1000/2/30 000 = 5e-4.
-            assert!((power(barrel(k1)) / ideal - 1.0).abs() < 2e-3, "{k1}: {} {ideal}", power(barrel(k1)));
-        }
-    }
-
-    /// Area common to two circles whose centres are `d` apart.
-    fn overlap(a: f64, b: f64, d: f64) -> f64 {
-        if d >= a + b {
-            return 0.0;
-        }
-        if d <= (a - b).abs() {
-            return std::f64::consts::PI * a.min(b).powi(2);
-        }
-        let angle = |r: f64, other: f64| ((d * d + r * r - other * other) / (2.0 * d * r)).clamp(-1.0, 1.0).acos();
-        let segment = |r: f64, other: f64| {
-            let half = angle(r, other);
-            r * r * (half - half.sin() * half.cos())
-        };
-        segment(a, b) + segment(b, a)
-    }
-
-    #[test]
-    fn stops_leave_the_overlap_of_two_circles() {
-        // f = 4 mm at f/2: R = 1 mm.
-        let mut lens = LensDescription::thin(0.004, 2.0, Focus::Infinity);
-        lens.falloff = Falloff::None;
-        // A stop in front is seen along the ray, one behind between lens and sensor, where light converges.
-        for (distance_m, radius_m) in [(0.003, 0.0012), (0.006, 0.0015), (-0.002, 0.0009)] {
-            lens.stops = vec![Stop { distance_m, radius_m }];
-            let camera = camera(&lens);
-            for x in [0.0, 80.0, 160.0, 300.0] {
-                let tan = x * 5e-6 / 0.004;
-                let (radius, apart) = match distance_m {
-                    d if d > 0.0 => (radius_m, d * tan),
-                    // At half of the way to the sensor, the light is half as wide and half as far out as the picture.
-                    _ => (radius_m * 2.0, 2.0 * 0.5 * 0.004 * tan),
-                };
-                let open = overlap(0.001, radius, 0.0);
-                let expected = overlap(0.001, radius, apart) / open;
-                let found = camera.relative_illumination(DVec2::new(320.0 + x, 240.0)).expect("in reach");
-                assert!((found - expected).abs() < 3e-3, "{distance_m} {x}: {found} {expected}");
-            }
-        }
-    }
-
-    #[test]
-    fn lateral_colour_moves_the_picture_of_the_hero() {
-        let mut lens = LensDescription::thin(0.004, 2.0, Focus::Infinity);
-        lens.lateral_colour = Some(LateralColour { points: vec![(450.0, 0.998), (650.0, 1.002)] });
-        let camera = camera(&lens);
-        for (lambda, magnification) in [(400.0, 0.998), (550.0, 1.0), (600.0, 1.001)] {
-            let mut wavelengths = Wavelengths::new([lambda, 500.0, 550.0, 600.0], [1.0; 4]);
-            let pixel = DVec2::new(600.5, 100.5);
-            let (ray, _) = camera.generate_spectral(pixel, [0.5; 2], 0.0, [0.0; 2], &mut wavelengths).expect("light");
-            assert!(wavelengths.is_hero_alone());
-            let expected = DVec2::new(320.0, 240.0) + (pixel - DVec2::new(320.0, 240.0)) / magnification;
-            let found = camera.project_camera(ray.ray.direction.as_dvec3()).expect("in reach");
-            // f32 directions: 1e-7 of 800 px.
-            assert!((found - expected).length() < 2e-4, "{lambda}: {found} {expected}");
-        }
     }
 }

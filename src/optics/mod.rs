@@ -5,6 +5,8 @@
 
 mod aperture;
 mod camera;
+#[cfg(test)]
+mod camera_tests;
 mod description;
 mod field_of_view;
 mod lateral_colour;

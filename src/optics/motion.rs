@@ -2,6 +2,8 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
+use crate::Invalid;
+
 /// The way of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraMotion {
@@ -27,7 +29,31 @@ pub struct TimedPose {
     pub rotation: DQuat,
 }
 
+impl TimedPose {
+    /// Where a camera of that pose, camera → world, is at that time, s.
+    pub fn new(time_s: f64, to_world: &DAffine3) -> Self {
+        Self { time_s, position_m: to_world.translation, rotation: DQuat::from_mat3(&to_world.matrix3) }
+    }
+}
+
 impl CameraMotion {
+    /// Through poses, of which there must be two at least, one after the other in finite time. `still` is what the help says
+    /// of what does not move. Keys of errors are within `poses`.
+    pub fn through(poses: Vec<TimedPose>, still: &str) -> Result<Self, Invalid> {
+        let at = |i: usize, message: String| Invalid::new(format!("poses[{i}].time_s"), message);
+        if poses.len() < 2 {
+            return Err(Invalid::new("poses", "a motion needs at least two").help(still));
+        }
+        if let Some(i) = poses.iter().position(|pose| !pose.time_s.is_finite()) {
+            return Err(at(i, format!("must be finite, got {}", poses[i].time_s)));
+        }
+        if let Some(i) = (1..poses.len()).find(|&i| poses[i].time_s <= poses[i - 1].time_s) {
+            let message = format!("{} s is not after {} s", poses[i].time_s, poses[i - 1].time_s);
+            return Err(at(i, message).help("write the poses in the order of their times"));
+        }
+        Ok(Self::Poses(poses))
+    }
+
     /// Camera → world at the time t, s, of a camera that stands at `start` at time 0:
     ///
     /// - steady: p = p₀ + v·t, R = R₀·exp(\[ω\]ₓ·t);

@@ -5,6 +5,8 @@
 
 use std::sync::OnceLock;
 
+use glam::DVec3;
+
 use super::{Spectrum, library};
 use crate::units::LUMINOUS_EFFICACY;
 
@@ -49,6 +51,11 @@ pub fn chromaticity(s: &Spectrum) -> Option<[f64; 2]> {
     let [x, y, z] = xyz(s);
     let sum = x + y + z;
     (sum > 0.0).then(|| [x / sum, y / sum])
+}
+
+/// XYZ with Y = 1 of a chromaticity (x, y): x/y, 1, (1 − x − y)/y.
+pub fn xyz_of_chromaticity([x, y]: [f64; 2]) -> DVec3 {
+    DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
 }
 
 /// Σ a·b·Δλ with Δλ = 1 nm.

@@ -19,13 +19,13 @@ pub fn rgb_to_xyz() -> &'static DMat3 {
     static MATRIX: OnceLock<DMat3> = OnceLock::new();
     MATRIX.get_or_init(|| {
         let white = cie::chromaticity(illuminant::d65()).expect("D65 is not black");
-        matrix(PRIMARIES, of_unit_luminance(white))
+        matrix(PRIMARIES, cie::xyz_of_chromaticity(white))
     })
 }
 
 /// Linear RGB → XYZ for other primaries (x, y) and another white XYZ, Y = 1.
 pub fn matrix(primaries: [[f64; 2]; 3], white: DVec3) -> DMat3 {
-    let [r, g, b] = primaries.map(of_unit_luminance);
+    let [r, g, b] = primaries.map(cie::xyz_of_chromaticity);
     let primaries = DMat3::from_cols(r, g, b);
     primaries * DMat3::from_diagonal(primaries.inverse() * white)
 }
@@ -53,11 +53,6 @@ pub fn encode(linear: f32) -> f32 {
     let v = linear.abs();
     let encoded = if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
     encoded.copysign(linear)
-}
-
-/// Chromaticity (x, y) → XYZ with Y = 1.
-fn of_unit_luminance([x, y]: [f64; 2]) -> DVec3 {
-    DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
 }
 
 #[cfg(test)]

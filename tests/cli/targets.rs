@@ -16,8 +16,8 @@ fn a_target_is_printed_photographed_and_handed_on() {
         std::fs::read_to_string(folder.path("board.svg")).expect("text").contains("width=\"160mm\" height=\"120mm\"")
     );
     assert!(std::fs::read(folder.path("board.pdf")).expect("bytes").starts_with(b"%PDF-1."));
-    folder.fail("target chessboard -o board.svg", 2, &["board.svg is there already", "--force"]);
-    folder.fail("target chessboard -o board.obj", 2, &["board.mtl is there already"]);
+    folder.fail("target chessboard -o board.svg", 2, &["board.svg exists already", "--force"]);
+    folder.fail("target chessboard -o board.obj", 2, &["board.mtl exists already"]);
 
     // The capture file says the same target, and the picture's report where its points are.
     folder.succeed("render board.toml -o out --set render.samples_per_pixel=1 --set sensor.resolution_px=[40,30]");

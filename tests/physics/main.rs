@@ -28,6 +28,7 @@ mod sensor_ccd;
 mod sensor_kinds;
 mod sensor_light;
 mod sensor_noise;
+mod sensor_noise_maps;
 mod sensor_patterns;
 mod sensor_photon_transfer;
 mod sensor_response;

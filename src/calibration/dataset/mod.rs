@@ -14,5 +14,5 @@ pub use description::{
     DatasetDescription, GridPoses, PoseDescription, PosesDescription, RandomPoses, RigCameraDescription,
     TimedPoseDescription, TrajectoryPoses, VariationDescription,
 };
-pub use plan::{CALIBRATION_FOLDER, Plan, PlannedFrame, RigCamera, RigPlace};
+pub use plan::{CALIBRATION_FOLDER, Plan, RigCamera, RigPlace};
 pub use poses::Subject;

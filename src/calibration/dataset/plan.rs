@@ -10,9 +10,9 @@ use super::{DatasetDescription, Subject};
 use crate::Invalid;
 use crate::math::hash::hash64;
 use crate::optics::Camera;
-use crate::scene::description::look_at;
+use crate::scene::description::looking;
 
-/// The folder beside those of the cameras.
+/// The folder beside those of the cameras that is kept for what is known of all of them; no camera is called so.
 pub const CALIBRATION_FOLDER: &str = "calibration";
 
 /// What a description says of a camera of the rig.
@@ -47,17 +47,6 @@ pub struct Plan {
     keeps_pose: bool,
     variations: Vec<Variation>,
     frames: u32,
-}
-
-/// One frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlannedFrame {
-    /// From the start of the first frame, s, along a trajectory.
-    pub time_s: Option<f64>,
-    /// Rig → world.
-    pub rig_to_world: DAffine3,
-    /// For each camera of the rig, the changes to the capture as `--set` has them.
-    pub overrides: Vec<Vec<String>>,
 }
 
 /// What of the description a seed is for.
@@ -109,8 +98,13 @@ impl Plan {
         &self.cameras
     }
 
-    /// A frame by its number.
-    pub fn frame(&self, number: u32) -> Result<PlannedFrame, Invalid> {
+    /// When a frame is taken, from the start of the first, s; along a trajectory alone.
+    pub fn time_s(&self, number: u32) -> Option<f64> {
+        self.poses.time_s(number)
+    }
+
+    /// A frame: for each camera of the rig, the changes to the capture as `--set` has them.
+    pub fn frame(&self, number: u32) -> Result<Vec<Vec<String>>, Invalid> {
         let poses_seed = self.seed_for(Purpose::Poses, 0);
         let rig = self.poses.pose(poses_seed, number, &self.cameras).map_err(|e| e.within("poses"))?;
         let of_camera = |(index, camera): (usize, &RigCamera)| {
@@ -132,8 +126,7 @@ impl Plan {
             set.push(format!("render.seed={seed}"));
             set
         };
-        let overrides = self.cameras.iter().enumerate().map(of_camera).collect();
-        Ok(PlannedFrame { time_s: self.poses.time_s(number), rig_to_world: rig, overrides })
+        Ok(self.cameras.iter().enumerate().map(of_camera).collect())
     }
 
     fn seed_for(&self, purpose: Purpose, which: usize) -> u64 {
@@ -162,13 +155,9 @@ impl DatasetDescription {
             if !names.insert(d.name.to_ascii_lowercase()) {
                 return Err(at(Invalid::new("name", format!("there are two cameras {:?}", d.name))));
             }
-            let position = DVec3::from_array(d.position_m.unwrap_or_default());
-            let target = d.look_at_m.map_or(position + DVec3::NEG_Z, DVec3::from_array);
-            let up = DVec3::from_array(d.up.unwrap_or([0.0, 1.0, 0.0]));
-            let in_rig = look_at(position, target, up).filter(|pose| pose.is_finite()).ok_or_else(|| {
-                let help = "look at another point than where it stands, across `up`";
-                at(Invalid::new("look_at_m", "there is no such view").help(help))
-            })?;
+            let position = d.position_m.unwrap_or_default();
+            let [x, y, z] = position;
+            let in_rig = looking(position, d.look_at_m.unwrap_or([x, y, z - 1.0]), d.up).map_err(at)?;
             let partner = d.disparity_to.as_ref().map(|name| {
                 self.cameras
                     .iter()

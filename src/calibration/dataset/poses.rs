@@ -9,7 +9,7 @@ use crate::Invalid;
 use crate::math::hash::hash64;
 use crate::math::philox::Philox;
 use crate::optics::{CameraMotion, TimedPose};
-use crate::scene::description::look_at;
+use crate::scene::description::{look_at, looking};
 
 /// What poses are taken around.
 #[derive(Clone, Debug)]
@@ -160,14 +160,6 @@ fn subject(target: Option<&String>, look_at_m: Option<[f64; 3]>, subjects: &[Sub
     }
 }
 
-fn looking(position: [f64; 3], target: [f64; 3], up: Option<[f64; 3]>) -> Result<DAffine3, Invalid> {
-    let [position, target, up] = [position, target, up.unwrap_or([0.0, 1.0, 0.0])].map(DVec3::from_array);
-    look_at(position, target, up).filter(|pose| pose.is_finite()).ok_or_else(|| {
-        Invalid::new("look_at_m", "there is no such view")
-            .help("look at another point than where it stands, across `up`")
-    })
-}
-
 fn grid_poses(grid: &GridPoses, subjects: &[Subject]) -> Result<Vec<DAffine3>, Invalid> {
     let subject = subject(grid.target.as_ref(), grid.look_at_m, subjects)?;
     let axes =
@@ -275,21 +267,11 @@ impl Way {
         }
         let pose = |(i, p): (usize, &TimedPoseDescription)| {
             let to_world = looking(p.position_m, p.look_at_m, p.up).map_err(|e| e.within(&format!("poses[{i}]")))?;
-            let rotation = DQuat::from_mat3(&to_world.matrix3);
-            Ok(TimedPose { time_s: p.time_s, position_m: to_world.translation, rotation })
+            Ok(TimedPose::new(p.time_s, &to_world))
         };
-        let poses: Vec<_> = d.poses.iter().enumerate().map(pose).collect::<Result<_, Invalid>>()?;
-        if poses.len() < 2 {
-            return Err(
-                Invalid::new("poses", "a way needs at least two").help("for a rig that stands still, write list")
-            );
-        }
-        if let Some(i) = (1..poses.len()).find(|&i| poses[i].time_s.total_cmp(&poses[i - 1].time_s).is_le()) {
-            let message = format!("{} s is not after {} s", poses[i].time_s, poses[i - 1].time_s);
-            return Err(Invalid::new(format!("poses[{i}].time_s"), message));
-        }
+        let poses = d.poses.iter().enumerate().map(pose).collect::<Result<_, Invalid>>()?;
         Ok(Self {
-            motion: CameraMotion::Poses(poses),
+            motion: CameraMotion::through(poses, "for a rig that stands still, write list")?,
             frame_rate_hz: d.frame_rate_hz,
             moving: d.moving.unwrap_or(true),
         })

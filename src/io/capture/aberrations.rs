@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::colour::Finder;
+use super::settings::positive_number;
 use super::tables::{LateralColourTable, PointSpreadTable, StopTable};
 use crate::Invalid;
 use crate::optics::{Kernel, KernelField, LateralColour, PointSpread, Stop};
@@ -12,11 +13,11 @@ use crate::optics::{Kernel, KernelField, LateralColour, PointSpread, Stop};
 pub(super) fn point_spread(finder: &Finder<'_>, table: &PointSpreadTable) -> Result<PointSpread, Invalid> {
     match table {
         PointSpreadTable::Gaussian { sigma_um } => {
-            Ok(PointSpread::Gaussian { sigma_m: positive("sigma_um", *sigma_um, "1.5")? * 1e-6 })
+            Ok(PointSpread::Gaussian { sigma_m: positive_number("sigma_um", *sigma_um, "1.5")? * 1e-6 })
         }
         PointSpreadTable::Airy => Ok(PointSpread::Airy),
         PointSpreadTable::Kernel { pitch_um, kernels } => {
-            let pitch_m = positive("pitch_um", *pitch_um, "0.5")? * 1e-6;
+            let pitch_m = positive_number("pitch_um", *pitch_um, "0.5")? * 1e-6;
             let kernels = kernels.iter().enumerate().map(|(i, kernel)| {
                 let measured = measured(finder, &kernel.file, pitch_m);
                 let measured = measured.map_err(|invalid| invalid.within(&format!("kernels[{i}]")))?;
@@ -57,26 +58,18 @@ pub(super) fn lateral_colour(table: &LateralColourTable) -> Result<LateralColour
     if !wavelength_nm.is_sorted_by(|a, b| a < b) {
         return Err(Invalid::new("wavelength_nm", "must rise from each to the next"));
     }
-    magnification.iter().try_for_each(|m| positive("magnification", *m, "[0.9995, 1.0005]").map(drop))?;
+    magnification.iter().try_for_each(|m| positive_number("magnification", *m, "[0.9995, 1.0005]").map(drop))?;
     Ok(LateralColour { points: wavelength_nm.iter().copied().zip(magnification.iter().copied()).collect() })
 }
 
 pub(super) fn stops(tables: &[StopTable]) -> Result<Vec<Stop>, Invalid> {
-    let stop = |(i, table): (usize, &StopTable)| {
-        let key = |key: &str| format!("stops[{i}].{key}");
+    let stop = |table: &StopTable| {
         if !table.distance_mm.is_finite() {
-            return Err(Invalid::new(key("distance_mm"), format!("must be finite, got {}", table.distance_mm)));
+            return Err(Invalid::new("distance_mm", format!("must be finite, got {}", table.distance_mm)));
         }
-        let radius_mm = positive(&key("radius_mm"), table.radius_mm, "12")?;
+        let radius_mm = positive_number("radius_mm", table.radius_mm, "12")?;
         Ok(Stop { distance_m: table.distance_mm / 1e3, radius_m: radius_mm / 1e3 })
     };
-    tables.iter().enumerate().map(stop).collect()
-}
-
-fn positive(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(value);
-    }
-    let help = format!("for example {} = {example}", key.rsplit('.').next().unwrap_or(key));
-    Err(Invalid::new(key, format!("must be above 0, got {value}")).help(help))
+    let at = |i: usize| move |invalid: Invalid| invalid.within(&format!("stops[{i}]"));
+    tables.iter().enumerate().map(|(i, table)| stop(table).map_err(at(i))).collect()
 }

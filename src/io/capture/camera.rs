@@ -5,12 +5,11 @@ use glam::DAffine3;
 use super::colour::Finder;
 use super::framing::{bounding_sphere, frame};
 use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens};
-use super::light::vector;
 use super::tables::{CameraTable, LensTable};
 use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
 use crate::optics::{CameraMotion, Focus, LensDescription};
-use crate::scene::description::{CameraDescription, SceneDescription, look_at};
+use crate::scene::description::{CameraDescription, SceneDescription, looking};
 use crate::sensor::SensorModel;
 
 /// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens. `focus_on_scene` focuses a lens
@@ -109,19 +108,4 @@ fn pose(table: &CameraTable, cameras: &[CameraDescription]) -> Result<Option<Pos
                 .help("write where the lens is, position_m = [x, y, z]"))
         }
     }
-}
-
-/// The pose of a camera that looks at a point.
-pub(super) fn looking(position: [f64; 3], target: [f64; 3], up: Option<[f64; 3]>) -> Result<DAffine3, Invalid> {
-    let position = vector("position_m", position)?;
-    let target = vector("look_at_m", target)?;
-    let up = vector("up", up.unwrap_or([0.0, 1.0, 0.0]))?;
-    if position == target {
-        let message = "is where the camera stands, so it looks nowhere";
-        return Err(Invalid::new("look_at_m", message).help("write a point in front of the camera"));
-    }
-    look_at(position, target, up).ok_or_else(|| {
-        let message = format!("the camera looks along {up}, so that cannot be up in the picture");
-        Invalid::new("up", message).help("write a direction across the view, for example up = [0, 0, -1]")
-    })
 }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use toml::value::{Datetime, Offset};
 
-use super::camera::looking;
 use super::colour::{Finder, LightSpectrum};
 use super::tables::{
     DirectionalTable, EnvironmentSource, EnvironmentTable, LightColour, LightTable, PointTable, ProfileTable,
@@ -21,7 +20,7 @@ use crate::io::warnings::Warnings;
 use crate::light::{EnvironmentPicture, SkyConditions, SunPosition};
 use crate::scene::description::{
     CameraDescription, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
-    ProjectorDescription, SceneDescription, look_at,
+    ProjectorDescription, SceneDescription, look_at, looking, vector,
 };
 
 /// Adds all `[[lights]]` to a scene, whose own ones they may replace.
@@ -446,12 +445,6 @@ fn picture(
         return Err(Invalid::new("illuminance_lux", message).help("give nit_per_unit, what a value of 1 means"));
     }
     Ok(EnvironmentDescription::Picture { image, level, rotation_deg })
-}
-
-/// Three finite coordinates.
-pub(super) fn vector(key: &str, v: [f64; 3]) -> Result<DVec3, Invalid> {
-    let vector = DVec3::from_array(v);
-    if vector.is_finite() { Ok(vector) } else { Err(Invalid::new(key, format!("must be finite, got {v:?}"))) }
 }
 
 fn not_negative(key: &str, value: f64) -> Result<f64, Invalid> {

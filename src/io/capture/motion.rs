@@ -1,16 +1,14 @@
 //! `[camera.motion]` and `scene.animation`: how camera and scene move while a picture is taken.
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DVec3};
 
-use super::camera::looking;
-use super::light::vector;
 use super::sensor::sensor_model;
 use super::settings::{self, ExposureSettings, ExposureTime};
 use super::tables::{CameraTable, CaptureFile, MotionTable, PoseTable, SceneTable};
 use crate::Invalid;
 use crate::io::gltf::Moment;
 use crate::optics::{CameraMotion, Recording, TimedPose};
-use crate::scene::description::CameraDescription;
+use crate::scene::description::{CameraDescription, looking, vector};
 use crate::sensor::SensorModel;
 
 /// How the camera of the table moves; `None` if it stands still.
@@ -34,19 +32,10 @@ pub(super) fn motion(camera: &CameraTable) -> Result<Option<CameraMotion>, Inval
         let message = format!("cannot go with {key} of [camera]: poses say where the camera stands at all times");
         return Err(Invalid::new("poses", message).help(format!("remove {key}")));
     }
-    let at = |i: usize| move |invalid: Invalid| invalid.within(&format!("poses[{i}]"));
-    let poses: Vec<TimedPose> =
-        poses.iter().enumerate().map(|(i, pose)| timed_pose(pose).map_err(at(i))).collect::<Result<_, _>>()?;
-    if poses.len() < 2 {
-        return Err(
-            Invalid::new("poses", "a motion needs at least two").help("for a camera that stands still, write [camera]")
-        );
-    }
-    if let Some(i) = (1..poses.len()).find(|&i| poses[i].time_s <= poses[i - 1].time_s) {
-        let message = format!("{} s is not after {} s", poses[i].time_s, poses[i - 1].time_s);
-        return Err(at(i)(Invalid::new("time_s", message).help("write the poses in the order of their times")));
-    }
-    Ok(Some(CameraMotion::Poses(poses)))
+    let pose =
+        |(i, table): (usize, &PoseTable)| timed_pose(table).map_err(|invalid| invalid.within(&format!("poses[{i}]")));
+    let poses = poses.iter().enumerate().map(pose).collect::<Result<_, Invalid>>()?;
+    CameraMotion::through(poses, "for a camera that stands still, write [camera]").map(Some)
 }
 
 fn steady(table: &MotionTable) -> Result<Option<CameraMotion>, Invalid> {
@@ -58,12 +47,7 @@ fn steady(table: &MotionTable) -> Result<Option<CameraMotion>, Invalid> {
 }
 
 fn timed_pose(table: &PoseTable) -> Result<TimedPose, Invalid> {
-    if !table.time_s.is_finite() {
-        return Err(Invalid::new("time_s", format!("must be finite, got {}", table.time_s)));
-    }
-    let to_world = looking(table.position_m, table.look_at_m, table.up)?;
-    let rotation = DQuat::from_mat3(&to_world.matrix3);
-    Ok(TimedPose { time_s: table.time_s, position_m: to_world.translation, rotation })
+    Ok(TimedPose::new(table.time_s, &looking(table.position_m, table.look_at_m, table.up)?))
 }
 
 /// The motion of the glTF camera that the table takes, in a picture that is taken at that time.
@@ -77,10 +61,8 @@ pub(super) fn motion_of_file(
         None => cameras.first().filter(|_| table.position_m.is_none()),
     }?;
     let parts = camera.later.len() as f64;
-    let pose = |(i, place): (usize, &DAffine3)| TimedPose {
-        time_s: recording.start_s + recording.duration_s * i as f64 / parts,
-        position_m: place.translation,
-        rotation: DQuat::from_mat3(&place.matrix3),
+    let pose = |(i, place): (usize, &DAffine3)| {
+        TimedPose::new(recording.start_s + recording.duration_s * i as f64 / parts, place)
     };
     let places = || [&camera.to_world].into_iter().chain(&camera.later);
     (parts > 0.0).then(|| CameraMotion::Poses(places().enumerate().map(pose).collect()))

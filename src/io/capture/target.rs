@@ -4,12 +4,11 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::light::vector;
 use super::source::CaptureSource;
 use super::tables::TargetTable;
 use super::{file, overrides};
 use crate::calibration::targets::{PlacedTarget, Target, TargetDescription, TargetKind};
-use crate::scene::description::{InstanceDescription, SceneDescription, look_at};
+use crate::scene::description::{InstanceDescription, SceneDescription, look_at, vector};
 use crate::{Invalid, Result};
 
 /// Reads the description of a target that the command line asks for: a kind, and `key=value` for any of its keys.
