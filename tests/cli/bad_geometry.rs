@@ -123,6 +123,86 @@ fn damaged_scenes_are_refused(
     folder.fail(&format!("render {name}"), 1, &[&format!("{place}{message}"), help]);
 }
 
+/// A document whose buffer is read from another place.
+fn from_uri(uri: &str) -> Vec<u8> {
+    serde_json::to_vec_pretty(&triangle().with("/buffers/0/uri", json!(uri)).json).expect("JSON")
+}
+
+/// A binary file with other bytes at a place.
+fn overwritten(at: usize, bytes: &[u8]) -> Vec<u8> {
+    let mut whole = triangle().binary();
+    whole[at..at + bytes.len()].copy_from_slice(bytes);
+    whole
+}
+
+fn sparse(count: u64, component: u32) -> serde_json::Value {
+    json!({
+        "count": count,
+        "indices": { "bufferView": 1, "componentType": component },
+        "values": { "bufferView": 0 },
+    })
+}
+
+fn sampled(sampler: serde_json::Value) -> Document {
+    textured(triangle()).with("/textures", json!([{ "source": 0, "sampler": 0 }])).with("/samplers", json!([sampler]))
+}
+
+fn with_attribute(name: &str, accessor: u32) -> Document {
+    triangle()
+        .with(&format!("/meshes/0/primitives/0/attributes/{name}"), json!(accessor))
+        .with("/meshes/0/primitives/0/attributes/WEIGHTS_0", json!(0))
+        .with("/nodes/0/skin", json!(0))
+        .with("/skins", json!([{ "joints": [0] }]))
+}
+
+/// References that lead nowhere or round in circles, numbers of the wrong kind, counts that nothing backs, chunks that are
+/// cut: one error that names the place.
+#[rstest]
+#[case::picture(textured(triangle()).with("/textures", json!([{ "source": 3 }])), "textures[0].source: refers to images[3]")]
+#[case::sampler(textured(triangle()).with("/textures", json!([{ "source": 0, "sampler": 2 }])), "textures[0].sampler: refers to samplers[2]")]
+#[case::no_picture(textured(triangle()).with("/images", json!([{ "mimeType": "image/png" }])), "images[0]: has neither a uri nor a bufferView")]
+#[case::uv_set(textured(triangle()).with("/materials/0/pbrMetallicRoughness/baseColorTexture", json!({ "index": 0, "texCoord": 2 })), "uses TEXCOORD_2")]
+#[case::wrap(sampled(json!({ "wrapS": 1 })), "samplers[0].wrapS: is unknown")]
+#[case::filter(sampled(json!({ "magFilter": 1 })), "samplers[0]: has an unknown filter")]
+#[case::alpha_mode(triangle().with("/materials/0/alphaMode", json!("GLASS")), "materials[0].alphaMode: is unknown")]
+#[case::sparse_target(with_vertices([[0.0; 3]; 3], [9, 0, 1]).with("/accessors/0/sparse", sparse(1, 5123)), "accessors[0].sparse.indices: entry 0 replaces element 9 of only 3")]
+#[case::sparse_component(triangle().with("/accessors/0/sparse", sparse(1, 5126)), "accessors[0].sparse.indices.componentType: is no unsigned integer type")]
+#[case::sparse_count(triangle().with("/accessors/0/sparse", sparse(1 << 40, 5123)), "reach beyond")]
+#[case::skin(triangle().with("/nodes/0/skin", json!(4)), "nodes[0].skin: refers to skins[4]")]
+#[case::joint(triangle().with("/nodes/0/skin", json!(0)).with("/skins", json!([{ "joints": [7] }])), "skins[0].joints[0]: refers to nodes[7]")]
+#[case::joints(with_attribute("JOINTS_0", 0), "JOINTS_0 needs VEC4")]
+#[case::binds(triangle().with("/nodes/0/skin", json!(0)).with("/skins", json!([{ "joints": [0], "inverseBindMatrices": 0 }])), "inverseBindMatrices needs MAT4")]
+#[case::morph_target(triangle().with("/meshes/0/primitives/0/targets", json!([{ "POSITION": 9 }])).with("/nodes/0/weights", json!([1])), "refers to accessors[9]")]
+#[case::morph_kind(triangle().with("/meshes/0/primitives/0/targets", json!([{ "POSITION": 1 }])).with("/nodes/0/weights", json!([1])), "needs VEC3")]
+#[case::rotation(triangle().with("/nodes/0/rotation", json!([0, 0, 0, 0])), "nodes[0].rotation: ")]
+#[case::projective(triangle().with("/nodes/0/matrix", json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])), "nodes[0].matrix: ")]
+#[case::child(triangle().with("/nodes/0/children", json!([5])), "nodes[0].children[0]: refers to nodes[5]")]
+#[case::cycle(triangle().with("/nodes/0/children", json!([0])), "cycle")]
+#[case::twice(triangle().with("/scenes/0/nodes", json!([0, 0])), "nodes[0] appears in the hierarchy twice")]
+#[case::instances(triangle().with("/nodes/0/extensions", json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 9 } } })), "refers to accessors[9]")]
+#[case::camera(triangle().with("/nodes/0/camera", json!(0)).with("/cameras", json!([{ "type": "perspective", "perspective": { "yfov": 0, "znear": 0.1 } }])), "cameras[0].perspective.yfov: must lie between 0 and π")]
+fn damaged_references_are_refused(#[case] document: Document, #[case] message: &str) {
+    refused(document.text(), "a.gltf", message);
+}
+
+#[rstest]
+#[case::no_comma("a.gltf", from_uri("data:nothing"), "is a data URI without a comma")]
+#[case::base64("a.gltf", from_uri("data:application/octet-stream;base64,@@@@"), "invalid base64")]
+#[case::scheme("a.gltf", from_uri("https://example.org/a.bin"), "has the scheme \"https\"")]
+#[case::short("a.gltf", from_uri("data:application/octet-stream;base64,AAAA"), "buffers[0].byteLength")]
+#[case::missing("a.gltf", from_uri("gone.bin"), "cannot read gone.bin")]
+#[case::glb_version("a.glb", overwritten(4, &[1]), "is binary glTF of version 1")]
+#[case::glb_length("a.glb", overwritten(8, &[0xff; 4]), "should hold 4294967295 bytes")]
+#[case::chunk_length("a.glb", overwritten(12, &[0xff; 4]), "the chunk \"JSON\" should hold 4294967295 bytes")]
+#[case::no_json("a.glb", overwritten(16, b"XXXX"), "without a JSON chunk")]
+fn damaged_containers_are_refused(#[case] name: &str, #[case] bytes: Vec<u8>, #[case] message: &str) {
+    refused(bytes, name, message);
+}
+
+fn refused(bytes: Vec<u8>, name: &str, message: &str) {
+    Folder::new([(name, bytes)]).fail(&format!("render {name}"), 1, &[name, message]);
+}
+
 #[rstest]
 #[case::missing(None, "cannot read wood.png", "put the picture there")]
 #[case::torn(Some("\u{89}PNG"), "cannot decode wood.png", "export it again")]
