@@ -70,7 +70,7 @@ fn picture(texel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
 }
 
 fn folder() -> Folder {
-    let checks = |x: u32, y: u32| if (x / 2 + y / 2) % 2 == 0 { 230 } else { 25 };
+    let checks = |x: u32, y: u32| if (x / 2 + y / 2).is_multiple_of(2) { 230 } else { 25 };
     let grey = |x, y| [checks(x, y), checks(x, y), checks(x, y), 255];
     let tilted = |x: u32, _| if x % 4 < 2 { [190, 128, 220, 255] } else { [66, 128, 220, 255] };
     Folder::new([
