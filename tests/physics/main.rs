@@ -10,6 +10,7 @@ mod bsdf_microfacet;
 mod bsdf_reciprocity;
 mod bsdf_robustness;
 mod bsdf_sampling;
+mod bsdf_scene;
 mod bsdf_smooth;
 mod chain;
 mod characterisation;
