@@ -6,6 +6,7 @@
 //! mean spectral irradiance in the band.
 
 use crate::image::{Channel, Estimate, Planes};
+use crate::math::double_double::DoubleDouble;
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
 
 /// A response function with the name of the plane that it fills.
@@ -85,11 +86,30 @@ impl FilmResponses {
     }
 }
 
-/// Sums of one channel of one pixel.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    sum: f64,
-    squares: f64,
+/// Sums of one channel of one pixel, over its samples v. They are exact but for samples that differ by many orders of
+/// magnitude, so that parts of a render that are added later give what one render gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sums {
+    /// Σ v.
+    pub sum: DoubleDouble,
+    /// Σ v².
+    pub squares: DoubleDouble,
+}
+
+impl Sums {
+    #[inline]
+    fn add(&mut self, value: f64) {
+        self.sum.add(value);
+        self.squares.add(value * value);
+    }
+
+    /// Variance of the mean of n samples, (Σ v² − (Σ v)²/n) / (n·(n − 1)); 0 where one sample tells nothing of it.
+    fn variance_of_mean(&self, n: f64) -> f64 {
+        if n < 2.0 {
+            return 0.0;
+        }
+        (self.squares.times(n).minus(self.sum.squared())).max(0.0) / (n * n * (n - 1.0))
+    }
 }
 
 /// Accumulated samples of a picture.
@@ -140,6 +160,25 @@ impl Film {
         self.sums.chunks_mut(self.width * responses.len()).map(row).collect()
     }
 
+    /// What is summed, by name.
+    pub fn channels(&self) -> &[String] {
+        &self.responses.names
+    }
+
+    /// All sums, row by row, in each pixel channel by channel.
+    pub fn sums(&self) -> &[Sums] {
+        &self.sums
+    }
+
+    /// Adds the sums of `samples` other samples of every pixel, in the order of [`Self::sums`].
+    pub fn add(&mut self, sums: impl IntoIterator<Item = Sums>, samples: u32) {
+        self.samples += samples;
+        for (here, there) in self.sums.iter_mut().zip(sums) {
+            here.sum.add_sum(there.sum);
+            here.squares.add_sum(there.squares);
+        }
+    }
+
     /// The planes `names` as means with the variance of the mean. Names that the film lacks are left out.
     pub fn estimate<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Estimate {
         let channels = self.responses.len();
@@ -154,14 +193,7 @@ impl Film {
             Planes::new(self.width, self.height, indices.iter().map(plane).collect())
                 .expect("every plane has one value per pixel")
         };
-        let variance = |s: &Sums| {
-            if self.samples < 2 {
-                return 0.0;
-            }
-            let mean = s.sum / n;
-            (s.squares / n - mean * mean).max(0.0) / (n - 1.0)
-        };
-        Estimate { mean: planes(&|s| s.sum / n), variance: planes(&variance) }
+        Estimate { mean: planes(&|s| s.sum.high / n), variance: planes(&|s| s.variance_of_mean(n)) }
     }
 }
 
@@ -172,9 +204,7 @@ impl FilmRow<'_> {
         let channels = self.responses.len();
         self.responses.respond(irradiance, wavelengths, &mut self.scratch);
         for (sums, &value) in self.sums[column * channels..].iter_mut().zip(&self.scratch) {
-            let value = f64::from(value);
-            sums.sum += value;
-            sums.squares += value * value;
+            sums.add(f64::from(value));
         }
     }
 }

@@ -13,6 +13,13 @@
 //! ## Wilkie14
 //! A. Wilkie et al., "Hero Wavelength Spectral Sampling", Computer Graphics Forum 33(4) (2014).
 //!
+//! ## Knuth97
+//! D. E. Knuth, *The Art of Computer Programming*, volume 2, 3rd edition (1997), section 4.2.2.
+//!
+//! ## Dekker71
+//! T. J. Dekker, "A Floating-Point Technique for Extending the Available Precision", Numerische Mathematik 18, 224–242
+//! (1971).
+//!
 //! ## Emva1288
 //! EMVA Standard 1288, *Standard for Characterization of Image Sensors and Cameras*, release 4.0 Linear (2021).
 //!
@@ -269,6 +276,26 @@
 //! ## OpenCv
 //! OpenCV 4, *Camera Calibration and 3D Reconstruction* (calib3d), <https://docs.opencv.org/4.x/d9/d0c/group__calib3d.html>;
 //! its `fisheye` and `omnidir` namespaces.
+//!
+//! ## Colmap
+//! J. L. Schönberger et al., COLMAP documentation, "Output Format" and "Camera Models", <https://colmap.github.io/format.html>.
+//!
+//! ## Euroc
+//! M. Burri, J. Nikolic, P. Gohl, T. Schneider, J. Rehder, S. Omari, M. W. Achtelik, R. Siegwart, "The EuRoC Micro Aerial
+//! Vehicle Datasets", International Journal of Robotics Research 35(10), 1157–1163 (2016); the sensor and ground-truth files
+//! of the data sets.
+//!
+//! ## Kalibr
+//! Kalibr wiki, "Bag format", "Calibration targets", "YAML formats", <https://github.com/ethz-asl/kalibr/wiki>; its program
+//! `kalibr_bagcreater`.
+//!
+//! ## Bop
+//! T. Hodaň et al., "BOP: Benchmark for 6D Object Pose Estimation", ECCV (2018); BOP toolkit, `docs/bop_datasets_format.md`
+//! and `scripts/calc_gt_info.py`, <https://github.com/thodan/bop_toolkit>.
+//!
+//! ## Coco
+//! COCO, "Data format", <https://cocodataset.org/#format-data>; its program interface `pycocotools/mask.py`,
+//! <https://github.com/cocodataset/cocoapi>.
 //!
 //! ## Brown71
 //! D. C. Brown, "Close-Range Camera Calibration", Photogrammetric Engineering 37(8), 855–866 (1971).

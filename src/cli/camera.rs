@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use photosite::Result;
 use photosite::calibration::camera_files::{
-    CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, euroc, kalibr, opencv, ros,
+    CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
 };
 use photosite::io::capture::Capture;
 use photosite::io::output::{create_folder, write_whole};
@@ -65,12 +65,10 @@ pub(super) fn run(args: &CameraArgs) -> Result<()> {
     let text = text.map_err(|invalid| capture.source.error(invalid))?;
     match (args.format, &args.output) {
         (Format::Colmap, Some(folder)) => {
-            let image = ColmapImage { name: "image.png".to_owned(), camera: 0, to_world: camera.to_world };
-            let files = [
-                ("cameras.txt", text),
-                ("images.txt", colmap_images(&[image])),
-                ("points3D.txt", "# none\n".to_owned()),
-            ];
+            let image =
+                ColmapImage { name: "image.png".to_owned(), camera: 0, to_world: camera.to_world, points: Vec::new() };
+            let files =
+                [("cameras.txt", text), ("images.txt", colmap_images(&[image])), ("points3D.txt", colmap_points(&[]))];
             create_folder(folder)?;
             files.iter().try_for_each(|(name, _)| refuse_existing(&folder.join(name), args.force))?;
             files.iter().try_for_each(|(name, text)| write(&folder.join(name), text))

@@ -10,20 +10,21 @@ use photosite::calibration::dataset::{Plan, RigCamera, Subject};
 use photosite::calibration::targets::PlacedTarget;
 use photosite::io::capture::{Capture, DatasetFile};
 use photosite::{Error, Invalid, Result};
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::dataset_folder::{DatasetFolder, identity};
+use super::dataset_folder::{DatasetFolder, identity, part_identity};
 use super::output_folder::OutputFolder;
+use super::parts::check_samples;
 use super::progress::Progress;
-use super::render::{Request, lone_camera, render};
+use super::render::{Light, Request, lone_camera, render};
 use super::report::Timings;
-use super::{print_json, start_threads};
+use super::{parse_range, print_json, start_threads};
 
 /// Render a data set: a capture from many poses, under many conditions, by one camera or a rig.
 ///
 /// Each frame is a folder as `photosite render` makes it, DIR/CAMERA/NUMBER. A data set that was broken off goes on where it
 /// stopped when the same command is given again. Several machines can share the work, each with frames of its own
-/// (--frames) in the same folder.
+/// (--frames) in the same folder, or each with samples of its own (--samples) in a folder of its own.
 #[derive(Args)]
 pub(super) struct DatasetArgs {
     /// A data set file (.toml), which names a capture file and says what differs from frame to frame.
@@ -34,6 +35,10 @@ pub(super) struct DatasetArgs {
     /// Make these frames only: from A up to, but without, B; 0..10 are the first ten.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     frames: Option<Range<u32>>,
+    /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes one data set of the
+    /// folders of all parts.
+    #[arg(long, value_name = "A..B", value_parser = parse_range)]
+    samples: Option<Range<u32>>,
     /// Change a key of the capture file in all frames, for example --set render.samples_per_pixel=16.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -48,79 +53,155 @@ pub(super) struct DatasetArgs {
     json: bool,
 }
 
-fn parse_range(text: &str) -> Result<Range<u32>, String> {
-    let number = |part: &str| part.trim().parse::<u32>().ok();
-    let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
-    match ends {
-        Some((a, b)) if a < b => Ok(a..b),
-        Some(_) => Err("the first number must be below the second".to_owned()),
-        None => Err("write two whole numbers, for example 0..10".to_owned()),
-    }
-}
-
 pub(super) fn run(args: &DatasetArgs) -> Result<()> {
     start_threads(args.threads)?;
-    let file = DatasetFile::read(&args.input)?;
-    let capture_path = args.input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
-    let (plan, captures) = plan(&file, &capture_path, &args.overrides)?;
-    let numbers = args.frames.clone().unwrap_or(0..plan.frames());
-    if numbers.end > plan.frames() {
-        let message = format!("--frames {}..{}: there are {} frames", numbers.start, numbers.end, plan.frames());
-        return Err(Error::Usage { message, help: Some(format!("write at most 0..{}", plan.frames())) });
+    let set = DataSet::read(&args.input, &args.overrides)?;
+    if let Some(samples) = &args.samples {
+        set.captures.iter().try_for_each(|capture| check_samples(samples, capture))?;
     }
-    // Poses that cannot be had show now rather than after an hour.
-    let frames: BTreeMap<u32, Vec<Vec<String>>> = numbers
-        .map(|number| Ok((number, plan.frame(number).map_err(|invalid| file.error(invalid))?)))
-        .collect::<Result<_>>()?;
-    let overrides = |number: u32, camera: usize| -> Vec<String> {
-        frames[&number][camera].iter().chain(&args.overrides).cloned().collect()
-    };
-    // As do keys that there are not.
-    if let Some(&first) = frames.keys().next() {
-        (0..plan.cameras().len())
-            .try_for_each(|camera| Capture::read(&capture_path, &overrides(first, camera)).map(|_| ()))?;
+    let numbers = args.frames.clone().unwrap_or(0..set.plan.frames());
+    if numbers.end > set.plan.frames() {
+        let message = format!("--frames {}..{}: there are {} frames", numbers.start, numbers.end, set.plan.frames());
+        return Err(Error::Usage { message, help: Some(format!("write at most 0..{}", set.plan.frames())) });
+    }
+    let frames = set.frames(numbers)?;
+    // Keys that there are not show now, as do poses that cannot be had.
+    if let Some(frame) = frames.values().next() {
+        let keys = |overrides: &Vec<String>| Capture::read(&set.capture_path, &set.with_arguments(overrides));
+        frame.iter().try_for_each(|overrides| keys(overrides).map(|_| ()))?;
     }
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
-    let identity = identity(&file, &captures, &args.overrides)?;
-    let folder = DatasetFolder::claim(args.output.as_deref().unwrap_or(&default), &identity, &plan)?;
+    let path = args.output.as_deref().unwrap_or(&default);
+    let talk = Talk { quiet: args.quiet, json: args.json };
+    let Some(samples) = &args.samples else {
+        let folder = DatasetFolder::claim(path, &set.identity, &set.plan)?;
+        let made = set.make(&frames, &folder, talk, |_, _| Ok(Light::Traced))?;
+        return set.finish(&folder, made, talk);
+    };
+    let folder = DatasetFolder::claim(path, &part_identity(&set.identity, samples, &args.input), &set.plan)?;
+    let made = set.make(&frames, &folder, talk, |_, _| Ok(Light::Part(samples.clone())))?;
+    set.finish_part(&folder, made, talk)
+}
 
-    let todo: Vec<(u32, usize)> = frames
-        .keys()
-        .flat_map(|&number| (0..plan.cameras().len()).map(move |camera| (number, camera)))
-        .filter(|&(number, camera)| !folder.is_done(&plan.cameras()[camera].place.name, number))
-        .collect();
-    let progress = Progress::over_images(todo.len() as u64, args.quiet || args.json);
-    for (made, &(number, camera)) in todo.iter().enumerate() {
-        let overrides = overrides(number, camera);
-        let capture = Capture::read(&capture_path, &overrides)?;
-        let partial = folder.begin(&plan.cameras()[camera].place.name, number)?;
-        let mut results = OutputFolder::claim(&partial, false)?;
-        // What is to be said of the scene is said once.
-        let quiet = args.quiet || made > 0;
-        let request = Request { input: &capture_path, overrides, quiet, silent: true, is_timed: false };
-        render(capture, &request, &mut results, Timings::default())?;
-        drop(results);
-        folder.finish(&plan.cameras()[camera].place.name, number)?;
-        progress.advance(1);
+/// What is said on the way.
+#[derive(Clone, Copy)]
+pub(super) struct Talk {
+    pub(super) quiet: bool,
+    pub(super) json: bool,
+}
+
+/// A data set file with all that it needs.
+pub(super) struct DataSet {
+    file: DatasetFile,
+    capture_path: PathBuf,
+    pub(super) plan: Plan,
+    /// Of each camera, before anything is varied.
+    captures: Vec<Capture>,
+    /// Changes to the capture, after those of the file.
+    arguments: Vec<String>,
+    pub(super) identity: Value,
+}
+
+impl DataSet {
+    pub(super) fn read(input: &Path, arguments: &[String]) -> Result<Self> {
+        let file = DatasetFile::read(input)?;
+        let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
+        let (plan, captures) = plan(&file, &capture_path, arguments)?;
+        let identity = identity(&file, &captures, arguments)?;
+        Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), identity })
     }
-    progress.finish();
-    let present = folder.write_index(&file, &identity, &plan)?;
-    let (images, cameras) = (plan.frames() as usize * plan.cameras().len(), plan.cameras().len());
-    if args.json {
-        return print_json(&json!({
-            "folder": folder.path(),
-            "frames": plan.frames(),
-            "cameras": cameras,
-            "made": todo.len(),
-            "present": present,
-            "complete": present == images,
-        }));
+
+    /// The changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here rather than after an hour.
+    pub(super) fn frames(&self, numbers: Range<u32>) -> Result<BTreeMap<u32, Vec<Vec<String>>>> {
+        let frame = |number| {
+            let frame = self.plan.frame(number).map_err(|invalid| self.file.error(invalid))?;
+            Ok((number, frame))
+        };
+        numbers.map(frame).collect()
     }
-    if !args.quiet {
-        let images = format!("{present} of {images} pictures are in {}", folder.path().display());
-        eprintln!("made {} pictures; {images}", todo.len());
+
+    /// The names of the rig's cameras.
+    pub(super) fn cameras(&self) -> impl Iterator<Item = &str> {
+        self.plan.cameras().iter().map(|camera| &*camera.place.name)
     }
-    Ok(())
+
+    fn with_arguments(&self, overrides: &[String]) -> Vec<String> {
+        overrides.iter().chain(&self.arguments).cloned().collect()
+    }
+
+    /// Makes all pictures of the frames that are not there, with the light that a camera has in a frame, and returns how many
+    /// those were.
+    pub(super) fn make(
+        &self,
+        frames: &BTreeMap<u32, Vec<Vec<String>>>,
+        folder: &DatasetFolder,
+        talk: Talk,
+        light: impl Fn(&str, u32) -> Result<Light>,
+    ) -> Result<usize> {
+        let pictures = frames.iter().flat_map(|(number, frame)| {
+            self.cameras().zip(frame).map(move |(camera, overrides)| (*number, camera, overrides))
+        });
+        let todo: Vec<_> = pictures.filter(|&(number, camera, _)| !folder.is_done(camera, number)).collect();
+        let progress = Progress::over_images(todo.len() as u64, talk.quiet || talk.json);
+        for (made, &(number, camera, overrides)) in todo.iter().enumerate() {
+            let overrides = self.with_arguments(overrides);
+            let capture = Capture::read(&self.capture_path, &overrides)?;
+            let light = light(camera, number)?;
+            let partial = folder.begin(camera, number)?;
+            let mut results = OutputFolder::claim(&partial, false)?;
+            let request = Request {
+                input: &self.capture_path,
+                named: match &light {
+                    Light::Merged(parts) => parts.first().input.clone(),
+                    Light::Traced | Light::Part(_) => self.capture_path.display().to_string(),
+                },
+                overrides,
+                light,
+                // What is to be said of the scene is said once.
+                quiet: talk.quiet || made > 0,
+                silent: true,
+                is_timed: false,
+            };
+            render(capture, &request, &mut results, Timings::default())?;
+            drop(results);
+            folder.finish(camera, number)?;
+            progress.advance(1);
+        }
+        progress.finish();
+        Ok(todo.len())
+    }
+
+    /// Writes what is said of the pictures together.
+    pub(super) fn finish(&self, folder: &DatasetFolder, made: usize, talk: Talk) -> Result<()> {
+        let present = folder.write_index(&self.file, &self.identity, &self.plan)?;
+        self.tell(folder, [made, present], "pictures", talk)
+    }
+
+    /// Of parts nothing is said together: they are no pictures.
+    fn finish_part(&self, folder: &DatasetFolder, made: usize, talk: Talk) -> Result<()> {
+        let done = |number| self.cameras().filter(|camera| folder.is_done(camera, number)).count();
+        let present = (0..self.plan.frames()).map(done).sum();
+        self.tell(folder, [made, present], "parts of pictures", talk)
+    }
+
+    fn tell(&self, folder: &DatasetFolder, [made, present]: [usize; 2], what: &str, talk: Talk) -> Result<()> {
+        let (frames, cameras) = (self.plan.frames(), self.plan.cameras().len());
+        let all = frames as usize * cameras;
+        if talk.json {
+            return print_json(&json!({
+                "folder": folder.path(),
+                "frames": frames,
+                "cameras": cameras,
+                "made": made,
+                "present": present,
+                "complete": present == all,
+            }));
+        }
+        if !talk.quiet {
+            eprintln!("made {made} {what}; {present} of {all} {what} are in {}", folder.path().display());
+        }
+        Ok(())
+    }
 }
 
 /// What frames there are, and the capture of each camera as it is before anything is varied.

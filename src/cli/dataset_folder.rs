@@ -5,22 +5,25 @@
 //! it, a line a picture.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::ops::Range;
+use std::path::{Path, PathBuf, absolute};
 
-use photosite::calibration::dataset::Plan;
+use photosite::calibration::camera_files::{CalibratedCamera, kalibr, opencv, ros};
+use photosite::calibration::dataset::{CALIBRATION_FOLDER, Plan};
 use photosite::io::capture::{Capture, DatasetFile};
+use photosite::io::finished_dataset::{MANIFEST, read_present};
 use photosite::io::output::{create_folder, write_whole};
 use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
 
+use super::fingerprint::{difference, fingerprinted, keys_and_files};
 use super::output_folder::REPORT;
 use super::pretty_json::pretty_json;
 
 /// What the folder is for.
 const IDENTITY: &str = "dataset.json";
-/// What is in it.
-const MANIFEST: &str = "manifest.jsonl";
+/// Its key in folders of parts.
+const OF_PART: &str = "part";
 /// The same for people.
 const CARD: &str = "README.md";
 
@@ -35,10 +38,7 @@ pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[St
     let mut named = Map::new();
     let mut keys = Vec::new();
     for capture in captures {
-        let folder = capture.source.path().parent().unwrap_or(Path::new(""));
-        let values = capture.to_json(folder)?;
-        add_files(&values, folder, &mut named)?;
-        keys.push(values);
+        keys.push(keys_and_files(capture, &mut named)?);
     }
     let whole = json!({
         "photosite_version": env!("CARGO_PKG_VERSION"),
@@ -47,31 +47,79 @@ pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[St
         "captures": keys,
         "files_sha256": named,
     });
-    let fingerprint = hex(&Sha256::digest(whole.to_string()));
-    let Value::Object(whole) = whole else { return Ok(Value::Null) };
-    let first = ("fingerprint".to_owned(), Value::from(fingerprint));
-    Ok(Value::Object(std::iter::once(first).chain(whole).collect()))
+    Ok(if let Value::Object(whole) = whole { Value::Object(fingerprinted(whole)) } else { Value::Null })
 }
 
-/// Adds the hashes of all files that values name.
-fn add_files(values: &Value, folder: &Path, to: &mut Map<String, Value>) -> Result<()> {
-    match values {
-        Value::String(name) => {
-            let path = folder.join(name);
-            if !name.is_empty() && path.is_file() {
-                let bytes = fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
-                to.insert(name.clone(), hex(&Sha256::digest(bytes)).into());
-            }
-            Ok(())
+/// The same for a folder that holds a part of every picture, made from the data set file `input`.
+pub(super) fn part_identity(identity: &Value, samples: &Range<u32>, input: &Path) -> Value {
+    let mut identity = identity.clone();
+    let path = absolute(input).unwrap_or_else(|_| input.to_owned());
+    identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": path });
+    identity
+}
+
+/// A folder of parts of pictures.
+pub(super) struct PartFolder {
+    pub(super) path: PathBuf,
+    pub(super) identity: Value,
+}
+
+impl PartFolder {
+    /// Whether a folder is that of a data set.
+    pub(super) fn is_one(path: &Path) -> bool {
+        path.join(IDENTITY).exists()
+    }
+
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        let refuse = |message: &str| {
+            let help = "give folders that photosite dataset --samples A..B filled";
+            Err(Invalid::new("", message).help(help).in_file(path))
+        };
+        if !Self::is_one(path) {
+            return refuse("holds no part of a data set");
         }
-        Value::Array(values) => values.iter().try_for_each(|value| add_files(value, folder, to)),
-        Value::Object(table) => table.values().try_for_each(|value| add_files(value, folder, to)),
-        Value::Null | Value::Bool(_) | Value::Number(_) => Ok(()),
+        let identity = read_identity(&path.join(IDENTITY))?;
+        if identity[OF_PART].is_null() {
+            return refuse("holds a whole data set and no part of one");
+        }
+        Ok(Self { path: path.to_owned(), identity })
+    }
+
+    /// Where the data set file was.
+    pub(super) fn input(&self) -> PathBuf {
+        PathBuf::from(self.identity[OF_PART]["path"].as_str().unwrap_or_default())
+    }
+
+    /// The `--set` arguments that it was made with.
+    pub(super) fn arguments(&self) -> Vec<String> {
+        let arguments = self.identity["overrides"].as_array().into_iter().flatten();
+        arguments.filter_map(Value::as_str).map(str::to_owned).collect()
+    }
+
+    /// Refuses parts of another data set.
+    pub(super) fn check(&self, whole: &Value) -> Result<()> {
+        if self.identity["fingerprint"] == whole["fingerprint"] {
+            return Ok(());
+        }
+        let difference = difference(&self.identity, whole);
+        let message = format!("{} is a part of another data set: {difference}", self.path.display());
+        Err(Error::Usage { message, help: Some("give parts of one data set, and its file as it was".to_owned()) })
+    }
+
+    /// The part of a picture, if it is there.
+    pub(super) fn picture(&self, camera: &str, number: u32) -> Option<PathBuf> {
+        Some(picture(&self.path, camera, number)).filter(|path| path.exists())
     }
 }
 
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+fn read_identity(path: &Path) -> Result<Value> {
+    let text = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    serde_json::from_slice(&text).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
+}
+
+/// DIR/CAMERA/NUMBER.
+fn picture(folder: &Path, camera: &str, number: u32) -> PathBuf {
+    folder.join(camera).join(format!("{number:06}"))
 }
 
 /// A folder that is known to be that of this data set.
@@ -92,12 +140,20 @@ impl DatasetFolder {
         create_folder(path)?;
         let marker = path.join(IDENTITY);
         if marker.exists() {
-            let text = fs::read(&marker).map_err(|reason| Error::io(&marker, "read", reason))?;
-            let earlier: Value = serde_json::from_slice(&text)
-                .map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(&marker))?;
+            let earlier = read_identity(&marker)?;
             if earlier["fingerprint"] != identity["fingerprint"] {
                 let difference = difference(&earlier, identity);
                 return refuse(format!("{} holds another data set: {difference}", path.display()));
+            }
+            let samples = |identity: &Value| identity[OF_PART]["samples"].clone();
+            if samples(&earlier) != samples(identity) {
+                let held = match &samples(&earlier) {
+                    Value::Array(range) if range.len() == 2 => {
+                        format!("the samples {}..{} of each pixel", range[0], range[1])
+                    }
+                    _ => "the whole of this data set".to_owned(),
+                };
+                return refuse(format!("{} holds {held}", path.display()));
             }
         } else {
             let mut entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
@@ -143,25 +199,57 @@ impl DatasetFolder {
         let mut lines = Vec::new();
         for number in 0..plan.frames() {
             for camera in plan.cameras().iter().filter(|camera| self.is_done(&camera.place.name, number)) {
-                lines.push(self.line(&camera.place.name, number, plan.time_s(number))?.to_string());
+                lines.push(self.line(&camera.place.name, number, plan)?.to_string());
             }
         }
         write_whole(&self.path.join(MANIFEST), |to| lines.iter().try_for_each(|line| writeln!(to, "{line}")))?;
+        if !lines.is_empty() {
+            self.write_calibration()?;
+        }
         let card = card(file, identity, plan, lines.len());
         write_whole(&self.path.join(CARD), |to| to.write_all(card.as_bytes()))?;
         Ok(lines.len())
     }
 
+    /// Writes what calibrations of the cameras shall find, as far as the formats have words for their lenses. Of lenses that
+    /// differ from frame to frame only the pictures' own reports can tell.
+    fn write_calibration(&self) -> Result<()> {
+        let set = read_present(&self.path)?;
+        let rig = set.rig().unwrap_or_default();
+        let beside: Vec<CalibratedCamera> = beside_the_first(&rig).collect();
+        let mut files = vec![("camchain.yaml".to_owned(), (!rig.is_empty()).then(|| kalibr(&rig)))];
+        for (i, name) in set.cameras.iter().enumerate() {
+            files.push((format!("opencv/{name}.yaml"), beside.get(i).map(opencv)));
+            files.push((format!("ros/{name}.yaml"), rig.get(i).map(ros)));
+        }
+        for (name, text) in files {
+            let path = self.path.join(CALIBRATION_FOLDER).join(name);
+            match text {
+                Some(Ok(text)) => {
+                    create_folder(path.parent().unwrap_or(&self.path))?;
+                    write_whole(&path, |to| to.write_all(text.as_bytes()))?;
+                }
+                // What was true of fewer frames is not left behind.
+                Some(Err(_)) | None if path.exists() => {
+                    fs::remove_file(&path).map_err(|reason| Error::io(&path, "remove the earlier file", reason))?;
+                }
+                Some(Err(_)) | None => {}
+            }
+        }
+        Ok(())
+    }
+
     /// What the manifest says of a picture.
-    fn line(&self, camera: &str, number: u32, time_s: Option<f64>) -> Result<Value> {
+    fn line(&self, camera: &str, number: u32, plan: &Plan) -> Result<Value> {
         let path = self.picture(camera, number).join(REPORT);
         let text = fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
         let report: Value = serde_json::from_slice(&text)
             .map_err(|e| Invalid::new("", format!("is damaged: {e}")).help("remove its folder").in_file(&path))?;
         Ok(json!({
             "frame": number,
+            "frames": plan.frames(),
             "camera": camera,
-            "time_s": time_s,
+            "time_s": plan.time_s(number),
             "folder": format!("{camera}/{number:06}"),
             "files": report["files"],
             "seed": report["seed"],
@@ -173,7 +261,7 @@ impl DatasetFolder {
     }
 
     fn picture(&self, camera: &str, number: u32) -> PathBuf {
-        self.path.join(camera).join(format!("{number:06}"))
+        picture(&self.path, camera, number)
     }
 
     fn partial(&self, camera: &str, number: u32) -> PathBuf {
@@ -181,20 +269,10 @@ impl DatasetFolder {
     }
 }
 
-/// The first thing in which two data sets differ.
-fn difference(earlier: &Value, now: &Value) -> String {
-    for (key, what) in [
-        ("photosite_version", "it was made by another version of photosite"),
-        ("dataset", "the data set file says something else"),
-        ("overrides", "--set says something else"),
-        ("captures", "the capture says something else"),
-        ("files_sha256", "a file that the capture names has changed"),
-    ] {
-        if earlier[key] != now[key] {
-            return what.to_owned();
-        }
-    }
-    "it is not the same".to_owned()
+/// The cameras in a world whose axes are OpenCV's of the first: its own pose is the identity.
+fn beside_the_first(rig: &[CalibratedCamera]) -> impl Iterator<Item = CalibratedCamera> {
+    let to_first = rig.first().map(CalibratedCamera::from_world).unwrap_or_default();
+    rig.iter().map(move |camera| CalibratedCamera { to_world: to_first * camera.to_world, ..camera.clone() })
 }
 
 /// What a reader who finds the folder has to know.
@@ -221,7 +299,10 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize) -> St
          `capture.json` everything that is needed to use and to repeat the picture.\n\
          - `manifest.jsonl`: a line for each picture: pose (world → camera, OpenCV's axes: x right, y down, z forward), \
          camera matrix (integer coordinates at pixel centres), exposure, changes to the capture.\n\
+         - `calibration/`: the cameras for OpenCV (poses: first camera → camera), ROS and Kalibr, as far as these know such lenses; \
+         not there where a lens differs from frame to frame.\n\
          - `dataset.json`: what the data set was made from, with hashes of the files.\n\n\
+         `photosite layout` arranges all this as COLMAP, EuRoC, Kalibr, BOP or COCO have it.\n\n\
          Lengths are metres, the world is that of glTF (y up). Fingerprint: `{fingerprint}`.\n",
         version = env!("CARGO_PKG_VERSION"),
         capture = file.description.capture,

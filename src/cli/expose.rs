@@ -16,7 +16,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::chain::{Chain, Exposed, Optics};
-use super::output_folder::{OutputFolder, REPORT};
+use super::output_folder::{OutputFolder, PART, REPORT};
 use super::render::camera_of;
 use super::report::{LightReport, Report, Timings, TracedReport};
 use super::results::{Frames, write_results};
@@ -174,7 +174,11 @@ impl Stored {
         let path = folder.join(REPORT);
         if file.is_none() && !path.exists() {
             let invalid = Invalid::new("", format!("holds no {REPORT}, so nothing tells how it was rendered"));
-            let help = "give a folder that photosite render filled, or an electrons.exr or irradiance.exr";
+            let help = if folder.join(PART).exists() {
+                "it is a part of a render: photosite merge makes a picture of all parts"
+            } else {
+                "give a folder that photosite render filled, or an electrons.exr or irradiance.exr"
+            };
             return Err(invalid.help(help).in_file(input));
         }
         let report = match file {

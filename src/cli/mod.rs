@@ -14,14 +14,19 @@ mod emva1288_report;
 mod export_mitsuba;
 mod expose;
 mod figures_text;
+mod fingerprint;
 mod ideal;
 mod info;
+mod layout;
+mod layout_folder;
 mod lens_corrections;
 mod listing;
 mod measure;
+mod merge;
 mod merge_hdr;
 mod noise;
 mod output_folder;
+mod parts;
 mod pretty_json;
 mod progress;
 mod project;
@@ -36,6 +41,7 @@ mod target;
 mod trace;
 
 use std::io::IsTerminal;
+use std::ops::Range;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -57,8 +63,10 @@ enum Command {
     Expose(expose::ExposeArgs),
     Compare(compare::CompareArgs),
     Measure(measure::MeasureArgs),
+    Merge(merge::MergeArgs),
     MergeHdr(merge_hdr::MergeHdrArgs),
     Dataset(dataset::DatasetArgs),
+    Layout(layout::LayoutArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     #[command(name = "emva1288")]
     Emva1288(emva1288::Emva1288Args),
@@ -91,8 +99,10 @@ pub(crate) fn run() -> ExitCode {
         Command::Expose(args) => expose::run(&args),
         Command::Compare(args) => compare::run(&args).map(|status| done = status),
         Command::Measure(args) => measure::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::MergeHdr(args) => merge_hdr::run(&args),
         Command::Dataset(args) => dataset::run(&args),
+        Command::Layout(args) => layout::run(&args),
         Command::ExportMitsuba(args) => export_mitsuba::run(&args),
         Command::Emva1288(args) => emva1288::run(&args),
         Command::Emva1288Report(args) => emva1288_report::run(&args),
@@ -122,6 +132,17 @@ fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
     pool.map_err(|e| Error::Usage { message: format!("cannot start {threads} threads: {e}"), help: None })
+}
+
+/// A range of whole numbers as arguments have it, `A..B`: from A up to, but without, B.
+fn parse_range(text: &str) -> Result<Range<u32>, String> {
+    let number = |part: &str| part.trim().parse::<u32>().ok();
+    let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
+    match ends {
+        Some((a, b)) if a < b => Ok(a..b),
+        Some(_) => Err("the first number must be below the second".to_owned()),
+        None => Err("write two whole numbers, for example 0..10".to_owned()),
+    }
 }
 
 /// Significant digits, few enough for people.

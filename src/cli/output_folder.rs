@@ -12,6 +12,7 @@ use photosite::image::Planes;
 use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands, TruthOutput};
 use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
+use photosite::io::film_file::write_film;
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::raw_exr::write_raw_exr;
 use photosite::io::spectral_exr::write_irradiance;
@@ -22,14 +23,18 @@ use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
 use super::chain::Exposed;
+use super::parts::PartReport;
 use super::pretty_json::pretty_json;
 use super::report::Report;
 
 /// The file whose presence says that a render was finished here.
 pub(super) const REPORT: &str = "capture.json";
+/// The same of a part of a render.
+pub(super) const PART: &str = "part.json";
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
 /// unasked: a texture may be called `image.png`.
-const RESULTS: [(&str, &[&str]); 7] = [
+const RESULTS: [(&str, &[&str]); 8] = [
+    ("film", &["npy"]),
     ("image", &["png"]),
     ("hdr", &["exr"]),
     ("ideal", &["exr", "png"]),
@@ -57,10 +62,10 @@ impl OutputFolder {
         let in_the_way = results().find(|name| path.join(name).exists());
         if let Some(name) = in_the_way.filter(|_| !force) {
             return Err(Error::Usage {
-                message: if name == REPORT {
-                    format!("{} holds the results of an earlier render", path.display())
-                } else {
-                    format!("{} holds a file {name} already", path.display())
+                message: match name.as_str() {
+                    REPORT => format!("{} holds the results of an earlier render", path.display()),
+                    PART => format!("{} holds a part of a render", path.display()),
+                    _ => format!("{} holds a file {name} already", path.display()),
                 },
                 help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
             });
@@ -87,19 +92,21 @@ impl OutputFolder {
 
     /// Removes the results of an earlier render, its report first: none may pass for results of this one.
     pub(super) fn remove_earlier(&self) -> Result<()> {
-        let report: Value = fs::read(self.path.join(REPORT))
-            .ok()
-            .and_then(|text| serde_json::from_slice(&text).ok())
-            .unwrap_or_default();
-        let files = report["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
-        // A report that somebody edited must not reach beyond the folder.
-        let files = files.filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
-        for path in std::iter::once(REPORT).chain(files).map(|name| self.path.join(name)) {
-            match fs::remove_file(&path) {
-                Err(reason) if reason.kind() != ErrorKind::NotFound => {
-                    return Err(Error::io(&path, "remove the earlier file", reason));
+        for report_name in [REPORT, PART] {
+            let report: Value = fs::read(self.path.join(report_name))
+                .ok()
+                .and_then(|text| serde_json::from_slice(&text).ok())
+                .unwrap_or_default();
+            let files = report["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+            // A report that somebody edited must not reach beyond the folder.
+            let files = files.filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
+            for path in std::iter::once(report_name).chain(files).map(|name| self.path.join(name)) {
+                match fs::remove_file(&path) {
+                    Err(reason) if reason.kind() != ErrorKind::NotFound => {
+                        return Err(Error::io(&path, "remove the earlier file", reason));
+                    }
+                    Ok(()) | Err(_) => {}
                 }
-                Ok(()) | Err(_) => {}
             }
         }
         Ok(())
@@ -147,6 +154,16 @@ impl OutputFolder {
             }
         }
         Ok(())
+    }
+
+    /// The sums of a part of a render.
+    pub(super) fn write_film(&mut self, number: Option<u32>, film: &Film) -> Result<()> {
+        self.write(&named("film", number, "npy"), |to| write_film(film, to))
+    }
+
+    /// The last file of a part.
+    pub(super) fn write_part(&self, part: &PartReport) -> Result<()> {
+        write_whole(&self.path.join(PART), |to| writeln!(to, "{}", pretty_json(part)))
     }
 
     /// The light of a bracket, in which 1 saturates the longest exposure.
@@ -200,7 +217,7 @@ impl Drop for OutputFolder {
 }
 
 /// `raw.dng`, or with a number `raw-0007.dng`.
-fn named(stem: &str, number: Option<u32>, extension: &str) -> String {
+pub(super) fn named(stem: &str, number: Option<u32>, extension: &str) -> String {
     number.map_or_else(|| format!("{stem}.{extension}"), |number| format!("{stem}-{number:04}.{extension}"))
 }
 
@@ -211,7 +228,7 @@ fn results() -> impl Iterator<Item = String> {
     };
     let of_layer = move |layer: TruthLayer| names(format!("{TRUTH}-{}", layer.name()), &["npy", "png"]);
     let fixed = RESULTS.into_iter().flat_map(move |(stem, kinds)| names(stem.to_owned(), kinds));
-    std::iter::once(REPORT.to_owned()).chain(fixed).chain(TruthLayer::ALL.into_iter().flat_map(of_layer))
+    [REPORT, PART].map(str::to_owned).into_iter().chain(fixed).chain(TruthLayer::ALL.into_iter().flat_map(of_layer))
 }
 
 fn unusable(path: &Path, message: impl Into<String>) -> Error {

@@ -1,6 +1,7 @@
 //! `photosite render`: trace, expose, develop, write.
 
 use std::cell::OnceCell;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -25,6 +26,7 @@ use photosite::{Invalid, Result};
 use super::chain::{Chain, Optics, scene_light};
 use super::ideal;
 use super::output_folder::{OutputFolder, REPORT};
+use super::parts::{PartReport, Parts, check_samples, makings};
 use super::report::{
     CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, TargetReport, Timings, TracedReport,
     TruthReport,
@@ -32,7 +34,7 @@ use super::report::{
 use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
 use super::trace::{Trace, trace};
-use super::{print_json, rounded};
+use super::{parse_range, print_json, rounded};
 
 /// Render a scene as the camera of a capture file records it.
 ///
@@ -42,6 +44,9 @@ use super::{print_json, rounded};
 pub(super) struct RenderArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
     input: PathBuf,
+    /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes the picture of all parts.
+    #[arg(long, value_name = "A..B", value_parser = parse_range)]
+    samples: Option<Range<u32>>,
     #[command(flatten)]
     common: RunArgs,
 }
@@ -54,21 +59,36 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let capture = Capture::read(&args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let mut folder = OutputFolder::claim(&output.clone().unwrap_or_else(|| default_folder(&args.input)), *force)?;
-    let request = Request { input: &args.input, overrides, quiet: *quiet, silent: *quiet || *json, is_timed: true };
+    let request = Request {
+        input: &args.input,
+        named: args.input.display().to_string(),
+        overrides,
+        light: args.samples.clone().map_or(Light::Traced, Light::Part),
+        quiet: *quiet,
+        silent: *quiet || *json,
+        is_timed: true,
+    };
     let rendered = render(capture, &request, &mut folder, timings)?;
-    if *json {
-        return print_json(&rendered.report);
-    }
-    if !quiet {
-        summarise(&rendered, &folder);
-    }
-    Ok(())
+    finish(&rendered, &folder, *quiet, *json)
+}
+
+/// Where the light of a render comes from.
+pub(super) enum Light {
+    /// It is traced.
+    Traced,
+    /// These samples of it are, which make no picture yet.
+    Part(Range<u32>),
+    /// It was.
+    Merged(Parts),
 }
 
 /// What of a render does not stand in its capture.
 pub(super) struct Request<'a> {
     pub(super) input: &'a Path,
+    /// The same as it was given.
+    pub(super) named: String,
     pub(super) overrides: Vec<String>,
+    pub(super) light: Light,
     /// Whether warnings are kept from the user.
     pub(super) quiet: bool,
     /// Whether progress is.
@@ -78,10 +98,9 @@ pub(super) struct Request<'a> {
 }
 
 /// A render that is done and written.
-pub(super) struct Rendered {
-    pub(super) report: Report,
-    paths: u64,
-    timings: Timings,
+pub(super) enum Rendered {
+    Picture { report: Box<Report>, paths: u64, timings: Timings },
+    Part(PartReport),
 }
 
 /// Renders a capture into a folder, the report last. `timings` holds what has passed before.
@@ -91,6 +110,11 @@ pub(super) fn render(
     folder: &mut OutputFolder,
     mut timings: Timings,
 ) -> Result<Rendered> {
+    match &request.light {
+        Light::Traced => {}
+        Light::Part(samples) => check_samples(samples, &capture)?,
+        Light::Merged(parts) => parts.check(&capture)?,
+    }
     let start = Instant::now();
     let responses = responses(&capture);
     let importance = importance(&responses);
@@ -119,6 +143,7 @@ pub(super) fn render(
     let traced = Series {
         input: request.input,
         overrides: &request.overrides,
+        source: &request.light,
         capture: &capture,
         scene: &scene,
         camera: &camera,
@@ -127,7 +152,16 @@ pub(super) fn render(
         responses: &responses,
         importance: &importance,
     };
-    let Recorded { film, exposure, first, passes } = traced.record(folder, &mut timings, request.silent)?;
+    let Recorded { film, shot, passes } = traced.record(folder, &mut timings, request.silent)?;
+    let Some((exposure, first)) = shot else {
+        let samples = capture.render.samples_per_pixel;
+        let part = PartReport::new(request, samples, makings(&capture)?, &responses, folder.files(), timings.trace_s);
+        folder.write_part(&part)?;
+        return Ok(Rendered::Part(part));
+    };
+    if let Light::Merged(parts) = &request.light {
+        timings.trace_s = parts.trace_s().unwrap_or(0.0);
+    }
 
     let first_camera = match &capture.recording {
         Some(recording) => camera.clone().recording(recording.clone()),
@@ -154,7 +188,7 @@ pub(super) fn render(
     };
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
-        input: request.input.display().to_string(),
+        input: request.named.clone(),
         overrides: request.overrides.clone(),
         capture: capture.to_json(folder.path())?,
         seed: capture.render.seed,
@@ -166,13 +200,14 @@ pub(super) fn render(
         timings: request.is_timed.then_some(timings),
     };
     folder.write_report(&report)?;
-    Ok(Rendered { report, paths, timings })
+    Ok(Rendered::Picture { report: Box::new(report), paths, timings })
 }
 
 /// All that the pictures of a series are made of.
 struct Series<'a> {
     input: &'a Path,
     overrides: &'a [String],
+    source: &'a Light,
     capture: &'a Capture,
     scene: &'a Scene,
     camera: &'a Camera,
@@ -185,8 +220,8 @@ struct Series<'a> {
 /// The last light of a series and the first picture.
 struct Recorded {
     film: Film,
-    exposure: Exposure,
-    first: RawImage,
+    /// The last exposure and the first picture; `None` for parts, which are not exposed.
+    shot: Option<(Exposure, RawImage)>,
     /// Samples a pixel, over all light that was traced.
     passes: u64,
 }
@@ -225,8 +260,9 @@ impl Series<'_> {
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
-            let Recorded { film, exposure, passes, .. } = frame(number, folder, timings)?;
-            recorded = Recorded { film, exposure, passes: recorded.passes + passes, ..recorded };
+            let Recorded { film, shot, passes } = frame(number, folder, timings)?;
+            let shot = shot.zip(recorded.shot).map(|((exposure, _), (_, first))| (exposure, first));
+            recorded = Recorded { film, shot, passes: recorded.passes + passes };
         }
         Ok(recorded)
     }
@@ -247,14 +283,9 @@ impl Series<'_> {
             // Noise of light that stays in its place from frame to frame would pass for a pattern.
             settings.seed = hash64(settings.seed, u64::from(number));
         }
-        let partner = capture.output.truth.partner.unwrap_or(DAffine3::IDENTITY);
-        let truth_job = TruthJob { scene, camera, next, partner, resolution: pixels(capture) };
-        check_depths(&truth_job, &capture.output.truth)
-            .map_err(|invalid| capture.source.error(invalid.within("output")))?;
-        let start = Instant::now();
-        let film = trace(&Trace {
+        let job = |settings, folder| Trace {
             capture,
-            settings: &settings,
+            settings,
             scene,
             camera,
             responses: self.responses,
@@ -262,8 +293,32 @@ impl Series<'_> {
             chain,
             folder,
             silent,
-        })?;
+        };
+        let partner = capture.output.truth.partner.unwrap_or(DAffine3::IDENTITY);
+        let truth_job = TruthJob { scene, camera, next, partner, resolution: pixels(capture) };
+        check_depths(&truth_job, &capture.output.truth)
+            .map_err(|invalid| capture.source.error(invalid.within("output")))?;
+        let start = Instant::now();
+        let film = match self.source {
+            Light::Merged(parts) => parts.film(frames.light_number(), capture, self.responses)?,
+            Light::Traced => trace(&job(&settings, folder))?,
+            Light::Part(samples) => {
+                settings.first_sample = samples.start;
+                settings.samples_per_pixel = samples.end - samples.start;
+                trace(&job(&settings, folder))?
+            }
+        };
         timings.trace_s += start.elapsed().as_secs_f64();
+        let passes = u64::from(film.samples());
+        if let Light::Part(_) = self.source {
+            let start = Instant::now();
+            if frames.numbers().0.start == 0 {
+                folder.remove_earlier()?;
+            }
+            folder.write_film(frames.light_number(), &film)?;
+            timings.write_s += start.elapsed().as_secs_f64();
+            return Ok(Recorded { film, shot: None, passes });
+        }
         let start = Instant::now();
         let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
         timings.expose_s += start.elapsed().as_secs_f64();
@@ -282,8 +337,7 @@ impl Series<'_> {
                 None => Ok(()),
             }
         })?;
-        let passes = u64::from(film.samples());
-        Ok(Recorded { film, exposure, first, passes })
+        Ok(Recorded { film, shot: Some((exposure, first)), passes })
     }
 }
 
@@ -396,16 +450,32 @@ fn render_report(
     }
 }
 
-fn summarise(rendered: &Rendered, folder: &OutputFolder) {
-    let Rendered { report: Report { exposure, files, .. }, paths, timings } = rendered;
-    let count = match *paths {
+/// Says on standard output or on standard error what a render has given.
+pub(super) fn finish(rendered: &Rendered, folder: &OutputFolder, quiet: bool, json: bool) -> Result<()> {
+    match rendered {
+        Rendered::Picture { report, .. } if json => return print_json(report),
+        Rendered::Part(part) if json => return print_json(part),
+        _ if quiet => {}
+        Rendered::Picture { report, paths, timings } => summarise(report, *paths, timings, folder),
+        Rendered::Part(part) => {
+            let ([from, to], all) = (part.samples, part.samples_per_pixel);
+            let folder = folder.path().display();
+            eprintln!("traced the samples {from}..{to} of {all}; {folder} is a part for photosite merge");
+        }
+    }
+    Ok(())
+}
+
+fn summarise(report: &Report, paths: u64, timings: &Timings, folder: &OutputFolder) {
+    let Report { exposure, files, .. } = report;
+    let count = match paths {
         few @ ..1_000_000 => few.to_string(),
         many => format!("{:.1} M", many as f64 / 1e6),
     };
     eprintln!(
         "traced {count} paths in {} s ({:.2} M paths/s) and exposed for {} ms; wrote {}, {REPORT} to {}",
         rounded(timings.trace_s, 3),
-        *paths as f64 / timings.trace_s / 1e6,
+        paths as f64 / timings.trace_s / 1e6,
         rounded(exposure.time_s * 1e3, 4),
         files.join(", "),
         folder.path().display()

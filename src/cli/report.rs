@@ -74,6 +74,8 @@ pub(super) struct TruthReport {
     depth_unit_mm: f64,
     /// Names of the objects, from number 1 on.
     instances: Vec<String>,
+    /// Their frames → world, row by row without the last row; of those that move at the start of the picture.
+    instances_to_world: Vec<[[f64; 4]; 3]>,
     /// Names of the materials, from number 1 on.
     materials: Vec<String>,
 }
@@ -85,6 +87,7 @@ impl TruthReport {
             layers: output.layers.iter().map(|layer| layer.name()).collect(),
             depth_unit_mm: output.depth_unit_m * 1e3,
             instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
+            instances_to_world: scene.instances.iter().map(|instance| placement(&instance.to_world)).collect(),
             materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
         })
     }
@@ -147,6 +150,12 @@ impl TargetReport {
             points_world_m: placed.points().map(|(_, point)| point.to_array()).collect(),
         }
     }
+}
+
+/// Rows of the matrix [R t].
+fn placement(to_world: &DAffine3) -> [[f64; 4]; 3] {
+    let (rotation, t) = (rows(to_world.matrix3), to_world.translation);
+    [0, 1, 2].map(|i| [rotation[i][0], rotation[i][1], rotation[i][2], t[i] + 0.0])
 }
 
 /// Rows of a matrix. Adding zero makes zeros of negative ones.

@@ -24,10 +24,18 @@ pub(super) enum Frames {
 
 impl Frames {
     /// Numbers of the frames, and whether they are part of their files' names.
-    fn numbers(self) -> (std::ops::Range<u32>, bool) {
+    pub(super) fn numbers(self) -> (std::ops::Range<u32>, bool) {
         match self {
             Self::All(count) => (0..count, count > 1),
             Self::One { number, of } => (number..number + 1, of > 1),
+        }
+    }
+
+    /// The number in the names of files of light, where each frame has light of its own.
+    pub(super) fn light_number(self) -> Option<u32> {
+        match self {
+            Self::One { number, of } if of > 1 => Some(number),
+            Self::All(_) | Self::One { .. } => None,
         }
     }
 }
@@ -52,10 +60,7 @@ pub(super) fn write_results(
         Some(times) => (0..times.len() as u32, true),
         None => frames.numbers(),
     };
-    let light_number = match frames {
-        Frames::One { number, of } if of > 1 => Some(number),
-        Frames::All(_) | Frames::One { .. } => None,
-    };
+    let light_number = frames.light_number();
     // One after the other: a series may be larger than the memory. Those of a bracket are needed together.
     let mut kept = Vec::new();
     let first = numbers.start;

@@ -68,8 +68,9 @@ pub fn render(
     let limits = PathLimits { max_depth: settings.max_depth, roulette_depth: settings.roulette_depth };
 
     while film.samples() < settings.samples_per_pixel {
-        let first = film.samples();
-        let count = first.clamp(1, LARGEST_PASS).min(settings.samples_per_pixel - first);
+        let done = film.samples();
+        let count = done.clamp(1, LARGEST_PASS).min(settings.samples_per_pixel - done);
+        let first = settings.first_sample + done;
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
             for x in 0..width {
                 let pixel = (y * width + x) as u64;

@@ -8,7 +8,9 @@ use crate::sampler::SamplerKind;
 /// How many samples, how long, how deep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
-    /// Samples a pixel; where a time limit or a noise target is given too, at most so many.
+    /// Number of the first sample of every pixel. Those before it belong to other parts of the same render.
+    pub first_sample: u32,
+    /// Samples a pixel, from the first on; where a time limit or a noise target is given too, at most so many.
     pub samples_per_pixel: u32,
     /// Stop after this long, at the end of a pass.
     pub time_limit: Option<Duration>,
@@ -27,6 +29,7 @@ pub struct RenderSettings {
 impl Default for RenderSettings {
     fn default() -> Self {
         Self {
+            first_sample: 0,
             samples_per_pixel: 64,
             time_limit: None,
             noise_target: None,

@@ -1,8 +1,9 @@
 //! Mathematics that knows nothing of light: frames, warps of the unit square, discrete distributions, hashing,
 //! counter-based random numbers, linear equations, minima, floating-point error bounds, probability densities with a measure, the normal
-//! distribution, statistics.
+//! distribution, statistics, sums of 106 bits.
 
 pub mod distribution;
+pub mod double_double;
 pub mod float;
 pub mod frame;
 pub mod hash;

@@ -22,6 +22,7 @@ pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
 pub use dng::{DngCompression, dng_can_hold, read_dng, write_compressed_dng, write_dng};
 pub use file::read;
 pub use lens::{GainMap, Warp};
+pub(crate) use npy::with_short_header;
 pub use npy::{read_npy, write_npy};
 pub use pgm::{read_pgm, write_pgm};
 pub use tiff::{read_tiff, write_tiff};

@@ -56,7 +56,7 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
 const LONGEST_HEADER: u32 = 1 << 16;
 
 /// The same file, unless its header states a length that memory must not be taken for.
-fn with_short_header<R: Read>(mut from: R) -> Result<impl Read, Invalid> {
+pub(crate) fn with_short_header<R: Read>(mut from: R) -> Result<impl Read, Invalid> {
     let mut start = Vec::new();
     let read = from.by_ref().take(12).read_to_end(&mut start);
     read.map_err(|error| Invalid::new("", format!("cannot read it as NPY: {error}")))?;

@@ -143,7 +143,7 @@ impl Binning {
     }
 
     /// What `value` makes of the sum of every bin, which is exact for numbers. `size`: values in a row, and rows.
-    fn bins<T: Copy + Send + Sync + Default + Into<f64>>(
+    pub(super) fn bins<T: Copy + Send + Sync + Default + Into<f64>>(
         &self,
         values: &[T],
         size: [usize; 2],

@@ -69,6 +69,11 @@ impl DarkElectrons {
         stages.has(Stage::DarkCurrent).then(|| Self { mean, nonuniformity: Nonuniformity::new(frame) })
     }
 
+    /// Over all pixels.
+    pub(super) fn mean(&self) -> f64 {
+        self.mean.0
+    }
+
     #[inline]
     pub(super) fn of_pixel(&self, x: usize, y: usize) -> f64 {
         self.mean.0 * self.nonuniformity.map_or(1.0, |nonuniformity| nonuniformity.factor(x, y))
@@ -78,7 +83,7 @@ impl DarkElectrons {
 /// Adds thermal electrons, which have shot noise of their own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DarkCurrent {
-    electrons: DarkElectrons,
+    pub(super) electrons: DarkElectrons,
     /// That of pixels that are all alike, prepared once.
     distribution: Poisson<f64>,
     streams: Streams,

@@ -41,12 +41,24 @@ impl DigitalGain {
     }
 }
 
+impl DigitalGain {
+    pub(super) fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// black + g·(DN − black), neither rounded nor clamped.
+    #[inline]
+    pub(super) fn level(&self, number: f64) -> f64 {
+        self.black_level_dn + self.factor * (number - self.black_level_dn)
+    }
+}
+
 impl RowStage<u16> for DigitalGain {
     /// round(black + g·(DN − black)), clamped to 0 … 2^bits − 1.
     #[inline]
     fn apply(&self, numbers: &mut Row<'_, u16>) {
         for number in numbers.values.iter_mut() {
-            let level = self.black_level_dn + self.factor * (f64::from(*number) - self.black_level_dn);
+            let level = self.level(f64::from(*number));
             *number = (level.clamp(0.0, self.max_dn) + 0.5) as u16;
         }
     }

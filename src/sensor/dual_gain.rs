@@ -118,15 +118,18 @@ impl DualGainDigitiser {
         })
     }
 
-    /// Converts a row of charges twice and merges the numbers.
+    /// Converts a row of charges twice and merges the numbers. The charges are left with the noise of the amplifier that
+    /// counts.
     pub(super) fn convert(&self, row: &mut Row<'_>, numbers: &mut Row<'_, u16>) {
-        for (x, number) in numbers.values.iter_mut().enumerate() {
-            let charge_e = row.values[x];
-            let high = self.high.convert(charge_e, x, row.y);
+        for (x, (charge_e, number)) in row.values.iter_mut().zip(numbers.values.iter_mut()).enumerate() {
+            let noisy_e = self.high.with_noise(*charge_e, x, row.y);
+            let high = self.high.convert(noisy_e, x);
             let estimate_e = if high < self.threshold_dn {
+                *charge_e = noisy_e;
                 self.high.electrons(high)
             } else {
-                self.low.electrons(self.low.convert(charge_e, x, row.y))
+                *charge_e = self.low.with_noise(*charge_e, x, row.y);
+                self.low.electrons(self.low.convert(*charge_e, x))
             };
             *number = self.merged.number(self.system_gain * estimate_e, x);
         }
@@ -134,9 +137,12 @@ impl DualGainDigitiser {
 }
 
 impl Branch {
-    fn convert(&self, charge_e: f32, x: usize, y: usize) -> u16 {
-        let noise_e = self.streams.as_ref().map_or(0.0, |streams| self.read_noise_e * streams.normal(x, y));
-        self.digitiser.number(self.system_gain * f64::from(charge_e + noise_e), x)
+    fn with_noise(&self, charge_e: f32, x: usize, y: usize) -> f32 {
+        charge_e + self.streams.as_ref().map_or(0.0, |streams| self.read_noise_e * streams.normal(x, y))
+    }
+
+    fn convert(&self, charge_e: f32, x: usize) -> u16 {
+        self.digitiser.number(self.system_gain * f64::from(charge_e), x)
     }
 
     /// The charge that a number stands for.

@@ -5,7 +5,7 @@ use crate::image::Planes;
 use crate::raw::{Area, Cfa, RawImage, RawMetadata};
 
 use super::amplifiers::{AmplifierNonlinearity, ColumnAmplifiers, Gain};
-use super::charge_plane::{RowStage, for_each_row};
+use super::charge_plane::for_each_row;
 use super::companding::Compander;
 use super::converter::Digitiser;
 use super::crosstalk::spread;
@@ -20,6 +20,7 @@ use super::full_well::FullWell;
 use super::line_noise::{ColumnNoise, RowNoise};
 use super::logarithmic::LogarithmicResponse;
 use super::noise_key::Streams;
+use super::noise_maps::{NoiseMap, NoiseMaps, Recorder};
 use super::photo_response::PhotoResponse;
 use super::photon_counting::PhotonCounter;
 use super::read_noise::ReadNoise;
@@ -64,16 +65,32 @@ pub fn expose(
     stages: Stages,
     key: NoiseKey,
 ) -> Result<RawImage, Invalid> {
+    expose_with_maps(mean_electrons, sensor, exposure, stages, key, &[]).map(|(raw, _)| raw)
+}
+
+/// The same, with what each of some effects has added to every number.
+pub fn expose_with_maps(
+    mean_electrons: &Planes,
+    sensor: &SensorModel,
+    exposure: &Exposure,
+    stages: Stages,
+    key: NoiseKey,
+    maps: &[NoiseMap],
+) -> Result<(RawImage, NoiseMaps), Invalid> {
     exposure.validate(sensor)?;
     exposure.window.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
 
     // Light and heat free electrons in each pixel.
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
+    let mut record = Recorder::start(maps, &charge);
     spread(&mut charge, sensor, stages);
+    record.plane(NoiseMap::CrosstalkE, &charge);
     let mut charge = sensor.masked.surround(charge);
+    record.embed([sensor.masked.columns[0] * charge.samples, sensor.masked.rows[0]], &charge);
     let frame = Frame { sensor, exposure, stages, key, size: [charge.width, charge.height] };
     let ccd = sensor.architecture.ccd();
     let passing = ccd.map(|ccd| ccd::smear(ccd, &frame, &mut charge)).unwrap_or_default();
+    record.plane(NoiseMap::SmearE, &charge);
     let photo_response = PhotoResponse::new(&frame);
     let dead_pixels = DeadPixels::new(&frame);
     let photon_counter = PhotonCounter::new(&frame);
@@ -81,40 +98,50 @@ pub fn expose(
     let dark_current = DarkCurrent::new(&frame);
     let hot_pixels = HotPixels::new(&frame);
     charge.for_each_row(|row| {
-        photo_response.apply(row);
-        dead_pixels.apply(row);
+        record.apply(NoiseMap::PrnuE, &photo_response, row);
+        record.apply(NoiseMap::DeadPixelsE, &dead_pixels, row);
         match &photon_counter {
-            Some(photon_counter) => photon_counter.apply(row),
+            Some(photon_counter) => record.apply(NoiseMap::PhotonCountingE, photon_counter, row),
             None => {
-                shot_noise.apply(row);
-                dark_current.apply(row);
-                hot_pixels.apply(row);
+                record.apply(NoiseMap::PhotonShotNoiseE, &shot_noise, row);
+                record.apply(NoiseMap::DarkShotNoiseE, &dark_current, row);
+                record.apply(NoiseMap::HotPixelsE, &hot_pixels, row);
             }
         }
     });
+    record.gains(&photo_response);
+    record.split_dark_current(dark_current.as_ref().filter(|_| photon_counter.is_none()));
 
     // The pixels hold them.
     brighter_fatter::apply(&frame, &mut charge);
+    record.plane(NoiseMap::BrighterFatterE, &charge);
     if let Some(ccd) = ccd {
         ccd::bloom(ccd, &frame, &mut charge);
     }
+    record.plane(NoiseMap::BloomingE, &charge);
     let full_well = FullWell::new(&frame);
     let logarithmic_response = LogarithmicResponse::new(&frame);
     charge.for_each_row(|row| {
-        full_well.apply(row);
-        logarithmic_response.apply(row);
+        record.apply(NoiseMap::FullWellE, &full_well, row);
+        record.mark(row, |charge| full_well.is_some_and(|full_well| full_well.is_full(charge)));
+        record.apply(NoiseMap::LogarithmicResponseE, &logarithmic_response, row);
     });
 
     // CCDs move the charge to their output.
     if let Some(ccd) = ccd {
+        let prescan = ccd.overscan.prescan_columns * charge.samples;
         charge = ccd::shift_out(ccd, &frame, charge, &passing);
+        record.embed([prescan, 0], &charge);
     }
+    record.plane(NoiseMap::ChargeTransferE, &charge);
     let Window { binning, region } = exposure.window;
     let mut charge = binning.add_charge(charge, &sensor.cfa);
+    record.add_charge(&binning, &sensor.cfa);
     let frame = Frame { size: [charge.width, charge.height], ..frame };
 
     // Amplifiers turn charge into voltages, converters those into digital numbers.
     add_flicker(&mut charge, &frame);
+    record.plane(NoiseMap::FlickerNoiseE, &charge);
     let reset_noise = ResetNoise::new(&frame);
     let telegraph = Telegraph::new(&frame);
     let dark_offset = DarkOffset::new(&frame);
@@ -128,34 +155,40 @@ pub fn expose(
     let dual_gain = DualGainDigitiser::new(&frame);
     let stuck_pixels = StuckPixels::new(&frame);
     let numbers = charge.read_out(|row, numbers| {
-        reset_noise.apply(row);
-        telegraph.apply(row);
-        dark_offset.apply(row);
-        row_noise.apply(row);
-        column_noise.apply(row);
-        amplifier_nonlinearity.apply(row);
+        record.apply(NoiseMap::ResetNoiseE, &reset_noise, row);
+        record.apply(NoiseMap::TelegraphNoiseE, &telegraph, row);
+        record.apply(NoiseMap::DsnuE, &dark_offset, row);
+        record.apply(NoiseMap::RowNoiseE, &row_noise, row);
+        record.apply(NoiseMap::ColumnNoiseE, &column_noise, row);
+        record.apply(NoiseMap::AmplifierNonlinearityE, &amplifier_nonlinearity, row);
         match &dual_gain {
-            Some(dual_gain) => dual_gain.convert(row, numbers),
+            Some(dual_gain) => {
+                dual_gain.convert(row, numbers);
+                record.changed(NoiseMap::ReadNoiseE, row);
+                record.amplify(&gain, row);
+            }
             None => {
-                read_noise.apply(row);
-                gain.apply(row);
-                column_amplifiers.apply(row);
+                record.apply(NoiseMap::ReadNoiseE, &read_noise, row);
+                record.amplify(&gain, row);
+                record.apply(NoiseMap::ColumnAmplifiersDn, &column_amplifiers, row);
                 digitiser.convert(row, numbers);
             }
         }
-        stuck_pixels.apply(numbers);
+        record.converted(numbers, &sensor.converter);
+        record.apply_to_numbers(NoiseMap::StuckPixelsDn, &stuck_pixels, numbers);
     });
 
     // Numbers are processed and sent.
     let (mut data, [row_length, height]) = binning.add_numbers(numbers, frame.size, sensor);
+    record.add_numbers(&binning, sensor, &data, row_length);
     let frame = Frame { size: [row_length, height], ..frame };
     let digital_gain = DigitalGain::new(&frame);
     let compander = Compander::new(&frame);
     let transmission_errors = TransmissionErrors::new(&frame);
     for_each_row(&mut data, row_length, |numbers| {
-        digital_gain.apply(numbers);
-        compander.apply(numbers);
-        transmission_errors.apply(numbers);
+        record.multiply(digital_gain.as_ref(), numbers);
+        record.apply_to_numbers(NoiseMap::CompandingDn, &compander, numbers);
+        record.apply_to_numbers(NoiseMap::TransmissionErrorsDn, &transmission_errors, numbers);
     });
 
     let layout = binning.layout(&sensor.cfa);
@@ -182,15 +215,27 @@ pub fn expose(
             ..RawMetadata::default()
         },
     };
-    Ok(match region {
-        None => whole,
-        Some(region) => whole.part(Area {
-            x: area.x + region.x / binning.factor[0],
-            y: area.y + region.y / binning.factor[1],
-            width: region.width / binning.factor[0],
-            height: region.height / binning.factor[1],
-        }),
-    })
+    let part = region.map(|region| Area {
+        x: area.x + region.x / binning.factor[0],
+        y: area.y + region.y / binning.factor[1],
+        width: region.width / binning.factor[0],
+        height: region.height / binning.factor[1],
+    });
+    let names = if layout.is_full() { layout.channels() } else { &[String::new()] };
+    let maps = NoiseMaps {
+        planes: record.finish(part.unwrap_or(Area { x: 0, y: 0, width, height }), names)?,
+        system_gain: sensor.converter.system_gain(exposure.gain)
+            * exposure.digital_gain.factor()
+            * binning.digital_gain(),
+        black_level_dn: sensor.converter.black_level_dn.into(),
+    };
+    Ok((
+        match part {
+            None => whole,
+            Some(part) => whole.part(part),
+        },
+        maps,
+    ))
 }
 
 /// Where among all that is read out the picture lies, in bins.

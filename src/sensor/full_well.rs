@@ -16,6 +16,13 @@ impl FullWell {
     }
 }
 
+impl FullWell {
+    #[inline]
+    pub(super) fn is_full(&self, charge: f32) -> bool {
+        charge >= self.capacity_e
+    }
+}
+
 impl RowStage for FullWell {
     /// The charge that stays in the pixels, e⁻.
     #[inline]

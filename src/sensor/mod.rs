@@ -42,6 +42,7 @@ mod logarithmic;
 mod masked_pixels;
 mod model;
 mod noise_key;
+mod noise_maps;
 mod noise_model;
 mod photo_response;
 mod photon_counting;
@@ -67,7 +68,7 @@ pub use description::{
     TelegraphDescription,
 };
 pub use dual_gain::DualGain;
-pub use expose::expose;
+pub use expose::{expose, expose_with_maps};
 pub use exposure::{Exposure, Window};
 pub use linearisation::Linearisation;
 pub use logarithmic::Logarithmic;
@@ -76,6 +77,7 @@ pub use model::{
     Architecture, Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph,
 };
 pub use noise_key::NoiseKey;
+pub use noise_maps::{MapUnit, NoiseMap, NoiseMaps};
 pub use photon_counting::{Counting, Spad};
 pub use shutter::Shutter;
 pub use stage::{Stage, Stages};

@@ -39,18 +39,18 @@ max_depth = 2
 electrons = false
 ";
 
-fn folder(dataset: &str) -> Folder {
+pub(crate) fn folder(dataset: &str) -> Folder {
     Folder::new([("board.toml", BOARD.into()), ("set.toml", format!("capture = 'board.toml'\n{dataset}").into())])
 }
 
 /// All files below a folder, by their path in it.
-fn files(folder: &Folder, name: &str) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
+pub(crate) fn files(folder: &Folder, name: &str) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     let root = folder.path(name);
     let below = |(path, bytes): (PathBuf, _)| path.strip_prefix(&root).ok().map(|path| (path.to_owned(), bytes));
     folder.contents().into_iter().filter_map(below).collect()
 }
 
-fn manifest(folder: &Folder, name: &str) -> Vec<Value> {
+pub(crate) fn manifest(folder: &Folder, name: &str) -> Vec<Value> {
     let text = std::fs::read_to_string(folder.path(name).join("manifest.jsonl")).expect("a manifest");
     text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
 }

@@ -6,7 +6,7 @@
 //! | OpenCV YAML | all of OpenCV's | centres at whole numbers | world → camera |
 //! | ROS `camera_info` | `plumb_bob`, `rational_polynomial`, `equidistant` | centres at whole numbers | none |
 //! | Kalibr `camchain.yaml` | pinhole or omni with radtan, pinhole with equidistant | centres at whole numbers | from camera to camera |
-//! | COLMAP `cameras.txt`, `images.txt` | PINHOLE, OPENCV, FULL_OPENCV, OPENCV_FISHEYE | centres at halves | world → camera |
+//! | COLMAP `cameras.txt`, `images.txt`, `points3D.txt` | PINHOLE, OPENCV, FULL_OPENCV, OPENCV_FISHEYE | centres at halves | world → camera |
 //! | EuRoC `sensor.yaml` | pinhole with radial-tangential or equidistant | centres at whole numbers | sensor → body |
 
 mod colmap;
@@ -14,14 +14,14 @@ mod euroc;
 mod kalibr;
 mod opencv;
 mod ros;
-mod yaml;
+pub(super) mod yaml;
 
 #[cfg(test)]
 mod tests;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-pub use colmap::{ColmapImage, colmap_cameras, colmap_images};
+pub use colmap::{ColmapImage, ColmapPoint, colmap_cameras, colmap_images, colmap_points};
 pub use euroc::euroc;
 pub use kalibr::kalibr;
 pub use opencv::opencv;
@@ -69,7 +69,7 @@ impl CalibratedCamera {
     }
 
     /// fx, 0, cx; 0, fy, cy; 0, 0, 1 in OpenCV's coordinates, with the skew in the first row.
-    fn matrix(&self) -> [f64; 9] {
+    pub(super) fn matrix(&self) -> [f64; 9] {
         let [fx, fy, cx, cy] = self.at_centres();
         [fx, self.intrinsics.skew, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]
     }
@@ -84,7 +84,7 @@ impl CalibratedCamera {
     }
 
     /// The error for a lens that a format has no model for.
-    fn no_model(&self, format: &str, instead: &str) -> Invalid {
+    pub(super) fn no_model(&self, format: &str, instead: &str) -> Invalid {
         let name = self.projection.name();
         let message =
             format!("{format} files have no model for the {name} lens of {} with these coefficients", self.name);
@@ -93,7 +93,7 @@ impl CalibratedCamera {
 }
 
 /// The same pose with the axes of OpenCV in place of those of glTF.
-fn opencv_pose(to_world: &DAffine3) -> DAffine3 {
+pub(super) fn opencv_pose(to_world: &DAffine3) -> DAffine3 {
     *to_world * DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)))
 }
 
@@ -113,7 +113,7 @@ fn four(projection: &Projection) -> Option<[f64; 4]> {
 }
 
 /// The matrix of a pose, row by row.
-fn rows(pose: &DAffine3) -> [[f64; 4]; 4] {
+pub(super) fn rows(pose: &DAffine3) -> [[f64; 4]; 4] {
     let m = glam::DMat4::from(*pose).transpose().to_cols_array_2d();
     // Adding zero makes zeros of negative ones.
     m.map(|row| row.map(|x| x + 0.0))

@@ -77,7 +77,12 @@ fn poses_lead_from_camera_to_camera() {
         let x: f64 = x.parse().expect("a number");
         assert!((x - if i % 5 == 0 { 1.0 } else { 0.0 }).abs() < 1e-15, "{body}");
     }
-    let images = colmap_images(&[ColmapImage { name: "a.png".to_owned(), camera: 0, to_world: left.to_world }]);
+    let images = colmap_images(&[ColmapImage {
+        name: "a.png".to_owned(),
+        camera: 0,
+        to_world: left.to_world,
+        points: Vec::new(),
+    }]);
     // Half a turn about x makes glTF's axes OpenCV's.
     let line = images.lines().nth(1).expect("an image");
     let parts: Vec<&str> = line.split(' ').collect();

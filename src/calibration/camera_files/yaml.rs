@@ -1,17 +1,17 @@
 //! Numbers and lists as every reader of YAML takes them.
 
 /// A number that reads back as the same f64, and as no whole number or text: with a point and without an exponent.
-pub(super) fn number(x: f64) -> String {
+pub(in crate::calibration) fn number(x: f64) -> String {
     let text = x.to_string();
     if text.contains('.') { text } else { text + ".0" }
 }
 
 /// A list in brackets.
-pub(super) fn list(numbers: &[f64]) -> String {
+pub(in crate::calibration) fn list(numbers: &[f64]) -> String {
     format!("[{}]", numbers.iter().copied().map(number).collect::<Vec<_>>().join(", "))
 }
 
 /// A text in double quotes.
-pub(super) fn quoted(text: &str) -> String {
+pub(in crate::calibration) fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }

@@ -145,6 +145,24 @@ impl Projection {
         }
     }
 
+    /// The model of that [`name`](Self::name) with those [`coefficients`](Self::coefficients); `xi` is the mirror parameter of an
+    /// omnidirectional lens. `None` where there is no such model.
+    pub fn named(name: &str, coefficients: &[f64], xi: Option<f64>) -> Option<Self> {
+        let c = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
+        let k = std::array::from_fn(|i| c([0, 1, 4, 5, 6, 7][i]));
+        let distortion = BrownConrady { k, p: [c(2), c(3)], s: std::array::from_fn(|i| c(8 + i)) };
+        match (name, xi) {
+            ("perspective", None) => Some(Self::Perspective),
+            ("brown-conrady", None) => Some(Self::BrownConrady(distortion)),
+            ("polynomial", None) => Some(Self::Polynomial { k: std::array::from_fn(c) }),
+            ("division", None) => Some(Self::Division { lambda: c(0) }),
+            ("kannala-brandt", None) => Some(Self::KannalaBrandt { k: std::array::from_fn(c) }),
+            ("equirectangular", None) => Some(Self::Equirectangular),
+            ("omnidirectional", Some(xi)) => Some(Self::Omnidirectional { xi, distortion }),
+            _ => None,
+        }
+    }
+
     /// Whether the lens is focused on a plane and its pupil stands across the axis, as for the thin lens. What sees more
     /// than a half-space is focused on a sphere, and its pupil faces each direction.
     pub fn is_flat(&self) -> bool {

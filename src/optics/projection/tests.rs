@@ -134,3 +134,24 @@ fn closed_forms() {
     close(at(Projection::Division { lambda: -0.25 }, DVec3::new(4.0 / 3.0, 0.0, 1.0)), 1.0, 0.0);
     close(at(radial(0.1), DVec3::new(3.0, 4.0, 5.0)), 0.66, 0.88);
 }
+
+#[test]
+fn models_are_told_by_name_and_coefficients() {
+    let k = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6];
+    let distortion = BrownConrady { k, p: [0.7, -0.8], s: [0.9, -1.0, 1.1, -1.2] };
+    let short = BrownConrady { k: [0.1, -0.2, 0.0, 0.0, 0.0, 0.0], s: [0.0; 4], ..distortion };
+    for (model, xi) in [
+        (Projection::Perspective, None),
+        (Projection::BrownConrady(distortion), None),
+        (Projection::BrownConrady(BrownConrady { s: [0.0; 4], ..distortion }), None),
+        (Projection::BrownConrady(short), None),
+        (Projection::Polynomial { k: [0.1, 0.2] }, None),
+        (Projection::Division { lambda: -0.1 }, None),
+        (Projection::KannalaBrandt { k: [0.1, 0.2, 0.3, 0.4] }, None),
+        (Projection::Equirectangular, None),
+        (Projection::Omnidirectional { xi: 1.1, distortion: short }, Some(1.1)),
+    ] {
+        assert_eq!(Projection::named(model.name(), &model.coefficients(), xi), Some(model));
+    }
+    assert_eq!(Projection::named("brown-conrad", &[], None), None);
+}

@@ -1,0 +1,170 @@
+//! The folder of a layout. It is made as `.NAME.partial` beside and renamed when it is complete.
+
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use photosite::calibration::layouts::{LayoutFiles, Shot};
+use photosite::calibration::truth::TruthLayer;
+use photosite::image::Planes;
+use photosite::io::capture::Capture;
+use photosite::io::exr::read_exr;
+use photosite::io::finished_dataset::REPORT;
+use photosite::io::grey_png::{is_grey, read_grey, write_grey8, write_grey16};
+use photosite::io::output::{create_folder, write_whole};
+use photosite::scene::description::SceneDescription;
+use photosite::{Error, Invalid, Result};
+use serde_json::Value;
+
+/// The developed picture in the folder of a picture.
+const PICTURE: &str = "image.png";
+/// Its ground truth.
+const TRUTH: &str = "truth.exr";
+
+/// A folder that is being filled. One that is given up is removed.
+pub(super) struct LayoutFolder {
+    /// Where it will be.
+    path: PathBuf,
+    /// Where it is, while it is not complete.
+    partial: Option<PathBuf>,
+    dataset: PathBuf,
+    /// The scene that was read last, with the keys that it was read from.
+    scene: Option<(Vec<Value>, Arc<SceneDescription>)>,
+}
+
+impl LayoutFolder {
+    /// Begins a folder that is not there yet, or empty.
+    pub(super) fn begin(path: &Path, dataset: &Path) -> Result<Self> {
+        let refuse = |message: String| {
+            let help = "choose a new folder with -o".to_owned();
+            Err(Error::Usage { message, help: Some(help) })
+        };
+        if path.is_file() {
+            return refuse(format!("{} is a file, where a folder is needed", path.display()));
+        }
+        if path.is_dir() {
+            let mut entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
+            if entries.next().is_some() {
+                return refuse(format!("{} is not empty", path.display()));
+            }
+        }
+        let Some(name) = path.file_name() else {
+            return refuse(format!("{} is no name for a new folder", path.display()));
+        };
+        let partial = path.with_file_name(format!(".{}.partial", name.to_string_lossy()));
+        if partial.exists() {
+            fs::remove_dir_all(&partial)
+                .map_err(|reason| Error::io(&partial, "remove the unfinished folder", reason))?;
+        }
+        Ok(Self { path: path.to_owned(), partial: Some(partial), dataset: dataset.to_owned(), scene: None })
+    }
+
+    /// Gives the complete folder its name.
+    pub(super) fn finish(mut self) -> Result<()> {
+        let Some(partial) = self.partial.take() else { return Ok(()) };
+        let renamed = if self.path.is_dir() { fs::remove_dir(&self.path) } else { Ok(()) };
+        renamed
+            .and_then(|()| fs::rename(&partial, &self.path))
+            .map_err(|reason| Error::io(&self.path, "rename the finished folder to", reason))
+    }
+
+    /// A file of the layout, whose folder is made.
+    fn place(&self, name: &str) -> Result<PathBuf> {
+        let path = self.partial.as_ref().unwrap_or(&self.path).join(name);
+        if let Some(folder) = path.parent() {
+            create_folder(folder)?;
+        }
+        Ok(path)
+    }
+
+    /// A file of a picture; what to write into the capture for it to be there.
+    fn source(&self, shot: &Shot, name: &str, help: &str) -> Result<PathBuf> {
+        let path = self.dataset.join(&shot.folder).join(name);
+        if path.is_file() {
+            return Ok(path);
+        }
+        Err(Invalid::new("", "is missing").help(help).in_file(&path))
+    }
+
+    fn picture(&self, shot: &Shot) -> Result<PathBuf> {
+        self.source(
+            shot,
+            PICTURE,
+            "make the data set with a develop.colour_space whose pictures are PNG files, not xyz",
+        )
+    }
+}
+
+impl Drop for LayoutFolder {
+    /// Nothing is left of a layout that has failed. Nothing depends on that, so failures are let pass.
+    fn drop(&mut self) {
+        if let Some(partial) = &self.partial {
+            let _ = fs::remove_dir_all(partial);
+        }
+    }
+}
+
+impl LayoutFiles for LayoutFolder {
+    fn write_text(&mut self, path: &str, text: &str) -> Result<()> {
+        write_whole(&self.place(path)?, |to| to.write_all(text.as_bytes()))
+    }
+
+    fn copy_picture(&mut self, path: &str, shot: &Shot) -> Result<()> {
+        let (from, to) = (self.picture(shot)?, self.place(path)?);
+        fs::copy(&from, &to).map_err(|reason| Error::io(&to, "write", reason)).map(|_| ())
+    }
+
+    fn write_grey_picture(&mut self, path: &str, shot: &Shot) -> Result<()> {
+        let grey = read_grey(&self.picture(shot)?)?;
+        write_whole(&self.place(path)?, |to| write_grey8(grey.size, &grey.values, to))
+    }
+
+    fn is_grey(&mut self, shot: &Shot) -> Result<bool> {
+        is_grey(&self.picture(shot)?)
+    }
+
+    fn write_mask(&mut self, path: &str, size: [u32; 2], inside: &[bool]) -> Result<()> {
+        let values: Vec<u8> = inside.iter().map(|&inside| if inside { 255 } else { 0 }).collect();
+        write_whole(&self.place(path)?, |to| write_grey8(size, &values, to))
+    }
+
+    fn write_grey16(&mut self, path: &str, size: [u32; 2], values: &[u16]) -> Result<()> {
+        write_whole(&self.place(path)?, |to| write_grey16(size, values, to))
+    }
+
+    fn truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<Planes> {
+        let names: Vec<String> = layers.iter().map(|layer| format!("\"{}\"", layer.name())).collect();
+        let help = format!(
+            "this layout needs output.truth = [{}] in the capture, with truth_formats = [\"exr\"]",
+            names.join(", ")
+        );
+        let path = self.source(shot, TRUTH, &help)?;
+        let file = File::open(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let planes = read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(&path))?.planes;
+        let mut channels = layers.iter().flat_map(|layer| layer.channels());
+        if let Some(missing) = channels.find(|name| planes.plane(name).is_none()) {
+            return Err(Invalid::new("", format!("has no layer {missing}")).help(help).in_file(&path));
+        }
+        if [planes.width(), planes.height()] != shot.calibrated.resolution.map(|n| n as usize) {
+            return Err(Invalid::new("", "is not of the size of the picture").in_file(&path));
+        }
+        Ok(planes)
+    }
+
+    fn scene(&mut self, shot: &Shot) -> Result<Arc<SceneDescription>> {
+        let path = self.dataset.join(&shot.folder).join(REPORT);
+        let bytes = fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let report: Value =
+            serde_json::from_slice(&bytes).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(&path))?;
+        let keys: Vec<Value> = ["scene", "targets", "materials"].map(|table| report["capture"][table].clone()).to_vec();
+        if let Some((known, scene)) = &self.scene
+            && *known == keys
+        {
+            return Ok(scene.clone());
+        }
+        let scene = Arc::new(Capture::read(&path, &[])?.scene);
+        self.scene = Some((keys, scene.clone()));
+        Ok(scene)
+    }
+}

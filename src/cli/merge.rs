@@ -1,0 +1,104 @@
+//! `photosite merge`: parts of a render become the picture, parts of a data set the whole.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use photosite::io::capture::Capture;
+use photosite::{Error, Result};
+
+use super::dataset::{DataSet, Talk};
+use super::dataset_folder::{DatasetFolder, PartFolder};
+use super::output_folder::OutputFolder;
+use super::parts::Parts;
+use super::render::{Light, Request, finish, render};
+use super::report::Timings;
+use super::start_threads;
+
+/// Put together what several runs of `photosite render --samples A..B`, or of `photosite dataset --samples A..B`, have
+/// traced.
+///
+/// The results have the bytes that one run with all samples gives. What was rendered is read again where it was, for all
+/// that is not traced: sensor noise, development, ground truth. A data set that was broken off goes on where it stopped.
+#[derive(Args)]
+pub(super) struct MergeArgs {
+    /// The folders of all parts, in any order.
+    #[arg(required = true, value_name = "DIR")]
+    parts: Vec<PathBuf>,
+    /// Folder for the results, created where missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// What was rendered, where it no longer is where it was.
+    #[arg(long, value_name = "FILE")]
+    input: Option<PathBuf>,
+    /// Threads to use [default: all cores].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Print the contents of capture.json on standard output.
+    #[arg(long)]
+    json: bool,
+    /// Overwrite earlier results.
+    #[arg(long)]
+    force: bool,
+}
+
+pub(super) fn run(args: &MergeArgs) -> Result<()> {
+    start_threads(args.threads)?;
+    if args.parts.iter().any(|part| PartFolder::is_one(part)) { merge_sets(args) } else { merge_pictures(args) }
+}
+
+fn merge_pictures(args: &MergeArgs) -> Result<()> {
+    let parts = Parts::read(&args.parts)?;
+    let start = Instant::now();
+    let part = parts.first();
+    let (input, overrides) = (args.input.clone().unwrap_or_else(|| part.path.clone()), part.overrides.clone());
+    let capture = Capture::read(&input, &overrides)?;
+    let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
+    let request = Request {
+        input: &input,
+        named: part.input.clone(),
+        overrides,
+        is_timed: parts.trace_s().is_some(),
+        light: Light::Merged(parts),
+        quiet: args.quiet,
+        silent: args.quiet || args.json,
+    };
+    let mut folder = OutputFolder::claim(&args.output, args.force)?;
+    let rendered = render(capture, &request, &mut folder, timings)?;
+    finish(&rendered, &folder, args.quiet, args.json)
+}
+
+fn merge_sets(args: &MergeArgs) -> Result<()> {
+    if args.force {
+        let message = "--force: a data set goes on where it was broken off, and nothing is overwritten".to_owned();
+        return Err(Error::Usage {
+            message,
+            help: Some("remove --force, or choose another folder with -o".to_owned()),
+        });
+    }
+    let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
+    let input = args.input.clone().unwrap_or_else(|| parts[0].input());
+    let set = DataSet::read(&input, &parts[0].arguments())?;
+    parts.iter().try_for_each(|part| part.check(&set.identity))?;
+    let frames = set.frames(0..set.plan.frames())?;
+    let of_picture = |camera: &str, number: u32| {
+        let found: Vec<PathBuf> = parts.iter().filter_map(|part| part.picture(camera, number)).collect();
+        if found.is_empty() {
+            let message = format!("frame {number} of camera {camera} is in none of the folders");
+            let help = "give the command of the missing part again: it goes on where it was broken off";
+            return Err(Error::Usage { message, help: Some(help.to_owned()) });
+        }
+        Parts::read(&found)
+    };
+    // What is missing shows before anything is made.
+    for &number in frames.keys() {
+        set.cameras().try_for_each(|camera| of_picture(camera, number).map(|_| ()))?;
+    }
+    let folder = DatasetFolder::claim(&args.output, &set.identity, &set.plan)?;
+    let talk = Talk { quiet: args.quiet, json: args.json };
+    let made = set.make(&frames, &folder, talk, |camera, number| of_picture(camera, number).map(Light::Merged))?;
+    set.finish(&folder, made, talk)
+}

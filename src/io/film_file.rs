@@ -1,0 +1,120 @@
+//! `film.npy`: the sums of a part of a render, from which the whole is put together.
+//!
+//! A NumPy array of `float64`, shape (rows, columns, channels, 4). The four are Σ v over the samples v of the pixel and what
+//! rounding leaves of it, and the same of Σ v²: [`Sums`]. What the channels are is said elsewhere.
+
+use std::io::{self, Read, Write};
+
+use npyz::{NpyFile, Order, WriterBuilder};
+
+use crate::Invalid;
+use crate::film::{Film, Sums};
+use crate::math::double_double::DoubleDouble;
+use crate::raw::with_short_header;
+
+/// Numbers for each channel of a pixel.
+const NUMBERS: usize = 4;
+
+fn shape(film: &Film) -> [u64; 4] {
+    [film.height(), film.width(), film.channels().len(), NUMBERS].map(|n| n as u64)
+}
+
+/// Writes all sums of a film.
+pub fn write_film<W: Write>(film: &Film, to: W) -> io::Result<()> {
+    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape(film)).writer(to).begin_nd()?;
+    let numbers = |s: &Sums| [s.sum.high, s.sum.low, s.squares.high, s.squares.low];
+    array.extend(film.sums().iter().flat_map(numbers))?;
+    array.finish()
+}
+
+/// Adds the sums of a file, of `samples` samples a pixel, to a film of the same size and channels.
+pub fn add_film<R: Read>(film: &mut Film, samples: u32, from: R) -> Result<(), Invalid> {
+    let unreadable = |error: &dyn std::fmt::Display| {
+        Invalid::new("", format!("cannot read it as the sums of a film: {error}")).help("render that part again")
+    };
+    let array = NpyFile::new(with_short_header(from)?).map_err(|e| unreadable(&e))?;
+    if array.shape() != shape(film) || array.order() == Order::Fortran {
+        return Err(unreadable(&format!("its shape is {:?} instead of {:?}", array.shape(), shape(film))));
+    }
+    let mut numbers = array.data::<f64>().map_err(|e| unreadable(&e))?;
+    let mut failure = None;
+    let mut next = || match numbers.next() {
+        Some(Ok(number)) if !number.is_nan() => Some(number),
+        Some(Ok(_)) => {
+            failure = Some(unreadable(&"it holds what is no number"));
+            None
+        }
+        Some(Err(error)) => {
+            failure = Some(unreadable(&error));
+            None
+        }
+        None => None,
+    };
+    let sums = std::iter::from_fn(|| {
+        let [sum, squares] = [(next()?, next()?), (next()?, next()?)].map(|(high, low)| DoubleDouble { high, low });
+        Some(Sums { sum, squares })
+    });
+    film.add(sums, samples);
+    failure.map_or(Ok(()), Err)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{FilmResponses, Response};
+    use crate::spectrum::{SampledSpectrum, Spectrum, WavelengthSampler};
+
+    fn empty() -> Film {
+        let response = |name: &str, level| Response { name: name.to_owned(), spectrum: Spectrum::constant(level) };
+        Film::new(3, 2, FilmResponses::new(&[response("A", 1.0), response("B", 0.3)]))
+    }
+
+    fn film() -> Film {
+        let mut film = empty();
+        let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
+        for (y, row) in film.rows_for(7).iter_mut().enumerate() {
+            for i in 0..21 {
+                let light = SampledSpectrum::splat(0.1 + (i * i) as f32 / (1 + y) as f32);
+                row.add(i % 3, light, &sampler.sample(i as f32 / 21.0));
+            }
+        }
+        film
+    }
+
+    fn file() -> Vec<u8> {
+        let mut file = Vec::new();
+        write_film(&film(), &mut file).expect("written");
+        file
+    }
+
+    #[test]
+    fn sums_come_back_bit_by_bit() {
+        let mut read = empty();
+        add_film(&mut read, 7, &file()[..]).expect("a film");
+        assert_eq!((read.sums(), read.samples()), (film().sums(), 7));
+        assert_eq!(read.estimate(["A", "B"]), film().estimate(["A", "B"]));
+    }
+
+    #[test]
+    fn damaged_and_other_files_are_refused() {
+        let whole = file();
+        for length in [0, 5, 11, 60, 128, whole.len() / 2, whole.len() - 1] {
+            assert!(add_film(&mut empty(), 7, &whole[..length]).is_err(), "cut to {length} bytes");
+        }
+        let mut file = whole.clone();
+        for at in 0..file.len() {
+            for value in [0x00, 0xff, b'9', file[at] ^ 0x10] {
+                file[at] = value;
+                let _ = add_film(&mut empty(), 7, &file[..]);
+            }
+            file[at] = whole[at];
+        }
+        let last = file.len() - 8;
+        file[last..].copy_from_slice(&f64::NAN.to_le_bytes());
+        let error = add_film(&mut empty(), 7, &file[..]).expect_err("refused");
+        assert!(error.message.contains("no number"), "{error}");
+        let mut wide = Film::new(4, 2, FilmResponses::new(&[]));
+        let error = add_film(&mut wide, 7, &whole[..]).expect_err("refused");
+        assert!(error.message.contains("[2, 3, 2, 4] instead of [2, 4, 0, 4]"), "{error}");
+    }
+}

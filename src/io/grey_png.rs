@@ -1,0 +1,68 @@
+//! Grey PNG files for tools that want no others.
+
+use std::fs;
+use std::io;
+use std::io::Write;
+use std::path::Path;
+
+use image::codecs::png::PngEncoder;
+use image::{DynamicImage, ExtendedColorType, ImageEncoder};
+
+use super::picture::decode;
+use crate::{Error, Result};
+
+/// A picture of 8-bit grey.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GreyPicture {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Row by row from the top-left pixel.
+    pub values: Vec<u8>,
+}
+
+/// Reads a picture of any kind as grey of 8 bits: colours by the luma of Rec. 709, 16 bits by their upper half.
+pub fn read_grey(path: &Path) -> Result<GreyPicture> {
+    let grey = open(path)?.into_luma8();
+    Ok(GreyPicture { size: [grey.width(), grey.height()], values: grey.into_raw() })
+}
+
+/// Whether a picture has no colours.
+pub fn is_grey(path: &Path) -> Result<bool> {
+    Ok(!open(path)?.color().has_color())
+}
+
+fn open(path: &Path) -> Result<DynamicImage> {
+    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    decode(&bytes, &path.display().to_string()).map_err(|invalid| invalid.in_file(path))
+}
+
+/// Writes 8-bit grey.
+pub fn write_grey8<W: Write>(size: [u32; 2], values: &[u8], to: W) -> io::Result<()> {
+    write(size, values, ExtendedColorType::L8, to)
+}
+
+/// Writes 16-bit grey.
+pub fn write_grey16<W: Write>(size: [u32; 2], values: &[u16], to: W) -> io::Result<()> {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
+    write(size, &bytes, ExtendedColorType::L16, to)
+}
+
+fn write<W: Write>([width, height]: [u32; 2], bytes: &[u8], kind: ExtendedColorType, to: W) -> io::Result<()> {
+    PngEncoder::new(to).write_image(bytes, width, height, kind).map_err(io::Error::other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read() {
+        let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
+        write_grey16([3, 1], &[0, 258, 65_535], &mut file).expect("written");
+        let wide = open(file.path()).expect("a picture").into_luma16();
+        assert_eq!(wide.as_raw(), &[0, 258, 65_535]);
+        let picture = read_grey(file.path()).expect("a picture");
+        assert_eq!(picture, GreyPicture { size: [3, 1], values: vec![0, 1, 255] });
+        assert!(is_grey(file.path()).expect("a picture"));
+    }
+}

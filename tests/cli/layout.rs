@@ -1,0 +1,160 @@
+//! Data sets laid out for other tools: whole or not at all, and what cannot be laid out is said.
+
+use rstest::rstest;
+
+use crate::folder::Folder;
+
+const BOARD: &str = "\
+[scene]
+environment = { illuminant = 'D65', illuminance_lux = 500 }
+[[targets]]
+type = 'chessboard'
+name = 'board'
+squares = [5, 4]
+square_mm = 30
+[camera]
+position_m = [0, 0, 0.6]
+look_at_m = [0, 0, 0]
+[lens]
+type = 'pinhole'
+f_number = 4
+focal_length_mm = 6
+focus_distance_m = 'infinity'
+[sensor]
+preset = 'sony-imx249-mono'
+resolution_px = [32, 24]
+pixel_pitch_um = [200, 200]
+[exposure]
+time_s = 0.004
+[render]
+samples_per_pixel = 1
+max_depth = 1
+[output]
+electrons = false
+";
+
+const SET: &str = "\
+capture = 'board.toml'
+frames = 3
+[[cameras]]
+name = 'left'
+[[cameras]]
+name = 'right'
+position_m = [0.1, 0, 0]
+[poses.random]
+target = 'board'
+distance_m = [0.6, 0.9]
+margin_px = 1
+";
+
+/// A folder with a data set in `out`, made with these arguments.
+fn made(dataset: &str, arguments: &str) -> Folder {
+    let folder = Folder::new([("board.toml", BOARD.into()), ("set.toml", dataset.into())]);
+    folder.succeed(&format!("dataset set.toml -o out --quiet {arguments}"));
+    folder
+}
+
+#[rstest]
+#[case("colmap", &["images/left/000000.png", "images/right/000002.png", "sparse/0/cameras.txt", "sparse/0/images.txt", "sparse/0/points3D.txt"])]
+#[case("euroc", &["mav0/body.yaml", "mav0/cam1/data/1000000002000000000.png", "mav0/cam1/data.csv", "mav0/cam1/sensor.yaml", "mav0/state_groundtruth_estimate0/data.csv"])]
+#[case("kalibr", &["cam0/1000000000000000000.png", "cam1/1000000002000000000.png", "camchain.yaml", "target-board.yaml"])]
+#[case("bop", &["train/000001/gray/000002.png", "train/000001/depth/000002.png", "train/000001/mask/000002_000000.png", "train/000001/mask_visib/000002_000000.png", "train/000001/scene_gt.json", "models/obj_000001.ply", "models/models_info.json"])]
+#[case("coco", &["images/right/000001.png", "annotations/instances.json"])]
+fn every_layout_is_made_and_the_data_set_left_as_it_is(#[case] format: &str, #[case] files: &[&str]) {
+    let folder = made(SET, "--set output.truth=['depth','instance']");
+    std::fs::create_dir(folder.path("laid")).expect("an empty folder is no hindrance");
+    let before = folder.results("out/left/000000");
+    let outcome = folder.succeed(&format!("layout out --format {format} -o laid"));
+    assert!(outcome.stderr.contains("laid out 6 pictures in laid"), "{}", outcome.stderr);
+    for file in files {
+        assert!(folder.path("laid").join(file).is_file(), "{file} of {:?}", folder.contents().keys());
+    }
+    assert_eq!(before, folder.results("out/left/000000"));
+    folder.fail(&format!("layout out --format {format} -o laid"), 2, &["laid is not empty", "-o"]);
+    // The folder can be moved: nothing in it leads back.
+    std::fs::rename(folder.path("out"), folder.path("moved")).expect("moved");
+    folder.succeed(&format!("layout moved --format {format} -o again --quiet"));
+    assert_eq!(
+        std::fs::read(folder.path("laid").join(files[0])).expect("a file"),
+        std::fs::read(folder.path("again").join(files[0])).expect("a file")
+    );
+}
+
+#[test]
+fn a_part_of_a_data_set_is_refused() {
+    let folder = made(SET, "--frames 0..2");
+    let wanted = ["manifest.jsonl: 4 of 6 pictures are there", "the command that makes the data set again"];
+    folder.fail("layout out --format colmap -o laid", 1, &wanted);
+    folder.succeed("dataset set.toml -o out --quiet");
+    folder.succeed("layout out --format colmap -o laid --quiet");
+}
+
+#[test]
+fn ground_truth_that_a_layout_needs_is_asked_for() {
+    let folder = made(SET, "");
+    let wanted = ["truth.exr: is missing", "output.truth = [\"instance\"]", "truth_formats = [\"exr\"]"];
+    folder.fail("layout out --format coco -o laid", 1, &wanted);
+    let folder = made(SET, "--set output.truth=['instance']");
+    folder.fail(
+        "layout out --format bop -o laid",
+        1,
+        &["has no layer depth", "output.truth = [\"depth\", \"instance\"]"],
+    );
+    // Half-way through, all of it goes again.
+    std::fs::remove_file(folder.path("out/right/000002/truth.exr")).expect("removed");
+    folder.fail("layout out --format coco -o laid", 1, &["out/right/000002/truth.exr: is missing"]);
+}
+
+#[rstest]
+#[case::zoom(
+    "[[vary]]\nkey = 'lens.focal_length_mm'\nsweep = [5, 6]\n",
+    "",
+    "kalibr",
+    &["the lens of left in frame 1 is not that in frame 0", "colmap"]
+)]
+#[case::distortion(
+    "",
+    "--set lens.distortion={model='brown-conrady',k=[-0.1,0,0],p=[0,0]}",
+    "bop",
+    &["BOP files have no model for the brown-conrady lens of left", "lens.distortion left out"]
+)]
+#[case::model(
+    "",
+    "--set lens.distortion={model='brown-conrady',k=[-0.1,0,0.1],p=[0,0]}",
+    "euroc",
+    &["EuRoC files have no model for the brown-conrady lens of left"]
+)]
+fn what_a_layout_has_no_words_for_is_refused(
+    #[case] more: &str,
+    #[case] arguments: &str,
+    #[case] format: &str,
+    #[case] wanted: &[&str],
+) {
+    let folder = made(&format!("{SET}{more}"), &format!("--set output.truth=['depth','instance'] {arguments}"));
+    folder.fail(&format!("layout out --format {format} -o laid"), 1, wanted);
+    folder.succeed("layout out --format colmap -o laid");
+}
+
+#[test]
+fn wrong_usage_says_what_to_write() {
+    let folder = Folder::new([("notes/a.txt", "mine".into())]);
+    folder.fail("layout notes --format kalbr -o laid", 2, &["'kalbr'", "'kalibr'"]);
+    folder.fail("layout notes --format kalibr -o laid", 1, &["notes: holds no manifest.jsonl", "photosite dataset"]);
+    folder.fail("layout notes --format kalibr -o notes", 2, &["notes is not empty"]);
+    folder.fail("layout notes --format kalibr -o notes/a.txt", 2, &["notes/a.txt is a file"]);
+    folder.add("notes/manifest.jsonl", "{\"frame\": 0}\n");
+    folder.fail("layout notes --format kalibr -o laid", 1, &["manifest.jsonl:1: is damaged", "missing field"]);
+}
+
+#[test]
+fn calibrations_come_with_the_data_set_where_lenses_keep() {
+    let folder = made(SET, "");
+    for file in ["opencv/left.yaml", "opencv/right.yaml", "ros/left.yaml", "ros/right.yaml", "camchain.yaml"] {
+        assert!(folder.path("out/calibration").join(file).is_file(), "{file}");
+    }
+    // The first camera's own pose is none: the others' lead from it.
+    let text = std::fs::read_to_string(folder.path("out/calibration/opencv/left.yaml")).expect("a file");
+    assert!(text.contains("camera_name: \"left\""), "{text}");
+    let zoomed = made(&format!("{SET}[[vary]]\nkey = 'lens.focal_length_mm'\nsweep = [5, 6]\n"), "");
+    assert!(!zoomed.path("out/calibration").exists());
+}

@@ -1,0 +1,228 @@
+//! Renders and data sets of which several runs trace a part each: put together they are those of one run.
+
+use std::fs;
+use std::thread::sleep;
+use std::time::Duration;
+
+use rstest::rstest;
+
+use crate::dataset::{files, folder as board, manifest};
+use crate::folder::Folder;
+use crate::room::room;
+use crate::same_bytes::{assert_same, timeless};
+
+/// Parts of 8 samples, of unequal size and cut at no power of two.
+const PARTS: [&str; 3] = ["0..1", "1..6", "6..8"];
+
+fn render_parts(folder: &Folder, input: &str) {
+    for (i, samples) in PARTS.into_iter().enumerate() {
+        let outcome = folder.succeed(&format!("render {input} --samples {samples} -o part{i}"));
+        assert!(
+            outcome.text().contains(&format!("traced the samples {samples} of 8; part{i} is a part")),
+            "{outcome:?}"
+        );
+    }
+}
+
+#[rstest]
+#[case::usual("", "")]
+#[case::independent("", "sampler = 'independent'")]
+#[case::frames("frames = 2", "")]
+#[case::bracket("bracket_ev = [-1, 1]", "")]
+#[case::moving("frames = 2\nframe_interval_s = 0.01\n[camera.motion]\nvelocity_m_per_s = [20, 0, 0]", "")]
+fn parts_make_the_bytes_of_one_render(#[case] exposure: &str, #[case] more: &str) {
+    let folder = room(&format!(
+        "{exposure}\n[render]\nsamples_per_pixel = 8\nseed = 7\n{more}\n\
+         [output]\nraw = ['dng', 'npy']\nirradiance = true\nideal = true\ntruth = ['depth', 'instance']\n"
+    ));
+    folder.succeed("render capture.toml -o whole");
+    render_parts(&folder, "capture.toml");
+    let moves = exposure.contains("motion");
+    let part: Vec<String> = folder.results("part1").into_keys().collect();
+    let films: &[&str] =
+        if moves { &["film-0000.npy", "film-0001.npy", "part.json"] } else { &["film.npy", "part.json"] };
+    assert_eq!(part, films);
+    // In any order, on any number of threads.
+    folder.succeed("merge part2 part0 part1 -o merged --threads 2");
+    assert_same(&folder, "whole", "merged");
+}
+
+#[test]
+fn what_is_chosen_by_the_light_is_chosen_by_all_of_it() {
+    let folder = room("[render]\nsamples_per_pixel = 8");
+    let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    folder.add("capture.toml", capture.replace("time_s = 0.0002", "auto = true"));
+    folder.succeed("render capture.toml -o whole");
+    render_parts(&folder, "capture.toml");
+    folder.succeed("merge part0 part1 part2 -o merged");
+    assert_same(&folder, "whole", "merged");
+}
+
+#[test]
+fn a_scene_without_a_capture_file_and_changed_keys_are_merged() {
+    let folder = room("");
+    let input = "sails.gltf --set render.samples_per_pixel=8 --set sensor.resolution_px=[24,16] --seed 4";
+    folder.succeed(&format!("render {input} -o whole"));
+    render_parts(&folder, input);
+    folder.succeed("merge part0 part1 part2 -o merged");
+    assert_same(&folder, "whole", "merged");
+    assert_eq!(folder.report("merged")["input"], "sails.gltf");
+    // The file of the scene is hashed although no capture names it.
+    let scene = fs::read_to_string(folder.path("sails.gltf")).expect("a scene");
+    folder.add("sails.gltf", scene.replace("0.1,", "0.2,"));
+    folder.fail("merge part0 part1 part2 -o other", 2, &["part0 is a part of something else than", "has changed"]);
+    folder.add("there/sails.gltf", scene);
+    folder.succeed("merge part0 part1 part2 --input there/sails.gltf -o there/merged --quiet");
+    assert!(folder.results("there/merged")["raw.dng"] == folder.results("whole")["raw.dng"]);
+}
+
+#[test]
+fn parts_that_make_no_whole_are_refused() {
+    let folder = room("[render]\nsamples_per_pixel = 8\n");
+    render_parts(&folder, "capture.toml");
+    let refused = |parts: &str, status, wanted: &[&str]| {
+        folder.fail(&format!("merge {parts} -o merged"), status, wanted);
+    };
+    refused("part0 part2", 2, &["samples 1..6 are missing between part0 and part2", "--samples 1..6"]);
+    refused("part1 part2", 2, &["samples 0..1 are missing before those of part1"]);
+    refused("part1 part0", 2, &["samples 6..8 are missing after those of part1"]);
+    refused("part0 part1 part1 part2", 2, &["part1 and part1 both hold the samples 1..6"]);
+    folder.succeed("render capture.toml --samples 4..7 -o between");
+    refused("part0 part1 between part2", 2, &["part1 and between both hold the samples 4..6"]);
+    folder.succeed("render capture.toml --samples 6..8 --seed 5 -o seed");
+    refused("part0 part1 seed", 2, &["part1 and seed are no parts of the same render: in seed, the capture says"]);
+    folder.succeed("render capture.toml -o whole");
+    refused("part0 whole", 1, &["whole", "holds a whole picture and no part"]);
+    refused("part0 nowhere", 1, &["nowhere", "there is no part.json", "broken off"]);
+    refused("", 2, &["<DIR>"]);
+
+    // Neither is taken for the other.
+    folder.fail("expose part0", 1, &["part0", "holds no capture.json", "photosite merge"]);
+    folder.fail("render capture.toml -o part0", 2, &["part0 holds a part of a render", "--force"]);
+    folder.fail("merge part0 part1 part2 -o whole", 2, &["whole holds the results of an earlier render", "--force"]);
+    folder.fail("merge part0 part1 part2 -o part0", 2, &["part0 holds a part of a render"]);
+
+    let film = folder.results("part1")["film.npy"].clone();
+    folder.add("part1/film.npy", &film[..film.len() / 2]);
+    refused("part0 part1 part2", 1, &["part1/film.npy", "render that part again"]);
+    fs::remove_file(folder.path("part1/film.npy")).expect("removed");
+    refused("part0 part1 part2", 1, &["part1/film.npy", "cannot read"]);
+    folder.add("part1/part.json", "{ \"samples\": ");
+    refused("part0 part1 part2", 1, &["part1/part.json", "is damaged"]);
+    let text = String::from_utf8(folder.results("part0")["part.json"].clone()).expect("UTF-8");
+    let text: String = text.split_whitespace().collect();
+    folder.add("part1/part.json", text.replace("\"samples\":[0,1]", "\"samples\":[3,1]"));
+    refused("part0 part1 part2", 1, &["part1/part.json", "is damaged", "[3, 1] of 8"]);
+
+    let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    folder.add("capture.toml", capture.replace("roughness = 0.3", "roughness = 0.2"));
+    folder.succeed("render capture.toml --samples 1..6 -o part1 --force");
+    refused("part0 part1 part2", 2, &["part0 and part1 are no parts", "the capture says something else"]);
+}
+
+#[rstest]
+#[case::beyond("--samples 4..9", 2, "--samples 4..9: there are 8 samples a pixel")]
+#[case::backwards("--samples 4..4", 2, "the first number must be below the second")]
+#[case::noise("--samples 0..4 --set render.noise_target=0.5", 1, "render.noise_target: cannot go with --samples")]
+#[case::time("--samples 0..4 --set render.time_limit_s=3", 1, "render.time_limit_s: cannot go with --samples")]
+fn impossible_parts_are_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
+    let folder = room("[render]\nsamples_per_pixel = 8\n");
+    folder.fail(&format!("render capture.toml -o out {arguments}"), status, &[message]);
+}
+
+/// Killed at any moment, a part is there as a whole or not at all, and can be made again.
+#[test]
+fn a_part_that_is_killed_is_none() {
+    let folder = room("[render]\nsamples_per_pixel = 2\n");
+    let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    folder.add("capture.toml", capture.replace("[32, 24]", "[160, 120]"));
+    folder.succeed("render capture.toml -o whole --quiet");
+    folder.succeed("render capture.toml --samples 0..1 -o first --quiet");
+    let mut broken_off = 0;
+    for step in 0..10 {
+        let mut render =
+            folder.command("render capture.toml --samples 1..2 -o second --force --quiet").spawn().expect("started");
+        sleep(Duration::from_millis(5 + 13 * step));
+        let _ = render.kill();
+        let _ = render.wait();
+        if folder.path("second/part.json").exists() {
+            folder.succeed("merge first second -o merged --force --quiet");
+            assert_same(&folder, "whole", "merged");
+            fs::remove_dir_all(folder.path("second")).expect("removed");
+        } else {
+            broken_off += 1;
+            assert_eq!(folder.run("merge first second -o merged --force").status, Some(1));
+        }
+    }
+    assert!(broken_off > 0);
+    folder.succeed("render capture.toml --samples 1..2 -o second --force --quiet");
+    folder.succeed("merge first second -o merged --force --quiet");
+    assert_eq!(timeless(folder.report("whole")), timeless(folder.report("merged")));
+}
+
+const SET: &str = "frames = 12\n[[cameras]]\nname = 'left'\n[[cameras]]\nname = 'right'\nposition_m = [0.1, 0, 0]\n\
+    [poses.random]\ntarget = 'board'\ndistance_m = [0.6, 0.9]\nmargin_px = 1\n\
+    [[vary]]\nkey = 'exposure.time_s'\nlog_uniform = [0.002, 0.006]\n";
+
+#[test]
+fn parts_of_a_data_set_make_the_whole_even_if_they_are_killed() {
+    let folder = board(SET);
+    let set = "--set render.samples_per_pixel=5 --set output.truth=['depth']";
+    folder.succeed(&format!("dataset set.toml -o whole {set}"));
+    // One job has all frames, two share them; all are killed again and again.
+    let jobs = ["--samples 0..2 -o a", "--samples 2..5 --frames 0..7 -o b", "--samples 2..5 --frames 7..12 -o c"];
+    for (i, job) in jobs.into_iter().enumerate() {
+        for attempt in 0..5u64 {
+            let mut child = folder.command(&format!("dataset set.toml {job} {set} -q")).spawn().expect("started");
+            sleep(Duration::from_millis(3 + (attempt * 37 + i as u64 * 11) % 50));
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+        folder.succeed(&format!("dataset set.toml {job} {set}"));
+    }
+    for attempt in 0..8u64 {
+        let mut child = folder.command("merge a b c -o merged -q").spawn().expect("started");
+        sleep(Duration::from_millis(3 + attempt * 37 % 60));
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+    let outcome = folder.succeed("merge a b c -o merged");
+    assert!(outcome.text().contains("24 of 24 pictures are in merged"), "{outcome:?}");
+    assert_eq!(manifest(&folder, "merged").len(), 24);
+    assert!(files(&folder, "whole") == files(&folder, "merged"));
+    let again = folder.succeed("merge a b c -o merged");
+    assert!(again.text().contains("made 0 pictures"), "{again:?}");
+}
+
+#[test]
+fn parts_of_data_sets_are_not_mixed() {
+    let folder = board("frames = 2\n");
+    let set = "--set render.samples_per_pixel=4";
+    folder.succeed(&format!("dataset set.toml {set} --samples 0..2 -o a"));
+    let fail = |arguments: &str, wanted: &[&str]| {
+        folder.fail(arguments, 2, wanted);
+    };
+    fail(&format!("dataset set.toml {set} --samples 2..4 -o a"), &["a holds the samples 0..2 of each pixel", "-o"]);
+    fail(&format!("dataset set.toml {set} -o a"), &["a holds the samples 0..2 of each pixel"]);
+    fail(&format!("dataset set.toml {set} --samples 2..5 -o b"), &["--samples 2..5: there are 4 samples a pixel"]);
+    fail("merge a -o merged", &["samples 2..4 are missing after those of a/camera/000000"]);
+    folder.succeed(&format!("dataset set.toml {set} --samples 2..4 --frames 0..1 -o b"));
+    fail("merge a b -o merged", &["samples 2..4 are missing after those of a/camera/000001"]);
+    fail("merge b -o merged", &["samples 0..2 are missing before those of b/camera/000000"]);
+    fail("merge a b -o a", &["missing"]);
+    folder.succeed(&format!("dataset set.toml {set} --samples 2..4 -o b"));
+    fail("merge a b -o a", &["a holds the samples 0..2 of each pixel"]);
+    fail("merge a b -o merged --force", &["--force", "nothing is overwritten"]);
+    folder.succeed("dataset set.toml --set render.samples_per_pixel=4 --set exposure.gain_db=3 --samples 2..4 -o c");
+    fail("merge a c -o merged", &["c is a part of another data set: --set says something else"]);
+    folder.succeed(&format!("dataset set.toml {set} -o whole"));
+    folder.fail("merge a whole -o merged", 1, &["whole", "holds a whole data set"]);
+    folder.fail("merge a set.toml -o merged", 1, &["set.toml", "holds no part of a data set"]);
+    fail(&format!("dataset set.toml {set} --samples 0..2 -o whole"), &["whole holds the whole of this data set"]);
+    folder.succeed("merge b a -o merged");
+    assert!(files(&folder, "whole") == files(&folder, "merged"));
+    // What the parts were made from has changed.
+    let text = fs::read_to_string(folder.path("board.toml")).expect("a capture");
+    folder.add("board.toml", text.replace("500", "600"));
+    fail("merge a b -o other", &["a is a part of another data set: the capture says something else"]);
+}
