@@ -135,6 +135,12 @@
 //! ## Gltf2
 //! Khronos Group, *glTF 2.0 Specification* (2021), ISO/IEC 12113:2022.
 //!
+//! ## Mtl95
+//! D. Ramey, L. Rose, L. Tyerman, *File Formats*, version 4.2, "Material Library File (.mtl)", Alias|Wavefront (1995).
+//!
+//! ## Houston15
+//! B. Houston, "Extending Wavefront OBJ MTL Material Definition for Physically-Based Rendering", Exocortex (2015).
+//!
 //! ## Fichet21
 //! A. Fichet, R. Pacanowski, A. Wilkie, "An OpenEXR Layout for Spectral Images", JCGT 10(3) (2021).
 //!
@@ -309,6 +315,10 @@
 //!
 //! ## MeiRives07
 //! C. Mei, P. Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids", IEEE ICRA, 3945–3950 (2007).
+//!
+//! ## Michalsky88
+//! J. J. Michalsky, "The Astronomical Almanac's Algorithm for Approximate Solar Position (1950–2050)", Solar Energy 40(3),
+//! 227–235 (1988).
 //!
 //! ## HosekWilkie12
 //! L. Hosek, A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics 31(4) (2012).

@@ -203,25 +203,42 @@ impl Refraction {
     }
 }
 
-/// The part of the power from `wo`, above the surface, that leaves after one bounce at the facet drawn by `u`.
-pub(super) fn single_bounce(eta: f32, distribution: Ggx, wo: Vec3, u: [f32; 2]) -> f32 {
+/// What becomes of the power from one direction at one facet.
+pub(super) struct Bounce {
+    /// The part that leaves where the facet reflects all, and where it refracts all.
+    pub(super) reflected: f32,
+    pub(super) refracted: f32,
+    /// What the facet does, and the cosine that it is met at.
+    pub(super) interface: Interface,
+    pub(super) cos_o: f32,
+}
+
+impl Bounce {
+    /// The part that leaves.
+    pub(super) fn power(&self) -> f32 {
+        self.interface.reflectance * self.reflected + self.interface.transmittance * self.refracted
+    }
+}
+
+/// Light from `wo`, above the surface, at the facet drawn by `u`.
+pub(super) fn bounce(eta: f32, distribution: Ggx, wo: Vec3, u: [f32; 2]) -> Bounce {
     let m = distribution.sample_visible(wo, u);
     let cos_o = wo.dot(m).clamp(0.0, 1.0);
-    let Interface { reflectance, transmittance, cos_transmitted } = fresnel::dielectric(cos_o, eta);
-    let mut power = 0.0;
+    let interface = fresnel::dielectric(cos_o, eta);
+    let mut bounce = Bounce { reflected: 0.0, refracted: 0.0, interface, cos_o };
     let wi = microfacet::reflect(wo, m);
     if wi.z > GRAZING {
         let kernel = distribution.reflection_at(wo, wi, m);
-        power += reflectance * kernel.value * wi.z / kernel.pdf;
+        bounce.reflected = kernel.value * wi.z / kernel.pdf;
     }
-    if let Some((facet, wi)) = Refraction::by(eta, wo, m, cos_o, cos_transmitted) {
+    if let Some((facet, wi)) = Refraction::by(eta, wo, m, cos_o, bounce.interface.cos_transmitted) {
         let (f, pdf) = refraction(distribution, wo, wi, &facet);
         // Where facets are seen edge-on both vanish.
         if pdf > 0.0 {
-            power += transmittance * eta * eta * f * -wi.z / pdf;
+            bounce.refracted = eta * eta * f * -wi.z / pdf;
         }
     }
-    power
+    bounce
 }
 
 /// Value and density of refraction, with dm/dwi = η²·|wi·m|/(wo·m + η·wi·m)²

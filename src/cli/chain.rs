@@ -11,7 +11,7 @@ use photosite::io::capture::{
 use photosite::optics::{Camera, LensDescription};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
-use photosite::sensor::{Exposure, NoiseKey, SensorModel, auto_exposure, expose};
+use photosite::sensor::{Exposure, NoiseKey, NoiseMap, NoiseMaps, SensorModel, auto_exposure, expose_with_maps};
 use photosite::spectrum::{Spectrum, illuminant};
 use photosite::units::{Electrons, Seconds};
 use photosite::{Error, Invalid, Result};
@@ -131,10 +131,21 @@ impl<'a> Chain<'a> {
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
+        self.read_out_with_maps(exposed, frame, &[]).map(|(raw, _)| raw)
+    }
+
+    /// The same with maps of what some effects did.
+    pub(super) fn read_out_with_maps(
+        &self,
+        exposed: &Exposed,
+        frame: u32,
+        maps: &[NoiseMap],
+    ) -> Result<(RawImage, NoiseMaps)> {
         let Settings { sensor, exposure: ExposureSettings { stages, .. }, seed, .. } = self.settings;
         let Exposed { exposure, electrons } = exposed;
         let key = NoiseKey { seed, frame: u64::from(frame) };
-        let mut raw = expose(&electrons.mean, sensor, exposure, *stages, key).map_err(|e| self.in_exposure(e))?;
+        let exposed = expose_with_maps(&electrons.mean, sensor, exposure, *stages, key, maps);
+        let (mut raw, maps) = exposed.map_err(|e| self.in_exposure(e))?;
         raw.metadata.f_number = self.optics.f_number;
         raw.metadata.focal_length_m = self.optics.focal_length_m;
         if let Some(colour) = &self.colour {
@@ -144,7 +155,7 @@ impl<'a> Chain<'a> {
         if let Some((lens, camera)) = self.lens {
             lens_corrections::add(lens, camera, &exposure.window, &mut raw);
         }
-        Ok(raw)
+        Ok((raw, maps))
     }
 
     /// The times of the bracket that is asked for, if one is.
@@ -247,7 +258,7 @@ impl<'a> Chain<'a> {
             saturation_capacity_e: sensor.saturation_capacity(exposure).0,
             read_noise_e: sensor.noise.read.0,
             as_shot_neutral: raw.metadata.as_shot_neutral.clone(),
-            colour_matrix_d65: raw.metadata.colour_matrix_d65.clone(),
+            colour_matrix_d65: raw.metadata.colour_matrix_d65().cloned(),
         }
     }
 }

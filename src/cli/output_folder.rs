@@ -9,15 +9,17 @@ use photosite::colour::ColourSpace;
 use photosite::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
 use photosite::film::Film;
 use photosite::image::Planes;
-use photosite::io::capture::{OutputSettings, RawFormat, SpectralBands, TruthOutput};
+use photosite::io::capture::{NoiseOutput, OutputSettings, RawFormat, SpectralBands, TruthOutput};
 use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::film_file::write_film;
+use photosite::io::noise_maps::{NoiseFormat, write_noise_exr, write_noise_npy};
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::raw_exr::write_raw_exr;
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::io::truth::{TruthFormat, write_truth_exr, write_truth_npy, write_truth_png};
 use photosite::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
+use photosite::sensor::{NoiseMap, NoiseMaps};
 use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
@@ -33,7 +35,7 @@ pub(super) const REPORT: &str = "capture.json";
 pub(super) const PART: &str = "part.json";
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
 /// unasked: a texture may be called `image.png`.
-const RESULTS: [(&str, &[&str]); 8] = [
+const RESULTS: [(&str, &[&str]); 9] = [
     ("film", &["npy"]),
     ("image", &["png"]),
     ("hdr", &["exr"]),
@@ -42,9 +44,12 @@ const RESULTS: [(&str, &[&str]); 8] = [
     ("irradiance", &["exr"]),
     ("raw", &["dng", "tiff", "pgm", "npy", "exr"]),
     (TRUTH, &["exr"]),
+    (NOISE, &["exr"]),
 ];
 /// What the names of files of ground truth begin with.
 const TRUTH: &str = "truth";
+/// The same of noise maps.
+const NOISE: &str = "noise";
 /// The picture that is there while a render runs.
 const PREVIEW: &str = "preview.png";
 
@@ -138,6 +143,20 @@ impl OutputFolder {
         self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
     }
 
+    /// Noise maps, in all formats that are asked for.
+    pub(super) fn write_noise(&mut self, number: Option<u32>, output: &NoiseOutput, maps: &NoiseMaps) -> Result<()> {
+        if output.maps.is_empty() {
+            return Ok(());
+        }
+        output.formats.iter().try_for_each(|format| match format {
+            NoiseFormat::Exr => self.write(&named(NOISE, number, "exr"), |to| write_noise_exr(maps, to)),
+            NoiseFormat::Npy => output.maps.iter().try_for_each(|&map| {
+                let name = named(&format!("{NOISE}-{}", map.name()), number, "npy");
+                self.write(&name, |to| write_noise_npy(maps, map, to))
+            }),
+        })
+    }
+
     /// Ground truth, in all formats that are asked for.
     pub(super) fn write_truth(&mut self, number: Option<u32>, output: &TruthOutput, truth: &Planes) -> Result<()> {
         for format in &output.formats {
@@ -227,8 +246,15 @@ fn results() -> impl Iterator<Item = String> {
         kinds.iter().flat_map(move |kind| [named(&stem, None, kind), named(&stem, Some(0), kind)])
     };
     let of_layer = move |layer: TruthLayer| names(format!("{TRUTH}-{}", layer.name()), &["npy", "png"]);
+    let of_map = move |map: NoiseMap| names(format!("{NOISE}-{}", map.name()), &["npy"]);
+    let of_maps = NoiseMap::ALL.into_iter().flat_map(of_map);
     let fixed = RESULTS.into_iter().flat_map(move |(stem, kinds)| names(stem.to_owned(), kinds));
-    [REPORT, PART].map(str::to_owned).into_iter().chain(fixed).chain(TruthLayer::ALL.into_iter().flat_map(of_layer))
+    [REPORT, PART]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(fixed)
+        .chain(TruthLayer::ALL.into_iter().flat_map(of_layer))
+        .chain(of_maps)
 }
 
 fn unusable(path: &Path, message: impl Into<String>) -> Error {

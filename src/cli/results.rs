@@ -66,9 +66,10 @@ pub(super) fn write_results(
     let first = numbers.start;
     for number in numbers {
         let start = Instant::now();
-        let raw = match &times {
-            Some(times) => chain.read_out(&shot(&exposed, times[number as usize]), number)?,
-            None => chain.read_out(&exposed, number)?,
+        let read_out = |exposed| chain.read_out_with_maps(exposed, number, &output.noise.maps);
+        let (raw, maps) = match &times {
+            Some(times) => read_out(&shot(&exposed, times[number as usize]))?,
+            None => read_out(&exposed)?,
         };
         timings.expose_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -76,6 +77,7 @@ pub(super) fn write_results(
             folder.remove_earlier()?;
         }
         folder.write_frame(output, are_named.then_some(number), &raw)?;
+        folder.write_noise(are_named.then_some(number), &output.noise, &maps)?;
         timings.write_s += start.elapsed().as_secs_f64();
         if number == first || times.is_some() {
             kept.push(raw);

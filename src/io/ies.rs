@@ -154,6 +154,8 @@ fn all_around(angles: &[f64]) -> Result<(Vec<f64>, Vec<usize>), Invalid> {
         }
         (0.0, 180.0) => rows.extend(mirrored(&rows, 180.0)),
         (0.0, 360.0) => {}
+        // Editions before that of 2002 leave out the last, which is the first.
+        (0.0, last) if last > 180.0 && last < 360.0 && is_closed(angles) => rows.push((360.0, 0)),
         // Symmetric about the plane through 90° and 270°.
         (90.0, 270.0) => {
             let right: Vec<_> = rows.iter().map(|&(angle, row)| (540.0 - angle, row)).rev().collect();
@@ -170,6 +172,12 @@ fn all_around(angles: &[f64]) -> Result<(Vec<f64>, Vec<usize>), Invalid> {
         }
     }
     Ok(rows.into_iter().unzip())
+}
+
+/// Whether the way from the last angle around to the first is no longer than the longest between two.
+fn is_closed(angles: &[f64]) -> bool {
+    let longest = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    360.0 - angles[angles.len() - 1] <= longest + 1e-6
 }
 
 #[cfg(test)]
@@ -214,6 +222,9 @@ mod tests {
         assert_eq!(rows, [0, 1, 2, 1, 0, 1, 2, 1, 0]);
         let (angles, rows) = all_around(&[90.0, 180.0, 270.0]).expect("valid");
         assert_eq!((angles, rows), (vec![0.0, 90.0, 180.0, 270.0, 360.0], vec![1, 0, 1, 2, 1]));
+        let (angles, rows) = all_around(&[0.0, 120.0, 240.0]).expect("valid");
+        assert_eq!((angles, rows), (vec![0.0, 120.0, 240.0, 360.0], vec![0, 1, 2, 0]));
+        assert!(all_around(&[0.0, 90.0, 181.0]).is_err(), "nothing is known of the other side");
     }
 
     #[test]

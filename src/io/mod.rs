@@ -17,6 +17,7 @@ mod json;
 pub mod linear_picture;
 mod mesh;
 pub mod mitsuba;
+pub mod noise_maps;
 pub mod obj;
 pub mod output;
 mod picture;

@@ -9,6 +9,7 @@ mod lights;
 mod profile;
 mod projector;
 mod sky;
+mod sun_position;
 
 pub use emission::{SurfaceEmission, Tint};
 pub use environment::{Environment, EnvironmentPicture};
@@ -16,3 +17,4 @@ pub use lights::{Lamps, Light, LightSample, Lights, TriangleLight};
 pub use profile::Profile;
 pub use projector::Projector;
 pub use sky::{Sky, SkyConditions};
+pub use sun_position::SunPosition;

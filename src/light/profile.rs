@@ -10,7 +10,8 @@ use glam::Vec3;
 pub struct Profile {
     /// rad from −z of the lamp's space, rising.
     vertical_rad: Vec<f32>,
-    /// rad about the axis, from +x towards +y, which is counter-clockwise seen from behind the lamp, rising; one alone for a lamp that is the same all around.
+    /// rad about the axis, from +x towards +y, rising; one alone for a lamp that is the same all around. That is
+    /// counter-clockwise seen from above a lamp that shines down, as LM-63-2002 §3.0, "Horizontal angles", has type C.
     horizontal_rad: Vec<f32>,
     /// candela[horizontal · number of vertical angles + vertical].
     candela: Vec<f32>,

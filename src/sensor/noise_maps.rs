@@ -406,7 +406,7 @@ impl Recorder {
         let (black, max) = (f64::from(converter.black_level_dn), f64::from(converter.max_dn()));
         let maps = [NoiseMap::ClippingDn, NoiseMap::AdcNonlinearityDn, NoiseMap::QuantisationDn];
         let maps = maps.map(|map| self.index(map));
-        let planes = &mut *self.row(numbers.y);
+        let mut planes = self.row(numbers.y);
         for (i, &number) in numbers.values.iter().enumerate() {
             let (level, number) = (f64::from(planes[SIGNAL][i]) + black, f64::from(number));
             let within = level.clamp(0.0, max);
@@ -418,6 +418,7 @@ impl Recorder {
             }
             planes[SIGNAL][i] = number as f32;
         }
+        drop(planes);
         self.mark(numbers, |number| number >= converter.max_dn());
     }
 

@@ -181,9 +181,9 @@ pub fn glass(name: &str) -> Option<Dispersion> {
 struct Medium {
     #[serde(flatten)]
     formula: Formula,
-    /// Published index at 587.56 nm, for the tests.
+    /// Published index at 587.56 nm where there is one, for the tests.
     #[cfg_attr(not(test), expect(dead_code, reason = "a published figure that the tests compare with"))]
-    nd: f64,
+    nd: Option<f64>,
 }
 
 /// Formulas by the name that the file gives them.
@@ -303,13 +303,14 @@ mod tests {
     fn glasses_have_their_published_index() {
         for (name, medium) in media() {
             let dispersion = glass(name).expect("listed").validated().expect("valid");
+            let Some(nd) = medium.nd else { continue };
             // Half a unit of the last digit given; the plastics' fits miss theirs by up to 4e-4, as the file says.
-            let decimals = medium.nd.to_string().len() - 2;
+            let decimals = nd.to_string().len() - 2;
             let tolerance = if name.starts_with('p') { 4e-4 } else { 0.5001 * 10f64.powi(-(decimals as i32)) };
             let n = dispersion.index(lines::D);
-            assert!((n - medium.nd).abs() <= tolerance, "{name}: {n} instead of {}", medium.nd);
+            assert!((n - nd).abs() <= tolerance, "{name}: {n} instead of {nd}");
         }
         assert_eq!(glass("BK7"), glass("bk7"));
-        assert!(glasses().count() >= 10 && glass("butter").is_none());
+        assert!(glasses().count() >= 27 && glass("butter").is_none());
     }
 }

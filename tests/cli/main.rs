@@ -23,6 +23,7 @@ mod lens;
 mod limits;
 mod merge;
 mod motion;
+mod mtl;
 mod noise;
 mod outputs;
 mod report;

@@ -222,3 +222,51 @@ fn impossible_ground_truth_is_refused(#[case] set: &str, #[case] message: &str) 
     let folder = room("[render]\nsamples_per_pixel = 1\n");
     folder.fail(&format!("render capture.toml -o out --set {set}"), 1, &[message]);
 }
+
+#[test]
+fn noise_maps_appear_on_request_and_sum_to_the_raw_picture() {
+    let folder = room("frames = 2\n[render]\nsamples_per_pixel = 4\n[output]\nraw = ['npy']\nnoise = true\n");
+    folder.succeed("render capture.toml -o out");
+    folder.succeed("expose out -o again --set output.noise=['dsnu_e','saturated'] --set output.noise_formats=['npy']");
+    for frame in 0..2 {
+        let read = |name: &str, results: &str| folder.results(results)[&format!("{name}-{frame:04}.exr")].clone();
+        let maps = photosite::io::exr::read_exr(std::io::Cursor::new(read("noise", "out"))).expect("EXR");
+        let number = |name: &str| {
+            maps.attributes.iter().find_map(|(key, value)| match value {
+                photosite::io::exr::Attribute::Number(number) if key == name => Some(*number),
+                _ => None,
+            })
+        };
+        let (gain, black) = (number("systemGain").expect("K"), number("blackLevel").expect("a black level"));
+        let raw = &folder.results("out")[&format!("raw-{frame:04}.npy")];
+        let raw = photosite::raw::read_npy(&raw[..]).expect("numbers");
+        for (i, &number) in raw.data.iter().enumerate() {
+            let part = |channel: &photosite::image::Channel| match channel.name.rsplit_once('_') {
+                Some((_, "e")) => gain * f64::from(channel.data[i]),
+                Some((_, "dn")) => f64::from(channel.data[i]),
+                Some(_) | None => 0.0,
+            };
+            let sum: f64 = black + maps.planes.channels().iter().map(part).sum::<f64>();
+            // Of 34 maps, each no larger than 4095 DN, as 32-bit floats.
+            assert!((sum - f64::from(number)).abs() < 34.0 * 4095.0 * (-24f64).exp2(), "{sum} for {number}");
+        }
+        // The same pattern in each frame and after exposing again, as NumPy has it.
+        let npy = &folder.results("again")[&format!("noise-dsnu_e-{frame:04}.npy")];
+        let values: Vec<f32> = npy[npy.len() - 4 * raw.data.len()..]
+            .chunks(4)
+            .map(|bytes| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]))
+            .collect();
+        assert_eq!(maps.planes.plane("dsnu_e"), Some(&values[..]));
+    }
+    let files: Vec<String> = folder.results("again").into_keys().filter(|name| name.starts_with("noise")).collect();
+    let names =
+        ["noise-dsnu_e-0000.npy", "noise-dsnu_e-0001.npy", "noise-saturated-0000.npy", "noise-saturated-0001.npy"];
+    assert_eq!(files, names);
+    folder.fail("render capture.toml -o x --set output.noise=['read_noise']", 1, &["output.noise", "read_noise_e"]);
+    folder.fail(
+        "render capture.toml -o x --set output.noise=false --set output.noise_formats=['npy']",
+        1,
+        &["output.noise_formats: has no meaning without maps"],
+    );
+    folder.fail("render capture.toml -o x --set output.noise_formats=['png']", 1, &["output.noise_formats", "png"]);
+}

@@ -141,6 +141,55 @@ pub(crate) fn wide() -> Vec<Case> {
     cases
 }
 
+/// Every model with parameters drawn from all that they may be, `count` times: what no list of cases thinks of.
+pub(crate) fn drawn(count: usize) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for number in 0..count {
+        let mut uniform = Uniform::new(10_000 + number);
+        let mut within = |low: f32, high: f32| low + (high - low) * uniform.next();
+        let mut add = |name: &str, bsdf| cases.push(Case { name: format!("{name} drawn {number}: {bsdf:?}"), bsdf });
+        let lanes = |f: &mut dyn FnMut() -> f32| SampledSpectrum::from([f(), f(), f(), f()]);
+        let ggx = [within(0.1, 1.0), within(0.1, 1.0)];
+        let ggx = Ggx::new(ggx[0], ggx[1]);
+        let colours: [SampledSpectrum; 5] = std::array::from_fn(|_| lanes(&mut || within(0.0, 1.0)));
+        let [some, other, third, ..] = colours;
+
+        let (eta, k) = (lanes(&mut || within(0.05, 4.0)), lanes(&mut || within(0.0, 6.0)));
+        add("conductor", Bsdf::Conductor { eta, k, distribution: ggx });
+        add("dielectric", glass(within(1.2, 3.0), ggx));
+        add("Oren–Nayar", Bsdf::OrenNayar { reflectance: some, roughness: within(0.0, 1.0) });
+        let share = within(0.0, 1.0);
+        let (diffuse, specular) = (some * share, other * (1.0 - share));
+        add("Phong", Bsdf::Phong(Phong { diffuse, specular, exponent: 100f32.powf(within(0.0, 1.0)) }));
+        add("translucent", Bsdf::Translucent { reflectance: diffuse, transmittance: specular });
+        // The `plastic` of capture files: glTF's material of any index.
+        let f0 = |eta: f32| SampledSpectrum::splat(((eta - 1.0) / (eta + 1.0)).powi(2));
+        let plain = Layered { base_colour: some, distribution: ggx, ..Layered::default() };
+        add("plastic", Bsdf::Layered(Layered { f0: f0(within(1.1, 2.5)), ..plain }));
+
+        let eta = within(1.2, 2.8);
+        let mut maybe = |low: f32, high: f32| if within(0.0, 1.0) < 0.5 { Some(within(low, high)) } else { None };
+        let layers = Layered {
+            metallic: maybe(0.0, 1.0).unwrap_or(0.0),
+            specular: maybe(0.0, 1.0).unwrap_or(1.0),
+            f0: f0(eta),
+            transmission: maybe(0.0, 1.0).unwrap_or(0.0),
+            volume: maybe(0.0, 1.0).map(|_| Volume { eta: SampledSpectrum::splat(eta), dispersive: false }),
+            diffuse_transmission: maybe(0.0, 1.0).unwrap_or(0.0),
+            diffuse_transmission_colour: other,
+            film: maybe(0.2, 1.0).map(|weight| Film { weight, index: 1.0 + 2.0 * share, waves: third * 3.0 }),
+            sheen: maybe(0.1, 1.0).map(|alpha| Sheen { colour: third, alpha }),
+            coat: maybe(0.1, 1.0).and_then(|alpha| coat(share, alpha)),
+            ..plain
+        };
+        // A body that light is refracted into and a leaf that it passes by diffusion are two things.
+        let is_body = layers.volume.is_some() && layers.transmission > 0.0;
+        let diffuse_transmission = if is_body { 0.0 } else { layers.diffuse_transmission };
+        add("glTF", Bsdf::Layered(Layered { diffuse_transmission, ..layers }));
+    }
+    cases
+}
+
 /// Directions to look from, above the surface: along the normal, oblique, grazing, in different azimuths.
 pub(crate) fn above() -> Vec<(String, Vec3)> {
     [(0.0, 0.0), (30.0, 50.0), (60.0, 200.0), (80.0, 320.0)].into_iter().map(|(t, p)| from_degrees(t, p)).collect()
@@ -173,7 +222,7 @@ pub(crate) fn is_seen_from_below(bsdf: &Bsdf) -> bool {
 pub(crate) fn squared_index(bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> f32 {
     let inside = match bsdf {
         Bsdf::Dielectric { eta, .. } => eta[0],
-        Bsdf::Layered(Layered { volume: Some(volume), .. }) => volume.eta[0],
+        Bsdf::Layered(Layered { volume: Some(volume), transmission, .. }) if *transmission > 0.0 => volume.eta[0],
         Bsdf::Layered(_)
         | Bsdf::Diffuse { .. }
         | Bsdf::Conductor { .. }

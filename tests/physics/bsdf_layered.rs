@@ -6,7 +6,7 @@ use glam::DVec2;
 use photosite::bsdf::{Bsdf, Film};
 use photosite::spectrum::SampledSpectrum;
 
-use super::bsdf_cases::{layered, squared_index, visible_from};
+use super::bsdf_cases::{drawn, layered, squared_index, visible_from};
 use super::quadrature::Cell;
 
 /// ∫ f·|cos| dω of each lane as power over both sides, by a fixed rule: all lobes here are wide.
@@ -34,8 +34,6 @@ fn white_materials_give_back_everything() {
     let mut wrong = Vec::new();
     for (name, layers) in layered(SampledSpectrum::ONE, &[[0.6, 0.6], [1.0, 1.0], [0.5, 0.9], [0.3, 0.87]]) {
         let [x, y] = layers.distribution.alpha();
-        // Not compensated: see `layered`.
-        let loses = !layers.is_two_sided() && layers.film.is_some();
         let tolerance = match (x == y, layers.is_two_sided()) {
             (true, _) => ISOTROPIC,
             (false, true) => ANISOTROPIC,
@@ -44,9 +42,37 @@ fn white_materials_give_back_everything() {
         let bsdf = Bsdf::Layered(layers);
         for (from, wo) in visible_from(&bsdf) {
             for (lane, power) in power(&bsdf, wo).into_iter().enumerate() {
-                if power > 1.0 + tolerance || !loses && power < 1.0 - tolerance {
+                if (power - 1.0).abs() > tolerance {
                     wrong.push(format!("{name} {from} lane {lane}: {power:.4}"));
                 }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} of all:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn no_model_gives_back_more_than_arrives() {
+    // The largest of the errors above, for what is drawn is anisotropic; of other models the rule's own, at the narrowest
+    // lobe (α = 0.1 in cells of 0.05) some 1e-3.
+    const RULE: f64 = 2e-3;
+    let mut wrong = Vec::new();
+    for case in drawn(60) {
+        let tolerance = match &case.bsdf {
+            Bsdf::Layered(layers) if layers.is_two_sided() => 0.021 + RULE,
+            Bsdf::Layered(_) => 0.051 + RULE,
+            Bsdf::Diffuse { .. }
+            | Bsdf::Conductor { .. }
+            | Bsdf::Dielectric { .. }
+            | Bsdf::OrenNayar { .. }
+            | Bsdf::Phong(_)
+            | Bsdf::Translucent { .. }
+            | Bsdf::ThinDielectric { .. } => RULE,
+        };
+        for (from, wo) in visible_from(&case.bsdf) {
+            let most = power(&case.bsdf, wo).into_iter().fold(0.0, f64::max);
+            if most > 1.0 + tolerance {
+                wrong.push(format!("{} {from}: {most:.4}", case.name));
             }
         }
     }

@@ -52,6 +52,13 @@ impl Cell {
         sum
     }
 
+    /// The cell cut across z.
+    pub(crate) fn slices(&self, count: usize) -> Vec<Self> {
+        let [low, high] = self.z;
+        let z = |i: usize| low + (high - low) * i as f64 / count as f64;
+        (0..count).map(|i| Self { z: [z(i), z(i + 1)], phi: self.phi }).collect()
+    }
+
     fn quarters(&self) -> [Self; 4] {
         let [z, phi] = [self.z, self.phi].map(|[low, high]| [low, 0.5 * (low + high), high]);
         std::array::from_fn(|i| Self { z: [z[i / 2], z[i / 2 + 1]], phi: [phi[i % 2], phi[i % 2 + 1]] })

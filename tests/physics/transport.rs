@@ -17,7 +17,7 @@ use photosite::spectrum::{Dispersion, Spectrum, Wavelengths, illuminant, library
 use crate::stage::{Stage, sphere, square};
 
 /// Moments of the radiance along a ray at one wavelength.
-fn along(scene: &Scene, origin: Vec3, direction: Vec3, max_depth: u32, paths: u32) -> Moments {
+pub(crate) fn along(scene: &Scene, origin: Vec3, direction: Vec3, max_depth: u32, paths: u32) -> Moments {
     let limits = PathLimits { max_depth, roulette_depth: 5 };
     (0..paths)
         .map(|index| {
@@ -30,7 +30,7 @@ fn along(scene: &Scene, origin: Vec3, direction: Vec3, max_depth: u32, paths: u3
 }
 
 /// Asserts that a mean is the expected one within 4.5 standard errors (one in 10⁵ by chance) and 1e-5 of rounding.
-fn assert_mean(what: &str, got: &Moments, expected: f64) {
+pub(crate) fn assert_mean(what: &str, got: &Moments, expected: f64) {
     let tolerance = 4.5 * got.variance_of_mean().sqrt() + 1e-5 * expected.abs();
     assert!((got.mean() - expected).abs() <= tolerance, "{what}: {} ± {tolerance}, not {expected}", got.mean());
 }

@@ -11,10 +11,10 @@ use crate::bsdf::microfacet::Ggx;
 
 /// Tabulated indices: from 1 to this, even in √(n − 1), since total reflection sets in at the cosine √(n² − 1)/n.
 const LARGEST_INDEX: f32 = 3.0;
-const INDICES: usize = 13;
+pub(super) const INDICES: usize = 13;
 /// Nodes along √α and √μ where roughness is the same along x and y.
-const ALPHAS: usize = 16;
-const MUS: usize = 16;
+pub(super) const ALPHAS: usize = 16;
+pub(super) const MUS: usize = 16;
 
 /// Indices and roughnesses of the table for anisotropic facets, which is integrated with fewer points.
 const ANISOTROPIC_INDICES: usize = 9;
@@ -46,9 +46,7 @@ impl GlassRow {
     /// For the index `eta` of the far side over the near one.
     #[inline]
     pub(in crate::bsdf) fn of(eta: f32, distribution: Ggx) -> Self {
-        let far_is_rarer = eta < 1.0;
-        let index = if far_is_rarer { 1.0 / eta } else { eta };
-        let place = ((index - 1.0) / (LARGEST_INDEX - 1.0)).max(0.0).sqrt();
+        let place = place(eta);
         let [x, y] = distribution.alpha();
         let facets = if x == y {
             let table = isotropic();
@@ -76,7 +74,7 @@ impl GlassRow {
                 }
             }))
         };
-        Self { facets, far_is_rarer }
+        Self { facets, far_is_rarer: eta < 1.0 }
     }
 
     /// From the near side and from the far one, each for a direction whose cosine to the surface and azimuth are those of
@@ -109,8 +107,15 @@ impl GlassRow {
     }
 }
 
+/// Where an index, or its inverse, lies among the tabulated ones, 0–1.
+#[inline]
+pub(super) fn place(eta: f32) -> f32 {
+    let index = if eta < 1.0 { 1.0 / eta } else { eta };
+    ((index - 1.0) / (LARGEST_INDEX - 1.0)).max(0.0).sqrt()
+}
+
 /// The index of a node.
-fn index(i: usize, nodes: usize) -> f32 {
+pub(super) fn index(i: usize, nodes: usize) -> f32 {
     1.0 + node(i, nodes).powi(2) * (LARGEST_INDEX - 1.0)
 }
 
@@ -119,7 +124,7 @@ fn bounced(eta: f32, distribution: Ggx, wo: Vec3, turn: f32, lattice: (usize, us
     if distribution.is_smooth() {
         return Vec2::ONE;
     }
-    let mean = |eta| lattice_mean(turn, lattice, |u| dielectric::single_bounce(eta, distribution, wo, u));
+    let mean = |eta| lattice_mean(turn, lattice, |u| dielectric::bounce(eta, distribution, wo, u).power());
     Vec2::new(mean(eta), mean(1.0 / eta))
 }
 

@@ -80,7 +80,7 @@ pub(super) fn locate(x: f32, nodes: usize) -> (usize, f32) {
 }
 
 /// The position of a node, 0–1.
-pub(super) fn node(i: usize, nodes: usize) -> f32 {
+pub(in crate::bsdf) fn node(i: usize, nodes: usize) -> f32 {
     i as f32 / (nodes - 1) as f32
 }
 

@@ -39,8 +39,8 @@
 //!
 //! Sheen attenuates wavelength by wavelength, not by its largest channel. Coat and sheen lie on both sides of thin
 //! surfaces that transmit, and on all but the clear part of those that bound a volume. A coat with a normal of its own
-//! is not reciprocal, as no mapped normal is. Facets that refract lose light to further bounces where they have a film, and
-//! give back up to 4 % too much or too little where they are anisotropic, as exact as their table is.
+//! is not reciprocal, as no mapped normal is. Facets that refract give back up to 4 % too much or too little where they are
+//! anisotropic, as exact as their table is.
 
 mod film;
 pub(super) mod sheen;

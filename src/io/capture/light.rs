@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
+use toml::value::{Datetime, Offset};
 
 use super::colour::{Finder, LightSpectrum};
 use super::tables::{
@@ -16,7 +17,7 @@ use crate::io::ies::read_ies;
 use crate::io::picture::read_picture;
 use crate::io::suggest::{did_you_mean, list};
 use crate::io::warnings::Warnings;
-use crate::light::{EnvironmentPicture, SkyConditions};
+use crate::light::{EnvironmentPicture, SkyConditions, SunPosition};
 use crate::scene::description::{
     CameraDescription, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
     ProjectorDescription, SceneDescription, look_at, looking, vector,
@@ -195,14 +196,31 @@ fn named<'a, T>(
 }
 
 fn sky(table: &SkyTable) -> Result<SkyConditions, Invalid> {
-    let within = |key: &str, value: f64, [low, high]: [f64; 2]| {
-        if (low..=high).contains(&value) {
-            return Ok(value);
+    let [elevation, azimuth] = match (&table.date_time, table.sun_elevation_deg) {
+        (Some(_), None) if table.sun_azimuth_deg.is_none() => sun_by_date(table)?,
+        (Some(_), _) => {
+            let key = if table.sun_elevation_deg.is_some() { "sun_elevation_deg" } else { "sun_azimuth_deg" };
+            return Err(
+                Invalid::new(key, "cannot go with date_time, which says where the sun is").help("remove one of them")
+            );
         }
-        Err(Invalid::new(key, format!("must lie between {low} and {high}, got {value}")))
+        (None, Some(elevation)) => {
+            for (key, is_given) in
+                [("latitude_deg", table.latitude_deg.is_some()), ("longitude_deg", table.longitude_deg.is_some())]
+            {
+                if is_given {
+                    return Err(Invalid::new(key, "goes only with date_time").help("remove it, or give date_time"));
+                }
+            }
+            [elevation, table.sun_azimuth_deg.unwrap_or(0.0)]
+        }
+        (None, None) => {
+            return Err(Invalid::new("", "does not say where the sun is")
+                .help("write sun_elevation_deg = 40, or date_time, latitude_deg and longitude_deg"));
+        }
     };
-    let elevation = within("sun_elevation_deg", table.sun_elevation_deg, [0.0, 90.0])?.to_radians();
-    let azimuth = within("sun_azimuth_deg", table.sun_azimuth_deg.unwrap_or(0.0), [-360.0, 360.0])?.to_radians();
+    let elevation = within("sun_elevation_deg", elevation, [0.0, 90.0])?.to_radians();
+    let azimuth = within("sun_azimuth_deg", azimuth, [-360.0, 360.0])?.to_radians();
     let towards_sun = DVec3::new(elevation.cos() * azimuth.sin(), elevation.sin(), -elevation.cos() * azimuth.cos());
     Ok(SkyConditions {
         towards_sun,
@@ -210,6 +228,59 @@ fn sky(table: &SkyTable) -> Result<SkyConditions, Invalid> {
         ground_albedo: within("ground_albedo", table.ground_albedo.unwrap_or(0.2), [0.0, 1.0])?,
         has_sun: table.sun.unwrap_or(true),
     })
+}
+
+fn within(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Invalid> {
+    if (low..=high).contains(&value) {
+        return Ok(value);
+    }
+    Err(Invalid::new(key, format!("must lie between {low} and {high}, got {value}")))
+}
+
+/// Elevation and azimuth of the sun, degrees, as seen at the date and place of the table.
+fn sun_by_date(table: &SkyTable) -> Result<[f64; 2], Invalid> {
+    let text = table.date_time.as_deref().unwrap_or_default();
+    let days = days_after_2000(text).map_err(|invalid| invalid.within("date_time"))?;
+    let place = |key: &str, value: Option<f64>, limit: f64| match value {
+        Some(value) => within(key, value, [-limit, limit]),
+        None => Err(Invalid::new("", format!("needs {key} with date_time"))
+            .help("for example latitude_deg = 48.1, longitude_deg = 11.6")),
+    };
+    let latitude = place("latitude_deg", table.latitude_deg, 90.0)?;
+    let sun = SunPosition::new(days, latitude, place("longitude_deg", table.longitude_deg, 180.0)?);
+    let elevation = sun.apparent_elevation_deg();
+    if elevation < 0.0 {
+        let message = format!("is at night: the sun is {:.1} degrees below the horizon", -elevation);
+        return Err(Invalid::new("date_time", message).help("the model of the sky is one by day; choose another hour"));
+    }
+    Ok([elevation, sun.azimuth_deg])
+}
+
+/// Days from noon of 1 January 2000, UT, to a date and time with an offset.
+fn days_after_2000(text: &str) -> Result<f64, Invalid> {
+    let bad = |what: &str| {
+        let message = format!("{text:?} {what}");
+        Err(Invalid::new("", message).help("for example 2026-06-21T12:00:00+02:00, or …Z for Universal Time"))
+    };
+    let Ok(Datetime { date, time, offset }) = text.parse::<Datetime>() else { return bad("is no date and time") };
+    let (Some(date), Some(time)) = (date, time) else { return bad("needs a date and a time") };
+    let minutes_east = match offset {
+        Some(Offset::Z) => 0,
+        Some(Offset::Custom { minutes }) => minutes,
+        None => return bad("does not say how far it is from Universal Time"),
+    };
+    if !(1950..=2050).contains(&date.year) {
+        return bad("is not from 1950 to 2050, where the sun's place is known");
+    }
+    let year = i32::from(date.year);
+    let days_of_months = [31, if year % 4 == 0 { 29 } else { 28 }, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    let month = usize::from(date.month) - 1;
+    let day_of_year = days_of_months[..month].iter().sum::<i32>() + i32::from(date.day);
+    // Leap years since 1948, of which 13 had passed in 2000.
+    let midnight = 365 * (year - 2000) + (year - 1949).div_euclid(4) - 12 + day_of_year - 1;
+    let minutes = 60.0 * f64::from(time.hour) + f64::from(time.minute) - f64::from(minutes_east);
+    let seconds = f64::from(time.second.unwrap_or(0)) + f64::from(time.nanosecond.unwrap_or(0)) * 1e-9;
+    Ok(f64::from(midnight) - 0.5 + (minutes + seconds / 60.0) / 1440.0)
 }
 
 fn point(finder: &Finder<'_>, table: &PointTable) -> Result<LightDescription, Invalid> {
@@ -388,4 +459,35 @@ fn positive(key: &str, value: f64) -> Result<f64, Invalid> {
         return Ok(value);
     }
     Err(Invalid::new(key, format!("must be above 0, got {value}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_are_counted_across_leap_years_and_time_zones() {
+        let days = |text: &str| days_after_2000(text).expect(text);
+        assert_eq!(days("2000-01-01T12:00:00Z"), 0.0);
+        assert_eq!(days("2000-01-01 14:00:00+02:00"), 0.0);
+        // Julian dates of Meeus, "Astronomical Algorithms" (1998), chapter 7, less 2 451 545.
+        for (text, julian) in [
+            ("1999-01-01T00:00:00Z", 2_451_179.5),
+            ("1987-01-27T00:00:00Z", 2_446_822.5),
+            ("1987-06-19T12:00:00Z", 2_446_966.0),
+            ("1988-01-27T00:00:00Z", 2_447_187.5),
+            ("1988-06-19T12:00:00Z", 2_447_332.0),
+        ] {
+            assert_eq!(days(text), julian - 2_451_545.0, "{text}");
+        }
+        for year in 1950..2050 {
+            let length = days(&format!("{}-01-01T00:00:00Z", year + 1)) - days(&format!("{year}-01-01T00:00:00Z"));
+            assert_eq!(length, if year % 4 == 0 { 366.0 } else { 365.0 }, "{year}");
+        }
+        for bad in
+            ["noon", "2026-06-21", "12:00:00", "2026-06-21T12:00:00", "2150-06-21T12:00:00Z", "2026-13-01T00:00:00Z"]
+        {
+            assert!(days_after_2000(bad).is_err(), "{bad}");
+        }
+    }
 }

@@ -74,7 +74,9 @@ pub use dataset::DatasetFile;
 pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
-pub use settings::{Bracket, ExposureSettings, ExposureTime, OutputSettings, RawFormat, SpectralBands, TruthOutput};
+pub use settings::{
+    Bracket, ExposureSettings, ExposureTime, NoiseOutput, OutputSettings, RawFormat, SpectralBands, TruthOutput,
+};
 pub use source::CaptureSource;
 pub use stored::{StoredCapture, StoredReport};
 pub use target::read_target;

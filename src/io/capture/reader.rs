@@ -127,7 +127,8 @@ impl<'de> Deserializer<'de> for Reader<'de> {
             },
             Value::Float(value) => visitor.visit_f64(*value),
             Value::Boolean(value) => visitor.visit_bool(*value),
-            Value::Datetime(text) => Err(ReadError::new(format!("found the date {text}, which nothing here needs"))),
+            // Dates are wanted as text, so that they may be in quotes too.
+            Value::Datetime(text) => visitor.visit_borrowed_str(text),
             Value::Array(array) => {
                 let expected = expectation(&visitor);
                 let mut elements = Elements(array.iter().enumerate());
@@ -304,7 +305,7 @@ mod tests {
             ("f_number = 4\nplace = [1, true, 3]", "expected a number, found boolean `true`", "place[1]"),
             ("f_number = 4\nmode = 'oneway'", "unknown value \"oneway\"; did you mean `one-way`?", "mode"),
             ("f_number = 4\nmode = 3", "expected a text", "mode"),
-            ("f_number = 4\nflag = 1979-05-27", "found the date 1979-05-27, which nothing here needs", "flag"),
+            ("f_number = 4\nflag = 1979-05-27", "expected true or false, found string \"1979-05-27\"", "flag"),
             ("f_number = 4\ncount = { a = 1 }", "expected a whole number, not negative, found a table", "count"),
             ("fnumber = 4", "unknown key `fnumber`; did you mean `f_number`?", ""),
             ("count = 1", "the key `f_number` is missing", ""),

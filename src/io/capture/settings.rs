@@ -7,17 +7,18 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::tables::{
-    ExposureTable, IrradianceSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
+    ExposureTable, IrradianceSource, NoiseSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
 };
 use crate::Invalid;
 use crate::calibration::truth::TruthLayer;
 use crate::develop::RawLayout;
 use crate::integrator::RenderSettings;
+use crate::io::noise_maps::NoiseFormat;
 use crate::io::truth::TruthFormat;
 use crate::raw::{Area, Cfa, DngCompression, dng_can_hold};
 use crate::sampler::SamplerKind;
 use crate::scene::description::looking;
-use crate::sensor::{AutoExposure, Binning, BinningMethod, Exposure, Metering, SensorModel, Stages, Window};
+use crate::sensor::{AutoExposure, Binning, BinningMethod, Exposure, Metering, NoiseMap, SensorModel, Stages, Window};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
@@ -116,6 +117,8 @@ pub struct OutputSettings {
     pub ideal: bool,
     /// What is told of the surfaces that pixels see.
     pub truth: TruthOutput,
+    /// What is told of the sensor's noise.
+    pub noise: NoiseOutput,
     /// Time between pictures of a render that is under way; `None` for no such pictures.
     pub preview_interval: Option<Duration>,
 }
@@ -131,6 +134,15 @@ pub struct TruthOutput {
     pub depth_unit_m: f64,
     /// Partner → camera of a stereo pair, m.
     pub partner: Option<DAffine3>,
+}
+
+/// Which noise maps are written, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoiseOutput {
+    /// The maps, none twice.
+    pub maps: Vec<NoiseMap>,
+    /// The formats of each.
+    pub formats: Vec<NoiseFormat>,
 }
 
 /// Formats of raw pictures.
@@ -417,6 +429,7 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
         electrons: table.electrons.unwrap_or(true),
         ideal: table.ideal.unwrap_or(false),
         truth: truth(table)?,
+        noise: noise(table)?,
         irradiance: match table.irradiance {
             None | Some(IrradianceSource::Flag(false)) => None,
             Some(IrradianceSource::Flag(true)) => Some(SpectralBands::default()),
@@ -463,6 +476,19 @@ fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
     let unit_mm = table.truth_depth_unit_mm.map(|mm| positive_number("truth_depth_unit_mm", mm, "0.1"));
     let depth_unit_m = unit_mm.transpose()?.unwrap_or(1.0) * 1e-3;
     Ok(TruthOutput { layers, formats, depth_unit_m, partner: partner.transpose()? })
+}
+
+fn noise(table: &OutputTable) -> Result<NoiseOutput, Invalid> {
+    let maps = match &table.noise {
+        None | Some(NoiseSource::Flag(false)) => Vec::new(),
+        Some(NoiseSource::Flag(true)) => NoiseMap::ALL.to_vec(),
+        Some(NoiseSource::Maps(maps)) => without_repetition(maps),
+    };
+    if maps.is_empty() && table.noise_formats.is_some() {
+        return Err(Invalid::new("noise_formats", "has no meaning without maps").help("write noise = true, too"));
+    }
+    let formats = without_repetition(table.noise_formats.as_deref().unwrap_or(&[NoiseFormat::Exr]));
+    Ok(NoiseOutput { maps, formats })
 }
 
 /// Partner → camera.

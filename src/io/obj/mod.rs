@@ -10,9 +10,11 @@
 
 mod geometry;
 mod lines;
+mod map;
 mod material;
 mod mesh;
 mod mtl;
+mod pictures;
 mod polygon;
 
 #[cfg(test)]
@@ -21,19 +23,17 @@ mod tests;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use glam::DAffine3;
 
 use super::mesh::checked;
-use super::picture::read_picture;
 use super::warnings::Warnings;
-use crate::scene::description::{InstanceDescription, SceneDescription, TextureDescription};
-use crate::texture::{Bitmap, Texels};
+use crate::scene::description::{InstanceDescription, SceneDescription};
 use crate::{Error, Invalid, Result};
 use geometry::Geometry;
-use material::{MaterialTextures, describe, undescribed};
-use mtl::{Map, MtlMaterial};
+use material::{describe, roughness_of_exponent, undescribed};
+use mtl::MtlMaterial;
+use pictures::Pictures;
 
 pub use mesh::MissingNormals;
 
@@ -142,58 +142,4 @@ fn read_libraries(
 fn file_beside(folder: &Path, name: &str) -> PathBuf {
     let path = folder.join(name);
     if path.exists() || !name.contains('\\') { path } else { folder.join(name.replace('\\', "/")) }
-}
-
-/// Pictures that were read so far.
-#[derive(Default)]
-struct Pictures {
-    images: Vec<Arc<Bitmap>>,
-    /// By path, and by whether the picture was made a mask of opacity.
-    slots: HashMap<(PathBuf, bool), usize>,
-}
-
-impl Pictures {
-    fn of_material(&mut self, mtl: &MtlMaterial, library: &Path) -> Result<MaterialTextures> {
-        let mut texture = |map: &Option<Map>, is_opacity| match map {
-            Some(map) => self.texture(map, library, is_opacity).map(Some),
-            None => Ok(None),
-        };
-        Ok(MaterialTextures {
-            diffuse: texture(&mtl.diffuse_map, false)?,
-            emission: texture(&mtl.emission_map, false)?,
-            opacity: texture(&mtl.opacity_map, true)?,
-            roughness: texture(&mtl.roughness_map, false)?,
-            metallic: texture(&mtl.metallic_map, false)?,
-            normal: texture(&mtl.normal_map, false)?,
-        })
-    }
-
-    fn texture(&mut self, map: &Map, library: &Path, is_opacity: bool) -> Result<TextureDescription> {
-        let path = file_beside(library.parent().unwrap_or(Path::new("")), &map.file);
-        let image = match self.slots.get(&(path.clone(), is_opacity)) {
-            Some(&slot) => slot,
-            None => {
-                let mut picture = read_picture(&path).map_err(|e| e.within(&map.key).at_line(library, map.line))?;
-                if is_opacity {
-                    to_opacity(&mut picture);
-                }
-                self.images.push(Arc::new(picture));
-                self.slots.insert((path, is_opacity), self.images.len() - 1);
-                self.images.len() - 1
-            }
-        };
-        Ok(TextureDescription { image, uv_set: 0, sampler: map.sampler, transform: map.transform })
-    }
-}
-
-/// Moves a grey picture of opacity into the alpha channel, where textures of opacity have it. A picture that makes use
-/// of its own alpha channel already stays.
-fn to_opacity(picture: &mut Bitmap) {
-    match &mut picture.texels {
-        Texels::Rgba8(texels) if texels.iter().all(|t| t[3] == u8::MAX) => texels.iter_mut().for_each(|t| t[3] = t[0]),
-        Texels::Rgba16(texels) if texels.iter().all(|t| t[3] == u16::MAX) => {
-            texels.iter_mut().for_each(|t| t[3] = t[0])
-        }
-        Texels::Rgba8(_) | Texels::Rgba16(_) | Texels::Rgb32F(_) => {}
-    }
 }

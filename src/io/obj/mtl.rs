@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use glam::Vec2;
+use glam::DVec3;
 
 use super::lines::{Statement, number, statements};
+use super::map::{Map, MapChannel, map};
 use crate::io::warnings::Warnings;
-use crate::scene::description::Channel;
-use crate::texture::{SamplerSettings, UvTransform, Wrap};
+use crate::spectrum::rgb;
 use crate::{Invalid, Result};
 
 /// A material as the file has it. Colours are taken as linear sRGB: the format does not say.
@@ -45,27 +45,20 @@ pub(super) struct MtlMaterial {
     /// `anisor`, in turns.
     pub(super) anisotropy_rotation: Option<f32>,
     pub(super) diffuse_map: Option<Map>,
+    pub(super) specular_map: Option<Map>,
     pub(super) emission_map: Option<Map>,
+    /// Factor of the exponent.
+    pub(super) shininess_map: Option<Map>,
     pub(super) opacity_map: Option<Map>,
     pub(super) roughness_map: Option<Map>,
     pub(super) metallic_map: Option<Map>,
+    pub(super) sheen_map: Option<Map>,
+    pub(super) coat_map: Option<Map>,
+    pub(super) coat_roughness_map: Option<Map>,
     /// `norm`: a tangent-space normal map.
     pub(super) normal_map: Option<Map>,
-}
-
-/// A reference to a picture.
-#[derive(Clone, Debug)]
-pub(super) struct Map {
-    pub(super) file: String,
-    pub(super) sampler: SamplerSettings,
-    pub(super) transform: UvTransform,
-    /// `-imfchan`: which channel counts where one does.
-    pub(super) channel: Channel,
-    /// `-bm`: factor of bumps.
-    pub(super) bumps: f32,
-    /// Line and keyword, for messages.
-    pub(super) line: usize,
-    pub(super) key: String,
+    /// `bump`: heights.
+    pub(super) bump_map: Option<Map>,
 }
 
 /// Reads the text of an MTL file.
@@ -123,13 +116,27 @@ impl MtlMaterial {
             "aniso" => self.anisotropy = Some(statement.numbers::<1>(1)?.0[0]),
             "anisor" => self.anisotropy_rotation = Some(statement.numbers::<1>(1)?.0[0]),
             "map_Kd" => self.diffuse_map = Some(map(statement, warnings)?),
+            "map_Ks" => self.specular_map = Some(map(statement, warnings)?),
             "map_Ke" => self.emission_map = Some(map(statement, warnings)?),
+            "map_Ns" => self.shininess_map = Some(map(statement, warnings)?),
             "map_d" => self.opacity_map = Some(map(statement, warnings)?),
             "map_Pr" => self.roughness_map = Some(map(statement, warnings)?),
             "map_Pm" => self.metallic_map = Some(map(statement, warnings)?),
+            "map_Ps" => self.sheen_map = Some(map(statement, warnings)?),
+            "map_Pc" => self.coat_map = Some(map(statement, warnings)?),
+            "map_Pcr" => self.coat_roughness_map = Some(map(statement, warnings)?),
+            // Roughness, metalness and occlusion in one picture, in the order that the letters say.
+            "map_RMA" | "map_ORM" => {
+                let [roughness, metallic] = match key {
+                    "map_RMA" => [MapChannel::R, MapChannel::G],
+                    _ => [MapChannel::G, MapChannel::B],
+                };
+                let packed = map(statement, warnings)?;
+                self.roughness_map = Some(Map { channel: Some(roughness), ..packed.clone() });
+                self.metallic_map = Some(Map { channel: Some(metallic), ..packed });
+            }
             "norm" | "map_Kn" => self.normal_map = Some(map(statement, warnings)?),
-            "map_Bump" | "map_bump" | "bump" => left_out("a height map; give a normal map as norm"),
-            "map_Ks" | "map_Ns" | "map_Ps" | "map_Pc" | "map_Pcr" | "map_RMA" | "map_ORM" => left_out("a texture"),
+            "map_Bump" | "map_bump" | "bump" => self.bump_map = Some(map(statement, warnings)?),
             "disp" | "decal" | "refl" => left_out("a texture"),
             // Of pictures that stand for surroundings, of light that comes from nowhere, of rasterisers.
             "sharpness" | "Ka" | "map_Ka" | "map_aat" => {}
@@ -139,116 +146,37 @@ impl MtlMaterial {
     }
 }
 
-/// `r g b`, or `r` for grey. Spectral files and CIE coordinates are left out with a warning.
+/// `r g b`, or `r` for grey; the same after `xyz`, where white has the XYZ of D65 at Y = 1. Files of spectra are left out
+/// with a warning.
 fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[f32; 3]>, Invalid> {
-    if matches!(statement.words().next(), Some("spectral" | "xyz")) {
+    let mut words = statement.words();
+    let form = words.next().filter(|word| matches!(*word, "spectral" | "xyz"));
+    if form == Some("spectral") {
         let (line, key) = (statement.line, statement.keyword());
-        warnings.once(format!("line {line}: {key} as a spectrum or as XYZ is not supported and is left out"));
+        warnings.once(format!("line {line}: {key} as a spectral curve is not supported and is left out"));
         return Ok(None);
     }
-    let (colour, count) = statement.numbers::<3>(1)?;
-    match count {
-        1 => Ok(Some([colour[0]; 3])),
-        3 => Ok(Some(colour)),
-        _ => Err(Invalid::new("", format!("needs 1 or 3 numbers, found {count}"))),
-    }
-}
-
-/// A file name after its options.
-fn map(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Map, Invalid> {
-    let mut left_out = |option: &str| {
-        let (line, key) = (statement.line, statement.keyword());
-        warnings.once(format!("line {line}: {key}: the option -{option} is not supported and is left out"));
+    let words = if form.is_some() { words } else { statement.words() };
+    let numbers: Vec<f32> = words.take(4).map(number).collect::<Result<_, _>>()?;
+    let colour = match numbers[..] {
+        [grey] => [grey; 3],
+        [x, y, z] => [x, y, z],
+        _ => return Err(Invalid::new("", format!("needs 1 or 3 numbers, found {}", numbers.len()))),
     };
-    let mut rest = statement.rest();
-    let mut sampler = SamplerSettings::default();
-    let (mut scale, mut offset) = (Vec2::ONE, Vec2::ZERO);
-    let (mut channel, mut bumps) = (Channel::R, 1.0);
-    while let Some(option) = rest.strip_prefix('-') {
-        let (option, mut after) = split_word(option);
-        match option {
-            "s" => (scale, after) = vector(after, 1.0),
-            "o" => (offset, after) = vector(after, 0.0),
-            "t" => {
-                let turbulence;
-                (turbulence, after) = vector(after, 0.0);
-                if turbulence != Vec2::ZERO {
-                    left_out(option);
-                }
-            }
-            "mm" => {
-                let (base, next) = split_word(after);
-                let (gain, next) = split_word(next);
-                if (number(base)?, number(gain)?) != (0.0, 1.0) {
-                    left_out(option);
-                }
-                after = next;
-            }
-            "bm" => {
-                let (word, next) = split_word(after);
-                (bumps, after) = (number(word)?, next);
-            }
-            "imfchan" => {
-                let (word, next) = split_word(after);
-                channel = match word {
-                    // Luminance: of a grey picture every channel is.
-                    "r" | "l" => Channel::R,
-                    "g" => Channel::G,
-                    "b" => Channel::B,
-                    "m" => Channel::A,
-                    _ => {
-                        left_out(option);
-                        Channel::R
-                    }
-                };
-                after = next;
-            }
-            "clamp" => {
-                let (word, next) = split_word(after);
-                if word == "on" {
-                    sampler.wrap = [Wrap::ClampToEdge; 2];
-                }
-                after = next;
-            }
-            "blendu" | "blendv" | "boost" | "cc" | "texres" | "type" | "colorspace" => {
-                after = split_word(after).1;
-            }
-            // A file may be called anything, even this.
-            _ => break,
-        }
-        rest = after;
-    }
-    if rest.is_empty() {
-        return Err(Invalid::new("", "names no file"));
-    }
-    // OBJ scales and moves from the bottom of the picture, glTF (v' = 1 − v) from its top:
-    // 1 − (s·(1 − v') + o) = s·v' + (1 − s − o).
-    let transform = UvTransform { offset: Vec2::new(offset.x, 1.0 - scale.y - offset.y), rotation_rad: 0.0, scale };
-    let (line, key) = (statement.line, statement.keyword().to_owned());
-    Ok(Map { file: rest.to_owned(), sampler, transform, channel, bumps, line, key })
-}
-
-/// The first word and what follows it.
-fn split_word(text: &str) -> (&str, &str) {
-    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    (word, rest.trim_start())
-}
-
-/// One to three numbers, of which the third (for solid textures) does not count, and what follows them.
-fn vector(text: &str, default: f32) -> (Vec2, &str) {
-    let mut values = [default; 3];
-    let mut rest = text;
-    for value in &mut values {
-        let (word, after) = split_word(rest);
-        let Ok(parsed) = number(word) else { break };
-        (*value, rest) = (parsed, after);
-    }
-    (Vec2::new(values[0], values[1]), rest)
+    Ok(Some(if form.is_some() {
+        (*rgb::xyz_to_rgb() * DVec3::from_array(colour.map(f64::from))).as_vec3().to_array()
+    } else {
+        colour
+    }))
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec2;
+
     use super::*;
+    use crate::io::obj::map::Range;
+    use crate::texture::Wrap;
 
     fn material(lines: &str) -> Result<MtlMaterial> {
         let found = parse(&format!("newmtl m\n{lines}"), Path::new("a.mtl"), &mut Warnings::default())?;
@@ -269,21 +197,40 @@ mod tests {
         assert_eq!((m.transmission_filter, m.coat, m.coat_roughness), (Some([1.0, 0.5, 0.0]), Some(0.3), Some(0.1)));
         assert_eq!((m.sheen, m.anisotropy, m.anisotropy_rotation), (Some(0.2), Some(0.7), Some(0.25)));
         assert_eq!(material("Tr 1\nd -halo 0.5").expect("valid").opacity, Some(0.5));
-        assert_eq!(material("Kd spectral gold.rfl 1.0\nKs xyz 1 1 1").expect("left out").diffuse, None);
+        assert_eq!(material("Kd spectral gold.rfl 1.0").expect("left out").diffuse, None);
+        // The red of sRGB has (x, y) = (0.64, 0.33) and Y = 0.2126, rounded.
+        let [r, g, b] = material("Ks xyz 0.4124 0.2126 0.0193").expect("valid").specular.expect("a colour");
+        assert!((r - 1.0).abs() < 1e-3 && g.abs() < 1e-3 && b.abs() < 1e-3, "{r} {g} {b}");
     }
 
     #[test]
     fn options_of_maps_are_followed_and_names_may_have_blanks() {
-        let map =
-            material("map_Kd -clamp on -s 2 4 -o 0.5 0.25 -bm 0.3 -mm 0 1 my wood.png").expect("valid").diffuse_map;
-        let map = map.expect("a map");
-        assert_eq!((map.bumps, map.channel), (0.3, Channel::R));
-        let rough = material("map_Pr -imfchan g -mm 0.5 2 r.png").expect("valid").roughness_map.expect("a map");
-        assert_eq!((rough.channel, rough.file.as_str()), (Channel::G, "r.png"));
+        let text = "map_Kd -clamp on -s 2 4 -o 0.5 0.25 -bm 0.3 -mm 0 1 my wood.png";
+        let map = material(text).expect("valid").diffuse_map.expect("a map");
+        assert_eq!((map.bumps, map.channel, map.range), (0.3, None, Range::WHOLE));
         assert_eq!((map.file.as_str(), map.sampler.wrap), ("my wood.png", [Wrap::ClampToEdge; 2]));
         // At OBJ's (u, v) = (0, 0), which is (0, 1) here, OBJ looks up (0.5, 0.25), which is (0.5, 0.75) here.
         assert_eq!(Vec2::new(0.0, 1.0) * map.transform.scale + map.transform.offset, Vec2::new(0.5, 0.75));
+        let rough = material("map_Pr -imfchan g -mm 0.5 2 r.png").expect("valid").roughness_map.expect("a map");
+        assert_eq!((rough.channel, rough.file.as_str()), (Some(MapChannel::G), "r.png"));
+        assert_eq!(rough.range, Range { base: 0.5, gain: 2.0 });
         assert_eq!(material("norm -odd name.png").expect("valid").normal_map.expect("a map").file, "-odd name.png");
+    }
+
+    #[test]
+    fn every_map_has_its_place() {
+        let text = "map_Ks a\nmap_Ke b\nmap_Ns c\nmap_Ps d\nmap_Pc e\nmap_Pcr f\nbump -bm 0.5 g\nmap_d h";
+        let m = material(text).expect("valid");
+        let all = [m.specular_map, m.emission_map, m.shininess_map, m.sheen_map, m.coat_map, m.coat_roughness_map];
+        let files: Vec<_> =
+            all.into_iter().chain([m.bump_map, m.opacity_map]).map(|m| m.expect("a map").file).collect();
+        assert_eq!(files, ["a", "b", "c", "d", "e", "f", "g", "h"]);
+        for (key, channels) in
+            [("map_RMA", [MapChannel::R, MapChannel::G]), ("map_ORM", [MapChannel::G, MapChannel::B])]
+        {
+            let m = material(&format!("{key} all.png")).expect("valid");
+            assert_eq!([m.roughness_map, m.metallic_map].map(|m| m.expect("a map").channel), channels.map(Some));
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 
 use super::{Layered, Volume, sheen};
 use crate::bsdf::albedo::{
-    Albedo, COAT_F0, FILM_NODES, FilmRow, FilmWeights, GlassRow, Hidden, HiddenPart, Row, SheenRow,
+    Albedo, COAT_F0, FILM_NODES, FilmGlassRow, FilmRow, FilmWeights, GlassRow, Hidden, HiddenPart, Row, SheenRow, node,
 };
 use crate::bsdf::dielectric::{self, Refraction};
 use crate::bsdf::fresnel::{self, schlick_weight};
@@ -56,6 +56,8 @@ struct Under {
     sheen: (f32, Option<HiddenPart>),
     /// One bounce at a refracting interface: from the side of `wo`, and from the other.
     glass: [f32; 2],
+    /// The change of that by a film, by its nodes.
+    film_glass: Option<[FilmWeights; 2]>,
 }
 
 /// Tables for the layers of a point.
@@ -65,6 +67,7 @@ struct Tables {
     coat: Option<(Row, Hidden)>,
     sheen: Option<(SheenRow, Hidden)>,
     glass: Option<GlassRow>,
+    film_glass: Option<FilmGlassRow>,
 }
 
 /// What the layers take of light from one direction, and what they leave, or the mean of that over the hemisphere.
@@ -83,7 +86,7 @@ struct Share {
     /// The same where the facets are white: what bounces more than once between them.
     left_by_white: SampledSpectrum,
     /// What one bounce at a refracting interface leaves, on the side of `wo` and on the other.
-    left_by_glass: [f32; 2],
+    left_by_glass: [SampledSpectrum; 2],
 }
 
 /// The weights of a lobe that is spread like Lambert's over what is left: for light that the coloured base, facets in
@@ -124,6 +127,7 @@ impl<'a> View<'a> {
             coat: layers.coat.map(|c| (Row::of(c.distribution), Hidden::by_coat(c.distribution, base))),
             sheen: layers.sheen.map(|s| (SheenRow::of(s.alpha), Hidden::by_sheen(s.alpha, base))),
             glass: refracting.map(|v| GlassRow::of(v.eta[0], base)),
+            film_glass: refracting.filter(|_| layers.film.is_some()).map(|v| FilmGlassRow::of(v.eta[0], base)),
         };
         let film = layers.film.map(|film| {
             let nodes = |f0| std::array::from_fn(|j| film.reflectance(j as f32 / (FILM_NODES - 1) as f32, f0));

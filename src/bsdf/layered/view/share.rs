@@ -22,6 +22,7 @@ impl View<'_> {
                 .as_ref()
                 .map_or((0.0, None), |(row, hidden)| (row.directional(w.z), Some(hidden.directional(w.z)))),
             glass: tables.glass.as_ref().map_or([1.0; 2], |row| row.directional(w)),
+            film_glass: tables.film_glass.as_ref().map(|row| row.directional(w.z)),
         }
     }
 
@@ -38,6 +39,7 @@ impl View<'_> {
                 .map_or((0.0, None), |(row, hidden)| (weight * row.mean().at(COAT_F0), Some(hidden.mean()))),
             sheen: tables.sheen.as_ref().map_or((0.0, None), |(row, hidden)| (row.mean(), Some(hidden.mean()))),
             glass: tables.glass.as_ref().map_or([1.0; 2], GlassRow::mean),
+            film_glass: tables.film_glass.as_ref().map(FilmGlassRow::mean),
         }
     }
 
@@ -55,9 +57,7 @@ impl View<'_> {
             (_, _, _) => schlick,
         };
         let (bare, bare_white) = (bare * layers.specular, SampledSpectrum::splat(scale + bias));
-        // The table is for the exact reflectance alone; with a film, what bounces twice is lost rather than gained.
-        let left_by_glass =
-            if layers.film.is_some() { [0.0; 2] } else { under.glass.map(|bounced| (1.0 - bounced).max(0.0)) };
+        let left_by_glass = self.left_by_glass(under);
         if layers.coat.is_none() && layers.sheen.is_none() {
             let (left, left_by_white) = (at_least_zero(ONE - bare), at_least_zero(ONE - bare_white));
             let (dielectric, white) = (bare, bare_white);
@@ -87,6 +87,23 @@ impl View<'_> {
         }
     }
 
+    /// What one bounce at a refracting interface leaves, on the side of `wo` and on the other.
+    #[inline]
+    fn left_by_glass(&self, under: &Under) -> [SampledSpectrum; 2] {
+        let bare = under.glass.map(|bounced| SampledSpectrum::splat(1.0 - bounced));
+        let (Some(film), Some([nodes, _]), Some(weights), Some(volume)) =
+            (self.layers.film, &self.film, under.film_glass, self.refracting)
+        else {
+            return bare.map(at_least_zero);
+        };
+        let outside = volume.eta[0].max(1.0 / volume.eta[0]);
+        let change = std::array::from_fn(|j| {
+            let cos = node(j, FILM_NODES);
+            nodes[j] - SampledSpectrum::splat(fresnel::dielectric(cos, outside).reflectance)
+        });
+        [0, 1].map(|side| at_least_zero(bare[side] - at_nodes(&change, &weights[side]) * film.weight))
+    }
+
     /// The colours of the lobes that share out what is left, see the module.
     #[inline]
     pub(super) fn spread(&self) -> [Spread; 2] {
@@ -111,14 +128,17 @@ impl View<'_> {
             }
             Some(volume) => {
                 let [here, there] = self.mean.left_by_glass;
-                let most = here.max(there);
-                if most > NOTHING_LEFT {
-                    let let_in = 1.0 - mean_dielectric(volume.eta[0]);
-                    // What crosses is let_in·there/most of what is left here, and reciprocally.
-                    let crossing = let_in * there / most;
-                    glass[0] = SampledSpectrum::splat(clear * FRAC_1_PI * (1.0 - crossing) / here.max(NOTHING_LEFT));
-                    let over_squared_index = FRAC_1_PI * let_in / (most * volume.eta[0] * volume.eta[0]);
-                    glass[1] = layers.base_colour * (clear * over_squared_index);
+                let let_in = 1.0 - mean_dielectric(volume.eta[0]);
+                for lane in 0..4 {
+                    let (here, there) = (here[lane], there[lane]);
+                    let most = here.max(there);
+                    if most > NOTHING_LEFT {
+                        // What crosses is let_in·there/most of what is left here, and reciprocally.
+                        let crossing = let_in * there / most;
+                        glass[0].0[lane] = clear * FRAC_1_PI * (1.0 - crossing) / here.max(NOTHING_LEFT);
+                        let over_squared_index = FRAC_1_PI * let_in / (most * volume.eta[0] * volume.eta[0]);
+                        glass[1].0[lane] = layers.base_colour[lane] * (clear * over_squared_index);
+                    }
                 }
             }
             None => {}
@@ -172,6 +192,6 @@ impl Share {
         white: ZERO,
         left: ZERO,
         left_by_white: ZERO,
-        left_by_glass: [0.0; 2],
+        left_by_glass: [ZERO; 2],
     };
 }

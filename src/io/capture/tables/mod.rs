@@ -34,7 +34,7 @@ pub(super) use material::{
 };
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
 pub(super) use settings::{
-    ExposureTable, IrradianceSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
+    ExposureTable, IrradianceSource, NoiseSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
 };
 pub(super) use target::{PlacementTable, TargetTable};
 

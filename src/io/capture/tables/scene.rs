@@ -103,10 +103,16 @@ pub(crate) struct EnvironmentTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SkyTable {
-    /// Height of the sun above the horizon, degrees, 0–90.
-    pub(crate) sun_elevation_deg: f64,
-    /// Where the sun stands, degrees from north over east. Left out: 0.
+    /// Height of the sun above the horizon, degrees, 0–90; or give date_time.
+    pub(crate) sun_elevation_deg: Option<f64>,
+    /// Where the sun stands, degrees from north over east. Left out, as is date_time: 0.
     pub(crate) sun_azimuth_deg: Option<f64>,
+    /// When it is, with the offset from Universal Time: 2026-06-21T12:00:00+02:00. Years 1950 to 2050.
+    pub(crate) date_time: Option<String>,
+    /// Where it is, with date_time: degrees north of the equator.
+    pub(crate) latitude_deg: Option<f64>,
+    /// The same: degrees east of Greenwich.
+    pub(crate) longitude_deg: Option<f64>,
     /// Haze: 2 is very clear, 3 clear, 6 warm and moist, 10 hazy; 1–10. Left out: 3.
     pub(crate) turbidity: Option<f64>,
     /// Reflectance of the ground, which the sky sees, 0–1. Left out: 0.2.

@@ -6,9 +6,10 @@ use serde::Deserialize;
 use crate::calibration::truth::TruthLayer;
 use crate::develop::RawLayout;
 use crate::io::capture::settings::RawFormat;
+use crate::io::noise_maps::NoiseFormat;
 use crate::io::truth::TruthFormat;
 use crate::raw::DngCompression;
-use crate::sensor::{BinningMethod, Stage};
+use crate::sensor::{BinningMethod, NoiseMap, Stage};
 
 /// How long, at what gain and temperature.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -121,6 +122,12 @@ pub(crate) struct OutputTable {
     pub(crate) truth_depth_unit_mm: Option<f64>,
     /// Where the other camera of a stereo pair is, one of the same kind, for "disparity".
     pub(crate) truth_partner: Option<PartnerTable>,
+    /// What each effect of the sensor has added to every number of the raw picture: true for all maps, or a list such as
+    /// "photon_shot_noise_e", "dark_current_e", "prnu_e", "dsnu_e", "read_noise_e", "quantisation_dn", "saturated"; e for e⁻, dn for
+    /// DN. Left out: false.
+    pub(crate) noise: Option<NoiseSource>,
+    /// Formats of that: "exr" for one file noise.exr, "npy" for one file a map. Left out: ["exr"].
+    pub(crate) noise_formats: Option<Vec<NoiseFormat>>,
     /// Mean electrons of every pixel, without noise. Left out: true.
     pub(crate) electrons: Option<bool>,
     /// Seconds between pictures of a render that is under way; 0 for none. Left out: 10.
@@ -150,6 +157,19 @@ pub(crate) enum TruthSource {
     Flag(bool),
     /// These layers.
     Layers(Vec<TruthLayer>),
+}
+
+/// true, false, or a list of maps.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected true, false, or a list such as [\"read_noise_e\", \"prnu_e\"]; `photosite schema` has all maps"
+)]
+pub(crate) enum NoiseSource {
+    /// All maps, or none.
+    Flag(bool),
+    /// These maps.
+    Maps(Vec<NoiseMap>),
 }
 
 /// true, false, or { bands_nm = [first, last, step] }.

@@ -1,0 +1,47 @@
+//! Noise maps as files: all in one OpenEXR file, or each as a NumPy array of `float32`.
+//!
+//! The attributes `systemGain` (DN/e⁻) and `blackLevel` (DN) of the EXR file are those by which the maps sum to the raw picture:
+//! [`NoiseMaps`].
+
+use std::io::{self, Seek, Write};
+
+use npyz::WriterBuilder;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::sensor::{NoiseMap, NoiseMaps};
+
+use super::exr::{Attribute, write_exr};
+
+/// How noise maps are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseFormat {
+    /// One OpenEXR file of all maps.
+    Exr,
+    /// A NumPy array for each map.
+    Npy,
+}
+
+/// Writes all maps as one OpenEXR file.
+pub fn write_noise_exr<W: Write + Seek>(maps: &NoiseMaps, to: W) -> io::Result<()> {
+    let attributes = [
+        ("unit", Attribute::Text("names that end with _e: e-; with _dn: DN".to_owned())),
+        ("systemGain", Attribute::Number(maps.system_gain)),
+        ("blackLevel", Attribute::Number(maps.black_level_dn)),
+    ];
+    write_exr(&maps.planes, &attributes, to)
+}
+
+/// Writes a map as an array of shape (rows, columns), or (rows, columns, channels) where a pixel has several.
+pub fn write_noise_npy<W: Write>(maps: &NoiseMaps, map: NoiseMap, to: W) -> io::Result<()> {
+    let is_of_map = |name: &str| name.split_once('.').map_or(name, |(map, _)| map) == map.name();
+    let planes: Vec<&[f32]> =
+        maps.planes.channels().iter().filter(|c| is_of_map(&c.name)).map(|c| &c.data[..]).collect();
+    let shape = [maps.planes.height(), maps.planes.width(), planes.len()].map(|n| n as u64);
+    let shape = if planes.len() == 1 { &shape[..2] } else { &shape[..] };
+    let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(to).begin_nd()?;
+    let pixels = 0..maps.planes.width() * maps.planes.height();
+    array.extend(pixels.flat_map(|i| planes.iter().map(move |plane| plane[i])))?;
+    array.finish()
+}

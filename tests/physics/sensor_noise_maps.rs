@@ -1,0 +1,183 @@
+//! Noise maps: they sum to the picture, and each is what its stage does alone.
+
+use photosite::image::Planes;
+use photosite::math::statistics::Moments;
+use photosite::raw::Area;
+use photosite::sensor::{
+    Binning, BinningMethod, Companding, CompandingCurve, Exposure, Logarithmic, MapUnit, NoiseKey, NoiseMap, NoiseMaps,
+    SensorModel, Stage, Stages, Window, expose, expose_with_maps, presets,
+};
+use photosite::units::{Decibels, Electrons};
+use rstest::rstest;
+
+use crate::sensor_cases::{EXPOSURE, flat, noisy_sensor, noisy_sensor_with, quiet_sensor};
+
+const KEY: NoiseKey = NoiseKey { seed: 5, frame: 2 };
+
+/// A ramp of light up to twice the mean.
+fn ramp(sensor: &SensorModel, width: usize, height: usize, mean_e: f32) -> Planes {
+    let mut planes = flat(sensor, width, height, mean_e);
+    for channel in planes.channels_mut() {
+        channel.data.iter_mut().enumerate().for_each(|(i, e)| *e *= 2.0 * (i % width) as f32 / width as f32);
+    }
+    planes
+}
+
+/// Sums the maps, and finds the numbers of the picture to within rounding.
+fn assert_sum(light: &Planes, sensor: &SensorModel, exposure: &Exposure) -> NoiseMaps {
+    let plain = expose(light, sensor, exposure, Stages::ALL, KEY).expect("valid");
+    let (raw, maps) = expose_with_maps(light, sensor, exposure, Stages::ALL, KEY, &NoiseMap::ALL).expect("valid");
+    assert_eq!(raw, plain, "looking changes nothing");
+    assert_eq!((maps.planes.width(), maps.planes.height()), (raw.width, raw.height));
+    let samples = raw.cfa.samples_per_pixel();
+    assert_eq!(maps.planes.channels().len(), NoiseMap::ALL.len() * samples);
+    for (i, &number) in raw.data.iter().enumerate() {
+        let (mut sum, mut size) = (maps.black_level_dn, maps.black_level_dn);
+        for (k, map) in NoiseMap::ALL.into_iter().enumerate() {
+            let value = f64::from(maps.planes.channels()[k * samples + i % samples].data[i / samples]);
+            let value = match map.unit() {
+                MapUnit::Electrons => maps.system_gain * value,
+                MapUnit::DigitalNumbers => value,
+                MapUnit::None => continue,
+            };
+            sum += value;
+            size += value.abs();
+        }
+        // Signals and maps are 32-bit floats, each rounded to a 2⁻²⁴th of itself. A map is rounded as a difference, in bins, by the
+        // digital gain, and twice where it is told from another; the signal, no larger than the sum of all changes, by the gain,
+        // in bins and by the digital gain. All else is taken down as it is.
+        let tolerance = 8.0 * size * (-24f64).exp2();
+        assert!((sum - f64::from(number)).abs() < tolerance, "{i}: {sum} ± {tolerance} for {number}");
+        assert!(tolerance < 0.25, "the test could not tell");
+    }
+    maps
+}
+
+fn window(factor: [usize; 2], method: BinningMethod) -> Exposure {
+    let binning = Binning { factor, method };
+    let region = Some(Area { x: 4, y: 8, width: 32, height: 16 });
+    Exposure { window: Window { binning, region }, digital_gain: Decibels(5.0), ..EXPOSURE }
+}
+
+#[rstest]
+#[case::cmos(noisy_sensor_with(Stage::BrighterFatter))]
+#[case::ccd(noisy_sensor_with(Stage::Smear))]
+#[case::photon_counter(noisy_sensor_with(Stage::PhotonCounting))]
+#[case::two_gains(noisy_sensor_with(Stage::LowGainReadNoise))]
+#[case::logarithmic(SensorModel { logarithmic: Some(Logarithmic { reference_e_per_s: 500.0 }), ..noisy_sensor() })]
+fn maps_sum_to_the_picture(
+    #[case] mut sensor: SensorModel,
+    #[values(Exposure::of(EXPOSURE.time), window([2, 2], BinningMethod::Mean), window([2, 1], BinningMethod::Sum))]
+    exposure: Exposure,
+) {
+    sensor.masked.columns = [2, 4];
+    sensor.masked.rows = [2, 0];
+    assert_sum(&ramp(&sensor, 48, 32, 2000.0), &sensor, &exposure);
+}
+
+#[rstest]
+fn maps_of_added_charge_and_companded_numbers_sum_to_the_picture(
+    #[values(Stage::ReadNoise, Stage::Smear)] kind: Stage,
+) {
+    let mut sensor = noisy_sensor_with(kind);
+    let curve = CompandingCurve::KneePoints(vec![[0, 0], [2048, 2048], [65_535, 4095]]);
+    sensor.converter.companding = Some(Companding { bits: 12, curve });
+    assert_sum(&ramp(&sensor, 48, 32, 2000.0), &sensor, &window([2, 2], BinningMethod::Charge));
+}
+
+#[rstest]
+fn maps_of_presets_sum_to_the_picture(
+    #[values("generic-cmos-color", "generic-three-chip-ccd", "generic-stacked-color", "automotive-hdr-color")]
+    preset: &str,
+) {
+    let sensor = presets::model(preset).expect("a preset");
+    let light = ramp(&sensor, 48, 36, 0.6 * sensor.full_well.0 as f32);
+    assert_sum(&light, &sensor, &Exposure { gain: Decibels(3.0), ..EXPOSURE });
+}
+
+#[rstest]
+#[case(Stage::ResetNoise, NoiseMap::ResetNoiseE)]
+#[case(Stage::Telegraph, NoiseMap::TelegraphNoiseE)]
+#[case(Stage::DarkOffset, NoiseMap::DsnuE)]
+#[case(Stage::ReadNoise, NoiseMap::ReadNoiseE)]
+#[case(Stage::RowNoise, NoiseMap::RowNoiseE)]
+#[case(Stage::ColumnNoise, NoiseMap::ColumnNoiseE)]
+#[case(Stage::Flicker, NoiseMap::FlickerNoiseE)]
+#[case(Stage::HotPixels, NoiseMap::HotPixelsE)]
+#[case(Stage::PhotoResponse, NoiseMap::PrnuE)]
+#[case(Stage::DeadPixels, NoiseMap::DeadPixelsE)]
+#[case(Stage::StuckPixels, NoiseMap::StuckPixelsDn)]
+#[case(Stage::TransmissionErrors, NoiseMap::TransmissionErrorsDn)]
+#[case(Stage::ColumnAmplifiers, NoiseMap::ColumnAmplifiersDn)]
+fn a_map_is_what_its_stage_does_alone(#[case] stage: Stage, #[case] map: NoiseMap) {
+    // A gain of 1 DN/e⁻.
+    let sensor = noisy_sensor();
+    let light = flat(&sensor, 64, 48, 1500.0);
+    let with = Stages::NONE.with(stage);
+    let [with_it, without] =
+        [with, Stages::NONE].map(|stages| expose(&light, &sensor, &EXPOSURE, stages, KEY).expect("valid"));
+    let (_, maps) = expose_with_maps(&light, &sensor, &EXPOSURE, with, KEY, &[map]).expect("valid");
+    let values = maps.planes.plane(map.name()).expect("the map");
+    assert!(values.iter().any(|&value| value != 0.0));
+    for (value, (with_it, without)) in values.iter().zip(with_it.data.iter().zip(&without.data)) {
+        let difference = f64::from(*with_it) - f64::from(*without);
+        // 1500 e⁻ are a whole number, so one rounding by half a DN, and 32-bit floats of 2¹¹.
+        assert!((f64::from(*value) - difference).abs() <= 0.5 + 1e-3, "{value} for {difference}");
+    }
+}
+
+#[test]
+fn shot_noise_has_the_variance_of_its_mean_and_thermal_electrons_theirs() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.dark_current_e_per_s = 400.0;
+    sensor.noise.dark_current_nonuniformity = 0.3;
+    let light = flat(&sensor, 256, 256, 2000.0);
+    let (_, maps) = expose_with_maps(&light, &sensor, &EXPOSURE, Stages::ALL, KEY, &NoiseMap::ALL).expect("valid");
+    let moments = |map: NoiseMap| -> Moments {
+        maps.planes.plane(map.name()).expect("the map").iter().map(|&value| f64::from(value)).collect()
+    };
+    let n = 65_536.0f64;
+    for (map, variance) in [(NoiseMap::PhotonShotNoiseE, 2000.0), (NoiseMap::DarkShotNoiseE, 400.0)] {
+        let found = moments(map);
+        // 5 σ: of the mean √(σ²/n), of the variance of nearly normal numbers √(2/n).
+        assert!(found.mean().abs() < 5.0 * (variance / n).sqrt(), "{map:?}: {}", found.mean());
+        assert!((found.variance() / variance - 1.0).abs() < 5.0 * (2.0 / n).sqrt(), "{map:?}: {}", found.variance());
+    }
+    assert!(maps.planes.plane("dark_current_e").expect("the map").iter().all(|&e| e == 400.0));
+    // A log-normal factor of standard deviation 0.3: its kurtosis is 4.6, so the variance is known to √((4.6 − 1)/n).
+    let uneven = moments(NoiseMap::DarkCurrentNonuniformityE);
+    assert!((uneven.variance().sqrt() / 120.0 - 1.0).abs() < 2.5 * (3.6 / n).sqrt() + 0.005, "{}", uneven.variance());
+    // Whole electrons at 1 DN/e⁻ need no rounding.
+    assert!(maps.planes.plane("quantisation_dn").expect("the map").iter().all(|&dn| dn == 0.0));
+}
+
+#[test]
+fn the_gain_map_is_the_response_and_saturated_pixels_are_marked() {
+    let mut sensor = noisy_sensor();
+    sensor.full_well = Electrons(2100.0);
+    let light = ramp(&sensor, 64, 48, 2000.0);
+    let stages = Stages::only(&[Stage::PhotoResponse, Stage::FullWell]);
+    let (raw, maps) = expose_with_maps(&light, &sensor, &EXPOSURE, stages, KEY, &NoiseMap::ALL).expect("valid");
+    let plane = |map: NoiseMap| maps.planes.plane(map.name()).expect("the map");
+    for i in 0..raw.data.len() {
+        let [gain, light, prnu] =
+            [NoiseMap::PrnuGain, NoiseMap::PhotoElectronsE, NoiseMap::PrnuE].map(|map| plane(map)[i]);
+        // Both are differences or factors of the same 32-bit floats.
+        assert!((light * (gain - 1.0) - prnu).abs() <= 3.0 * light * f32::EPSILON, "{light} · {gain}, {prnu}");
+        let cut = plane(NoiseMap::FullWellE)[i] < 0.0;
+        assert_eq!(plane(NoiseMap::Saturated)[i] == 1.0, cut, "pixel {i}");
+    }
+    let marked = plane(NoiseMap::Saturated).iter().filter(|&&mark| mark == 1.0).count();
+    assert!((1000..2000).contains(&marked), "about the brighter half of 3072: {marked}");
+}
+
+#[test]
+fn names_end_with_units_and_tell_maps_apart() {
+    for (i, map) in NoiseMap::ALL.into_iter().enumerate() {
+        assert_eq!(serde_json::from_value::<NoiseMap>(map.name().into()).ok(), Some(map), "one name everywhere");
+        assert!(NoiseMap::ALL[..i].iter().all(|other| other.name() != map.name()));
+    }
+    assert_eq!(NoiseMap::PrnuE.unit(), MapUnit::Electrons);
+    assert_eq!(NoiseMap::ClippingDn.unit(), MapUnit::DigitalNumbers);
+    assert_eq!((NoiseMap::Saturated.unit(), NoiseMap::PrnuGain.unit()), (MapUnit::None, MapUnit::None));
+}
