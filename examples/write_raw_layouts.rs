@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use photosite::io::output::{create_folder, write_whole};
 use photosite::raw::{
-    Area, BlackLevel, Cfa, DngCompression, GainMap, RawImage, RawMetadata, Warp, write_compressed_dng, write_npy,
-    write_pgm, write_tiff,
+    Area, BlackLevel, Cfa, ColourCalibration, DngCompression, GainMap, LightSource, RawImage, RawMetadata, Warp,
+    write_compressed_dng, write_npy, write_pgm, write_tiff,
 };
 
 const LAYOUTS: [&str; 11] =
@@ -50,6 +50,7 @@ fn picture(layout: &str, width: usize, height: usize, bits: u32) -> Result<RawIm
     let colour = !cfa.is_mono();
     let rows = [[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6], [0.3, 0.5, 0.25]];
     let matrix = |factor: f64| rows[..channels].iter().map(|row| row.map(|entry| entry * factor)).collect();
+    let lit = |light, factor| ColourCalibration { light, colour_matrix: matrix(factor), forward_matrix: None };
     Ok(RawImage {
         width,
         height,
@@ -63,8 +64,7 @@ fn picture(layout: &str, width: usize, height: usize, bits: u32) -> Result<RawIm
             exposure_time_s: 1.0 / 125.0,
             f_number: Some(2.8),
             focal_length_m: Some(0.016),
-            colour_matrix_d65: colour.then(|| matrix(1.0)),
-            colour_matrix_a: colour.then(|| matrix(1.125)),
+            calibrations: if colour { vec![lit(LightSource::A, 1.125), lit(LightSource::D65, 1.0)] } else { vec![] },
             as_shot_neutral: colour.then(|| [0.5, 1.0, 0.7, 0.9][..channels].to_vec()),
             noise_profile: vec![[1e-4, 2e-7]; channels],
             ..RawMetadata::default()

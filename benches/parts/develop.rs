@@ -2,7 +2,7 @@
 
 use divan::{Bencher, black_box};
 use photosite::develop::{Demosaic, DevelopSettings, develop};
-use photosite::raw::{Cfa, RawImage, RawMetadata};
+use photosite::raw::{Cfa, ColourCalibration, LightSource, RawImage, RawMetadata};
 
 /// A Bayer mosaic of 6000 × 4000 pixels with detail everywhere.
 fn raw() -> RawImage {
@@ -12,7 +12,11 @@ fn raw() -> RawImage {
         (2000.0 + 1500.0 * (0.013 * x).sin() * (0.017 * y + 0.003 * x).cos() + (i * 2_654_435_761 % 97) as f32) as u16
     };
     let metadata = RawMetadata {
-        colour_matrix_d65: Some(vec![[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]),
+        calibrations: vec![ColourCalibration {
+            light: LightSource::D65,
+            colour_matrix: vec![[0.8, -0.25, -0.1], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]],
+            forward_matrix: None,
+        }],
         as_shot_neutral: Some(vec![0.5, 1.0, 0.7]),
         ..RawMetadata::default()
     };

@@ -258,7 +258,7 @@ impl<'a> Chain<'a> {
             saturation_capacity_e: sensor.saturation_capacity(exposure).0,
             read_noise_e: sensor.noise.read.0,
             as_shot_neutral: raw.metadata.as_shot_neutral.clone(),
-            colour_matrix_d65: raw.metadata.colour_matrix_d65.clone(),
+            colour_matrix_d65: raw.metadata.colour_matrix_d65().cloned(),
         }
     }
 }

@@ -147,11 +147,11 @@ impl DatasetFolder {
             }
             let samples = |identity: &Value| identity[OF_PART]["samples"].clone();
             if samples(&earlier) != samples(identity) {
-                let held = match &samples(&earlier) {
-                    Value::Array(range) if range.len() == 2 => {
-                        format!("the samples {}..{} of each pixel", range[0], range[1])
-                    }
-                    _ => "the whole of this data set".to_owned(),
+                let range = samples(&earlier);
+                let held = if range.is_null() {
+                    "the whole of this data set".to_owned()
+                } else {
+                    format!("the samples {}..{} of each pixel", range[0], range[1])
                 };
                 return refuse(format!("{} holds {held}", path.display()));
             }

@@ -11,7 +11,7 @@ use photosite::image::Planes;
 use photosite::io::capture::Capture;
 use photosite::io::exr::read_exr;
 use photosite::io::finished_dataset::REPORT;
-use photosite::io::grey_png::{is_grey, read_grey, write_grey8, write_grey16};
+use photosite::io::grey_png::{is_grey, picture_size, read_grey, write_grey8, write_grey16};
 use photosite::io::output::{create_folder, write_whole};
 use photosite::scene::description::SceneDescription;
 use photosite::{Error, Invalid, Result};
@@ -88,11 +88,15 @@ impl LayoutFolder {
     }
 
     fn picture(&self, shot: &Shot) -> Result<PathBuf> {
-        self.source(
-            shot,
-            PICTURE,
-            "make the data set with a develop.colour_space whose pictures are PNG files, not xyz",
-        )
+        let help = "make the data set with a develop.colour_space whose pictures are PNG files, not xyz";
+        let path = self.source(shot, PICTURE, help)?;
+        let ([width, height], [columns, rows]) = (picture_size(&path)?, shot.calibrated.resolution);
+        if [width, height] == [columns, rows] {
+            return Ok(path);
+        }
+        let message = format!("has {width} × {height} pixels, and the camera {columns} × {rows}");
+        let help = "make the data set without exposure.binning and exposure.region_px";
+        Err(Invalid::new("", message).help(help).in_file(&path))
     }
 }
 

@@ -455,7 +455,7 @@ pub(super) fn finish(rendered: &Rendered, folder: &OutputFolder, quiet: bool, js
     match rendered {
         Rendered::Picture { report, .. } if json => return print_json(report),
         Rendered::Part(part) if json => return print_json(part),
-        _ if quiet => {}
+        Rendered::Picture { .. } | Rendered::Part(_) if quiet => {}
         Rendered::Picture { report, paths, timings } => summarise(report, *paths, timings, folder),
         Rendered::Part(part) => {
             let ([from, to], all) = (part.samples, part.samples_per_pixel);

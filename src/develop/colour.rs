@@ -4,60 +4,89 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use crate::Invalid;
+use crate::colour::ColourSpace;
 use crate::colour::adaptation::D50;
-use crate::colour::{ColourSpace, temperature};
+use crate::colour::temperature::temperature_and_tint;
 use crate::image::{Channel, Planes};
-use crate::raw::RawMetadata;
+use crate::raw::{ColourCalibration, RawMetadata};
 
-/// What a raw file says of its colours under D65 and under illuminant A.
-pub(super) struct CameraMatrices {
+/// What a raw file says of its colours in some lights, the reddest first.
+pub(super) struct CameraMatrices(Vec<Lit>);
+
+struct Lit {
+    /// Reciprocal colour temperature of the light, 1/K.
+    reciprocal_temperature: f64,
     /// XYZ → camera, a row per channel.
-    d65: Vec<DVec3>,
-    a: Vec<DVec3>,
+    colour: Vec<DVec3>,
     /// White-balanced camera → XYZ adapted to D50, a column per channel, where the file has such.
-    forward: Option<[Vec<DVec3>; 2]>,
+    forward: Option<Vec<DVec3>>,
 }
 
 impl CameraMatrices {
     /// The matrices of a raw file, if it has any.
     pub(super) fn new(metadata: &RawMetadata) -> Result<Option<Self>, Invalid> {
-        let Some(d65) = &metadata.colour_matrix_d65 else { return Ok(None) };
-        let a = metadata.colour_matrix_a.as_ref().unwrap_or(d65);
-        if a.len() != d65.len() {
-            let message = format!("{} rows, while ColorMatrix1 has {}", a.len(), d65.len());
-            return Err(Invalid::new("ColorMatrix2", message));
+        let Some(first) = metadata.calibrations.first() else { return Ok(None) };
+        let channels = first.colour_matrix.len();
+        if let Some(i) = metadata.calibrations.iter().position(|lit| lit.colour_matrix.len() != channels) {
+            let rows = metadata.calibrations[i].colour_matrix.len();
+            let message = format!("{rows} rows, while ColorMatrix1 has {channels}");
+            return Err(Invalid::new(format!("ColorMatrix{}", i + 1), message));
         }
-        let vectors = |matrix: &[[f64; 3]]| matrix.iter().map(|&row| DVec3::from_array(row)).collect::<Vec<_>>();
-        let forward_d65 = metadata.forward_matrix_d65.as_ref();
-        let forward_a = metadata.forward_matrix_a.as_ref().or(forward_d65);
-        let forward = forward_d65.zip(forward_a).filter(|(of_d65, of_a)| [of_d65.len(), of_a.len()] == [d65.len(); 2]);
-        let forward = forward.map(|(d65, a)| [vectors(d65), vectors(a)]);
-        Ok(Some(Self { d65: vectors(d65), a: vectors(a), forward }))
+        let vectors = |matrix: &Vec<[f64; 3]>| matrix.iter().map(|&row| DVec3::from_array(row)).collect::<Vec<_>>();
+        let lit = |lit: &ColourCalibration| Lit {
+            reciprocal_temperature: 1.0 / lit.light.temperature_k(),
+            colour: vectors(&lit.colour_matrix),
+            forward: lit.forward_matrix.as_ref().filter(|forward| forward.len() == channels).map(vectors),
+        };
+        let mut lit: Vec<Lit> = metadata.calibrations.iter().map(lit).collect();
+        lit.sort_by(|a, b| b.reciprocal_temperature.total_cmp(&a.reciprocal_temperature));
+        Ok(Some(Self(lit)))
     }
 
-    /// The matrix for a scene whose white has this XYZ: it lies between those of D65 and illuminant A by reciprocal
-    /// colour temperature ([Dng16](crate::references#dng16), chapter 6).
+    /// How many channels there are.
+    pub(super) fn channels(&self) -> usize {
+        self.0.first().map_or(0, |lit| lit.colour.len())
+    }
+
+    /// The colour matrix for a scene whose white has this XYZ.
     pub(super) fn at(&self, white: DVec3) -> Vec<DVec3> {
-        between(&self.d65, &self.a, white)
+        self.between(white, |lit| Some(&lit.colour)).unwrap_or_default()
+    }
+
+    /// The forward matrix for such a scene, where the file has one in all lights.
+    fn forward_at(&self, white: DVec3) -> Option<Vec<DVec3>> {
+        self.0
+            .iter()
+            .all(|lit| lit.forward.is_some())
+            .then(|| self.between(white, |lit| lit.forward.as_ref()))
+            .flatten()
+    }
+
+    /// The mean of the matrices in the two lights next to a white of this XYZ, by reciprocal colour temperature
+    /// ([Dng16](crate::references#dng16), chapter 6, which has it so for two lights).
+    fn between<'a>(&'a self, white: DVec3, of: impl Fn(&'a Lit) -> Option<&'a Vec<DVec3>>) -> Option<Vec<DVec3>> {
+        let reciprocal = 1.0 / temperature(white);
+        let bluer = self.0.iter().position(|lit| lit.reciprocal_temperature <= reciprocal);
+        // Beyond the last, or with a white that has no temperature, that of the bluest.
+        let bluer = bluer.unwrap_or(self.0.len().saturating_sub(1));
+        let (red, blue) = (self.0.get(bluer.saturating_sub(1))?, self.0.get(bluer)?);
+        let span = red.reciprocal_temperature - blue.reciprocal_temperature;
+        let part = (reciprocal - blue.reciprocal_temperature) / span;
+        let part = if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) };
+        Some(of(blue)?.iter().zip(of(red)?).map(|(blue, red)| *blue * (1.0 - part) + *red * part).collect())
     }
 
     /// The scene's white in XYZ, Y = 1, for the camera's response to it, with camera → XYZ, a column per channel. The
     /// matrix depends on the white point and the white point on the matrix: a fixed point.
     pub(super) fn scene_white(&self, neutral: &[f64]) -> (DVec3, Vec<DVec3>) {
-        let mut to_xyz = inverse(&self.d65);
         let mut white = DVec3::ONE;
+        let mut to_xyz = inverse(&self.at(white));
         for _ in 0..ROUNDS {
             white = to_xyz.iter().zip(neutral).map(|(column, n)| *column * *n).sum();
             to_xyz = inverse(&self.at(white));
         }
         (white, to_xyz)
     }
-}
-
-/// The mean of a matrix for D65 and one for A that holds for a white of this XYZ.
-fn between(d65: &[DVec3], a: &[DVec3], white: DVec3) -> Vec<DVec3> {
-    let part = part_of_a(white);
-    d65.iter().zip(a).map(|(d65, a)| *d65 * (1.0 - part) + *a * part).collect()
 }
 
 /// Enough for the fixed point to settle to 1e-6: the matrices differ little, so each round gains a digit or more.
@@ -79,19 +108,17 @@ pub(super) fn camera_to_rgb(
 ) -> Result<Option<Vec<DVec3>>, Invalid> {
     let Some(matrices) = CameraMatrices::new(metadata)? else { return Ok(None) };
     let wrong = || {
-        let message = format!("{:?} and the response to white {neutral:?} do not give a colour", matrices.d65);
+        let message = format!("its matrices and the response to white {neutral:?} do not give a colour");
         Invalid::new("ColorMatrix1", message).help("the file is damaged, or its camera cannot tell colours apart")
     };
-    if matrices.d65.len() != neutral.len() {
+    if matrices.channels() != neutral.len() {
         return Err(wrong());
     }
     let (white, to_xyz) = matrices.scene_white(neutral);
-    let columns: Vec<DVec3> = match &matrices.forward {
+    let columns: Vec<DVec3> = match matrices.forward_at(white) {
         // The way that the specification prefers. Of three channels the inverse of the colour matrix is as exact, and between
         // two lights it is nearer to the colours of a third.
-        Some([d65, a]) if neutral.len() > 3 => {
-            between(d65, a, white).into_iter().map(|column| space.from_xyz(D50) * column).collect()
-        }
+        Some(forward) if neutral.len() > 3 => forward.into_iter().map(|column| space.from_xyz(D50) * column).collect(),
         Some(_) | None => {
             let from_xyz = space.from_xyz(white / white.y);
             to_xyz.iter().zip(neutral).map(|(xyz, n)| from_xyz * (*xyz * (n / white.y))).collect()
@@ -100,22 +127,20 @@ pub(super) fn camera_to_rgb(
     if white.is_finite() && columns.iter().all(|column| column.is_finite()) { Ok(Some(columns)) } else { Err(wrong()) }
 }
 
-/// How far the white XYZ lies from D65 to illuminant A in reciprocal correlated colour temperature, 0–1.
-pub(super) fn part_of_a(white: DVec3) -> f64 {
+/// Correlated colour temperature, K, of a white of this XYZ: McCamy (1992), good to a few kelvin from A to D65, which is all
+/// that counts here.
+fn temperature(white: DVec3) -> f64 {
     let [x, y] = [white.x, white.y].map(|component| component / white.element_sum());
-    // McCamy (1992), good to a few kelvin between the two, which is all that counts here.
     let n = (x - 0.3320) / (0.1858 - y);
-    let temperature = ((449.0 * n + 3525.0) * n + 6823.3) * n + 5520.33;
-    let part = (1.0 / temperature - 1.0 / 6504.0) / (1.0 / 2856.0 - 1.0 / 6504.0);
-    if part.is_nan() { 0.0 } else { part.clamp(0.0, 1.0) }
+    ((449.0 * n + 3525.0) * n + 6823.3) * n + 5520.33
 }
 
 /// Colour temperature (K) and tint of the light that a camera responds to so.
 pub(super) fn temperature_of(metadata: &RawMetadata, neutral: &[f64]) -> Option<(f64, f64)> {
-    let matrices = CameraMatrices::new(metadata).ok().flatten().filter(|m| m.d65.len() == neutral.len())?;
+    let matrices = CameraMatrices::new(metadata).ok().flatten().filter(|m| m.channels() == neutral.len())?;
     let (white, _) = matrices.scene_white(neutral);
     let sum = white.element_sum();
-    (sum > 0.0).then(|| temperature::temperature_and_tint([white.x / sum, white.y / sum]))
+    (sum > 0.0).then(|| temperature_and_tint([white.x / sum, white.y / sum]))
 }
 
 /// Turns camera planes into planes R, G and B (X, Y and Z) by a matrix and a factor.
@@ -160,20 +185,47 @@ fn from_many(planes: &[Vec<f32>], columns: &[[f32; 3]]) -> [Vec<f32>; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::raw::LightSource;
     use crate::spectrum::{cie, illuminant};
 
-    #[test]
-    fn the_light_is_placed_between_the_two_matrices() {
-        let part = |name: &str| {
-            let [x, y, z] = cie::xyz(&illuminant::illuminant(name).expect("known"));
-            part_of_a(DVec3::new(x, y, z))
+    /// A file with a matrix that is that many times the identity in each of these lights.
+    fn lit(lights: &[(LightSource, f64)]) -> RawMetadata {
+        let scaled = |&(light, factor): &(LightSource, f64)| ColourCalibration {
+            light,
+            colour_matrix: DMat3::from_diagonal(DVec3::splat(factor)).to_cols_array_2d().to_vec(),
+            forward_matrix: None,
         };
+        RawMetadata { calibrations: lights.iter().map(scaled).collect(), ..RawMetadata::default() }
+    }
+
+    #[test]
+    fn matrices_are_mixed_by_reciprocal_temperature() {
+        let at = |lights: &[(LightSource, f64)], light: &str| {
+            let white = DVec3::from_array(cie::xyz(&illuminant::illuminant(light).expect("known")));
+            CameraMatrices::new(&lit(lights)).expect("alike").expect("some").at(white)[0].x
+        };
+        let (a, d50, d65) = ((LightSource::A, 2.0), (LightSource::D50, 5.0), (LightSource::D65, 1.0));
         // In mired: 153.8 for D65, 199.9 for D50 at 5003 K, 350.1 for A. McCamy is good to a few kelvin.
-        assert!(part("D65") < 1e-3);
-        assert!((part("D50") - (199.9 - 153.75) / (350.14 - 153.75)).abs() < 2e-3, "{}", part("D50"));
-        assert!(part("A") > 1.0 - 1e-3);
-        assert_eq!([part("D75"), part("2000K")], [0.0, 1.0]);
-        assert_eq!(part_of_a(DVec3::NAN), 0.0);
+        let between = 1.0 + (199.9 - 153.75) / (350.14 - 153.75);
+        for (lights, light, expected) in [
+            (&[a, d65][..], "D65", 1.0),
+            (&[a, d65], "D50", between),
+            (&[d65, a], "A", 2.0),
+            (&[a, d65], "D75", 1.0),
+            (&[a, d65], "2000K", 2.0),
+            (&[a, d65, d50], "D50", 5.0),
+            (&[a, d65, d50], "A", 2.0),
+            (&[a, d65, d50], "D65", 1.0),
+            (&[d50], "A", 5.0),
+        ] {
+            let found = at(lights, light);
+            assert!((found - expected).abs() < 0.02, "{light} of {lights:?}: {found}");
+        }
+        let matrices = CameraMatrices::new(&lit(&[a, d50, d65])).expect("alike").expect("some");
+        assert_eq!(matrices.at(DVec3::NAN)[0].x, 1.0);
+        let mut unlike = lit(&[a, d65]);
+        unlike.calibrations[1].colour_matrix.pop();
+        assert_eq!(CameraMatrices::new(&unlike).err().map(|invalid| invalid.key), Some("ColorMatrix2".to_owned()));
     }
 
     #[test]
@@ -185,7 +237,9 @@ mod tests {
                 d65.push([0.3, 0.5, 0.2]);
                 a.push([0.35, 0.45, 0.2]);
             }
-            RawMetadata { colour_matrix_d65: Some(d65), colour_matrix_a: Some(a), ..RawMetadata::default() }
+            let of = |light, colour_matrix| ColourCalibration { light, colour_matrix, forward_matrix: None };
+            let calibrations = vec![of(LightSource::A, a), of(LightSource::D65, d65)];
+            RawMetadata { calibrations, ..RawMetadata::default() }
         };
         for (extra, neutrals) in [
             (false, [vec![0.5, 1.0, 0.7], vec![1.0, 0.9, 0.2], vec![0.2, 1.0, 1.0]]),

@@ -10,30 +10,27 @@
 //! matrix. Of more, no colour matrix has an inverse that is as good: those that keep white take the sum of all channels for
 //! a brightness. So it is found by itself, for readers that know no forward matrix and to tell the scene's white.
 //!
+//! Matrices of A and D65 alone would be mixed for lights between them. Where the channels overlap much, what is best for D50
+//! lies beside that mixture, so D50 has matrices of its own.
+//!
 //! [`SensorModel::responses`]: crate::sensor::SensorModel::responses
 
 use glam::{DMat3, DVec3};
 
-use super::colour::{inverse, part_of_a};
+use super::colour::inverse;
 use crate::Invalid;
 use crate::colour::adaptation::{D50, bradford};
 use crate::colour::{ColourSpace, cielab, difference};
 use crate::math::minimise::nelder_mead;
-use crate::raw::RawMetadata;
+use crate::raw::{ColourCalibration, LightSource, RawMetadata};
 use crate::spectrum::{Spectrum, cie, illuminant, library};
 
 /// The colour entries of a raw file's metadata.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraColour {
-    /// XYZ → camera for colours under D65, rows per channel, scaled so that the largest response to the light's own white of
-    /// Y = 1 is 1, as the specification asks.
-    pub matrix_d65: Vec<[f64; 3]>,
-    /// XYZ → camera for colours under CIE illuminant A.
-    pub matrix_a: Vec<[f64; 3]>,
-    /// White-balanced camera → XYZ adapted to D50, for colours under D65, a column per channel.
-    pub forward_d65: Vec<[f64; 3]>,
-    /// The same for colours under CIE illuminant A.
-    pub forward_a: Vec<[f64; 3]>,
+    /// What the channels mean in A, D65 and D50, in this order: readers that use one matrix look for that of D65 or take the
+    /// second; those that use two mix the first and the second.
+    pub calibrations: Vec<ColourCalibration>,
     /// The camera's response to the scene's white, the largest component 1.
     pub neutral: Vec<f64>,
 }
@@ -41,10 +38,7 @@ pub struct CameraColour {
 impl CameraColour {
     /// Writes it into the metadata of a raw picture.
     pub fn tell(&self, metadata: &mut RawMetadata) {
-        metadata.colour_matrix_d65 = Some(self.matrix_d65.clone());
-        metadata.colour_matrix_a = Some(self.matrix_a.clone());
-        metadata.forward_matrix_d65 = Some(self.forward_d65.clone());
-        metadata.forward_matrix_a = Some(self.forward_a.clone());
+        metadata.calibrations.clone_from(&self.calibrations);
         metadata.as_shot_neutral = Some(self.neutral.clone());
     }
 }
@@ -56,25 +50,33 @@ pub fn camera_colour(responses: &[(String, Spectrum)], light: &Spectrum) -> Resu
         return Ok(None);
     }
     let d50 = illuminant::illuminant("D50").unwrap_or_else(|| illuminant::d65().clone());
-    let chart = |light: &Spectrum| neutral(responses, light).map(|neutral| Chart::new(responses, light, neutral));
-    let (d65, d50, a) = (chart(illuminant::d65())?, chart(&d50)?, chart(&illuminant::a())?);
-    let starts = [d65.regression(), a.regression()];
-    let forwards = forward_matrices([&d65, &d50, &a], &starts);
-    let colour_matrix = |chart: &Chart, start: &Vec<DVec3>, forward: &[DVec3]| {
-        if start.len() == 3 { chart.colour_matrix_of(forward) } else { chart.colour_matrix(start) }
-    };
-    let matrices = [colour_matrix(&d65, &starts[0], &forwards[0]), colour_matrix(&a, &starts[1], &forwards[1])];
+    let lights = [(LightSource::A, &illuminant::a()), (LightSource::D65, illuminant::d65()), (LightSource::D50, &d50)];
+    let calibrations = lights.map(|(light, spectrum)| calibration(responses, light, spectrum));
+    let calibrations = calibrations.into_iter().collect::<Result<_, _>>()?;
+    Ok(Some(CameraColour { calibrations, neutral: neutral(responses, light)? }))
+}
+
+/// What channels mean in one light.
+fn calibration(
+    responses: &[(String, Spectrum)],
+    light: LightSource,
+    spectrum: &Spectrum,
+) -> Result<ColourCalibration, Invalid> {
+    let chart = Chart::new(responses, spectrum, neutral(responses, spectrum)?);
+    let start = chart.regression();
+    let forward = chart.forward_matrix(&start);
+    let colour = if start.len() == 3 { chart.colour_matrix_of(&forward) } else { chart.colour_matrix(&start) };
     // The squared determinant of three rows.
     let tells_colours = |rows: &Vec<DVec3>| {
         let square: DMat3 = rows.iter().map(|c| DMat3::from_cols(*c * c.x, *c * c.y, *c * c.z)).sum();
         rows.iter().all(|row| row.is_finite()) && square.determinant() > 1e-9
     };
-    if !(starts.iter().chain(&matrices).all(tells_colours) && forwards.iter().flatten().all(|c| c.is_finite())) {
-        return Err(indistinct());
+    if !([&start, &colour].into_iter().all(tells_colours) && forward.iter().all(|column| column.is_finite())) {
+        return Err(Invalid::new("channels", "the quantum efficiencies of the channels do not tell colours apart")
+            .help("give each channel a curve of its own, or use cfa = \"mono\""));
     }
     let arrays = |rows: Vec<DVec3>| rows.iter().map(DVec3::to_array).collect();
-    let ([matrix_d65, matrix_a], [forward_d65, forward_a]) = (matrices.map(arrays), forwards.map(arrays));
-    Ok(Some(CameraColour { matrix_d65, matrix_a, forward_d65, forward_a, neutral: neutral(responses, light)? }))
+    Ok(ColourCalibration { light, colour_matrix: arrays(colour), forward_matrix: Some(arrays(forward)) })
 }
 
 /// The camera's response to `light` itself, the largest component 1.
@@ -88,29 +90,6 @@ pub fn neutral(channels: &[(String, Spectrum)], light: &Spectrum) -> Result<Vec<
         );
     }
     Ok(response.into_iter().map(|r| r / largest).collect())
-}
-
-/// Forward matrices for D65 and A, each as good as it can be in its own light. Of more than three channels, which have no
-/// other way to colours, then both together with what a reader makes of them in D50: it takes a mean of the two by
-/// reciprocal temperature. Of three, a mean of colour matrices does better there.
-fn forward_matrices([d65, d50, a]: [&Chart; 3], [of_d65, of_a]: &[Vec<DVec3>; 2]) -> [Vec<DVec3>; 2] {
-    let alone = |chart: &Chart, start: &[DVec3]| {
-        searched(&free(&chart.forward_matrix_of(start)), |free| chart.cost(&complete(free)))
-    };
-    let channels = of_d65.len();
-    let (of_d65, of_a) = (alone(d65, of_d65), alone(a, of_a));
-    if channels == 3 {
-        return [complete(&of_d65), complete(&of_a)];
-    }
-    let part = part_of_a(d50.white);
-    let error = |both: &[f64]| {
-        let (d65_free, a_free) = both.split_at(both.len() / 2);
-        let between: Vec<f64> = d65_free.iter().zip(a_free).map(|(d65, a)| d65 * (1.0 - part) + a * part).collect();
-        d65.cost(&complete(d65_free)) + d50.cost(&complete(&between)) + a.cost(&complete(a_free))
-    };
-    let found = searched(&[of_d65, of_a].concat(), error);
-    let (d65, a) = found.split_at(found.len() / 2);
-    [complete(d65), complete(a)]
 }
 
 /// All columns of a forward matrix but the last, which is what the others leave of white.
@@ -236,6 +215,11 @@ impl Chart {
         self.neutral.iter().enumerate().map(row).collect()
     }
 
+    /// The forward matrix that shows the patches best, near that of a colour matrix, white kept.
+    fn forward_matrix(&self, start: &[DVec3]) -> Vec<DVec3> {
+        complete(&searched(&free(&self.forward_matrix_of(start)), |free| self.cost(&complete(free))))
+    }
+
     /// The colour matrix nearby whose inverse shows the patches best, white kept: the middle of each row is what white leaves
     /// it.
     fn colour_matrix(&self, start: &[DVec3]) -> Vec<DVec3> {
@@ -261,11 +245,6 @@ impl Chart {
         let rows = (DMat3::from_cols(r, g, b).inverse() * bradford(self.white, D50)).transpose();
         [rows.x_axis, rows.y_axis, rows.z_axis].iter().zip(&self.neutral).map(|(row, n)| *row * *n).collect()
     }
-}
-
-fn indistinct() -> Invalid {
-    Invalid::new("channels", "the quantum efficiencies of the channels do not tell colours apart")
-        .help("give each channel a curve of its own, or use cfa = \"mono\"")
 }
 
 /// Reflectances of the 24 patches.
@@ -306,10 +285,14 @@ mod tests {
         camera_colour(channels, light).expect("distinct").expect("colour")
     }
 
+    fn in_light(colour: &CameraColour, light: LightSource) -> ColourCalibration {
+        colour.calibrations.iter().find(|calibration| calibration.light == light).expect("known").clone()
+    }
+
     #[test]
     fn a_camera_that_mixes_the_observer_is_undone_exactly() {
         let (channels, mixture) = luther_camera();
-        let matrix = colour(&channels, illuminant::d65()).matrix_d65;
+        let matrix = in_light(&colour(&channels, illuminant::d65()), LightSource::D65).colour_matrix;
         let d65 = cie::xyz(illuminant::d65());
         let white = mixture * (DVec3::from_array(d65) / d65[1]);
         let expected = mixture * (1.0 / white.max_element());
@@ -323,9 +306,10 @@ mod tests {
     fn errors(channels: &Channels) -> [f64; 2] {
         let light = illuminant::d65();
         let chart = Chart::new(channels, light, neutral(channels, light).expect("seen"));
-        let colour = colour(channels, light);
+        let of_d65 = in_light(&colour(channels, light), LightSource::D65);
         let vectors = |rows: Vec<[f64; 3]>| rows.into_iter().map(DVec3::from_array).collect::<Vec<_>>();
-        [vectors(colour.forward_d65), chart.forward_matrix_of(&vectors(colour.matrix_d65))].map(|m| chart.error(&m))
+        let forward = vectors(of_d65.forward_matrix.expect("always there"));
+        [forward, chart.forward_matrix_of(&vectors(of_d65.colour_matrix))].map(|m| chart.error(&m))
     }
 
     #[test]
@@ -349,20 +333,19 @@ mod tests {
         let mut five = four.clone();
         five.push(bell("E", 500.0, 0.6, 30.0));
         for channels in [camera(), four, five] {
-            for name in ["A", "D65"] {
+            for (name, source) in [("A", LightSource::A), ("D50", LightSource::D50), ("D65", LightSource::D65)] {
                 let light = illuminant::illuminant(name).expect("known");
                 let colour = colour(&channels, &light);
                 let [x, y, z] = cie::xyz(&light);
-                let matrix = if name == "A" { colour.matrix_a } else { colour.matrix_d65 };
+                let calibration = in_light(&colour, source);
                 assert_eq!(colour.neutral.iter().copied().fold(0.0, f64::max), 1.0);
-                for (row, neutral) in matrix.iter().zip(colour.neutral) {
+                for (row, neutral) in calibration.colour_matrix.iter().zip(colour.neutral) {
                     let response = row[0] * x / y + row[1] + row[2] * z / y;
                     assert!((response - neutral).abs() < 1e-9, "{response} {neutral}");
                 }
-                for forward in [colour.forward_d65, colour.forward_a] {
-                    let white: DVec3 = forward.into_iter().map(DVec3::from_array).sum();
-                    assert!(white.abs_diff_eq(D50, 1e-9), "{white}");
-                }
+                let forward = calibration.forward_matrix.expect("always there");
+                let white: DVec3 = forward.into_iter().map(DVec3::from_array).sum();
+                assert!(white.abs_diff_eq(D50, 1e-9), "{white}");
             }
         }
     }

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Invalid;
-use crate::raw::{BlackLevel, Cfa, RawImage};
+use crate::raw::{BlackLevel, Cfa, ColourCalibration, LightSource, RawImage};
 
 /// What holds of a raw file whatever it says itself: TIFF, PGM and NPY files say nothing of this. What is left out is what
 /// the file says, or of such files that of a monochrome or RGB picture that goes from 0 to the largest number.
@@ -61,14 +61,7 @@ impl RawDescription {
                 let metadata = &mut raw.metadata;
                 metadata.noise_profile.clear();
                 metadata.as_shot_neutral = None;
-                [
-                    &mut metadata.colour_matrix_d65,
-                    &mut metadata.colour_matrix_a,
-                    &mut metadata.forward_matrix_d65,
-                    &mut metadata.forward_matrix_a,
-                ]
-                .into_iter()
-                .for_each(|matrix| *matrix = None);
+                metadata.calibrations.clear();
                 raw.black_level_dn = BlackLevel::uniform(raw.black_level_dn.mean());
             }
             raw.cfa = cfa;
@@ -96,9 +89,8 @@ impl RawDescription {
             raw.metadata.as_shot_neutral = Some(neutral.clone());
         }
         if let Some(matrix) = &self.colour_matrix_d65 {
-            let metadata = &mut raw.metadata;
-            metadata.colour_matrix_d65 = Some(matrix.clone());
-            (metadata.colour_matrix_a, metadata.forward_matrix_d65, metadata.forward_matrix_a) = (None, None, None);
+            let (light, colour_matrix) = (LightSource::D65, matrix.clone());
+            raw.metadata.calibrations = vec![ColourCalibration { light, colour_matrix, forward_matrix: None }];
         }
         Ok(Cow::Owned(raw))
     }

@@ -41,11 +41,7 @@ pub fn electrons(picture: ExrPicture) -> Result<(Estimate, Seconds), Invalid> {
         return Err(Invalid::new("unit", "the file does not say that it holds electrons")
             .help("give the electrons.exr that photosite render wrote"));
     }
-    let time = picture.attributes.iter().find_map(|(name, value)| match value {
-        Attribute::Number(time) if name == "exposureTime" => Some(*time),
-        Attribute::Number(_) | Attribute::Text(_) | Attribute::Chromaticities(_) => None,
-    });
-    let Some(time) = time.filter(|time| time.is_finite() && *time > 0.0) else {
+    let Some(time) = picture.number("exposureTime").filter(|time| time.is_finite() && *time > 0.0) else {
         return Err(Invalid::new("exposureTime", "the file does not say how long the electrons were collected"));
     };
     let (width, height) = (picture.planes.width(), picture.planes.height());

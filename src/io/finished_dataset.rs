@@ -30,6 +30,12 @@ pub fn read_dataset(folder: &Path) -> Result<PictureSet> {
         let help = "give the command that makes the data set again: it goes on where it stopped";
         return Err(Invalid::new("", message).help(help).in_file(&folder.join(MANIFEST)));
     }
+    if let Some(shot) = set.shots.iter().find(|shot| shot.is_rectified) {
+        let message = "the picture was developed without the distortion that its camera and its ground truth have";
+        let invalid = Invalid::new("capture.develop.distortion", message);
+        let help = "make the data set without setting develop.distortion";
+        return Err(invalid.help(help).in_file(&folder.join(&shot.folder).join(REPORT)));
+    }
     Ok(set)
 }
 
@@ -80,6 +86,7 @@ struct Report {
     camera: CameraBlock,
     targets: Vec<TargetBlock>,
     truth: Option<TruthBlock>,
+    capture: Value,
 }
 
 #[derive(Deserialize)]
@@ -158,6 +165,7 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
     const STEP_S: f64 = 1e-4;
     let velocity = (pose(time_s + STEP_S).translation - pose(time_s).translation) / STEP_S;
     let since_start_s = line.time_s.unwrap_or(f64::from(line.frame)) + time_s;
+    let keeps_distortion = report.capture["develop"]["distortion"] == Value::Bool(false);
     Ok(Shot {
         folder: line.folder,
         frame: line.frame,
@@ -172,6 +180,7 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
         },
         start,
         velocity_m_per_s: velocity,
+        is_rectified: matches!(projection, Projection::BrownConrady(_)) && !keeps_distortion,
         is_skewed: recording.is_some_and(|recording| recording.row_time_s != 0.0),
         targets: report
             .targets
@@ -215,19 +224,19 @@ impl MotionBlock {
 impl TargetBlock {
     fn seen(self) -> Option<SeenTarget> {
         let description = description(self.target)?;
-        let places = self.points_world_m.into_iter().zip(self.points_px).zip(self.points_visible);
-        let point =
-            |(point, ((world, pixel), is_visible)): (PointBlock, (([f64; 3], Option<[f64; 2]>), bool))| SeenPoint {
-                name: point.name,
-                world: DVec3::from_array(world),
-                pixel: pixel.map(DVec2::from_array),
-                is_visible,
-            };
+        let places = self.points_world_m.into_iter().zip(self.points_px);
+        let points = self.points.into_iter().zip(places).zip(self.points_visible);
+        let seen = points.map(|((point, (world, pixel)), is_visible)| SeenPoint {
+            name: point.name,
+            world: DVec3::from_array(world),
+            pixel: pixel.map(DVec2::from_array),
+            is_visible,
+        });
         Some(SeenTarget {
             name: self.name,
             description,
             to_world: DAffine3::from_mat3_translation(matrix(&self.rotation), DVec3::from_array(self.translation_m)),
-            points: self.points.into_iter().zip(places).map(point).collect(),
+            points: seen.collect(),
         })
     }
 }

@@ -31,6 +31,12 @@ pub fn is_grey(path: &Path) -> Result<bool> {
     Ok(!open(path)?.color().has_color())
 }
 
+/// Columns and rows of a picture.
+pub fn picture_size(path: &Path) -> Result<[u32; 2]> {
+    let unreadable = |e: image::ImageError| Error::in_file(path, "", format!("is no picture: {e}"));
+    image::image_dimensions(path).map(|(width, height)| [width, height]).map_err(unreadable)
+}
+
 fn open(path: &Path) -> Result<DynamicImage> {
     let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
     decode(&bytes, &path.display().to_string()).map_err(|invalid| invalid.in_file(path))

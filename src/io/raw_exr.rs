@@ -24,12 +24,6 @@ pub fn write_raw_exr<W: Write + Seek>(raw: &RawImage, to: W) -> io::Result<()> {
 /// Reads what [`write_raw_exr`] writes. Numbers are rounded to whole ones.
 pub fn read_raw_exr<R: BufRead + Seek>(from: R) -> Result<RawImage, Invalid> {
     let picture = read_exr(from)?;
-    let number = |name: &str| {
-        picture.attributes.iter().find_map(|(n, value)| match value {
-            Attribute::Number(number) if n == name => Some(*number),
-            Attribute::Number(_) | Attribute::Text(_) | Attribute::Chromaticities(_) => None,
-        })
-    };
     let (Some("DN"), Some(cfa)) = (picture.text("unit"), picture.text("cfa")) else {
         let help = "give a raw.exr that photosite wrote, or a DNG, 16-bit TIFF, PGM, PPM or NPY file";
         return Err(Invalid::new("", "is no raw picture: it has no attributes unit = \"DN\" and cfa").help(help));
@@ -47,7 +41,7 @@ pub fn read_raw_exr<R: BufRead + Seek>(from: R) -> Result<RawImage, Invalid> {
         return Err(Invalid::new("", "its digital numbers do not lie from 0 to 65535").help("the file is damaged"));
     }
     let level = |name: &str, otherwise: f64| {
-        let level = number(name).unwrap_or(otherwise);
+        let level = picture.number(name).unwrap_or(otherwise);
         if (0.0..=65_535.0).contains(&level) {
             return Ok(level);
         }

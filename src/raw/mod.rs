@@ -5,6 +5,7 @@
 
 mod area;
 mod black_level;
+mod calibration;
 mod cfa;
 mod dng;
 mod file;
@@ -18,6 +19,7 @@ mod tiff;
 
 pub use area::Area;
 pub use black_level::BlackLevel;
+pub use calibration::{ColourCalibration, LightSource};
 pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
 pub use dng::{DngCompression, dng_can_hold, read_dng, write_compressed_dng, write_dng};
 pub use file::read;
@@ -187,15 +189,9 @@ pub struct RawMetadata {
     pub f_number: Option<f64>,
     /// Focal length, m.
     pub focal_length_m: Option<f64>,
-    /// XYZ → camera for colours under D65, rows per channel in the order of the CFA's channels; `None` where it is not
-    /// known or has no meaning.
-    pub colour_matrix_d65: Option<Vec<[f64; 3]>>,
-    /// The same for colours under CIE illuminant A, where it is known.
-    pub colour_matrix_a: Option<Vec<[f64; 3]>>,
-    /// White-balanced camera → XYZ adapted to D50 for colours under D65, a column per channel, where it is known.
-    pub forward_matrix_d65: Option<Vec<[f64; 3]>>,
-    /// The same for colours under CIE illuminant A, where it is known.
-    pub forward_matrix_a: Option<Vec<[f64; 3]>>,
+    /// What its colours mean in up to three lights, in the order of DNG files; none where that is not known or they have no
+    /// meaning.
+    pub calibrations: Vec<ColourCalibration>,
     /// The camera's response to the scene's white, per channel, the largest 1; `None` for monochrome.
     pub as_shot_neutral: Option<Vec<f64>>,
     /// CIE x and y of the scene's white, where that is what a file says in place of the camera's response to it.
@@ -208,4 +204,12 @@ pub struct RawMetadata {
     pub gain_map: Option<GainMap>,
     /// Where the lens's distortion puts pixels, where it is known.
     pub warp: Option<Warp>,
+}
+
+impl RawMetadata {
+    /// XYZ → camera for colours under D65, where it is known.
+    pub fn colour_matrix_d65(&self) -> Option<&Vec<[f64; 3]>> {
+        let of_d65 = self.calibrations.iter().find(|calibration| calibration.light == LightSource::D65);
+        of_d65.map(|calibration| &calibration.colour_matrix)
+    }
 }

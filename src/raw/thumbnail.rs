@@ -98,7 +98,7 @@ impl Colours {
 
 /// White-balanced R, G, B → linear sRGB by the matrix for D65; `None` where there is none.
 fn camera_to_srgb(metadata: &RawMetadata) -> Option<DMat3> {
-    let rows: &[[f64; 3]; 3] = metadata.colour_matrix_d65.as_deref()?.try_into().ok()?;
+    let rows: &[[f64; 3]; 3] = metadata.colour_matrix_d65()?.as_slice().try_into().ok()?;
     let from_xyz = DMat3::from_cols_array_2d(rows).transpose();
     let white = DVec3::from_array(cie::xyz(illuminant::d65()));
     let white = white / white.y;

@@ -150,7 +150,7 @@ fn frames_made_apart_are_those_made_together() {
 
 #[test]
 fn a_set_that_is_killed_again_and_again_ends_as_one_that_is_not() {
-    let folder = folder("frames = 120\n[poses.random]\ntarget = 'board'\ndistance_m = [0.6, 0.9]\nmargin_px = 1\n");
+    let folder = folder("frames = 200\n[poses.random]\ntarget = 'board'\ndistance_m = [0.6, 0.9]\nmargin_px = 1\n");
     folder.succeed("dataset set.toml -o whole");
     for attempt in 0..20u64 {
         let mut child = folder.command("dataset set.toml -o killed --quiet").spawn().expect("started");

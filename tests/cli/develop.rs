@@ -243,8 +243,8 @@ fn files_of_numbers_alone_can_be_told_what_they_are() {
     let folder = rendered("[output]\nraw = ['dng', 'tiff', 'pgm', 'npy', 'exr']\n");
     let raw = folder.raw("out/raw.dng");
     let list = |numbers: &[f64]| numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-    let neutral = raw.metadata.as_shot_neutral.expect("a colour sensor");
-    let matrix = raw.metadata.colour_matrix_d65.expect("a colour sensor");
+    let neutral = raw.metadata.as_shot_neutral.clone().expect("a colour sensor");
+    let matrix = raw.metadata.colour_matrix_d65().expect("a colour sensor");
     let rows: Vec<String> = matrix.iter().map(|row| format!("[{}]", list(row))).collect();
     let told = format!(
         "--set develop.raw.cfa={} --set develop.raw.black_level_dn={} --set develop.raw.white_level_dn={} --set \

@@ -136,6 +136,25 @@ fn what_a_layout_has_no_words_for_is_refused(
 }
 
 #[test]
+fn pictures_show_things_where_ground_truth_has_them() {
+    let distortion = "--set lens.distortion={model='brown-conrady',k=[-0.1,0,0],p=[0,0]}";
+    let folder = made(SET, distortion);
+    // What the raw file says of the lens is not applied.
+    folder.succeed("develop out/left/000001/raw.dng -o as-taken.png --quiet --set develop.distortion=false");
+    let file = |name: &str| std::fs::read(folder.path(name)).expect("a file");
+    assert!(file("as-taken.png") == file("out/left/000001/image.png"));
+    let folder = made(SET, &format!("{distortion} --set develop.distortion=true"));
+    let wanted = ["capture.develop.distortion", "was developed without the distortion", "000000/capture.json"];
+    folder.fail("layout out --format colmap -o laid", 1, &wanted);
+    let folder = made(SET, "--set exposure.binning=[2,2]");
+    folder.fail(
+        "layout out --format colmap -o laid",
+        1,
+        &["has 16 × 12 pixels, and the camera 32 × 24", "exposure.binning"],
+    );
+}
+
+#[test]
 fn wrong_usage_says_what_to_write() {
     let folder = Folder::new([("notes/a.txt", "mine".into())]);
     folder.fail("layout notes --format kalbr -o laid", 2, &["'kalbr'", "'kalibr'"]);

@@ -231,13 +231,7 @@ fn noise_maps_appear_on_request_and_sum_to_the_raw_picture() {
     for frame in 0..2 {
         let read = |name: &str, results: &str| folder.results(results)[&format!("{name}-{frame:04}.exr")].clone();
         let maps = photosite::io::exr::read_exr(std::io::Cursor::new(read("noise", "out"))).expect("EXR");
-        let number = |name: &str| {
-            maps.attributes.iter().find_map(|(key, value)| match value {
-                photosite::io::exr::Attribute::Number(number) if key == name => Some(*number),
-                _ => None,
-            })
-        };
-        let (gain, black) = (number("systemGain").expect("K"), number("blackLevel").expect("a black level"));
+        let (gain, black) = (maps.number("systemGain").expect("K"), maps.number("blackLevel").expect("a level"));
         let raw = &folder.results("out")[&format!("raw-{frame:04}.npy")];
         let raw = photosite::raw::read_npy(&raw[..]).expect("numbers");
         for (i, &number) in raw.data.iter().enumerate() {

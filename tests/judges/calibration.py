@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """OpenCV calibrates cameras from our photographs of targets and finds what was put in:
 
-    calibration.py PHOTOSITE [--full] [--samples N] [--folder DIR]
+    calibration.py PHOTOSITE [chessboard] [charuco] [fisheye] [stereo] [--samples N] [--folder DIR]
 
 18 views of 1280 × 960 pixels through a lens with distortion, f = 1500 px (a fisheye 600 px), with all the noise of a sensor
 that counts 10 000 electrons where the board is white. The targets shine by themselves, as on a screen, so that a few
-samples a pixel are enough. Without --full: the chessboard alone; with it ChArUco, a fisheye and a stereo pair. Renders that
-are in DIR already are taken as they are.
+samples a pixel are enough. What is not named is left out; without names all are judged. Renders that are in DIR already are
+taken as they are.
 """
 
 import argparse
+import functools
 import json
 import math
 import subprocess
@@ -186,9 +187,9 @@ def calibrate(name, target, lens, detector, closer=1.0):
     return views, found, got, coefficients
 
 
-def stereo(left):
+def stereo():
     """A second camera beside the first: baseline and rotation between both."""
-    views, found, matrix, distortion = left
+    views, found, matrix, distortion = chessboard()
     detected = []
     for i, pose in enumerate(POSES):
         position, axes = camera_pose(pose, 1.0)
@@ -213,17 +214,27 @@ def stereo(left):
     within(f"stereo, {len(detected)} pairs", baseline_percent=(100 * baseline, 0.05), rotation_deg=(turn, 0.01))
 
 
-parser = argparse.ArgumentParser()
+@functools.cache
+def chessboard():
+    return calibrate("chessboard", CHESSBOARD, RECTILINEAR, chessboard_corners)
+
+
+JUDGED = {
+    "chessboard": chessboard,
+    "charuco": lambda: calibrate("charuco", CHARUCO, RECTILINEAR, charuco_corners),
+    "fisheye": lambda: calibrate("fisheye", CHESSBOARD, FISHEYE, chessboard_corners, closer=0.45),
+    "stereo": stereo,
+}
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("photosite")
-parser.add_argument("--full", action="store_true")
-parser.add_argument("--samples", type=int, default=16)
+parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(JUDGED))
+parser.add_argument("--samples", type=int, default=12)
 parser.add_argument("--folder", type=Path, default=None)
 arguments = parser.parse_args()
+unknown = set(arguments.names) - set(JUDGED)
+if unknown:
+    parser.error(f"no judge {', '.join(sorted(unknown))}; there are {', '.join(JUDGED)}")
 arguments.folder = arguments.folder or Path(tempfile.mkdtemp())
 arguments.folder.mkdir(parents=True, exist_ok=True)
-
-left = calibrate("chessboard", CHESSBOARD, RECTILINEAR, chessboard_corners)
-if arguments.full:
-    calibrate("charuco", CHARUCO, RECTILINEAR, charuco_corners)
-    calibrate("fisheye", CHESSBOARD, FISHEYE, chessboard_corners, closer=0.45)
-    stereo(left)
+for name in arguments.names or JUDGED:
+    JUDGED[name]()

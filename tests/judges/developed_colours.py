@@ -58,8 +58,6 @@ CHECKER = colour.SDS_COLOURCHECKERS["ISO 17321-1"]
 LIGHTS = {"D65": colour.SDS_ILLUMINANTS["D65"], "D50": colour.SDS_ILLUMINANTS["D50"], "A": colour.SDS_ILLUMINANTS["A"]}
 # Most that a developer may be worse than the best matrix, mean delta E 2000.
 OURS = {"D65": 0.1, "D50": 0.1, "A": 0.1}
-# Sensors whose pixels see all colours overlap so much that a matrix between those of D65 and A fits D50 less well.
-OURS_BETWEEN_MATRICES = 0.25
 OTHERS = {"D65": 0.1, "D50": 1.4}
 
 # Nothing but white balance, matrix and a colour space wide enough for every patch.
@@ -230,7 +228,7 @@ def judge_patches(folder: Path):
             others[program] = error(patches(picture @ from_d50.T if is_d50 else picture))
     figures = ", ".join(f"{value:.3f} by {program}" for program, value in others.items())
     print(f"{folder.name}: mean delta E 2000 {ours:.3f} here, {figures}, {best:.3f} by the best matrix")
-    if ours > best + (OURS_BETWEEN_MATRICES if is_full and name == "D50" else OURS[name]):
+    if ours > best + OURS[name]:
         yield f"{folder}: mean delta E 2000 of {ours:.3f}, {best:.3f} would be possible"
     for program, value in others.items():
         if name in OTHERS and value > best + OTHERS[name]:

@@ -55,7 +55,7 @@ resolution_px = [160, 120]
 time_s = 0.004
 [render]
 samples_per_pixel = 1
-max_depth = 1
+max_depth = 2
 [output]
 electrons = false
 truth = ["depth", "instance"]

@@ -34,6 +34,8 @@ import tifffile
 
 CFA_LETTERS = "RGBCMYW"
 DEFLATE = 8
+# Tags that versions of exiftool before 13 know, but not as standard: CalibrationIlluminant3 and the matrices of that light.
+DNG_1_6_TAGS = ("tag 0xcd31", "tag 0xcd32", "tag 0xcd33", "tag 0xcd34")
 # EXIF's number for D65 as a light source.
 D65 = 21
 # RawTherapee leaves out a frame whose pixels have too few neighbours.
@@ -70,10 +72,12 @@ class Judge:
         report = subprocess.run(
             ["exiftool", "-validate", "-warning", "-error", "-a", str(path)], capture_output=True, text=True
         )
-        verdict = report.stdout.strip()
+        # "Validate : OK", or how many warnings there are and then one a line.
+        verdict, *warnings = report.stdout.strip().splitlines() or [report.stderr]
+        warnings = [warning for warning in warnings if not any(tag in warning for tag in DNG_1_6_TAGS)]
         self.check(
-            report.returncode == 0 and verdict.count("\n") == 0 and verdict.endswith(": OK"),
-            f"exiftool on {path.name}: {verdict or report.stderr}",
+            report.returncode == 0 and not warnings and (verdict.endswith(": OK") or "(all minor)" in verdict),
+            f"exiftool on {path.name}: {'; '.join([verdict, *warnings])}",
         )
         tags = subprocess.run(["exiftool", "-json", "-n", "-a", "-G1", str(path)], capture_output=True, text=True)
         return json.loads(tags.stdout)[0]

@@ -151,6 +151,6 @@ fn monochrome_pictures_are_grey_and_broken_ones_refused() {
     raw.metadata.as_shot_neutral = Some(vec![0.0, 1.0, 1.0]);
     assert!(develop(&raw, &DevelopSettings::default()).is_err());
     raw.metadata.as_shot_neutral = None;
-    raw.metadata.colour_matrix_d65 = Some(vec![[0.0; 3]; 3]);
+    raw.metadata.calibrations.iter_mut().for_each(|lit| lit.colour_matrix = vec![[0.0; 3]; 3]);
     assert!(develop(&raw, &DevelopSettings::default()).is_err());
 }

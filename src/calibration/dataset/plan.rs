@@ -15,6 +15,10 @@ use crate::scene::description::looking;
 /// The folder beside those of the cameras that is kept for what is known of all of them; no camera is called so.
 pub const CALIBRATION_FOLDER: &str = "calibration";
 
+/// What is set in all frames before anything else: pictures keep the distortion of the lens, so that they show things where
+/// ground truth has them.
+const AS_TAKEN: &str = "develop.distortion=false";
+
 /// What a description says of a camera of the rig.
 #[derive(Clone, Debug)]
 pub struct RigPlace {
@@ -137,8 +141,9 @@ impl Plan {
 impl DatasetDescription {
     /// The cameras of the rig and their places; names are checked.
     pub fn rig(&self) -> Result<Vec<RigPlace>, Invalid> {
+        let set_in_all = || std::iter::once(AS_TAKEN.to_owned()).chain(self.set.iter().cloned());
         if self.cameras.is_empty() {
-            let (name, set) = ("camera".to_owned(), self.set.clone());
+            let (name, set) = ("camera".to_owned(), set_in_all().collect());
             return Ok(vec![RigPlace { name, in_rig: DAffine3::IDENTITY, partner: None, set }]);
         }
         let mut names = BTreeSet::new();
@@ -164,7 +169,7 @@ impl DatasetDescription {
                     .position(|other| other.name == *name && *name != d.name)
                     .ok_or_else(|| at(Invalid::new("disparity_to", format!("the rig has no other camera {name:?}"))))
             });
-            let set = self.set.iter().chain(&d.set).cloned().collect();
+            let set = set_in_all().chain(d.set.iter().cloned()).collect();
             rig.push(RigPlace { name: d.name.clone(), in_rig, partner: partner.transpose()?, set });
         }
         let places: Vec<DAffine3> = rig.iter().map(|place| place.in_rig).collect();

@@ -50,6 +50,14 @@ impl ExrPicture {
             Attribute::Text(_) | Attribute::Number(_) | Attribute::Chromaticities(_) => None,
         })
     }
+
+    /// The number attribute of that name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.attributes.iter().find_map(|(n, value)| match value {
+            Attribute::Number(number) if n == name => Some(*number),
+            Attribute::Number(_) | Attribute::Text(_) | Attribute::Chromaticities(_) => None,
+        })
+    }
 }
 
 /// Most bytes of pixels that are read: more is a damaged header, or not a picture of ours.

@@ -13,8 +13,8 @@ use tiff::{Directory, TiffResult};
 use super::read::Tags;
 use super::{Ifd, tag};
 use crate::Invalid;
-use crate::raw::RawMetadata;
 use crate::raw::rational::{rational, srational};
+use crate::raw::{ColourCalibration, LightSource, RawMetadata};
 
 /// The tags of a light's matrices.
 struct Places {
@@ -24,34 +24,37 @@ struct Places {
     calibration: Tag,
 }
 
-const FIRST: Places = Places {
-    colour: tag::COLOR_MATRIX_1,
-    light: tag::CALIBRATION_ILLUMINANT_1,
-    forward: tag::FORWARD_MATRIX_1,
-    calibration: tag::CAMERA_CALIBRATION_1,
-};
-const SECOND: Places = Places {
-    colour: tag::COLOR_MATRIX_2,
-    light: tag::CALIBRATION_ILLUMINANT_2,
-    forward: tag::FORWARD_MATRIX_2,
-    calibration: tag::CAMERA_CALIBRATION_2,
-};
+const PLACES: [Places; 3] = [
+    Places {
+        colour: tag::COLOR_MATRIX_1,
+        light: tag::CALIBRATION_ILLUMINANT_1,
+        forward: tag::FORWARD_MATRIX_1,
+        calibration: tag::CAMERA_CALIBRATION_1,
+    },
+    Places {
+        colour: tag::COLOR_MATRIX_2,
+        light: tag::CALIBRATION_ILLUMINANT_2,
+        forward: tag::FORWARD_MATRIX_2,
+        calibration: tag::CAMERA_CALIBRATION_2,
+    },
+    Places {
+        colour: tag::COLOR_MATRIX_3,
+        light: tag::CALIBRATION_ILLUMINANT_3,
+        forward: tag::FORWARD_MATRIX_3,
+        calibration: tag::CAMERA_CALIBRATION_3,
+    },
+];
 
 pub(super) fn write<W: Write + Seek>(metadata: &RawMetadata, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
-    // Developers that use one matrix only look for that of D65; dcraw takes the last.
-    let places = if metadata.colour_matrix_a.is_some() { [FIRST, SECOND] } else { [SECOND, FIRST] };
-    let of_a = (&metadata.colour_matrix_a, &metadata.forward_matrix_a, tag::STANDARD_LIGHT_A);
-    let of_d65 = (&metadata.colour_matrix_d65, &metadata.forward_matrix_d65, tag::D65);
-    for ((matrix, forward, light), places) in [of_a, of_d65].into_iter().zip(places) {
-        let Some(matrix) = matrix else { continue };
-        ifd.write_tag(places.colour, &entries(matrix.as_flattened())[..])?;
-        ifd.write_tag(places.light, light)?;
-        if let Some(columns) = forward {
+    for (lit, places) in metadata.calibrations.iter().zip(&PLACES) {
+        ifd.write_tag(places.colour, &entries(lit.colour_matrix.as_flattened())[..])?;
+        ifd.write_tag(places.light, lit.light.0)?;
+        if let Some(columns) = &lit.forward_matrix {
             let rows: Vec<f64> = (0..3).flat_map(|row| columns.iter().map(move |column| column[row])).collect();
             ifd.write_tag(places.forward, &entries(&rows)[..])?;
         }
         // This camera is like all of its model.
-        ifd.write_tag(places.calibration, &entries(&identity(matrix.len()))[..])?;
+        ifd.write_tag(places.calibration, &entries(&identity(lit.colour_matrix.len()))[..])?;
     }
     if let Some(neutral) = &metadata.as_shot_neutral {
         let neutral: Vec<_> = neutral.iter().map(|&component| rational(component)).collect();
@@ -71,15 +74,6 @@ fn identity(n: usize) -> Vec<f64> {
     (0..n * n).map(|i| if i % (n + 1) == 0 { 1.0 } else { 0.0 }).collect()
 }
 
-/// What a file says of one light.
-struct Lit {
-    is_a: bool,
-    /// XYZ → camera, a row per channel.
-    colour: Vec<[f64; 3]>,
-    /// White-balanced camera → XYZ adapted to D50, a column per channel.
-    forward: Option<Vec<[f64; 3]>>,
-}
-
 /// Puts into the metadata what the main directory says of colours.
 pub(super) fn read<R: Read + Seek>(
     file: &mut Tags<R>,
@@ -87,7 +81,7 @@ pub(super) fn read<R: Read + Seek>(
     metadata: &mut RawMetadata,
 ) -> Result<(), Invalid> {
     let balance = file.numbers(main, tag::ANALOG_BALANCE)?;
-    let mut lit = |places: &Places| -> Result<Option<Lit>, Invalid> {
+    let mut lit = |places: &Places| -> Result<Option<ColourCalibration>, Invalid> {
         let entries = file.numbers(main, places.colour)?;
         let (rows, rest) = entries.as_chunks::<3>();
         if rows.is_empty() || !rest.is_empty() {
@@ -95,23 +89,15 @@ pub(super) fn read<R: Read + Seek>(
         }
         let forward = file.numbers(main, places.forward)?;
         let calibration = file.numbers(main, places.calibration)?;
-        let (colour, is_diagonal) = calibrated(rows, &balance, &calibration);
+        let (colour_matrix, is_diagonal) = calibrated(rows, &balance, &calibration);
         // Forward matrices are for the balanced channels of the model, which those of the camera are unless they mix.
-        let forward = (forward.len() == 3 * rows.len() && is_diagonal)
+        let forward_matrix = (forward.len() == 3 * rows.len() && is_diagonal)
             .then(|| (0..rows.len()).map(|c| [0, 1, 2].map(|row| forward[row * rows.len() + c])).collect());
-        let is_a = file.number(main, places.light)? == Some(f64::from(tag::STANDARD_LIGHT_A));
-        Ok(Some(Lit { is_a, colour, forward }))
+        let light = LightSource(file.number(main, places.light)?.unwrap_or_default() as u16);
+        Ok(Some(ColourCalibration { light, colour_matrix, forward_matrix }))
     };
-    let (first, second) = (lit(&FIRST)?, lit(&SECOND)?);
-    let (of_a, others): (Vec<_>, Vec<_>) = [first, second].into_iter().flatten().partition(|lit| lit.is_a);
-    // A camera that was measured under illuminant A alone has no other matrix to go by.
-    if let Some(d65) = others.first().or(of_a.first()) {
-        metadata.colour_matrix_d65 = Some(d65.colour.clone());
-        metadata.forward_matrix_d65.clone_from(&d65.forward);
-    }
-    if let Some(a) = of_a.into_iter().next() {
-        metadata.colour_matrix_a = Some(a.colour);
-        metadata.forward_matrix_a = a.forward;
+    for places in &PLACES {
+        metadata.calibrations.extend(lit(places)?);
     }
     let neutral = file.numbers(main, tag::AS_SHOT_NEUTRAL)?;
     metadata.as_shot_neutral = (!neutral.is_empty()).then_some(neutral);

@@ -50,6 +50,10 @@ pub(super) const PREVIEW_COLOR_SPACE: Tag = Tag::Unknown(50970);
 pub(super) const OPCODE_LIST_2: Tag = Tag::Unknown(51009);
 pub(super) const OPCODE_LIST_3: Tag = Tag::Unknown(51022);
 pub(super) const NOISE_PROFILE: Tag = Tag::Unknown(51041);
+pub(super) const CALIBRATION_ILLUMINANT_3: Tag = Tag::Unknown(52529);
+pub(super) const CAMERA_CALIBRATION_3: Tag = Tag::Unknown(52530);
+pub(super) const COLOR_MATRIX_3: Tag = Tag::Unknown(52531);
+pub(super) const FORWARD_MATRIX_3: Tag = Tag::Unknown(52532);
 
 /// PhotometricInterpretation of a mosaic.
 pub(super) const COLOR_FILTER_ARRAY: u16 = 32803;
@@ -72,10 +76,6 @@ pub(super) const FLOAT: u16 = 3;
 
 /// PreviewColorSpace of sRGB.
 pub(super) const SRGB: u32 = 2;
-/// EXIF's number for D65 as a light source.
-pub(super) const D65: u16 = 21;
-/// EXIF's number for CIE illuminant A.
-pub(super) const STANDARD_LIGHT_A: u16 = 17;
 /// NewSubfileType of a picture of reduced resolution; 0 is the picture itself.
 pub(super) const REDUCED: u32 = 1;
 /// SensitivityType of an ISO speed.

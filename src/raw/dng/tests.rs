@@ -3,7 +3,7 @@ use std::io::Cursor;
 use proptest::prelude::*;
 
 use super::*;
-use crate::raw::{BlackLevel, GainMap, RawMetadata, Warp, write_tiff};
+use crate::raw::{BlackLevel, ColourCalibration, GainMap, LightSource, RawMetadata, Warp, write_tiff};
 
 const COMPRESSIONS: [DngCompression; 4] =
     [DngCompression::None, DngCompression::Packed, DngCompression::LosslessJpeg, DngCompression::Deflate];
@@ -13,6 +13,11 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
     let channels = cfa.channels().len();
     let colour = !cfa.is_mono();
     let matrix = |factor: f64| (0..channels).map(|row| [0.75 * factor, -0.25, 0.125 * row as f64]).collect();
+    let lit = |light: LightSource| {
+        let factor = f64::from(light.0) / 16.0;
+        let (colour_matrix, forward_matrix) = (matrix(factor), Some(matrix(factor / 2.0)));
+        ColourCalibration { light, colour_matrix, forward_matrix }
+    };
     RawImage {
         width,
         height,
@@ -27,10 +32,11 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
             iso: Some(if colour { 100 } else { 102_400 }),
             f_number: Some(2.8),
             focal_length_m: colour.then_some(0.016),
-            colour_matrix_d65: colour.then(|| matrix(1.0)),
-            colour_matrix_a: colour.then(|| matrix(1.5)),
-            forward_matrix_d65: colour.then(|| matrix(0.5)),
-            forward_matrix_a: colour.then(|| matrix(0.25)),
+            calibrations: if colour {
+                vec![lit(LightSource::A), lit(LightSource::D65), lit(LightSource::D50)]
+            } else {
+                vec![]
+            },
             as_shot_neutral: colour.then(|| (0..channels).map(|c| 1.0 / (c + 1) as f64).collect()),
             as_shot_white_xy: None,
             noise_profile: vec![[1e-4, 2e-7]; channels],
