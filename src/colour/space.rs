@@ -1,5 +1,7 @@
 //! RGB colour spaces: primaries and white point, and with them the matrix to XYZ.
 
+use std::sync::OnceLock;
+
 use glam::{DMat3, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -53,13 +55,14 @@ impl ColourSpace {
 
     /// XYZ of white with Y = 1. That of D65 is the tabulated illuminant's, of which (0.3127, 0.3290) is the rounded form.
     pub fn white(self) -> DVec3 {
-        let white = match self {
-            Self::Srgb | Self::DisplayP3 | Self::Rec2020 | Self::Xyz => {
-                cie::chromaticity(illuminant::d65()).expect("D65 is not black")
-            }
-            Self::Acescg => [0.321_68, 0.337_67],
-        };
-        cie::xyz_of_chromaticity(white)
+        // Searches for matrices ask for it a million times.
+        static D65: OnceLock<DVec3> = OnceLock::new();
+        match self {
+            Self::Srgb | Self::DisplayP3 | Self::Rec2020 | Self::Xyz => *D65.get_or_init(|| {
+                cie::xyz_of_chromaticity(cie::chromaticity(illuminant::d65()).expect("D65 is not black"))
+            }),
+            Self::Acescg => cie::xyz_of_chromaticity([0.321_68, 0.337_67]),
+        }
     }
 
     /// CIE x and y of red, green, blue and white; of XYZ those of its axes and of equal parts.
