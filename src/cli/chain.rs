@@ -110,6 +110,13 @@ impl<'a> Chain<'a> {
         if self.settings.output.raw.contains(&RawFormat::Dng) {
             warnings.extend(lens_corrections::warning(lens, camera, &self.settings.exposure.window));
         }
+        let Settings { output, exposure, develop, .. } = self.settings;
+        let is_rectified = develop.distortion && lens_corrections::tells_distortion(lens, camera, &exposure.window);
+        if is_rectified && !output.truth.layers.is_empty() {
+            let message = "image.png is freed of the distortion of the lens, which ground truth keeps; write \
+                           develop.distortion = false, and both show things in the same places";
+            warnings.push(message.to_owned());
+        }
         Self { lens: Some((lens, camera)), ..self }
     }
 

@@ -19,7 +19,7 @@ pub(super) fn add(lens: &LensDescription, camera: &Camera, window: &Window, raw:
         Falloff::None if lens.stops.is_empty() => None,
         Falloff::None | Falloff::Cos4 => gain_map(camera, seen),
     };
-    raw.metadata.warp = polynomial(&lens.projection).filter(|_| can_correct(camera, window)).map(|(k, p)| {
+    raw.metadata.warp = correction(lens, camera, window).map(|(k, p)| {
         let Intrinsics { fx, cx, cy, .. } = camera.intrinsics();
         let centre = [(cx - x as f64) / across as f64, (cy - y as f64) / down as f64];
         Warp::brown_conrady(k, p, fx / across as f64, centre, [width, height])
@@ -40,6 +40,16 @@ pub(super) fn warning(lens: &LensDescription, camera: &Camera, window: &Window) 
                 .to_owned(),
         ),
     }
+}
+
+/// Whether raw files tell of the distortion.
+pub(super) fn tells_distortion(lens: &LensDescription, camera: &Camera, window: &Window) -> bool {
+    correction(lens, camera, window).is_some()
+}
+
+/// The coefficients that DNG's correction takes, where it can.
+fn correction(lens: &LensDescription, camera: &Camera, window: &Window) -> Option<([f64; 3], [f64; 2])> {
+    polynomial(&lens.projection).filter(|_| can_correct(camera, window))
 }
 
 /// k₁ k₂ k₃ and p₁ p₂ of a lens that has no more than these, as DNG's correction of rectilinear lenses does.

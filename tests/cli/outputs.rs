@@ -175,6 +175,18 @@ fn curves_of_a_sensor_lie_beside_the_capture_wherever_that_is() {
 }
 
 #[test]
+fn pictures_that_do_not_lie_on_ground_truth_are_warned_of() {
+    let folder = room("[render]\nsamples_per_pixel = 1\n[output]\ntruth = ['depth']\n");
+    let barrel = "--set lens.distortion={model='brown-conrady',k=[-0.05]}";
+    let warned = |options: &str| {
+        folder.succeed(&format!("render capture.toml {barrel} {options}")).stderr.contains("freed of the distortion")
+    };
+    assert!(warned("-o both"));
+    assert!(!warned("-o alike --set develop.distortion=false"));
+    assert!(!warned("-o picture --set output.truth=[]"));
+}
+
+#[test]
 fn ground_truth_appears_in_the_formats_that_are_asked_for() {
     let folder = room(
         "[render]\nsamples_per_pixel = 1\n[output]\ntruth = ['depth', 'normal', 'instance', 'flow']\n\
