@@ -111,7 +111,8 @@ impl DataSet {
         Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), identity })
     }
 
-    /// The changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here rather than after an hour.
+    /// The changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here rather
+    /// than after an hour.
     pub(super) fn frames(&self, numbers: Range<u32>) -> Result<BTreeMap<u32, Vec<Vec<String>>>> {
         let frame = |number| {
             let frame = self.plan.frame(number).map_err(|invalid| self.file.error(invalid))?;

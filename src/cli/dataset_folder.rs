@@ -10,14 +10,13 @@ use std::path::{Path, PathBuf, absolute};
 
 use photosite::calibration::camera_files::{CalibratedCamera, kalibr, opencv, ros};
 use photosite::calibration::dataset::{CALIBRATION_FOLDER, Plan};
-use photosite::io::capture::{Capture, DatasetFile};
+use photosite::io::capture::{Capture, DatasetFile, REPORT};
 use photosite::io::finished_dataset::{MANIFEST, read_present};
-use photosite::io::output::{create_folder, write_whole};
+use photosite::io::output::{create_folder, remove_unfinished, write_whole};
 use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
 use super::fingerprint::{difference, fingerprinted, keys_and_files};
-use super::output_folder::REPORT;
 use super::pretty_json::pretty_json;
 
 /// What the folder is for.
@@ -40,14 +39,13 @@ pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[St
     for capture in captures {
         keys.push(keys_and_files(capture, &mut named)?);
     }
-    let whole = json!({
+    Ok(Value::Object(fingerprinted(json!({
         "photosite_version": env!("CARGO_PKG_VERSION"),
         "dataset": description,
         "overrides": overrides,
         "captures": keys,
         "files_sha256": named,
-    });
-    Ok(if let Value::Object(whole) = whole { Value::Object(fingerprinted(whole)) } else { Value::Null })
+    }))))
 }
 
 /// The same for a folder that holds a part of every picture, made from the data set file `input`.
@@ -180,10 +178,7 @@ impl DatasetFolder {
     /// An empty folder for a picture that is being made. What an earlier attempt left of it is removed.
     pub(super) fn begin(&self, camera: &str, number: u32) -> Result<PathBuf> {
         let partial = self.partial(camera, number);
-        if partial.exists() {
-            fs::remove_dir_all(&partial)
-                .map_err(|reason| Error::io(&partial, "remove the unfinished folder", reason))?;
-        }
+        remove_unfinished(&partial)?;
         create_folder(&partial)?;
         Ok(partial)
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use glam::DAffine3;
 use photosite::image::Estimate;
-use photosite::io::capture::{StoredCapture, StoredReport};
+use photosite::io::capture::{REPORT, StoredCapture, StoredReport};
 use photosite::optics::{Camera, Focus, LensDescription};
 use photosite::sensor::{Exposure, SensorModel, electron_rates};
 use photosite::spectrum::{Spectrum, illuminant};
@@ -16,7 +16,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::chain::{Chain, Exposed, Optics};
-use super::output_folder::{OutputFolder, PART, REPORT};
+use super::output_folder::{OutputFolder, PART};
 use super::render::camera_of;
 use super::report::{LightReport, Report, Timings, TracedReport};
 use super::results::{Frames, write_results};

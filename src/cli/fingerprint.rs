@@ -40,9 +40,10 @@ fn add_file(name: &str, path: &Path, hashes: &mut Map<String, Value>) -> Result<
 }
 
 /// An object with the hash of all that it says at its head.
-pub(super) fn fingerprinted(whole: Map<String, Value>) -> Map<String, Value> {
-    let fingerprint = hex(&Sha256::digest(Value::Object(whole.clone()).to_string()));
-    std::iter::once(("fingerprint".to_owned(), Value::from(fingerprint))).chain(whole).collect()
+pub(super) fn fingerprinted(whole: Value) -> Map<String, Value> {
+    let fingerprint = hex(&Sha256::digest(whole.to_string()));
+    let keys = if let Value::Object(keys) = whole { keys } else { Map::new() };
+    std::iter::once(("fingerprint".to_owned(), Value::from(fingerprint))).chain(keys).collect()
 }
 
 fn hex(bytes: &[u8]) -> String {

@@ -8,11 +8,10 @@ use std::sync::Arc;
 use photosite::calibration::layouts::{LayoutFiles, Shot};
 use photosite::calibration::truth::TruthLayer;
 use photosite::image::Planes;
-use photosite::io::capture::Capture;
+use photosite::io::capture::{Capture, REPORT, StoredReport};
 use photosite::io::exr::read_exr;
-use photosite::io::finished_dataset::REPORT;
-use photosite::io::grey_png::{is_grey, picture_size, read_grey, write_grey8, write_grey16};
-use photosite::io::output::{create_folder, write_whole};
+use photosite::io::output::{create_folder, remove_unfinished, write_whole};
+use photosite::io::plain_png::{is_grey, picture_size, read_grey, write_grey8, write_grey16};
 use photosite::scene::description::SceneDescription;
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
@@ -53,10 +52,7 @@ impl LayoutFolder {
             return refuse(format!("{} is no name for a new folder", path.display()));
         };
         let partial = path.with_file_name(format!(".{}.partial", name.to_string_lossy()));
-        if partial.exists() {
-            fs::remove_dir_all(&partial)
-                .map_err(|reason| Error::io(&partial, "remove the unfinished folder", reason))?;
-        }
+        remove_unfinished(&partial)?;
         Ok(Self { path: path.to_owned(), partial: Some(partial), dataset: dataset.to_owned(), scene: None })
     }
 
@@ -158,9 +154,7 @@ impl LayoutFiles for LayoutFolder {
 
     fn scene(&mut self, shot: &Shot) -> Result<Arc<SceneDescription>> {
         let path = self.dataset.join(&shot.folder).join(REPORT);
-        let bytes = fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
-        let report: Value =
-            serde_json::from_slice(&bytes).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(&path))?;
+        let report = StoredReport::read(&path)?.values;
         let keys: Vec<Value> = ["scene", "targets", "materials"].map(|table| report["capture"][table].clone()).to_vec();
         if let Some((known, scene)) = &self.scene
             && *known == keys

@@ -9,7 +9,7 @@ use photosite::colour::ColourSpace;
 use photosite::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
 use photosite::film::Film;
 use photosite::image::Planes;
-use photosite::io::capture::{NoiseOutput, OutputSettings, RawFormat, SpectralBands, TruthOutput};
+use photosite::io::capture::{NoiseOutput, OutputSettings, REPORT, RawFormat, SpectralBands, TruthOutput};
 use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::film_file::write_film;
@@ -29,9 +29,7 @@ use super::parts::PartReport;
 use super::pretty_json::pretty_json;
 use super::report::Report;
 
-/// The file whose presence says that a render was finished here.
-pub(super) const REPORT: &str = "capture.json";
-/// The same of a part of a render.
+/// The file whose presence says that a part of a render was finished here, as [`REPORT`] does of a whole one.
 pub(super) const PART: &str = "part.json";
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
 /// unasked: a texture may be called `image.png`.

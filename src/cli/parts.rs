@@ -9,14 +9,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf, absolute};
 
 use photosite::film::{Film, FilmResponses, Response};
-use photosite::io::capture::Capture;
+use photosite::io::capture::{Capture, REPORT};
 use photosite::io::film_file::add_film;
 use photosite::{Error, Invalid, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::fingerprint::{difference, fingerprinted, keys_and_files};
-use super::output_folder::{PART, REPORT, named};
+use super::output_folder::{PART, named};
 use super::render::{Light, Request, pixels};
 
 /// The object that `part.json` holds.
@@ -45,12 +45,11 @@ pub(super) struct PartReport {
 pub(super) fn makings(capture: &Capture) -> Result<Map<String, Value>> {
     let mut hashes = Map::new();
     let keys = keys_and_files(capture, &mut hashes)?;
-    let whole = json!({
+    Ok(fingerprinted(json!({
         "photosite_version": env!("CARGO_PKG_VERSION"),
         "capture": keys,
         "files_sha256": hashes,
-    });
-    Ok(if let Value::Object(whole) = whole { fingerprinted(whole) } else { Map::new() })
+    })))
 }
 
 impl PartReport {
@@ -201,7 +200,8 @@ fn read_report(folder: &Path) -> Result<PartReport> {
         } else {
             format!("holds no part of a render: there is no {PART}")
         };
-        let help = "give folders that photosite render --samples A..B filled; one that was broken off has to be rendered again";
+        let help = "give folders that photosite render --samples A..B filled; one that was broken off has to be rendered \
+                    again";
         return Err(Invalid::new("", message).help(help).in_file(folder));
     }
     let text = std::fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;

@@ -12,7 +12,7 @@ use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::film::{Film, Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::RenderSettings;
-use photosite::io::capture::{Capture, TruthOutput};
+use photosite::io::capture::{Capture, REPORT, TruthOutput};
 use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
 use photosite::optics::{Camera, Focus, LensDescription, PixelGrid, Recording};
@@ -25,7 +25,7 @@ use photosite::{Invalid, Result};
 
 use super::chain::{Chain, Optics, scene_light};
 use super::ideal;
-use super::output_folder::{OutputFolder, REPORT};
+use super::output_folder::OutputFolder;
 use super::parts::{PartReport, Parts, check_samples, makings};
 use super::report::{
     CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, TargetReport, Timings, TracedReport,
@@ -283,17 +283,10 @@ impl Series<'_> {
             // Noise of light that stays in its place from frame to frame would pass for a pattern.
             settings.seed = hash64(settings.seed, u64::from(number));
         }
-        let job = |settings, folder| Trace {
-            capture,
-            settings,
-            scene,
-            camera,
-            responses: self.responses,
-            importance: self.importance,
-            chain,
-            folder,
-            silent,
-        };
+        if let Light::Part(samples) = self.source {
+            settings.first_sample = samples.start;
+            settings.samples_per_pixel = samples.end - samples.start;
+        }
         let partner = capture.output.truth.partner.unwrap_or(DAffine3::IDENTITY);
         let truth_job = TruthJob { scene, camera, next, partner, resolution: pixels(capture) };
         check_depths(&truth_job, &capture.output.truth)
@@ -301,12 +294,17 @@ impl Series<'_> {
         let start = Instant::now();
         let film = match self.source {
             Light::Merged(parts) => parts.film(frames.light_number(), capture, self.responses)?,
-            Light::Traced => trace(&job(&settings, folder))?,
-            Light::Part(samples) => {
-                settings.first_sample = samples.start;
-                settings.samples_per_pixel = samples.end - samples.start;
-                trace(&job(&settings, folder))?
-            }
+            Light::Traced | Light::Part(_) => trace(&Trace {
+                capture,
+                settings: &settings,
+                scene,
+                camera,
+                responses: self.responses,
+                importance: self.importance,
+                chain,
+                folder,
+                silent,
+            })?,
         };
         timings.trace_s += start.elapsed().as_secs_f64();
         let passes = u64::from(film.samples());

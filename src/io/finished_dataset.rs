@@ -13,13 +13,12 @@ use serde_json::Value;
 use crate::calibration::camera_files::CalibratedCamera;
 use crate::calibration::layouts::{EPOCH_NS, PictureSet, SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::calibration::targets::{TargetDescription, TargetKind};
+use crate::io::capture::REPORT;
 use crate::optics::{CameraMotion, Intrinsics, Projection, Recording, TimedPose};
 use crate::{Error, Invalid, Result};
 
 /// The list of pictures in the folder of a data set, a line each.
 pub const MANIFEST: &str = "manifest.jsonl";
-/// The report of a picture in its folder.
-pub const REPORT: &str = "capture.json";
 
 /// Reads a data set all of whose pictures are there.
 pub fn read_dataset(folder: &Path) -> Result<PictureSet> {

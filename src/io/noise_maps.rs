@@ -5,13 +5,13 @@
 
 use std::io::{self, Seek, Write};
 
-use npyz::WriterBuilder;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::sensor::{NoiseMap, NoiseMaps};
 
 use super::exr::{Attribute, write_exr};
+use super::npy::write_planes;
 
 /// How noise maps are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
@@ -38,10 +38,5 @@ pub fn write_noise_npy<W: Write>(maps: &NoiseMaps, map: NoiseMap, to: W) -> io::
     let is_of_map = |name: &str| name.split_once('.').map_or(name, |(map, _)| map) == map.name();
     let planes: Vec<&[f32]> =
         maps.planes.channels().iter().filter(|c| is_of_map(&c.name)).map(|c| &c.data[..]).collect();
-    let shape = [maps.planes.height(), maps.planes.width(), planes.len()].map(|n| n as u64);
-    let shape = if planes.len() == 1 { &shape[..2] } else { &shape[..] };
-    let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(to).begin_nd()?;
-    let pixels = 0..maps.planes.width() * maps.planes.height();
-    array.extend(pixels.flat_map(|i| planes.iter().map(move |plane| plane[i])))?;
-    array.finish()
+    write_planes([maps.planes.width(), maps.planes.height()], &planes, |value| value, to)
 }

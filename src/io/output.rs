@@ -41,6 +41,14 @@ pub fn create_folder(path: &Path) -> Result<()> {
     fs::create_dir_all(path).map_err(|reason| Error::io(path, "create the folder", reason))
 }
 
+/// Removes what an earlier attempt left of a folder, if it left any.
+pub fn remove_unfinished(path: &Path) -> Result<()> {
+    if path.exists() {
+        fs::remove_dir_all(path).map_err(|reason| Error::io(path, "remove the unfinished folder", reason))?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,7 +12,7 @@
 
 use std::io::{self, Seek, Write};
 
-use npyz::WriterBuilder;
+use png::{BitDepth, ColorType};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -21,6 +21,8 @@ use crate::calibration::truth::TruthLayer;
 use crate::image::Planes;
 
 use super::exr::{Attribute, write_exr};
+use super::npy::write_planes;
+use super::plain_png::write_png_of_numbers;
 
 /// The largest number of 16 bits.
 const LARGEST: f64 = u16::MAX as f64;
@@ -81,15 +83,9 @@ fn planes_of(truth: &Planes, layer: TruthLayer) -> io::Result<Vec<&[f32]>> {
 /// Writes a layer as an array of shape (rows, columns), or (rows, columns, values) where a pixel has several.
 pub fn write_truth_npy<W: Write>(truth: &Planes, layer: TruthLayer, to: W) -> io::Result<()> {
     let planes = planes_of(truth, layer)?;
-    let shape = [truth.height(), truth.width(), planes.len()].map(|n| n as u64);
-    let shape = if planes.len() == 1 { &shape[..2] } else { &shape[..] };
-    let pixels = 0..truth.width() * truth.height();
+    let size = [truth.width(), truth.height()];
     match layer {
-        TruthLayer::Instance | TruthLayer::Material => {
-            let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(to).begin_nd()?;
-            array.extend(planes[0].iter().map(|&id| id as u32))?;
-            array.finish()
-        }
+        TruthLayer::Instance | TruthLayer::Material => write_planes(size, &planes, |id| id as u32, to),
         TruthLayer::Depth
         | TruthLayer::Distance
         | TruthLayer::Position
@@ -98,11 +94,7 @@ pub fn write_truth_npy<W: Write>(truth: &Planes, layer: TruthLayer, to: W) -> io
         | TruthLayer::Uv
         | TruthLayer::Albedo
         | TruthLayer::Flow
-        | TruthLayer::Disparity => {
-            let mut array = npyz::WriteOptions::new().default_dtype().shape(shape).writer(to).begin_nd()?;
-            array.extend(pixels.flat_map(|i| planes.iter().map(move |plane| plane[i])))?;
-            array.finish()
-        }
+        | TruthLayer::Disparity => write_planes(size, &planes, |value| value, to),
     }
 }
 
@@ -111,19 +103,16 @@ pub fn write_truth_npy<W: Write>(truth: &Planes, layer: TruthLayer, to: W) -> io
 pub fn write_truth_png<W: Write>(truth: &Planes, layer: TruthLayer, depth_unit_m: f64, to: W) -> io::Result<()> {
     let planes = planes_of(truth, layer)?;
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
-    let mut info = png::Info::with_size(side(truth.width())?, side(truth.height())?);
+    let size = [side(truth.width())?, side(truth.height())?];
     let count = if layer == TruthLayer::Disparity { 1 } else { planes.len() };
-    info.color_type = if count == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
-    info.bit_depth = png::BitDepth::Sixteen;
+    let kind = if count == 1 { ColorType::Grayscale } else { ColorType::Rgb };
     let mut bytes = Vec::with_capacity(2 * count * truth.width() * truth.height());
     for i in 0..truth.width() * truth.height() {
         let values = [0, 1, 2].map(|c| f64::from(planes.get(c).map_or(0.0, |plane| plane[i])));
         let codes = codes(layer, values, depth_unit_m)?;
         codes[..count].iter().for_each(|code| bytes.extend(code.to_be_bytes()));
     }
-    let mut writer = png::Encoder::with_info(to, info)?.write_header()?;
-    writer.write_image_data(&bytes)?;
-    Ok(writer.finish()?)
+    write_png_of_numbers(size, kind, BitDepth::Sixteen, &bytes, to)
 }
 
 /// The numbers that stand for a pixel's values.

@@ -10,7 +10,8 @@ use serde_json::Value;
 
 use crate::folder::Folder;
 
-const BOARD: &str = "\
+/// A chessboard before a small camera.
+pub(crate) const BOARD: &str = "\
 [scene]
 environment = { illuminant = 'D65', illuminance_lux = 500 }
 [[targets]]

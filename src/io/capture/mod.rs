@@ -78,7 +78,7 @@ pub use settings::{
     Bracket, ExposureSettings, ExposureTime, NoiseOutput, OutputSettings, RawFormat, SpectralBands, TruthOutput,
 };
 pub use source::CaptureSource;
-pub use stored::{StoredCapture, StoredReport};
+pub use stored::{REPORT, StoredCapture, StoredReport};
 pub use target::read_target;
 
 /// Everything that a capture file, the files it names and the command line say.

@@ -39,6 +39,9 @@ pub struct StoredCapture {
     pub source: CaptureSource,
 }
 
+/// The file that holds the report of a render.
+pub const REPORT: &str = "capture.json";
+
 /// A report as read.
 #[derive(Debug)]
 pub struct StoredReport {

@@ -1,12 +1,11 @@
-//! Grey PNG files for tools that want no others.
+//! PNG files of plain numbers, which say nothing of colours: ground truth, masks, and pictures for tools that want grey.
 
 use std::fs;
-use std::io;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 
-use image::codecs::png::PngEncoder;
-use image::{DynamicImage, ExtendedColorType, ImageEncoder};
+use image::DynamicImage;
+use png::{BitDepth, ColorType};
 
 use super::picture::decode;
 use crate::{Error, Result};
@@ -44,17 +43,28 @@ fn open(path: &Path) -> Result<DynamicImage> {
 
 /// Writes 8-bit grey.
 pub fn write_grey8<W: Write>(size: [u32; 2], values: &[u8], to: W) -> io::Result<()> {
-    write(size, values, ExtendedColorType::L8, to)
+    write_png_of_numbers(size, ColorType::Grayscale, BitDepth::Eight, values, to)
 }
 
 /// Writes 16-bit grey.
 pub fn write_grey16<W: Write>(size: [u32; 2], values: &[u16], to: W) -> io::Result<()> {
-    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
-    write(size, &bytes, ExtendedColorType::L16, to)
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_be_bytes()).collect();
+    write_png_of_numbers(size, ColorType::Grayscale, BitDepth::Sixteen, &bytes, to)
 }
 
-fn write<W: Write>([width, height]: [u32; 2], bytes: &[u8], kind: ExtendedColorType, to: W) -> io::Result<()> {
-    PngEncoder::new(to).write_image(bytes, width, height, kind).map_err(io::Error::other)
+/// Writes numbers as PNG files have them: row by row, those of 16 bits with their upper half first.
+pub(super) fn write_png_of_numbers<W: Write>(
+    [width, height]: [u32; 2],
+    kind: ColorType,
+    depth: BitDepth,
+    bytes: &[u8],
+    to: W,
+) -> io::Result<()> {
+    let mut info = png::Info::with_size(width, height);
+    (info.color_type, info.bit_depth) = (kind, depth);
+    let mut writer = png::Encoder::with_info(to, info)?.write_header()?;
+    writer.write_image_data(bytes)?;
+    Ok(writer.finish()?)
 }
 
 #[cfg(test)]
