@@ -9,6 +9,8 @@
 mod bsdf;
 mod build;
 mod develop;
+mod kitchen;
+mod rays;
 mod sampler;
 mod scenes;
 mod sensor;

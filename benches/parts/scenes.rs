@@ -75,7 +75,7 @@ pub(crate) fn visible() -> Spectrum {
     Spectrum::from_fn(|lambda| f64::from(u8::from((400.0..=700.0).contains(&lambda))))
 }
 
-fn diffuse(name: &str, reflectance: Colour) -> MaterialDescription {
+pub(crate) fn diffuse(name: &str, reflectance: Colour) -> MaterialDescription {
     let reflectance = TexturedColour::plain(reflectance);
     MaterialDescription::new(name, MaterialModel::Diffuse { reflectance })
 }

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Renders three scenes in Mitsuba 3 and in photosite on the same cores, and compares speed and error.
+
+    cargo build --release
+    python3 benches/compare.py                 # a, b and c, about half an hour the first time, for the references
+
+Mitsuba is installed on the first run, into target/benches-venv; its LLVM variant needs LLVM 17 or later (Debian: apt
+install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same triangles, spectra,
+camera, depth, roulette and sensor: 256 × 256 pixels, box filter, four wavelengths a path, in the response functions of
+photosite's sensor, so that both estimate the same three numbers a pixel, electrons. Runs of all alternate. Mitsuba is
+warm: its kernel is compiled before the measurement. Times are those of light transport alone: photosite's `trace_s`,
+Mitsuba's time in `render`. Loading, sensor and files are left out on both sides.
+
+Definitions, for a picture x and a reference r of the same program (many samples, other seeds), each channel divided by
+the reference's mean in that channel:
+
+    relMSE     = mean over pixels and channels of (x − r)² / (r² + 0.01)
+    efficiency = 1 / (relMSE · seconds), the reciprocal of the time to a relMSE of 1 with independent samples
+
+The relMSE of all runs is averaged. Besides, relMSE of the sum of the channels tells how much of the error is noise of
+colour. Ratios above 1 are better than Mitsuba's best sampler: the median of neighbouring runs, with the smallest and the
+largest. On a machine with other work to do, trust those by processor time. Tables are Markdown. relMSE says nothing about bias that picture and reference share; therefore the references of
+the two programs are compared with each other too.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+ENVIRONMENT = ROOT / "target" / "benches-venv"
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description="Compare photosite with Mitsuba 3.")
+    parser.add_argument("scenes", nargs="*", default=["a", "b", "c"], metavar="SCENE", help="a, b, c (default: all)")
+    parser.add_argument("--photosite", type=Path, default=ROOT / "target" / "release" / "photosite", metavar="FILE")
+    parser.add_argument("--runs", type=int, default=5, help="measured renders of each program (default: %(default)s)")
+    parser.add_argument("--samples", type=int, nargs="+", default=[64], help="samples a pixel (default: 64)")
+    parser.add_argument("--reference", type=int, default=4096, help="samples of the references (default: %(default)s)")
+    parser.add_argument("--cache", type=Path, default=ROOT / "target" / "benches-references", metavar="FOLDER",
+                        help="where references are kept (default: %(default)s)")
+    parser.add_argument("--threads", type=int, help="of both programs (default: all cores)")
+    parser.add_argument("--variant", default="llvm_ad_spectral", help="of Mitsuba (default: %(default)s)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
+    return parser.parse_args()
+
+
+def with_mitsuba():
+    """Starts again in an environment that has Mitsuba, unless this one has."""
+    try:
+        import mitsuba  # noqa: F401
+        return
+    except ImportError:
+        python = ENVIRONMENT / "bin" / "python"
+    if Path(sys.prefix) == ENVIRONMENT:
+        sys.exit(f"Mitsuba cannot be loaded from {ENVIRONMENT}: remove that folder and try again")
+    if not python.is_file():
+        subprocess.run([sys.executable, "-m", "venv", str(ENVIRONMENT)], check=True)
+        subprocess.run([str(python), "-m", "pip", "install", "--quiet", "-r", str(HERE / "requirements.txt")], check=True)
+    os.execv(python, [str(python), *sys.argv])
+
+
+def reference(renderer, samples, cache, key):
+    """A renderer's picture of many samples, from the folder that keeps them or new."""
+    import numpy as np
+
+    kept = cache / f"{key}-{samples}.npy"
+    if kept.is_file():
+        return np.load(kept)
+    picture = renderer.reference(samples)
+    cache.mkdir(parents=True, exist_ok=True)
+    np.save(kept, picture)
+    return picture
+
+
+def compare(mitsuba, key, options, folder):
+    """All figures of a scene."""
+    from comparison import scenes
+    from comparison.figures import Runs, relative_error
+    from comparison.mitsuba_renderer import Mitsuba
+    from comparison.photosite_renderer import Photosite
+
+    capture = scenes.write(key, folder)
+    theirs = [Mitsuba(mitsuba, options.photosite, capture, folder, sampler) for sampler in ("independent", "multijitter")]
+    ours = [
+        Photosite(mitsuba, options.photosite, capture, folder, sampler, options.threads) for sampler in ("independent", "sobol")
+    ]
+    # The samplers of a program estimate the same picture: one reference serves both.
+    truth = {
+        "Mitsuba": reference(theirs[-1], options.reference, options.cache, f"{key}-mitsuba"),
+        "photosite": reference(ours[-1], options.reference, options.cache, f"{key}-photosite"),
+    }
+    result = {
+        "mean_ratio": (truth["photosite"].mean(axis=(0, 1)) / truth["Mitsuba"].mean(axis=(0, 1))).tolist(),
+        "relmse_of_references": relative_error(truth["photosite"], truth["Mitsuba"]),
+        "samples": {},
+    }
+    for samples in options.samples:
+        runs = {renderer.name: Runs(256 * 256 * samples) for renderer in theirs + ours}
+        for renderer in theirs + ours:
+            renderer.warm_up(samples)
+        for run in range(options.runs):
+            for renderer in theirs + ours:
+                picture, seconds = renderer.render(samples, 1 + run)
+                runs[renderer.name].add(picture, seconds, truth[renderer.name.split(",")[0]])
+        result["samples"][samples] = runs
+    return result
+
+
+def best(runs, program):
+    """The name of a program's sampler of the highest efficiency."""
+    return max((name for name in runs if name.startswith(program)), key=lambda name: runs[name].efficiency())
+
+
+def report(key, result):
+    """Prints a scene's tables as Markdown."""
+    from comparison import scenes
+    from comparison.figures import Ratio
+
+    print(f"\n### {key}: {scenes.SCENES[key][0]}")
+    for samples, runs in result["samples"].items():
+        base = runs[best(runs, "Mitsuba")]
+        print(f"\n{samples} samples a pixel; ratios to {best(runs, 'Mitsuba')}.\n")
+        print("| | Mpaths/s | ratio | by processor time | relMSE | efficiency | ratio | by processor time | relMSE of the sum | ratio by processor time |")
+        print("|---|---|---|---|---|---|---|---|---|---|")
+        for name, r in runs.items():
+            gain, grey_gain = base.relmse / r.relmse, base.grey_relmse / r.grey_relmse
+            cells = [
+                name,
+                f"{r.paths / statistics.median(r.wall) / 1e6:.2f}",
+                Ratio.of(base.wall, r.wall),
+                Ratio.of(base.busy, r.busy),
+                f"{r.relmse:.5f}",
+                f"{r.efficiency():.1f}",
+                Ratio.of(base.wall, r.wall, gain),
+                Ratio.of(base.busy, r.busy, gain),
+                f"{r.grey_relmse:.5f}",
+                Ratio.of(base.busy, r.busy, grey_gain),
+            ]
+            print("| " + " | ".join(str(cell) for cell in cells) + " |")
+    means = ", ".join(f"{value:.4f}" for value in result["mean_ratio"])
+    print(f"\nReferences, photosite / Mitsuba: mean electrons in R, G, B {means}; relMSE between them {result['relmse_of_references']:.1e}.")
+
+
+def summarise(results):
+    """Prints what matters of all scenes as Markdown: the best sampler of each program, and the goals."""
+    from comparison import scenes
+    from comparison.figures import Ratio
+
+    print("\n### In short\n")
+    print("The best sampler of each. Goals: paths per second at least 1, efficiency at least 2.\n")
+    print("| scene | samples | paths per second | by processor time | efficiency | by processor time | |")
+    print("|---|---|---|---|---|---|---|")
+    for key, result in results.items():
+        for samples, runs in result["samples"].items():
+            ours, theirs = runs[best(runs, "photosite")], runs[best(runs, "Mitsuba")]
+            gain = theirs.relmse / ours.relmse
+            rate, efficiency = Ratio.of(theirs.wall, ours.wall), Ratio.of(theirs.wall, ours.wall, gain)
+            missed = [name for name, ratio, goal in (("paths", rate, 1), ("efficiency", efficiency, 2)) if ratio.median < goal]
+            verdict = f"**not reached**: {', '.join(missed)}" if missed else "reached"
+            print(f"| {key}: {scenes.SCENES[key][0]} | {samples} | {rate} | {Ratio.of(theirs.busy, ours.busy)} "
+                  f"| {efficiency} | {Ratio.of(theirs.busy, ours.busy, gain)} | {verdict} |")
+
+
+def main():
+    options = arguments()
+    if not options.photosite.is_file():
+        sys.exit(f"{options.photosite} is missing: run cargo build --release first")
+    with_mitsuba()
+    sys.path.insert(0, str(HERE))
+    from comparison.mitsuba_renderer import start
+
+    mitsuba = start(options.variant, options.threads)
+    print(f"Mitsuba {mitsuba.__version__} {options.variant}, {options.threads or os.cpu_count()} threads, "
+          f"{options.runs} runs, references of {options.reference} samples")
+    results = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for key in options.scenes:
+            results[key] = compare(mitsuba, key, options, Path(folder) / key)
+            report(key, results[key])
+            sys.stdout.flush()
+    summarise(results)
+    if options.json:
+        plain = json.dumps(results, indent=2, default=vars)
+        options.json.write_text(plain + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,68 @@
+"""A capture in Mitsuba 3, inside this process."""
+
+import glob
+import os
+import subprocess
+import sys
+import time
+
+import numpy as np
+
+# Samples of one render call: more would take more memory than they are worth.
+PART = 256
+
+
+class Mitsuba:
+    """A capture as Mitsuba renders it, exported by `photosite export-mitsuba`."""
+
+    def __init__(self, mitsuba, photosite, capture, folder, sampler):
+        self.mitsuba, self.sampler, self.name = mitsuba, sampler, f"Mitsuba, {sampler}"
+        out = folder / "mitsuba"
+        if not (out / "scene.xml").is_file():
+            # The shadowing of rough gold differs a little: --approximate.
+            command = [str(photosite), "export-mitsuba", str(capture), "-o", str(out), "--quiet", "--approximate"]
+            if subprocess.run(command, check=False, stderr=subprocess.DEVNULL).returncode:
+                sys.exit("photosite cannot export the capture")
+        text = (out / "scene.xml").read_text(encoding="utf-8").replace('type="independent"', f'type="{sampler}"')
+        scene = out / f"{sampler}.xml"
+        scene.write_text(text, encoding="utf-8")
+        self.scene = mitsuba.load_file(str(scene))
+
+    def render(self, samples, seed):
+        """A picture, mean electrons, with the wall and processor seconds of its light transport."""
+        import drjit
+
+        wall, busy = time.perf_counter(), time.process_time()
+        picture = self.mitsuba.render(self.scene, spp=samples, seed=seed)
+        drjit.eval(picture)
+        drjit.sync_thread()
+        seconds = time.perf_counter() - wall, time.process_time() - busy
+        return np.array(picture, dtype=np.float64), seconds
+
+    def warm_up(self, samples):
+        """Traces and compiles the scene's kernel, which no measured render has to."""
+        self.render(samples, 0)
+
+    def reference(self, samples):
+        """A picture of many samples."""
+        parts = max(1, samples // PART)
+        return sum(self.render(min(PART, samples), 1_000_000 + i)[0] for i in range(parts)) / parts
+
+
+def start(variant, threads):
+    """Imports Mitsuba in a variant."""
+    # Mitsuba finds LLVM when its backend starts, by this variable or the loader's default names.
+    if "llvm" in variant and "DRJIT_LIBLLVM_PATH" not in os.environ:
+        found = sorted(glob.glob("/usr/lib/*/libLLVM.so.19*") + glob.glob("/usr/lib/llvm-19/lib/libLLVM*.so*"))
+        if found:
+            os.environ["DRJIT_LIBLLVM_PATH"] = found[0]
+    import drjit
+    import mitsuba
+
+    if variant not in mitsuba.variants():
+        sys.exit(f"Mitsuba has no variant {variant}; it has {', '.join(mitsuba.variants())}")
+    mitsuba.set_variant(variant)
+    if threads:
+        drjit.set_thread_count(threads)
+        mitsuba.Thread.set_thread_count(threads)
+    return mitsuba

@@ -1,0 +1,174 @@
+//! Rays per second against Embree 3, single rays on one thread, in turn with it over the same triangles and rays.
+//!
+//!     apt install g++ libembree-dev
+//!     cargo bench --bench embree
+//!
+//! Ours never let a ray through between two triangles, so that Embree's robust mode is the like; its default mode, which
+//! may, is shown beside it. Prints a table in Markdown: millions of rays per second, medians, and the medians of the
+//! ratios of neighbouring runs with the smallest and the largest.
+
+#[path = "../parts/kitchen.rs"]
+mod kitchen;
+#[path = "../parts/rays.rs"]
+#[allow(dead_code, reason = "some is for other benches")]
+mod rays;
+#[path = "../parts/scenes.rs"]
+#[allow(dead_code, reason = "some is for other benches")]
+mod scenes;
+
+use std::error::Error;
+use std::hint::black_box;
+use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, ExitCode, Stdio};
+use std::time::Instant;
+
+use photosite::geometry::Ray;
+use rays::{Kind, Stage};
+use scenes::LARGE_SPHERE;
+
+const RUNS: usize = 15;
+
+fn main() -> ExitCode {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let program = folder.join("traverse");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/embree/traverse.cpp");
+    let mut compiler = Command::new("g++");
+    compiler.args(["-O3", "-march=native", "-std=c++17", "-o"]).arg(&program).arg(source).arg("-lembree3");
+    if !compiler.status().is_ok_and(|status| status.success()) {
+        println!("Embree is not measured: it takes apt install g++ libembree-dev");
+        return ExitCode::SUCCESS;
+    }
+    let (bands, sectors) = LARGE_SPHERE;
+    match compare("kitchen", Stage::kitchen(), &program)
+        .and_then(|()| compare("sphere from inside", Stage::sphere_from_inside(bands, sectors), &program))
+    {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            println!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn compare(name: &str, stage: Stage, program: &Path) -> Result<(), Box<dyn Error>> {
+    let file = program.with_file_name("rays.bin");
+    write(&stage, &file)?;
+    let mut embree = Embree::start(program, &file)?;
+    let triangles = stage.scene.geometry().triangles.len();
+    println!("\n{name}, {triangles} triangles\n");
+    println!("| rays | ours, Mray/s | Embree robust | ratio | Embree default | ratio |");
+    println!("|---|---|---|---|---|---|");
+    for (set, kind) in Kind::ALL.into_iter().enumerate() {
+        let count = stage.rays(kind).len() as f64;
+        let mut seconds = [const { Vec::new() }; 3];
+        for _ in 0..RUNS {
+            let start = Instant::now();
+            let hits = black_box(&stage).trace(kind);
+            seconds[0].push(start.elapsed().as_secs_f64());
+            for mode in [1, 0] {
+                let (took, found) = embree.trace(set, mode)?;
+                seconds[2 - mode].push(took);
+                // Rays that graze an edge may differ.
+                if found.abs_diff(hits) as f64 > 1e-3 * count {
+                    return Err(format!("{kind}: {hits} hits here and {found} in Embree").into());
+                }
+            }
+        }
+        let [ours, robust, default] = &seconds;
+        let rate = |seconds: &[f64]| count / median(seconds) / 1e6;
+        println!(
+            "| {kind} | {:.2} | {:.2} | {} | {:.2} | {} |",
+            rate(ours),
+            rate(robust),
+            ratio(robust, ours),
+            rate(default),
+            ratio(default, ours)
+        );
+    }
+    Ok(())
+}
+
+/// The C++ program with its scene.
+struct Embree {
+    process: Child,
+    to: ChildStdin,
+    from: BufReader<ChildStdout>,
+}
+
+impl Embree {
+    fn start(program: &Path, file: &Path) -> Result<Self, Box<dyn Error>> {
+        let mut process = Command::new(program).arg(file).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        let (Some(to), Some(from)) = (process.stdin.take(), process.stdout.take()) else {
+            return Err("no pipes".into());
+        };
+        let mut embree = Self { process, to, from: BufReader::new(from) };
+        embree.line()?;
+        Ok(embree)
+    }
+
+    /// Seconds and hits of one pass over a set of rays; mode 0 is the default traversal, 1 the robust one.
+    fn trace(&mut self, set: usize, mode: usize) -> Result<(f64, usize), Box<dyn Error>> {
+        writeln!(self.to, "{set} {mode}")?;
+        self.to.flush()?;
+        let line = self.line()?;
+        let mut words = line.split_whitespace();
+        let mut word = || words.next().ok_or("Embree gave no answer");
+        Ok((word()?.parse()?, word()?.parse()?))
+    }
+
+    fn line(&mut self) -> Result<String, Box<dyn Error>> {
+        let mut line = String::new();
+        self.from.read_line(&mut line)?;
+        Ok(line)
+    }
+}
+
+impl Drop for Embree {
+    fn drop(&mut self) {
+        // A command that names no set ends it.
+        let _ = writeln!(self.to, "end");
+        let _ = self.process.wait();
+    }
+}
+
+/// Writes triangles and rays, little-endian: counts of corners, triangles and sets; corners; triangles; for each set
+/// whether any hit will do, its number of rays, and origin, direction and end of each.
+fn write(stage: &Stage, path: &Path) -> std::io::Result<()> {
+    let geometry = stage.scene.geometry();
+    let mut file = BufWriter::new(std::fs::File::create(path)?);
+    let mut count = |n: usize| file.write_all(&(n as u32).to_le_bytes());
+    count(geometry.positions.len())?;
+    count(geometry.triangles.len())?;
+    count(Kind::ALL.len())?;
+    let mut numbers = |numbers: &[f32]| numbers.iter().try_for_each(|x| file.write_all(&x.to_le_bytes()));
+    geometry.positions.iter().try_for_each(|p| numbers(&p.to_array()))?;
+    for corner in geometry.triangles.iter().flat_map(|triangle| triangle.corners) {
+        file.write_all(&corner.to_le_bytes())?;
+    }
+    for kind in Kind::ALL {
+        let rays = stage.rays(kind);
+        file.write_all(&u32::from(kind.is_shadow()).to_le_bytes())?;
+        file.write_all(&(rays.len() as u32).to_le_bytes())?;
+        for Ray { origin, direction, t_max, .. } in rays {
+            for x in origin.to_array().into_iter().chain(direction.to_array()).chain([*t_max]) {
+                file.write_all(&x.to_le_bytes())?;
+            }
+        }
+    }
+    file.flush()
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// How many times as fast `ours` is: median, smallest and largest of neighbouring runs.
+fn ratio(theirs: &[f64], ours: &[f64]) -> String {
+    let ratios: Vec<_> = theirs.iter().zip(ours).map(|(theirs, ours)| theirs / ours).collect();
+    let low = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = ratios.iter().copied().fold(0.0, f64::max);
+    format!("{:.2} ({low:.2}–{high:.2})", median(&ratios))
+}
