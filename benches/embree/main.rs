@@ -61,17 +61,21 @@ fn compare(name: &str, stage: Stage, program: &Path) -> Result<(), Box<dyn Error
     println!("|---|---|---|---|---|---|");
     for (set, kind) in Kind::ALL.into_iter().enumerate() {
         let count = stage.rays(kind).len() as f64;
+        let distance = distance(&stage, kind);
         let mut seconds = [const { Vec::new() }; 3];
         for _ in 0..RUNS {
             let start = Instant::now();
             let hits = black_box(&stage).trace(kind);
             seconds[0].push(start.elapsed().as_secs_f64());
             for mode in [1, 0] {
-                let (took, found) = embree.trace(set, mode)?;
-                seconds[2 - mode].push(took);
+                let answer = embree.trace(set, mode)?;
+                seconds[2 - mode].push(answer.seconds);
                 // Rays that graze an edge may differ.
-                if found.abs_diff(hits) as f64 > 1e-3 * count {
-                    return Err(format!("{kind}: {hits} hits here and {found} in Embree").into());
+                if answer.hits.abs_diff(hits) as f64 > 1e-3 * count {
+                    return Err(format!("{kind}: {hits} hits here and {} in Embree", answer.hits).into());
+                }
+                if !kind.is_shadow() && (answer.distance - distance).abs() > 1e-3 * distance {
+                    return Err(format!("{kind}: {distance} to all hits here and {} in Embree", answer.distance).into());
                 }
             }
         }
@@ -87,6 +91,18 @@ fn compare(name: &str, stage: Stage, program: &Path) -> Result<(), Box<dyn Error
         );
     }
     Ok(())
+}
+
+/// The sum of how far rays of a kind get, over those that hit something.
+fn distance(stage: &Stage, kind: Kind) -> f64 {
+    stage.rays(kind).iter().filter_map(|ray| stage.scene.closest(ray)).map(|hit| f64::from(hit.t)).sum()
+}
+
+/// What the C++ program found in one pass; the sum of distances is 0 for shadow rays.
+struct Answer {
+    seconds: f64,
+    hits: usize,
+    distance: f64,
 }
 
 /// The C++ program with its scene.
@@ -107,14 +123,14 @@ impl Embree {
         Ok(embree)
     }
 
-    /// Seconds and hits of one pass over a set of rays; mode 0 is the default traversal, 1 the robust one.
-    fn trace(&mut self, set: usize, mode: usize) -> Result<(f64, usize), Box<dyn Error>> {
+    /// One pass over a set of rays; mode 0 is the default traversal, 1 the robust one.
+    fn trace(&mut self, set: usize, mode: usize) -> Result<Answer, Box<dyn Error>> {
         writeln!(self.to, "{set} {mode}")?;
         self.to.flush()?;
         let line = self.line()?;
         let mut words = line.split_whitespace();
         let mut word = || words.next().ok_or("Embree gave no answer");
-        Ok((word()?.parse()?, word()?.parse()?))
+        Ok(Answer { seconds: word()?.parse()?, hits: word()?.parse()?, distance: word()?.parse()? })
     }
 
     fn line(&mut self) -> Result<String, Box<dyn Error>> {

@@ -86,7 +86,8 @@ int main(int count, char **arguments) {
             RTCRayHit query;
             query.ray.org_x = ray.origin[0], query.ray.org_y = ray.origin[1], query.ray.org_z = ray.origin[2];
             query.ray.dir_x = ray.direction[0], query.ray.dir_y = ray.direction[1], query.ray.dir_z = ray.direction[2];
-            query.ray.tnear = 0, query.ray.tfar = ray.t_max, query.ray.time = 0;
+            // Not 0: the robust mode counts a hit at its very end, and where a plane's coordinate is 0 rays start in it.
+            query.ray.tnear = 1e-20f, query.ray.tfar = ray.t_max, query.ray.time = 0;
             query.ray.mask = ~0u, query.ray.id = 0, query.ray.flags = 0;
             if (set.is_shadow) {
                 rtcOccluded1(scene, &context, &query.ray);
