@@ -1,13 +1,13 @@
 //! What large scenes cost: time to build, memory, and time a ray.
 //!
-//!     cargo bench --bench scale                        1 and 10 million triangles, instanced and not, and 10⁵ lights
-//!     cargo bench --bench scale -- mesh 100            a mesh of 100 million: 15 GB
-//!     cargo bench --bench scale -- instances 100       100 million as instances of a mesh of one million
-//!     cargo bench --bench scale -- lights 1000000
+//!     cargo bench --bench scale                   meshes of 1 and 10, instances of 1, 10 and 100 million triangles; 10⁵ lamps
+//!     cargo bench --bench scale -- mesh:100       a mesh of 100 million: 17 GB
+//!     cargo bench --bench scale -- lamps:1000000
 //!
-//! Meshes are the bumpy sphere in finer and finer triangles, instances a grid of such spheres. Each scene has a process of
-//! its own. Memory is the most that was in use while the scene was built, description included, by Linux's account, over
-//! the number of triangles. Prints tables in Markdown; fails where a mesh takes more than 150 bytes a triangle.
+//! A mesh is the bumpy sphere in finer and finer triangles, seen from within; instances are 125 such spheres in a room, with so
+//! many triangles together. Each scene has a process of its own. Memory is the most that was in use while the scene was
+//! built, the description that it was built from included, by Linux's account, over the number of triangles that are stored.
+//! Prints tables in Markdown; fails where a mesh takes more memory than it may.
 
 #[path = "parts/kitchen.rs"]
 #[allow(dead_code, reason = "for other benches")]
@@ -20,113 +20,151 @@ mod rays;
 mod scenes;
 
 use std::env;
+use std::fmt::Display;
 use std::hint::black_box;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
-use glam::{DAffine3, DVec3, Vec3};
-use photosite::math::hash::hash64;
+use glam::{BVec3, DAffine3, DVec3, Vec3};
+use photosite::math::hash::{hash64, unit_f32};
 use photosite::scene;
 use photosite::scene::description::{
     Colour, EmissionDescription, InstanceDescription, MeshDescription, SceneDescription,
 };
-use photosite::spectrum::WavelengthSampler;
 use rays::{Kind, Stage};
 
 const LIMIT_BYTES: f64 = 150.0;
-const RUNS: usize = 5;
+/// For ten times the triangles.
+const LIMIT_RATIO: f64 = 1.5;
+const CASES: [&str; 6] = ["mesh:1", "mesh:10", "instances:1", "instances:10", "instances:100", "lamps:100000"];
+/// Asks for the figures of one case instead of tables.
+const FIGURES: &str = "figures-of";
+const RUNS: usize = 9;
+/// Spheres along each side of the room.
+const SIDE: u32 = 5;
 
 fn main() -> ExitCode {
     let words: Vec<_> = env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
-    let number = |word: &String| word.parse::<u32>().ok();
-    match words.as_slice() {
-        [] => all(),
-        [kind, size] => match (kind.as_str(), number(size)) {
-            ("mesh", Some(millions)) => mesh(millions),
-            ("instances", Some(millions)) => instances(millions),
-            ("lights", Some(count)) => lights(count),
-            _ => usage(),
-        },
-        _ => usage(),
+    if let [FIGURES, case] = words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        return measure(case);
     }
+    let cases = if words.is_empty() { CASES.map(str::to_owned).to_vec() } else { words };
+    let measured: Option<Vec<_>> = cases.iter().map(|case| Some((case.as_str(), figures_of(case)?))).collect();
+    let Some(measured) = measured else { return ExitCode::FAILURE };
+    tables(&measured)
 }
 
-fn usage() -> ExitCode {
-    println!("what to measure: mesh MILLIONS, instances MILLIONS, lights COUNT, or nothing for all");
-    ExitCode::FAILURE
+/// The figures of a case from a process of its own: stored triangles, seconds, bytes at most, bytes then, and nanoseconds a
+/// ray of each kind.
+fn figures_of(case: &str) -> Option<Vec<f64>> {
+    let done = Command::new(env::current_exe().ok()?).args([FIGURES, case]).output().ok()?;
+    let text = String::from_utf8_lossy(&done.stdout).into_owned();
+    if !done.status.success() {
+        println!("{case} cannot be measured: {text}");
+        return None;
+    }
+    text.split_whitespace().map(|word| word.parse().ok()).collect()
 }
 
-/// Every case in a process of its own, one after the other.
-fn all() -> ExitCode {
+fn measure(case: &str) -> ExitCode {
+    let Some((kind, Ok(size))) = case.split_once(':').map(|(kind, size)| (kind, size.parse())) else {
+        println!("say mesh:MILLIONS, instances:MILLIONS or lamps:COUNT");
+        return ExitCode::FAILURE;
+    };
+    let watch = Watch::start();
+    let (description, eye, forward) = match kind {
+        "mesh" => (sphere(f64::from(size) * 1e6), Vec3::new(0.0, 0.0, 0.5), Vec3::NEG_Z),
+        "instances" => (instances(size), Vec3::splat(1.1), Vec3::ONE.normalize()),
+        "lamps" => (lamps(size), Vec3::new(50.0, 5.0, 50.0), Vec3::X),
+        _ => {
+            println!("there is no {kind}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let triangles: usize = description.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    let start = Instant::now();
+    let scene = scene::build(description, &scenes::visible());
+    let seconds = start.elapsed().as_secs_f64();
+    println!("{triangles} {seconds} {} {}", watch.grown("VmHWM"), watch.grown("VmRSS"));
+    let stage = Stage::new(scene, eye, forward, 0.6, eye + 0.3);
+    for kind in Kind::ALL {
+        println!("{}", nanoseconds(&stage, kind));
+    }
+    ExitCode::SUCCESS
+}
+
+/// Prints the figures, and says by the exit status whether meshes keep to their memory.
+fn tables(measured: &[(&str, Vec<f64>)]) -> ExitCode {
+    println!("Memory: at most {LIMIT_BYTES} bytes a triangle of a mesh.\n");
+    println!("| scene | stored triangles | build, s | bytes a triangle, at most | then | |");
+    println!("|---|---|---|---|---|---|");
     let mut passed = true;
-    for [kind, size] in [["mesh", "1"], ["mesh", "10"], ["instances", "10"], ["instances", "100"], ["lights", "100000"]]
-    {
-        let program = env::current_exe().expect("this program has a path");
-        passed &= Command::new(program).args([kind, size]).status().is_ok_and(|status| status.success());
+    for (case, figures) in measured {
+        let [triangles, seconds, most, then, ..] = figures[..] else { return ExitCode::FAILURE };
+        let most = most / triangles;
+        let is_mesh = case.starts_with("mesh");
+        passed &= !is_mesh || most <= LIMIT_BYTES;
+        let verdict = if is_mesh { verdict(most <= LIMIT_BYTES) } else { "" };
+        println!("| {} | {triangles} | {seconds:.2} | {most:.0} | {:.0} | {verdict} |", name(case), then / triangles);
+    }
+    println!("\nNanoseconds a ray on one thread. Ten times the triangles: at most {LIMIT_RATIO} times the time.\n");
+    println!("| scene | {} | |", join(Kind::ALL));
+    println!("|---|{}---|", "---|".repeat(Kind::ALL.len()));
+    let mut before: Option<(&str, &[f64])> = None;
+    for (case, figures) in measured {
+        let (kind, times) = (case.split(':').next().unwrap_or(case), &figures[4..]);
+        println!("| {} | {} | |", name(case), join(times.iter().map(|time| format!("{time:.0}"))));
+        if let Some((_, smaller)) = before.filter(|(smaller, _)| *smaller == kind) {
+            let ratios: Vec<_> = times.iter().zip(smaller).map(|(larger, smaller)| larger / smaller).collect();
+            let reached = ratios.iter().all(|ratio| *ratio <= LIMIT_RATIO);
+            println!("| – ratio | {} | {} |", join(ratios.iter().map(|ratio| format!("{ratio:.2}"))), verdict(reached));
+        }
+        before = Some((kind, times));
     }
     if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Bands and sectors of a sphere of so many triangles.
-fn bands_and_sectors(triangles: f64) -> (u32, u32) {
-    let bands = (triangles / 3.2).sqrt().round();
-    (bands as u32, (1.6 * bands).round() as u32)
+fn name(case: &str) -> String {
+    match case.split_once(':') {
+        Some(("mesh", millions)) => format!("mesh of {millions} M"),
+        Some(("instances", millions)) => format!("{} instances, {millions} M", SIDE.pow(3)),
+        Some((kind, count)) => format!("{count} {kind}"),
+        None => case.to_owned(),
+    }
 }
 
-fn mesh(millions: u32) -> ExitCode {
-    let (bands, sectors) = bands_and_sectors(f64::from(millions) * 1e6);
-    let watch = Watch::start();
-    let description = scenes::sphere(bands, sectors);
-    let triangles = description.meshes[0].triangles.len();
-    let (built, scene) = watch.build(description);
-    let bytes = built.most_bytes / triangles as f64;
-    println!("\n| mesh | build, s | bytes a triangle, at most | limit | then |\n|---|---|---|---|---|");
-    let then = built.bytes_then / triangles as f64;
-    println!("| {triangles} triangles | {:.2} | {bytes:.1} | {LIMIT_BYTES} | {then:.1} |", built.seconds);
-    time_rays(&Stage::new(scene, Vec3::new(0.0, 0.0, 0.5), Vec3::NEG_Z, 0.6, Vec3::new(0.3, 0.5, 0.2)));
-    if bytes > LIMIT_BYTES { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+fn verdict(reached: bool) -> &'static str {
+    if reached { "reached" } else { "**not reached**" }
 }
 
-/// Spheres of a million triangles in a room that they fill.
-fn instances(millions: u32) -> ExitCode {
-    let (bands, sectors) = bands_and_sectors(1e6);
-    let watch = Watch::start();
-    let mut description = scenes::sphere(bands, sectors);
-    let triangles = description.meshes[0].triangles.len();
-    let side = f64::from(millions).cbrt().ceil() as u32;
+fn join(cells: impl IntoIterator<Item = impl Display>) -> String {
+    cells.into_iter().map(|cell| cell.to_string()).collect::<Vec<_>>().join(" | ")
+}
+
+/// A sphere of about so many triangles.
+fn sphere(triangles: f64) -> SceneDescription {
+    let bands = (triangles / 3.2).sqrt();
+    scenes::sphere(bands.round() as u32, (1.6 * bands).round() as u32)
+}
+
+/// Spheres in a room that they fill, of so many million triangles together. The camera stands in a gap between them.
+fn instances(millions: u32) -> SceneDescription {
+    const SPACING: f64 = 2.2;
+    let mut scene = sphere(f64::from(millions) * 1e6 / f64::from(SIDE.pow(3)));
     let place = |i: u32| {
-        let cell = DVec3::new(f64::from(i % side), f64::from(i / side % side), f64::from(i / side / side));
-        let turn = DAffine3::from_rotation_y(f64::from(i));
-        InstanceDescription {
-            name: String::new(),
-            mesh: 0,
-            to_world: DAffine3::from_translation(2.2 * cell) * turn,
-            later: Vec::new(),
-        }
+        let cell = DVec3::new(f64::from(i % SIDE), f64::from(i / SIDE % SIDE), f64::from(i / SIDE / SIDE));
+        instance(0, DAffine3::from_translation(SPACING * cell) * DAffine3::from_rotation_y(f64::from(i)))
     };
-    description.instances = (0..millions).map(place).collect();
-    let extent = Vec3::splat(2.2 * side as f32);
-    add_room(&mut description, Vec3::splat(-1.1), extent - 1.1);
-    let (built, scene) = watch.build(description);
-    println!("\n| instances | build, s | bytes a triangle of the mesh, at most | then |\n|---|---|---|---|");
-    println!(
-        "| {millions} of {triangles} triangles | {:.2} | {:.1} | {:.1} |",
-        built.seconds,
-        built.most_bytes / triangles as f64,
-        built.bytes_then / triangles as f64
-    );
-    // From a gap between the first eight.
-    time_rays(&Stage::new(scene, Vec3::splat(1.1), Vec3::ONE.normalize(), 0.6, Vec3::splat(1.2)));
-    ExitCode::SUCCESS
+    scene.instances = (0..SIDE.pow(3)).map(place).collect();
+    let low = -0.5 * SPACING as f32;
+    add_room(&mut scene, low, low + SPACING as f32 * SIDE as f32);
+    scene
 }
 
-/// Small lamps all over a hall, their luminances two decades apart.
-fn lights(count: u32) -> ExitCode {
+/// Triangles of some 2 cm that shine, all over a hall, of 16 luminances within two decades.
+fn lamps(count: u32) -> SceneDescription {
     const LEVELS: u32 = 16;
-    let watch = Watch::start();
-    let random = |i: u32, what: u64| hash64(what, u64::from(i)) as u32 as f32 / u32::MAX as f32;
-    let place = |i: u32| Vec3::new(100.0 * random(i, 0), 10.0 * random(i, 1), 100.0 * random(i, 2));
-    let mut description = SceneDescription::default();
+    let mut scene = SceneDescription::default();
     for level in 0..LEVELS {
         let mut material = scenes::diffuse("lamp", Colour::Rgb([0.5; 3]));
         material.emission = Some(EmissionDescription {
@@ -134,53 +172,52 @@ fn lights(count: u32) -> ExitCode {
             level: Some(1e3 * 100_f64.powf(f64::from(level) / f64::from(LEVELS))),
             texture: None,
         });
-        let material_index = description.materials.len();
-        description.materials.push(material);
-        let mesh = scattered(
-            material_index,
-            (level..count).step_by(LEVELS as usize).map(|i| {
-                let edge = |what| Vec3::new(random(i, what), random(i, what + 1), random(i, what + 2)) - 0.5;
-                (place(i), 0.02 * edge(3), 0.02 * edge(6))
-            }),
-        );
-        description.instances.push(InstanceDescription {
-            name: String::new(),
-            mesh: description.meshes.len(),
-            to_world: DAffine3::IDENTITY,
-            later: Vec::new(),
-        });
-        description.meshes.push(mesh);
+        scene.materials.push(material);
+        let mut mesh = MeshDescription { material: level as usize, ..MeshDescription::default() };
+        for i in (level..count).step_by(LEVELS as usize) {
+            let random = |dimension| unit_f32(hash64(dimension, u64::from(i)) as u32);
+            let vector = |first| Vec3::new(random(first), random(first + 1), random(first + 2));
+            let corner = vector(0) * Vec3::new(100.0, 10.0, 100.0);
+            let [u, v] = [3, 6].map(|first| 0.04 * (vector(first) - 0.5));
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend([corner, corner + u, corner + v]);
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        scene.instances.push(instance(scene.meshes.len(), DAffine3::IDENTITY));
+        scene.meshes.push(mesh);
     }
-    let (built, scene) = watch.build(description);
-    println!("\n| lights | build, s | bytes a light, at most | then | samples of a light, ns |\n|---|---|---|---|---|");
-    let wavelengths = WavelengthSampler::new(&scenes::visible()).sample(0.3);
-    let samples = 1_000_000;
-    let start = Instant::now();
-    for i in 0..samples {
-        black_box(scene.sample_light(place(i), 0.0, random(i, 9), [random(i, 10), random(i, 11)], &wavelengths));
-    }
-    println!(
-        "| {count} | {:.2} | {:.0} | {:.0} | {:.0} |",
-        built.seconds,
-        built.most_bytes / f64::from(count),
-        built.bytes_then / f64::from(count),
-        start.elapsed().as_secs_f64() * 1e9 / f64::from(samples)
-    );
-    ExitCode::SUCCESS
+    add_room(&mut scene, -1.0, 101.0);
+    scene
 }
 
-/// Nanoseconds a ray on one thread, the fastest of several passes.
-fn time_rays(stage: &Stage) {
-    println!("\n| rays | ns a ray |\n|---|---|");
-    for kind in Kind::ALL {
-        let pass = || {
-            let start = Instant::now();
-            black_box(black_box(stage).trace(kind));
-            start.elapsed().as_secs_f64()
-        };
-        let seconds = (0..RUNS).map(|_| pass()).fold(f64::INFINITY, f64::min);
-        println!("| {kind} | {:.0} |", seconds * 1e9 / stage.rays(kind).len() as f64);
-    }
+/// Adds a cube around everything.
+fn add_room(scene: &mut SceneDescription, low: f32, high: f32) {
+    const SIDES: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let corner =
+        |i: u32| Vec3::select(BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), Vec3::splat(high), Vec3::splat(low));
+    let material = scene.materials.len();
+    scene.materials.push(scenes::diffuse("room", Colour::Rgb([0.5; 3])));
+    scene.instances.push(instance(scene.meshes.len(), DAffine3::IDENTITY));
+    scene.meshes.push(MeshDescription {
+        material,
+        positions: (0..8).map(corner).collect(),
+        triangles: SIDES.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
+        ..MeshDescription::default()
+    });
+}
+
+fn instance(mesh: usize, to_world: DAffine3) -> InstanceDescription {
+    InstanceDescription { name: String::new(), mesh, to_world, later: Vec::new() }
+}
+
+/// Time a ray, the fastest of several passes.
+fn nanoseconds(stage: &Stage, kind: Kind) -> f64 {
+    let pass = || {
+        let start = Instant::now();
+        black_box(black_box(stage).trace(kind));
+        start.elapsed().as_secs_f64()
+    };
+    (0..RUNS).map(|_| pass()).fold(f64::INFINITY, f64::min) * 1e9 / stage.rays(kind).len() as f64
 }
 
 /// Memory from before there was a scene.
@@ -188,24 +225,14 @@ struct Watch {
     before: f64,
 }
 
-/// What building took.
-struct Built {
-    seconds: f64,
-    most_bytes: f64,
-    bytes_then: f64,
-}
-
 impl Watch {
     fn start() -> Self {
         Self { before: resident("VmRSS") }
     }
 
-    fn build(&self, description: SceneDescription) -> (Built, scene::Scene) {
-        let start = Instant::now();
-        let scene = scene::build(description, &scenes::visible());
-        let seconds = start.elapsed().as_secs_f64();
-        let most_bytes = resident("VmHWM") - self.before;
-        (Built { seconds, most_bytes, bytes_then: resident("VmRSS") - self.before }, scene)
+    /// Bytes more than at the start.
+    fn grown(&self, key: &str) -> f64 {
+        resident(key) - self.before
     }
 }
 
@@ -215,28 +242,4 @@ fn resident(key: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with(key));
     line.and_then(|line| line.split_whitespace().nth(1)?.parse::<f64>().ok()).map_or(f64::NAN, |kib| kib * 1024.0)
-}
-
-/// Adds a box around everything, in the material of the first mesh.
-fn add_room(scene: &mut SceneDescription, low: Vec3, high: Vec3) {
-    const SIDES: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let corner = |i: u32| Vec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), high, low);
-    scene.instances.push(InstanceDescription {
-        name: String::new(),
-        mesh: scene.meshes.len(),
-        to_world: DAffine3::IDENTITY,
-        later: Vec::new(),
-    });
-    scene.meshes.push(MeshDescription {
-        positions: (0..8).map(corner).collect(),
-        triangles: SIDES.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
-        ..MeshDescription::default()
-    });
-}
-
-/// A mesh of single triangles, each from a corner and two edges.
-fn scattered(material: usize, triangles: impl Iterator<Item = (Vec3, Vec3, Vec3)>) -> MeshDescription {
-    let positions: Vec<_> = triangles.flat_map(|(corner, u, v)| [corner, corner + u, corner + v]).collect();
-    let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    MeshDescription { material, positions, triangles, ..MeshDescription::default() }
 }
