@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders three scenes in Mitsuba 3 and in photosite on the same cores, and compares speed and error.
+"""Renders scenes in Mitsuba 3 and in photosite on the same cores, and compares speed and error.
 
     cargo build --release
     python3 benches/compare.py                 # a, b and c, about half an hour the first time, for the references
@@ -39,7 +39,7 @@ ENVIRONMENT = ROOT / "target" / "benches-venv"
 
 def arguments():
     parser = argparse.ArgumentParser(description="Compare photosite with Mitsuba 3.")
-    parser.add_argument("scenes", nargs="*", default=["a", "b", "c"], metavar="SCENE", help="a, b, c (default: all)")
+    parser.add_argument("scenes", nargs="*", default=["a", "b", "c"], metavar="SCENE", help="a, b, c, d (default: a b c)")
     parser.add_argument("--photosite", type=Path, default=ROOT / "target" / "release" / "photosite", metavar="FILE")
     parser.add_argument("--runs", type=int, default=5, help="measured renders of each program (default: %(default)s)")
     parser.add_argument("--samples", type=int, nargs="+", default=[64], help="samples a pixel (default: 64)")
@@ -171,6 +171,9 @@ def summarise(results):
 
 def main():
     options = arguments()
+    unknown = set(options.scenes) - set("abcd")
+    if unknown:
+        sys.exit(f"there is no scene {', '.join(sorted(unknown))}: a, b, c, d")
     if not options.photosite.is_file():
         sys.exit(f"{options.photosite} is missing: run cargo build --release first")
     with_mitsuba()

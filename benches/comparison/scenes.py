@@ -5,13 +5,14 @@
 | a | Mitsuba's own Cornell box (`mitsuba.cornell_box()`): diffuse walls, two boxes, a small lamp |
 | b | the same room with a glass sphere (index 1.5, radius 0.35) and a rough gold one (GGX, α = 0.1, radius 0.5): caustics |
 | c | a displaced sphere of 1.31 million flat triangles on a grey floor, under a constant sky and an area light |
+| d | a hall of 40 m with columns under 100 000 small lamps, their luminances over two decades |
 
 All are seen through a pinhole without falloff, which Mitsuba's cameras do not have.
 """
 
 import numpy as np
 
-from .meshes import box, quads, sphere, write_glb
+from .meshes import Mesh, box, quads, sphere, write_glb
 
 CAPTURE = """\
 [scene]
@@ -106,7 +107,35 @@ def displaced_sphere(bands=640, sectors=1025):
     return meshes, {"environment": "environment = { linear_rgb = [0.4, 0.5, 0.7], luminance_nit = 500 }\n", "materials": materials, **camera}
 
 
-SCENES = {"a": ("Cornell box", cornell_box), "b": ("glass and gold", glass_and_gold), "c": ("1.31 M triangles", displaced_sphere)}
+def lamps(count=100_000, levels=16):
+    """Scene d. Lamps are triangles of a centimetre under the ceiling that shine down."""
+    random = np.random.default_rng(8)
+    corners = random.uniform((-20, 3, -20), (20, 5, 20), (count, 3))
+    angle = random.uniform(0, 2 * np.pi, count)
+
+    def edge(angle):
+        return 0.012 * np.stack([np.cos(angle), np.zeros(count), np.sin(angle)], axis=-1)
+
+    # Clockwise seen from above.
+    positions = np.stack([corners, corners + edge(angle), corners + edge(angle + 2.0)], axis=1)
+    meshes, materials = [], diffuse("hall", (0.5, 0.5, 0.5))
+    for level in range(levels):
+        own = positions[level::levels].reshape(-1, 3)
+        meshes.append(Mesh(f"lamp-{level}", own, np.arange(len(own)).reshape(-1, 3)))
+        luminance = 1e5 * 100 ** (level / levels)
+        materials += diffuse(f"lamp-{level}", (0.5, 0.5, 0.5), f"emission = {{ linear_rgb = [1, 1, 1], luminance_nit = {luminance:.0f} }}")
+    columns = [box("hall", (x, 2.5, z), (0.3, 0, 0), (0, 2.5, 0), (0, 0, 0.3)) for x in range(-16, 17, 8) for z in range(-16, 17, 8)]
+    walls = box("hall", (0, 2.5, 0), (20, 0, 0), (0, 2.6, 0), (0, 0, 20))
+    camera = {"eye": [-18.0, 1.7, 13.0], "target": [0.0, 1.0, 0.0], "focal_length_mm": 1.8}
+    return [walls, *columns, *meshes], {"environment": "", "materials": materials, **camera}
+
+
+SCENES = {
+    "a": ("Cornell box", cornell_box),
+    "b": ("glass and gold", glass_and_gold),
+    "c": ("1.31 M triangles", displaced_sphere),
+    "d": ("100 000 lamps", lamps),
+}
 
 
 def write(key, folder):
