@@ -6,10 +6,11 @@
 
 Mitsuba is installed on the first run, into target/benches-venv; its LLVM variant needs LLVM 17 or later (Debian: apt
 install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same triangles, spectra,
-camera, depth, roulette and sensor: 256 × 256 pixels, box filter, four wavelengths a path, in the response functions of
-photosite's sensor, so that both estimate the same three numbers a pixel, electrons. Runs of all alternate. Mitsuba is
-warm: its kernel is compiled before the measurement. Times are those of light transport alone: photosite's `trace_s`,
-Mitsuba's time in `render`. Loading, sensor and files are left out on both sides.
+camera, depth, roulette and sensor, but for the balls of b, which are true spheres in Mitsuba and so twice as fast:
+256 × 256 pixels, box filter, four wavelengths a path, in the response functions of photosite's sensor, so that both
+estimate the same three numbers a pixel, electrons. Runs of all alternate. Mitsuba is warm: its kernel is compiled before
+the measurement. Times are those of light transport alone: photosite's `trace_s`, Mitsuba's time in `render`. Loading,
+sensor and files are left out on both sides.
 
 Definitions, for a picture x and a reference r of the same program (many samples, other seeds), each channel divided by
 the reference's mean in that channel:
@@ -19,8 +20,9 @@ the reference's mean in that channel:
 
 The relMSE of all runs is averaged. Besides, relMSE of the sum of the channels tells how much of the error is noise of
 colour. Ratios above 1 are better than Mitsuba's best sampler: the median of neighbouring runs, with the smallest and the
-largest. On a machine with other work to do, trust those by processor time. Tables are Markdown. relMSE says nothing about bias that picture and reference share; therefore the references of
-the two programs are compared with each other too.
+largest. On a machine with other work to do, trust those by processor time, which for photosite is that of the whole
+command less that of a render of one sample. relMSE says nothing about bias that picture and reference share; therefore
+the references of the two programs are compared with each other too. Tables are Markdown.
 """
 
 import argparse
@@ -88,7 +90,8 @@ def compare(mitsuba, key, options, folder):
     from comparison.photosite_renderer import Photosite
 
     capture = scenes.write(key, folder)
-    theirs = [Mitsuba(mitsuba, options.photosite, capture, folder, sampler) for sampler in ("independent", "multijitter")]
+    balls = scenes.balls(key)
+    theirs = [Mitsuba(mitsuba, options.photosite, capture, balls, folder, sampler) for sampler in ("independent", "multijitter")]
     ours = [
         Photosite(mitsuba, options.photosite, capture, folder, sampler, options.threads) for sampler in ("independent", "sobol")
     ]

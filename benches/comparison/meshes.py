@@ -20,10 +20,13 @@ class Mesh:
     positions: np.ndarray
     triangles: np.ndarray
     normals: np.ndarray | None = None
+    # Centre and radius of what is a sphere but for its triangles.
+    ball: tuple | None = None
 
     def moved(self, translation, scale=1.0):
-        """The mesh scaled evenly, then moved."""
-        return Mesh(self.material, self.positions * scale + np.array(translation), self.triangles, self.normals)
+        """The mesh of a body around the origin scaled evenly, then moved."""
+        ball = self.ball and (translation, self.ball[1] * scale)
+        return Mesh(self.material, self.positions * scale + np.array(translation), self.triangles, self.normals, ball)
 
 
 def quads(material, *corners):
@@ -45,7 +48,8 @@ def box(material, centre, half_x, half_y, half_z):
 
 
 def sphere(material, bands, sectors, radius=lambda direction: 1.0, smooth=False):
-    """A sphere around the origin, 2 · sectors · (bands − 1) triangles, its radius a function of the direction."""
+    """A sphere around the origin, 2 · sectors · (bands − 1) triangles: flat, its radius a function of the direction, or smooth,
+    its radius 1."""
     theta, phi = np.meshgrid(np.pi * np.arange(1, bands) / bands, 2 * np.pi * np.arange(sectors) / sectors, indexing="ij")
     ring = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), np.sin(theta) * np.sin(phi)], axis=-1).reshape(-1, 3)
     directions = np.concatenate([[[0.0, 1.0, 0.0]], ring, [[0.0, -1.0, 0.0]]])
@@ -62,7 +66,7 @@ def sphere(material, bands, sectors, radius=lambda direction: 1.0, smooth=False)
     p, q, r = triangles.T
     triangles = triangles[(p != q) & (q != r) & (r != p)]
     positions = directions * np.reshape(radius(directions), (-1, 1))
-    return Mesh(material, positions, triangles, directions if smooth else None)
+    return Mesh(material, positions, triangles, directions if smooth else None, ((0, 0, 0), 1.0) if smooth else None)
 
 
 def write_glb(path, meshes):
