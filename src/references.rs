@@ -10,6 +10,10 @@
 //! ## Veach97
 //! E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, PhD thesis, Stanford (1997).
 //!
+//! ## Conty18
+//! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the ACM on
+//! Computer Graphics and Interactive Techniques 1(2) (2018).
+//!
 //! ## Wilkie14
 //! A. Wilkie et al., "Hero Wavelength Spectral Sampling", Computer Graphics Forum 33(4) (2014).
 //!

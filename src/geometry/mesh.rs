@@ -90,6 +90,16 @@ impl Geometry {
         }
     }
 
+    /// Corner positions of a triangle in each of its shapes, between which its corners move on straight lines.
+    pub(crate) fn shapes(&self, triangle: u32) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+        let Triangle { corners, mesh } = self.triangles[triangle as usize];
+        let deformation = self.meshes[mesh as usize].deformation.map(|d| &self.deformations[d as usize]);
+        (0..deformation.map_or(1, Deformation::shape_count)).map(move |shape| match deformation {
+            None => corners.map(|corner| self.positions[corner as usize]),
+            Some(deformation) => corners.map(|corner| deformation.positions[deformation.index(shape, corner)]),
+        })
+    }
+
     /// Shading normals at the corners of a triangle, not quite of unit length, where its mesh has any.
     #[inline]
     pub(super) fn corner_normals(&self, triangle: &Triangle, time: f32) -> Option<[Vec3; 3]> {

@@ -3,6 +3,7 @@
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3, Vec3};
 
 use super::mesh::segment;
+use crate::math::Cone;
 
 /// A transform with its inverse.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +13,9 @@ pub struct Transform {
     /// World → group space.
     pub to_group: Affine3A,
 }
+
+/// Parts of the way between two keys of a [`Motion`] that its bounds are taken over.
+const STEPS: u16 = 8;
 
 /// A way through transforms at evenly spaced times from 0 to 1.
 ///
@@ -77,8 +81,7 @@ impl Motion {
     ///
     /// The way of a point is p = T + R·S·x. Between two times h apart it leaves the straight line by at most h²·|p″|/8, with
     /// |p″| ≤ ω²·|S·x| + 2ω·|ΔS·x| for a turn by ω from key to key.
-    pub(super) fn bounds(&self, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
-        const STEPS: u16 = 8;
+    pub(crate) fn bounds(&self, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
         let corners: Vec<DVec3> = (0..8)
             .map(|i| DVec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max.into(), min.into()))
             .collect();
@@ -100,6 +103,23 @@ impl Motion {
             }
         }
         (low.as_vec3(), high.as_vec3())
+    }
+
+    /// The directions that those of a cone in the group's space have at all times, where the motion is rigid.
+    pub(crate) fn directions(&self, cone: Cone) -> Cone {
+        let segments = self.keys.len() - 1;
+        let mut all: Option<Cone> = None;
+        for (i, pair) in self.keys.windows(2).enumerate() {
+            // Between two steps none is farther than half a step from the nearer one, and a rounding.
+            let turn = pair[0].rotation.angle_between(pair[1].rotation) as f32 / f32::from(2 * STEPS) + 1e-5;
+            for step in 0..=STEPS {
+                let time = (i as f32 + f32::from(step) / f32::from(STEPS)) / segments as f32;
+                let axis = self.to_world(time).transform_vector3(cone.axis.as_dvec3()).normalize().as_vec3();
+                let there = Cone { axis, ..cone }.widened(turn);
+                all = Some(all.map_or(there, |all| all.union(there)));
+            }
+        }
+        all.unwrap_or(Cone::ALL)
     }
 }
 
@@ -132,6 +152,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     use super::*;
+    use crate::math::cone::angle_between;
 
     fn turning_and_growing() -> [DAffine3; 2] {
         let shear = DMat3::from_cols(DVec3::new(1.0, 0.2, 0.0), DVec3::new(0.0, -2.0, 0.1), DVec3::Z);
@@ -154,6 +175,23 @@ mod tests {
         let expected = DMat3::from_rotation_z(FRAC_PI_2 / 3.0);
         // The time is one of single precision.
         assert!(third.matrix3.abs_diff_eq(expected, 1e-7), "{third}");
+    }
+
+    #[test]
+    fn directions_hold_at_all_times() {
+        let keys =
+            [0.0, 0.8, 0.3].map(|t| DAffine3::from_quat(DQuat::from_rotation_y(t) * DQuat::from_rotation_x(2.0 * t)));
+        let motion = Motion::new(&keys);
+        let cone = Cone { axis: Vec3::new(0.6, 0.0, 0.8), angle: 0.1 };
+        let all = motion.directions(cone);
+        let mut reach = 0.0f32;
+        for step in 0..=1000u16 {
+            let axis = motion.at(f32::from(step) / 1000.0).to_world.transform_vector3(cone.axis);
+            reach = reach.max(angle_between(axis, all.axis) + cone.angle);
+        }
+        assert!(reach <= all.angle, "{reach} {all:?}");
+        // Half a step of a turn by some 2 rad, and what a cone of cones grows by.
+        assert!(all.angle < reach + 0.3, "{reach} {all:?}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
+use crate::light::{Facing, Receiver};
 use crate::math::{Pdf, SolidAngle};
 use crate::sabotage::{Fault, flip};
 use crate::sampler::Sampler;
@@ -38,7 +39,7 @@ pub fn radiance(
     let mut light = SampledSpectrum::ZERO;
     let mut throughput = SampledSpectrum::ONE;
     // Density with which the last vertex scattered here; `None` where no light sample could have come here instead.
-    let mut scattered: Option<Pdf<SolidAngle>> = None;
+    let mut scattered: Option<(Pdf<SolidAngle>, Receiver)> = None;
     // Product of squared relative indices, which roulette must not take for a loss.
     let mut eta_scale = 1.0;
     // What the path is inside of, where that absorbs.
@@ -48,8 +49,9 @@ pub fn radiance(
         let Some(hit) = scene.closest(&ray) else {
             let emitted = scene.environment_radiance(ray.direction, wavelengths);
             if !emitted.is_black() {
-                let weight =
-                    scattered.map_or(1.0, |pdf| pdf.power_heuristic(scene.lights().environment_pdf(ray.direction)));
+                let weight = scattered.map_or(1.0, |(pdf, receiver)| {
+                    pdf.power_heuristic(scene.lights().environment_pdf(&receiver, ray.direction))
+                });
                 light += throughput * emitted * weight;
             }
             break;
@@ -73,8 +75,9 @@ pub fn radiance(
         if shading.bsdf.needs_single_wavelength() {
             terminate_secondary(wavelengths, &mut throughput);
         }
+        let receiver = receiver(&point, &shading);
         if !shading.bsdf.is_delta() {
-            light += throughput * direct_light(scene, &point, &shading, wo, medium, wavelengths, sampler);
+            light += throughput * direct_light(scene, &point, &receiver, &shading, wo, medium, wavelengths, sampler);
         }
 
         let wo_local = shading.frame.to_local(wo);
@@ -92,7 +95,7 @@ pub fn radiance(
             terminate_secondary(wavelengths, &mut throughput);
         }
         eta_scale *= sample.eta * sample.eta;
-        scattered = (!sample.is_delta).then_some(sample.pdf);
+        scattered = (!sample.is_delta).then_some((sample.pdf, receiver));
         if sample.is_transmission {
             medium = scene.medium_across(&point, wi, medium);
         }
@@ -111,11 +114,21 @@ pub fn radiance(
     light
 }
 
+/// The surface as it looks for light. What only reflects has its shading normal on the side that it is seen from.
+#[inline]
+fn receiver(point: &SurfacePoint, shading: &Shading) -> Receiver {
+    let normal = shading.frame.z;
+    let facing = if shading.bsdf.transmits() { Facing::Both(normal) } else { Facing::Front(normal) };
+    Receiver { point: point.position, facing }
+}
+
 /// Light that the point receives straight from a light and scatters towards `wo`.
 #[inline]
+#[allow(clippy::too_many_arguments, reason = "what the path knows of the vertex, each once")]
 fn direct_light(
     scene: &Scene,
     point: &SurfacePoint,
+    receiver: &Receiver,
     shading: &Shading,
     wo: Vec3,
     medium: Option<SpectrumId>,
@@ -123,7 +136,7 @@ fn direct_light(
     sampler: &mut Sampler,
 ) -> SampledSpectrum {
     let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-    let Some(light) = scene.sample_light(point.position, point.time, u_light, u, wavelengths) else {
+    let Some(light) = scene.sample_light(receiver, point.time, u_light, u, wavelengths) else {
         return SampledSpectrum::ZERO;
     };
     let wi_local = shading.frame.to_local(light.wi);
@@ -154,12 +167,13 @@ fn emission_weight(
     point: &SurfacePoint,
     hit: &Hit,
     wo: Vec3,
-    scattered: Option<Pdf<SolidAngle>>,
+    scattered: Option<(Pdf<SolidAngle>, Receiver)>,
 ) -> f32 {
     match (scattered, scene.light_of(point)) {
-        (Some(pdf), Some(light)) => {
+        (Some((pdf, receiver)), Some(light)) => {
             let cos = wo.dot(point.geometric_normal);
-            pdf.power_heuristic(scene.lights().triangle_pdf(light, scene.geometry(), point.time, hit.t, cos))
+            let lights = scene.lights();
+            pdf.power_heuristic(lights.triangle_pdf(light, &receiver, scene.geometry(), point.time, hit.t, cos))
         }
         (None, _) | (Some(_), None) => 1.0,
     }

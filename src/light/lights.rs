@@ -1,12 +1,13 @@
-//! All lights of a scene, chosen in proportion to their power as the sensor sees it.
+//! All lights of a scene: their tables, and directions to them with their densities.
 
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
-use super::{Environment, Profile, Projector, SurfaceEmission};
+use super::bounds::LightBounds;
+use super::selection::Selection;
+use super::{Environment, Profile, Projector, Receiver, SurfaceEmission};
 use crate::geometry::{Geometry, Motion, Transform};
-use crate::math::distribution::AliasTable;
 use crate::math::{Area, Pdf, SolidAngle, warp};
 use crate::sabotage::{Fault, flip};
 use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths};
@@ -110,25 +111,40 @@ pub struct Lights {
     motions: Vec<(u32, Motion)>,
     lamps: Lamps,
     environment: Option<Environment>,
-    environment_light: Option<u32>,
-    /// Choice of a light in proportion to its power.
-    selection: AliasTable,
+    /// Number of the environment among the lights infinitely far.
+    environment_number: Option<u32>,
+    selection: Selection,
 }
 
 impl Lights {
-    /// `powers[i]` is the weight by which `lights[i]` is chosen, proportional to its power, and `motions[i]` its way through
-    /// the world, rigid, where it has a space of its own. An [`Environment`] comes with one [`Light::Environment`].
+    /// `powers[i]` is the power of `lights[i]` as the sensor sees it, in relative units, for lights infinitely far that
+    /// through a disk of `disk_m2`; `motions[i]` is its way through the world, rigid, where it has a space of its own. An
+    /// [`Environment`] comes with one [`Light::Environment`].
     pub fn new(
         lights: Vec<Light>,
         motions: Vec<Option<Motion>>,
         powers: &[f64],
+        disk_m2: f64,
+        geometry: &Geometry,
         lamps: Lamps,
         environment: Option<Environment>,
     ) -> Self {
-        let motions = (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect();
-        let is_environment = |light: &Light| matches!(light, Light::Environment);
-        let environment_light = lights.iter().position(is_environment).map(|i| i as u32);
-        Self { selection: AliasTable::new(powers), lights, motions, lamps, environment, environment_light }
+        let bounds: Vec<_> = (lights.iter().zip(&motions).zip(powers))
+            .map(|((light, motion), power)| LightBounds::of(light, motion.as_ref(), *power, geometry, &lamps))
+            .collect();
+        let is_distant = |light: &Light| matches!(light, Light::Directional { .. } | Light::Environment);
+        let distant: Vec<(u32, f64)> = ((0..).zip(lights.iter().zip(powers)))
+            .filter_map(|(i, (light, power))| is_distant(light).then_some((i, power / disk_m2)))
+            .collect();
+        let is_environment = |(light, _): &(u32, f64)| matches!(lights[*light as usize], Light::Environment);
+        Self {
+            environment_number: distant.iter().position(is_environment).map(|i| i as u32),
+            selection: Selection::new(&bounds, &distant),
+            motions: (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect(),
+            lights,
+            lamps,
+            environment,
+        }
     }
 
     /// Number of lights.
@@ -146,28 +162,25 @@ impl Lights {
         self.environment.as_ref()
     }
 
-    /// A direction from `point` towards a light at a time from 0 to 1. `emitted_at(light, barycentric)` is the radiance of a point of a
-    /// triangle. `None` where the chosen light cannot reach the point.
+    /// A direction from a receiver towards a light at a time from 0 to 1. `emitted_at(light, barycentric)` is the radiance of a point of a
+    /// triangle. `None` where the chosen light cannot reach the receiver.
     #[inline]
-    #[allow(clippy::too_many_arguments, reason = "tables, point and random numbers, each once")]
+    #[allow(clippy::too_many_arguments, reason = "tables, receiver and random numbers, each once")]
     pub fn sample(
         &self,
         spectra: &SpectrumTable,
         geometry: &Geometry,
         emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
-        point: Vec3,
+        receiver: &Receiver,
         time: f32,
         u_light: f32,
         u: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
-        if self.lights.is_empty() {
-            return None;
-        }
-        let (index, probability) = self.selection.sample(u_light);
+        let (index, probability) = self.selection.sample(receiver, u_light)?;
         let probability = flip(Fault::LightPdfWithoutChoice, probability, 1.0);
         let place = self.place_of(index, time);
-        let local = place.map_or(point, |place| place.to_group.transform_point3(point));
+        let local = place.map_or(receiver.point, |place| place.to_group.transform_point3(receiver.point));
         let light = &self.lights[index as usize];
         let sample = self.sample_one(light, spectra, geometry, emitted_at, local, time, probability, u, wavelengths)?;
         let Some(Transform { to_world, .. }) = place else { return Some(sample) };
@@ -289,17 +302,25 @@ impl Lights {
         }
     }
 
-    /// Density with which [`Self::sample`] finds the point of a triangle light that a ray of unit direction met at
-    /// `distance` and at that time, `cos` being the cosine at the light, of either sign.
+    /// Density with which [`Self::sample`] finds, for a receiver, the point of a triangle light that a ray of unit direction
+    /// met at `distance` and at that time, `cos` being the cosine at the light, of either sign.
     #[inline]
-    pub fn triangle_pdf(&self, light: u32, geometry: &Geometry, time: f32, distance: f32, cos: f32) -> Pdf<SolidAngle> {
+    pub fn triangle_pdf(
+        &self,
+        light: u32,
+        receiver: &Receiver,
+        geometry: &Geometry,
+        time: f32,
+        distance: f32,
+        cos: f32,
+    ) -> Pdf<SolidAngle> {
         match &self.lights[light as usize] {
             Light::Triangle(TriangleLight { triangle, .. }) => {
                 let [a, b, c] = geometry.corners_at(*triangle, time);
                 let area = 0.5 * (b - a).cross(c - a).length();
                 Pdf::<Area>::new(1.0 / area)
                     .to_solid_angle(distance * distance, cos.abs())
-                    .times(self.selection.probability(light))
+                    .times(self.selection.probability(receiver, light))
             }
             Light::Point { .. }
             | Light::Spot { .. }
@@ -310,11 +331,13 @@ impl Lights {
         }
     }
 
-    /// Density with which [`Self::sample`] looks at the environment in the unit direction `towards`.
+    /// Density with which [`Self::sample`] looks, for a receiver, at the environment in the unit direction `towards`.
     #[inline]
-    pub fn environment_pdf(&self, towards: Vec3) -> Pdf<SolidAngle> {
-        match (&self.environment, self.environment_light) {
-            (Some(environment), Some(light)) => environment.pdf(towards).times(self.selection.probability(light)),
+    pub fn environment_pdf(&self, receiver: &Receiver, towards: Vec3) -> Pdf<SolidAngle> {
+        match (&self.environment, self.environment_number) {
+            (Some(environment), Some(number)) => {
+                environment.pdf(towards).times(self.selection.probability_of_distant(receiver, number))
+            }
             (None, _) | (Some(_), None) => Pdf::new(0.0),
         }
     }

@@ -46,6 +46,14 @@ impl Profile {
         horizontals.into_iter().map(|(h, weight)| row(h) * weight).sum()
     }
 
+    /// Largest angle from −z of the lamp's space with any light, rad.
+    pub(super) fn reach_rad(&self) -> f32 {
+        let n = self.vertical_rad.len();
+        let last = (0..self.candela.len()).filter(|i| self.candela[*i] > 0.0).map(|i| i % n).max();
+        // One angle alone stands for all. Light fades to the next angle.
+        if n == 1 { PI } else { last.map_or(0.0, |last| self.vertical_rad[(last + 1).min(n - 1)]) }
+    }
+
     /// Luminous flux, lm: ∫ I dω by the midpoint rule over half degrees.
     pub fn flux_lm(&self) -> f64 {
         let (rows, columns) = (360u16, if self.horizontal_rad.len() == 1 { 1u16 } else { 720 });

@@ -48,6 +48,17 @@ impl Projector {
         }
     }
 
+    /// Radius of the opening, m.
+    pub(super) fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// Largest angle from the axis at which light leaves, rad.
+    pub(super) fn reach_rad(&self) -> f32 {
+        let farthest = |i: usize| 0.5 * self.extent[i].abs() + self.shift[i].abs();
+        (farthest(0).hypot(farthest(1)) + self.radius / self.focus_distance).atan()
+    }
+
     /// A point of the opening.
     #[inline]
     pub(super) fn opening(&self, u: [f32; 2]) -> Vec3 {

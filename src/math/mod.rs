@@ -1,7 +1,8 @@
-//! Mathematics that knows nothing of light: frames, warps of the unit square, discrete distributions, hashing,
+//! Mathematics that knows nothing of light: frames, cones of directions, warps of the unit square, discrete distributions, hashing,
 //! counter-based random numbers, linear equations, minima, floating-point error bounds, probability densities with a measure, the normal
 //! distribution, statistics, sums of 106 bits.
 
+pub mod cone;
 pub mod distribution;
 pub mod double_double;
 pub mod float;
@@ -15,5 +16,6 @@ pub mod philox;
 pub mod statistics;
 pub mod warp;
 
+pub use cone::Cone;
 pub use frame::Frame;
 pub use pdf::{Area, Pdf, SolidAngle};

@@ -66,6 +66,8 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         builder.light(light, radius, &mut all);
     }
     let environment = environment.map(|e| builder.environment(&e, radius, &mut all));
+    let LightList { lights, motions, powers, spectrum } = all;
+    let lights = Lights::new(lights, motions, &powers, disk_m2(radius), &geometry, builder.lamps, environment);
     Scene {
         geometry,
         accel,
@@ -77,8 +79,8 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         mixes: builder.mixes,
         textures: builder.textures,
         spectra: builder.spectra,
-        lights: Lights::new(all.lights, all.motions, &all.powers, builder.lamps, environment),
-        light_spectrum: all.spectrum,
+        lights,
+        light_spectrum: spectrum,
     }
 }
 
@@ -331,16 +333,12 @@ impl Builder<'_> {
                 let ramp = f64::from(1.0 - cos_inner) + f64::from(cos_inner - cos_outer) / 3.0;
                 (Light::Spot { position, axis, cos_inner, cos_outer, intensity: id }, std::f64::consts::TAU * ramp)
             }
-            LightKind::Directional => {
-                let disk = std::f64::consts::PI * scene_radius * scene_radius;
-                (Light::Directional { towards: -axis, irradiance: id }, disk)
-            }
+            LightKind::Directional => (Light::Directional { towards: -axis, irradiance: id }, disk_m2(scene_radius)),
         };
         list.add(light, motion, solid_angle, &spectrum, self.importance);
     }
 
     fn environment(&mut self, e: &EnvironmentDescription, scene_radius: f64, list: &mut LightList) -> Environment {
-        let disk = std::f64::consts::PI * scene_radius * scene_radius;
         let (environment, spectrum, solid_angle) = match e {
             EnvironmentDescription::Constant { colour, luminance_nit } => {
                 let spectrum = emission_spectrum(colour, *luminance_nit);
@@ -360,9 +358,14 @@ impl Builder<'_> {
                 (Environment::Sky(Box::new(sky)), spectrum, 1.0)
             }
         };
-        list.add(Light::Environment, None, disk * solid_angle, &spectrum, self.importance);
+        list.add(Light::Environment, None, disk_m2(scene_radius) * solid_angle, &spectrum, self.importance);
         environment
     }
+}
+
+/// Area of the disk through which a scene of that radius is lit from afar.
+fn disk_m2(radius: f64) -> f64 {
+    std::f64::consts::PI * radius * radius
 }
 
 /// Luminance of a white texel of value 1 of an environment picture, nit.

@@ -18,7 +18,7 @@ pub use material::{
 pub use shading::Shading;
 
 use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Ray, SurfacePoint};
-use crate::light::{LightSample, Lights, SurfaceEmission, Tint, TriangleLight};
+use crate::light::{LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
 use crate::math::hash::{hash64, unit_f32};
 use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 use crate::texture::Texture;
@@ -146,11 +146,11 @@ impl Scene {
         mesh.first_light.map(|first| first + (point.triangle - mesh.first_triangle))
     }
 
-    /// A direction in which `point` looks for light at a time.
+    /// A direction in which a receiver looks for light at a time.
     #[inline]
     pub fn sample_light(
         &self,
-        point: glam::Vec3,
+        receiver: &Receiver,
         time: f32,
         u_light: f32,
         u: [f32; 2],
@@ -161,7 +161,7 @@ impl Scene {
             // Where there are holes, rays that look for the light end in front of them.
             if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
         };
-        self.lights.sample(&self.spectra, &self.geometry, emitted_at, point, time, u_light, u, wavelengths)
+        self.lights.sample(&self.spectra, &self.geometry, emitted_at, receiver, time, u_light, u, wavelengths)
     }
 
     /// Radiance from infinitely far in the unit direction `towards`.

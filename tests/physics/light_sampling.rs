@@ -1,10 +1,11 @@
-//! Where points look for light, against the densities that say so, and against the power of the lights.
+//! Where points look for light, against the densities that say so, and against the light that they get from there.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::Ray;
+use photosite::light::{Facing, Receiver};
 use photosite::scene::Scene;
 use photosite::scene::description::{
     Colour, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
@@ -12,10 +13,14 @@ use photosite::scene::description::{
 use photosite::spectrum::{Spectrum, Wavelengths};
 use photosite::texture::{Bitmap, Texels};
 
+use rstest::rstest;
+
 use crate::bsdf_cases::{SAMPLES, Uniform};
 use crate::bsdf_sampling::{COLUMNS, ROWS, bin, p_value};
 use crate::quadrature::{Cell, direction};
 use crate::stage::{Stage, square};
+
+const HERE: Receiver = Receiver::anywhere(Vec3::ZERO);
 
 fn lambda() -> Wavelengths {
     Wavelengths::new([450.0, 500.0, 550.0, 600.0], [1.0; 4])
@@ -35,9 +40,9 @@ fn density(scene: &Scene, wi: Vec3) -> f64 {
         let point = scene.point(&hit, 0.0);
         let cos = -wi.dot(point.geometric_normal);
         let light = scene.light_of(&point).filter(|_| cos > 0.0);
-        light.map_or(0.0, |light| scene.lights().triangle_pdf(light, scene.geometry(), 0.0, hit.t, cos).0)
+        light.map_or(0.0, |light| scene.lights().triangle_pdf(light, &HERE, scene.geometry(), 0.0, hit.t, cos).0)
     });
-    f64::from(of_lamp + scene.lights().environment_pdf(wi).0)
+    f64::from(of_lamp + scene.lights().environment_pdf(&HERE, wi).0)
 }
 
 /// How many samples are expected in each bin, and in one more for those that find no light: the midpoint rule, since the
@@ -70,7 +75,7 @@ fn directions_to_light_are_distributed_as_the_density_says() {
         let (mut observed, mut misjudged) = (vec![0.0; expected.len()], 0);
         for _ in 0..SAMPLES {
             let (u_light, u) = uniform.lobe_and_direction();
-            let Some(sample) = scene.sample_light(Vec3::ZERO, 0.0, u_light, u, &lambda()) else {
+            let Some(sample) = scene.sample_light(&HERE, 0.0, u_light, u, &lambda()) else {
                 observed[expected.len() - 1] += 1.0;
                 continue;
             };
@@ -97,7 +102,7 @@ fn the_sky_is_looked_at_where_it_is_bright() {
     let mut bright = 0.0;
     for _ in 0..n {
         let (u_light, u) = uniform.lobe_and_direction();
-        let sample = scene.sample_light(Vec3::ZERO, 0.0, u_light, u, &lambda()).expect("the sky is everywhere");
+        let sample = scene.sample_light(&HERE, 0.0, u_light, u, &lambda()).expect("the sky is everywhere");
         bright += f64::from(u8::from(sample.radiance[2] > 1.5 * scene.environment_radiance(Vec3::NEG_Y, &lambda())[2]));
     }
     let part = bright / f64::from(n);
@@ -106,41 +111,52 @@ fn the_sky_is_looked_at_where_it_is_bright() {
     assert!(part > 0.5 * part_of_sun, "{part} of the samples for {part_of_sun} of the light");
 }
 
-#[test]
-fn lights_are_chosen_by_their_power() {
-    let lamp = |x: f64, intensity: f32| LightDescription {
+/// A point light of constant intensity, W·sr⁻¹·nm⁻¹.
+fn point_light(position: DVec3, intensity: f32) -> LightDescription {
+    let colour = Colour::Spectrum(Spectrum::constant(intensity));
+    LightDescription {
         name: String::new(),
-        to_world: DAffine3::from_translation(DVec3::X * x),
+        to_world: DAffine3::from_translation(position),
         later: Vec::new(),
         kind: LightKind::Point,
-        emission: EmissionDescription {
-            colour: Colour::Spectrum(Spectrum::constant(intensity)),
-            level: None,
-            texture: None,
-        },
-    };
-    // Powers: 4π·I of the points, π·A·L of the square of 0.04 m².
-    let (weak, strong) = (4.0 * PI * 0.01, 4.0 * PI * 0.04);
-    let panel = PI * 0.04 * 3.0;
-    let square = square(Vec3::Z, Vec3::X, Vec3::NEG_Y, 0.1);
-    let scene = Stage::default().diffuse(square, 0.0, 3.0).light(lamp(1.0, 0.01)).light(lamp(-1.0, 0.04)).build();
+        emission: EmissionDescription { colour, level: None, texture: None },
+    }
+}
+
+#[rstest]
+#[case::by_distance(DVec3::X * 2.0, Facing::Anywhere, 0.03 / 4.0)]
+#[case::by_cosine(DVec3::new(0.6, 0.0, 0.8), Facing::Front(Vec3::X), 0.03 * 0.6)]
+#[case::not_behind_what_reflects(DVec3::new(-0.6, 0.0, 0.8), Facing::Front(Vec3::X), 0.0)]
+#[case::behind_what_transmits(DVec3::new(-0.6, 0.0, 0.8), Facing::Both(Vec3::X), 0.03 * 0.6)]
+fn lamps_are_chosen_by_what_they_give(#[case] second: DVec3, #[case] facing: Facing, #[case] expected: f64) {
+    let scene = Stage::default().light(point_light(DVec3::X, 0.01)).light(point_light(second, 0.03)).build();
+    let receiver = Receiver { point: Vec3::ZERO, facing };
     let n = 4000;
-    let mut found = [0.0; 3];
+    let mut found = 0.0;
     for i in 0..n {
         let u_light = (i as f32 + 0.5) / n as f32;
-        let sample = scene.sample_light(Vec3::ZERO, 0.0, u_light, [0.3, 0.4], &lambda()).expect("all can be seen");
-        let which = if sample.wi.x > 0.9 {
-            0
-        } else if sample.wi.x < -0.9 {
-            1
-        } else {
-            2
-        };
-        found[which] += 1.0 / f64::from(n);
+        let sample = scene.sample_light(&receiver, 0.0, u_light, [0.3, 0.4], &lambda()).expect("all can be seen");
+        let (position, _) = sample.position.expect("a lamp");
+        let is_second = position.distance(second.as_vec3()) < 1e-6;
+        found += f64::from(u8::from(is_second)) / f64::from(n);
     }
-    for (found, power) in found.into_iter().zip([weak, strong, panel]) {
-        // Equally spaced numbers: each of a few intervals is off by one step at most at either end.
-        let expected = power / (weak + strong + panel);
-        assert!((found - expected).abs() < 10.0 / f64::from(n), "{found} instead of {expected}");
-    }
+    let expected = expected / (expected + 0.01);
+    // Equally spaced numbers: an interval is off by one step at most at either end.
+    assert!((found - expected).abs() < 2.0 / f64::from(n), "{found} instead of {expected}");
+}
+
+#[test]
+fn the_triangles_of_a_rectangle_are_chosen_by_their_area() {
+    let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 0.0)].map(|(x, y)| Vec3::new(x, y, 1.0));
+    let scene = Stage::default().diffuse(vec![[a, c, b], [a, d, c]], 0.0, 1.0).build();
+    let n = 4000;
+    let expected = 2.0 / 3.0;
+    let found = (0..n).filter(|i| {
+        let u_light = (*i as f32 + 0.5) / n as f32;
+        let sample = scene.sample_light(&HERE, 0.0, u_light, [0.3, 0.4], &lambda()).expect("all can be seen");
+        let (p, _) = sample.position.expect("a lamp");
+        p.x > p.y
+    });
+    let found = found.count() as f64 / f64::from(n);
+    assert!((found - expected).abs() < 2.0 / f64::from(n), "{found} instead of {expected}");
 }

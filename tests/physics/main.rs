@@ -19,6 +19,7 @@ mod develop_neutral;
 mod lamps;
 mod lens;
 mod light_sampling;
+mod light_tree;
 mod motion;
 mod point_spread;
 mod quadrature;
