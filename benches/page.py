@@ -32,12 +32,14 @@ def machine():
 def measure(section, more):
     """Runs a section's program and replaces what the page has between its marks."""
     command = COMMANDS[section] + (["--", *more] if more and section == "scale" else more)
+    load = os.getloadavg()[0]
     # A bench whose goals are not reached fails, and says so in its tables.
     done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
     if "|" not in done.stdout:
         sys.exit(f"{' '.join(command)} gave no table")
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
-    head = f"`{' '.join(command)}`, {datetime.date.today()}, {machine()}, commit {commit.stdout.strip()}"
+    head = f"`{' '.join(command)}`, {datetime.date.today()}, {machine()}, commit {commit.stdout.strip()}; "
+    head += f"{load:.1f} other programs were running on average" if load > 0.2 else "nothing else was running"
     begin, end = f"<!-- {section} -->", f"<!-- end of {section} -->"
     page = PAGE.read_text(encoding="utf-8")
     before, rest = page.split(begin)
