@@ -3,7 +3,7 @@
 //! In: spectral irradiance samples, W·m⁻²·nm⁻¹. Out: for each of a list of response functions R, the mean over the pixel
 //! and over the samples of ∫ R(λ)·E(λ) dλ, and the variance of that mean. With R a sensor's response
 //! (e⁻·s⁻¹ per W·m⁻²·nm⁻¹) that is an electron rate without any binning of wavelengths; with R = 1/Δλ on a band it is the
-//! mean spectral irradiance in the band.
+//! mean spectral irradiance in the band. Pixels may hold different numbers of samples.
 
 use crate::image::{Channel, Estimate, Planes};
 use crate::math::double_double::DoubleDouble;
@@ -120,13 +120,15 @@ pub struct Film {
     responses: FilmResponses,
     /// sums[(row · width + column) · channels + channel].
     sums: Vec<Sums>,
-    samples: u32,
+    /// Samples of each pixel, row by row.
+    counts: Vec<u32>,
 }
 
 /// One row of the film, owned by one thread while it adds samples.
 pub struct FilmRow<'a> {
     responses: &'a FilmResponses,
     sums: &'a mut [Sums],
+    counts: &'a mut [u32],
     scratch: Vec<f32>,
 }
 
@@ -134,7 +136,7 @@ impl Film {
     /// An empty film.
     pub fn new(width: usize, height: usize, responses: FilmResponses) -> Self {
         let sums = vec![Sums::default(); width * height * responses.len()];
-        Self { width, height, responses, sums, samples: 0 }
+        Self { width, height, responses, sums, counts: vec![0; width * height] }
     }
 
     /// Columns.
@@ -147,17 +149,27 @@ impl Film {
         self.height
     }
 
-    /// Samples that every pixel has received.
+    /// Samples that every pixel has received at least.
     pub fn samples(&self) -> u32 {
-        self.samples
+        self.counts.iter().copied().min().unwrap_or(0)
     }
 
-    /// The rows, top first, to be filled side by side by several threads. Every pixel must receive `samples` more.
-    pub fn rows_for(&mut self, samples: u32) -> Vec<FilmRow<'_>> {
-        self.samples += samples;
+    /// Samples of each pixel, row by row.
+    pub fn counts(&self) -> &[u32] {
+        &self.counts
+    }
+
+    /// Samples of all pixels.
+    pub fn total(&self) -> u64 {
+        self.counts.iter().map(|&count| u64::from(count)).sum()
+    }
+
+    /// The rows, top first, to be filled side by side by several threads.
+    pub fn rows(&mut self) -> Vec<FilmRow<'_>> {
         let responses = &self.responses;
-        let row = |sums| FilmRow { responses, sums, scratch: vec![0.0; responses.len()] };
-        self.sums.chunks_mut(self.width * responses.len()).map(row).collect()
+        let sums = self.sums.chunks_mut(self.width * responses.len());
+        let row = |(sums, counts)| FilmRow { responses, sums, counts, scratch: vec![0.0; responses.len()] };
+        sums.zip(self.counts.chunks_mut(self.width)).map(row).collect()
     }
 
     /// What is summed, by name.
@@ -170,9 +182,9 @@ impl Film {
         &self.sums
     }
 
-    /// Adds the sums of `samples` other samples of every pixel, in the order of [`Self::sums`].
-    pub fn add(&mut self, sums: impl IntoIterator<Item = Sums>, samples: u32) {
-        self.samples += samples;
+    /// Adds the sums of other samples, in the order of [`Self::sums`], and how many they are in each pixel.
+    pub fn add(&mut self, sums: impl IntoIterator<Item = Sums>, counts: impl IntoIterator<Item = u32>) {
+        self.counts.iter_mut().zip(counts).for_each(|(here, there)| *here += there);
         for (here, there) in self.sums.iter_mut().zip(sums) {
             here.sum.add_sum(there.sum);
             here.squares.add_sum(there.squares);
@@ -182,25 +194,37 @@ impl Film {
     /// The planes `names` as means with the variance of the mean. Names that the film lacks are left out.
     pub fn estimate<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Estimate {
         let channels = self.responses.len();
-        let n = f64::from(self.samples.max(1));
         let indices: Vec<_> =
             names.into_iter().filter_map(|name| self.responses.names.iter().position(|n| n == name)).collect();
-        let planes = |value: &dyn Fn(&Sums) -> f64| {
+        let planes = |value: &dyn Fn(&Sums, f64) -> f64| {
+            let of_pixel = |(sums, &count): (&Sums, &u32)| value(sums, f64::from(count.max(1))) as f32;
             let plane = |&index: &usize| Channel {
                 name: self.responses.names[index].clone(),
-                data: self.sums.iter().skip(index).step_by(channels).map(|s| value(s) as f32).collect(),
+                data: self.sums.iter().skip(index).step_by(channels).zip(&self.counts).map(of_pixel).collect(),
             };
             Planes::new(self.width, self.height, indices.iter().map(plane).collect())
                 .expect("every plane has one value per pixel")
         };
-        Estimate { mean: planes(&|s| s.sum.high / n), variance: planes(&|s| s.variance_of_mean(n)) }
+        Estimate { mean: planes(&|sums, n| sums.sum.high / n), variance: planes(&|sums, n| sums.variance_of_mean(n)) }
     }
 }
 
 impl FilmRow<'_> {
+    /// Samples that the pixel in `column` holds.
+    pub fn samples(&self, column: usize) -> u32 {
+        self.counts[column]
+    }
+
+    /// Adds one sample without light to the pixel in `column`.
+    #[inline]
+    pub fn add_darkness(&mut self, column: usize) {
+        self.counts[column] += 1;
+    }
+
     /// Adds one sample to the pixel in `column`: spectral irradiance at the path's wavelengths.
     #[inline]
     pub fn add(&mut self, column: usize, irradiance: SampledSpectrum, wavelengths: &Wavelengths) {
+        self.counts[column] += 1;
         let channels = self.responses.len();
         self.responses.respond(irradiance, wavelengths, &mut self.scratch);
         for (sums, &value) in self.sums[column * channels..].iter_mut().zip(&self.scratch) {
@@ -231,7 +255,7 @@ mod tests {
         let mut film = Film::new(2, 1, FilmResponses::new(&responses));
         let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
         let n = 1000;
-        for row in &mut film.rows_for(n) {
+        for row in &mut film.rows() {
             for i in 0..n {
                 let w = sampler.sample((i as f32 + 0.5) / n as f32);
                 row.add(1, SampledSpectrum::splat(2.0), &w);
@@ -252,5 +276,6 @@ mod tests {
         let expected = values.variance() / f64::from(n);
         assert!((f64::from(estimate.variance.channels()[0].data[1]) / expected - 1.0).abs() < 0.01);
         assert_eq!(estimate.mean.channels()[0].data[0], 0.0);
+        assert_eq!((film.counts(), film.samples(), film.total()), (&[0, n][..], 0, u64::from(n)));
     }
 }

@@ -14,6 +14,9 @@
 //! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the ACM on
 //! Computer Graphics and Interactive Techniques 1(2) (2018).
 //!
+//! ## KirkArvo91
+//! D. Kirk, J. Arvo, "Unbiased Sampling Techniques for Image Synthesis", Computer Graphics (SIGGRAPH) 25(4) (1991).
+//!
 //! ## Wilkie14
 //! A. Wilkie et al., "Hero Wavelength Spectral Sampling", Computer Graphics Forum 33(4) (2014).
 //!

@@ -11,13 +11,16 @@ use photosite::io::capture::{
 use photosite::optics::{Camera, LensDescription};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
-use photosite::sensor::{Exposure, NoiseKey, NoiseMap, NoiseMaps, SensorModel, auto_exposure, expose_with_maps};
+use photosite::sensor::{
+    Exposure, NoiseKey, NoiseMap, NoiseMaps, SensorModel, auto_exposure, expose_with_maps, noise_ratio, samples_needed,
+    smoothed_mean,
+};
 use photosite::spectrum::{Spectrum, illuminant};
-use photosite::units::{Electrons, Seconds};
+use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
 
 use super::lens_corrections;
-use super::report::{ExposureReport, SensorReport};
+use super::report::{ExposureReport, NoiseReport, SensorReport};
 
 /// What the chain needs of a capture.
 #[derive(Clone, Copy)]
@@ -128,7 +131,7 @@ impl<'a> Chain<'a> {
     /// Exposes to light that frees these electrons within the time `collected`; electron rates are those of one second.
     /// `known` stands in for what an automatic exposure would find.
     pub(super) fn expose(&self, light: Estimate, collected: Seconds, known: Option<Exposure>) -> Result<Exposed> {
-        let exposure = known.map_or_else(|| self.exposure(&light, collected), Ok);
+        let exposure = known.map_or_else(|| self.exposure(&light.mean, collected), Ok);
         // The time of an automatic exposure is known only now.
         let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
         let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
@@ -192,43 +195,53 @@ impl<'a> Chain<'a> {
     }
 
     /// The exposure that the capture asks for, its time found from the light where it is automatic.
-    fn exposure(&self, light: &Estimate, collected: Seconds) -> Result<Exposure, Invalid> {
+    fn exposure(&self, light: &Planes, collected: Seconds) -> Result<Exposure, Invalid> {
         let Settings { sensor, exposure: wanted, .. } = self.settings;
         match wanted.time {
             ExposureTime::Fixed(time) => Ok(wanted.at(time)),
             // Any time serves to tell the rest.
-            ExposureTime::Auto(target) => {
-                auto_exposure(&light.mean, collected, sensor, &wanted.at(Seconds(1.0)), target)
-            }
+            ExposureTime::Auto(target) => auto_exposure(light, collected, sensor, &wanted.at(Seconds(1.0)), target),
         }
     }
 
-    /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
-    /// saturate do not count: no noise shows there. `None` where there is not enough light for an exposure, and after a
-    /// single sample, which tells nothing of noise.
+    /// Ratio of Monte Carlo noise to that of the sensor over the picture. `None` where there is not enough light for an
+    /// exposure, and after a single sample, which tells nothing of noise.
     pub(super) fn noise_ratio(&self, film: &Film) -> Option<f64> {
         if film.samples() < 2 {
             return None;
         }
         let rates = self.rates(film);
-        let exposure = self.exposure(&rates, Seconds(1.0)).ok()?;
-        let sensor = self.settings.sensor;
-        let (width, time) = (rates.mean.width(), exposure.time.0);
-        let samples = sensor.cfa.samples_per_pixel();
-        let row_length = width * samples;
-        let saturation = sensor.saturation_capacity(&exposure).0;
-        let pixels = exposure.window.binning.pixels() as f64;
-        let (mut of_light, mut of_sensor) = (0.0, 0.0);
-        for i in 0..row_length * rates.mean.height() {
-            let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
-            let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
-            let mean = at(&rates.mean) * time;
-            if mean < saturation {
-                of_light += at(&rates.variance) * time * time / pixels;
-                of_sensor += sensor.noise_variance(Electrons(mean), &exposure);
-            }
+        let exposure = self.exposure(&rates.mean, Seconds(1.0)).ok()?;
+        noise_ratio(&rates, self.settings.sensor, &exposure)
+    }
+
+    /// How many samples of each pixel bring that ratio down to `target` there, as far as a film tells; `None` as above.
+    pub(super) fn samples_needed(&self, film: &Film, target: f64) -> Option<Vec<f32>> {
+        let rates = self.rates(film);
+        let exposure = self.exposure(&smoothed_mean(&rates, film.counts()), Seconds(1.0)).ok()?;
+        Some(samples_needed(&rates, film.counts(), self.settings.sensor, &exposure, target))
+    }
+
+    /// What a film has reached of a noise target; `pilot_paths` beside it have found how many samples it takes.
+    pub(super) fn noise_report(&self, film: &Film, target: f64, pilot_paths: u64) -> NoiseReport {
+        let counts = film.counts();
+        let pixels = counts.len() as f64;
+        // Where nothing can be told, nothing is reached.
+        let needed = self.samples_needed(film, target).unwrap_or_else(|| vec![f32::INFINITY; counts.len()]);
+        let mut ratios: Vec<f64> =
+            needed.iter().zip(counts).map(|(&n, &count)| target * (f64::from(n) / f64::from(count)).sqrt()).collect();
+        let met = ratios.iter().filter(|&&ratio| ratio <= target).count();
+        let place = (0.99 * pixels) as usize;
+        let (_, high, _) = ratios.select_nth_unstable_by(place, f64::total_cmp);
+        NoiseReport {
+            target,
+            samples_least: counts.iter().copied().min().unwrap_or(0),
+            samples_mean: film.total() as f64 / pixels,
+            samples_most: counts.iter().copied().max().unwrap_or(0),
+            pilot_samples_mean: pilot_paths as f64 / pixels,
+            pixels_at_target: met as f64 / pixels,
+            ratio_of_99_percent: high.is_finite().then_some(*high),
         }
-        (of_sensor > 0.0).then(|| (of_light / of_sensor).sqrt())
     }
 
     pub(super) fn exposure_report(&self, exposure: &Exposure) -> ExposureReport {

@@ -149,7 +149,7 @@ impl DataSet {
             let capture = Capture::read(&self.capture_path, &overrides)?;
             let light = light(camera, number)?;
             let partial = folder.begin(camera, number)?;
-            let mut results = OutputFolder::claim(&partial, false)?;
+            let mut results = OutputFolder::claim(&partial, true)?;
             let request = Request {
                 input: &self.capture_path,
                 named: match &light {

@@ -16,6 +16,7 @@ use photosite::io::output::{create_folder, remove_unfinished, write_whole};
 use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
+use super::checkpoint;
 use super::fingerprint::{difference, fingerprinted, keys_and_files};
 use super::pretty_json::pretty_json;
 
@@ -175,10 +176,13 @@ impl DatasetFolder {
         self.picture(camera, number).exists()
     }
 
-    /// An empty folder for a picture that is being made. What an earlier attempt left of it is removed.
+    /// A folder for a picture that is being made. What an earlier attempt left of it is removed, unless that goes on from
+    /// a checkpoint.
     pub(super) fn begin(&self, camera: &str, number: u32) -> Result<PathBuf> {
         let partial = self.partial(camera, number);
-        remove_unfinished(&partial)?;
+        if !checkpoint::are_in(&partial) {
+            remove_unfinished(&partial)?;
+        }
         create_folder(&partial)?;
         Ok(partial)
     }

@@ -3,6 +3,7 @@
 
 mod camera;
 mod chain;
+mod checkpoint;
 mod compare;
 mod compare_text;
 mod dataset;

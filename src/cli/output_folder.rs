@@ -12,7 +12,7 @@ use photosite::image::Planes;
 use photosite::io::capture::{NoiseOutput, OutputSettings, REPORT, RawFormat, SpectralBands, TruthOutput};
 use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
-use photosite::io::film_file::write_film;
+use photosite::io::film_file::{write_film, write_samples};
 use photosite::io::noise_maps::{NoiseFormat, write_noise_exr, write_noise_npy};
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::raw_exr::write_raw_exr;
@@ -25,6 +25,7 @@ use photosite::{Error, Invalid, Result};
 use serde_json::Value;
 
 use super::chain::Exposed;
+use super::checkpoint;
 use super::parts::PartReport;
 use super::pretty_json::pretty_json;
 use super::report::Report;
@@ -33,13 +34,14 @@ use super::report::Report;
 pub(super) const PART: &str = "part.json";
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
 /// unasked: a texture may be called `image.png`.
-const RESULTS: [(&str, &[&str]); 9] = [
+const RESULTS: [(&str, &[&str]); 10] = [
     ("film", &["npy"]),
     ("image", &["png"]),
     ("hdr", &["exr"]),
     ("ideal", &["exr", "png"]),
     ("electrons", &["exr"]),
     ("irradiance", &["exr"]),
+    ("samples", &["npy"]),
     ("raw", &["dng", "tiff", "pgm", "npy", "exr"]),
     (TRUTH, &["exr"]),
     (NOISE, &["exr"]),
@@ -56,14 +58,16 @@ pub(super) struct OutputFolder {
     path: PathBuf,
     /// What of its path was made for this render, itself first.
     created: Vec<PathBuf>,
+    force: bool,
     written: Vec<String>,
 }
 
 impl OutputFolder {
-    /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given.
+    /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given, or a
+    /// render was broken off there.
     pub(super) fn claim(path: &Path, force: bool) -> Result<Self> {
         let in_the_way = results().find(|name| path.join(name).exists());
-        if let Some(name) = in_the_way.filter(|_| !force) {
+        if let Some(name) = in_the_way.filter(|_| !force && !checkpoint::are_in(path)) {
             return Err(Error::Usage {
                 message: match name.as_str() {
                     REPORT => format!("{} holds the results of an earlier render", path.display()),
@@ -81,11 +85,16 @@ impl OutputFolder {
         // Whether files can be made here shows now rather than after an hour of tracing.
         tempfile::tempfile_in(path)
             .map_err(|reason| unusable(path, format!("cannot write into the folder: {reason}")))?;
-        Ok(Self { path: path.to_owned(), created, written: Vec::new() })
+        Ok(Self { path: path.to_owned(), created, force, written: Vec::new() })
     }
 
     pub(super) fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Whether what is there may be overwritten.
+    pub(super) fn is_forced(&self) -> bool {
+        self.force
     }
 
     /// Names of the files written so far.
@@ -173,6 +182,11 @@ impl OutputFolder {
         Ok(())
     }
 
+    /// How many samples each pixel has.
+    pub(super) fn write_samples(&mut self, number: Option<u32>, film: &Film) -> Result<()> {
+        self.write(&named("samples", number, "npy"), |to| write_samples(film, to))
+    }
+
     /// The sums of a part of a render.
     pub(super) fn write_film(&mut self, number: Option<u32>, film: &Film) -> Result<()> {
         self.write(&named("film", number, "npy"), |to| write_film(film, to))
@@ -180,7 +194,8 @@ impl OutputFolder {
 
     /// The last file of a part.
     pub(super) fn write_part(&self, part: &PartReport) -> Result<()> {
-        write_whole(&self.path.join(PART), |to| writeln!(to, "{}", pretty_json(part)))
+        write_whole(&self.path.join(PART), |to| writeln!(to, "{}", pretty_json(part)))?;
+        checkpoint::remove(&self.path)
     }
 
     /// The light of a bracket, in which 1 saturates the longest exposure.
@@ -214,7 +229,8 @@ impl OutputFolder {
 
     /// The last file: what the others are.
     pub(super) fn write_report(&self, report: &Report) -> Result<()> {
-        write_whole(&self.path.join(REPORT), |to| writeln!(to, "{}", pretty_json(report)))
+        write_whole(&self.path.join(REPORT), |to| writeln!(to, "{}", pretty_json(report)))?;
+        checkpoint::remove(&self.path)
     }
 
     fn write(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {

@@ -3,11 +3,14 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use photosite::film::Film;
 
 /// A progress bar over camera paths or images.
 pub(super) struct Progress {
     bar: ProgressBar,
     start: Instant,
+    /// What was done before it began.
+    before: u64,
 }
 
 impl Progress {
@@ -20,7 +23,13 @@ impl Progress {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar, start: Instant::now() }
+        Self { bar, start: Instant::now(), before: 0 }
+    }
+
+    /// The same, of which so many were done before.
+    pub(super) fn starting_at(self, before: u64) -> Self {
+        self.bar.set_position(before);
+        Self { before, ..self }
     }
 
     /// For work on so many images.
@@ -35,12 +44,13 @@ impl Progress {
         self.bar.inc(paths);
     }
 
-    /// A pass is over: every pixel has `samples`, and there will be about so many paths in all.
-    pub(super) fn pass(&self, samples: u32, expected_paths: u64) {
+    /// A pass is over, and so many paths are expected in all.
+    pub(super) fn pass(&self, film: &Film, expected_paths: u64) {
         self.bar.set_length(expected_paths);
         let seconds = self.start.elapsed().as_secs_f64().max(1e-9);
-        let rate = self.bar.position() as f64 / seconds / 1e6;
-        self.bar.set_message(format!("{samples} samples a pixel, {rate:.2} M paths/s"));
+        let rate = self.bar.position().saturating_sub(self.before) as f64 / seconds / 1e6;
+        let samples = film.total() as f64 / film.counts().len() as f64;
+        self.bar.set_message(format!("{samples:.0} samples a pixel, {rate:.2} M paths/s"));
     }
 
     /// Takes the bar away.

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use glam::DAffine3;
@@ -22,8 +22,10 @@ use photosite::sensor::{Exposure, SensorModel};
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
 use photosite::{Invalid, Result};
+use serde_json::{Map, Value};
 
 use super::chain::{Chain, Optics, scene_light};
+use super::checkpoint::Checkpoints;
 use super::ideal;
 use super::output_folder::OutputFolder;
 use super::parts::{PartReport, Parts, check_samples, makings};
@@ -33,7 +35,7 @@ use super::report::{
 };
 use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
-use super::trace::{Trace, trace};
+use super::trace::{Trace, Traced, trace};
 use super::{parse_range, print_json, rounded};
 
 /// Render a scene as the camera of a capture file records it.
@@ -140,8 +142,10 @@ pub(super) fn render(
     }
     timings.build_s = start.elapsed().as_secs_f64();
 
+    let makings = makings(&capture)?;
     let traced = Series {
         input: request.input,
+        makings: &makings,
         overrides: &request.overrides,
         source: &request.light,
         capture: &capture,
@@ -152,10 +156,11 @@ pub(super) fn render(
         responses: &responses,
         importance: &importance,
     };
-    let Recorded { film, shot, passes } = traced.record(folder, &mut timings, request.silent)?;
+    let Recorded { traced: Traced { film, pilot_paths, .. }, shot, paths } =
+        traced.record(folder, &mut timings, request.silent)?;
     let Some((exposure, first)) = shot else {
         let samples = capture.render.samples_per_pixel;
-        let part = PartReport::new(request, samples, makings(&capture)?, &responses, folder.files(), timings.trace_s);
+        let part = PartReport::new(request, samples, makings, &responses, folder.files(), timings.trace_s);
         folder.write_part(&part)?;
         return Ok(Rendered::Part(part));
     };
@@ -169,8 +174,6 @@ pub(super) fn render(
     };
     let report_target =
         |target: &PlacedTarget| TargetReport::new(target, &View::of(&first_camera), &scene, pixels(&capture));
-    let [width, height] = pixels(&capture).map(u64::from);
-    let paths = width * height * passes;
     let traced = TracedReport {
         camera: CameraReport::new(
             &capture.lens,
@@ -179,7 +182,7 @@ pub(super) fn render(
             capture.recording.as_ref().map(MotionReport::new),
         ),
         lens: LensReport::new(&capture.lens, &camera),
-        render: render_report(&capture.render, &scene, film.samples(), chain.noise_ratio(&film)),
+        render: render_report(&capture.render, &scene, &chain, &film, pilot_paths),
         scene_light: LightReport::new(&light),
         targets: capture.targets.iter().map(report_target).collect(),
         truth: truth_report,
@@ -206,6 +209,7 @@ pub(super) fn render(
 /// All that the pictures of a series are made of.
 struct Series<'a> {
     input: &'a Path,
+    makings: &'a Map<String, Value>,
     overrides: &'a [String],
     source: &'a Light,
     capture: &'a Capture,
@@ -219,11 +223,11 @@ struct Series<'a> {
 
 /// The last light of a series and the first picture.
 struct Recorded {
-    film: Film,
+    traced: Traced,
     /// The last exposure and the first picture; `None` for parts, which are not exposed.
     shot: Option<(Exposure, RawImage)>,
-    /// Samples a pixel, over all light that was traced.
-    passes: u64,
+    /// Paths, over all light that was traced.
+    paths: u64,
 }
 
 impl Series<'_> {
@@ -260,9 +264,9 @@ impl Series<'_> {
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
-            let Recorded { film, shot, passes } = frame(number, folder, timings)?;
+            let Recorded { traced, shot, paths } = frame(number, folder, timings)?;
             let shot = shot.zip(recorded.shot).map(|((exposure, _), (_, first))| (exposure, first));
-            recorded = Recorded { film, shot, passes: recorded.passes + passes };
+            recorded = Recorded { traced, shot, paths: recorded.paths + paths };
         }
         Ok(recorded)
     }
@@ -292,50 +296,64 @@ impl Series<'_> {
         check_depths(&truth_job, &capture.output.truth)
             .map_err(|invalid| capture.source.error(invalid.within("output")))?;
         let start = Instant::now();
-        let film = match self.source {
-            Light::Merged(parts) => parts.film(frames.light_number(), capture, self.responses)?,
-            Light::Traced | Light::Part(_) => trace(&Trace {
-                capture,
-                settings: &settings,
-                scene,
-                camera,
-                responses: self.responses,
-                importance: self.importance,
-                chain,
-                folder,
-                silent,
-            })?,
+        let traced = match self.source {
+            Light::Merged(parts) => {
+                let film = parts.film(frames.light_number(), capture, self.responses)?;
+                Traced { film, pilot_paths: 0, earlier: Duration::ZERO }
+            }
+            Light::Traced | Light::Part(_) => {
+                let samples = settings.first_sample..settings.first_sample + settings.samples_per_pixel;
+                let interval = capture.output.checkpoint_interval;
+                let number = frames.light_number();
+                let checkpoints = Checkpoints::new(folder, number, samples, self.makings, interval);
+                let traced = Trace {
+                    capture,
+                    settings: &settings,
+                    scene,
+                    camera,
+                    responses: self.responses,
+                    importance: self.importance,
+                    chain,
+                    folder,
+                    silent,
+                };
+                trace(&traced, checkpoints)?
+            }
         };
-        timings.trace_s += start.elapsed().as_secs_f64();
-        let passes = u64::from(film.samples());
+        timings.trace_s += (traced.earlier + start.elapsed()).as_secs_f64();
+        let Traced { film, pilot_paths, .. } = &traced;
+        let paths = film.total() + pilot_paths;
         if let Light::Part(_) = self.source {
             let start = Instant::now();
             if frames.numbers().0.start == 0 {
                 folder.remove_earlier()?;
             }
-            folder.write_film(frames.light_number(), &film)?;
+            folder.write_film(frames.light_number(), film)?;
             timings.write_s += start.elapsed().as_secs_f64();
-            return Ok(Recorded { film, shot: None, passes });
+            return Ok(Recorded { traced, shot: None, paths });
         }
         let start = Instant::now();
-        let exposed = chain.expose(chain.rates(&film), Seconds(1.0), None)?;
+        let exposed = chain.expose(chain.rates(film), Seconds(1.0), None)?;
         timings.expose_s += start.elapsed().as_secs_f64();
         let exposure = exposed.exposure;
         let first = write_results(chain, exposed, frames, folder, timings, |folder, number| {
             if capture.output.ideal {
-                let picture = ideal::picture(&film, capture, self.light, &exposure)?;
+                let picture = ideal::picture(film, capture, self.light, &exposure)?;
                 folder.write_ideal(number, picture, &capture.develop)?;
             }
             if !capture.output.truth.layers.is_empty() {
                 let planes = truth(&truth_job, &capture.output.truth.layers);
                 folder.write_truth(number, &capture.output.truth, &planes)?;
             }
+            if settings.noise_target.is_some() {
+                folder.write_samples(number, film)?;
+            }
             match &capture.output.irradiance {
-                Some(bands) => folder.write_irradiance(number, bands, &film),
+                Some(bands) => folder.write_irradiance(number, bands, film),
                 None => Ok(()),
             }
         })?;
-        Ok(Recorded { film, shot: Some((exposure, first)), passes })
+        Ok(Recorded { traced, shot: Some((exposure, first)), paths })
     }
 }
 
@@ -433,18 +451,20 @@ pub(super) fn lone_camera(capture: &Capture) -> Result<Camera> {
 fn render_report(
     settings: &RenderSettings,
     scene: &Scene,
-    samples_per_pixel: u32,
-    noise_ratio: Option<f64>,
+    chain: &Chain<'_>,
+    film: &Film,
+    pilot_paths: u64,
 ) -> RenderReport {
     RenderReport {
         seed: settings.seed,
-        samples_per_pixel,
+        samples_per_pixel: film.counts().iter().copied().max().unwrap_or(0),
         max_depth: settings.max_depth,
         roulette_depth: settings.roulette_depth,
         sampler: settings.sampler.name(),
         triangles: scene.geometry().triangles.len(),
         lights: scene.lights().len(),
-        noise_ratio,
+        noise_ratio: chain.noise_ratio(film),
+        noise: settings.noise_target.map(|target| chain.noise_report(film, target, pilot_paths)),
     }
 }
 

@@ -373,6 +373,25 @@ pub(super) struct RenderReport {
     /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark and after a
     /// single sample.
     pub(super) noise_ratio: Option<f64>,
+    /// `null` without a noise target.
+    pub(super) noise: Option<NoiseReport>,
+}
+
+/// What became of a noise target.
+#[derive(Serialize)]
+pub(super) struct NoiseReport {
+    /// Monte Carlo noise over sensor noise in each pixel, standard deviations.
+    pub(super) target: f64,
+    /// Samples of the pixels of the picture.
+    pub(super) samples_least: u32,
+    pub(super) samples_mean: f64,
+    pub(super) samples_most: u32,
+    /// Samples a pixel beside those, from which their number was found.
+    pub(super) pilot_samples_mean: f64,
+    /// Part of the pixels, 0–1, whose measured ratio is at most the target.
+    pub(super) pixels_at_target: f64,
+    /// The ratio that 99 % of the pixels stay below; `null` where there is not enough light for an exposure.
+    pub(super) ratio_of_99_percent: Option<f64>,
 }
 
 /// Wall-clock seconds of the steps.

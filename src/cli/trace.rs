@@ -1,4 +1,4 @@
-//! Tracing with everything that goes on beside it: progress, pictures of the state so far, limits of time and noise.
+//! Tracing with everything that goes on beside it: progress, pictures of the state so far, checkpoints, limits of time and noise.
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use photosite::Result;
 use photosite::film::{Film, FilmResponses, Response};
-use photosite::integrator::{RenderJob, RenderSettings, Step, render};
+use photosite::integrator::{RenderJob, RenderSettings, Step, render_on, render_with_pilot};
 use photosite::io::capture::Capture;
 use photosite::optics::Camera;
 use photosite::scene::Scene;
@@ -14,6 +14,7 @@ use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
 
 use super::chain::Chain;
+use super::checkpoint::Checkpoints;
 use super::output_folder::OutputFolder;
 use super::progress::Progress;
 use super::render::pixels;
@@ -32,81 +33,107 @@ pub(super) struct Trace<'a> {
     pub(super) silent: bool,
 }
 
-/// Traces until the samples, the time or the noise that was asked for is reached.
-pub(super) fn trace(t: &Trace<'_>) -> Result<Film> {
+/// Light that was traced.
+pub(super) struct Traced {
+    pub(super) film: Film,
+    /// Paths that are not in the film, but found how many are.
+    pub(super) pilot_paths: u64,
+    /// Time that was spent on it before a checkpoint.
+    pub(super) earlier: Duration,
+}
+
+/// Traces until the samples, the time or the noise that was asked for is reached, from the last checkpoint on.
+pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Traced> {
     let settings = t.settings;
-    let resolution = pixels(t.capture);
-    let per_sample = u64::from(resolution[0]) * u64::from(resolution[1]);
-    let progress = Progress::new(per_sample * u64::from(settings.samples_per_pixel), t.silent);
-    let previews = Mutex::new(Previews { last: Instant::now(), failure: None });
-    let step = |step: Step<'_>| match step {
-        Step::Row { paths } => {
-            progress.advance(paths);
-            ControlFlow::Continue(())
-        }
-        Step::Pass { film, elapsed } => {
-            let ratio = settings.noise_target.and_then(|_| t.chain.noise_ratio(film));
-            progress.pass(film.samples(), expected_paths(settings, film, elapsed, ratio, per_sample));
-            let done = film.samples() >= settings.samples_per_pixel
-                || settings.time_limit.is_some_and(|limit| elapsed >= limit)
-                || settings.noise_target.zip(ratio).is_some_and(|(target, ratio)| ratio <= target);
-            if done || previews.lock().expect("nobody panics while holding it").show(t, film).is_err() {
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
-        }
-    };
     let job = RenderJob {
         scene: t.scene,
         camera: t.camera,
         transmittance: &t.capture.lens.transmittance,
         importance: t.importance,
-        resolution,
+        resolution: pixels(t.capture),
         settings,
     };
-    let film = render(&job, FilmResponses::new(t.responses), &step);
+    let mut film = job.empty_film(FilmResponses::new(t.responses));
+    // The sensor's channels come first.
+    let of_sensor = || job.empty_film(FilmResponses::new(&t.responses[..t.capture.sensor.cfa.channels().len()]));
+    let mut pilot = settings.noise_target.map(|_| of_sensor());
+    let earlier = checkpoints.resume(&mut film, pilot.as_mut())?;
+    if earlier.is_some() && !t.silent {
+        let (path, samples) = (checkpoints.path().display(), film.total() / film.counts().len() as u64);
+        eprintln!("goes on from {path} at {samples} samples a pixel");
+    }
+    let earlier = earlier.unwrap_or_default();
+    let paths_of = |film: &Film, pilot: Option<&Film>| film.total() + pilot.map_or(0, Film::total);
+
+    let asked_for = film.counts().len() as u64 * u64::from(settings.samples_per_pixel);
+    let progress = Progress::new(asked_for, t.silent).starting_at(paths_of(&film, pilot.as_ref()));
+    let beside = Mutex::new(Beside { checkpoints, last_preview: Instant::now(), failure: None });
+    let step = |step: Step<'_>| match step {
+        Step::Row { paths } => {
+            progress.advance(paths);
+            ControlFlow::Continue(())
+        }
+        Step::Pass { film, pilot, elapsed, planned_paths } => {
+            let elapsed = earlier + elapsed;
+            let planned = planned_paths.unwrap_or(asked_for);
+            progress.pass(film, expected_paths(settings, paths_of(film, pilot), elapsed, planned));
+            if settings.time_limit.is_some_and(|limit| elapsed >= limit) {
+                return ControlFlow::Break(());
+            }
+            beside.lock().expect("nobody panics while holding it").keep(t, film, pilot, elapsed)
+        }
+    };
+    match (settings.noise_target, &mut pilot) {
+        (Some(target), Some(pilot)) => {
+            let needed = |pilot: &Film| t.chain.samples_needed(pilot, target);
+            render_with_pilot(&job, &mut film, pilot, &needed, &step);
+        }
+        _ => render_on(&job, &mut film, &step),
+    }
     progress.finish();
-    match previews.into_inner().expect("nobody panics while holding it").failure {
+    match beside.into_inner().expect("nobody panics while holding it").failure {
         Some(error) => Err(error),
-        None => Ok(film),
+        None => Ok(Traced { pilot_paths: paths_of(&film, pilot.as_ref()) - film.total(), film, earlier }),
     }
 }
 
-/// How many paths there will be in all, as far as can be told after a pass: all that were asked for, or those that fit
-/// into the time, or that make the noise small enough.
-fn expected_paths(
-    settings: &RenderSettings,
-    film: &Film,
-    elapsed: Duration,
-    noise_ratio: Option<f64>,
-    per_sample: u64,
-) -> u64 {
-    let samples = f64::from(film.samples());
-    let in_time = settings.time_limit.map(|limit| samples * limit.as_secs_f64() / elapsed.as_secs_f64());
-    // Noise falls with the square root of the samples.
-    let to_target = settings.noise_target.zip(noise_ratio).map(|(target, ratio)| samples * (ratio / target).powi(2));
-    let asked_for = f64::from(settings.samples_per_pixel);
-    let expected = [in_time, to_target].into_iter().flatten().fold(asked_for, f64::min);
-    (expected.max(samples) * per_sample as f64) as u64
+/// How many paths there will be in all, as far as can be told after a pass that brought them to `done`: those that are
+/// planned, or those that fit into the time.
+fn expected_paths(settings: &RenderSettings, done: u64, elapsed: Duration, planned: u64) -> u64 {
+    let in_time = settings.time_limit.map(|limit| done as f64 * limit.as_secs_f64() / elapsed.as_secs_f64());
+    in_time.map_or(planned, |paths| planned.min(paths as u64)).max(done)
 }
 
-/// Pictures of a render that is under way.
-struct Previews {
-    last: Instant,
+/// What is written of a render that is under way.
+struct Beside<'a> {
+    checkpoints: Checkpoints<'a>,
+    last_preview: Instant,
     failure: Option<photosite::Error>,
 }
 
-impl Previews {
-    /// Writes a picture if it is time for one. What goes wrong is kept, and ends the render.
-    fn show(&mut self, t: &Trace<'_>, film: &Film) -> Result<(), ()> {
-        if t.capture.output.preview_interval.is_none_or(|interval| self.last.elapsed() < interval) {
+impl Beside<'_> {
+    /// Writes what it is time for. What goes wrong is kept, and ends the render.
+    fn keep(&mut self, t: &Trace<'_>, film: &Film, pilot: Option<&Film>, elapsed: Duration) -> ControlFlow<()> {
+        let written = self.checkpoints.keep(film, pilot, elapsed).and_then(|()| self.show(t, film));
+        match written {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.failure = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    /// Writes a picture if it is time for one.
+    fn show(&mut self, t: &Trace<'_>, film: &Film) -> Result<()> {
+        if t.capture.output.preview_interval.is_none_or(|interval| self.last_preview.elapsed() < interval) {
             return Ok(());
         }
         // Too little light for an exposure yet is no failure: there is nothing to show.
         let Ok(exposed) = t.chain.expose(t.chain.rates(film), Seconds(1.0), None) else { return Ok(()) };
-        let raw = t.chain.read_out(&exposed, 0);
-        let shown = raw.and_then(|raw| t.chain.develop(&raw)).and_then(|picture| t.folder.write_preview(&picture));
-        self.last = Instant::now();
-        shown.map_err(|error| self.failure = Some(error))
+        let raw = t.chain.read_out(&exposed, 0)?;
+        t.folder.write_preview(&t.chain.develop(&raw)?)?;
+        self.last_preview = Instant::now();
+        Ok(())
     }
 }

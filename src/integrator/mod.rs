@@ -1,10 +1,13 @@
-//! Light transport: how much radiance arrives along a ray ([`path`]), and the loop over the pixels ([`render`]).
+//! Light transport: how much radiance arrives along a ray ([`path`]), and the loop over the pixels ([`render`]), which
+//! may give each pixel the samples that it needs ([`pilot`]).
 //!
 //! In: a [`Scene`](crate::scene::Scene), a camera, responses. Out: a [`Film`](crate::film::Film).
 
 pub mod path;
+pub mod pilot;
 mod render;
 mod settings;
 
-pub use render::{RenderJob, Step, render};
+pub use pilot::render_with_pilot;
+pub use render::{Listener, RenderJob, Step, render, render_on};
 pub use settings::RenderSettings;

@@ -12,7 +12,7 @@ use crate::film::{Film, FilmResponses, FilmRow};
 use crate::optics::Camera;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
-use crate::spectrum::{Spectrum, SpectrumTable, WavelengthSampler};
+use crate::spectrum::{Spectrum, SpectrumId, SpectrumTable, WavelengthSampler};
 
 /// Everything that a render reads.
 pub struct RenderJob<'a> {
@@ -37,66 +37,141 @@ pub enum Step<'a> {
         /// Camera paths of that row.
         paths: u64,
     },
-    /// A pass is over; `film` holds the same number of samples in every pixel.
+    /// A pass is over.
     Pass {
         /// The film so far.
         film: &'a Film,
+        /// That of the pilot, of a render that has one.
+        pilot: Option<&'a Film>,
         /// Time since the start.
         elapsed: Duration,
+        /// Camera paths of the whole render, once they are known.
+        planned_paths: Option<u64>,
     },
 }
 
+/// Hears what a render tells; what it answers to a pass ends the render or lets it go on.
+pub type Listener<'a> = dyn Fn(Step<'_>) -> ControlFlow<()> + Sync + 'a;
+
 /// Largest number of samples a pixel in one pass: passes double up to it, so that there is soon something to see, and a
 /// limit of time is kept well.
-const LARGEST_PASS: u32 = 16;
+pub(super) const LARGEST_PASS: u32 = 16;
 
 /// Renders until the settings' samples are reached or `step` breaks off after a pass.
-pub fn render(
-    job: &RenderJob<'_>,
-    responses: FilmResponses,
-    step: &(dyn Fn(Step<'_>) -> ControlFlow<()> + Sync),
-) -> Film {
-    let start = Instant::now();
-    let [width, height] = job.resolution.map(|n| n as usize);
-    let mut film = Film::new(width, height, responses);
-    // Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
-    let useful = job.importance.product(job.scene.light_spectrum()).product(job.transmittance);
-    let wavelengths = WavelengthSampler::new(&useful);
-    let mut spectra = SpectrumTable::default();
-    let transmittance = spectra.add(job.transmittance);
-    let settings = job.settings;
-    let limits = PathLimits { max_depth: settings.max_depth, roulette_depth: settings.roulette_depth };
+pub fn render(job: &RenderJob<'_>, responses: FilmResponses, step: &Listener<'_>) -> Film {
+    let mut film = job.empty_film(responses);
+    render_on(job, &mut film, step);
+    film
+}
 
-    while film.samples() < settings.samples_per_pixel {
-        let done = film.samples();
-        let count = done.clamp(1, LARGEST_PASS).min(settings.samples_per_pixel - done);
-        let first = settings.first_sample + done;
+/// The same, from a film on that holds the first samples of each pixel: it becomes what it would be if it had been rendered
+/// in one go.
+pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
+    let tracer = Tracer::new(job, job.settings.seed, step);
+    let samples = job.settings.samples_per_pixel;
+    let planned = Some(job.pixels() * u64::from(samples));
+    // A render that is broken off is one of fewer samples.
+    let _ = tracer.fill(film, samples, |film| tracer.tell(film, None, planned));
+}
+
+impl RenderJob<'_> {
+    /// A film of the picture's size.
+    pub fn empty_film(&self, responses: FilmResponses) -> Film {
+        let [width, height] = self.resolution.map(|n| n as usize);
+        Film::new(width, height, responses)
+    }
+
+    /// Number of pixels.
+    pub(super) fn pixels(&self) -> u64 {
+        self.resolution.iter().map(|&n| u64::from(n)).product()
+    }
+}
+
+/// Traces paths into films, with the random numbers of one seed.
+pub(super) struct Tracer<'a> {
+    job: &'a RenderJob<'a>,
+    seed: u64,
+    step: &'a Listener<'a>,
+    start: Instant,
+    wavelengths: WavelengthSampler,
+    spectra: SpectrumTable,
+    transmittance: SpectrumId,
+    limits: PathLimits,
+}
+
+impl<'a> Tracer<'a> {
+    pub(super) fn new(job: &'a RenderJob<'a>, seed: u64, step: &'a Listener<'a>) -> Self {
+        // Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
+        let useful = job.importance.product(job.scene.light_spectrum()).product(job.transmittance);
+        let mut spectra = SpectrumTable::default();
+        let transmittance = spectra.add(job.transmittance);
+        let RenderSettings { max_depth, roulette_depth, .. } = *job.settings;
+        Self {
+            job,
+            seed,
+            step,
+            start: Instant::now(),
+            wavelengths: WavelengthSampler::new(&useful),
+            spectra,
+            transmittance,
+            limits: PathLimits { max_depth, roulette_depth },
+        }
+    }
+
+    /// Brings every pixel to so many samples, in passes that double, and tells of each.
+    pub(super) fn fill(
+        &self,
+        film: &mut Film,
+        samples: u32,
+        tell: impl Fn(&Film) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        while film.samples() < samples {
+            let done = film.samples();
+            let level = done + done.clamp(1, LARGEST_PASS).min(samples - done);
+            self.pass(film, &|_| level);
+            tell(film)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Tells that a pass is over.
+    pub(super) fn tell(&self, film: &Film, pilot: Option<&Film>, planned_paths: Option<u64>) -> ControlFlow<()> {
+        (self.step)(Step::Pass { film, pilot, elapsed: self.start.elapsed(), planned_paths })
+    }
+
+    /// Brings each pixel that has fewer to as many samples as `wanted` says of it.
+    pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) {
+        let job = self.job;
+        let RenderSettings { sampler: kind, first_sample, .. } = *job.settings;
+        let width = film.width();
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
+            let mut paths = 0;
             for x in 0..width {
-                let pixel = (y * width + x) as u64;
-                for index in first..first + count {
-                    let mut sampler = Sampler::new(settings.sampler, settings.seed, pixel, index);
+                let pixel = y * width + x;
+                let (done, wanted) = (row.samples(x), wanted(pixel));
+                paths += u64::from(wanted.saturating_sub(done));
+                for index in done..wanted {
+                    let mut sampler = Sampler::new(kind, self.seed, pixel as u64, first_sample + index);
                     let [dx, dy] = sampler.next_2d();
                     let aperture = sampler.next_2d();
-                    let mut lambda = wavelengths.sample(sampler.next_1d());
+                    let mut lambda = self.wavelengths.sample(sampler.next_1d());
                     let position = DVec2::new(x as f64 + f64::from(dx), y as f64 + f64::from(dy));
                     // A camera that stands still needs no time, and its samples stay what they are.
                     let time = if job.camera.moves() { sampler.next_1d() } else { 0.0 };
                     let spread = if job.camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
                     let ray = job.camera.generate_spectral(position, aperture, time, spread, &mut lambda);
-                    let Some((camera_ray, weights)) = ray else { continue };
-                    let through = spectra.sample(transmittance, &lambda) * weights * camera_ray.weight;
-                    let arriving = radiance(job.scene, camera_ray.ray, &mut lambda, &mut sampler, limits);
+                    let Some((camera_ray, weights)) = ray else {
+                        row.add_darkness(x);
+                        continue;
+                    };
+                    let through = self.spectra.sample(self.transmittance, &lambda) * weights * camera_ray.weight;
+                    let arriving = radiance(job.scene, camera_ray.ray, &mut lambda, &mut sampler, self.limits);
                     row.add(x, arriving * through, &lambda);
                 }
             }
-            // The callback can only end a render between passes, so its answer to a row does not matter.
-            let _ = step(Step::Row { paths: width as u64 * u64::from(count) });
+            // The listener can only end a render between passes, so its answer to a row does not matter.
+            let _ = (self.step)(Step::Row { paths });
         };
-        film.rows_for(count).into_par_iter().enumerate().for_each(fill);
-        if step(Step::Pass { film: &film, elapsed: start.elapsed() }).is_break() {
-            break;
-        }
+        film.rows().into_par_iter().enumerate().for_each(fill);
     }
-    film
 }

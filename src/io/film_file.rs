@@ -27,15 +27,49 @@ pub fn write_film<W: Write>(film: &Film, to: W) -> io::Result<()> {
     array.finish()
 }
 
+/// Writes how many samples each pixel has: an array of `uint32`, shape (rows, columns).
+pub fn write_samples<W: Write>(film: &Film, to: W) -> io::Result<()> {
+    let shape = [film.height(), film.width()].map(|n| n as u64);
+    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(to).begin_nd()?;
+    array.extend(film.counts().iter().copied())?;
+    array.finish()
+}
+
 /// Adds the sums of a file, of `samples` samples a pixel, to a film of the same size and channels.
 pub fn add_film<R: Read>(film: &mut Film, samples: u32, from: R) -> Result<(), Invalid> {
-    let unreadable = |error: &dyn std::fmt::Display| {
-        Invalid::new("", format!("cannot read it as the sums of a film: {error}")).help("render that part again")
-    };
+    let pixels = film.counts().len();
+    add_sums(film, std::iter::repeat_n(samples, pixels), from)
+}
+
+/// Writes a film that is not finished: its numbers of samples, and the sums of all of them, one array after the other.
+pub fn write_unfinished<W: Write>(film: &Film, mut to: W) -> io::Result<()> {
+    write_samples(film, &mut to)?;
+    write_film(film, to)
+}
+
+/// Adds what [`write_unfinished`] wrote to a film of the same size and channels.
+pub fn add_unfinished<R: Read>(film: &mut Film, mut from: R) -> Result<(), Invalid> {
+    let array = array(&[film.height(), film.width()].map(|n| n as u64), &mut from)?;
+    let counts = array.data::<u32>().map_err(|e| unreadable(&e))?;
+    let counts = counts.collect::<io::Result<Vec<u32>>>().map_err(|e| unreadable(&e))?;
+    add_sums(film, counts, from)
+}
+
+fn unreadable(error: &dyn std::fmt::Display) -> Invalid {
+    Invalid::new("", format!("cannot read it as the sums of a film: {error}")).help("render that part again")
+}
+
+/// An array of that shape.
+fn array<R: Read>(shape: &[u64], from: R) -> Result<NpyFile<impl Read + use<R>>, Invalid> {
     let array = NpyFile::new(with_short_header(from)?).map_err(|e| unreadable(&e))?;
-    if array.shape() != shape(film) || array.order() == Order::Fortran {
-        return Err(unreadable(&format!("its shape is {:?} instead of {:?}", array.shape(), shape(film))));
+    if array.shape() != shape || array.order() == Order::Fortran {
+        return Err(unreadable(&format!("its shape is {:?} instead of {shape:?}", array.shape())));
     }
+    Ok(array)
+}
+
+fn add_sums<R: Read>(film: &mut Film, counts: impl IntoIterator<Item = u32>, from: R) -> Result<(), Invalid> {
+    let array = array(&shape(film), from)?;
     let mut numbers = array.data::<f64>().map_err(|e| unreadable(&e))?;
     let mut failure = None;
     let mut next = || match numbers.next() {
@@ -54,7 +88,7 @@ pub fn add_film<R: Read>(film: &mut Film, samples: u32, from: R) -> Result<(), I
         let [sum, squares] = [(next()?, next()?), (next()?, next()?)].map(|(high, low)| DoubleDouble { high, low });
         Some(Sums { sum, squares })
     });
-    film.add(sums, samples);
+    film.add(sums, counts);
     failure.map_or(Ok(()), Err)
 }
 
@@ -72,7 +106,7 @@ mod tests {
     fn film() -> Film {
         let mut film = empty();
         let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
-        for (y, row) in film.rows_for(7).iter_mut().enumerate() {
+        for (y, row) in film.rows().iter_mut().enumerate() {
             for i in 0..21 {
                 let light = SampledSpectrum::splat(0.1 + (i * i) as f32 / (1 + y) as f32);
                 row.add(i % 3, light, &sampler.sample(i as f32 / 21.0));
@@ -93,6 +127,25 @@ mod tests {
         add_film(&mut read, 7, &file()[..]).expect("a film");
         assert_eq!((read.sums(), read.samples()), (film().sums(), 7));
         assert_eq!(read.estimate(["A", "B"]), film().estimate(["A", "B"]));
+    }
+
+    #[test]
+    fn what_is_not_finished_comes_back_with_its_counts() {
+        let mut film = film();
+        let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
+        film.rows()[1].add(2, SampledSpectrum::splat(0.7), &sampler.sample(0.3));
+        let mut file = Vec::new();
+        for _ in 0..2 {
+            write_unfinished(&film, &mut file).expect("written");
+        }
+        let mut from = &file[..];
+        for _ in 0..2 {
+            let mut read = empty();
+            add_unfinished(&mut read, &mut from).expect("a film");
+            assert_eq!((read.sums(), read.counts()), (film.sums(), film.counts()));
+        }
+        assert!(from.is_empty() && film.counts()[5] == 8);
+        assert!(add_unfinished(&mut empty(), &file[..100]).is_err());
     }
 
     #[test]

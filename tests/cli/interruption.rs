@@ -4,8 +4,10 @@ use std::fs;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use rstest::rstest;
+
 use crate::room::room;
-use crate::same_bytes::timeless;
+use crate::same_bytes::{assert_same, timeless};
 
 #[test]
 fn a_preview_is_there_while_a_render_runs() {
@@ -29,6 +31,43 @@ fn a_preview_is_there_while_a_render_runs() {
     assert!(status.success() && seen > 0, "seen {seen} times");
     let files: Vec<String> = folder.results("out").into_keys().collect();
     assert_eq!(files, ["capture.json", "electrons.exr", "image.png", "raw.dng"]);
+}
+
+/// Whatever is traced, in one go or from a checkpoint on.
+#[rstest]
+#[case::uniform("samples_per_pixel = 3000")]
+#[case::by_noise("samples_per_pixel = 3000\nnoise_target = 0.2")]
+fn a_killed_render_goes_on_from_its_checkpoint(#[case] settings: &str) {
+    let folder = room(&format!(
+        "[render]\n{settings}\nseed = 7\n[output]\nirradiance = true\ncheckpoint_interval_s = 0.001\npreview_interval_s = 0\n"
+    ));
+    folder.succeed("render capture.toml -o whole");
+    assert!(!folder.path("whole/checkpoint.film").exists(), "it is done");
+    let checkpoint = folder.path("out/checkpoint.film");
+    for _ in 0..2 {
+        let before = fs::read(&checkpoint).ok();
+        let mut render = folder.command("render capture.toml --quiet -o out").spawn().expect("the binary runs");
+        while fs::read(&checkpoint).ok() == before {
+            assert!(render.try_wait().expect("a child").is_none(), "it ended before it was killed");
+            sleep(Duration::from_millis(1));
+        }
+        render.kill().expect("still ours");
+        render.wait().expect("ended");
+    }
+    assert!(!folder.path("out/capture.json").exists(), "it is not finished");
+    let other = ["out/checkpoint.film", "another render: the capture says something else", "add --force"];
+    folder.fail("render capture.toml -o out --seed 5", 1, &other);
+    folder.fail("render capture.toml -o out --samples 0..9 --set render.noise_target=1", 1, &["noise_target"]);
+
+    let bytes = fs::read(&checkpoint).expect("a checkpoint");
+    for length in [10, bytes.len() / 2, bytes.len() - 1] {
+        fs::write(&checkpoint, &bytes[..length]).expect("written");
+        folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "damaged checkpoint", "remove it"]);
+    }
+    fs::write(&checkpoint, &bytes).expect("written");
+    let outcome = folder.succeed("render capture.toml -o out");
+    assert!(outcome.text().contains("goes on from out/checkpoint.film at"), "{outcome:?}");
+    assert_same(&folder, "whole", "out");
 }
 
 /// Killed at any moment: every file that is there is whole, and `capture.json` is there only if all are.

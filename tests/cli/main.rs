@@ -25,6 +25,7 @@ mod merge;
 mod motion;
 mod mtl;
 mod noise;
+mod noise_target;
 mod outputs;
 mod report;
 mod room;

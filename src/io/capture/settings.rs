@@ -121,6 +121,8 @@ pub struct OutputSettings {
     pub noise: NoiseOutput,
     /// Time between pictures of a render that is under way; `None` for no such pictures.
     pub preview_interval: Option<Duration>,
+    /// Time between checkpoints of a render that is under way; `None` for none.
+    pub checkpoint_interval: Option<Duration>,
 }
 
 /// Which ground truth is written, and how.
@@ -420,7 +422,10 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
     for format in &raw {
         can_hold(*format, cfa).map_err(|invalid| Invalid { key: "raw".to_owned(), ..invalid })?;
     }
-    let preview = table.preview_interval_s.unwrap_or(10.0);
+    let interval = |key: &str, value: Option<f64>, usual: f64| match value.unwrap_or(usual) {
+        0.0 => Ok(None),
+        seconds => duration(key, seconds).map(Some),
+    };
     Ok(OutputSettings {
         raw,
         dng_compression: table.dng_compression.unwrap_or_default(),
@@ -437,7 +442,8 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
                 Some(spectral_bands(bands.bands_nm).map_err(|e| e.within("bands_nm").within("irradiance"))?)
             }
         },
-        preview_interval: if preview == 0.0 { None } else { Some(duration("preview_interval_s", preview)?) },
+        preview_interval: interval("preview_interval_s", table.preview_interval_s, 10.0)?,
+        checkpoint_interval: interval("checkpoint_interval_s", table.checkpoint_interval_s, 60.0)?,
     })
 }
 

@@ -70,7 +70,8 @@ pub(crate) struct RenderTable {
     pub(crate) samples_per_pixel: Option<u32>,
     /// Stop after so many seconds.
     pub(crate) time_limit_s: Option<f64>,
-    /// Stop once the noise of rendering is below this part of the sensor's noise (ratio of standard deviations).
+    /// Stop in each pixel once the noise of rendering is below this part of the sensor's noise there, at the exposure (ratio
+    /// of standard deviations).
     pub(crate) noise_target: Option<f64>,
     /// Most segments of a light path; 1 sees lamps only, 2 direct light. Left out: 16.
     pub(crate) max_depth: Option<u32>,
@@ -132,6 +133,9 @@ pub(crate) struct OutputTable {
     pub(crate) electrons: Option<bool>,
     /// Seconds between pictures of a render that is under way; 0 for none. Left out: 10.
     pub(crate) preview_interval_s: Option<f64>,
+    /// Seconds between checkpoints, from which a render that is broken off goes on when it is given again; 0 for none. Left
+    /// out: 60.
+    pub(crate) checkpoint_interval_s: Option<f64>,
 }
 
 /// Where the other camera of a stereo pair is and looks, in the axes of this one: x right, y up, looking along −z.

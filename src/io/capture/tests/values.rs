@@ -327,6 +327,7 @@ fn settings_are_as_written() {
         irradiance = { bands_nm = [400, 720, 20] }
         electrons = false
         preview_interval_s = 0
+        checkpoint_interval_s = 0
         "#,
     ));
     let exposure = capture.exposure;
@@ -338,7 +339,7 @@ fn settings_are_as_written() {
     assert_eq!(render.time_limit, Some(std::time::Duration::from_millis(1500)));
     let output = capture.output;
     assert_eq!(output.raw, [RawFormat::Dng, RawFormat::Tiff, RawFormat::Pgm, RawFormat::Npy, RawFormat::Exr]);
-    assert!(!output.electrons && output.preview_interval.is_none());
+    assert!(!output.electrons && output.preview_interval.is_none() && output.checkpoint_interval.is_none());
     let bands = output.irradiance.expect("asked for");
     assert_eq!(
         (bands.count, bands.edges_nm(0), bands.edges_nm(15), bands.centre_nm(1)),
