@@ -5,9 +5,11 @@
 //! (e⁻·s⁻¹ per W·m⁻²·nm⁻¹) that is an electron rate without any binning of wavelengths; with R = 1/Δλ on a band it is the
 //! mean spectral irradiance in the band. Pixels may hold different numbers of samples.
 
+use glam::Vec4;
+
 use crate::image::{Channel, Estimate, Planes};
 use crate::math::double_double::DoubleDouble;
-use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
+use crate::spectrum::{LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
 
 /// A response function with the name of the plane that it fills.
 #[derive(Clone, Debug)]
@@ -36,18 +38,21 @@ pub fn band_response([low_nm, high_nm]: [f64; 2]) -> Response {
     Response { name, spectrum: spectrum.scale(1.0 / spectrum.integral()) }
 }
 
-/// Response functions laid out for accumulation: wavelength by wavelength, all channels side by side.
+/// Response functions laid out for accumulation: wavelength by wavelength, all channels side by side, four at a time.
 #[derive(Clone, Debug)]
 pub struct FilmResponses {
     names: Vec<String>,
-    /// table[entry · channels + channel].
-    table: Vec<f32>,
+    /// table[entry · groups + group], where each group is of four channels and the last is filled up with zeros.
+    table: Vec<Vec4>,
 }
 
 impl FilmResponses {
     /// From at least one response.
     pub fn new(responses: &[Response]) -> Self {
-        let entry = |i: usize| responses.iter().map(move |r| r.spectrum.values()[i]);
+        let group = |i: usize, four: &[Response]| {
+            Vec4::from_array(std::array::from_fn(|k| four.get(k).map_or(0.0, |r| r.spectrum.values()[i])))
+        };
+        let entry = |i: usize| responses.chunks(4).map(move |four| group(i, four));
         Self {
             names: responses.iter().map(|r| r.name.clone()).collect(),
             table: (0..TABLE_LEN).flat_map(entry).collect(),
@@ -64,22 +69,26 @@ impl FilmResponses {
         self.names.is_empty()
     }
 
-    /// Sets `values` to what one spectral sample gives to each channel: Σᵢ wᵢ·R(λᵢ)·E(λᵢ), wᵢ = 1/(4·p(λᵢ)).
+    /// Number of groups of four channels.
+    fn groups(&self) -> usize {
+        self.len().div_ceil(4)
+    }
+
+    /// Sets `values`, one for each group, to what one spectral sample gives to each channel: Σᵢ wᵢ·R(λᵢ)·E(λᵢ),
+    /// wᵢ = 1/(4·p(λᵢ)).
     #[inline]
-    fn respond(&self, irradiance: SampledSpectrum, wavelengths: &Wavelengths, values: &mut [f32]) {
-        values.fill(0.0);
+    fn respond(&self, irradiance: SampledSpectrum, wavelengths: &Wavelengths, values: &mut [Vec4]) {
+        values.fill(Vec4::ZERO);
         let weighted = irradiance * wavelengths.weights();
-        let channels = self.len();
+        let groups = values.len();
         for lane in 0..LANES {
-            let (value, lambda) = (weighted[lane], wavelengths.lambda_nm(lane));
-            if value == 0.0 || !(LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(&lambda) {
+            let value = weighted[lane];
+            if value == 0.0 {
                 continue;
             }
-            let x = lambda - LAMBDA_MIN_NM;
-            let entry = (x as usize).min(TABLE_LEN - 2);
-            let t = x - entry as f32;
-            let (low, high) = self.table[entry * channels..(entry + 2) * channels].split_at(channels);
-            for ((sum, low), high) in values.iter_mut().zip(low).zip(high) {
+            let (entry, t) = wavelengths.place_in_table(lane);
+            let (low, high) = self.table[entry * groups..(entry + 2) * groups].split_at(groups);
+            for ((sum, &low), &high) in values.iter_mut().zip(low).zip(high) {
                 *sum += value * (low + (high - low) * t);
             }
         }
@@ -129,7 +138,8 @@ pub struct FilmRow<'a> {
     responses: &'a FilmResponses,
     sums: &'a mut [Sums],
     counts: &'a mut [u32],
-    scratch: Vec<f32>,
+    /// What the groups of channels get of one sample.
+    scratch: Vec<Vec4>,
 }
 
 impl Film {
@@ -168,7 +178,7 @@ impl Film {
     pub fn rows(&mut self) -> Vec<FilmRow<'_>> {
         let responses = &self.responses;
         let sums = self.sums.chunks_mut(self.width * responses.len());
-        let row = |(sums, counts)| FilmRow { responses, sums, counts, scratch: vec![0.0; responses.len()] };
+        let row = |(sums, counts)| FilmRow { responses, sums, counts, scratch: vec![Vec4::ZERO; responses.groups()] };
         sums.zip(self.counts.chunks_mut(self.width)).map(row).collect()
     }
 
@@ -227,7 +237,8 @@ impl FilmRow<'_> {
         self.counts[column] += 1;
         let channels = self.responses.len();
         self.responses.respond(irradiance, wavelengths, &mut self.scratch);
-        for (sums, &value) in self.sums[column * channels..].iter_mut().zip(&self.scratch) {
+        let values = self.scratch.iter().flat_map(|four| four.to_array());
+        for (sums, value) in self.sums[column * channels..(column + 1) * channels].iter_mut().zip(values) {
             sums.add(f64::from(value));
         }
     }

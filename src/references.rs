@@ -27,6 +27,9 @@
 //! T. J. Dekker, "A Floating-Point Technique for Extending the Available Precision", Numerische Mathematik 18, 224–242
 //! (1971).
 //!
+//! ## Devroye86
+//! L. Devroye, *Non-Uniform Random Variate Generation*, Springer (1986).
+//!
 //! ## Emva1288
 //! EMVA Standard 1288, *Standard for Characterization of Image Sensors and Cameras*, release 4.0 Linear (2021).
 //!

@@ -192,6 +192,12 @@ impl Bsdf {
         }
     }
 
+    /// Whether [`Self::sample`] chooses among lobes, so that its first number matters.
+    #[inline]
+    pub fn has_lobes(&self) -> bool {
+        !matches!(self, Self::Diffuse { .. } | Self::Conductor { .. })
+    }
+
     /// Whether light passes through.
     #[inline]
     pub fn transmits(&self) -> bool {

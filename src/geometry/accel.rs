@@ -290,8 +290,10 @@ impl<Q: TriangleQuery, B: Block> LeafVisitor for BlockVisitor<'_, Q, B> {
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
         let mut room = None;
         let block = self.blocks[leaf as usize].at(self.part, &mut room);
-        let hits = block.intersect::<L>(&self.sheared, *t_max);
-        hits.mask != 0 && self.query.consider(block, &hits, self.placement, t_max)
+        match block.intersect::<L>(&self.sheared, *t_max) {
+            Some(hits) => self.query.consider(block, &hits, self.placement, t_max),
+            None => false,
+        }
     }
 }
 

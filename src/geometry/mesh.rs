@@ -79,8 +79,15 @@ impl Geometry {
     /// Corner positions of a triangle at a time from 0 to 1.
     #[inline]
     pub fn corners_at(&self, triangle: u32, time: f32) -> [Vec3; 3] {
-        let Triangle { corners, mesh } = self.triangles[triangle as usize];
-        match self.meshes[mesh as usize].deformation {
+        let triangle = &self.triangles[triangle as usize];
+        self.corners_of(triangle, &self.meshes[triangle.mesh as usize], time)
+    }
+
+    /// The same of a triangle of that mesh.
+    #[inline]
+    pub(super) fn corners_of(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> [Vec3; 3] {
+        let corners = triangle.corners;
+        match mesh.deformation {
             None => corners.map(|corner| self.positions[corner as usize]),
             Some(deformation) => {
                 let deformation = &self.deformations[deformation as usize];
@@ -100,10 +107,9 @@ impl Geometry {
         })
     }
 
-    /// Shading normals at the corners of a triangle, not quite of unit length, where its mesh has any.
+    /// Shading normals at the corners of a triangle of that mesh, not quite of unit length, where it has any.
     #[inline]
-    pub(super) fn corner_normals(&self, triangle: &Triangle, time: f32) -> Option<[Vec3; 3]> {
-        let mesh = &self.meshes[triangle.mesh as usize];
+    pub(super) fn corner_normals(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> Option<[Vec3; 3]> {
         let from = mesh.normals_from?;
         Some(match mesh.deformation {
             None => triangle.corners.map(|corner| self.normals[(corner - from) as usize]),

@@ -15,6 +15,7 @@ mod motion;
 mod point;
 mod ray;
 mod simd;
+mod traversal_stack;
 mod wide_bvh;
 
 pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement};

@@ -35,18 +35,19 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     /// The point of a hit by a ray of that time.
+    #[inline]
     pub fn new(geometry: &Geometry, accel: &Accel, hit: &Hit, time: f32) -> Self {
         let triangle = &geometry.triangles[hit.triangle as usize];
         let mesh = &geometry.meshes[triangle.mesh as usize];
-        let [a, b, c] = geometry.corners_at(hit.triangle, time);
+        let [a, b, c] = geometry.corners_of(triangle, mesh, time);
         let [b1, b2] = hit.barycentric;
 
         // pbrt4 §6.8.5: seven roundings at most lie between the corners and their weighted sum.
         let mut position = interpolate([a, b, c], hit.barycentric);
         let mut error = (a.abs() * (1.0 - b1 - b2).abs() + b.abs() * b1 + c.abs() * b2) * gamma(7);
         let mut normal = (b - a).cross(c - a);
-        let normals = geometry.corner_normals(triangle, time);
-        let mut shading = normals.map_or(normal, |normals| interpolate(normals, hit.barycentric));
+        let mut shading =
+            geometry.corner_normals(triangle, mesh, time).map(|normals| interpolate(normals, hit.barycentric));
         let tangent = mesh.tangents_from.map(|from| {
             interpolate(triangle.corners.map(|corner| geometry.tangents[(corner - from) as usize]), hit.barycentric)
         });
@@ -66,7 +67,7 @@ impl SurfacePoint {
             // Normals go with the inverse transpose, so that what is outside stays outside in a mirrored placement.
             let inverse_transpose = to_group.matrix3.transpose();
             normal = inverse_transpose * normal;
-            shading = inverse_transpose * shading;
+            shading = shading.map(|shading| inverse_transpose * shading);
             along = to_world.transform_vector3(along);
             handedness *= 1f32.copysign(to_world.matrix3.determinant());
         }
@@ -75,7 +76,7 @@ impl SurfacePoint {
             position,
             error,
             geometric_normal,
-            shading_normal: shading.try_normalize().unwrap_or(geometric_normal),
+            shading_normal: shading.and_then(Vec3::try_normalize).unwrap_or(geometric_normal),
             tangent: along,
             handedness,
             triangle: hit.triangle,

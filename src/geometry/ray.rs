@@ -51,23 +51,15 @@ pub struct Hit {
 
 /// A ray origin off the surface at `p`, on the side that `direction` points to.
 ///
-/// `error` bounds the rounding error of p per axis (m), `normal` is the unit geometric normal. The point moves along
-/// the normal just far enough to clear the box p ± error, each coordinate rounded away from p
-/// ([pbrt4](crate::references#pbrt4) §6.8.6).
+/// `error` bounds the rounding error of p per axis (m), `normal` is the unit geometric normal n. The point moves along the
+/// normal just far enough to clear the box p ± error, by d = Σ |nᵢ|·errorᵢ ([pbrt4](crate::references#pbrt4) §6.8.6), and by
+/// what the sum p + d·n may lose along n when it is rounded: at most Σ |nᵢ|·u·|pᵢ + d·nᵢ|, with u = 2⁻²⁴.
 #[inline]
 pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-    let distance = normal.abs().dot(error);
-    let mut offset = normal * distance;
-    if direction.dot(normal) < 0.0 {
-        offset = -offset;
-    }
-    let away = |moved: f32, offset: f32| match offset.total_cmp(&0.0) {
-        std::cmp::Ordering::Greater => moved.next_up(),
-        std::cmp::Ordering::Less => moved.next_down(),
-        std::cmp::Ordering::Equal => moved,
-    };
-    let moved = p + offset;
-    Vec3::new(away(moved.x, offset.x), away(moved.y, offset.y), away(moved.z, offset.z))
+    let u = 0.5 * f32::EPSILON;
+    // Twice u for p, and four times for d, pay for the roundings of these products too.
+    let distance = normal.abs().dot(error + p.abs() * (2.0 * u)) * (1.0 + 4.0 * u);
+    p + normal * distance.copysign(direction.dot(normal))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 use glam::Vec3;
 
 use super::simd::Lanes;
+use super::traversal_stack::TraversalStack;
 use crate::math::float::gamma;
 
 /// The binary hierarchy that a wide one is made from.
@@ -24,7 +25,6 @@ pub(super) trait BinaryTree {
 pub(super) const LEAF_SIZE: usize = 8;
 
 const LEAF: u32 = 1 << 31;
-const STACK_LEN: usize = 64;
 
 /// Boxes of up to eight children and where they are.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +50,8 @@ pub(super) struct WideBvh {
 }
 
 impl WideBvh {
-    /// Collapses a binary tree with root 0: a node adopts the children of its largest child until it has eight; subtrees
-    /// of at most [`LEAF_SIZE`] primitives become leaves, for which `make_leaf` returns a number below 2³¹.
+    /// Collapses a binary tree with root 0: a node adopts the children of the child for which that pays most until it has
+    /// eight. Subtrees of at most [`LEAF_SIZE`] primitives become leaves, for which `make_leaf` returns a number below 2³¹.
     pub(super) fn collapse(
         tree: &impl BinaryTree,
         node_count: usize,
@@ -65,11 +65,11 @@ impl WideBvh {
         while let Some((binary, wide)) = open.pop() {
             let mut members = vec![binary];
             while members.len() < 8 {
-                let candidates = members.iter().enumerate().filter(|&(_, &member)| !is_leaf(member));
-                let areas = candidates.map(|(i, &member)| (i, half_area(tree.bounds(member))));
-                let Some((largest, _)) = areas.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-                let Some([left, right]) = tree.children(members[largest]) else { break };
-                members[largest] = left;
+                let gains = members.iter().map(|&member| gain(tree, member, is_leaf(member)));
+                let largest = gains.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+                let Some((opened, _)) = largest.filter(|(_, gain)| *gain > 0.0) else { break };
+                let Some([left, right]) = tree.children(members[opened]) else { break };
+                members[opened] = left;
                 members.push(right);
             }
             for (slot, &member) in members.iter().enumerate() {
@@ -113,7 +113,7 @@ impl WideBvh {
         let (o, r) = (splat::<L>(origin), splat::<L>(inverse));
         let widen = L::splat(1.0 + 2.0 * gamma(3));
 
-        let mut stack = Stack::new();
+        let mut stack = TraversalStack::new();
         let mut current = 0;
         loop {
             if current & LEAF != 0 {
@@ -166,57 +166,6 @@ pub(super) trait LeafVisitor {
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool;
 }
 
-/// Children yet to be visited with the distance at which the ray enters them. Kept on the processor's stack; a tree so
-/// deep that it does not fit spills to the heap.
-struct Stack {
-    near: [f32; STACK_LEN],
-    child: [u32; STACK_LEN],
-    len: usize,
-    spilled: Vec<(f32, u32)>,
-}
-
-impl Stack {
-    #[inline(always)]
-    fn new() -> Self {
-        Self { near: [0.0; STACK_LEN], child: [0; STACK_LEN], len: 0, spilled: Vec::new() }
-    }
-
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.len
-    }
-
-    /// Inserts so that the entries from `base` on are sorted, the nearest last.
-    #[inline(always)]
-    fn push_sorted(&mut self, base: usize, near: f32, child: u32) {
-        if self.len == STACK_LEN {
-            self.spilled.push((near, child));
-            return;
-        }
-        let mut at = self.len;
-        while at > base && self.near[at - 1] < near {
-            self.near[at] = self.near[at - 1];
-            self.child[at] = self.child[at - 1];
-            at -= 1;
-        }
-        self.near[at] = near;
-        self.child[at] = child;
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<(f32, u32)> {
-        if let Some(entry) = self.spilled.pop() {
-            return Some(entry);
-        }
-        if self.len == 0 {
-            return None;
-        }
-        self.len -= 1;
-        Some((self.near[self.len], self.child[self.len]))
-    }
-}
-
 /// Up to eight triangles, corner by corner and axis by axis.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
@@ -228,7 +177,7 @@ pub(super) struct TriangleBlock {
 
 /// Where a ray meets the triangles of a block.
 pub(super) struct BlockHits {
-    /// Lanes that are hit at 0 < t < t_max.
+    /// Lanes that are hit at 0 < t < t_max, at least one.
     pub(super) mask: u32,
     /// Ray parameter of each lane.
     pub(super) t: [f32; 8],
@@ -277,9 +226,9 @@ impl TriangleBlock {
         block
     }
 
-    /// Where the ray meets the triangles, from either side.
+    /// Where the ray meets the triangles, from either side; `None` where it does not.
     #[inline(always)]
-    pub(super) fn intersect<L: Lanes>(&self, ray: &ShearedRay, t_max: f32) -> BlockHits {
+    pub(super) fn intersect<L: Lanes>(&self, ray: &ShearedRay, t_max: f32) -> Option<BlockHits> {
         let a = ray.shear::<L>(&self.corners[0]);
         let b = ray.shear::<L>(&self.corners[1]);
         let c = ray.shear::<L>(&self.corners[2]);
@@ -287,15 +236,22 @@ impl TriangleBlock {
         let (smallest, largest) = (u.min(v).min(w), u.max(v).max(w));
         let zero = L::splat(0.0);
         let inside = zero.le(smallest) | largest.le(zero);
+        if inside == 0 {
+            return None;
+        }
         let sum = u.add(v).add(w);
         let t = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2])).div(sum);
         let edge_on = sum.le(zero) & zero.le(sum);
         let mut mask = inside & !edge_on & zero.lt(t) & t.lt(L::splat(t_max));
-        if mask != 0 {
-            // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
-            mask &= distance_error([a, b, c], [u, v, w], sum, ray.shear[2]).lt(t);
+        if mask == 0 {
+            return None;
         }
-        BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() }
+        // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
+        mask &= distance_error([a, b, c], [u, v, w], sum, ray.shear[2]).lt(t);
+        if mask == 0 {
+            return None;
+        }
+        Some(BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() })
     }
 }
 
@@ -373,6 +329,20 @@ impl ShearedRay {
         let z = L::load(&corners[kz]).sub(L::splat(self.origin[kz]));
         let [sx, sy, sz] = self.shear;
         [x.sub(L::splat(sx).mul(z)), y.sub(L::splat(sy).mul(z)), L::splat(sz).mul(z)]
+    }
+}
+
+/// What it saves to put the children of a node in its place, in tests of a block of triangles: rays meet boxes in proportion
+/// to their areas. Where the node would be one of its own, its test. Where it would be a leaf, the blocks that are met less
+/// often than it: some for things that stand apart, none for the patches of a surface.
+fn gain(tree: &impl BinaryTree, node: u32, is_leaf: bool) -> f32 {
+    const NODE_TEST: f32 = 0.5;
+    let area = |node| half_area(tree.bounds(node));
+    match tree.children(node) {
+        Some([left, right]) if is_leaf => area(node) - area(left) - area(right),
+        // Even where it has no area, it is to be taken apart some time.
+        Some(_) => (NODE_TEST * area(node)).max(f32::MIN_POSITIVE),
+        None => 0.0,
     }
 }
 

@@ -81,7 +81,13 @@ pub fn radiance(
         }
 
         let wo_local = shading.frame.to_local(wo);
-        let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
+        let u_lobe = if shading.bsdf.has_lobes() {
+            sampler.next_1d()
+        } else {
+            sampler.skip();
+            0.0
+        };
+        let u = sampler.next_2d();
         let Some(sample) = shading.bsdf.sample(wo_local, u_lobe, u) else { break };
         let wi = shading.frame.to_world(sample.wi);
         if leaks(&point, &shading, wo, wi, sample.is_transmission) {

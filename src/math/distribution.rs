@@ -2,13 +2,16 @@
 //! environment picture.
 
 /// A function on [0, 1) that is constant on n equal pieces, normalised to a density, sampled by inverting its
-/// cumulative sum. O(log n) a sample, keeps the stratification of its input.
+/// cumulative sum. Keeps the stratification of its input. A guide table makes a sample cost O(1) on average
+/// ([Devroye86](crate::references#devroye86) §III.2.4).
 #[derive(Clone, Debug)]
 pub struct PiecewiseConstant1D {
     /// cdf[i] = ∫ of the first i pieces; n + 1 values from 0 to 1.
     cdf: Vec<f32>,
     /// Density on each piece; its mean is 1.
     density: Vec<f32>,
+    /// For each of n equal parts of [0, 1), the piece that its first number leads to or an earlier one.
+    guide: Vec<u32>,
     integral: f64,
 }
 
@@ -27,7 +30,11 @@ impl PiecewiseConstant1D {
         }
         // The density follows from the rounded cdf, so that a sample and its density agree exactly.
         let density = cdf.windows(2).map(|w| (w[1] - w[0]) * n as f32).collect();
-        Self { cdf, density, integral: sum / n as f64 }
+        // A product u·n may be rounded up to the next part, whose guide must not be past the piece of u then.
+        let first = |part: usize| part as f32 / n as f32 * (1.0 - 2.0 * f32::EPSILON);
+        let piece = |u: f32| cdf.partition_point(|&c| c <= u).saturating_sub(1) as u32;
+        let guide = (0..n).map(|part| piece(first(part))).collect();
+        Self { cdf, density, guide, integral: sum / n as f64 }
     }
 
     /// Number of pieces.
@@ -49,7 +56,10 @@ impl PiecewiseConstant1D {
     #[inline]
     pub fn sample(&self, u: f32) -> (f32, f32, usize) {
         let n = self.len();
-        let mut piece = self.cdf.partition_point(|&c| c <= u).saturating_sub(1).min(n - 1);
+        let mut piece = self.guide[((u * n as f32) as usize).min(n - 1)] as usize;
+        while piece + 1 < n && self.cdf[piece + 1] <= u {
+            piece += 1;
+        }
         // Rounding can land on a piece of no width at the very end.
         while self.density[piece] == 0.0 && piece > 0 {
             piece -= 1;

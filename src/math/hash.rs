@@ -11,10 +11,26 @@ pub const fn mix64(mut x: u64) -> u64 {
 /// Hashes a pair; chain it to hash more: `hash64(hash64(a, b), c)`.
 #[inline]
 pub const fn hash64(a: u64, b: u64) -> u64 {
-    mix64(
-        a.wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_mul(0xd6e8_feb8_6659_fd93)
-            ^ mix64(b.wrapping_add(0x9e37_79b9_7f4a_7c15)),
-    )
+    hash64_halves(first_half(a), second_half(b))
+}
+
+/// `hash64(a, b)` from what [`first_half`] makes of a and [`second_half`] of b, where one of them is hashed with many
+/// others.
+#[inline]
+pub const fn hash64_halves(a: u64, b: u64) -> u64 {
+    mix64(a ^ b)
+}
+
+/// See [`hash64_halves`].
+#[inline]
+pub const fn first_half(a: u64) -> u64 {
+    a.wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_mul(0xd6e8_feb8_6659_fd93)
+}
+
+/// See [`hash64_halves`].
+#[inline]
+pub const fn second_half(b: u64) -> u64 {
+    mix64(b.wrapping_add(0x9e37_79b9_7f4a_7c15))
 }
 
 /// Mixes 32 bits ("lowbias32", C. Wellons, bias 0.17).

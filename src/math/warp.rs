@@ -1,6 +1,6 @@
 //! Maps from the unit square to the shapes that light transport samples. Each function states its density.
 
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f32::consts::{FRAC_PI_4, PI};
 
 use glam::{Vec2, Vec3};
 
@@ -11,10 +11,25 @@ pub fn concentric_disk([u, v]: [f32; 2]) -> Vec2 {
     if x == 0.0 && y == 0.0 {
         return Vec2::ZERO;
     }
-    let (radius, theta) =
-        if x.abs() > y.abs() { (x, FRAC_PI_4 * (y / x)) } else { (y, FRAC_PI_2 - FRAC_PI_4 * (x / y)) };
-    let (sin, cos) = theta.sin_cos();
-    Vec2::new(radius * cos, radius * sin)
+    if x.abs() > y.abs() {
+        let (sin, cos) = sin_cos_of_eighth(FRAC_PI_4 * (y / x));
+        Vec2::new(x * cos, x * sin)
+    } else {
+        // The angle is counted from the y axis.
+        let (sin, cos) = sin_cos_of_eighth(FRAC_PI_4 * (x / y));
+        Vec2::new(y * sin, y * cos)
+    }
+}
+
+/// Sine and cosine of an angle of −π/4 to π/4, to the last bit or two: Taylor's series up to x⁹ and x¹⁰, whose first term left
+/// out is 2·10⁻⁹ and 10⁻¹⁰ of the whole at most. The same on every machine, and cheaper than functions of any angle.
+#[inline]
+fn sin_cos_of_eighth(x: f32) -> (f32, f32) {
+    let x2 = x * x;
+    let sin = x + x * x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 * (-1.0 / 5040.0 + x2 * (1.0 / 362_880.0))));
+    let of_eighth_power = 1.0 / 40_320.0 - x2 * (1.0 / 3_628_800.0);
+    let cos = 1.0 + x2 * (-0.5 + x2 * (1.0 / 24.0 + x2 * (-1.0 / 720.0 + x2 * of_eighth_power)));
+    (sin, cos)
 }
 
 /// Unit square → upper hemisphere, density cos θ/π per steradian.
@@ -68,6 +83,17 @@ mod tests {
 
     // The midpoint rule on a 512² grid of these smooth integrands is good to 1e-4 or better.
     const TOLERANCE: f64 = 1e-4;
+
+    #[test]
+    fn sine_and_cosine_of_small_angles_are_right_to_two_ulp() {
+        for i in -1000i16..=1000 {
+            let x = FRAC_PI_4 * f32::from(i) / 1000.0;
+            let ((sin, cos), exact) = (sin_cos_of_eighth(x), f64::from(x).sin_cos());
+            let ulp = |value: f64| f64::from(f32::EPSILON) * value.abs().max(1e-30);
+            assert!((f64::from(sin) - exact.0).abs() <= 2.0 * ulp(exact.0), "sin {x}");
+            assert!((f64::from(cos) - exact.1).abs() <= 2.0 * ulp(exact.1), "cos {x}");
+        }
+    }
 
     #[test]
     fn disk_has_the_moments_of_a_uniform_disk() {

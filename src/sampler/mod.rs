@@ -5,7 +5,7 @@
 
 mod sobol;
 
-use crate::math::hash::{hash64, unit_f32};
+use crate::math::hash::{first_half, hash64, hash64_halves, second_half, unit_f32};
 
 /// Random number sequences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,10 +30,12 @@ impl SamplerKind {
 #[derive(Clone, Debug)]
 pub struct Sampler {
     kind: SamplerKind,
-    /// Key of the pixel's sequence.
+    /// [`first_half`] of the key of the pixel's sequence.
     key: u64,
     /// Index of the sample within the pixel, over the whole render.
     index: u32,
+    /// Its bits in reverse.
+    reversed_index: u32,
     dimension: u32,
 }
 
@@ -41,7 +43,7 @@ impl Sampler {
     /// The sequence of `pixel` (row · width + column) for a render with `seed`, at sample `index`.
     #[inline]
     pub fn new(kind: SamplerKind, seed: u64, pixel: u64, index: u32) -> Self {
-        Self { kind, key: hash64(seed, pixel), index, dimension: 0 }
+        Self { kind, key: first_half(hash64(seed, pixel)), index, reversed_index: index.reverse_bits(), dimension: 0 }
     }
 
     /// The next number in [0, 1).
@@ -54,12 +56,18 @@ impl Sampler {
         }
     }
 
+    /// Leaves out what [`Self::next_1d`] or [`Self::next_2d`] would give.
+    #[inline]
+    pub fn skip(&mut self) {
+        self.dimension += 1;
+    }
+
     /// The next two numbers in [0, 1), stratified together.
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
         let key = self.next_key();
         match self.kind {
-            SamplerKind::Sobol => sobol::scrambled_2d(self.index, key).map(unit_f32),
+            SamplerKind::Sobol => sobol::scrambled_2d(self.reversed_index, key).map(unit_f32),
             SamplerKind::Independent => {
                 let bits = hash64(key, u64::from(self.index));
                 [unit_f32(bits as u32), unit_f32((bits >> 32) as u32)]
@@ -71,9 +79,21 @@ impl Sampler {
     #[inline]
     fn next_key(&mut self) -> u64 {
         self.dimension += 1;
-        hash64(self.key, u64::from(self.dimension))
+        let dimension = DIMENSIONS.get(self.dimension as usize).copied();
+        hash64_halves(self.key, dimension.unwrap_or_else(|| second_half(u64::from(self.dimension))))
     }
 }
+
+/// [`second_half`] of the dimensions that most paths come by.
+static DIMENSIONS: [u64; 64] = {
+    let mut halves = [0; 64];
+    let mut dimension = 0;
+    while dimension < 64 {
+        halves[dimension] = second_half(dimension as u64);
+        dimension += 1;
+    }
+    halves
+};
 
 #[cfg(test)]
 mod tests {

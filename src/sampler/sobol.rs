@@ -4,16 +4,17 @@
 //! and scrambled by its own keys ("padding", B. Burley, "Practical Hash-based Owen Scrambling", JCGT 2020): every
 //! request is stratified in itself, and requests are independent of each other. All 2³² sample indices are distinct.
 
-/// The second Sobol dimension (its direction numbers are the rows of Pascal's triangle mod 2) for each byte of the
-/// index, bit-reversed, as scrambling needs it.
+/// The second Sobol dimension (its direction numbers are the rows of Pascal's triangle mod 2), bit-reversed as scrambling
+/// needs it, for each byte of the bit-reversed index.
 static REVERSED_SECOND_DIMENSION: [[u32; 256]; 4] = second_dimension_tables();
 
 const fn second_dimension_tables() -> [[u32; 256]; 4] {
     let mut tables = [[0; 256]; 4];
     // Direction number of index bit j: v₀ = 2³¹, vⱼ = vⱼ₋₁ ⊕ vⱼ₋₁/2; reversed, v₀ = 1, vⱼ = vⱼ₋₁ ⊕ 2·vⱼ₋₁.
     let mut direction: u32 = 1;
-    let mut bit = 0;
-    while bit < 32 {
+    let mut bit = 32;
+    while bit > 0 {
+        bit -= 1;
         let (byte, within) = (bit / 8, 1 << (bit % 8));
         let mut value = 0;
         while value < 256 {
@@ -23,7 +24,6 @@ const fn second_dimension_tables() -> [[u32; 256]; 4] {
             value += 1;
         }
         direction ^= direction << 1;
-        bit += 1;
     }
     tables
 }
@@ -47,15 +47,18 @@ pub(super) fn scrambled_1d(index: u32, key: u64) -> u32 {
     permute(index, scramble).reverse_bits()
 }
 
-/// The scrambled first two dimensions of sample `index`, 32 bits each.
+/// The scrambled first two dimensions of the sample whose index has these bits in reverse, 32 bits each.
 #[inline]
-pub(super) fn scrambled_2d(index: u32, key: u64) -> [u32; 2] {
+pub(super) fn scrambled_2d(reversed_index: u32, key: u64) -> [u32; 2] {
     let [shuffle, scramble] = keys(key);
-    let shuffled = permute(index.reverse_bits(), shuffle).reverse_bits();
-    let bytes = shuffled.to_le_bytes();
+    let reversed = permute(reversed_index, shuffle);
+    let bytes = reversed.to_le_bytes();
     let second = (0..4).fold(0, |x, i| x ^ REVERSED_SECOND_DIMENSION[i][usize::from(bytes[i])]);
-    let first = permute(shuffled, scramble).reverse_bits();
-    [first, permute(second, scramble.rotate_left(16) ^ 0x9e37_79b9).reverse_bits()]
+    let first = permute(reversed.reverse_bits(), scramble);
+    let second = permute(second, scramble.rotate_left(16) ^ 0x9e37_79b9);
+    // Both turned round at once.
+    let both = (u64::from(second) | u64::from(first) << 32).reverse_bits();
+    [both as u32, (both >> 32) as u32]
 }
 
 #[inline]
@@ -74,7 +77,7 @@ mod tests {
             for split in 0..=m {
                 let mut cells = vec![0; 1 << m];
                 for index in 0..1 << m {
-                    let [x, y] = scrambled_2d(index, 0x1234_5678_9abc_def0);
+                    let [x, y] = scrambled_2d(u32::reverse_bits(index), 0x1234_5678_9abc_def0);
                     let column = u64::from(x) >> (32 - split);
                     let row = u64::from(y) >> (32 - (m - split));
                     cells[(row << split | column) as usize] += 1;
@@ -96,6 +99,7 @@ mod tests {
 
     #[test]
     fn samples_beyond_sixteen_bits_are_new() {
-        assert_ne!(scrambled_2d(5, 7), scrambled_2d(5 + (1 << 16), 7));
+        let sample = |index: u32| scrambled_2d(index.reverse_bits(), 7);
+        assert_ne!(sample(5), sample(5 + (1 << 16)));
     }
 }

@@ -1,6 +1,5 @@
 //! All spectra of a scene in one flat table, named by handles.
 
-use super::table::eval_table;
 use super::{SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
 
 /// Handle of a spectrum in a [`SpectrumTable`].
@@ -10,26 +9,32 @@ pub struct SpectrumId(u32);
 /// Spectra laid end to end.
 #[derive(Clone, Debug, Default)]
 pub struct SpectrumTable {
-    values: Vec<f32>,
+    /// Each value with what the next one is above it, side by side, as they are looked up together.
+    entries: Vec<[f32; 2]>,
 }
 
 impl SpectrumTable {
     /// Adds a spectrum. Equal spectra share a handle with the one added last, which is the common case of a file that
     /// repeats a material.
     pub fn add(&mut self, spectrum: &Spectrum) -> SpectrumId {
-        let last = self.values.len().saturating_sub(TABLE_LEN);
-        if self.values.get(last..) != Some(&spectrum.values()[..]) {
-            self.values.extend_from_slice(spectrum.values());
+        let values = spectrum.values();
+        let last = &self.entries[self.entries.len().saturating_sub(TABLE_LEN)..];
+        if last.is_empty() || last.iter().zip(values).any(|([value, _], new)| value != new) {
+            let next = values[1..].iter().chain(values.last());
+            self.entries.extend(values.iter().zip(next).map(|(&value, &next)| [value, next - value]));
         }
-        SpectrumId((self.values.len() / TABLE_LEN - 1) as u32)
+        SpectrumId((self.entries.len() / TABLE_LEN - 1) as u32)
     }
 
     /// Values at the wavelengths of a path.
     #[inline]
     pub fn sample(&self, id: SpectrumId, wavelengths: &Wavelengths) -> SampledSpectrum {
         let start = id.0 as usize * TABLE_LEN;
-        let values = &self.values[start..start + TABLE_LEN];
-        SampledSpectrum::from_lanes(|lane| eval_table(values, wavelengths.lambda_nm(lane)))
+        SampledSpectrum::from_lanes(|lane| {
+            let (entry, part) = wavelengths.place_in_table(lane);
+            let [value, rise] = self.entries[start + entry];
+            value + rise * part
+        })
     }
 }
 

@@ -70,7 +70,13 @@ impl Spectrum {
     /// Value at a wavelength in nm; zero outside 300–1100 nm.
     #[inline]
     pub fn eval(&self, lambda_nm: f32) -> f32 {
-        eval_table(&self.values[..], lambda_nm)
+        if !(LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(&lambda_nm) {
+            return 0.0;
+        }
+        let x = lambda_nm - LAMBDA_MIN_NM;
+        let i = (x as usize).min(TABLE_LEN - 2);
+        let t = x - i as f32;
+        self.values[i] + (self.values[i + 1] - self.values[i]) * t
     }
 
     /// Values at the wavelengths of a path.
@@ -127,18 +133,6 @@ impl Spectrum {
     pub fn max(&self) -> f32 {
         self.values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
     }
-}
-
-/// Linear interpolation in a table of [`TABLE_LEN`] values (see [`Spectrum`]); zero outside 300–1100 nm.
-#[inline]
-pub(crate) fn eval_table(values: &[f32], lambda_nm: f32) -> f32 {
-    if !(LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(&lambda_nm) {
-        return 0.0;
-    }
-    let x = lambda_nm - LAMBDA_MIN_NM;
-    let i = (x as usize).min(TABLE_LEN - 2);
-    let t = x - i as f32;
-    values[i] + (values[i + 1] - values[i]) * t
 }
 
 #[cfg(test)]

@@ -11,12 +11,20 @@ pub struct Wavelengths {
     lambda_nm: [f32; LANES],
     /// nm⁻¹; zero for a lane that the path no longer carries.
     pdf: [f32; LANES],
+    /// The entry of a spectral table at or below each wavelength, but for the last.
+    entry: [u32; LANES],
+    /// How far each wavelength is from there to the next entry, 0 to 1.
+    part: [f32; LANES],
 }
 
 impl Wavelengths {
-    /// From wavelengths in nm and their densities in nm⁻¹.
+    /// From wavelengths in nm, 300 to 1100, and their densities in nm⁻¹.
+    #[inline]
     pub fn new(lambda_nm: [f32; LANES], pdf: [f32; LANES]) -> Self {
-        Self { lambda_nm, pdf }
+        debug_assert!(lambda_nm.iter().all(|lambda| (LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(lambda)));
+        let x = lambda_nm.map(|lambda| lambda - LAMBDA_MIN_NM);
+        let entry = x.map(|x| (x as u32).min(TABLE_LEN as u32 - 2));
+        Self { lambda_nm, pdf, entry, part: std::array::from_fn(|lane| x[lane] - entry[lane] as f32) }
     }
 
     /// Wavelength of a lane, nm.
@@ -29,6 +37,13 @@ impl Wavelengths {
     #[inline]
     pub fn lambdas_nm(&self) -> [f32; LANES] {
         self.lambda_nm
+    }
+
+    /// Where the wavelength of a lane lies in a spectral table: the entry before it, at most the last but one, and how far it
+    /// is from there to the next.
+    #[inline]
+    pub(crate) fn place_in_table(&self, lane: usize) -> (usize, f32) {
+        (self.entry[lane] as usize, self.part[lane])
     }
 
     /// Drops all but the hero, after a refraction whose direction is right for the hero alone. The hero then stands for
@@ -90,7 +105,7 @@ impl WavelengthSampler {
             lambda_nm[lane] = LAMBDA_MIN_NM + x * range;
             pdf[lane] = density / range;
         }
-        Wavelengths { lambda_nm, pdf: flip(Fault::WavelengthPdfOfHero, pdf, [pdf[0]; LANES]) }
+        Wavelengths::new(lambda_nm, flip(Fault::WavelengthPdfOfHero, pdf, [pdf[0]; LANES]))
     }
 }
 

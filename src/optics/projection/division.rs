@@ -10,9 +10,9 @@ pub(super) fn reach(lambda: f64) -> Reach {
     let flat = FLAT_ANGLE.tan();
     if lambda > 0.0 && 0.5 / lambda.sqrt() < flat {
         let radius = 1.0 / lambda.sqrt();
-        return Reach { angle: (0.5 * radius).atan(), end: ReachEnd::Folds, radius };
+        return Reach::new((0.5 * radius).atan(), ReachEnd::Folds, radius);
     }
-    Reach { angle: FLAT_ANGLE, end: ReachEnd::Flat, radius: distort(lambda, DVec2::X * flat).x }
+    Reach::new(FLAT_ANGLE, ReachEnd::Flat, distort(lambda, DVec2::X * flat).x)
 }
 
 /// Ideal → distorted: r_d = 2r/(1 + √(1 − 4λr²)).

@@ -20,8 +20,8 @@ fn radius([k1, k2, k3, k4]: [f64; 4], theta: f64) -> (f64, f64) {
 
 pub(super) fn reach(k: [f64; 4]) -> Reach {
     match first_loss(|theta| radius(k, theta).1 > 0.0, PI, 8192) {
-        Some(angle) => Reach { angle, end: ReachEnd::Folds, radius: angle },
-        None => Reach { angle: PI, end: ReachEnd::Sees, radius: PI },
+        Some(angle) => Reach::new(angle, ReachEnd::Folds, angle),
+        None => Reach::new(PI, ReachEnd::Sees, PI),
     }
 }
 

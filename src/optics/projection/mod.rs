@@ -91,6 +91,20 @@ pub struct Reach {
     pub end: ReachEnd,
     /// The same in what the model is a function of: a radius or an angle, see there.
     radius: f64,
+    /// Directions whose cosine from the axis is above this are seen, whatever rounding does.
+    sure_cos: f64,
+}
+
+impl Reach {
+    fn new(angle: f64, end: ReachEnd, radius: f64) -> Self {
+        Self { angle, end, radius, sure_cos: angle.cos() + 1e-9 }
+    }
+
+    /// Whether a unit direction is seen. The angle itself is asked for close to the end only, as it costs much.
+    #[inline]
+    fn sees(&self, d: DVec3) -> bool {
+        d.z > self.sure_cos || d.x.hypot(d.y).atan2(d.z) <= self.angle
+    }
 }
 
 /// Why a projection ends.
@@ -174,7 +188,7 @@ impl Projection {
 
     /// How far from the axis the model is one to one, and no farther than `largest_angle`, rad.
     pub fn reach(&self, largest_angle: Option<f64>) -> Reach {
-        let flat = |radius: f64, end| Reach { angle: radius.atan(), end, radius };
+        let flat = |radius: f64, end| Reach::new(radius.atan(), end, radius);
         let model = match self {
             Self::Perspective => flat(FLAT_ANGLE.tan(), ReachEnd::Flat),
             Self::BrownConrady(distortion) => match distortion.fold() {
@@ -184,11 +198,11 @@ impl Projection {
             Self::Polynomial { k } => polynomial::reach(*k),
             Self::Division { lambda } => division::reach(*lambda),
             Self::KannalaBrandt { k } => kannala_brandt::reach(*k),
-            Self::Equirectangular => Reach { angle: PI, end: ReachEnd::Sees, radius: PI },
+            Self::Equirectangular => Reach::new(PI, ReachEnd::Sees, PI),
             Self::Omnidirectional { xi, distortion } => omnidirectional::reach(*xi, distortion),
         };
         match largest_angle {
-            Some(angle) if angle <= model.angle => Reach { angle, end: ReachEnd::Sees, ..model },
+            Some(angle) if angle <= model.angle => Reach::new(angle, ReachEnd::Sees, model.radius),
             Some(_) | None => model,
         }
     }
@@ -238,8 +252,7 @@ impl Projection {
                 Seen { solid_angle: seen.solid_angle / growth, ..seen }
             }
         };
-        let d = seen.direction;
-        (d.x.hypot(d.y).atan2(d.z) <= reach.angle).then_some(seen)
+        reach.sees(seen.direction).then_some(seen)
     }
 }
 

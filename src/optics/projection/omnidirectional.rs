@@ -17,7 +17,7 @@ pub(super) fn reach(xi: f64, distortion: &BrownConrady) -> Reach {
         Some(seen) => seen.direction.x.atan2(seen.direction.z),
         None => (-1.0 / xi).acos(),
     };
-    Reach { angle, end, radius }
+    Reach::new(angle, end, radius)
 }
 
 #[inline]

@@ -30,11 +30,11 @@ pub(super) fn reach(k: [f64; 2]) -> Reach {
     let fold = (under >= 0.0).then(|| -2.0 / (b - under.sqrt())).filter(|r2| *r2 > 0.0 && r2.is_finite());
     let fold = fold.map(f64::sqrt).filter(|r| ideal_radius(k, *r).0 < flat);
     match fold {
-        Some(radius) => Reach { angle: ideal_radius(k, radius).0.atan(), end: ReachEnd::Folds, radius },
+        Some(radius) => Reach::new(ideal_radius(k, radius).0.atan(), ReachEnd::Folds, radius),
         None => {
             // As far as the ideal picture goes.
             let beyond = first_loss(|r| ideal_radius(k, r).0 < flat, 2.0 * flat, 64);
-            Reach { angle: FLAT_ANGLE, end: ReachEnd::Flat, radius: beyond.unwrap_or(2.0 * flat) }
+            Reach::new(FLAT_ANGLE, ReachEnd::Flat, beyond.unwrap_or(2.0 * flat))
         }
     }
 }
