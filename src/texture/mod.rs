@@ -3,6 +3,10 @@
 //! In: decoded pictures and a point in UV space, u to the right and v down from the top-left corner of the picture (glTF).
 //! Out: four numbers, linear. What they mean (a colour, a roughness, a normal) is left to whoever asks; turning colours
 //! into spectra is left to [`spectrum::upsampling`](crate::spectrum::upsampling).
+//!
+//! There are no maps of several sizes. Paths pass a pixel at places all over its area and the lens at places all over its
+//! opening, so that their mean is the integral of the texture over what the pixel sees of it, which mip maps blur. What an
+//! average of texels would look like need not be what the average of their spectra does.
 
 mod bitmap;
 mod sampler;
