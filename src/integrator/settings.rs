@@ -14,7 +14,8 @@ pub struct RenderSettings {
     pub samples_per_pixel: u32,
     /// Stop after this long, at the end of a pass.
     pub time_limit: Option<Duration>,
-    /// Stop in each pixel once Monte Carlo noise is below this part of the sensor's noise (ratio of standard deviations). [`render`](super::render()) leaves it to [`pilot`](super::pilot).
+    /// Stop in each pixel once Monte Carlo noise is below this part of the sensor's noise (ratio of standard deviations).
+    /// [`render`](super::render()) leaves it to [`pilot`](super::pilot).
     pub noise_target: Option<f64>,
     /// Largest number of path segments from the camera; 1 sees emitters only, 2 direct light.
     pub max_depth: u32,

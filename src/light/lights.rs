@@ -162,8 +162,8 @@ impl Lights {
         self.environment.as_ref()
     }
 
-    /// A direction from a receiver towards a light at a time from 0 to 1. `emitted_at(light, barycentric)` is the radiance of a point of a
-    /// triangle. `None` where the chosen light cannot reach the receiver.
+    /// A direction from a receiver towards a light at a time from 0 to 1. `emitted_at(light, barycentric)` is the radiance of
+    /// a point of a triangle. `None` where the chosen light cannot reach the receiver.
     #[inline]
     #[allow(clippy::too_many_arguments, reason = "tables, receiver and random numbers, each once")]
     pub fn sample(

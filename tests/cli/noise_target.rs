@@ -97,7 +97,7 @@ fn noise_is_as_low_as_that_of_the_worst_pixels_samples_everywhere_with_far_fewer
     let squares = |i: usize| (mean[i] - other_mean[i]).powi(2) / (variance[i] + other_variance[i]);
     let chi_squared = (0..counts.len()).map(squares).sum::<f64>() / pixels;
     assert!((chi_squared - 1.0).abs() < 4.0 * (2.0 / pixels).sqrt(), "{chi_squared}");
-    // And none of it is bias: the sum of many z-scores.
+    // Nor do both lean to one side: the sum of many z-scores.
     let z = |i: usize| (mean[i] - other_mean[i]) / (variance[i] + other_variance[i]).sqrt();
     let sum = (0..counts.len()).map(z).sum::<f64>() / pixels.sqrt();
     assert!(sum.abs() < 4.0, "{sum}");
