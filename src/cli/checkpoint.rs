@@ -87,7 +87,7 @@ impl<'a> Checkpoints<'a> {
         from.by_ref().take(LONGEST_HEADER).read_until(b'\n', &mut line).map_err(|reason| damaged(&reason))?;
         let header: Header = serde_json::from_slice(&line).map_err(|error| damaged(&error))?;
         let [earlier, now] = [&header.makings, self.makings];
-        let another = if earlier["fingerprint"] != now["fingerprint"] {
+        let another = if earlier.get("fingerprint") != now.get("fingerprint") {
             let [earlier, now] = [earlier, now].map(|makings| Value::Object(makings.clone()));
             Some(difference(&earlier, &now).to_owned())
         } else {
