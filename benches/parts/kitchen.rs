@@ -2,10 +2,10 @@
 
 use std::f32::consts::TAU;
 
-use glam::{DAffine3, Vec3};
-use photosite::scene::description::{Colour, InstanceDescription, MeshDescription, SceneDescription};
+use glam::Vec3;
+use photosite::scene::description::{MeshDescription, SceneDescription};
 
-use crate::scenes::diffuse;
+use crate::scenes::of_one_mesh;
 
 /// 4 m × 3 m, 2.6 m high, with a corner at the origin. Cupboards and shelves of bowls along two walls, a table with chairs
 /// in the middle, a window in the wall at z = 0.
@@ -18,17 +18,7 @@ pub(crate) fn kitchen() -> SceneDescription {
     // A lamp's shade.
     let profile = [(0.04, 0.25), (0.1, 0.2), (0.18, 0.1), (0.25, 0.0)];
     lathe(&mut mesh, Vec3::new(2.0, 2.35, 1.6), &profile, 48);
-    SceneDescription {
-        materials: vec![diffuse("all", Colour::Rgb([0.7; 3]))],
-        meshes: vec![mesh],
-        instances: vec![InstanceDescription {
-            name: String::new(),
-            mesh: 0,
-            to_world: DAffine3::IDENTITY,
-            later: Vec::new(),
-        }],
-        ..SceneDescription::default()
-    }
+    of_one_mesh([0.7; 3], mesh)
 }
 
 /// Floor, ceiling and walls; a recess with bars is the window.

@@ -36,9 +36,14 @@ pub(crate) fn sphere(bands: u32, sectors: u32) -> SceneDescription {
             triangles.extend([[a, b, c], [b, d, c]].into_iter().filter(|[a, b, c]| a != b && b != c && c != a));
         }
     }
+    of_one_mesh([0.7, 0.5, 0.3], MeshDescription { positions, triangles, ..MeshDescription::default() })
+}
+
+/// A mesh alone, diffuse in a linear sRGB colour.
+pub(crate) fn of_one_mesh(rgb: [f32; 3], mesh: MeshDescription) -> SceneDescription {
     SceneDescription {
-        materials: vec![diffuse("sphere", Colour::Rgb([0.7, 0.5, 0.3]))],
-        meshes: vec![MeshDescription { positions, triangles, ..MeshDescription::default() }],
+        materials: vec![diffuse("all", Colour::Rgb(rgb))],
+        meshes: vec![mesh],
         instances: vec![InstanceDescription {
             name: String::new(),
             mesh: 0,

@@ -75,11 +75,7 @@ fn trace(
     let counts = find_counts(pilot, [least, most], needed, |pilot, wanted| {
         scout.pass(pilot, &|pixel| wanted[pixel]);
         tracer.tell(film, Some(pilot), None)
-    });
-    let counts = match counts {
-        ControlFlow::Break(()) => return ControlFlow::Break(()),
-        ControlFlow::Continue(counts) => counts,
-    };
+    })?;
     let planned = pilot.total() + counts.iter().map(|&count| u64::from(count)).sum::<u64>();
     let mut level = least;
     while counts.iter().any(|&count| count > level) {

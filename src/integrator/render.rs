@@ -125,9 +125,9 @@ impl<'a> Tracer<'a> {
         samples: u32,
         tell: impl Fn(&Film) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        while film.samples() < samples {
-            let done = film.samples();
-            let level = done + done.clamp(1, LARGEST_PASS).min(samples - done);
+        let mut level = film.samples();
+        while level < samples {
+            level += level.clamp(1, LARGEST_PASS).min(samples - level);
             self.pass(film, &|_| level);
             tell(film)?;
         }

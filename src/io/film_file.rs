@@ -7,6 +7,7 @@ use std::io::{self, Read, Write};
 
 use npyz::{NpyFile, Order, WriterBuilder};
 
+use super::npy::write_planes;
 use crate::Invalid;
 use crate::film::{Film, Sums};
 use crate::math::double_double::DoubleDouble;
@@ -29,10 +30,7 @@ pub fn write_film<W: Write>(film: &Film, to: W) -> io::Result<()> {
 
 /// Writes how many samples each pixel has: an array of `uint32`, shape (rows, columns).
 pub fn write_samples<W: Write>(film: &Film, to: W) -> io::Result<()> {
-    let shape = [film.height(), film.width()].map(|n| n as u64);
-    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(to).begin_nd()?;
-    array.extend(film.counts().iter().copied())?;
-    array.finish()
+    write_planes([film.width(), film.height()], &[film.counts()], |count| count, to)
 }
 
 /// Adds the sums of a file, of `samples` samples a pixel, to a film of the same size and channels.

@@ -6,10 +6,10 @@ use npyz::{AutoSerialize, WriterBuilder};
 
 /// Writes planes of so many columns and rows as an array of shape (rows, columns), or (rows, columns, planes) where there are
 /// several, each value as what `number` makes of it.
-pub(super) fn write_planes<T: AutoSerialize, W: Write>(
+pub(super) fn write_planes<V: Copy, T: AutoSerialize, W: Write>(
     [width, height]: [usize; 2],
-    planes: &[&[f32]],
-    number: impl Fn(f32) -> T,
+    planes: &[&[V]],
+    number: impl Fn(V) -> T,
     to: W,
 ) -> io::Result<()> {
     let shape = [height, width, planes.len()].map(|n| n as u64);

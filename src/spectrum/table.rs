@@ -73,10 +73,9 @@ impl Spectrum {
         if !(LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(&lambda_nm) {
             return 0.0;
         }
-        let x = lambda_nm - LAMBDA_MIN_NM;
-        let i = (x as usize).min(TABLE_LEN - 2);
-        let t = x - i as f32;
-        self.values[i] + (self.values[i + 1] - self.values[i]) * t
+        let (entry, part) = place_in_table(lambda_nm);
+        let [value, next] = [0, 1].map(|i| self.values[entry as usize + i]);
+        value + (next - value) * part
     }
 
     /// Values at the wavelengths of a path.
@@ -133,6 +132,15 @@ impl Spectrum {
     pub fn max(&self) -> f32 {
         self.values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
     }
+}
+
+/// Where a wavelength of 300 to 1100 nm lies in a table: the entry at or below it, at most the last but one, and how far it is
+/// from there to the next, 0 to 1.
+#[inline]
+pub(super) fn place_in_table(lambda_nm: f32) -> (u32, f32) {
+    let x = lambda_nm - LAMBDA_MIN_NM;
+    let entry = (x as u32).min(TABLE_LEN as u32 - 2);
+    (entry, x - entry as f32)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The wavelengths that a path carries, and how they are drawn: hero-wavelength sampling
 //! ([Wilkie14](crate::references#wilkie14)).
 
+use super::table::place_in_table;
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN};
 use crate::math::distribution::PiecewiseConstant1D;
 use crate::sabotage::{Fault, flip};
@@ -22,9 +23,8 @@ impl Wavelengths {
     #[inline]
     pub fn new(lambda_nm: [f32; LANES], pdf: [f32; LANES]) -> Self {
         debug_assert!(lambda_nm.iter().all(|lambda| (LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(lambda)));
-        let x = lambda_nm.map(|lambda| lambda - LAMBDA_MIN_NM);
-        let entry = x.map(|x| (x as u32).min(TABLE_LEN as u32 - 2));
-        Self { lambda_nm, pdf, entry, part: std::array::from_fn(|lane| x[lane] - entry[lane] as f32) }
+        let places = lambda_nm.map(place_in_table);
+        Self { lambda_nm, pdf, entry: places.map(|(entry, _)| entry), part: places.map(|(_, part)| part) }
     }
 
     /// Wavelength of a lane, nm.
