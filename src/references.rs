@@ -14,6 +14,9 @@
 //! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the ACM on
 //! Computer Graphics and Interactive Techniques 1(2) (2018).
 //!
+//! ## ArvoKirk90
+//! J. Arvo, D. Kirk, "Particle Transport and Image Synthesis", Computer Graphics (SIGGRAPH) 24(4) (1990).
+//!
 //! ## KirkArvo91
 //! D. Kirk, J. Arvo, "Unbiased Sampling Techniques for Image Synthesis", Computer Graphics (SIGGRAPH) 25(4) (1991).
 //!
@@ -135,6 +138,10 @@
 //! ## Kelemen01
 //! C. Kelemen, L. Szirmay-Kalos, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling",
 //! Eurographics short papers (2001).
+//!
+//! ## Karlik19
+//! O. Karlík, M. Šik, P. Vévoda, T. Skřivan, J. Křivánek, "MIS Compensation: Optimizing Sampling Techniques in Multiple
+//! Importance Sampling", ACM Transactions on Graphics 38(6), 151 (2019).
 //!
 //! ## KullaConty17
 //! C. Kulla, A. Conty, "Revisiting Physically Based Shading at Imageworks", SIGGRAPH course notes (2017).

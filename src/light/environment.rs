@@ -1,4 +1,7 @@
 //! Light from infinitely far: a constant, or an equirectangular picture sampled by its luminance.
+//!
+//! Scattered rays find what shines evenly from all sides as well as anything could, so that only what exceeds the mean is
+//! looked at: its density is that of max(L − mean, 0) ([Karlik19](crate::references#karlik19)).
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
@@ -8,7 +11,7 @@ use glam::{Vec2, Vec3};
 use super::Sky;
 use super::emission::tint_spectrum;
 use crate::math::distribution::PiecewiseConstant2D;
-use crate::math::{Pdf, SolidAngle, warp};
+use crate::math::{Pdf, SolidAngle};
 use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths, rgb};
 use crate::texture::{Bitmap, Filter, SamplerSettings, Texture, UvTransform, Wrap};
 
@@ -35,9 +38,19 @@ pub struct EnvironmentPicture {
     /// Cosine and sine of the rotation about +Y.
     rotation: [f32; 2],
     distribution: PiecewiseConstant2D,
+    excess: f64,
 }
 
 impl Environment {
+    /// The part of its light that exceeds the mean of all directions, 0–1: what is worth looking at.
+    pub fn excess(&self) -> f64 {
+        match self {
+            Self::Constant { .. } => 0.0,
+            Self::Picture(picture) => picture.excess,
+            Self::Sky(_) => 1.0,
+        }
+    }
+
     /// Radiance from the unit direction `towards`.
     #[inline]
     pub fn radiance(&self, spectra: &SpectrumTable, towards: Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
@@ -51,11 +64,12 @@ impl Environment {
         }
     }
 
-    /// A direction towards the environment with its density; `None` where the density vanishes (the poles).
+    /// A direction towards the environment with its density; `None` where the density vanishes (the poles, and everywhere
+    /// where there is no excess).
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, Pdf<SolidAngle>)> {
         match self {
-            Self::Constant { .. } => Some((warp::uniform_sphere(u), Pdf::new(0.25 * FRAC_1_PI))),
+            Self::Constant { .. } => None,
             Self::Picture(picture) => {
                 let (uv, density) = picture.distribution.sample(u);
                 let (sin, cos) = (PI * uv[1]).sin_cos();
@@ -70,7 +84,7 @@ impl Environment {
     #[inline]
     pub fn pdf(&self, towards: Vec3) -> Pdf<SolidAngle> {
         match self {
-            Self::Constant { .. } => Pdf::new(0.25 * FRAC_1_PI),
+            Self::Constant { .. } => Pdf::new(0.0),
             Self::Picture(picture) => {
                 let sin = towards.x.hypot(towards.z);
                 if sin == 0.0 {
@@ -96,15 +110,22 @@ impl EnvironmentPicture {
             let columns = [(x + width - 1) % width, x, (x + 1) % width];
             rows.into_iter().flat_map(|y| columns.map(|x| luminance[y * width + x])).sum::<f64>() / 9.0
         };
-        let weights: Vec<f32> = (0..width * height)
-            .map(|i| {
-                let (x, y) = (i % width, i / width);
-                (0.5 * (luminance[i] + around(x, y)) * polar_angle(y, height).sin()) as f32
-            })
-            .collect();
+        let sines: Vec<f64> = (0..height).map(|y| polar_angle(y, height).sin()).collect();
+        let smooth: Vec<f64> =
+            (0..width * height).map(|i| 0.5 * (luminance[i] + around(i % width, i / width))).collect();
+        let weighed = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            smooth.iter().enumerate().map(|(i, &luminance)| value(luminance) * sines[i / width]).collect()
+        };
+        let all = weighed(&|luminance| luminance).iter().sum::<f64>();
+        let mean = all / (width as f64 * sines.iter().sum::<f64>());
+        let above = weighed(&|luminance| (luminance - mean).max(0.0));
+        let excess = above.iter().sum::<f64>() / all;
+        let weights: Vec<f32> = above.into_iter().map(|weight| weight as f32).collect();
         let (sin, cos) = rotation_deg.to_radians().sin_cos();
         let distribution = PiecewiseConstant2D::new(&weights, width);
-        Self { picture, radiance, rotation: [cos as f32, sin as f32], distribution }
+        // What rounding leaves of a picture of one colour is not worth a look.
+        let excess = if excess > 1e-4 { excess } else { 0.0 };
+        Self { picture, radiance, rotation: [cos as f32, sin as f32], distribution, excess }
     }
 
     /// (∫ Y dω, ∫ Y·cos⁺θ dω with θ from +Y) of a picture's luminance in picture units, by the midpoint rule.
@@ -166,6 +187,7 @@ fn luminances(picture: &Texture) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::warp;
     use crate::spectrum::Spectrum;
     use crate::texture::Texels;
 
@@ -205,17 +227,41 @@ mod tests {
         let (spectra, environment) = environment((3, 2), 30.0);
         let wavelengths = Wavelengths::new([550.0; 4], [1.0; 4]);
         let n = 128;
-        let (mut importance, mut uniform) = (0.0, 0.0);
+        let (mut both, mut uniform) = (0.0, 0.0);
+        // Both kinds of samples together, by the balance heuristic, against uniform ones alone.
+        let of_both = |direction: Vec3| {
+            let density = environment.pdf(direction).0 + 0.5 / TAU;
+            environment.radiance(&spectra, direction, &wavelengths)[0] / density
+        };
         for i in 0..n * n {
             let u = [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32];
             if let Some((direction, pdf)) = environment.sample(u) {
                 assert!((environment.pdf(direction).0 / pdf.0 - 1.0).abs() < 1e-2 || pdf.0 < 1e-4, "{direction}");
-                importance += environment.radiance(&spectra, direction, &wavelengths)[0] / pdf.0;
+                both += of_both(direction);
             }
-            uniform += environment.radiance(&spectra, warp::uniform_sphere(u), &wavelengths)[0] * 2.0 * TAU;
+            let direction = warp::uniform_sphere(u);
+            both += of_both(direction);
+            uniform += environment.radiance(&spectra, direction, &wavelengths)[0] * 2.0 * TAU;
         }
         // Stratified grids: the piecewise bilinear peak is resolved by about 8 cells per texel with uniform sampling.
-        assert!((importance / uniform - 1.0).abs() < 0.02, "{importance} {uniform}");
+        assert!((both / uniform - 1.0).abs() < 0.02, "{both} {uniform}");
+    }
+
+    #[test]
+    fn an_even_light_is_not_looked_at_and_a_sun_is() {
+        let mut spectra = SpectrumTable::default();
+        let radiance = spectra.add(&Spectrum::constant(1.0));
+        assert_eq!(Environment::Constant { radiance }.excess(), 0.0);
+        let grey =
+            |texels| Arc::new(Bitmap { name: "grey".into(), width: 8, height: 4, texels: Texels::Rgb32F(texels) });
+        let of = |texels| EnvironmentPicture::new(grey(texels), radiance, 0.0).excess;
+        assert_eq!(of(vec![[0.3; 3]; 32]), 0.0);
+        assert_eq!(of(vec![[0.0; 3]; 32]), 0.0);
+        // Half of the sphere twice as bright as the mean: half of its light is in excess, but for interpolation at its edge.
+        let half: Vec<[f32; 3]> = (0..32).map(|i| [f32::from(u8::from(i % 8 < 4)); 3]).collect();
+        assert!((of(half) - 0.5).abs() < 0.1);
+        let (_, sunny) = environment((3, 2), 0.0);
+        assert!(sunny.excess() > 0.8, "{}", sunny.excess());
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 
 use super::bounds::LightBounds;
-use super::selection::Selection;
+use super::selection::{Choice, Selection};
 use super::{Environment, Profile, Projector, Receiver, SurfaceEmission};
 use crate::geometry::{Geometry, Motion, Transform};
 use crate::math::{Area, Pdf, SolidAngle, warp};
@@ -133,8 +133,15 @@ impl Lights {
             .map(|((light, motion), power)| LightBounds::of(light, motion.as_ref(), *power, geometry, &lamps))
             .collect();
         let is_distant = |light: &Light| matches!(light, Light::Directional { .. } | Light::Environment);
+        // Scattered rays find the rest of the environment.
+        let part_looked_at = |light: &Light| match (light, &environment) {
+            (Light::Environment, Some(environment)) => environment.excess(),
+            _ => 1.0,
+        };
         let distant: Vec<(u32, f64)> = ((0..).zip(lights.iter().zip(powers)))
-            .filter_map(|(i, (light, power))| is_distant(light).then_some((i, power / disk_m2)))
+            .filter(|(_, (light, _))| is_distant(light))
+            .map(|(i, (light, power))| (i, power / disk_m2 * part_looked_at(light)))
+            .filter(|(_, irradiance)| *irradiance > 0.0)
             .collect();
         let is_environment = |(light, _): &(u32, f64)| matches!(lights[*light as usize], Light::Environment);
         Self {
@@ -163,7 +170,9 @@ impl Lights {
     }
 
     /// A direction from a receiver towards a light at a time from 0 to 1. `emitted_at(light, barycentric)` is the radiance of
-    /// a point of a triangle. `None` where the chosen light cannot reach the receiver.
+    /// a point of a triangle. `None` where the chosen light cannot reach the receiver. One pair of numbers is enough: what
+    /// the choice of the light leaves of the first is one in [0, 1) again, so that lights are chosen, and the points on each
+    /// spread, as evenly as the pairs are.
     #[inline]
     #[allow(clippy::too_many_arguments, reason = "tables, receiver and random numbers, each once")]
     pub fn sample(
@@ -173,11 +182,11 @@ impl Lights {
         emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
         receiver: &Receiver,
         time: f32,
-        u_light: f32,
-        u: [f32; 2],
+        [u_light, v]: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
-        let (index, probability) = self.selection.sample(receiver, u_light)?;
+        let Choice { light: index, probability, rest } = self.selection.sample(receiver, u_light)?;
+        let u = [rest, v];
         let probability = flip(Fault::LightPdfWithoutChoice, probability, 1.0);
         let place = self.place_of(index, time);
         let local = place.map_or(receiver.point, |place| place.to_group.transform_point3(receiver.point));

@@ -17,6 +17,31 @@ pub(super) struct Selection {
     irradiance: f32,
 }
 
+/// A light that a point looks at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Choice {
+    /// Its handle.
+    pub(super) light: u32,
+    /// Of the choice.
+    pub(super) probability: f32,
+    /// What is left of the number that chose, in [0, 1) again.
+    pub(super) rest: f32,
+}
+
+impl Choice {
+    /// The same with a number that chose between two kinds of lights before.
+    #[inline]
+    fn within(self, part: f32) -> Self {
+        Self { probability: self.probability * part, ..self }
+    }
+}
+
+/// Part of an interval [from, from + length) that a number in it leaves below itself: in [0, 1), whatever the rounding.
+#[inline]
+pub(super) fn rest(u: f32, from: f32, length: f32) -> f32 {
+    ((u - from) / length).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
+}
+
 /// Bounds of the probability of either kind, where it shines at all: walls may hide the brighter one.
 const LEAST: f32 = 0.1;
 
@@ -53,20 +78,19 @@ impl Selection {
         (self.irradiance / (self.irradiance + near)).clamp(LEAST, 1.0 - LEAST)
     }
 
-    /// A light and its probability, from a number in [0, 1). `None` where the lights looked at cannot reach the receiver.
+    /// A light, from a number in [0, 1). `None` where the lights looked at cannot reach the receiver.
     #[inline]
-    pub(super) fn sample(&self, receiver: &Receiver, u: f32) -> Option<(u32, f32)> {
+    pub(super) fn sample(&self, receiver: &Receiver, u: f32) -> Option<Choice> {
         if self.distant.is_empty() {
             return self.tree.sample(receiver, u);
         }
         let distant = self.part_of_distant(receiver);
         if u < distant {
-            let (entry, probability) = self.among_distant.sample(u / distant);
-            return Some((self.distant[entry as usize], probability * distant));
+            let (entry, probability, rest) = self.among_distant.sample(rest(u, 0.0, distant));
+            return Some(Choice { light: self.distant[entry as usize], probability, rest }.within(distant));
         }
         let near = 1.0 - distant;
-        let (light, probability) = self.tree.sample(receiver, ((u - distant) / near).min(1.0 - f32::EPSILON / 2.0))?;
-        Some((light, probability * near))
+        Some(self.tree.sample(receiver, rest(u, distant, near))?.within(near))
     }
 
     /// Probability with which [`Self::sample`] finds a light that is somewhere.

@@ -2,6 +2,7 @@
 
 use super::bounds::{Cluster, LightBounds};
 use super::receiver::Receiver;
+use super::selection::{Choice, rest};
 
 /// A binary tree over lights: from its root down a light is found by the importance of either half for the receiver
 /// ([Conty18](crate::references#conty18), [pbrt4](crate::references#pbrt4) §12.6.3).
@@ -86,27 +87,24 @@ impl LightTree {
         self.nodes.first().map_or(0.0, |root| receiver.importance(&root.cluster))
     }
 
-    /// A light and its probability, from a number in [0, 1). `None` where no light of a part that was come to can reach the
-    /// receiver.
+    /// A light, from a number in [0, 1). `None` where no light of a part that was come to can reach the receiver.
     #[inline]
-    pub(super) fn sample(&self, receiver: &Receiver, mut u: f32) -> Option<(u32, f32)> {
+    pub(super) fn sample(&self, receiver: &Receiver, mut u: f32) -> Option<Choice> {
         let mut node = self.nodes.first()?;
         let mut probability = 1.0;
         loop {
             match node.link {
-                Link::Leaf(Leaf { lights: [first, _], of_first }) if u < of_first => {
-                    return Some((first, probability * of_first));
-                }
-                Link::Leaf(Leaf { lights: [_, second], of_first }) => {
-                    return Some((second, probability * (1.0 - of_first)));
+                Link::Leaf(Leaf { lights: [first, second], of_first }) => {
+                    let (light, from, part) =
+                        if u < of_first { (first, 0.0, of_first) } else { (second, of_first, 1.0 - of_first) };
+                    return Some(Choice { light, probability: probability * part, rest: rest(u, from, part) });
                 }
                 Link::Inner { left, .. } => {
                     let halves = &self.nodes[left as usize..][..2];
                     let of_left = probability_of_left(halves, receiver)?;
                     let is_right = u >= of_left;
                     let part = if is_right { 1.0 - of_left } else { of_left };
-                    // What is left of the number is one in [0, 1) again.
-                    u = ((if is_right { u - of_left } else { u }) / part).min(1.0 - f32::EPSILON / 2.0);
+                    u = rest(u, if is_right { of_left } else { 0.0 }, part);
                     probability *= part;
                     node = &halves[usize::from(is_right)];
                 }

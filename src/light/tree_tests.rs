@@ -3,6 +3,7 @@
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::bounds::LightBounds;
+use super::selection::Choice;
 use super::tree::LightTree;
 use super::{Facing, Lamps, Light, Receiver, SurfaceEmission, Tint, TriangleLight};
 use crate::geometry::{Deformation, Geometry, MeshRange, Motion, Triangle};
@@ -154,8 +155,9 @@ fn lights_are_found_as_often_as_the_probability_says() {
             let (mut found, mut lost) = (vec![0u32; count as usize], 0u32);
             for i in 0..n {
                 match tree.sample(&receiver, (i as f32 + 0.5) / n as f32) {
-                    Some((light, probability)) => {
+                    Some(Choice { light, probability, rest }) => {
                         found[light as usize] += 1;
+                        assert!((0.0..1.0).contains(&rest));
                         // The same steps give the same bits.
                         assert_eq!(probability, tree.probability(&receiver, light));
                     }

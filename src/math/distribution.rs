@@ -163,13 +163,18 @@ impl AliasTable {
         self.bins.is_empty()
     }
 
-    /// u in [0, 1) → (entry, its probability). The table must not be empty.
+    /// u in [0, 1) → (entry, its probability, what is left of u in [0, 1)). The table must not be empty.
     #[inline]
-    pub fn sample(&self, u: f32) -> (u32, f32) {
+    pub fn sample(&self, u: f32) -> (u32, f32, f32) {
         let scaled = u * self.bins.len() as f32;
-        let bin = (scaled as usize).min(self.bins.len() - 1);
-        let entry = if scaled - (bin as f32) < self.bins[bin].keep { bin as u32 } else { self.bins[bin].alias };
-        (entry, self.bins[entry as usize].probability)
+        let number = (scaled as usize).min(self.bins.len() - 1);
+        let (bin, within) = (&self.bins[number], scaled - number as f32);
+        let (entry, rest) = if within < bin.keep {
+            (number as u32, within / bin.keep)
+        } else {
+            (bin.alias, (within - bin.keep) / (1.0 - bin.keep))
+        };
+        (entry, self.bins[entry as usize].probability, rest.clamp(0.0, 1.0 - f32::EPSILON / 2.0))
     }
 
     /// Probability of an entry.
@@ -223,7 +228,8 @@ mod tests {
         let mut counts = [0.0f64; 5];
         let n = 1 << 20;
         for i in 0..n {
-            let (entry, probability) = table.sample((i as f32 + 0.5) / n as f32);
+            let (entry, probability, rest) = table.sample((i as f32 + 0.5) / n as f32);
+            assert!((0.0..1.0).contains(&rest));
             assert_eq!(probability, table.probability(entry));
             counts[entry as usize] += 1.0 / f64::from(n);
         }

@@ -152,7 +152,6 @@ impl Scene {
         &self,
         receiver: &Receiver,
         time: f32,
-        u_light: f32,
         u: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
@@ -161,7 +160,7 @@ impl Scene {
             // Where there are holes, rays that look for the light end in front of them.
             if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
         };
-        self.lights.sample(&self.spectra, &self.geometry, emitted_at, receiver, time, u_light, u, wavelengths)
+        self.lights.sample(&self.spectra, &self.geometry, emitted_at, receiver, time, u, wavelengths)
     }
 
     /// Radiance from infinitely far in the unit direction `towards`.

@@ -27,7 +27,7 @@ fn lamp(kind: LightKind, to_world: DAffine3, later: Vec<DAffine3>) -> Scene {
 /// Irradiance on a surface at a point, W·m⁻²·nm⁻¹, from one sample.
 fn irradiance(scene: &Scene, point: Vec3, normal: Vec3, time: f32, u: [f32; 2]) -> f64 {
     let wavelengths = Wavelengths::new([550.0; 4], [1.0; 4]);
-    let sample = scene.sample_light(&Receiver::anywhere(point), time, 0.5, u, &wavelengths);
+    let sample = scene.sample_light(&Receiver::anywhere(point), time, u, &wavelengths);
     sample.map_or(0.0, |s| f64::from(s.radiance[0] * s.wi.dot(normal).max(0.0) / s.pdf.0))
 }
 
