@@ -11,9 +11,11 @@ import numpy as np
 class Photosite:
     """A capture as photosite renders it."""
 
-    def __init__(self, mitsuba, photosite, capture, folder, sampler, threads):
-        self.mitsuba, self.photosite, self.capture, self.sampler, self.threads = mitsuba, photosite, capture, sampler, threads
-        self.folder, self.name = folder / sampler, f"photosite, {sampler}"
+    def __init__(self, mitsuba, photosite, capture, folder, sampler, splitting, threads):
+        self.mitsuba, self.photosite, self.capture, self.threads = mitsuba, photosite, capture, threads
+        self.sampler, self.splitting = sampler, splitting
+        self.folder = folder / f"{sampler}-{splitting}"
+        self.name = f"photosite, {sampler}" + (f", splitting {splitting}" if splitting > 1 else "")
         # Processor seconds of all that is not light transport: loading, building, sensor, files.
         self.overhead = 0.0
 
@@ -23,6 +25,7 @@ class Photosite:
             self.photosite, "render", self.capture, "-o", self.folder, "--force", "--json", "--quiet", "--seed", seed,
             "--set", f"render.samples_per_pixel={samples}",
             "--set", f'render.sampler="{self.sampler}"',
+            "--set", f"render.splitting={self.splitting}",
         ]  # fmt: skip
         if self.threads:
             command += ["--threads", self.threads]

@@ -460,6 +460,7 @@ fn render_report(
         samples_per_pixel: film.counts().iter().copied().max().unwrap_or(0),
         max_depth: settings.max_depth,
         roulette_depth: settings.roulette_depth,
+        splitting: settings.splitting,
         sampler: settings.sampler.name(),
         triangles: scene.geometry().triangles.len(),
         lights: scene.lights().len(),

@@ -367,6 +367,7 @@ pub(super) struct RenderReport {
     pub(super) samples_per_pixel: u32,
     pub(super) max_depth: u32,
     pub(super) roulette_depth: u32,
+    pub(super) splitting: u32,
     pub(super) sampler: &'static str,
     pub(super) triangles: usize,
     pub(super) lights: usize,

@@ -10,13 +10,15 @@ use crate::sampler::Sampler;
 use crate::scene::{Scene, Shading};
 use crate::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 
-/// How long paths grow.
+/// How long paths grow, and how many.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLimits {
     /// Largest number of segments from the camera.
     pub max_depth: u32,
     /// Number of segments after which roulette may end a path.
     pub roulette_depth: u32,
+    /// Number of paths that go on from the first surface that is no mirror, at least 1.
+    pub splitting: u32,
 }
 
 /// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength.
@@ -26,61 +28,138 @@ pub struct PathLimits {
 /// w_light), with the power heuristic for the weights ([Veach97](crate::references#veach97) §9.2,
 /// [pbrt4](crate::references#pbrt4) §14.4).
 ///
+/// What the first rough surface gets from lamps is known well after a few samples, what it gets from other surfaces is not.
+/// It is worth a mean of several paths from there, which cost less than as many from the camera
+/// ([ArvoKirk90](crate::references#arvokirk90)).
+///
 /// Volumes that surfaces bound absorb by Beer and Lambert's law along every segment within them. A volume within another
 /// replaces it, and what is left on the way out is taken to be air.
 #[inline]
 pub fn radiance(
     scene: &Scene,
-    mut ray: Ray,
+    ray: Ray,
     wavelengths: &mut Wavelengths,
     sampler: &mut Sampler,
     limits: PathLimits,
 ) -> SampledSpectrum {
-    let mut light = SampledSpectrum::ZERO;
-    let mut throughput = SampledSpectrum::ONE;
-    // Density with which the last vertex scattered here; `None` where no light sample could have come here instead.
-    let mut scattered: Option<(Pdf<SolidAngle>, Receiver)> = None;
-    // Product of squared relative indices, which roulette must not take for a loss.
-    let mut eta_scale = 1.0;
-    // What the path is inside of, where that absorbs.
-    let mut medium: Option<SpectrumId> = None;
+    let throughput = SampledSpectrum::ONE;
+    Walk { limits, ray, depth: 0, throughput, scattered: None, eta_scale: 1.0, medium: None }.radiance(
+        scene,
+        wavelengths,
+        sampler,
+    )
+}
 
-    for depth in 1..=limits.max_depth {
-        let Some(hit) = scene.closest(&ray) else {
-            let emitted = scene.environment_radiance(ray.direction, wavelengths);
-            if !emitted.is_black() {
-                let weight = scattered.map_or(1.0, |(pdf, receiver)| {
-                    pdf.power_heuristic(scene.lights().environment_pdf(&receiver, ray.direction))
-                });
-                light += throughput * emitted * weight;
+/// A path that is about to go on along a ray.
+#[derive(Clone, Copy)]
+struct Walk {
+    /// With the number of paths that go on from the next rough surface.
+    limits: PathLimits,
+    ray: Ray,
+    /// Segments so far.
+    depth: u32,
+    throughput: SampledSpectrum,
+    /// Density with which the last vertex scattered here; `None` where no light sample could have come here instead.
+    scattered: Option<(Pdf<SolidAngle>, Receiver)>,
+    /// Product of squared relative indices, which roulette must not take for a loss.
+    eta_scale: f32,
+    /// What the path is inside of, where that absorbs.
+    medium: Option<SpectrumId>,
+}
+
+/// A surface that a path has met.
+struct Vertex<'a> {
+    point: &'a SurfacePoint,
+    shading: &'a Shading,
+    /// Back along the path, unit vector in world space.
+    wo: Vec3,
+    receiver: Receiver,
+}
+
+impl Walk {
+    /// What comes back along the ray, times the throughput.
+    #[inline]
+    fn radiance(mut self, scene: &Scene, wavelengths: &mut Wavelengths, sampler: &mut Sampler) -> SampledSpectrum {
+        let mut light = SampledSpectrum::ZERO;
+        while self.depth < self.limits.max_depth {
+            self.depth += 1;
+            let Some(hit) = scene.closest(&self.ray) else {
+                let emitted = scene.environment_radiance(self.ray.direction, wavelengths);
+                if !emitted.is_black() {
+                    let weight = self.scattered.map_or(1.0, |(pdf, receiver)| {
+                        pdf.power_heuristic(scene.lights().environment_pdf(&receiver, self.ray.direction))
+                    });
+                    light += self.throughput * emitted * weight;
+                }
+                break;
+            };
+            let point = scene.point(&hit, self.ray.time);
+            let wo = -self.ray.direction;
+            // A volume seen from behind has been crossed, whether or not its front was met before.
+            self.medium = scene.absorption_behind(&point, wo).or(self.medium);
+            if let Some(medium) = self.medium {
+                self.throughput *= scene.transmittance(medium, hit.t, wavelengths);
             }
-            break;
-        };
-        let point = scene.point(&hit, ray.time);
-        let wo = -ray.direction;
-        // A volume seen from behind has been crossed, whether or not its front was met before.
-        medium = scene.absorption_behind(&point, wo).or(medium);
-        if let Some(medium) = medium {
-            throughput *= scene.transmittance(medium, hit.t, wavelengths);
-        }
-        let emitted = scene.emitted(&point, wo, wavelengths);
-        if !emitted.is_black() {
-            light += throughput * emitted * emission_weight(scene, &point, &hit, wo, scattered);
-        }
-        if depth == limits.max_depth {
-            break;
-        }
+            let emitted = scene.emitted(&point, wo, wavelengths);
+            if !emitted.is_black() {
+                light += self.throughput * emitted * emission_weight(scene, &point, &hit, wo, self.scattered);
+            }
+            if self.depth == self.limits.max_depth {
+                break;
+            }
 
-        let shading = scene.shading(&point, wo, wavelengths);
-        if shading.bsdf.needs_single_wavelength() {
-            terminate_secondary(wavelengths, &mut throughput);
+            let shading = scene.shading(&point, wo, wavelengths);
+            if shading.bsdf.needs_single_wavelength() {
+                terminate_secondary(wavelengths, &mut self.throughput);
+            }
+            let receiver = receiver(&point, &shading);
+            let vertex = Vertex { point: &point, shading: &shading, wo, receiver };
+            if !shading.bsdf.is_delta() {
+                light += self.throughput * direct_light(scene, &vertex, self.medium, wavelengths, sampler);
+                if self.limits.splitting > 1 {
+                    light += self.split(scene, &vertex, wavelengths, sampler);
+                    break;
+                }
+            }
+            if self.scatter(scene, &vertex, wavelengths, sampler).is_none() {
+                break;
+            }
         }
-        let receiver = receiver(&point, &shading);
-        if !shading.bsdf.is_delta() {
-            light += throughput * direct_light(scene, &point, &receiver, &shading, wo, medium, wavelengths, sampler);
-        }
+        light
+    }
 
-        let wo_local = shading.frame.to_local(wo);
+    /// The mean of several paths that go on from a surface.
+    // Not a part of the loop, whose speed is that of renders which do not split.
+    #[inline(never)]
+    fn split(
+        self,
+        scene: &Scene,
+        vertex: &Vertex<'_>,
+        wavelengths: &Wavelengths,
+        sampler: &Sampler,
+    ) -> SampledSpectrum {
+        let count = self.limits.splitting;
+        let mut light = SampledSpectrum::ZERO;
+        for branch in 0..count {
+            let (mut own, mut sampler) = (*wavelengths, sampler.branch(branch, count));
+            let mut walk = Self { limits: PathLimits { splitting: 1, ..self.limits }, ..self };
+            if walk.scatter(scene, vertex, &mut own, &mut sampler).is_some() {
+                light += walk.radiance(scene, &mut own, &mut sampler) * own.densities_over(wavelengths);
+            }
+        }
+        light * (1.0 / count as f32)
+    }
+
+    /// Takes a direction on from a surface; `None` where the path ends there.
+    #[inline]
+    fn scatter(
+        &mut self,
+        scene: &Scene,
+        Vertex { point, shading, wo, receiver }: &Vertex<'_>,
+        wavelengths: &mut Wavelengths,
+        sampler: &mut Sampler,
+    ) -> Option<()> {
+        let wo_local = shading.frame.to_local(*wo);
         let u_lobe = if shading.bsdf.has_lobes() {
             sampler.next_1d()
         } else {
@@ -88,36 +167,36 @@ pub fn radiance(
             0.0
         };
         let u = sampler.next_2d();
-        let Some(sample) = shading.bsdf.sample(wo_local, u_lobe, u) else { break };
+        let sample = shading.bsdf.sample(wo_local, u_lobe, u)?;
         let wi = shading.frame.to_world(sample.wi);
-        if leaks(&point, &shading, wo, wi, sample.is_transmission) {
-            break;
+        if leaks(point, shading, *wo, wi, sample.is_transmission) {
+            return None;
         }
-        throughput *= sample.throughput();
-        if throughput.is_black() {
-            break;
+        self.throughput *= sample.throughput();
+        if self.throughput.is_black() {
+            return None;
         }
         if sample.terminates_secondary {
-            terminate_secondary(wavelengths, &mut throughput);
+            terminate_secondary(wavelengths, &mut self.throughput);
         }
-        eta_scale *= sample.eta * sample.eta;
-        scattered = (!sample.is_delta).then_some((sample.pdf, receiver));
+        self.eta_scale *= sample.eta * sample.eta;
+        self.scattered = (!sample.is_delta).then_some((sample.pdf, *receiver));
         if sample.is_transmission {
-            medium = scene.medium_across(&point, wi, medium);
+            self.medium = scene.medium_across(point, wi, self.medium);
         }
-        ray = leave(&point, wi);
+        self.ray = leave(point, wi);
 
-        if depth >= limits.roulette_depth {
-            let survival = throughput.max() * eta_scale;
+        if self.depth >= self.limits.roulette_depth {
+            let survival = self.throughput.max() * self.eta_scale;
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {
-                    break;
+                    return None;
                 }
-                throughput *= 1.0 / survival;
+                self.throughput *= 1.0 / survival;
             }
         }
+        Some(())
     }
-    light
 }
 
 /// The surface as it looks for light. What only reflects has its shading normal on the side that it is seen from.
@@ -128,27 +207,22 @@ fn receiver(point: &SurfacePoint, shading: &Shading) -> Receiver {
     Receiver { point: point.position, facing }
 }
 
-/// Light that the point receives straight from a light and scatters towards `wo`.
+/// Light that the surface receives straight from a light and scatters back along the path.
 #[inline]
-#[allow(clippy::too_many_arguments, reason = "what the path knows of the vertex, each once")]
 fn direct_light(
     scene: &Scene,
-    point: &SurfacePoint,
-    receiver: &Receiver,
-    shading: &Shading,
-    wo: Vec3,
+    Vertex { point, shading, wo, receiver }: &Vertex<'_>,
     medium: Option<SpectrumId>,
     wavelengths: &Wavelengths,
     sampler: &mut Sampler,
 ) -> SampledSpectrum {
-    let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
-    let Some(light) = scene.sample_light(receiver, point.time, u_light, u, wavelengths) else {
+    let Some(light) = scene.sample_light(receiver, point.time, sampler.next_2d(), wavelengths) else {
         return SampledSpectrum::ZERO;
     };
     let wi_local = shading.frame.to_local(light.wi);
-    let wo_local = shading.frame.to_local(wo);
+    let wo_local = shading.frame.to_local(*wo);
     let is_transmission = wi_local.z * wo_local.z < 0.0;
-    if light.pdf.0 <= 0.0 || leaks(point, shading, wo, light.wi, is_transmission) {
+    if light.pdf.0 <= 0.0 || leaks(point, shading, *wo, light.wi, is_transmission) {
         return SampledSpectrum::ZERO;
     }
     let scattering = shading.bsdf.eval(wo_local, wi_local);

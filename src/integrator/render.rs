@@ -105,7 +105,7 @@ impl<'a> Tracer<'a> {
         let useful = job.importance.product(job.scene.light_spectrum()).product(job.transmittance);
         let mut spectra = SpectrumTable::default();
         let transmittance = spectra.add(job.transmittance);
-        let RenderSettings { max_depth, roulette_depth, .. } = *job.settings;
+        let RenderSettings { max_depth, roulette_depth, splitting, .. } = *job.settings;
         Self {
             job,
             seed,
@@ -114,7 +114,7 @@ impl<'a> Tracer<'a> {
             wavelengths: WavelengthSampler::new(&useful),
             spectra,
             transmittance,
-            limits: PathLimits { max_depth, roulette_depth },
+            limits: PathLimits { max_depth, roulette_depth, splitting },
         }
     }
 

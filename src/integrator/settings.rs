@@ -21,11 +21,16 @@ pub struct RenderSettings {
     pub max_depth: u32,
     /// Number of segments after which Russian roulette may end a path.
     pub roulette_depth: u32,
+    /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
+    pub splitting: u32,
     /// Where random numbers come from.
     pub sampler: SamplerKind,
     /// Seed of light transport and sensor noise.
     pub seed: u64,
 }
+
+/// More than so many paths from one surface are better spent on other samples.
+const MOST_SPLITTING: u32 = 256;
 
 impl Default for RenderSettings {
     fn default() -> Self {
@@ -36,6 +41,7 @@ impl Default for RenderSettings {
             noise_target: None,
             max_depth: 16,
             roulette_depth: 5,
+            splitting: 1,
             sampler: SamplerKind::Sobol,
             seed: 0,
         }
@@ -51,6 +57,10 @@ impl RenderSettings {
         }
         if self.max_depth == 0 {
             return Err(Invalid::new("max_depth", "must be at least 1, got 0").help("for example max_depth = 16"));
+        }
+        if !(1..=MOST_SPLITTING).contains(&self.splitting) {
+            let message = format!("must be from 1 to {MOST_SPLITTING}, got {}", self.splitting);
+            return Err(Invalid::new("splitting", message).help("for example splitting = 4"));
         }
         if let Some(target) = self.noise_target
             && !(target.is_finite() && target > 0.0)

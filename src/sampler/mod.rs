@@ -46,6 +46,14 @@ impl Sampler {
         Self { kind, key: first_half(hash64(seed, pixel)), index, reversed_index: index.reverse_bits(), dimension: 0 }
     }
 
+    /// The numbers from here on of one of `count` paths that go on together. Those of all samples of the pixel are
+    /// stratified together too.
+    #[inline]
+    pub fn branch(&self, branch: u32, count: u32) -> Self {
+        let index = self.index.wrapping_mul(count).wrapping_add(branch);
+        Self { index, reversed_index: index.reverse_bits(), ..self.clone() }
+    }
+
     /// The next number in [0, 1).
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
@@ -120,6 +128,19 @@ mod tests {
                 assert!((mean - 0.5).abs() < tolerance, "{kind:?}: {mean}");
             }
         }
+    }
+
+    #[test]
+    fn branches_of_all_samples_are_stratified_together() {
+        let mut strata = [0; 64];
+        for index in 0..16 {
+            let mut sampler = Sampler::new(SamplerKind::Sobol, 5, 9, index);
+            sampler.next_2d();
+            for branch in 0..4 {
+                strata[(sampler.branch(branch, 4).next_1d() * 64.0) as usize] += 1;
+            }
+        }
+        assert_eq!(strata, [1; 64]);
     }
 
     #[test]

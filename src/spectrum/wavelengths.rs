@@ -61,6 +61,13 @@ impl Wavelengths {
         self.pdf[1..].iter().all(|&pdf| pdf == 0.0)
     }
 
+    /// The densities of `other`, of which these are a part, over these, zero for dropped lanes: what a value is to be
+    /// multiplied by that goes with these weights, to go with those of the other.
+    #[inline]
+    pub fn densities_over(&self, other: &Self) -> SampledSpectrum {
+        SampledSpectrum::from_lanes(|i| if self.pdf[i] > 0.0 { other.pdf[i] / self.pdf[i] } else { 0.0 })
+    }
+
     /// Monte Carlo weights 1/(4·p(λᵢ)) in nm, zero for dropped lanes: Σᵢ wᵢ·g(λᵢ) estimates ∫ g dλ.
     #[inline]
     pub fn weights(&self) -> SampledSpectrum {

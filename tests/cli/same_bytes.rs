@@ -33,7 +33,7 @@ fn one_and_two_threads_give_the_same_bytes(
     #[values(1, 2)] frames: u32,
 ) {
     let folder = room(&format!(
-        "frames = {frames}\n[render]\nsamples_per_pixel = 8\nsampler = '{sampler}'\nseed = 7\n\
+        "frames = {frames}\n[render]\nsamples_per_pixel = 8\nsampler = '{sampler}'\nsplitting = {frames}\nseed = 7\n\
          [output]\nraw = ['dng', 'tiff', 'pgm', 'npy']\nirradiance = true\n"
     ));
     folder.succeed("render capture.toml --threads 1 -o one");

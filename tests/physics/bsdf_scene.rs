@@ -113,7 +113,7 @@ fn a_mix_is_the_mean_of_both_by_weight() {
         let path = |i: u16| {
             let mut sampler = Sampler::new(SamplerKind::Independent, 11, 0, u32::from(i));
             let ray = Ray::new(Vec3::new(at(i % 128), at(i / 128), 5.0), Vec3::NEG_Z);
-            let limits = PathLimits { max_depth: 8, roulette_depth: 5 };
+            let limits = PathLimits { max_depth: 8, roulette_depth: 5, splitting: 1 };
             let mut wavelengths = Wavelengths::new([500.0; 4], [1.0; 4]);
             f64::from(radiance(&scene, ray, &mut wavelengths, &mut sampler, limits)[0])
         };

@@ -20,6 +20,7 @@ const SETTINGS: RenderSettings = RenderSettings {
     noise_target: None,
     max_depth: 1,
     roulette_depth: 1,
+    splitting: 1,
     sampler: photosite::sampler::SamplerKind::Sobol,
     seed: 1,
 };

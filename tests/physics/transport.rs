@@ -13,12 +13,16 @@ use photosite::scene::description::{
     TexturedFactor,
 };
 use photosite::spectrum::{Dispersion, Spectrum, Wavelengths, illuminant, library};
+use rstest::rstest;
 
 use crate::stage::{Stage, sphere, square};
 
 /// Moments of the radiance along a ray at one wavelength.
 pub(crate) fn along(scene: &Scene, origin: Vec3, direction: Vec3, max_depth: u32, paths: u32) -> Moments {
-    let limits = PathLimits { max_depth, roulette_depth: 5 };
+    along_within(scene, origin, direction, PathLimits { max_depth, roulette_depth: 5, splitting: 1 }, paths)
+}
+
+fn along_within(scene: &Scene, origin: Vec3, direction: Vec3, limits: PathLimits, paths: u32) -> Moments {
     (0..paths)
         .map(|index| {
             let mut sampler = Sampler::new(SamplerKind::Independent, 11, 0, index);
@@ -202,17 +206,40 @@ fn within_a_volume_light_is_absorbed_on_the_way_to_the_eye() {
 }
 
 #[test]
-fn a_dispersed_path_carries_its_hero_for_all_four_wavelengths() {
+fn four_paths_from_a_surface_have_a_quarter_of_the_variance() {
+    // The sun lights the floor and a slope, which the floor alone finds by chance.
+    let slope = square(Vec3::new(2.0, 1.2, 0.0), Vec3::new(1.0, 1.0, 0.0).normalize(), Vec3::NEG_Z, 1.5);
+    let scene = Stage::default()
+        .diffuse(square(Vec3::ZERO, Vec3::X, Vec3::NEG_Z, 100.0), 0.6, 0.0)
+        .diffuse(slope, 0.8, 0.0)
+        .light(lamp(LightKind::Directional, DVec3::ZERO, 5.0))
+        .build();
+    let of = |splitting| {
+        let limits = PathLimits { max_depth: 3, roulette_depth: 5, splitting };
+        along_within(&scene, Vec3::new(0.0, 1.0, 1.0), Vec3::new(0.0, -1.0, -1.0), limits, 20_000)
+    };
+    let (one, four) = (of(1), of(4));
+    assert_mean("four", &four, one.mean());
+    // Light is found or not, about half of the time: a variance of 20 000 has a standard deviation below 1.5 %.
+    let ratio = one.variance() / four.variance();
+    assert!((ratio / 4.0 - 1.0).abs() < 4.5 * 0.015 * 2f64.sqrt(), "{ratio}");
+}
+
+#[rstest]
+fn a_dispersed_path_carries_its_hero_for_all_four_wavelengths(#[values(1, 3)] splitting: u32) {
+    // Where several paths go on from a white floor beside the glass, each loses its wavelengths by itself.
     let glass = MaterialModel::Dielectric { index: library::glass("SF11").expect("a known glass"), roughness: 0.0 };
-    let scene = Stage::default().mesh(sphere(16, 1.0), glass, None).environment(2.0).build();
-    let limits = PathLimits { max_depth: 200, roulette_depth: 5 };
+    let floor = square(Vec3::new(0.0, 0.0, -1.2), Vec3::X, Vec3::Y, 50.0);
+    let stage = Stage::default().mesh(sphere(16, 1.0), glass, None).environment(2.0);
+    let (scene, x) = if splitting == 1 { (stage.build(), 0.5) } else { (stage.diffuse(floor, 1.0, 0.0).build(), 1.1) };
+    let limits = PathLimits { max_depth: 200, roulette_depth: 5, splitting };
     let estimates: Moments = (0..20_000)
         .map(|index| {
             let mut sampler = Sampler::new(SamplerKind::Independent, 3, 1, index);
             // Each of the four is the hero equally often, as rotation in the wavelength sampler makes it.
             let lambda = [0, 1, 2, 3].map(|lane| 450.0 + 50.0 * ((lane + index) % 4) as f32);
             let mut wavelengths = Wavelengths::new(lambda, [0.01; 4]);
-            let ray = Ray::new(Vec3::new(0.5, 0.05, 5.0), Vec3::NEG_Z);
+            let ray = Ray::new(Vec3::new(x, 0.05, 5.0), Vec3::NEG_Z);
             let arriving = radiance(&scene, ray, &mut wavelengths, &mut sampler, limits);
             f64::from((arriving * wavelengths.weights()).0.element_sum())
         })

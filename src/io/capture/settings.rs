@@ -394,6 +394,7 @@ pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
         noise_target: table.noise_target,
         max_depth: table.max_depth.unwrap_or(default.max_depth),
         roulette_depth: table.roulette_depth.unwrap_or(default.roulette_depth),
+        splitting: table.splitting.unwrap_or(default.splitting),
         sampler: match table.sampler {
             None => default.sampler,
             Some(SamplerName::Sobol) => SamplerKind::Sobol,

@@ -77,6 +77,9 @@ pub(crate) struct RenderTable {
     pub(crate) max_depth: Option<u32>,
     /// Segments after which a path may end by chance (without bias). Left out: 5.
     pub(crate) roulette_depth: Option<u32>,
+    /// Paths that go on from the first surface that is no mirror, for each sample, 1 to 256: light that comes off other
+    /// surfaces costs less so. Left out: 1.
+    pub(crate) splitting: Option<u32>,
     /// Where random numbers come from. Left out: "sobol".
     pub(crate) sampler: Option<SamplerName>,
     /// Seed of rendering and sensor noise. Left out: 0.

@@ -320,6 +320,7 @@ fn settings_are_as_written() {
         noise_target = 0.2
         max_depth = 5
         roulette_depth = 3
+        splitting = 4
         sampler = "independent"
         seed = 18446744073709551615
         [output]
@@ -335,6 +336,7 @@ fn settings_are_as_written() {
     assert_eq!((exposure.temperature, exposure.frames), (Celsius(40.0), 3));
     let render = capture.render;
     assert_eq!((render.samples_per_pixel, render.max_depth, render.roulette_depth, render.seed), (128, 5, 3, u64::MAX));
+    assert_eq!(render.splitting, 4);
     assert_eq!((render.noise_target, render.sampler), (Some(0.2), SamplerKind::Independent));
     assert_eq!(render.time_limit, Some(std::time::Duration::from_millis(1500)));
     let output = capture.output;
