@@ -38,6 +38,8 @@ struct Header {
     elapsed_s: f64,
     /// Whether the film of a pilot follows that of the picture.
     has_pilot: bool,
+    /// Whether it is of a part of a render, of which the sums are kept of rows that are done.
+    is_part: bool,
     /// The first sample of every pixel, and the one after the last.
     samples: [u32; 2],
     /// The first row of the film, before which all are done, and the one after its last; the same where no film follows.
@@ -50,6 +52,7 @@ struct Header {
 pub(super) struct Checkpoints<'a> {
     path: PathBuf,
     rows_path: PathBuf,
+    is_part: bool,
     samples: [u32; 2],
     /// Whether another render's may be replaced.
     force: bool,
@@ -97,13 +100,14 @@ impl<'a> Checkpoints<'a> {
     pub(super) fn new(
         folder: &OutputFolder,
         number: Option<u32>,
+        is_part: bool,
         samples: Range<u32>,
         makings: &'a Map<String, Value>,
         interval: Option<Duration>,
     ) -> Self {
         let [path, rows_path] = [FILM, ROWS].map(|kind| folder.path().join(named(STEM, number, kind)));
         let samples = [samples.start, samples.end];
-        Self { path, rows_path, samples, force: folder.is_forced(), makings, due: Due::every(interval) }
+        Self { path, rows_path, is_part, samples, force: folder.is_forced(), makings, due: Due::every(interval) }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -133,6 +137,8 @@ impl<'a> Checkpoints<'a> {
         let another = if earlier.get("fingerprint") != now.get("fingerprint") {
             let [earlier, now] = [earlier, now].map(|makings| Value::Object(makings.clone()));
             Some(difference(&earlier, &now).to_owned())
+        } else if header.is_part != self.is_part {
+            Some(format!("it is of {}", if header.is_part { "a part" } else { "a whole picture" }))
         } else if header.samples != self.samples {
             Some(format!("it has the samples {from_sample}..{to_sample}"))
         } else if has_films && strips.from(first_row).next() != Some(first_row..end) {
@@ -201,6 +207,7 @@ impl<'a> Checkpoints<'a> {
         let header = Header {
             elapsed_s: elapsed.as_secs_f64(),
             has_pilot,
+            is_part: self.is_part,
             samples: self.samples,
             rows,
             makings: self.makings.clone(),

@@ -198,7 +198,7 @@ impl Parts {
             Ok((path, part.samples[1] - part.samples[0], sums))
         };
         let mut parts = self.parts.iter().map(open).collect::<Result<Vec<_>>>()?;
-        let mut light = KeptRows::light(capture, responses, strips.are_several().then(|| folder.store()).transpose()?);
+        let light = KeptRows::light(capture, responses, strips.are_several().then(|| folder.store()).transpose()?);
         let responses = FilmResponses::new(responses);
         for rows in strips.from(0) {
             let mut film = Film::of_rows(size[0], rows, responses.clone());

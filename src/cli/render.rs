@@ -327,7 +327,8 @@ impl Series<'_> {
                 let samples = settings.first_sample..settings.first_sample + settings.samples_per_pixel;
                 let interval = capture.output.checkpoint_interval;
                 let number = frames.light_number();
-                let checkpoints = Checkpoints::new(folder, number, samples, self.makings, interval);
+                let is_part = matches!(self.source, Light::Part(_));
+                let checkpoints = Checkpoints::new(folder, number, is_part, samples, self.makings, interval);
                 let traced = Trace {
                     capture,
                     settings: &settings,
@@ -336,7 +337,7 @@ impl Series<'_> {
                     responses: self.responses,
                     importance: self.importance,
                     strips: self.strips,
-                    is_part: matches!(self.source, Light::Part(_)),
+                    is_part,
                     chain,
                     folder,
                     silent,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use photosite::Result;
 use photosite::film::{Film, FilmResponses, Response};
 use photosite::image::{Estimate, Planes};
-use photosite::integrator::{RenderJob, RenderSettings, Step, render_on, render_with_pilot};
+use photosite::integrator::{Listener, RenderJob, RenderSettings, Step, render_on, render_with_pilot};
 use photosite::io::capture::Capture;
 use photosite::io::film_file::film_bytes;
 use photosite::io::light_rows::{LightRows, Store};
@@ -121,14 +121,7 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
                 beside.lock().expect("nobody panics while holding it").keep(film, pilot, elapsed)
             }
         };
-        match (settings.noise_target, &mut pilot) {
-            (Some(target), Some(pilot)) => {
-                let needed =
-                    |pilot: &Film| t.chain.samples_needed(&pilot.estimate(t.chain.channels()), pilot.counts(), target);
-                render_with_pilot(&job, &mut film, pilot, &needed, &step);
-            }
-            _ => render_on(&job, &mut film, &step),
-        }
+        fill(t, &job, &mut film, pilot.as_mut(), &step);
         let mut beside = beside.lock().expect("nobody panics while holding it");
         if let Some(error) = beside.failure.take() {
             progress.finish();
@@ -141,6 +134,18 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
     }
     progress.finish();
     Ok(Traced { rows, paths, pilot_paths, earlier })
+}
+
+/// Gives a film its samples; one that has a pilot has all rows.
+fn fill(t: &Trace<'_>, job: &RenderJob<'_>, film: &mut Film, pilot: Option<&mut Film>, step: &Listener<'_>) {
+    match (t.settings.noise_target, pilot) {
+        (Some(target), Some(pilot)) => {
+            let chain = t.chain;
+            let needed = |pilot: &Film| chain.samples_needed(&pilot.estimate(chain.channels()), pilot.counts(), target);
+            render_with_pilot(job, film, pilot, &needed, step);
+        }
+        _ => render_on(job, film, step),
+    }
 }
 
 /// Where the rows go, those that a checkpoint has included.

@@ -136,9 +136,13 @@ mod tests {
     use crate::film::{FilmResponses, Response};
     use crate::spectrum::{SampledSpectrum, Spectrum, WavelengthSampler};
 
-    fn empty() -> Film {
+    fn responses() -> FilmResponses {
         let response = |name: &str, level| Response { name: name.to_owned(), spectrum: Spectrum::constant(level) };
-        Film::new(3, 2, FilmResponses::new(&[response("A", 1.0), response("B", 0.3)]))
+        FilmResponses::new(&[response("A", 1.0), response("B", 0.3)])
+    }
+
+    fn empty() -> Film {
+        Film::new(3, 2, responses())
     }
 
     fn film() -> Film {
@@ -170,6 +174,27 @@ mod tests {
         add_film(&mut read, 7, &file()[..]).expect("a film");
         assert_eq!((read.sums(), read.samples()), (film().sums(), 7));
         assert_eq!(read.estimate(["A", "B"]), film().estimate(["A", "B"]));
+    }
+
+    #[test]
+    fn strips_of_rows_make_the_file_and_are_read_from_it() {
+        let whole = film();
+        let mut file = Cursor::new(Vec::new());
+        let strip = |row: usize| Film::of_rows(3, row..row + 1, responses());
+        for row in 0..2 {
+            let mut film = strip(row);
+            film.add(whole.sums()[row * 6..].iter().copied(), [7; 3]);
+            assert_eq!(file.get_ref().len() as u64, if row == 0 { 0 } else { film_bytes([3, 2], 2, row) });
+            write_film(&film, 2, &mut file).expect("written");
+        }
+        let bytes = file.into_inner();
+        assert!(bytes == self::file());
+        let mut sums = FilmReader::new([3, 2], 2, &bytes[..]).expect("a film");
+        for row in 0..2 {
+            let mut read = strip(row);
+            sums.add_to(&mut read, 7).expect("rows");
+            assert_eq!((read.sums(), read.samples()), (&whole.sums()[row * 6..][..6], 7));
+        }
     }
 
     #[test]

@@ -5,7 +5,9 @@
 //! (`u32`), then the means of the film's channels and the variances of the first few (`f32`), plane after plane.
 
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard};
+
+use rayon::prelude::*;
 
 use super::picture_rows::PictureRows;
 use crate::film::Film;
@@ -19,6 +21,10 @@ impl<T: Read + Write + Seek + Send> Store for T {}
 const BYTES: usize = 4;
 /// Values before the means of a row: numbers of samples.
 const COUNTS: usize = 1;
+/// Rows that are got ready side by side.
+const ROWS_AT_ONCE: usize = 32;
+/// Pixels whose sums stay in the cache from one channel to the next.
+const PIXELS_AT_ONCE: usize = 64;
 
 /// The rows of a picture, as far as they are done.
 pub struct LightRows {
@@ -45,7 +51,7 @@ impl LightRows {
     }
 
     /// Where a plane of a row begins, and the store.
-    fn at(&self, row: usize, plane: usize) -> io::Result<std::sync::MutexGuard<'_, Box<dyn Store>>> {
+    fn at(&self, row: usize, plane: usize) -> io::Result<MutexGuard<'_, Box<dyn Store>>> {
         let place = row as u64 * self.row_bytes() as u64 + (plane * self.size[0] * BYTES) as u64;
         let mut store = self.store.lock().expect("nobody panics while holding it");
         store.seek(SeekFrom::Start(place))?;
@@ -53,23 +59,36 @@ impl LightRows {
     }
 
     /// Keeps the rows of a film.
-    pub fn write(&mut self, film: &Film) -> io::Result<()> {
-        let width = self.size[0];
+    pub fn write(&self, film: &Film) -> io::Result<()> {
         let mut store = self.at(film.picture_rows().start, 0)?;
-        let mut bytes = Vec::with_capacity(self.row_bytes());
-        for row in 0..film.height() {
-            bytes.clear();
-            let pixels = row * width..(row + 1) * width;
-            bytes.extend(film.counts()[pixels.clone()].iter().flat_map(|count| count.to_le_bytes()));
-            for channel in 0..self.channels.len() {
-                bytes.extend(film.means(channel, pixels.clone()).flat_map(f32::to_le_bytes));
-            }
-            for channel in 0..self.with_variance {
-                bytes.extend(film.variances(channel, pixels.clone()).flat_map(f32::to_le_bytes));
-            }
-            store.write_all(&bytes)?;
+        for first in (0..film.height()).step_by(ROWS_AT_ONCE) {
+            let rows = first..(first + ROWS_AT_ONCE).min(film.height());
+            let bytes: Vec<Vec<u8>> = rows.into_par_iter().map(|row| self.row(film, row)).collect();
+            bytes.iter().try_for_each(|row| store.write_all(row))?;
         }
         store.flush()
+    }
+
+    /// The bytes of a row of a film.
+    fn row(&self, film: &Film, row: usize) -> Vec<u8> {
+        let width = self.size[0];
+        let mut bytes = vec![0; self.row_bytes()];
+        for first in (0..width).step_by(PIXELS_AT_ONCE) {
+            let pixels = row * width + first..row * width + (first + PIXELS_AT_ONCE).min(width);
+            let mut planes =
+                bytes.chunks_exact_mut(width * BYTES).map(|plane| plane[first * BYTES..].as_chunks_mut().0);
+            let mut put = |values: &mut dyn Iterator<Item = [u8; BYTES]>| {
+                planes.next().into_iter().flatten().zip(values).for_each(|(to, value)| *to = value);
+            };
+            put(&mut film.counts()[pixels.clone()].iter().map(|count| count.to_le_bytes()));
+            for channel in 0..self.channels.len() {
+                put(&mut film.means(channel, pixels.clone()).map(f32::to_le_bytes));
+            }
+            for channel in 0..self.with_variance {
+                put(&mut film.variances(channel, pixels.clone()).map(f32::to_le_bytes));
+            }
+        }
+        bytes
     }
 
     /// Hands the numbers of a plane of a row to `take`.
@@ -175,7 +194,7 @@ mod tests {
         let whole = film(0..4);
         for height in 1..=4 {
             let store = Box::new(Cursor::new(Vec::new()));
-            let mut rows = LightRows::new(store, [3, 4], NAMES.map(str::to_owned).into(), 2);
+            let rows = LightRows::new(store, [3, 4], NAMES.map(str::to_owned).into(), 2);
             // In any order.
             for first in (0..4).step_by(height).rev() {
                 rows.write(&film(first..(first + height).min(4))).expect("written");

@@ -10,6 +10,7 @@ use std::io::{self, BufRead, Seek, Write};
 use std::sync::Mutex;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::Invalid;
 use crate::image::{Channel, Planes};
@@ -101,11 +102,13 @@ impl<'a> Preview<'a> {
         let weights = wavelengths_nm.iter().map(weight).collect();
         let preview = Self { bands, weights, scale: 1.0, row: Mutex::new(None) };
         let [width, height] = bands.size();
-        let mut luminances: Vec<f64> = Vec::with_capacity(width * height);
-        for row in 0..height {
-            luminances.extend(preview.colours(row)?.iter().map(|colour| rgb::luminance(colour.to_array())));
-        }
-        let pixels = luminances.len();
+        let pixels = width * height;
+        let mut luminances = vec![0.0; pixels];
+        luminances.par_chunks_mut(width.max(1)).enumerate().try_for_each(|(row, luminances)| {
+            let colours = preview.colours(row)?;
+            luminances.iter_mut().zip(colours).for_each(|(to, colour)| *to = rgb::luminance(colour.to_array()));
+            io::Result::Ok(())
+        })?;
         let bright = (pixels * 99 / 100).min(pixels.saturating_sub(1));
         let white = if pixels == 0 { 0.0 } else { *luminances.select_nth_unstable_by(bright, f64::total_cmp).1 };
         let scale = if white.is_finite() && white > 0.0 { 1.0 / white } else { 1.0 };
