@@ -80,7 +80,8 @@ fn kill_when(folder: &Folder, arguments: &str, is_time: impl Fn([u64; 2]) -> boo
 #[rstest]
 #[case::picture("", ["--samples 0..400", "it is of a whole picture"])]
 #[case::part("--samples 5..400", ["--samples 0..400", "it has the samples 5..400"])]
-fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] [other_part, message]: [&str; 2]) {
+fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] other: [&str; 2]) {
+    let [other_part, message] = other;
     let folder = room(
         "[render]\nsamples_per_pixel = 400\n[output]\nirradiance = true\ncheckpoint_interval_s = 0.001\n\
          preview_interval_s = 0\n",
