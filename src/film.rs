@@ -4,6 +4,11 @@
 //! and over the samples of ∫ R(λ)·E(λ) dλ, and the variance of that mean. With R a sensor's response
 //! (e⁻·s⁻¹ per W·m⁻²·nm⁻¹) that is an electron rate without any binning of wavelengths; with R = 1/Δλ on a band it is the
 //! mean spectral irradiance in the band. Pixels may hold different numbers of samples.
+//!
+//! A film holds 32 bytes for each channel of a pixel, so that one of a large picture with many bands does not fit into
+//! memory: it may be of a strip of the picture's rows.
+
+use std::ops::Range;
 
 use glam::Vec4;
 
@@ -121,11 +126,12 @@ impl Sums {
     }
 }
 
-/// Accumulated samples of a picture.
+/// Accumulated samples of a picture, or of some of its rows.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: usize,
-    height: usize,
+    /// Those of the picture that it holds.
+    rows: Range<usize>,
     responses: FilmResponses,
     /// sums[(row · width + column) · channels + channel].
     sums: Vec<Sums>,
@@ -143,10 +149,21 @@ pub struct FilmRow<'a> {
 }
 
 impl Film {
-    /// An empty film.
+    /// An empty film of a whole picture.
     pub fn new(width: usize, height: usize, responses: FilmResponses) -> Self {
-        let sums = vec![Sums::default(); width * height * responses.len()];
-        Self { width, height, responses, sums, counts: vec![0; width * height] }
+        Self::of_rows(width, 0..height, responses)
+    }
+
+    /// An empty film of some rows of a picture.
+    pub fn of_rows(width: usize, rows: Range<usize>, responses: FilmResponses) -> Self {
+        let pixels = width * rows.len();
+        let sums = vec![Sums::default(); pixels * responses.len()];
+        Self { width, rows, responses, sums, counts: vec![0; pixels] }
+    }
+
+    /// Memory for each pixel of a film of so many channels, bytes.
+    pub fn bytes_per_pixel(channels: usize) -> usize {
+        channels * size_of::<Sums>() + size_of::<u32>()
     }
 
     /// Columns.
@@ -154,9 +171,14 @@ impl Film {
         self.width
     }
 
-    /// Rows.
+    /// Rows that it holds.
     pub fn height(&self) -> usize {
-        self.height
+        self.rows.len()
+    }
+
+    /// Which rows of the picture these are.
+    pub fn picture_rows(&self) -> Range<usize> {
+        self.rows.clone()
     }
 
     /// Samples that every pixel has received at least.
@@ -203,19 +225,40 @@ impl Film {
 
     /// The planes `names` as means with the variance of the mean. Names that the film lacks are left out.
     pub fn estimate<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Estimate {
-        let channels = self.responses.len();
         let indices: Vec<_> =
             names.into_iter().filter_map(|name| self.responses.names.iter().position(|n| n == name)).collect();
-        let planes = |value: &dyn Fn(&Sums, f64) -> f64| {
-            let of_pixel = |(sums, &count): (&Sums, &u32)| value(sums, f64::from(count.max(1))) as f32;
-            let plane = |&index: &usize| Channel {
-                name: self.responses.names[index].clone(),
-                data: self.sums.iter().skip(index).step_by(channels).zip(&self.counts).map(of_pixel).collect(),
-            };
-            Planes::new(self.width, self.height, indices.iter().map(plane).collect())
+        let pixels = 0..self.counts.len();
+        let planes = |plane: &dyn Fn(usize) -> Vec<f32>| {
+            let channel = |&index: &usize| Channel { name: self.responses.names[index].clone(), data: plane(index) };
+            Planes::new(self.width, self.height(), indices.iter().map(channel).collect())
                 .expect("every plane has one value per pixel")
         };
-        Estimate { mean: planes(&|sums, n| sums.sum.high / n), variance: planes(&|sums, n| sums.variance_of_mean(n)) }
+        Estimate {
+            mean: planes(&|channel| self.means(channel, pixels.clone()).collect()),
+            variance: planes(&|channel| self.variances(channel, pixels.clone()).collect()),
+        }
+    }
+
+    /// Means of a channel in some pixels.
+    pub fn means(&self, channel: usize, pixels: Range<usize>) -> impl Iterator<Item = f32> {
+        self.values(channel, pixels, |sums, n| sums.sum.high / n)
+    }
+
+    /// Variances of these means.
+    pub fn variances(&self, channel: usize, pixels: Range<usize>) -> impl Iterator<Item = f32> {
+        self.values(channel, pixels, Sums::variance_of_mean)
+    }
+
+    fn values(
+        &self,
+        channel: usize,
+        pixels: Range<usize>,
+        value: impl Fn(&Sums, f64) -> f64,
+    ) -> impl Iterator<Item = f32> {
+        let channels = self.responses.len();
+        let sums = self.sums[pixels.start * channels..pixels.end * channels].iter().skip(channel).step_by(channels);
+        let counts = &self.counts[pixels];
+        sums.zip(counts).map(move |(sums, &count)| value(sums, f64::from(count.max(1))) as f32)
     }
 }
 

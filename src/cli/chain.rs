@@ -3,7 +3,6 @@
 use photosite::develop::colour_matrix::{CameraColour, camera_colour};
 use photosite::develop::merge::Merged;
 use photosite::develop::{DevelopSettings, EncodedPicture, develop, develop_merged};
-use photosite::film::Film;
 use photosite::image::{Estimate, Planes};
 use photosite::io::capture::{
     Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, RawFormat, StoredCapture,
@@ -123,9 +122,9 @@ impl<'a> Chain<'a> {
         Self { lens: Some((lens, camera)), ..self }
     }
 
-    /// Electron rates (e⁻/s) of the sensor's channels.
-    pub(super) fn rates(&self, film: &Film) -> Estimate {
-        film.estimate(self.settings.sensor.cfa.channels().iter().map(String::as_str))
+    /// Names of the sensor's channels, of which films and stored rows have the electron rates (e⁻/s).
+    pub(super) fn channels(&self) -> impl Iterator<Item = &'a str> + Clone + use<'a> {
+        self.settings.sensor.cfa.channels().iter().map(String::as_str)
     }
 
     /// Exposes to light that frees these electrons within the time `collected`; electron rates are those of one second.
@@ -204,30 +203,29 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Ratio of Monte Carlo noise to that of the sensor over the picture. `None` where there is not enough light for an
-    /// exposure, and after a single sample, which tells nothing of noise.
-    pub(super) fn noise_ratio(&self, film: &Film) -> Option<f64> {
-        if film.samples() < 2 {
+    /// Ratio of Monte Carlo noise to that of the sensor over a picture of at least so many samples a pixel. `None` where there
+    /// is not enough light for an exposure, and after a single sample, which tells nothing of noise.
+    pub(super) fn noise_ratio(&self, rates: &Estimate, samples: u32) -> Option<f64> {
+        if samples < 2 {
             return None;
         }
-        let rates = self.rates(film);
         let exposure = self.exposure(&rates.mean, Seconds(1.0)).ok()?;
-        noise_ratio(&rates, self.settings.sensor, &exposure)
+        noise_ratio(rates, self.settings.sensor, &exposure)
     }
 
-    /// How many samples of each pixel bring that ratio down to `target` there, as far as a film tells; `None` as above.
-    pub(super) fn samples_needed(&self, film: &Film, target: f64) -> Option<Vec<f32>> {
-        let rates = self.rates(film);
-        let exposure = self.exposure(&smoothed_mean(&rates, film.counts()), Seconds(1.0)).ok()?;
-        Some(samples_needed(&rates, film.counts(), self.settings.sensor, &exposure, target))
+    /// How many samples of each pixel bring that ratio down to `target` there, as far as rates of so many samples tell;
+    /// `None` as above.
+    pub(super) fn samples_needed(&self, rates: &Estimate, counts: &[u32], target: f64) -> Option<Vec<f32>> {
+        let exposure = self.exposure(&smoothed_mean(rates, counts), Seconds(1.0)).ok()?;
+        Some(samples_needed(rates, counts, self.settings.sensor, &exposure, target))
     }
 
-    /// What a film has reached of a noise target; `pilot_paths` beside it have found how many samples it takes.
-    pub(super) fn noise_report(&self, film: &Film, target: f64, pilot_paths: u64) -> NoiseReport {
-        let counts = film.counts();
+    /// What rates of so many samples have reached of a noise target; `pilot_paths` beside them have found how many it takes.
+    pub(super) fn noise_report(&self, rates: &Estimate, counts: &[u32], target: f64, pilot_paths: u64) -> NoiseReport {
         let pixels = counts.len() as f64;
+        let total: u64 = counts.iter().map(|&count| u64::from(count)).sum();
         // Where nothing can be told, nothing is reached.
-        let needed = self.samples_needed(film, target).unwrap_or_else(|| vec![f32::INFINITY; counts.len()]);
+        let needed = self.samples_needed(rates, counts, target).unwrap_or_else(|| vec![f32::INFINITY; counts.len()]);
         let mut ratios: Vec<f64> =
             needed.iter().zip(counts).map(|(&n, &count)| target * (f64::from(n) / f64::from(count)).sqrt()).collect();
         let met = ratios.iter().filter(|&&ratio| ratio <= target).count();
@@ -236,7 +234,7 @@ impl<'a> Chain<'a> {
         NoiseReport {
             target,
             samples_least: counts.iter().copied().min().unwrap_or(0),
-            samples_mean: film.total() as f64 / pixels,
+            samples_mean: total as f64 / pixels,
             samples_most: counts.iter().copied().max().unwrap_or(0),
             pilot_samples_mean: pilot_paths as f64 / pixels,
             pixels_at_target: met as f64 / pixels,

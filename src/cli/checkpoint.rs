@@ -1,9 +1,10 @@
 //! Checkpoints: what a render has traced so far, so that one that is killed goes on where it was.
 //!
 //! A checkpoint is a file in the output folder, `checkpoint.film` (numbered where a camera moves): a line of JSON that says what
-//! is rendered, then the films ([`write_unfinished`]). It appears whole or not at all, stays when a render ends before
-//! its results are there, and goes with the last of them. Samples have their random numbers by their place in the whole
-//! render and sums are exact, so that what goes on gives the bytes of a render in one go.
+//! is rendered, then the films ([`write_unfinished`]) of the rows that are traced. Those before them are done and lie in
+//! `checkpoint.rows` beside it. A checkpoint appears whole or not at all, stays when a render ends before its results are
+//! there, and goes with the last of them. Samples have their random numbers by their place in the whole render and sums
+//! are exact, so that what goes on gives the bytes of a render in one go.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read};
@@ -13,18 +14,20 @@ use std::time::{Duration, Instant};
 
 use photosite::film::Film;
 use photosite::io::film_file::{add_unfinished, write_unfinished};
-use photosite::io::output::write_whole;
+use photosite::io::output::{Sink, write_whole};
 use photosite::{Error, Invalid, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::due::Due;
+use super::film_memory::Strips;
 use super::fingerprint::difference;
 use super::output_folder::{OutputFolder, named};
 
-/// A checkpoint is written after this many times as long as the last one took: large films take a while.
-const PATIENCE: u32 = 20;
 const STEM: &str = "checkpoint";
-const KIND: &str = "film";
+/// The kinds of its two files.
+const FILM: &str = "film";
+const ROWS: &str = "rows";
 /// Bytes of the longest first line.
 const LONGEST_HEADER: u64 = 1 << 24;
 
@@ -35,64 +38,113 @@ struct Header {
     elapsed_s: f64,
     /// Whether the film of a pilot follows that of the picture.
     has_pilot: bool,
+    /// Whether it is of a part of a render, of which the sums are kept of rows that are done.
+    is_part: bool,
     /// The first sample of every pixel, and the one after the last.
     samples: [u32; 2],
+    /// The first row of the film, before which all are done, and the one after its last; the same where no film follows.
+    rows: [usize; 2],
     /// Everything that decides what is traced.
     makings: Map<String, Value>,
 }
 
-/// The checkpoints of one film.
+/// The checkpoints of one picture.
 pub(super) struct Checkpoints<'a> {
     path: PathBuf,
+    rows_path: PathBuf,
+    is_part: bool,
     samples: [u32; 2],
     /// Whether another render's may be replaced.
     force: bool,
     makings: &'a Map<String, Value>,
-    interval: Option<Duration>,
-    /// When the next one is due.
-    due: Option<Instant>,
+    due: Due,
+}
+
+/// What a checkpoint holds.
+pub(super) struct Resumed {
+    /// The first row that has not all its samples.
+    pub(super) first_row: usize,
+    /// Time that was spent on it.
+    pub(super) elapsed: Duration,
+    /// The films of the strip from that row on.
+    pub(super) films: Option<SavedFilms>,
+}
+
+/// The films of a strip that was under way.
+pub(super) struct SavedFilms {
+    path: PathBuf,
+    from: BufReader<File>,
+    has_pilot: bool,
+}
+
+impl SavedFilms {
+    /// Fills empty films with them.
+    pub(super) fn fill(mut self, film: &mut Film, pilot: Option<&mut Film>) -> Result<()> {
+        let path = &self.path;
+        if self.has_pilot != pilot.is_some() {
+            return Err(damaged(path, &"it has not the films that this render has"));
+        }
+        let mut read =
+            |film: &mut Film| add_unfinished(film, &mut self.from).map_err(|invalid| damaged(path, &invalid.message));
+        read(film)?;
+        pilot.map_or(Ok(()), read)
+    }
+}
+
+fn damaged(path: &Path, what: &dyn std::fmt::Display) -> Error {
+    let invalid = Invalid::new("", format!("is a damaged checkpoint: {what}"));
+    invalid.help("remove it, and the render starts anew").in_file(path)
 }
 
 impl<'a> Checkpoints<'a> {
     pub(super) fn new(
         folder: &OutputFolder,
         number: Option<u32>,
+        is_part: bool,
         samples: Range<u32>,
         makings: &'a Map<String, Value>,
         interval: Option<Duration>,
     ) -> Self {
-        let due = interval.and_then(|interval| Instant::now().checked_add(interval));
-        let path = folder.path().join(named(STEM, number, KIND));
-        Self { path, samples: [samples.start, samples.end], force: folder.is_forced(), makings, interval, due }
+        let [path, rows_path] = [FILM, ROWS].map(|kind| folder.path().join(named(STEM, number, kind)));
+        let samples = [samples.start, samples.end];
+        Self { path, rows_path, is_part, samples, force: folder.is_forced(), makings, due: Due::every(interval) }
     }
 
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Fills empty films with those of the checkpoint, if there is one, and returns the time that was spent on them. One of
-    /// another render is refused.
-    pub(super) fn resume(&self, film: &mut Film, pilot: Option<&mut Film>) -> Result<Option<Duration>> {
-        let file = match File::open(&self.path) {
+    /// Where rows are kept that are done.
+    pub(super) fn rows_path(&self) -> &Path {
+        &self.rows_path
+    }
+
+    /// Reads the checkpoint, if there is one. One of another render, or whose films are not those of a strip, is refused.
+    pub(super) fn resume(&self, strips: Strips) -> Result<Option<Resumed>> {
+        let path = &self.path;
+        let file = match File::open(path) {
             Ok(file) => file,
             Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(reason) => return Err(Error::io(&self.path, "read", reason)),
+            Err(reason) => return Err(Error::io(path, "read", reason)),
         };
         let mut from = BufReader::new(file);
-        let damaged = |what: &dyn std::fmt::Display| {
-            let invalid = Invalid::new("", format!("is a damaged checkpoint: {what}"));
-            invalid.help("remove it, and the render starts anew").in_file(&self.path)
-        };
         let mut line = Vec::new();
-        from.by_ref().take(LONGEST_HEADER).read_until(b'\n', &mut line).map_err(|reason| damaged(&reason))?;
-        let header: Header = serde_json::from_slice(&line).map_err(|error| damaged(&error))?;
+        from.by_ref().take(LONGEST_HEADER).read_until(b'\n', &mut line).map_err(|reason| damaged(path, &reason))?;
+        let header: Header = serde_json::from_slice(&line).map_err(|error| damaged(path, &error))?;
         let [earlier, now] = [&header.makings, self.makings];
+        let ([from_sample, to_sample], [first_row, end]) = (header.samples, header.rows);
+        let has_films = first_row < end;
         let another = if earlier.get("fingerprint") != now.get("fingerprint") {
             let [earlier, now] = [earlier, now].map(|makings| Value::Object(makings.clone()));
             Some(difference(&earlier, &now).to_owned())
+        } else if header.is_part != self.is_part {
+            Some(format!("it is of {}", if header.is_part { "a part" } else { "a whole picture" }))
+        } else if header.samples != self.samples {
+            Some(format!("it has the samples {from_sample}..{to_sample}"))
+        } else if has_films && strips.from(first_row).next() != Some(first_row..end) {
+            Some(format!("it has the rows {first_row}..{end}, as another --film-memory gives"))
         } else {
-            let [from, to] = header.samples;
-            (header.samples != self.samples).then(|| format!("it has the samples {from}..{to}"))
+            None
         };
         match another {
             Some(_) if self.force => return Ok(None),
@@ -100,40 +152,71 @@ impl<'a> Checkpoints<'a> {
                 let message = format!("is the checkpoint of another render: {difference}");
                 let help =
                     "undo the change to go on with it, add --force to start anew, or choose another folder with -o";
-                return Err(Invalid::new("", message).help(help).in_file(&self.path));
+                return Err(Invalid::new("", message).help(help).in_file(path));
             }
             None => {}
         }
-        if header.has_pilot != pilot.is_some() {
-            return Err(damaged(&"it has not the films that this render has"));
-        }
-        let mut read = |film: &mut Film| add_unfinished(film, &mut from).map_err(|invalid| damaged(&invalid.message));
-        read(film)?;
-        pilot.map_or(Ok(()), read)?;
-        Duration::try_from_secs_f64(header.elapsed_s).map(Some).map_err(|error| damaged(&error))
+        let films = has_films.then(|| SavedFilms { path: path.clone(), from, has_pilot: header.has_pilot });
+        let elapsed = Duration::try_from_secs_f64(header.elapsed_s).map_err(|error| damaged(path, &error))?;
+        Ok(Some(Resumed { first_row, elapsed, films }))
     }
 
-    /// Writes one if it is time for it.
+    /// The file of the rows that are done, of which there are so many bytes.
+    pub(super) fn open_rows(&self, bytes: u64) -> Result<File> {
+        let path = &self.rows_path;
+        if bytes == 0 {
+            let file = File::options().read(true).write(true).create(true).truncate(true).open(path);
+            return file.map_err(|reason| Error::io(path, "write", reason));
+        }
+        let file = File::options().read(true).write(true).open(path);
+        let file = file.map_err(|reason| damaged(&self.path, &format!("cannot open {}: {reason}", path.display())))?;
+        let length = file.metadata().map_err(|reason| Error::io(path, "read", reason))?.len();
+        if length < bytes {
+            return Err(damaged(&self.path, &format!("{} holds {length} bytes of {bytes}", path.display())));
+        }
+        Ok(file)
+    }
+
+    /// Writes one of films under way if it is time for it.
     pub(super) fn keep(&mut self, film: &Film, pilot: Option<&Film>, elapsed: Duration) -> Result<()> {
-        let Some(interval) = self.interval.filter(|_| self.due.is_some_and(|due| Instant::now() >= due)) else {
+        if !self.due.is_now() {
             return Ok(());
-        };
+        }
         let start = Instant::now();
+        let Range { start: first, end } = film.picture_rows();
+        self.write([first, end], pilot.is_some(), elapsed, |mut to| {
+            write_unfinished(film, &mut to)?;
+            pilot.map_or(Ok(()), |pilot| write_unfinished(pilot, &mut to))
+        })?;
+        self.due.done_since(start);
+        Ok(())
+    }
+
+    /// Tells that all rows before this one are in the file of those that are done.
+    pub(super) fn keep_rows(&self, first: usize, elapsed: Duration) -> Result<()> {
+        self.write([first, first], false, elapsed, |_| Ok(()))
+    }
+
+    fn write(
+        &self,
+        rows: [usize; 2],
+        has_pilot: bool,
+        elapsed: Duration,
+        films: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
+    ) -> Result<()> {
         let header = Header {
             elapsed_s: elapsed.as_secs_f64(),
-            has_pilot: pilot.is_some(),
+            has_pilot,
+            is_part: self.is_part,
             samples: self.samples,
+            rows,
             makings: self.makings.clone(),
         };
         write_whole(&self.path, |mut to| {
             serde_json::to_writer(&mut to, &header)?;
             to.write_all(b"\n")?;
-            write_unfinished(film, &mut to)?;
-            pilot.map_or(Ok(()), |pilot| write_unfinished(pilot, &mut to))
-        })?;
-        let now = Instant::now();
-        self.due = now.checked_add(interval.max((now - start).saturating_mul(PATIENCE)));
-        Ok(())
+            films(to)
+        })
     }
 }
 
@@ -141,7 +224,8 @@ impl<'a> Checkpoints<'a> {
 fn all(folder: &Path) -> impl Iterator<Item = PathBuf> {
     let is_one = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name.strip_prefix(STEM).and_then(|rest| rest.strip_suffix(KIND)).is_some_and(|rest| {
+        let numbered = name.strip_suffix(FILM).or(name.strip_suffix(ROWS)).and_then(|rest| rest.strip_prefix(STEM));
+        numbered.is_some_and(|rest| {
             rest == "."
                 || rest.strip_prefix('-').and_then(|r| r.strip_suffix('.')).is_some_and(|n| n.parse::<u32>().is_ok())
         })

@@ -13,6 +13,7 @@ use photosite::{Error, Invalid, Result};
 use serde_json::{Value, json};
 
 use super::dataset_folder::{DatasetFolder, identity, part_identity};
+use super::film_memory::FilmMemory;
 use super::output_folder::OutputFolder;
 use super::parts::check_samples;
 use super::progress::Progress;
@@ -45,6 +46,8 @@ pub(super) struct DatasetArgs {
     /// Threads to use [default: all cores].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    #[command(flatten)]
+    film_memory: FilmMemory,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -55,7 +58,7 @@ pub(super) struct DatasetArgs {
 
 pub(super) fn run(args: &DatasetArgs) -> Result<()> {
     start_threads(args.threads)?;
-    let set = DataSet::read(&args.input, &args.overrides)?;
+    let set = DataSet::read(&args.input, &args.overrides, args.film_memory)?;
     if let Some(samples) = &args.samples {
         set.captures.iter().try_for_each(|capture| check_samples(samples, capture))?;
     }
@@ -99,16 +102,17 @@ pub(super) struct DataSet {
     captures: Vec<Capture>,
     /// Changes to the capture, after those of the file.
     arguments: Vec<String>,
+    film_memory: FilmMemory,
     pub(super) identity: Value,
 }
 
 impl DataSet {
-    pub(super) fn read(input: &Path, arguments: &[String]) -> Result<Self> {
+    pub(super) fn read(input: &Path, arguments: &[String], film_memory: FilmMemory) -> Result<Self> {
         let file = DatasetFile::read(input)?;
         let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
         let (plan, captures) = plan(&file, &capture_path, arguments)?;
         let identity = identity(&file, &captures, arguments)?;
-        Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), identity })
+        Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), film_memory, identity })
     }
 
     /// The changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here rather
@@ -158,6 +162,7 @@ impl DataSet {
                 },
                 overrides,
                 light,
+                film_memory: self.film_memory,
                 // What is to be said of the scene is said once.
                 quiet: talk.quiet || made > 0,
                 silent: true,

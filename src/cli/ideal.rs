@@ -2,26 +2,25 @@
 
 use photosite::Result;
 use photosite::develop::ideal;
-use photosite::film::{Film, Response};
+use photosite::film::Response;
 use photosite::image::{Channel, Planes};
 use photosite::io::capture::Capture;
 use photosite::sensor::Exposure;
 use photosite::spectrum::{Spectrum, cie};
 
 /// Planes of the film that are summed for it. No sensor's channel has such a name.
-const NAMES: [&str; 3] = ["ideal.X", "ideal.Y", "ideal.Z"];
+pub(super) const NAMES: [&str; 3] = ["ideal.X", "ideal.Y", "ideal.Z"];
 
 /// The observer's colour-matching functions as responses of the film.
 pub(super) fn responses() -> impl Iterator<Item = Response> {
     NAMES.into_iter().zip(cie::observer()).map(|(name, bar)| Response { name: name.to_owned(), spectrum: bar.clone() })
 }
 
-/// Linear planes of the colour space that the capture develops to. `light` is that of the scene.
-pub(super) fn picture(film: &Film, capture: &Capture, light: &Spectrum, exposure: &Exposure) -> Result<Planes> {
-    let estimate = film.estimate(NAMES).mean;
-    let named = |channel: &Channel| Channel { name: channel.name.replace("ideal.", ""), data: channel.data.clone() };
-    let (width, height) = (estimate.width(), estimate.height());
-    let xyz = Planes::new(width, height, estimate.channels().iter().map(named).collect());
+/// Linear planes of the colour space that the capture develops to, from the planes [`NAMES`]. `light` is that of the scene.
+pub(super) fn picture(seen: Planes, capture: &Capture, light: &Spectrum, exposure: &Exposure) -> Result<Planes> {
+    let named = |channel: Channel| Channel { name: channel.name.replace("ideal.", ""), ..channel };
+    let (width, height) = (seen.width(), seen.height());
+    let xyz = Planes::new(width, height, seen.into_channels().into_iter().map(named).collect());
     let light = light.product(&capture.lens.transmittance);
     let saturation = capture.sensor.saturation_capacity(exposure).0 / exposure.time.0;
     xyz.and_then(|xyz| ideal(xyz, &light, &capture.sensor.responses(), saturation, &capture.develop))

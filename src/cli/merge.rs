@@ -9,6 +9,7 @@ use photosite::{Error, Result};
 
 use super::dataset::{DataSet, Talk};
 use super::dataset_folder::{DatasetFolder, PartFolder};
+use super::film_memory::FilmMemory;
 use super::output_folder::OutputFolder;
 use super::parts::Parts;
 use super::render::{Light, Request, finish, render};
@@ -34,6 +35,8 @@ pub(super) struct MergeArgs {
     /// Threads to use [default: all cores].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    #[command(flatten)]
+    film_memory: FilmMemory,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -63,6 +66,7 @@ fn merge_pictures(args: &MergeArgs) -> Result<()> {
         overrides,
         is_timed: parts.trace_s().is_some(),
         light: Light::Merged(parts),
+        film_memory: args.film_memory,
         quiet: args.quiet,
         silent: args.quiet || args.json,
     };
@@ -81,7 +85,7 @@ fn merge_sets(args: &MergeArgs) -> Result<()> {
     }
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
     let input = args.input.clone().unwrap_or_else(|| parts[0].input());
-    let set = DataSet::read(&input, &parts[0].arguments())?;
+    let set = DataSet::read(&input, &parts[0].arguments(), args.film_memory)?;
     parts.iter().try_for_each(|part| part.check(&set.identity))?;
     let frames = set.frames(0..set.plan.frames())?;
     let of_picture = |camera: &str, number: u32| {

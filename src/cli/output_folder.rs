@@ -1,18 +1,19 @@
 //! The folder that a render fills.
 
 use std::fs;
-use std::io::{ErrorKind, Result as IoResult};
+use std::fs::File;
+use std::io::{ErrorKind, Result as IoResult, Seek};
 use std::path::{Path, PathBuf};
 
 use photosite::calibration::truth::TruthLayer;
 use photosite::colour::ColourSpace;
 use photosite::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
-use photosite::film::Film;
 use photosite::image::Planes;
 use photosite::io::capture::{NoiseOutput, OutputSettings, REPORT, RawFormat, SpectralBands, TruthOutput};
 use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
-use photosite::io::film_file::{write_film, write_samples};
+use photosite::io::film_file::write_samples;
+use photosite::io::light_rows::{LightRows, Store};
 use photosite::io::noise_maps::{NoiseFormat, write_noise_exr, write_noise_npy};
 use photosite::io::output::{Sink, write_whole};
 use photosite::io::raw_exr::write_raw_exr;
@@ -97,6 +98,12 @@ impl OutputFolder {
         self.force
     }
 
+    /// A file without a name, for what does not fit into memory.
+    pub(super) fn store(&self) -> Result<Box<dyn Store>> {
+        let file = tempfile::tempfile_in(&self.path).map_err(|reason| Error::io(&self.path, "write into", reason))?;
+        Ok(Box::new(file))
+    }
+
     /// Names of the files written so far.
     pub(super) fn files(&self) -> Vec<String> {
         self.written.clone()
@@ -144,9 +151,14 @@ impl OutputFolder {
         })
     }
 
-    pub(super) fn write_irradiance(&mut self, number: Option<u32>, bands: &SpectralBands, film: &Film) -> Result<()> {
+    pub(super) fn write_irradiance(
+        &mut self,
+        number: Option<u32>,
+        bands: &SpectralBands,
+        light: &LightRows,
+    ) -> Result<()> {
         let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
-        let irradiance = film.estimate(names.iter().map(String::as_str)).mean;
+        let irradiance = light.means(names.iter().map(String::as_str));
         self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
     }
 
@@ -183,13 +195,17 @@ impl OutputFolder {
     }
 
     /// How many samples each pixel has.
-    pub(super) fn write_samples(&mut self, number: Option<u32>, film: &Film) -> Result<()> {
-        self.write(&named("samples", number, "npy"), |to| write_samples(film, to))
+    pub(super) fn write_samples(&mut self, number: Option<u32>, size: [usize; 2], counts: &[u32]) -> Result<()> {
+        self.write(&named("samples", number, "npy"), |to| write_samples(size, counts, to))
     }
 
-    /// The sums of a part of a render.
-    pub(super) fn write_film(&mut self, number: Option<u32>, film: &Film) -> Result<()> {
-        self.write(&named("film", number, "npy"), |to| write_film(film, to))
+    /// The sums of a part of a render, from the file in which they were kept. That one stays until the part is there as a
+    /// whole.
+    pub(super) fn write_film(&mut self, number: Option<u32>, mut kept: File) -> Result<()> {
+        self.write(&named("film", number, "npy"), |mut to| {
+            kept.rewind()?;
+            std::io::copy(&mut kept, &mut to).map(|_| ())
+        })
     }
 
     /// The last file of a part.

@@ -10,13 +10,16 @@ use std::path::{Path, PathBuf, absolute};
 
 use photosite::film::{Film, FilmResponses, Response};
 use photosite::io::capture::{Capture, REPORT};
-use photosite::io::film_file::add_film;
+use photosite::io::film_file::FilmReader;
+use photosite::io::light_rows::LightRows;
 use photosite::{Error, Invalid, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
+use super::film_memory::Strips;
 use super::fingerprint::{difference, fingerprinted, keys_and_files};
-use super::output_folder::{PART, named};
+use super::kept_rows::KeptRows;
+use super::output_folder::{OutputFolder, PART, named};
 use super::render::{Light, Request, pixels};
 
 /// The object that `part.json` holds.
@@ -177,17 +180,34 @@ impl Parts {
         Err(Error::Usage { message, help: Some("render its parts again, or undo the change".to_owned()) })
     }
 
-    /// The film of all samples, of the picture of that number where a camera moves.
-    pub(super) fn film(&self, number: Option<u32>, capture: &Capture, responses: &[Response]) -> Result<Film> {
-        let [width, height] = pixels(capture).map(|n| n as usize);
-        let mut film = Film::new(width, height, FilmResponses::new(responses));
-        for (folder, part) in &self.parts {
+    /// The light of all samples, of the picture of that number where a camera moves.
+    pub(super) fn light(
+        &self,
+        number: Option<u32>,
+        capture: &Capture,
+        responses: &[Response],
+        strips: Strips,
+        folder: &OutputFolder,
+    ) -> Result<LightRows> {
+        let size = pixels(capture).map(|n| n as usize);
+        let open = |(folder, part): &(PathBuf, PartReport)| {
             let path = folder.join(named("film", number, "npy"));
             let file = File::open(&path).map_err(|reason| Error::io(&path, "read", reason))?;
-            let count = part.samples[1] - part.samples[0];
-            add_film(&mut film, count, BufReader::new(file)).map_err(|invalid| invalid.in_file(&path))?;
+            let sums = FilmReader::new(size, responses.len(), BufReader::new(file));
+            let sums = sums.map_err(|invalid| invalid.in_file(&path))?;
+            Ok((path, part.samples[1] - part.samples[0], sums))
+        };
+        let mut parts = self.parts.iter().map(open).collect::<Result<Vec<_>>>()?;
+        let light = KeptRows::light(capture, responses, strips.are_several().then(|| folder.store()).transpose()?);
+        let responses = FilmResponses::new(responses);
+        for rows in strips.from(0) {
+            let mut film = Film::of_rows(size[0], rows, responses.clone());
+            for (path, count, sums) in &mut parts {
+                sums.add_to(&mut film, *count).map_err(|invalid| invalid.in_file(path))?;
+            }
+            light.write(&film).map_err(|reason| Error::io(folder.path(), "write into", reason))?;
         }
-        Ok(film)
+        Ok(light)
     }
 }
 

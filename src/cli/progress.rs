@@ -1,16 +1,16 @@
 //! Progress on standard error: rate, time left, samples so far. Nothing where standard error is no terminal.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use photosite::film::Film;
 
 /// A progress bar over camera paths or images.
 pub(super) struct Progress {
     bar: ProgressBar,
     start: Instant,
     /// What was done before it began.
-    before: u64,
+    before: AtomicU64,
 }
 
 impl Progress {
@@ -23,13 +23,13 @@ impl Progress {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar, start: Instant::now(), before: 0 }
+        Self { bar, start: Instant::now(), before: AtomicU64::new(0) }
     }
 
-    /// The same, of which so many were done before.
-    pub(super) fn starting_at(self, before: u64) -> Self {
+    /// So many were done before.
+    pub(super) fn start_at(&self, before: u64) {
         self.bar.set_position(before);
-        Self { before, ..self }
+        self.before.store(before, Ordering::Relaxed);
     }
 
     /// For work on so many images.
@@ -44,12 +44,11 @@ impl Progress {
         self.bar.inc(paths);
     }
 
-    /// A pass is over, and so many paths are expected in all.
-    pub(super) fn pass(&self, film: &Film, expected_paths: u64) {
+    /// A pass is over, pixels have so many samples on average, and so many paths are expected in all.
+    pub(super) fn pass(&self, samples: f64, expected_paths: u64) {
         self.bar.set_length(expected_paths);
         let seconds = self.start.elapsed().as_secs_f64().max(1e-9);
-        let rate = self.bar.position().saturating_sub(self.before) as f64 / seconds / 1e6;
-        let samples = film.total() as f64 / film.counts().len() as f64;
+        let rate = self.bar.position().saturating_sub(self.before.load(Ordering::Relaxed)) as f64 / seconds / 1e6;
         self.bar.set_message(format!("{samples:.0} samples a pixel, {rate:.2} M paths/s"));
     }
 

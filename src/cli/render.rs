@@ -9,9 +9,8 @@ use clap::Args;
 use glam::DAffine3;
 use photosite::calibration::targets::PlacedTarget;
 use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
-use photosite::film::{Film, Response, band_response};
+use photosite::film::{Response, band_response};
 use photosite::geometry::{Hit, Ray};
-use photosite::integrator::RenderSettings;
 use photosite::io::capture::{Capture, REPORT, TruthOutput};
 use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
@@ -21,17 +20,19 @@ use photosite::scene::{self, Scene};
 use photosite::sensor::{Exposure, SensorModel};
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
-use photosite::{Invalid, Result};
+use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value};
 
 use super::chain::{Chain, Optics, scene_light};
 use super::checkpoint::Checkpoints;
+use super::film_memory::{FilmMemory, Strips};
 use super::ideal;
+use super::kept_rows::KeptRows;
 use super::output_folder::OutputFolder;
 use super::parts::{PartReport, Parts, check_samples, makings};
 use super::report::{
-    CameraReport, LensReport, LightReport, MotionReport, RenderReport, Report, TargetReport, Timings, TracedReport,
-    TruthReport,
+    CameraReport, LensReport, LightReport, MotionReport, NoiseReport, RenderReport, Report, TargetReport, Timings,
+    TracedReport, TruthReport,
 };
 use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
@@ -50,6 +51,8 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     samples: Option<Range<u32>>,
     #[command(flatten)]
+    film_memory: FilmMemory,
+    #[command(flatten)]
     common: RunArgs,
 }
 
@@ -66,6 +69,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         named: args.input.display().to_string(),
         overrides,
         light: args.samples.clone().map_or(Light::Traced, Light::Part),
+        film_memory: args.film_memory,
         quiet: *quiet,
         silent: *quiet || *json,
         is_timed: true,
@@ -91,6 +95,7 @@ pub(super) struct Request<'a> {
     pub(super) named: String,
     pub(super) overrides: Vec<String>,
     pub(super) light: Light,
+    pub(super) film_memory: FilmMemory,
     /// Whether warnings are kept from the user.
     pub(super) quiet: bool,
     /// Whether progress is.
@@ -119,6 +124,7 @@ pub(super) fn render(
     }
     let start = Instant::now();
     let responses = responses(&capture);
+    let strips = request.film_memory.strips(&capture, responses.len())?;
     let importance = importance(&responses);
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
@@ -155,10 +161,10 @@ pub(super) fn render(
         chain: &chain,
         responses: &responses,
         importance: &importance,
+        strips,
     };
-    let Recorded { traced: Traced { film, pilot_paths, .. }, shot, paths } =
-        traced.record(folder, &mut timings, request.silent)?;
-    let Some((exposure, first)) = shot else {
+    let Recorded { shot, paths } = traced.record(folder, &mut timings, request.silent)?;
+    let Some(Shot { exposure, first, reached }) = shot else {
         let samples = capture.render.samples_per_pixel;
         let part = PartReport::new(request, samples, makings, &responses, folder.files(), timings.trace_s);
         folder.write_part(&part)?;
@@ -182,7 +188,7 @@ pub(super) fn render(
             capture.recording.as_ref().map(MotionReport::new),
         ),
         lens: LensReport::new(&capture.lens, &camera),
-        render: render_report(&capture.render, &scene, &chain, &film, pilot_paths),
+        render: render_report(&capture, &scene, reached),
         scene_light: LightReport::new(&light),
         targets: capture.targets.iter().map(report_target).collect(),
         truth: truth_report,
@@ -219,15 +225,29 @@ struct Series<'a> {
     chain: &'a Chain<'a>,
     responses: &'a [Response],
     importance: &'a Spectrum,
+    strips: Strips,
 }
 
-/// The last light of a series and the first picture.
+/// What has become of a series.
 struct Recorded {
-    traced: Traced,
-    /// The last exposure and the first picture; `None` for parts, which are not exposed.
-    shot: Option<(Exposure, RawImage)>,
+    /// `None` for parts, which are not exposed.
+    shot: Option<Shot>,
     /// Paths, over all light that was traced.
     paths: u64,
+}
+
+/// The last exposure and the first picture.
+struct Shot {
+    exposure: Exposure,
+    first: RawImage,
+    reached: Reached,
+}
+
+/// What the samples have given.
+struct Reached {
+    samples_per_pixel: u32,
+    noise_ratio: Option<f64>,
+    noise: Option<NoiseReport>,
 }
 
 impl Series<'_> {
@@ -264,9 +284,9 @@ impl Series<'_> {
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
-            let Recorded { traced, shot, paths } = frame(number, folder, timings)?;
-            let shot = shot.zip(recorded.shot).map(|((exposure, _), (_, first))| (exposure, first));
-            recorded = Recorded { traced, shot, paths: recorded.paths + paths };
+            let Recorded { shot, paths } = frame(number, folder, timings)?;
+            let shot = shot.zip(recorded.shot).map(|(last, Shot { first, .. })| Shot { first, ..last });
+            recorded = Recorded { shot, paths: recorded.paths + paths };
         }
         Ok(recorded)
     }
@@ -298,14 +318,17 @@ impl Series<'_> {
         let start = Instant::now();
         let traced = match self.source {
             Light::Merged(parts) => {
-                let film = parts.film(frames.light_number(), capture, self.responses)?;
-                Traced { film, pilot_paths: 0, earlier: Duration::ZERO }
+                let light = parts.light(frames.light_number(), capture, self.responses, self.strips, folder)?;
+                let [width, height] = pixels(capture).map(u64::from);
+                let paths = width * height * u64::from(settings.samples_per_pixel);
+                Traced { rows: KeptRows::Light(light), paths, pilot_paths: 0, earlier: Duration::ZERO }
             }
             Light::Traced | Light::Part(_) => {
                 let samples = settings.first_sample..settings.first_sample + settings.samples_per_pixel;
                 let interval = capture.output.checkpoint_interval;
                 let number = frames.light_number();
-                let checkpoints = Checkpoints::new(folder, number, samples, self.makings, interval);
+                let is_part = matches!(self.source, Light::Part(_));
+                let checkpoints = Checkpoints::new(folder, number, is_part, samples, self.makings, interval);
                 let traced = Trace {
                     capture,
                     settings: &settings,
@@ -313,6 +336,8 @@ impl Series<'_> {
                     camera,
                     responses: self.responses,
                     importance: self.importance,
+                    strips: self.strips,
+                    is_part,
                     chain,
                     folder,
                     silent,
@@ -321,39 +346,53 @@ impl Series<'_> {
             }
         };
         timings.trace_s += (traced.earlier + start.elapsed()).as_secs_f64();
-        let Traced { film, pilot_paths, .. } = &traced;
-        let paths = film.total() + pilot_paths;
-        if let Light::Part(_) = self.source {
-            let start = Instant::now();
-            if frames.numbers().0.start == 0 {
-                folder.remove_earlier()?;
-            }
-            folder.write_film(frames.light_number(), film)?;
-            timings.write_s += start.elapsed().as_secs_f64();
-            return Ok(Recorded { traced, shot: None, paths });
-        }
+        let Traced { rows, paths, pilot_paths, .. } = traced;
+        let all_paths = paths + pilot_paths;
         let start = Instant::now();
-        let exposed = chain.expose(chain.rates(film), Seconds(1.0), None)?;
+        let light = match rows {
+            KeptRows::Light(light) => light,
+            KeptRows::Sums { file, .. } => {
+                if frames.numbers().0.start == 0 {
+                    folder.remove_earlier()?;
+                }
+                folder.write_film(frames.light_number(), file)?;
+                timings.write_s += start.elapsed().as_secs_f64();
+                return Ok(Recorded { shot: None, paths: all_paths });
+            }
+        };
+        let in_folder = |reason: std::io::Error| Error::io(folder.path(), "read from", reason);
+        let rates = light.estimate(chain.channels()).map_err(in_folder)?;
+        let counts = light.counts().map_err(in_folder)?;
+        let reached = Reached {
+            samples_per_pixel: counts.iter().copied().max().unwrap_or(0),
+            noise_ratio: chain.noise_ratio(&rates, counts.iter().copied().min().unwrap_or(0)),
+            noise: settings.noise_target.map(|target| chain.noise_report(&rates, &counts, target, pilot_paths)),
+        };
+        // Where no pixel stops by itself, all have the same number.
+        let counts = settings.noise_target.map(|_| counts);
+        let exposed = chain.expose(rates, Seconds(1.0), None)?;
         timings.expose_s += start.elapsed().as_secs_f64();
         let exposure = exposed.exposure;
         let first = write_results(chain, exposed, frames, folder, timings, |folder, number| {
             if capture.output.ideal {
-                let picture = ideal::picture(film, capture, self.light, &exposure)?;
+                let seen = light.means(ideal::NAMES).to_planes();
+                let seen = seen.map_err(|reason| Error::io(folder.path(), "read from", reason))?;
+                let picture = ideal::picture(seen, capture, self.light, &exposure)?;
                 folder.write_ideal(number, picture, &capture.develop)?;
             }
             if !capture.output.truth.layers.is_empty() {
                 let planes = truth(&truth_job, &capture.output.truth.layers);
                 folder.write_truth(number, &capture.output.truth, &planes)?;
             }
-            if settings.noise_target.is_some() {
-                folder.write_samples(number, film)?;
+            if let Some(counts) = &counts {
+                folder.write_samples(number, capture.sensor.resolution, counts)?;
             }
             match &capture.output.irradiance {
-                Some(bands) => folder.write_irradiance(number, bands, film),
+                Some(bands) => folder.write_irradiance(number, bands, &light),
                 None => Ok(()),
             }
         })?;
-        Ok(Recorded { traced, shot: Some((exposure, first)), paths })
+        Ok(Recorded { shot: Some(Shot { exposure, first, reached }), paths: all_paths })
     }
 }
 
@@ -448,24 +487,20 @@ pub(super) fn lone_camera(capture: &Capture) -> Result<Camera> {
     place_camera(capture, |ray| built.get_or_init(build).closest(ray))
 }
 
-fn render_report(
-    settings: &RenderSettings,
-    scene: &Scene,
-    chain: &Chain<'_>,
-    film: &Film,
-    pilot_paths: u64,
-) -> RenderReport {
+fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderReport {
+    let settings = &capture.render;
+    let Reached { samples_per_pixel, noise_ratio, noise } = reached;
     RenderReport {
         seed: settings.seed,
-        samples_per_pixel: film.counts().iter().copied().max().unwrap_or(0),
+        samples_per_pixel,
         max_depth: settings.max_depth,
         roulette_depth: settings.roulette_depth,
         splitting: settings.splitting,
         sampler: settings.sampler.name(),
         triangles: scene.geometry().triangles.len(),
         lights: scene.lights().len(),
-        noise_ratio: chain.noise_ratio(film),
-        noise: settings.noise_target.map(|target| chain.noise_report(film, target, pilot_paths)),
+        noise_ratio,
+        noise,
     }
 }
 

@@ -6,15 +6,21 @@ use std::time::{Duration, Instant};
 
 use photosite::Result;
 use photosite::film::{Film, FilmResponses, Response};
-use photosite::integrator::{RenderJob, RenderSettings, Step, render_on, render_with_pilot};
+use photosite::image::{Estimate, Planes};
+use photosite::integrator::{Listener, RenderJob, RenderSettings, Step, render_on, render_with_pilot};
 use photosite::io::capture::Capture;
+use photosite::io::film_file::film_bytes;
+use photosite::io::light_rows::{LightRows, Store};
 use photosite::optics::Camera;
 use photosite::scene::Scene;
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
 
 use super::chain::Chain;
-use super::checkpoint::Checkpoints;
+use super::checkpoint::{Checkpoints, Resumed};
+use super::due::Due;
+use super::film_memory::Strips;
+use super::kept_rows::KeptRows;
 use super::output_folder::OutputFolder;
 use super::progress::Progress;
 use super::render::pixels;
@@ -28,6 +34,9 @@ pub(super) struct Trace<'a> {
     pub(super) camera: &'a Camera,
     pub(super) responses: &'a [Response],
     pub(super) importance: &'a Spectrum,
+    pub(super) strips: Strips,
+    /// Whether it is a part of a render, of which the sums are kept.
+    pub(super) is_part: bool,
     pub(super) chain: &'a Chain<'a>,
     pub(super) folder: &'a OutputFolder,
     pub(super) silent: bool,
@@ -35,15 +44,19 @@ pub(super) struct Trace<'a> {
 
 /// Light that was traced.
 pub(super) struct Traced {
-    pub(super) film: Film,
-    /// Paths that are not in the film, but found how many are.
+    pub(super) rows: KeptRows,
+    /// Paths of the picture.
+    pub(super) paths: u64,
+    /// Paths that are not in it, but found how many are.
     pub(super) pilot_paths: u64,
     /// Time that was spent on it before a checkpoint.
     pub(super) earlier: Duration,
 }
 
-/// Traces until the samples, the time or the noise that was asked for is reached, from the last checkpoint on.
+/// Traces until the samples, the time or the noise that was asked for is reached, from the last checkpoint on, one strip
+/// after the other.
 pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Traced> {
+    let start = Instant::now();
     let settings = t.settings;
     let job = RenderJob {
         scene: t.scene,
@@ -53,48 +66,102 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
         resolution: pixels(t.capture),
         settings,
     };
-    let mut film = job.empty_film(FilmResponses::new(t.responses));
+    let [width, height] = job.resolution.map(|n| n as usize);
+    let responses = FilmResponses::new(t.responses);
     // The sensor's channels come first.
-    let of_sensor = || job.empty_film(FilmResponses::new(&t.responses[..t.capture.sensor.cfa.channels().len()]));
-    let mut pilot = settings.noise_target.map(|_| of_sensor());
-    let earlier = checkpoints.resume(&mut film, pilot.as_mut())?;
-    if earlier.is_some() && !t.silent {
-        let (path, samples) = (checkpoints.path().display(), film.total() / film.counts().len() as u64);
-        eprintln!("goes on from {path} at {samples} samples a pixel");
-    }
-    let earlier = earlier.unwrap_or_default();
-    let paths_of = |film: &Film, pilot: Option<&Film>| film.total() + pilot.map_or(0, Film::total);
+    let of_sensor = FilmResponses::new(&t.responses[..t.capture.sensor.cfa.channels().len()]);
+    let per_row = width as u64 * u64::from(settings.samples_per_pixel);
+    let asked_for = per_row * height as u64;
 
-    let asked_for = film.counts().len() as u64 * u64::from(settings.samples_per_pixel);
-    let progress = Progress::new(asked_for, t.silent).starting_at(paths_of(&film, pilot.as_ref()));
-    let beside = Mutex::new(Beside { checkpoints, last_preview: Instant::now(), failure: None });
-    let step = |step: Step<'_>| match step {
-        Step::Row { paths } => {
-            progress.advance(paths);
-            ControlFlow::Continue(())
-        }
-        Step::Pass { film, pilot, elapsed, planned_paths } => {
-            let elapsed = earlier + elapsed;
-            let planned = planned_paths.unwrap_or(asked_for);
-            progress.pass(film, expected_paths(settings, paths_of(film, pilot), elapsed, planned));
-            if settings.time_limit.is_some_and(|limit| elapsed >= limit) {
-                return ControlFlow::Break(());
-            }
-            beside.lock().expect("nobody panics while holding it").keep(t, film, pilot, elapsed)
+    let (path, resumed) = (checkpoints.path().to_owned(), checkpoints.resume(t.strips)?);
+    let is_resumed = resumed.is_some();
+    let Resumed { first_row, elapsed: earlier, films: mut saved } =
+        resumed.unwrap_or(Resumed { first_row: 0, elapsed: Duration::ZERO, films: None });
+    // A picture that is one strip needs no file.
+    let is_filed = t.is_part || t.strips.are_several() || first_row > 0;
+    let mut rows = kept_rows(t, &checkpoints, first_row, is_filed)?;
+    let (mut paths, mut pilot_paths) = (per_row * first_row as u64, 0);
+    let progress = Progress::new(asked_for, t.silent);
+    let beside = Mutex::new(Beside::new(t, checkpoints, is_filed));
+    let tell_start = |paths: u64, pilot_paths: u64| {
+        progress.start_at(paths + pilot_paths);
+        if is_resumed && !t.silent {
+            let samples = paths / (width * height) as u64;
+            eprintln!("goes on from {} at {samples} samples a pixel", path.display());
         }
     };
-    match (settings.noise_target, &mut pilot) {
-        (Some(target), Some(pilot)) => {
-            let needed = |pilot: &Film| t.chain.samples_needed(pilot, target);
-            render_with_pilot(&job, &mut film, pilot, &needed, &step);
+    if saved.is_none() {
+        tell_start(paths, 0);
+    }
+    for strip in t.strips.from(first_row) {
+        let mut film = Film::of_rows(width, strip.clone(), responses.clone());
+        let mut pilot = settings.noise_target.map(|_| Film::of_rows(width, strip.clone(), of_sensor.clone()));
+        if let Some(saved) = saved.take() {
+            saved.fill(&mut film, pilot.as_mut())?;
+            tell_start(paths + film.total(), pilot.as_ref().map_or(0, Film::total));
         }
-        _ => render_on(&job, &mut film, &step),
+        let before = start.elapsed();
+        let step = |step: Step<'_>| match step {
+            Step::Row { paths } => {
+                progress.advance(paths);
+                ControlFlow::Continue(())
+            }
+            Step::Pass { film, pilot, elapsed, planned_paths } => {
+                let elapsed = earlier + before + elapsed;
+                // Those of all other strips are known.
+                let of_strip = per_row * strip.len() as u64;
+                let planned = asked_for - of_strip + planned_paths.unwrap_or(of_strip);
+                let traced = paths + film.total();
+                let done = traced + pilot.map_or(0, Film::total);
+                let samples = traced as f64 / (width * height) as f64;
+                progress.pass(samples, expected_paths(settings, done, elapsed, planned));
+                if settings.time_limit.is_some_and(|limit| elapsed >= limit) {
+                    return ControlFlow::Break(());
+                }
+                beside.lock().expect("nobody panics while holding it").keep(film, pilot, elapsed)
+            }
+        };
+        fill(t, &job, &mut film, pilot.as_mut(), &step);
+        let mut beside = beside.lock().expect("nobody panics while holding it");
+        if let Some(error) = beside.failure.take() {
+            progress.finish();
+            return Err(error);
+        }
+        rows.write(&film, t.folder)?;
+        beside.finish(&film, earlier + start.elapsed())?;
+        paths += film.total();
+        pilot_paths += pilot.as_ref().map_or(0, Film::total);
     }
     progress.finish();
-    match beside.into_inner().expect("nobody panics while holding it").failure {
-        Some(error) => Err(error),
-        None => Ok(Traced { pilot_paths: paths_of(&film, pilot.as_ref()) - film.total(), film, earlier }),
+    Ok(Traced { rows, paths, pilot_paths, earlier })
+}
+
+/// Gives a film its samples; one that has a pilot has all rows.
+fn fill(t: &Trace<'_>, job: &RenderJob<'_>, film: &mut Film, pilot: Option<&mut Film>, step: &Listener<'_>) {
+    match (t.settings.noise_target, pilot) {
+        (Some(target), Some(pilot)) => {
+            let chain = t.chain;
+            let needed = |pilot: &Film| chain.samples_needed(&pilot.estimate(chain.channels()), pilot.counts(), target);
+            render_with_pilot(job, film, pilot, &needed, step);
+        }
+        _ => render_on(job, film, step),
     }
+}
+
+/// Where the rows go, those that a checkpoint has included.
+fn kept_rows(t: &Trace<'_>, checkpoints: &Checkpoints<'_>, first_row: usize, is_filed: bool) -> Result<KeptRows> {
+    let [width, height] = pixels(t.capture).map(|n| n as usize);
+    let channels = t.responses.len();
+    if t.is_part {
+        let stored = if first_row == 0 { 0 } else { film_bytes([width, height], channels, first_row) };
+        let file = checkpoints.open_rows(stored)?;
+        return Ok(KeptRows::Sums { file, path: checkpoints.rows_path().to_owned(), height });
+    }
+    let with_variance = t.capture.sensor.cfa.channels().len();
+    let stored = first_row * width * LightRows::bytes_per_pixel(channels, with_variance);
+    let file = is_filed.then(|| checkpoints.open_rows(stored as u64)).transpose()?;
+    let store = file.map(|file| -> Box<dyn Store> { Box::new(file) });
+    Ok(KeptRows::Light(KeptRows::light(t.capture, t.responses, store)))
 }
 
 /// How many paths there will be in all, as far as can be told after a pass that brought them to `done`: those that are
@@ -106,15 +173,27 @@ fn expected_paths(settings: &RenderSettings, done: u64, elapsed: Duration, plann
 
 /// What is written of a render that is under way.
 struct Beside<'a> {
+    t: &'a Trace<'a>,
     checkpoints: Checkpoints<'a>,
-    last_preview: Instant,
+    /// Whether rows that are done lie in a file.
+    is_filed: bool,
+    preview: Due,
+    /// Electron rates as far as they are known, if they are shown.
+    seen: Option<Planes>,
     failure: Option<photosite::Error>,
 }
 
-impl Beside<'_> {
+impl<'a> Beside<'a> {
+    fn new(t: &'a Trace<'a>, checkpoints: Checkpoints<'a>, is_filed: bool) -> Self {
+        let interval = t.capture.output.preview_interval;
+        let [width, height] = pixels(t.capture).map(|n| n as usize);
+        let seen = interval.map(|_| Planes::zeros(width, height, t.chain.channels()));
+        Self { t, checkpoints, is_filed, preview: Due::every(interval), seen, failure: None }
+    }
+
     /// Writes what it is time for. What goes wrong is kept, and ends the render.
-    fn keep(&mut self, t: &Trace<'_>, film: &Film, pilot: Option<&Film>, elapsed: Duration) -> ControlFlow<()> {
-        let written = self.checkpoints.keep(film, pilot, elapsed).and_then(|()| self.show(t, film));
+    fn keep(&mut self, film: &Film, pilot: Option<&Film>, elapsed: Duration) -> ControlFlow<()> {
+        let written = self.checkpoints.keep(film, pilot, elapsed).and_then(|()| self.show(film));
         match written {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => {
@@ -124,16 +203,39 @@ impl Beside<'_> {
         }
     }
 
+    /// The rows of a film are kept.
+    fn finish(&mut self, film: &Film, elapsed: Duration) -> Result<()> {
+        self.see(film);
+        if self.is_filed { self.checkpoints.keep_rows(film.picture_rows().end, elapsed) } else { Ok(()) }
+    }
+
+    fn see(&mut self, film: &Film) {
+        let first = film.picture_rows().start * film.width();
+        let planes = self.seen.iter_mut().flat_map(Planes::channels_mut);
+        // The sensor's channels come first.
+        for (channel, plane) in planes.enumerate() {
+            let means = film.means(channel, 0..film.counts().len());
+            plane.data[first..].iter_mut().zip(means).for_each(|(seen, mean)| *seen = mean);
+        }
+    }
+
     /// Writes a picture if it is time for one.
-    fn show(&mut self, t: &Trace<'_>, film: &Film) -> Result<()> {
-        if t.capture.output.preview_interval.is_none_or(|interval| self.last_preview.elapsed() < interval) {
+    fn show(&mut self, film: &Film) -> Result<()> {
+        if !self.preview.is_now() {
             return Ok(());
         }
+        let start = Instant::now();
+        self.see(film);
+        let Some(mean) = self.seen.clone() else { return Ok(()) };
+        let chain = self.t.chain;
+        // No picture needs the variance.
+        let variance = Planes::zeros::<&str>(mean.width(), mean.height(), []);
         // Too little light for an exposure yet is no failure: there is nothing to show.
-        let Ok(exposed) = t.chain.expose(t.chain.rates(film), Seconds(1.0), None) else { return Ok(()) };
-        let raw = t.chain.read_out(&exposed, 0)?;
-        t.folder.write_preview(&t.chain.develop(&raw)?)?;
-        self.last_preview = Instant::now();
+        let Ok(exposed) = chain.expose(Estimate { mean, variance }, Seconds(1.0), None) else { return Ok(()) };
+        let raw = chain.read_out(&exposed, 0)?;
+        drop(exposed);
+        self.t.folder.write_preview(&chain.develop(&raw)?)?;
+        self.preview.done_since(start);
         Ok(())
     }
 }

@@ -64,12 +64,12 @@ pub fn render(job: &RenderJob<'_>, responses: FilmResponses, step: &Listener<'_>
     film
 }
 
-/// The same, from a film on that holds the first samples of each pixel: it becomes what it would be if it had been rendered
-/// in one go.
+/// The same, from a film on that holds the first samples of each pixel, of the whole picture or of some rows: it becomes
+/// what it would be if all had been rendered in one go.
 pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
     let tracer = Tracer::new(job, job.settings.seed, step);
     let samples = job.settings.samples_per_pixel;
-    let planned = Some(job.pixels() * u64::from(samples));
+    let planned = Some(film.counts().len() as u64 * u64::from(samples));
     // A render that is broken off is one of fewer samples.
     let _ = tracer.fill(film, samples, |film| tracer.tell(film, None, planned));
 }
@@ -139,23 +139,23 @@ impl<'a> Tracer<'a> {
         (self.step)(Step::Pass { film, pilot, elapsed: self.start.elapsed(), planned_paths })
     }
 
-    /// Brings each pixel that has fewer to as many samples as `wanted` says of it.
+    /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it.
     pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) {
         let job = self.job;
         let RenderSettings { sampler: kind, first_sample, .. } = *job.settings;
-        let width = film.width();
+        let (width, first_row) = (film.width(), film.picture_rows().start);
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
             let mut paths = 0;
             for x in 0..width {
-                let pixel = y * width + x;
-                let (done, wanted) = (row.samples(x), wanted(pixel));
+                let pixel = (first_row + y) * width + x;
+                let (done, wanted) = (row.samples(x), wanted(y * width + x));
                 paths += u64::from(wanted.saturating_sub(done));
                 for index in done..wanted {
                     let mut sampler = Sampler::new(kind, self.seed, pixel as u64, first_sample + index);
                     let [dx, dy] = sampler.next_2d();
                     let aperture = sampler.next_2d();
                     let mut lambda = self.wavelengths.sample(sampler.next_1d());
-                    let position = DVec2::new(x as f64 + f64::from(dx), y as f64 + f64::from(dy));
+                    let position = DVec2::new(x as f64 + f64::from(dx), (first_row + y) as f64 + f64::from(dy));
                     // A camera that stands still needs no time, and its samples stay what they are.
                     let time = if job.camera.moves() { sampler.next_1d() } else { 0.0 };
                     let spread = if job.camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };

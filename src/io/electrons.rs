@@ -27,7 +27,11 @@ pub fn write_electrons<W: Write + Seek>(electrons: &Estimate, time: Seconds, to:
 
 /// The planes with `prefix` before their names.
 fn named<'a>(planes: &'a Planes, prefix: &'static str) -> impl Iterator<Item = NamedPlane<'a>> {
-    planes.channels().iter().map(move |c| NamedPlane { name: format!("{prefix}{}", c.name), values: &c.data })
+    let named = move |(plane, channel): (usize, &Channel)| {
+        let name = format!("{prefix}{}", channel.name);
+        NamedPlane { name, of: planes, plane }
+    };
+    planes.channels().iter().enumerate().map(named)
 }
 
 /// Reads electrons with their variance, which has the channels that the file has it for.

@@ -1,11 +1,12 @@
 //! `film.npy`: the sums of a part of a render, from which the whole is put together.
 //!
 //! A NumPy array of `float64`, shape (rows, columns, channels, 4). The four are Σ v over the samples v of the pixel and what
-//! rounding leaves of it, and the same of Σ v²: [`Sums`]. What the channels are is said elsewhere.
+//! rounding leaves of it, and the same of Σ v²: [`Sums`]. What the channels are is said elsewhere. It is written and read
+//! strip by strip, since films of large pictures do not fit into memory.
 
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 
-use npyz::{NpyFile, Order, WriterBuilder};
+use npyz::{NpyFile, NpyReader, Order, WriterBuilder};
 
 use super::npy::write_planes;
 use crate::Invalid;
@@ -16,33 +17,56 @@ use crate::raw::with_short_header;
 /// Numbers for each channel of a pixel.
 const NUMBERS: usize = 4;
 
-fn shape(film: &Film) -> [u64; 4] {
-    [film.height(), film.width(), film.channels().len(), NUMBERS].map(|n| n as u64)
+fn shape([width, height]: [usize; 2], channels: usize) -> [u64; 4] {
+    [height, width, channels, NUMBERS].map(|n| n as u64)
 }
 
-/// Writes all sums of a film.
-pub fn write_film<W: Write>(film: &Film, to: W) -> io::Result<()> {
-    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape(film)).writer(to).begin_nd()?;
-    let numbers = |s: &Sums| [s.sum.high, s.sum.low, s.squares.high, s.squares.low];
-    array.extend(film.sums().iter().flat_map(numbers))?;
-    array.finish()
+fn write_header<W: Write>(shape: &[u64], to: W) -> io::Result<()> {
+    let options = npyz::WriteOptions::<f64>::new().default_dtype().shape(shape).writer(to);
+    options.write_header_only().map(|_| ())
+}
+
+fn write_sums<W: Write>(film: &Film, mut to: W) -> io::Result<()> {
+    for s in film.sums() {
+        let numbers = [s.sum.high, s.sum.low, s.squares.high, s.squares.low];
+        to.write_all(numbers.map(f64::to_le_bytes).as_flattened())?;
+    }
+    Ok(())
+}
+
+/// Bytes of a file of a picture of so many columns and rows, and so many channels, up to some row.
+pub fn film_bytes(size: [usize; 2], channels: usize, row: usize) -> u64 {
+    let mut header = Vec::new();
+    write_header(&shape(size, channels), &mut header).expect("memory takes all");
+    (header.len() + row * size[0] * channels * NUMBERS * size_of::<f64>()) as u64
+}
+
+/// Writes the sums of the rows that a film holds to their place in the file of a picture of `height` rows.
+pub fn write_film<W: Write + Seek>(film: &Film, height: usize, mut to: W) -> io::Result<()> {
+    let (size, channels) = ([film.width(), height], film.channels().len());
+    to.seek(SeekFrom::Start(0))?;
+    write_header(&shape(size, channels), &mut to)?;
+    to.seek(SeekFrom::Start(film_bytes(size, channels, film.picture_rows().start)))?;
+    write_sums(film, &mut to)?;
+    to.flush()
 }
 
 /// Writes how many samples each pixel has: an array of `uint32`, shape (rows, columns).
-pub fn write_samples<W: Write>(film: &Film, to: W) -> io::Result<()> {
-    write_planes([film.width(), film.height()], &[film.counts()], |count| count, to)
+pub fn write_samples<W: Write>(size: [usize; 2], counts: &[u32], to: W) -> io::Result<()> {
+    write_planes(size, &[counts], |count| count, to)
 }
 
-/// Adds the sums of a file, of `samples` samples a pixel, to a film of the same size and channels.
-pub fn add_film<R: Read>(film: &mut Film, samples: u32, from: R) -> Result<(), Invalid> {
-    let pixels = film.counts().len();
-    add_sums(film, std::iter::repeat_n(samples, pixels), from)
+/// The sums of a file, to be read from its first row to its last.
+pub struct FilmReader<'a> {
+    numbers: NpyReader<f64, Box<dyn Read + 'a>>,
 }
 
 /// Writes a film that is not finished: its numbers of samples, and the sums of all of them, one array after the other.
 pub fn write_unfinished<W: Write>(film: &Film, mut to: W) -> io::Result<()> {
-    write_samples(film, &mut to)?;
-    write_film(film, to)
+    let size = [film.width(), film.height()];
+    write_samples(size, film.counts(), &mut to)?;
+    write_header(&shape(size, film.channels().len()), &mut to)?;
+    write_sums(film, to)
 }
 
 /// Adds what [`write_unfinished`] wrote to a film of the same size and channels.
@@ -50,7 +74,7 @@ pub fn add_unfinished<R: Read>(film: &mut Film, mut from: R) -> Result<(), Inval
     let array = array(&[film.height(), film.width()].map(|n| n as u64), &mut from)?;
     let counts = array.data::<u32>().map_err(|e| unreadable(&e))?;
     let counts = counts.collect::<io::Result<Vec<u32>>>().map_err(|e| unreadable(&e))?;
-    add_sums(film, counts, from)
+    FilmReader::new([film.width(), film.height()], film.channels().len(), from)?.add_sums(film, counts)
 }
 
 fn unreadable(error: &dyn std::fmt::Display) -> Invalid {
@@ -58,47 +82,67 @@ fn unreadable(error: &dyn std::fmt::Display) -> Invalid {
 }
 
 /// An array of that shape.
-fn array<R: Read>(shape: &[u64], from: R) -> Result<NpyFile<impl Read + use<R>>, Invalid> {
-    let array = NpyFile::new(with_short_header(from)?).map_err(|e| unreadable(&e))?;
+fn array<'a>(shape: &[u64], from: impl Read + 'a) -> Result<NpyFile<Box<dyn Read + 'a>>, Invalid> {
+    let from: Box<dyn Read + 'a> = Box::new(with_short_header(from)?);
+    let array = NpyFile::new(from).map_err(|e| unreadable(&e))?;
     if array.shape() != shape || array.order() == Order::Fortran {
         return Err(unreadable(&format!("its shape is {:?} instead of {shape:?}", array.shape())));
     }
     Ok(array)
 }
 
-fn add_sums<R: Read>(film: &mut Film, counts: impl IntoIterator<Item = u32>, from: R) -> Result<(), Invalid> {
-    let array = array(&shape(film), from)?;
-    let mut numbers = array.data::<f64>().map_err(|e| unreadable(&e))?;
-    let mut failure = None;
-    let mut next = || match numbers.next() {
-        Some(Ok(number)) if !number.is_nan() => Some(number),
-        Some(Ok(_)) => {
-            failure = Some(unreadable(&"it holds what is no number"));
-            None
-        }
-        Some(Err(error)) => {
-            failure = Some(unreadable(&error));
-            None
-        }
-        None => None,
-    };
-    let sums = std::iter::from_fn(|| {
-        let [sum, squares] = [(next()?, next()?), (next()?, next()?)].map(|(high, low)| DoubleDouble { high, low });
-        Some(Sums { sum, squares })
-    });
-    film.add(sums, counts);
-    failure.map_or(Ok(()), Err)
+impl<'a> FilmReader<'a> {
+    /// Of a picture of so many columns and rows and so many channels. Numbers are read one by one, so buffer them.
+    pub fn new(size: [usize; 2], channels: usize, from: impl Read + 'a) -> Result<Self, Invalid> {
+        let numbers = array(&shape(size, channels), from)?.data::<f64>().map_err(|e| unreadable(&e))?;
+        Ok(Self { numbers })
+    }
+
+    /// Adds the next rows, as many as a film of the same columns and channels holds, of `samples` samples a pixel.
+    pub fn add_to(&mut self, film: &mut Film, samples: u32) -> Result<(), Invalid> {
+        let pixels = film.counts().len();
+        self.add_sums(film, std::iter::repeat_n(samples, pixels))
+    }
+
+    fn add_sums(&mut self, film: &mut Film, counts: impl IntoIterator<Item = u32>) -> Result<(), Invalid> {
+        let mut failure = None;
+        let mut next = || match self.numbers.next() {
+            Some(Ok(number)) if !number.is_nan() => Some(number),
+            Some(Ok(_)) => {
+                failure = Some(unreadable(&"it holds what is no number"));
+                None
+            }
+            Some(Err(error)) => {
+                failure = Some(unreadable(&error));
+                None
+            }
+            None => None,
+        };
+        let wanted = film.sums().len();
+        let sums = std::iter::from_fn(|| {
+            let [sum, squares] = [(next()?, next()?), (next()?, next()?)].map(|(high, low)| DoubleDouble { high, low });
+            Some(Sums { sum, squares })
+        });
+        film.add(sums.take(wanted), counts);
+        failure.map_or(Ok(()), Err)
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
     use crate::film::{FilmResponses, Response};
     use crate::spectrum::{SampledSpectrum, Spectrum, WavelengthSampler};
 
-    fn empty() -> Film {
+    fn responses() -> FilmResponses {
         let response = |name: &str, level| Response { name: name.to_owned(), spectrum: Spectrum::constant(level) };
-        Film::new(3, 2, FilmResponses::new(&[response("A", 1.0), response("B", 0.3)]))
+        FilmResponses::new(&[response("A", 1.0), response("B", 0.3)])
+    }
+
+    fn empty() -> Film {
+        Film::new(3, 2, responses())
     }
 
     fn film() -> Film {
@@ -114,9 +158,14 @@ mod tests {
     }
 
     fn file() -> Vec<u8> {
-        let mut file = Vec::new();
-        write_film(&film(), &mut file).expect("written");
-        file
+        let mut file = Cursor::new(Vec::new());
+        write_film(&film(), 2, &mut file).expect("written");
+        file.into_inner()
+    }
+
+    fn add_film(film: &mut Film, samples: u32, file: &[u8]) -> Result<(), Invalid> {
+        let size = [film.width(), film.height()];
+        FilmReader::new(size, film.channels().len(), file)?.add_to(film, samples)
     }
 
     #[test]
@@ -125,6 +174,27 @@ mod tests {
         add_film(&mut read, 7, &file()[..]).expect("a film");
         assert_eq!((read.sums(), read.samples()), (film().sums(), 7));
         assert_eq!(read.estimate(["A", "B"]), film().estimate(["A", "B"]));
+    }
+
+    #[test]
+    fn strips_of_rows_make_the_file_and_are_read_from_it() {
+        let whole = film();
+        let mut file = Cursor::new(Vec::new());
+        let strip = |row: usize| Film::of_rows(3, row..row + 1, responses());
+        for row in 0..2 {
+            let mut film = strip(row);
+            film.add(whole.sums()[row * 6..].iter().copied(), [7; 3]);
+            assert_eq!(file.get_ref().len() as u64, if row == 0 { 0 } else { film_bytes([3, 2], 2, row) });
+            write_film(&film, 2, &mut file).expect("written");
+        }
+        let bytes = file.into_inner();
+        assert!(bytes == self::file());
+        let mut sums = FilmReader::new([3, 2], 2, &bytes[..]).expect("a film");
+        for row in 0..2 {
+            let mut read = strip(row);
+            sums.add_to(&mut read, 7).expect("rows");
+            assert_eq!((read.sums(), read.samples()), (&whole.sums()[row * 6..][..6], 7));
+        }
     }
 
     #[test]

@@ -7,39 +7,45 @@
 //! pixel in a hundred is brighter than white.
 
 use std::io::{self, BufRead, Seek, Write};
+use std::sync::Mutex;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::spectrum::{cie, rgb};
 
 use super::exr::{Attribute, ExrPicture, NamedPlane, read_exr, write_planes};
+use super::picture_rows::PictureRows;
 
 const PREFIX: &str = "S0.";
 const SUFFIX: &str = "nm";
 const UNITS: &str = "W.m^-2.nm^-1";
 
 /// Writes bands, whose names are their central wavelengths in nm (`550`).
-pub fn write_irradiance<W: Write + Seek>(bands: &Planes, to: W) -> io::Result<()> {
+pub fn write_irradiance<W: Write + Seek>(bands: &dyn PictureRows, to: W) -> io::Result<()> {
     let mut wavelengths = Vec::new();
-    for channel in bands.channels() {
-        let lambda_nm = channel.name.parse::<f64>().ok().filter(|lambda| lambda.is_finite() && *lambda > 0.0);
+    for name in bands.names() {
+        let lambda_nm = name.parse::<f64>().ok().filter(|lambda| lambda.is_finite() && *lambda > 0.0);
         wavelengths.push(lambda_nm.ok_or_else(|| {
-            io::Error::other(format!("a spectral band is named by its wavelength in nm, not {:?}", channel.name))
+            io::Error::other(format!("a spectral band is named by its wavelength in nm, not {name:?}"))
         })?);
     }
-    let size = [bands.width(), bands.height()];
-    let preview = preview(bands, &wavelengths);
+    let preview = Preview::new(bands, &wavelengths)?;
     // `{:?}` keeps one decimal of whole numbers, as the layout's own examples have it.
     let names = wavelengths.iter().map(|nm| format!("{PREFIX}{}{SUFFIX}", format!("{nm:?}").replace('.', ",")));
-    let bands = bands.channels().iter().zip(names).map(|(c, name)| NamedPlane { name, values: &c.data });
-    let preview = preview.iter().map(|c| NamedPlane { name: c.name.clone(), values: &c.data });
+    let planes = names.enumerate().map(|(plane, name)| NamedPlane { name, of: bands, plane });
+    let of_preview = preview.names().into_iter().enumerate().map(|(plane, name)| NamedPlane {
+        name: name.to_owned(),
+        of: &preview,
+        plane,
+    });
     let attributes = [
         ("spectralLayoutVersion", Attribute::Text("1.0".to_owned())),
         ("emissiveUnits", Attribute::Text(UNITS.to_owned())),
     ];
-    write_planes(size, preview.chain(bands), &attributes, to)
+    write_planes(bands.size(), of_preview.chain(planes), &attributes, to)
 }
 
 /// Reads bands, sorted by wavelength, named by their central wavelengths in nm.
@@ -78,22 +84,72 @@ pub(super) fn bands(planes: Planes) -> Result<Planes, Invalid> {
 }
 
 /// R, G and B of what the observer sees.
-fn preview(bands: &Planes, wavelengths_nm: &[f64]) -> Vec<Channel> {
-    let pixels = bands.width() * bands.height();
-    let mut colours = vec![DVec3::ZERO; pixels];
-    for (channel, &lambda_nm) in bands.channels().iter().zip(wavelengths_nm) {
-        let observer = cie::observer().each_ref().map(|bar| f64::from(bar.eval(lambda_nm as f32)));
-        let weight = *rgb::xyz_to_rgb() * DVec3::from_array(observer);
-        for (colour, &value) in colours.iter_mut().zip(&channel.data) {
-            *colour += weight * f64::from(value);
-        }
+struct Preview<'a> {
+    bands: &'a dyn PictureRows,
+    /// What each band gives to them.
+    weights: Vec<DVec3>,
+    scale: f64,
+    /// The row that was asked for last: each is, three times.
+    row: Mutex<Option<(usize, Vec<DVec3>)>>,
+}
+
+impl<'a> Preview<'a> {
+    fn new(bands: &'a dyn PictureRows, wavelengths_nm: &[f64]) -> io::Result<Self> {
+        let weight = |&lambda_nm: &f64| {
+            let observer = cie::observer().each_ref().map(|bar| f64::from(bar.eval(lambda_nm as f32)));
+            *rgb::xyz_to_rgb() * DVec3::from_array(observer)
+        };
+        let weights = wavelengths_nm.iter().map(weight).collect();
+        let preview = Self { bands, weights, scale: 1.0, row: Mutex::new(None) };
+        let [width, height] = bands.size();
+        let pixels = width * height;
+        let mut luminances = vec![0.0; pixels];
+        luminances.par_chunks_mut(width.max(1)).enumerate().try_for_each(|(row, luminances)| {
+            let colours = preview.colours(row)?;
+            luminances.iter_mut().zip(colours).for_each(|(to, colour)| *to = rgb::luminance(colour.to_array()));
+            io::Result::Ok(())
+        })?;
+        let bright = (pixels * 99 / 100).min(pixels.saturating_sub(1));
+        let white = if pixels == 0 { 0.0 } else { *luminances.select_nth_unstable_by(bright, f64::total_cmp).1 };
+        let scale = if white.is_finite() && white > 0.0 { 1.0 / white } else { 1.0 };
+        Ok(Self { scale, ..preview })
     }
-    let mut luminances: Vec<f64> = colours.iter().map(|colour| rgb::luminance(colour.to_array())).collect();
-    let bright = (pixels * 99 / 100).min(pixels.saturating_sub(1));
-    let white = if pixels == 0 { 0.0 } else { *luminances.select_nth_unstable_by(bright, f64::total_cmp).1 };
-    let scale = if white.is_finite() && white > 0.0 { 1.0 / white } else { 1.0 };
-    let plane = |component: usize| colours.iter().map(|colour| (colour[component] * scale) as f32).collect();
-    ["R", "G", "B"].iter().enumerate().map(|(i, name)| Channel { name: (*name).to_owned(), data: plane(i) }).collect()
+
+    /// The colours of a row.
+    fn colours(&self, row: usize) -> io::Result<Vec<DVec3>> {
+        let mut values = vec![0.0; self.bands.size()[0]];
+        let mut colours = vec![DVec3::ZERO; values.len()];
+        for (band, &weight) in self.weights.iter().enumerate() {
+            self.bands.read_row(band, row, &mut values)?;
+            for (colour, &value) in colours.iter_mut().zip(&values) {
+                *colour += weight * f64::from(value);
+            }
+        }
+        Ok(colours)
+    }
+}
+
+impl PictureRows for Preview<'_> {
+    fn size(&self) -> [usize; 2] {
+        self.bands.size()
+    }
+
+    fn names(&self) -> Vec<&str> {
+        vec!["R", "G", "B"]
+    }
+
+    fn read_row(&self, plane: usize, row: usize, to: &mut [f32]) -> io::Result<()> {
+        let mut last = self.row.lock().expect("nobody panics while holding it");
+        let colours = match last.take() {
+            Some((number, colours)) if number == row => colours,
+            Some(_) | None => self.colours(row)?,
+        };
+        let colours = &last.insert((row, colours)).1;
+        for (value, colour) in to.iter_mut().zip(colours) {
+            *value = (colour[plane] * self.scale) as f32;
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

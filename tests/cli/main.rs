@@ -31,4 +31,5 @@ mod report;
 mod room;
 mod same_bytes;
 mod seeds;
+mod strips;
 mod targets;

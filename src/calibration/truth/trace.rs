@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::albedo::albedo;
 use super::{TruthLayer, View};
 use crate::geometry::{Hit, SurfacePoint};
-use crate::image::{Channel, Planes};
+use crate::image::Planes;
 use crate::optics::Camera;
 use crate::scene::Scene;
 
@@ -29,14 +29,20 @@ pub struct TruthJob<'a> {
 /// the exposure of each row.
 pub fn truth(job: &TruthJob<'_>, layers: &[TruthLayer]) -> Planes {
     let [width, height] = job.resolution.map(|n| n as usize);
-    let count: usize = layers.iter().map(|layer| layer.channels().len()).sum();
-    let row_of = |y: usize| {
-        let mut row = vec![0.0f32; width * count];
+    let names = || layers.iter().flat_map(|layer| layer.channels().iter().copied());
+    let mut planes = Planes::zeros(width, height, names());
+    // The planes side by side, in rows.
+    let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(names().count())).collect();
+    for channel in planes.channels_mut() {
+        rows.iter_mut().zip(channel.data.chunks_mut(width)).for_each(|(row, part)| row.push(part));
+    }
+    rows.into_par_iter().enumerate().for_each(|(y, mut row)| {
         let camera = job.camera.at_row(y as f64);
-        for (x, values) in row.chunks_exact_mut(count.max(1)).enumerate() {
+        let mut values = vec![0.0; row.len()];
+        for x in 0..width {
             let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let seen = Seen::through(job, &camera, centre, (y * width + x) as u64);
-            let mut rest = values;
+            let mut rest = &mut values[..];
             for &layer in layers {
                 let (own, after) = rest.split_at_mut(layer.channels().len());
                 match &seen {
@@ -45,17 +51,10 @@ pub fn truth(job: &TruthJob<'_>, layers: &[TruthLayer]) -> Planes {
                 }
                 rest = after;
             }
+            row.iter_mut().zip(&values).for_each(|(part, &value)| part[x] = value);
         }
-        row
-    };
-    let rows: Vec<Vec<f32>> = (0..height).into_par_iter().map(row_of).collect();
-    let names = layers.iter().flat_map(|layer| layer.channels());
-    let plane = |(index, name): (usize, &&str)| {
-        let values = rows.iter().flat_map(|row| row.iter().skip(index).step_by(count)).copied();
-        Channel { name: (*name).to_owned(), data: values.collect() }
-    };
-    let channels = names.enumerate().map(plane).collect();
-    Planes::new(width, height, channels).expect("a value for each pixel")
+    });
+    planes
 }
 
 /// What a pixel sees.

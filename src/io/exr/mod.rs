@@ -7,6 +7,7 @@ mod sorted_header;
 
 use std::collections::HashMap;
 use std::io::{self, BufRead, Seek, SeekFrom, Write};
+use std::sync::Mutex;
 
 use exr::block::lines::LineRefMut;
 use exr::compression::Compression;
@@ -20,6 +21,7 @@ use exr::prelude::{LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImag
 use crate::Invalid;
 use crate::image::{Channel, Planes};
 
+use super::picture_rows::PictureRows;
 use sorted_header::SortedHeader;
 
 /// A value in the header of a file.
@@ -65,19 +67,21 @@ const MAX_BYTES: usize = 16 << 30;
 /// Bytes of pixels for each of a file: those of even areas are coded by the wavelets of DWA in next to nothing.
 const MOST_INFLATION: usize = 1 << 14;
 
-/// A plane as it is written: what it is called in the file, and width × height values.
-#[derive(Clone, Debug)]
+/// A plane as it is written: what it is called in the file, and where its values are.
+#[derive(Clone)]
 pub struct NamedPlane<'a> {
     /// Its name.
     pub name: String,
-    /// Its values, row by row from the top-left pixel.
-    pub values: &'a [f32],
+    /// The picture that it is a plane of.
+    pub of: &'a dyn PictureRows,
+    /// Its index there.
+    pub plane: usize,
 }
 
 /// Writes planes under their own names, as [`write_planes`] does.
 pub fn write_exr<W: Write + Seek>(planes: &Planes, attributes: &[(&str, Attribute)], to: W) -> io::Result<()> {
-    let named = planes.channels().iter().map(|c| NamedPlane { name: c.name.clone(), values: &c.data });
-    write_planes([planes.width(), planes.height()], named, attributes, to)
+    let named = |(plane, channel): (usize, &Channel)| NamedPlane { name: channel.name.clone(), of: planes, plane };
+    write_planes(planes.size(), planes.channels().iter().enumerate().map(named), attributes, to)
 }
 
 /// Writes planes of `size` columns and rows, of which there must be at least one, with pixels. The same planes give the
@@ -89,9 +93,10 @@ pub fn write_planes<'a, W: Write + Seek>(
     to: W,
 ) -> io::Result<()> {
     let [width, height] = size;
+    let failure = Mutex::new(None);
     let channel = |plane: NamedPlane<'a>| AnyChannel {
         name: ascii(&plane.name),
-        sample_data: Rows { width, values: plane.values },
+        sample_data: Rows { of: plane.of, plane: plane.plane, failure: &failure },
         quantize_linearly: false,
         sampling: Vec2(1, 1),
     };
@@ -119,18 +124,22 @@ pub fn write_planes<'a, W: Write + Seek>(
     let mut to = SortedHeader::new(to);
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = chromaticities;
-    image.write().to_buffered(&mut to).map_err(io_error)?;
+    let written = image.write().to_buffered(&mut to).map_err(io_error);
+    let failure = failure.lock().expect("nobody panics while holding it").take();
+    failure.map_or(written, Err)?;
     to.flush()
 }
 
-/// A plane on its way into a file, row by row: planes can be larger than what is left of the memory.
-#[derive(Clone, Copy, Debug)]
+/// A plane on its way into a file, row by row.
+#[derive(Clone, Copy)]
 struct Rows<'a> {
-    width: usize,
-    values: &'a [f32],
+    of: &'a dyn PictureRows,
+    plane: usize,
+    /// What went wrong when rows were read, which the library has no place for.
+    failure: &'a Mutex<Option<io::Error>>,
 }
 
-impl<'a> WritableSamples<'_> for Rows<'a> {
+impl WritableSamples<'_> for Rows<'_> {
     type Writer = Self;
 
     fn sample_type(&self) -> SampleType {
@@ -148,9 +157,11 @@ impl<'a> WritableSamples<'_> for Rows<'a> {
 
 impl SamplesWriter for Rows<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
-        let start = line.location.position.y() * self.width + line.location.position.x();
-        let row = &self.values[start..][..line.location.sample_count];
-        line.write_samples_from_slice(row).expect("a row fills its line");
+        let mut row = vec![0.0; line.location.sample_count];
+        if let Err(error) = self.of.read_row(self.plane, line.location.position.y(), &mut row) {
+            *self.failure.lock().expect("nobody panics while holding it") = Some(error);
+        }
+        line.write_samples_from_slice(&row).expect("a row fills its line");
     }
 }
 

@@ -1,0 +1,208 @@
+//! The light of rows that have all their samples, in single precision and in a file rather than in memory.
+//!
+//! A film holds exact sums, 32 bytes for each channel of a pixel. Once a pixel has all its samples, its means and the
+//! variances that are asked for are enough: 4 bytes each. Row after row, each holds the numbers of samples of its pixels
+//! (`u32`), then the means of the film's channels and the variances of the first few (`f32`), plane after plane.
+
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::sync::{Mutex, MutexGuard};
+
+use rayon::prelude::*;
+
+use super::picture_rows::PictureRows;
+use crate::film::Film;
+use crate::image::{Channel, Estimate, Planes};
+
+/// Where rows are kept: a file, or memory where they are few.
+pub trait Store: Read + Write + Seek + Send {}
+impl<T: Read + Write + Seek + Send> Store for T {}
+
+/// Bytes of a number.
+const BYTES: usize = 4;
+/// Values before the means of a row: numbers of samples.
+const COUNTS: usize = 1;
+/// Rows that are got ready side by side.
+const ROWS_AT_ONCE: usize = 32;
+/// Pixels whose sums stay in the cache from one channel to the next.
+const PIXELS_AT_ONCE: usize = 64;
+
+/// The rows of a picture, as far as they are done.
+pub struct LightRows {
+    store: Mutex<Box<dyn Store>>,
+    size: [usize; 2],
+    channels: Vec<String>,
+    /// The channels whose variance is kept are the first so many.
+    with_variance: usize,
+}
+
+impl LightRows {
+    /// Bytes for each pixel of so many channels, of which some have a variance.
+    pub fn bytes_per_pixel(channels: usize, with_variance: usize) -> usize {
+        (COUNTS + channels + with_variance) * BYTES
+    }
+
+    /// Rows of a picture of `size` columns and rows and a film's channels, of the first of which the variance is kept, too.
+    pub fn new(store: Box<dyn Store>, size: [usize; 2], channels: Vec<String>, with_variance: usize) -> Self {
+        Self { store: Mutex::new(store), size, channels, with_variance }
+    }
+
+    fn row_bytes(&self) -> usize {
+        self.size[0] * Self::bytes_per_pixel(self.channels.len(), self.with_variance)
+    }
+
+    /// Where a plane of a row begins, and the store.
+    fn at(&self, row: usize, plane: usize) -> io::Result<MutexGuard<'_, Box<dyn Store>>> {
+        let place = row as u64 * self.row_bytes() as u64 + (plane * self.size[0] * BYTES) as u64;
+        let mut store = self.store.lock().expect("nobody panics while holding it");
+        store.seek(SeekFrom::Start(place))?;
+        Ok(store)
+    }
+
+    /// Keeps the rows of a film.
+    pub fn write(&self, film: &Film) -> io::Result<()> {
+        let mut store = self.at(film.picture_rows().start, 0)?;
+        for first in (0..film.height()).step_by(ROWS_AT_ONCE) {
+            let rows = first..(first + ROWS_AT_ONCE).min(film.height());
+            let bytes: Vec<Vec<u8>> = rows.into_par_iter().map(|row| self.row(film, row)).collect();
+            bytes.iter().try_for_each(|row| store.write_all(row))?;
+        }
+        store.flush()
+    }
+
+    /// The bytes of a row of a film.
+    fn row(&self, film: &Film, row: usize) -> Vec<u8> {
+        let width = self.size[0];
+        let mut bytes = vec![0; self.row_bytes()];
+        for first in (0..width).step_by(PIXELS_AT_ONCE) {
+            let pixels = row * width + first..row * width + (first + PIXELS_AT_ONCE).min(width);
+            let mut planes =
+                bytes.chunks_exact_mut(width * BYTES).map(|plane| plane[first * BYTES..].as_chunks_mut().0);
+            let mut put = |values: &mut dyn Iterator<Item = [u8; BYTES]>| {
+                planes.next().into_iter().flatten().zip(values).for_each(|(to, value)| *to = value);
+            };
+            put(&mut film.counts()[pixels.clone()].iter().map(|count| count.to_le_bytes()));
+            for channel in 0..self.channels.len() {
+                put(&mut film.means(channel, pixels.clone()).map(f32::to_le_bytes));
+            }
+            for channel in 0..self.with_variance {
+                put(&mut film.variances(channel, pixels.clone()).map(f32::to_le_bytes));
+            }
+        }
+        bytes
+    }
+
+    /// Hands the numbers of a plane of a row to `take`.
+    fn read(&self, plane: usize, row: usize, mut take: impl FnMut(usize, [u8; BYTES])) -> io::Result<()> {
+        let mut bytes = vec![0; self.size[0] * BYTES];
+        self.at(row, plane)?.read_exact(&mut bytes)?;
+        bytes.as_chunks().0.iter().enumerate().for_each(|(column, &number)| take(column, number));
+        Ok(())
+    }
+
+    /// Samples of each pixel, row by row.
+    pub fn counts(&self) -> io::Result<Vec<u32>> {
+        let mut counts = Vec::with_capacity(self.size[0] * self.size[1]);
+        for row in 0..self.size[1] {
+            self.read(0, row, |_, number| counts.push(u32::from_le_bytes(number)))?;
+        }
+        Ok(counts)
+    }
+
+    /// The means of the channels `names`, to be read row by row. Names that the film lacks are left out.
+    pub fn means<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> SomeRows<'_> {
+        self.some(names, COUNTS)
+    }
+
+    /// The means and variances of some of the first channels, in memory.
+    pub fn estimate<'a>(&self, names: impl IntoIterator<Item = &'a str> + Clone) -> io::Result<Estimate> {
+        let variances = self.some(names.clone(), COUNTS + self.channels.len());
+        Ok(Estimate { mean: self.means(names).to_planes()?, variance: variances.to_planes()? })
+    }
+
+    fn some<'a>(&self, names: impl IntoIterator<Item = &'a str>, first: usize) -> SomeRows<'_> {
+        let place = |name: &str| self.channels.iter().position(|channel| channel == name);
+        let planes = names.into_iter().filter_map(place).map(|at| (&*self.channels[at], first + at)).collect();
+        SomeRows { of: self, planes }
+    }
+}
+
+/// Some planes of a picture that is kept as rows.
+pub struct SomeRows<'a> {
+    of: &'a LightRows,
+    /// Names, and places in a row.
+    planes: Vec<(&'a str, usize)>,
+}
+
+impl SomeRows<'_> {
+    /// All of them in memory.
+    pub fn to_planes(&self) -> io::Result<Planes> {
+        let [width, height] = self.size();
+        let plane = |(at, &(name, _)): (usize, &(&str, usize))| {
+            let mut data = vec![0.0; width * height];
+            let mut rows = data.chunks_mut(width).enumerate();
+            rows.try_for_each(|(row, to)| self.read_row(at, row, to))?;
+            Ok(Channel { name: name.to_owned(), data })
+        };
+        let channels = self.planes.iter().enumerate().map(plane).collect::<io::Result<_>>()?;
+        Planes::new(width, height, channels).map_err(|invalid| io::Error::other(invalid.message))
+    }
+}
+
+impl PictureRows for SomeRows<'_> {
+    fn size(&self) -> [usize; 2] {
+        self.of.size
+    }
+
+    fn names(&self) -> Vec<&str> {
+        self.planes.iter().map(|&(name, _)| name).collect()
+    }
+
+    fn read_row(&self, plane: usize, row: usize, to: &mut [f32]) -> io::Result<()> {
+        self.of.read(self.planes[plane].1, row, |column, number| to[column] = f32::from_le_bytes(number))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+    use crate::film::{FilmResponses, Response};
+    use crate::spectrum::{SampledSpectrum, Spectrum, WavelengthSampler};
+
+    const NAMES: [&str; 3] = ["R", "G", "550"];
+
+    /// Rows of a picture of 3 × 4 pixels, whose samples are those of their places in it.
+    fn film(rows: std::ops::Range<usize>) -> Film {
+        let response = |name: &str| Response {
+            name: name.to_owned(),
+            spectrum: Spectrum::from_fn(|l| l / (300.0 + 100.0 * name.len() as f64)),
+        };
+        let mut film = Film::of_rows(3, rows.clone(), FilmResponses::new(&NAMES.map(response)));
+        let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
+        for (y, row) in rows.clone().zip(&mut film.rows()) {
+            for i in 0..13 * (y + 1) {
+                let light = SampledSpectrum::splat(0.1 + (i * i) as f32);
+                row.add(i % 3, light, &sampler.sample(i as f32 / 55.0));
+            }
+        }
+        film
+    }
+
+    #[test]
+    fn rows_that_come_in_strips_are_those_of_a_film_of_all() {
+        let whole = film(0..4);
+        for height in 1..=4 {
+            let store = Box::new(Cursor::new(Vec::new()));
+            let rows = LightRows::new(store, [3, 4], NAMES.map(str::to_owned).into(), 2);
+            // In any order.
+            for first in (0..4).step_by(height).rev() {
+                rows.write(&film(first..(first + height).min(4))).expect("written");
+            }
+            assert_eq!(rows.counts().expect("read"), whole.counts());
+            assert_eq!(rows.estimate(["G", "absent"]).expect("read"), whole.estimate(["G"]));
+            let bands = rows.means(["550", "R"]).to_planes().expect("read");
+            assert_eq!(bands, whole.estimate(["550", "R"]).mean);
+        }
+    }
+}
