@@ -15,10 +15,12 @@ use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, SortPrecision};
 
+use super::collapse::{BinaryTree, LEAF_SIZE};
 use super::mesh::segment;
 use super::motion::{Motion, Transform};
 use super::simd::{Lanes, with_widest_lanes};
-use super::wide_bvh::{BinaryTree, BlockHits, LEAF_SIZE, LeafVisitor, ShearedRay, TriangleBlock, WideBvh};
+use super::triangle_block::{BlockHits, ShearedRay, TriangleBlock};
+use super::wide_bvh::{LeafVisitor, WideBvh};
 use super::{Geometry, Hit, Ray};
 use crate::math::float::gamma;
 
@@ -83,16 +85,16 @@ pub struct Accel {
 #[derive(Clone, Debug)]
 enum Group {
     /// Its triangles keep their shapes.
-    Rigid(TriangleBvh<TriangleBlock>),
+    Rigid(TriangleBvh<1>),
     /// Its triangles change their shapes: one hierarchy for each part of the time, in which corners move on straight lines,
     /// over triangles at its start and at its end.
-    Deforming(Vec<TriangleBvh<[TriangleBlock; 2]>>),
+    Deforming(Vec<TriangleBvh<2>>),
 }
 
 #[derive(Clone, Debug)]
-struct TriangleBvh<B> {
+struct TriangleBvh<const SHAPES: usize> {
     bvh: WideBvh,
-    blocks: Vec<B>,
+    blocks: Vec<TriangleBlock<SHAPES>>,
     bounds: (Vec3, Vec3),
 }
 
@@ -149,7 +151,7 @@ impl Accel {
             },
             Some(top) => {
                 let mut visitor = PlacementVisitor { accel: self, top, ray, query };
-                top.bvh.traverse::<L>(ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
+                top.bvh.traverse::<L, _>(ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
             }
         }
     }
@@ -177,8 +179,11 @@ fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> 
 
 /// What is asked of the triangles along a ray.
 trait TriangleQuery {
+    /// Whether it pays to look at the nearest triangles first.
+    const IN_ORDER: bool;
+
     /// Looks at the hits in a block; may shorten the ray. Returning true ends the query.
-    fn consider(&mut self, block: &TriangleBlock, hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
+    fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
 }
 
 /// The nearest hit.
@@ -189,13 +194,15 @@ struct Closest<'a, F> {
 }
 
 impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
+    const IN_ORDER: bool = true;
+
     #[inline(always)]
-    fn consider(&mut self, block: &TriangleBlock, hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
+    fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
         let mut mask = hits.mask;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            let (t, triangle) = (hits.t[lane], block.ids[lane]);
+            let (t, triangle) = (hits.t[lane], ids[lane]);
             if t < *t_max {
                 let barycentric = hits.barycentric(lane);
                 if self.filter.accept(triangle, barycentric, self.ray) {
@@ -215,13 +222,15 @@ struct Occluded<'a, F> {
 }
 
 impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
+    const IN_ORDER: bool = false;
+
     #[inline(always)]
-    fn consider(&mut self, block: &TriangleBlock, hits: &BlockHits, _: u32, _: &mut f32) -> bool {
+    fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, _: u32, _: &mut f32) -> bool {
         let mut mask = hits.mask;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            if self.filter.accept(block.ids[lane], hits.barycentric(lane), self.ray) {
+            if self.filter.accept(ids[lane], hits.barycentric(lane), self.ray) {
                 return true;
             }
         }
@@ -238,6 +247,8 @@ struct PlacementVisitor<'a, Q> {
 }
 
 impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
+    const IN_ORDER: bool = Q::IN_ORDER;
+
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
         for &placement in &self.top.leaves[leaf as usize] {
@@ -254,11 +265,14 @@ impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
         }
         false
     }
+
+    #[inline(always)]
+    fn prefetch<L: Lanes>(&self, _: u32) {}
 }
 
 /// Takes a query from the leaves of a group to their triangles.
-struct BlockVisitor<'a, Q, B> {
-    blocks: &'a [B],
+struct BlockVisitor<'a, Q, const SHAPES: usize> {
+    blocks: &'a [TriangleBlock<SHAPES>],
     /// How far the time is between two shapes.
     part: f32,
     sheared: ShearedRay,
@@ -266,34 +280,21 @@ struct BlockVisitor<'a, Q, B> {
     query: &'a mut Q,
 }
 
-/// Triangles at a time.
-trait Block {
-    fn at<'a>(&'a self, part: f32, room: &'a mut Option<TriangleBlock>) -> &'a TriangleBlock;
-}
+impl<Q: TriangleQuery, const SHAPES: usize> LeafVisitor for BlockVisitor<'_, Q, SHAPES> {
+    const IN_ORDER: bool = Q::IN_ORDER;
 
-impl Block for TriangleBlock {
-    #[inline(always)]
-    fn at<'a>(&'a self, _: f32, _: &'a mut Option<TriangleBlock>) -> &'a TriangleBlock {
-        self
-    }
-}
-
-impl Block for [TriangleBlock; 2] {
-    #[inline(always)]
-    fn at<'a>(&'a self, part: f32, room: &'a mut Option<TriangleBlock>) -> &'a TriangleBlock {
-        room.insert(TriangleBlock::between(self, part))
-    }
-}
-
-impl<Q: TriangleQuery, B: Block> LeafVisitor for BlockVisitor<'_, Q, B> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
-        let mut room = None;
-        let block = self.blocks[leaf as usize].at(self.part, &mut room);
-        match block.intersect::<L>(&self.sheared, *t_max) {
-            Some(hits) => self.query.consider(block, &hits, self.placement, t_max),
+        let block = &self.blocks[leaf as usize];
+        match block.intersect::<L>(&self.sheared, self.part, *t_max) {
+            Some(hits) => self.query.consider(&block.ids, &hits, self.placement, t_max),
             None => false,
         }
+    }
+
+    #[inline(always)]
+    fn prefetch<L: Lanes>(&self, leaf: u32) {
+        L::prefetch(&self.blocks[leaf as usize]);
     }
 }
 
@@ -313,21 +314,16 @@ impl Group {
     fn build(geometry: &Geometry, range: &Range<u32>) -> Self {
         let mesh = geometry.triangles[range.start as usize].mesh;
         let Some(deformation) = geometry.meshes[mesh as usize].deformation else {
-            let corners = |triangle| geometry.corners(triangle);
-            return Self::Rigid(TriangleBvh::build(
-                range,
-                |t| bounds_of(&corners(t)),
-                |triangles| TriangleBlock::new(&collect(triangles, corners)),
-            ));
+            let corners = |triangle| [geometry.corners(triangle)];
+            return Self::Rigid(TriangleBvh::build(range, |[corners]| bounds_of(corners), corners));
         };
         let deformation = &geometry.deformations[deformation as usize];
         let part = |shape: usize| {
-            let corners = |shape| move |t: u32| deformation.corners(shape, &geometry.triangles[t as usize]);
+            let corners =
+                |t: u32| [shape, shape + 1].map(|shape| deformation.corners(shape, &geometry.triangles[t as usize]));
             // Rounding between the shapes may leave their box by a unit in the last place or two.
-            let boxes = |t| widened(&bounds_of(&corners(shape)(t)).union(&bounds_of(&corners(shape + 1)(t))));
-            TriangleBvh::build(range, boxes, |triangles| {
-                [shape, shape + 1].map(|shape| TriangleBlock::new(&collect(triangles, corners(shape))))
-            })
+            let boxes = |[from, to]: &[_; 2]| widened(&bounds_of(from).union(&bounds_of(to)));
+            TriangleBvh::build(range, boxes, corners)
         };
         Self::Deforming((0..deformation.shape_count() - 1).map(part).collect())
     }
@@ -349,12 +345,7 @@ fn widened(aabb: &Aabb) -> Aabb {
     Aabb::new((min - error).into(), (max + error).into())
 }
 
-/// The handles of up to eight triangles with their corners.
-fn collect(triangles: &[u32], corners: impl Fn(u32) -> [Vec3; 3]) -> Vec<(u32, [Vec3; 3])> {
-    triangles.iter().map(|&triangle| (triangle, corners(triangle))).collect()
-}
-
-impl<B: Block> TriangleBvh<B> {
+impl<const SHAPES: usize> TriangleBvh<SHAPES> {
     /// `part` is how far the time is between two shapes.
     #[inline(always)]
     fn traverse<L: Lanes, Q: TriangleQuery>(
@@ -367,19 +358,22 @@ impl<B: Block> TriangleBvh<B> {
     ) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut visitor = BlockVisitor { blocks: &self.blocks, part, sheared, placement, query };
-        self.bvh.traverse::<L>(ray.origin, ray.direction, t_max, &mut visitor)
+        self.bvh.traverse::<L, _>(ray.origin, ray.direction, t_max, &mut visitor)
     }
 
-    /// `block` makes the block of up to eight triangles.
-    fn build(range: &Range<u32>, boxes: impl Fn(u32) -> Aabb, block: impl Fn(&[u32]) -> B) -> Self {
-        let (tree, bounds) = build_binary(range.clone().map(boxes));
-        let mut blocks = Vec::with_capacity(tree.nodes.len() / 9);
-        let mut triangles = [0; LEAF_SIZE];
-        let mut bvh = WideBvh::collapse(&tree, tree.nodes.len(), |primitives| {
-            for (slot, &primitive) in triangles.iter_mut().zip(primitives) {
-                *slot = range.start + primitive;
-            }
-            blocks.push(block(&triangles[..primitives.len()]));
+    fn build(
+        range: &Range<u32>,
+        bounds: impl Fn(&[[Vec3; 3]; SHAPES]) -> Aabb,
+        corners: impl Fn(u32) -> [[Vec3; 3]; SHAPES],
+    ) -> Self {
+        let (tree, bounds) = build_binary(range.clone().map(|t| bounds(&corners(t))));
+        let block = |primitives: &[u32]| {
+            TriangleBlock::new(primitives.iter().map(|&p| (range.start + p, corners(range.start + p))))
+        };
+        let mut blocks = Vec::new();
+        let fits = |primitives: &[u32]| block(primitives).is_some();
+        let mut bvh = WideBvh::collapse(&tree, fits, |primitives| {
+            blocks.extend(block(primitives));
             (blocks.len() - 1) as u32
         });
         // Shrinking copies, for which the memory of the binary tree will do.
@@ -398,10 +392,14 @@ impl TopLevel {
         });
         let (tree, _) = build_binary(boxes);
         let mut leaves = Vec::new();
-        let bvh = WideBvh::collapse(&tree, tree.nodes.len(), |primitives| {
-            leaves.push(std::array::from_fn(|slot| primitives.get(slot).copied()));
-            (leaves.len() - 1) as u32
-        });
+        let bvh = WideBvh::collapse(
+            &tree,
+            |_| true,
+            |primitives| {
+                leaves.push(std::array::from_fn(|slot| primitives.get(slot).copied()));
+                (leaves.len() - 1) as u32
+            },
+        );
         Self { bvh, leaves }
     }
 }
@@ -461,6 +459,10 @@ fn build_binary(boxes: impl Iterator<Item = Aabb>) -> (Bvh2, Aabb) {
 }
 
 impl BinaryTree for Bvh2 {
+    fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
     fn bounds(&self, node: u32) -> (Vec3, Vec3) {
         let aabb = self.nodes[node as usize].aabb();
         (aabb.min.into(), aabb.max.into())
@@ -471,8 +473,7 @@ impl BinaryTree for Bvh2 {
         (!node.is_leaf()).then_some([node.first_index, node.first_index + 1])
     }
 
-    fn primitives(&self, leaf: u32) -> &[u32] {
-        let node = &self.nodes[leaf as usize];
-        &self.primitive_indices[node.first_index as usize..(node.first_index + node.prim_count) as usize]
+    fn primitive(&self, leaf: u32) -> u32 {
+        self.primitive_indices[self.nodes[leaf as usize].first_index as usize]
     }
 }

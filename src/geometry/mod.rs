@@ -10,13 +10,16 @@
 mod accel;
 #[cfg(test)]
 mod accel_tests;
+mod collapse;
 mod mesh;
 mod motion;
 mod point;
 mod ray;
 mod simd;
 mod traversal_stack;
+mod triangle_block;
 mod wide_bvh;
+mod wide_node;
 
 pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement};
 pub use mesh::{Deformation, Geometry, MeshRange, Triangle};

@@ -3,13 +3,22 @@
 //!
 //! Both kinds do the same IEEE operations in the same order and contract nothing into fused ones, so that a picture does
 //! not depend on the machine. This is the only file with `unsafe` code: the AVX intrinsics must not run on a processor
-//! without AVX, and the compiler cannot know where the program will run.
+//! without AVX2, and the compiler cannot know where the program will run.
 
 #![allow(unsafe_code, reason = "intrinsics behind a run-time check; see the module documentation")]
 
 /// Eight f32 lanes. Implementations are values of a register or an array.
 pub(super) trait Lanes: Copy {
+    /// Numbers of lanes.
+    type Indices: Copy;
+
     fn load(values: &[f32; 8]) -> Self;
+    /// Asks the memory for what will be needed.
+    fn prefetch<T>(value: &T);
+    /// Numbers below 8.
+    fn indices(values: &[u8; 8]) -> Self::Indices;
+    /// Lane i is the one of self that the i-th number names.
+    fn permute(self, indices: Self::Indices) -> Self;
     fn splat(value: f32) -> Self;
     fn store(self) -> [f32; 8];
     fn add(self, other: Self) -> Self;
@@ -43,9 +52,21 @@ impl Portable {
 }
 
 impl Lanes for Portable {
+    type Indices = [u8; 8];
+
     #[inline(always)]
     fn load(values: &[f32; 8]) -> Self {
         Self(*values)
+    }
+    #[inline(always)]
+    fn prefetch<T>(_: &T) {}
+    #[inline(always)]
+    fn indices(values: &[u8; 8]) -> [u8; 8] {
+        *values
+    }
+    #[inline(always)]
+    fn permute(self, indices: [u8; 8]) -> Self {
+        Self(indices.map(|i| self.0[usize::from(i % 8)]))
     }
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -95,28 +116,49 @@ pub(super) use avx::Avx;
 #[cfg(target_arch = "x86_64")]
 mod avx {
     use std::arch::x86_64::{
-        __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_cmp_ps, _mm256_div_ps, _mm256_loadu_ps, _mm256_max_ps,
-        _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
+        __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _MM_HINT_T0, _mm_loadl_epi64, _mm_prefetch, _mm256_add_ps,
+        _mm256_cmp_ps, _mm256_cvtepu8_epi32, _mm256_div_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps,
+        _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
     };
 
     use super::Lanes;
 
-    /// Lanes in an AVX register. Only code that is inlined below a function with the `avx` target feature, itself
+    /// Lanes in an AVX register. Only code that is inlined below a function with the `avx2` target feature, itself
     /// called after [`available`](super::avx_available) said yes, may make one.
     #[derive(Clone, Copy)]
     pub(in super::super) struct Avx(__m256);
 
-    // SAFETY, for every block below: an `Avx` exists only where AVX does (see the type), and the loads and stores are of
-    // references to eight floats, which the unaligned instructions accept at any address.
+    // SAFETY, for every block below: an `Avx` exists only where AVX2 does (see the type), and the loads and stores are of
+    // references to eight floats or bytes, which the unaligned instructions accept at any address.
     impl Lanes for Avx {
+        type Indices = __m256i;
+
         #[inline(always)]
         fn load(values: &[f32; 8]) -> Self {
             // SAFETY: reads the eight floats behind the reference.
             Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
         }
         #[inline(always)]
+        fn prefetch<T>(value: &T) {
+            let start = std::ptr::from_ref(value).cast::<i8>();
+            for offset in (0..size_of::<T>()).step_by(64) {
+                // SAFETY: reads nothing that the program could tell.
+                unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
+            }
+        }
+        #[inline(always)]
+        fn indices(values: &[u8; 8]) -> __m256i {
+            // SAFETY: reads the eight bytes behind the reference.
+            unsafe { _mm256_cvtepu8_epi32(_mm_loadl_epi64(values.as_ptr().cast())) }
+        }
+        #[inline(always)]
+        fn permute(self, indices: __m256i) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_permutevar8x32_ps(self.0, indices) })
+        }
+        #[inline(always)]
         fn splat(value: f32) -> Self {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             Self(unsafe { _mm256_set1_ps(value) })
         }
         #[inline(always)]
@@ -128,49 +170,49 @@ mod avx {
         }
         #[inline(always)]
         fn add(self, other: Self) -> Self {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             Self(unsafe { _mm256_add_ps(self.0, other.0) })
         }
         #[inline(always)]
         fn sub(self, other: Self) -> Self {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             Self(unsafe { _mm256_sub_ps(self.0, other.0) })
         }
         #[inline(always)]
         fn mul(self, other: Self) -> Self {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             Self(unsafe { _mm256_mul_ps(self.0, other.0) })
         }
         #[inline(always)]
         fn div(self, other: Self) -> Self {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             Self(unsafe { _mm256_div_ps(self.0, other.0) })
         }
         #[inline(always)]
         fn min(self, other: Self) -> Self {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             Self(unsafe { _mm256_min_ps(self.0, other.0) })
         }
         #[inline(always)]
         fn max(self, other: Self) -> Self {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             Self(unsafe { _mm256_max_ps(self.0, other.0) })
         }
         #[inline(always)]
         fn le(self, other: Self) -> u32 {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
         }
         #[inline(always)]
         fn lt(self, other: Self) -> u32 {
-            // SAFETY: AVX is there.
+            // SAFETY: AVX2 is there.
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
         }
     }
 }
 
 /// Defines a function that runs its generic body with the widest lanes this machine has. The body must be
-/// `#[inline(always)]`, so that it is compiled once more under the `avx` target feature.
+/// `#[inline(always)]`, so that it is compiled once more under the `avx2` target feature.
 macro_rules! with_widest_lanes {
     ($(#[$meta:meta])* $visibility:vis fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident) => {
         $(#[$meta])*
@@ -178,13 +220,13 @@ macro_rules! with_widest_lanes {
         $visibility fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
             #[cfg(target_arch = "x86_64")]
             {
-                #[target_feature(enable = "avx")]
+                #[target_feature(enable = "avx2")]
                 fn wide $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
                     $body::<$crate::geometry::simd::Avx, $($generic)?>($($argument),*)
                 }
-                if std::arch::is_x86_feature_detected!("avx") {
+                if std::arch::is_x86_feature_detected!("avx2") {
                     #[allow(unsafe_code, reason = "the one call that the check above makes sound")]
-                    // SAFETY: the processor has AVX, as was just asked.
+                    // SAFETY: the processor has AVX2, as was just asked.
                     return unsafe { wide($($argument),*) };
                 }
             }
@@ -202,7 +244,8 @@ mod tests {
     #[inline(always)]
     fn every_operation<L: Lanes>(a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
         let (x, y) = (L::load(a), L::load(b));
-        let results = [x.add(y), x.sub(y), x.mul(y), x.div(y), x.min(y), x.max(y), L::splat(a[0])];
+        let turned = x.permute(L::indices(&[7, 0, 0, 3, 2, 6, 5, 1]));
+        let results = [x.add(y), x.sub(y), x.mul(y), x.div(y), x.min(y), x.max(y), L::splat(a[0]), turned];
         // The sign of a NaN is nobody's promise.
         let canonical = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
         let mut bits: Vec<u32> = results.into_iter().flat_map(|r| r.store().map(canonical)).collect();

@@ -3,42 +3,78 @@
 /// Entries that need no memory of their own: few, since they are cleared for each ray, and a power of two.
 const LEN: usize = 32;
 
-/// Children yet to be visited with the distance at which the ray enters them, which is not negative. A tree so deep that it
-/// does not fit spills to the heap.
+/// Pushes between two calls of [`TraversalStack::base`], at most.
+const ROOM: usize = 8;
+
+/// Children yet to be visited with the distance at which the ray enters them. A tree so deep that they do not fit spills to
+/// the heap.
 pub(super) struct TraversalStack {
-    /// The bits of the distance above those of the child: numbers in the order of the distances.
-    entries: [u64; LEN],
+    entries: [Entry; LEN],
     /// At most [`LEN`].
     len: usize,
-    /// Above the entries, once all are taken.
-    spilled: Vec<u64>,
+    /// Below the entries.
+    spilled: Vec<Entry>,
+}
+
+/// A child with the distance at which the ray enters it, which is not negative: its bits above those of the child, so that
+/// the numbers are in the order of the distances.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Entry(u64);
+
+impl Entry {
+    #[inline(always)]
+    pub(super) fn new(near: f32, child: u32) -> Self {
+        Self(u64::from(near.to_bits()) << 32 | u64::from(child))
+    }
+
+    #[inline(always)]
+    pub(super) fn near(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    pub(super) fn child(self) -> u32 {
+        self.0 as u32
+    }
 }
 
 impl TraversalStack {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        Self { entries: [0; LEN], len: 0, spilled: Vec::new() }
+        Self { entries: [Entry(0); LEN], len: 0, spilled: Vec::new() }
     }
 
+    /// Where the children of the next node will begin.
     #[inline(always)]
-    pub(super) fn len(&self) -> usize {
+    pub(super) fn base(&mut self) -> usize {
+        if self.len > LEN - ROOM {
+            self.spill();
+        }
         self.len
+    }
+
+    #[cold]
+    fn spill(&mut self) {
+        self.spilled.extend_from_slice(&self.entries[..self.len]);
+        self.len = 0;
     }
 
     /// An entry below [`LEN`], which the remainder tells the compiler.
     #[inline(always)]
-    fn entry(&mut self, at: usize) -> &mut u64 {
+    fn entry(&mut self, at: usize) -> &mut Entry {
         &mut self.entries[at % LEN]
+    }
+
+    /// Puts an entry on top.
+    #[inline(always)]
+    pub(super) fn push(&mut self, new: Entry) {
+        *self.entry(self.len) = new;
+        self.len += 1;
     }
 
     /// Inserts so that the entries from `base` on are sorted, the nearest last.
     #[inline(always)]
-    pub(super) fn push_sorted(&mut self, base: usize, near: f32, child: u32) {
-        let new = u64::from(near.to_bits()) << 32 | u64::from(child);
-        if self.len == LEN {
-            self.spilled.push(new);
-            return;
-        }
+    pub(super) fn push_sorted(&mut self, base: usize, new: Entry) {
         let mut at = self.len;
         while at > base {
             let before = *self.entry(at - 1);
@@ -52,16 +88,14 @@ impl TraversalStack {
         self.len += 1;
     }
 
-    /// The distance and the child on top.
+    /// Takes the entry on top.
     #[inline(always)]
-    pub(super) fn pop(&mut self) -> Option<(f32, u32)> {
-        let entry = if self.len == LEN && !self.spilled.is_empty() {
-            self.spilled.pop()?
-        } else {
-            self.len = self.len.checked_sub(1)?;
-            *self.entry(self.len)
-        };
-        Some((f32::from_bits((entry >> 32) as u32), entry as u32))
+    pub(super) fn pop(&mut self) -> Option<Entry> {
+        if self.len == 0 {
+            return self.spilled.pop();
+        }
+        self.len -= 1;
+        Some(*self.entry(self.len))
     }
 }
 
@@ -73,14 +107,14 @@ mod tests {
     fn the_nearest_of_each_node_comes_first_and_nothing_is_lost() {
         let mut stack = TraversalStack::new();
         let nears = [3.0, 1.0, 4.0, 1.5, 9.0, 2.6];
-        // Nodes of six children: the first five fit, the sixth spills in part.
+        // Nodes of six children: five fill the entries.
         for node in 0..7 {
-            let base = stack.len();
+            let base = stack.base();
             for (child, near) in (0..).zip(nears) {
-                stack.push_sorted(base, near, 10 * node + child);
+                stack.push_sorted(base, Entry::new(near, 10 * node + child));
             }
         }
-        let popped: Vec<_> = std::iter::from_fn(|| stack.pop()).collect();
+        let popped: Vec<_> = std::iter::from_fn(|| stack.pop()).map(|entry| (entry.near(), entry.child())).collect();
         assert_eq!(popped.len(), 7 * nears.len());
         let mut children: Vec<_> = popped.iter().map(|entry| entry.1).collect();
         children.sort_unstable();
@@ -88,6 +122,6 @@ mod tests {
         for node in popped[12..].chunks(6) {
             assert!(node.is_sorted_by(|a, b| a.0 <= b.0), "{node:?}");
         }
-        assert_eq!(stack.pop(), None);
+        assert!(stack.pop().is_none());
     }
 }

@@ -1,0 +1,191 @@
+//! Triangles of a leaf, tested against a ray eight at a time.
+//!
+//! They are tested in a space sheared along the ray, where the signs that decide are exact (S. Woop, C. Benthin, I. Wald,
+//! "Watertight Ray/Triangle Intersection", JCGT 2013): no ray slips through an edge or a corner.
+//!
+//! Neighbours on a surface share vertices: a block holds each once, which takes half the memory that triangles of their own
+//! corners would, and shears it once.
+
+use glam::Vec3;
+
+use super::simd::Lanes;
+use crate::math::float::gamma;
+
+/// Triangles in a block, at most, and vertices.
+pub(super) const BLOCK_SIZE: usize = 8;
+
+/// Up to eight triangles of up to eight vertices, each in `SHAPES` places: one, or those that it goes between.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct TriangleBlock<const SHAPES: usize> {
+    /// Axis by axis.
+    vertices: [[[f32; BLOCK_SIZE]; 3]; SHAPES],
+    /// Vertices of each triangle, corner by corner; those of unused lanes coincide, so that no ray meets them.
+    corners: [[u8; BLOCK_SIZE]; 3],
+    /// What each triangle is called.
+    pub(super) ids: [u32; BLOCK_SIZE],
+}
+
+/// Where a ray meets the triangles of a block.
+pub(super) struct BlockHits {
+    /// Lanes that are hit at 0 < t < t_max, at least one.
+    pub(super) mask: u32,
+    /// Ray parameter of each lane.
+    pub(super) t: [f32; 8],
+    /// Barycentric weights of the second and third corner, not yet divided by their sum.
+    weights: [[f32; 8]; 2],
+    sum: [f32; 8],
+}
+
+impl BlockHits {
+    /// Barycentric weights of the second and third corner.
+    #[inline(always)]
+    pub(super) fn barycentric(&self, lane: usize) -> [f32; 2] {
+        let sum = self.sum[lane];
+        [self.weights[0][lane] / sum, self.weights[1][lane] / sum]
+    }
+}
+
+impl<const SHAPES: usize> TriangleBlock<SHAPES> {
+    /// From triangles with their corners in each shape; `None` where they do not fit into a block.
+    pub(super) fn new(triangles: impl Iterator<Item = (u32, [[Vec3; 3]; SHAPES])>) -> Option<Self> {
+        let mut block =
+            Self { vertices: [[[0.0; BLOCK_SIZE]; 3]; SHAPES], corners: [[0; BLOCK_SIZE]; 3], ids: [0; BLOCK_SIZE] };
+        let mut vertices = [[[0; 3]; SHAPES]; BLOCK_SIZE];
+        let mut count = 0;
+        for (lane, (id, shapes)) in triangles.enumerate() {
+            *block.ids.get_mut(lane)? = id;
+            for corner in 0..3 {
+                let vertex = shapes.map(|corners| corners[corner].to_array().map(f32::to_bits));
+                let index = vertices[..count].iter().position(|other| *other == vertex).unwrap_or(count);
+                if index == count {
+                    *vertices.get_mut(count)? = vertex;
+                    for (to, from) in block.vertices.iter_mut().zip(vertex) {
+                        (0..3).for_each(|axis| to[axis][count] = f32::from_bits(from[axis]));
+                    }
+                    count += 1;
+                }
+                block.corners[corner][lane] = index as u8;
+            }
+        }
+        Some(block)
+    }
+
+    /// Vertices along an axis, so far on the way from the first shape to the second.
+    #[inline(always)]
+    fn along<L: Lanes>(&self, axis: usize, part: f32) -> L {
+        let from = L::load(&self.vertices[0][axis]);
+        if SHAPES == 1 {
+            return from;
+        }
+        from.mul(L::splat(1.0 - part)).add(L::load(&self.vertices[1][axis]).mul(L::splat(part)))
+    }
+
+    /// Vertices relative to the origin of the ray, sheared so that it runs along z.
+    #[inline(always)]
+    fn shear<L: Lanes>(&self, ray: &ShearedRay, part: f32) -> [L; 3] {
+        let [kx, ky, kz] = ray.axes;
+        let x = self.along::<L>(kx, part).sub(L::splat(ray.origin[kx]));
+        let y = self.along::<L>(ky, part).sub(L::splat(ray.origin[ky]));
+        let z = self.along::<L>(kz, part).sub(L::splat(ray.origin[kz]));
+        let [sx, sy, sz] = ray.shear;
+        [x.sub(L::splat(sx).mul(z)), y.sub(L::splat(sy).mul(z)), L::splat(sz).mul(z)]
+    }
+
+    /// Where the ray meets the triangles, from either side; `None` where it does not.
+    #[inline(always)]
+    pub(super) fn intersect<L: Lanes>(&self, ray: &ShearedRay, part: f32, t_max: f32) -> Option<BlockHits> {
+        let vertices = self.shear::<L>(ray, part);
+        let a = permute(vertices, &self.corners[0]);
+        let b = permute(vertices, &self.corners[1]);
+        let c = permute(vertices, &self.corners[2]);
+        let (u, v, w) = (double_area(c, b), double_area(a, c), double_area(b, a));
+        let (smallest, largest) = (u.min(v).min(w), u.max(v).max(w));
+        let zero = L::splat(0.0);
+        let inside = zero.le(smallest) | largest.le(zero);
+        if inside == 0 {
+            return None;
+        }
+        let sum = u.add(v).add(w);
+        let t = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2])).div(sum);
+        let edge_on = sum.le(zero) & zero.le(sum);
+        let mut mask = inside & !edge_on & zero.lt(t) & t.lt(L::splat(t_max));
+        if mask == 0 {
+            return None;
+        }
+        // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
+        mask &= distance_error([a, b, c], [u, v, w], sum, ray.shear[2]).lt(t);
+        if mask == 0 {
+            return None;
+        }
+        Some(BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() })
+    }
+}
+
+/// A function rather than a closure, which would not be inlined into a function for wide registers.
+#[inline(always)]
+fn permute<L: Lanes>([x, y, z]: [L; 3], indices: &[u8; BLOCK_SIZE]) -> [L; 3] {
+    let indices = L::indices(indices);
+    [x.permute(indices), y.permute(indices), z.permute(indices)]
+}
+
+/// Twice the signed area between the ray and an edge. The difference of two rounded products has the sign of the exact
+/// one or is zero, and zero counts as inside, so no point of a mesh is outside all its triangles.
+#[inline(always)]
+fn double_area<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
+    p[0].mul(q[1]).sub(p[1].mul(q[0]))
+}
+
+/// Bound on the rounding error of t = (u·a_z + v·b_z + w·c_z)/sum ([pbrt4](crate::references#pbrt4) §6.8.7), for
+/// directions of any length: `scale` is what z was multiplied by after the shear.
+#[inline(always)]
+fn distance_error<L: Lanes>([a, b, c]: [[L; 3]; 3], [u, v, w]: [L; 3], sum: L, scale: f32) -> L {
+    let (g2, g3, g5) = (L::splat(gamma(2)), L::splat(gamma(3)), L::splat(gamma(5)));
+    let x = largest_magnitude(a[0], b[0], c[0]);
+    let y = largest_magnitude(a[1], b[1], c[1]);
+    let z = largest_magnitude(a[2], b[2], c[2]);
+    let e = largest_magnitude(u, v, w);
+    let before_scaling = z.mul(L::splat(1.0 / scale.abs()));
+    let dx = x.add(before_scaling).mul(g5);
+    let dy = y.add(before_scaling).mul(g5);
+    let dz = z.mul(g3);
+    let de = g2.mul(x).mul(y).add(dy.mul(x)).add(dx.mul(y)).mul(L::splat(2.0));
+    let numerator = g3.mul(e).mul(z).add(de.mul(z)).add(dz.mul(e)).mul(L::splat(3.0));
+    numerator.div(magnitude(sum))
+}
+
+#[inline(always)]
+fn magnitude<L: Lanes>(a: L) -> L {
+    a.max(L::splat(0.0).sub(a))
+}
+
+#[inline(always)]
+fn largest_magnitude<L: Lanes>(a: L, b: L, c: L) -> L {
+    magnitude(a).max(magnitude(b)).max(magnitude(c))
+}
+
+/// A ray with the shear and the axis order that turn its direction into +Z of length 1, made once per ray.
+pub(super) struct ShearedRay {
+    origin: [f32; 3],
+    /// Where x, y and z of the sheared space come from; z is the direction's largest component.
+    axes: [usize; 3],
+    shear: [f32; 3],
+}
+
+impl ShearedRay {
+    #[inline(always)]
+    pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
+        let size = direction.abs();
+        let kz = if size.x > size.y && size.x > size.z {
+            0
+        } else if size.y > size.z {
+            1
+        } else {
+            2
+        };
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        let scale = 1.0 / direction[kz];
+        let shear = [direction[kx] * scale, direction[ky] * scale, scale];
+        Self { origin: origin.to_array(), axes: [kx, ky, kz], shear }
+    }
+}
