@@ -14,11 +14,13 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, SortPrecision};
+use rayon::prelude::*;
 
+use super::chunks::Chunks;
 use super::collapse::{BinaryTree, LEAF_SIZE};
 use super::mesh::segment;
 use super::motion::{Motion, Transform};
-use super::simd::{Lanes, with_widest_lanes};
+use super::simd::{Lanes, prefer_huge_pages, with_widest_lanes};
 use super::triangle_block::{BlockHits, ShearedRay, TriangleBlock};
 use super::wide_bvh::{LeafVisitor, WideBvh};
 use super::{Geometry, Hit, Ray};
@@ -363,24 +365,57 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
 
     fn build(
         range: &Range<u32>,
-        bounds: impl Fn(&[[Vec3; 3]; SHAPES]) -> Aabb,
-        corners: impl Fn(u32) -> [[Vec3; 3]; SHAPES],
+        bounds: impl Fn(&[[Vec3; 3]; SHAPES]) -> Aabb + Sync,
+        corners: impl Fn(u32) -> [[Vec3; 3]; SHAPES] + Sync,
     ) -> Self {
-        let (tree, bounds) = build_binary(range.clone().map(|t| bounds(&corners(t))));
-        let block = |primitives: &[u32]| {
-            TriangleBlock::new(primitives.iter().map(|&p| (range.start + p, corners(range.start + p))))
-        };
-        let mut blocks = Vec::new();
-        let fits = |primitives: &[u32]| block(primitives).is_some();
-        let mut bvh = WideBvh::collapse(&tree, fits, |primitives| {
-            blocks.extend(block(primitives));
-            (blocks.len() - 1) as u32
+        let box_of = |primitive: u32| bounds(&corners(range.start + primitive));
+        let chunks = Chunks::new(range.len() as u32, |primitive| {
+            let aabb = box_of(primitive);
+            (aabb.min.into(), aabb.max.into())
         });
-        // Shrinking copies, for which the memory of the binary tree will do.
-        drop(tree);
-        blocks.shrink_to_fit();
-        bvh.shrink_to_fit();
-        Self { bvh, blocks, bounds: (bounds.min.into(), bounds.max.into()) }
+        let part = |primitives: &[u32]| {
+            let tree = build_binary(primitives.iter().map(|&primitive| box_of(primitive)));
+            let block = |members: &[u32]| {
+                let triangles = members.iter().map(|&member| range.start + primitives[member as usize]);
+                TriangleBlock::new(triangles.map(|triangle| (triangle, corners(triangle))))
+            };
+            let mut blocks = Vec::new();
+            let bvh = WideBvh::collapse(
+                &tree,
+                |members| block(members).is_some(),
+                |members| {
+                    blocks.extend(block(members));
+                    (blocks.len() - 1) as u32
+                },
+            );
+            (bvh, blocks)
+        };
+        let parts = chunks.parts();
+        if let [all] = parts[..] {
+            let (mut bvh, mut blocks) = part(all);
+            bvh.shrink_to_fit();
+            blocks.shrink_to_fit();
+            return Self { bvh, blocks, bounds: chunks.bounds() };
+        }
+        let mut bvh = WideBvh::collapse(&chunks, |parts| parts.len() == 1, |parts| parts[0]);
+        let (own_nodes, mut blocks) = (bvh.len(), Vec::new());
+        let mut roots = Vec::with_capacity(parts.len());
+        for batch in parts.chunks(rayon::current_num_threads()) {
+            let built: Vec<_> = batch.par_iter().map(|primitives| part(primitives)).collect();
+            if roots.is_empty() {
+                // Room that turns out not to be needed is never written to, and takes no memory.
+                let room = |count: usize| count * (parts.len() + 1) / batch.len() * 5 / 4;
+                bvh.reserve(room(built.iter().map(|(bvh, _)| bvh.len()).sum()));
+                blocks.reserve_exact(room(built.iter().map(|(_, blocks)| blocks.len()).sum()));
+                prefer_huge_pages(&blocks);
+            }
+            for (part, part_blocks) in built {
+                roots.push(bvh.append(&part, blocks.len() as u32));
+                blocks.extend(part_blocks);
+            }
+        }
+        bvh.graft(own_nodes, &roots);
+        Self { bvh, blocks, bounds: chunks.bounds() }
     }
 }
 
@@ -390,7 +425,7 @@ impl TopLevel {
             let (min, max) = p.bounds(groups);
             Aabb::new(min.into(), max.into())
         });
-        let (tree, _) = build_binary(boxes);
+        let tree = build_binary(boxes);
         let mut leaves = Vec::new();
         let bvh = WideBvh::collapse(
             &tree,
@@ -433,11 +468,10 @@ fn bounds_of([a, b, c]: &[Vec3; 3]) -> Aabb {
 }
 
 /// obvhs's medium quality without its own collapse: parallel-locally-ordered clustering and one round of reinsertion.
-/// Returns the bounds of all boxes too.
 ///
 /// The leaves are handed over as nodes, since obvhs would otherwise want the boxes in an array of their own: with it the
 /// most memory in use would be 24 bytes a triangle more.
-fn build_binary(boxes: impl Iterator<Item = Aabb>) -> (Bvh2, Aabb) {
+fn build_binary(boxes: impl Iterator<Item = Aabb>) -> Bvh2 {
     let mut builder = PlocBuilder::new();
     builder.current_nodes = boxes.zip(0..).map(|(aabb, index)| Bvh2Node::new(aabb, 1, index)).collect();
     let bounds = builder.current_nodes.iter().fold(Aabb::empty(), |all, node| all.union(node.aabb()));
@@ -455,7 +489,7 @@ fn build_binary(boxes: impl Iterator<Item = Aabb>) -> (Bvh2, Aabb) {
     let reinserted_part = 0.05;
     ReinsertionOptimizer::default().run(&mut tree, reinserted_part, None);
     tree.parents = Vec::new();
-    (tree, bounds)
+    tree
 }
 
 impl BinaryTree for Bvh2 {

@@ -154,6 +154,24 @@ fn no_ray_leaves_a_closed_mesh_at_any_scale_or_place() {
 }
 
 #[test]
+fn a_mesh_built_in_chunks_is_met_as_its_parts_are() {
+    let mut numbers = Numbers(11);
+    let g = sphere(200, 400);
+    let count = g.triangles.len() as u32;
+    let in_parts: Vec<_> = (0..4).map(|i| count * i / 4..count * (i + 1) / 4).collect();
+    let placements = (0..4).map(|group| Placement { group, place: Place::World }).collect();
+    let (whole, parts) = (in_world(&g), Accel::build(&g, &in_parts, placements));
+    assert_eq!(whole.bounds(), parts.bounds());
+    for _ in 0..5_000 {
+        let direction = warp::uniform_sphere([numbers.next(), numbers.next()]);
+        let ray = Ray::new((numbers.point() - 0.5) * 3.0, direction);
+        let distance = |accel: &Accel| accel.closest(&ray, &AcceptAll).map(|hit| hit.t);
+        assert_eq!(distance(&whole), distance(&parts), "{ray:?}");
+        assert_eq!(whole.occluded(&ray, &AcceptAll), distance(&parts).is_some(), "{ray:?}");
+    }
+}
+
+#[test]
 fn rays_that_leave_a_surface_do_not_meet_it_again() {
     let mut numbers = Numbers(3);
     let g = sphere(24, 48);

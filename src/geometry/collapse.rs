@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 
+use super::chunks::half_area;
 use super::wide_node::WIDTH;
 
 /// A binary hierarchy; its root is node 0.
@@ -148,9 +149,4 @@ fn gather(tree: &impl BinaryTree, node: u32, primitives: &mut Vec<u32>) {
         None => primitives.push(tree.primitive(node)),
         Some(children) => children.into_iter().for_each(|child| gather(tree, child, primitives)),
     }
-}
-
-fn half_area((min, max): (Vec3, Vec3)) -> f32 {
-    let d = max - min;
-    d.x * d.y + d.y * d.z + d.z * d.x
 }

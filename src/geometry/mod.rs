@@ -10,6 +10,7 @@
 mod accel;
 #[cfg(test)]
 mod accel_tests;
+mod chunks;
 mod collapse;
 mod mesh;
 mod motion;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::collapse::{BinaryTree, Collapse, LEAF_SIZE};
-use super::simd::Lanes;
+use super::simd::{Lanes, prefer_huge_pages};
 use super::traversal_stack::{Entry, TraversalStack};
 use super::wide_node::{SlabRay, WideNode};
 
@@ -51,6 +51,34 @@ impl WideBvh {
     /// Gives back memory that building reserved.
     pub(super) fn shrink_to_fit(&mut self) {
         self.nodes.shrink_to_fit();
+    }
+
+    /// Makes room for the nodes of so many such hierarchies, [`append`](Self::append)ed.
+    pub(super) fn reserve(&mut self, nodes: usize) {
+        self.nodes.reserve_exact(nodes);
+        prefer_huge_pages(&self.nodes);
+    }
+
+    /// Takes in another hierarchy, whose leaves' numbers grow by `first_leaf`; returns its root.
+    pub(super) fn append(&mut self, other: &Self, first_leaf: u32) -> u32 {
+        let root = self.nodes.len() as u32;
+        let moved = |child: u32| child + if child & LEAF != 0 { first_leaf } else { root };
+        self.nodes.extend(other.nodes.iter().map(|node| node.with_children(moved)));
+        root
+    }
+
+    /// Puts roots of hierarchies that were appended in the places of leaves of this one, its first nodes.
+    pub(super) fn graft(&mut self, own_nodes: usize, roots: &[u32]) {
+        for child in self.nodes[..own_nodes].iter_mut().flat_map(|node| &mut node.children) {
+            if *child & LEAF != 0 {
+                *child = roots[(*child & !LEAF) as usize];
+            }
+        }
+    }
+
+    /// Number of nodes.
+    pub(super) fn len(&self) -> usize {
+        self.nodes.len()
     }
 
     /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far, and

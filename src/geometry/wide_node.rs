@@ -61,6 +61,11 @@ impl WideNode {
         node
     }
 
+    /// The same boxes, with children known by other numbers.
+    pub(super) fn with_children(&self, number: impl Fn(u32) -> u32) -> Self {
+        Self { children: self.children.map(number), ..*self }
+    }
+
     /// Which children the ray enters at t < `t_max`, and where.
     ///
     /// Slabs, with the far plane widened by the bound on rounding (T. Ize, "Robust BVH Ray Traversal", JCGT 2013). A
