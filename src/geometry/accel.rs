@@ -153,7 +153,7 @@ impl Accel {
             },
             Some(top) => {
                 let mut visitor = PlacementVisitor { accel: self, top, ray, query };
-                top.bvh.traverse::<L, _>(ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
+                top.bvh.traverse::<L>(ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
             }
         }
     }
@@ -181,9 +181,6 @@ fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> 
 
 /// What is asked of the triangles along a ray.
 trait TriangleQuery {
-    /// Whether it pays to look at the nearest triangles first.
-    const IN_ORDER: bool;
-
     /// Looks at the hits in a block; may shorten the ray. Returning true ends the query.
     fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
 }
@@ -196,8 +193,6 @@ struct Closest<'a, F> {
 }
 
 impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
-    const IN_ORDER: bool = true;
-
     #[inline(always)]
     fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
         let mut mask = hits.mask;
@@ -224,8 +219,6 @@ struct Occluded<'a, F> {
 }
 
 impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
-    const IN_ORDER: bool = false;
-
     #[inline(always)]
     fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, _: u32, _: &mut f32) -> bool {
         let mut mask = hits.mask;
@@ -249,8 +242,6 @@ struct PlacementVisitor<'a, Q> {
 }
 
 impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
-    const IN_ORDER: bool = Q::IN_ORDER;
-
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
         for &placement in &self.top.leaves[leaf as usize] {
@@ -283,8 +274,6 @@ struct BlockVisitor<'a, Q, const SHAPES: usize> {
 }
 
 impl<Q: TriangleQuery, const SHAPES: usize> LeafVisitor for BlockVisitor<'_, Q, SHAPES> {
-    const IN_ORDER: bool = Q::IN_ORDER;
-
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
         let block = &self.blocks[leaf as usize];
@@ -360,9 +349,10 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
     ) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut visitor = BlockVisitor { blocks: &self.blocks, part, sheared, placement, query };
-        self.bvh.traverse::<L, _>(ray.origin, ray.direction, t_max, &mut visitor)
+        self.bvh.traverse::<L>(ray.origin, ray.direction, t_max, &mut visitor)
     }
 
+    /// `corners` are those of a triangle in its shapes, `bounds` the box of them all.
     fn build(
         range: &Range<u32>,
         bounds: impl Fn(&[[Vec3; 3]; SHAPES]) -> Aabb + Sync,

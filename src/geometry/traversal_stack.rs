@@ -65,13 +65,6 @@ impl TraversalStack {
         &mut self.entries[at % LEN]
     }
 
-    /// Puts an entry on top.
-    #[inline(always)]
-    pub(super) fn push(&mut self, new: Entry) {
-        *self.entry(self.len) = new;
-        self.len += 1;
-    }
-
     /// Inserts so that the entries from `base` on are sorted, the nearest last.
     #[inline(always)]
     pub(super) fn push_sorted(&mut self, base: usize, new: Entry) {

@@ -84,12 +84,12 @@ impl WideBvh {
     /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far, and
     /// returns whether the visitor ended the traversal. The visitor shortens `t_max`.
     #[inline(always)]
-    pub(super) fn traverse<L: Lanes, V: LeafVisitor>(
+    pub(super) fn traverse<L: Lanes>(
         &self,
         origin: Vec3,
         direction: Vec3,
         t_max: &mut f32,
-        visitor: &mut V,
+        visitor: &mut impl LeafVisitor,
     ) -> bool {
         let ray = SlabRay::<L>::new(origin, direction);
         let mut stack = TraversalStack::new();
@@ -116,11 +116,7 @@ impl WideBvh {
                             let farther = nearest.max(entry);
                             nearest = nearest.min(entry);
                             self.prefetch::<L>(farther.child(), visitor);
-                            if V::IN_ORDER {
-                                stack.push_sorted(base, farther);
-                            } else {
-                                stack.push(farther);
-                            }
+                            stack.push_sorted(base, farther);
                         }
                     }
                     current = nearest.child();
@@ -153,9 +149,6 @@ impl WideBvh {
 /// A trait rather than a closure, since only what is `#[inline(always)]` all the way down is compiled for wide
 /// registers (see [`simd`](super::simd)).
 pub(super) trait LeafVisitor {
-    /// Whether it pays to visit the nearest leaf first.
-    const IN_ORDER: bool;
-
     /// Visits a leaf; may shorten the ray. Returning true ends the traversal.
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool;
     /// Asks the memory for a leaf that may be visited soon.

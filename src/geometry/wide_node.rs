@@ -21,10 +21,11 @@ pub(super) struct WideNode {
 /// A ray as the boxes of nodes meet it.
 pub(super) struct SlabRay<L> {
     origin: [L; 3],
+    /// 1/direction, and the same enlarged by the bound on rounding.
     inverse: [L; 3],
+    enlarged: [L; 3],
     /// Index of the plane that the ray meets first, for each axis.
     near_planes: [usize; 3],
-    widen: L,
 }
 
 impl<L: Lanes> SlabRay<L> {
@@ -33,7 +34,8 @@ impl<L: Lanes> SlabRay<L> {
         let inverse = direction.recip();
         let near_planes =
             [usize::from(inverse.x < 0.0), 2 + usize::from(inverse.y < 0.0), 4 + usize::from(inverse.z < 0.0)];
-        Self { origin: splat(origin), inverse: splat(inverse), near_planes, widen: L::splat(1.0 + 2.0 * gamma(3)) }
+        let enlarged = inverse * (1.0 + 2.0 * gamma(3));
+        Self { origin: splat(origin), inverse: splat(inverse), enlarged: splat(enlarged), near_planes }
     }
 }
 
@@ -74,12 +76,12 @@ impl WideNode {
     #[inline(always)]
     pub(super) fn enter<L: Lanes>(&self, ray: &SlabRay<L>, t_max: f32) -> (u32, L) {
         let mut near = L::splat(0.0);
-        let mut far = L::splat(f32::INFINITY);
+        let mut far = L::splat(t_max);
         for axis in 0..3 {
             let first = ray.near_planes[axis];
             near = L::load(&self.planes[first]).sub(ray.origin[axis]).mul(ray.inverse[axis]).max(near);
-            far = L::load(&self.planes[first ^ 1]).sub(ray.origin[axis]).mul(ray.inverse[axis]).min(far);
+            far = L::load(&self.planes[first ^ 1]).sub(ray.origin[axis]).mul(ray.enlarged[axis]).min(far);
         }
-        (near.le(far.mul(ray.widen).min(L::splat(t_max))), near)
+        (near.le(far), near)
     }
 }
