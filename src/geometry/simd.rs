@@ -3,7 +3,8 @@
 //!
 //! Both kinds do the same IEEE operations in the same order and contract nothing into fused ones, so that a picture does
 //! not depend on the machine. This is the only file with `unsafe` code: the AVX intrinsics must not run on a processor
-//! without AVX2, and the compiler cannot know where the program will run. Advice on memory, which is a call of the system, is here too.
+//! without AVX2, and the compiler cannot know where the program will run. Advice on memory, which is a call of the
+//! system, is here too.
 
 #![allow(unsafe_code, reason = "intrinsics behind a run-time check; see the module documentation")]
 
