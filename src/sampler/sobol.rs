@@ -39,12 +39,13 @@ fn permute(mut x: u32, key: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// The scrambled first dimension of sample `index`, 32 bits.
+/// The scrambled first dimension of the sample whose index has these bits in reverse, 32 bits.
 #[inline]
-pub(super) fn scrambled_1d(index: u32, key: u64) -> u32 {
-    // The first Sobol dimension is the bit-reversed index, so shuffling the index would do the same again.
-    let [scramble, _] = keys(key);
-    permute(index, scramble).reverse_bits()
+pub(super) fn scrambled_1d(reversed_index: u32, key: u64) -> u32 {
+    // The first Sobol dimension is the bit-reversed index. Scrambling alone would leave its first bit a function of the index's
+    // last, and two requests dependent: one half of one would always meet the same half of the other.
+    let [shuffle, scramble] = keys(key);
+    permute(permute(reversed_index, shuffle).reverse_bits(), scramble).reverse_bits()
 }
 
 /// The scrambled first two dimensions of the sample whose index has these bits in reverse, 32 bits each.
@@ -91,7 +92,7 @@ mod tests {
     fn one_dimension_is_stratified_and_keys_differ() {
         let mut strata = [0; 64];
         for index in 0..64 {
-            strata[(scrambled_1d(index, 99) >> 26) as usize] += 1;
+            strata[(scrambled_1d(u32::reverse_bits(index), 99) >> 26) as usize] += 1;
         }
         assert_eq!(strata, [1; 64]);
         assert_ne!(scrambled_1d(3, 1), scrambled_1d(3, 2));
