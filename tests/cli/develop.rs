@@ -10,7 +10,7 @@ fn bytes(folder: &Folder, name: &str) -> Vec<u8> {
 }
 
 fn rendered(more: &str) -> Folder {
-    let folder = room(&format!("[render]\nsamples_per_pixel = 2\n{more}"));
+    let folder = room(&format!("[render]\nsamples_per_pixel = 16\n{more}"));
     // Dark enough that little is white.
     let capture = String::from_utf8(bytes(&folder, "capture.toml")).expect("UTF-8");
     folder.add("capture.toml", capture.replace("time_s = 0.0002", "time_s = 0.00004"));
