@@ -11,13 +11,11 @@ and of the sensor together is √(1 + r²) times that of the sensor, with r the 
 """
 
 import argparse
-import json
 import statistics
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
+from comparison import command
 from comparison.environment import ROOT, enter
 
 CAPTURE = ROOT / "scenes" / "depth-of-field" / "capture.toml"
@@ -33,17 +31,6 @@ def arguments():
     return parser.parse_args()
 
 
-def render(photosite, folder, seed, *keys):
-    """A render's report."""
-    command = [photosite, "render", CAPTURE, "-o", folder, "--force", "--json", "--quiet", "--seed", seed]
-    for key in [*SIZE, *keys]:
-        command += ["--set", key]
-    done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, check=False)
-    if done.returncode:
-        sys.exit(f"photosite failed with status {done.returncode}")
-    return json.loads(done.stdout)
-
-
 def total_noise(report):
     """Noise of light and sensor over that of the sensor."""
     return (1 + report["render"]["noise_ratio"] ** 2) ** 0.5
@@ -56,10 +43,13 @@ def main():
 
     times, noises, paths = {"noise target": [], "even": []}, {"noise target": [], "even": []}, {}
     with tempfile.TemporaryDirectory() as folder:
+        def render(seed, *keys):
+            return command.render(options.photosite, CAPTURE, folder, seed, [*SIZE, *keys])
+
         for run in range(options.runs):
-            stopping = render(options.photosite, folder, run, f"render.noise_target={options.target}", "render.samples_per_pixel=1000000")
+            stopping = render(run, f"render.noise_target={options.target}", "render.samples_per_pixel=1000000")
             samples = int(np.percentile(np.load(Path(folder) / "samples.npy"), 99))
-            even = render(options.photosite, folder, run, f"render.samples_per_pixel={samples}")
+            even = render(run, f"render.samples_per_pixel={samples}")
             for name, report in (("noise target", stopping), ("even", even)):
                 times[name].append(report["timings"]["trace_s"])
                 noises[name].append(total_noise(report))

@@ -1,11 +1,10 @@
 """A capture in photosite, through its command."""
 
-import json
 import resource
-import subprocess
-import sys
 
 import numpy as np
+
+from . import command
 
 
 class Photosite:
@@ -21,21 +20,17 @@ class Photosite:
 
     def render(self, samples, seed):
         """A picture, mean electrons without noise, with the wall and processor seconds of its light transport."""
-        command = [
-            self.photosite, "render", self.capture, "-o", self.folder, "--force", "--json", "--quiet", "--seed", seed,
-            "--set", f"render.samples_per_pixel={samples}",
-            "--set", f'render.sampler="{self.sampler}"',
-            "--set", f"render.splitting={self.splitting}",
-        ]  # fmt: skip
-        if self.threads:
-            command += ["--threads", self.threads]
+        keys = [
+            f"render.samples_per_pixel={samples}",
+            f'render.sampler="{self.sampler}"',
+            f"render.splitting={self.splitting}",
+        ]
+        options = ["--threads", self.threads] if self.threads else []
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, check=False)
+        report = command.render(self.photosite, self.capture, self.folder, seed, keys, *options)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        if done.returncode:
-            sys.exit(f"photosite failed with status {done.returncode}")
         busy = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        seconds = json.loads(done.stdout)["timings"]["trace_s"], busy - self.overhead
+        seconds = report["timings"]["trace_s"], busy - self.overhead
         return self._electrons(), seconds
 
     def warm_up(self, _samples):

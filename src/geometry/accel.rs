@@ -16,12 +16,13 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, SortPrecision};
 use rayon::prelude::*;
 
+use super::bounds::{Bounds, union};
 use super::chunks::Chunks;
 use super::collapse::{BinaryTree, LEAF_SIZE};
 use super::mesh::segment;
 use super::motion::{Motion, Transform};
 use super::simd::{Lanes, prefer_huge_pages, with_widest_lanes};
-use super::triangle_block::{BlockHits, ShearedRay, TriangleBlock};
+use super::triangle_block::{BLOCK_SIZE, BlockHits, ShearedRay, TriangleBlock};
 use super::wide_bvh::{LeafVisitor, WideBvh};
 use super::{Geometry, Hit, Ray};
 use crate::math::float::gamma;
@@ -97,7 +98,7 @@ enum Group {
 struct TriangleBvh<const SHAPES: usize> {
     bvh: WideBvh,
     blocks: Vec<TriangleBlock<SHAPES>>,
-    bounds: (Vec3, Vec3),
+    bounds: Bounds,
 }
 
 #[derive(Clone, Debug)]
@@ -125,7 +126,7 @@ impl Accel {
     /// Lower and upper corner of everything, m.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let all = self.placements.iter().map(|p| p.bounds(&self.groups));
-        all.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((Vec3::ZERO, Vec3::ZERO))
+        all.reduce(union).unwrap_or_default()
     }
 
     /// The nearest hit that `filter` accepts.
@@ -182,7 +183,7 @@ fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> 
 /// What is asked of the triangles along a ray.
 trait TriangleQuery {
     /// Looks at the hits in a block; may shorten the ray. Returning true ends the query.
-    fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
+    fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
 }
 
 /// The nearest hit.
@@ -194,7 +195,7 @@ struct Closest<'a, F> {
 
 impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
     #[inline(always)]
-    fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
+    fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
         let mut mask = hits.mask;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
@@ -220,7 +221,7 @@ struct Occluded<'a, F> {
 
 impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
     #[inline(always)]
-    fn consider(&mut self, ids: &[u32; 8], hits: &BlockHits, _: u32, _: &mut f32) -> bool {
+    fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, _: u32, _: &mut f32) -> bool {
         let mut mask = hits.mask;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
@@ -319,13 +320,10 @@ impl Group {
         Self::Deforming((0..deformation.shape_count() - 1).map(part).collect())
     }
 
-    fn bounds(&self) -> (Vec3, Vec3) {
+    fn bounds(&self) -> Bounds {
         match self {
             Self::Rigid(bvh) => bvh.bounds,
-            Self::Deforming(parts) => {
-                let both = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
-                parts.iter().map(|part| part.bounds).reduce(both).unwrap_or_default()
-            }
+            Self::Deforming(parts) => parts.iter().map(|part| part.bounds).reduce(union).unwrap_or_default(),
         }
     }
 }
@@ -431,7 +429,7 @@ impl TopLevel {
 
 impl Placement {
     /// World bounds, widened by the rounding of both transforms.
-    fn bounds(&self, groups: &[Group]) -> (Vec3, Vec3) {
+    fn bounds(&self, groups: &[Group]) -> Bounds {
         let (min, max) = groups[self.group as usize].bounds();
         let to_world = match &self.place {
             Place::World => return (min, max),
@@ -487,7 +485,7 @@ impl BinaryTree for Bvh2 {
         self.nodes.len()
     }
 
-    fn bounds(&self, node: u32) -> (Vec3, Vec3) {
+    fn bounds(&self, node: u32) -> Bounds {
         let aabb = self.nodes[node as usize].aabb();
         (aabb.min.into(), aabb.max.into())
     }

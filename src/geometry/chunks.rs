@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 
+use super::bounds::{Bounds, NOTHING, half_area, union};
 use super::collapse::BinaryTree;
 
 /// Primitives of a part, at most.
@@ -13,12 +14,6 @@ const CHUNK_SIZE: usize = 1 << 16;
 
 /// Planes that are tried along each axis, and one.
 const BINS: usize = 32;
-
-/// A box, lower and upper corner.
-type Bounds = (Vec3, Vec3);
-
-/// A box that contains nothing.
-const NOTHING: Bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
 
 /// Primitives in parts, and the binary tree of the cuts between them; its primitives are the parts.
 pub(super) struct Chunks {
@@ -147,14 +142,4 @@ fn cut(primitives: &mut [u32], bounds: &impl Fn(u32) -> Bounds) -> usize {
         }
     }
     size
-}
-
-fn union(a: Bounds, b: Bounds) -> Bounds {
-    (a.0.min(b.0), a.1.max(b.1))
-}
-
-/// Half the area of a box, or 0 for [`NOTHING`].
-pub(super) fn half_area((low, high): Bounds) -> f32 {
-    let d = (high - low).max(Vec3::ZERO);
-    d.x * d.y + d.y * d.z + d.z * d.x
 }

@@ -4,9 +4,8 @@
 //! heuristic (Ylitie, Karras, Laine 2017, §3): found from the leaves up, since the cheapest way to put a subtree below at
 //! most k slots of a node is made of those of its children.
 
-use glam::Vec3;
-
-use super::chunks::half_area;
+use super::bounds::{Bounds, half_area};
+use super::triangle_block::BLOCK_SIZE;
 use super::wide_node::WIDTH;
 
 /// A binary hierarchy; its root is node 0.
@@ -14,15 +13,15 @@ pub(super) trait BinaryTree {
     /// Number of nodes.
     fn len(&self) -> usize;
     /// Lower and upper corner of a node's box.
-    fn bounds(&self, node: u32) -> (Vec3, Vec3);
+    fn bounds(&self, node: u32) -> Bounds;
     /// Both children, unless the node is a leaf.
     fn children(&self, node: u32) -> Option<[u32; 2]>;
     /// The primitive of a leaf.
     fn primitive(&self, leaf: u32) -> u32;
 }
 
-/// Primitives in a leaf of the wide tree, at most.
-pub(super) const LEAF_SIZE: usize = 8;
+/// Primitives in a leaf of the wide tree, at most: as many as are tested at once.
+pub(super) const LEAF_SIZE: usize = BLOCK_SIZE;
 
 /// Cost of a leaf, in visits of a node.
 const LEAF_COST: f32 = 0.7;

@@ -10,6 +10,7 @@
 mod accel;
 #[cfg(test)]
 mod accel_tests;
+mod bounds;
 mod chunks;
 mod collapse;
 mod mesh;

@@ -1,7 +1,8 @@
 //! Where a group of triangles, or a lamp, is at a time.
 
-use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3, Vec3};
+use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3};
 
+use super::bounds::Bounds;
 use super::mesh::segment;
 use crate::math::Cone;
 
@@ -81,7 +82,7 @@ impl Motion {
     ///
     /// The way of a point is p = T + R·S·x. Between two times h apart it leaves the straight line by at most h²·|p″|/8, with
     /// |p″| ≤ ω²·|S·x| + 2ω·|ΔS·x| for a turn by ω from key to key.
-    pub(crate) fn bounds(&self, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    pub(crate) fn bounds(&self, (min, max): Bounds) -> Bounds {
         let corners: Vec<DVec3> = (0..8)
             .map(|i| DVec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max.into(), min.into()))
             .collect();

@@ -31,10 +31,10 @@ pub(super) struct BlockHits {
     /// Lanes that are hit at 0 < t < t_max, at least one.
     pub(super) mask: u32,
     /// Ray parameter of each lane.
-    pub(super) t: [f32; 8],
+    pub(super) t: [f32; BLOCK_SIZE],
     /// Barycentric weights of the second and third corner, not yet divided by their sum.
-    weights: [[f32; 8]; 2],
-    sum: [f32; 8],
+    weights: [[f32; BLOCK_SIZE]; 2],
+    sum: [f32; BLOCK_SIZE],
 }
 
 impl BlockHits {

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::bounds::Bounds;
 use super::simd::Lanes;
 use crate::math::float::gamma;
 
@@ -52,7 +53,7 @@ impl WideNode {
     };
 
     /// Of at most eight boxes, lower and upper corner.
-    pub(super) fn new(boxes: &[(Vec3, Vec3)]) -> Self {
+    pub(super) fn new(boxes: &[Bounds]) -> Self {
         let mut node = Self::EMPTY;
         for (slot, (min, max)) in boxes.iter().enumerate() {
             for axis in 0..3 {

@@ -73,7 +73,20 @@ struct Vertex<'a> {
     shading: &'a Shading,
     /// Back along the path, unit vector in world space.
     wo: Vec3,
+    /// The same in the shading frame.
+    wo_local: Vec3,
     receiver: Receiver,
+}
+
+impl<'a> Vertex<'a> {
+    #[inline]
+    fn new(point: &'a SurfacePoint, shading: &'a Shading, wo: Vec3) -> Self {
+        // What only reflects has its shading normal on the side that it is seen from.
+        let normal = shading.frame.z;
+        let facing = if shading.bsdf.transmits() { Facing::Both(normal) } else { Facing::Front(normal) };
+        let receiver = Receiver { point: point.position, facing };
+        Self { point, shading, wo, wo_local: shading.frame.to_local(wo), receiver }
+    }
 }
 
 impl Walk {
@@ -112,8 +125,7 @@ impl Walk {
             if shading.bsdf.needs_single_wavelength() {
                 terminate_secondary(wavelengths, &mut self.throughput);
             }
-            let receiver = receiver(&point, &shading);
-            let vertex = Vertex { point: &point, shading: &shading, wo, receiver };
+            let vertex = Vertex::new(&point, &shading, wo);
             if !shading.bsdf.is_delta() {
                 light += self.throughput * direct_light(scene, &vertex, self.medium, wavelengths, sampler);
                 if self.limits.splitting > 1 {
@@ -155,11 +167,10 @@ impl Walk {
     fn scatter(
         &mut self,
         scene: &Scene,
-        Vertex { point, shading, wo, receiver }: &Vertex<'_>,
+        Vertex { point, shading, wo, wo_local, receiver }: &Vertex<'_>,
         wavelengths: &mut Wavelengths,
         sampler: &mut Sampler,
     ) -> Option<()> {
-        let wo_local = shading.frame.to_local(*wo);
         let u_lobe = if shading.bsdf.has_lobes() {
             sampler.next_1d()
         } else {
@@ -167,7 +178,7 @@ impl Walk {
             0.0
         };
         let u = sampler.next_2d();
-        let sample = shading.bsdf.sample(wo_local, u_lobe, u)?;
+        let sample = shading.bsdf.sample(*wo_local, u_lobe, u)?;
         let wi = shading.frame.to_world(sample.wi);
         if leaks(point, shading, *wo, wi, sample.is_transmission) {
             return None;
@@ -199,19 +210,11 @@ impl Walk {
     }
 }
 
-/// The surface as it looks for light. What only reflects has its shading normal on the side that it is seen from.
-#[inline]
-fn receiver(point: &SurfacePoint, shading: &Shading) -> Receiver {
-    let normal = shading.frame.z;
-    let facing = if shading.bsdf.transmits() { Facing::Both(normal) } else { Facing::Front(normal) };
-    Receiver { point: point.position, facing }
-}
-
 /// Light that the surface receives straight from a light and scatters back along the path.
 #[inline]
 fn direct_light(
     scene: &Scene,
-    Vertex { point, shading, wo, receiver }: &Vertex<'_>,
+    Vertex { point, shading, wo, wo_local, receiver }: &Vertex<'_>,
     medium: Option<SpectrumId>,
     wavelengths: &Wavelengths,
     sampler: &mut Sampler,
@@ -220,12 +223,11 @@ fn direct_light(
         return SampledSpectrum::ZERO;
     };
     let wi_local = shading.frame.to_local(light.wi);
-    let wo_local = shading.frame.to_local(*wo);
     let is_transmission = wi_local.z * wo_local.z < 0.0;
     if light.pdf.0 <= 0.0 || leaks(point, shading, *wo, light.wi, is_transmission) {
         return SampledSpectrum::ZERO;
     }
-    let scattering = shading.bsdf.eval(wo_local, wi_local);
+    let scattering = shading.bsdf.eval(*wo_local, wi_local);
     let cos = flip(Fault::CosineMissing, wi_local.z.abs(), 1.0);
     let mut contribution = light.radiance * scattering.f * (cos / light.pdf.0);
     let medium = if is_transmission { scene.medium_across(point, light.wi, medium) } else { medium };

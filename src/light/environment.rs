@@ -113,14 +113,11 @@ impl EnvironmentPicture {
         let sines: Vec<f64> = (0..height).map(|y| polar_angle(y, height).sin()).collect();
         let smooth: Vec<f64> =
             (0..width * height).map(|i| 0.5 * (luminance[i] + around(i % width, i / width))).collect();
-        let weighed = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            smooth.iter().enumerate().map(|(i, &luminance)| value(luminance) * sines[i / width]).collect()
-        };
-        let all = weighed(&|luminance| luminance).iter().sum::<f64>();
+        let all = smooth.chunks(width).zip(&sines).map(|(row, sine)| row.iter().sum::<f64>() * sine).sum::<f64>();
         let mean = all / (width as f64 * sines.iter().sum::<f64>());
-        let above = weighed(&|luminance| (luminance - mean).max(0.0));
-        let excess = above.iter().sum::<f64>() / all;
-        let weights: Vec<f32> = above.into_iter().map(|weight| weight as f32).collect();
+        let above = |(i, luminance): (usize, &f64)| (luminance - mean).max(0.0) * sines[i / width];
+        let weights: Vec<f32> = smooth.iter().enumerate().map(|texel| above(texel) as f32).collect();
+        let excess = weights.iter().map(|&weight| f64::from(weight)).sum::<f64>() / all;
         let (sin, cos) = rotation_deg.to_radians().sin_cos();
         let distribution = PiecewiseConstant2D::new(&weights, width);
         // What rounding leaves of a picture of one colour is not worth a look.

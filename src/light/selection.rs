@@ -3,7 +3,7 @@
 use super::bounds::LightBounds;
 use super::receiver::Receiver;
 use super::tree::LightTree;
-use crate::math::distribution::AliasTable;
+use crate::math::distribution::{AliasTable, rest};
 
 /// Lights that are somewhere are chosen by a tree, those infinitely far by their power, and which of both kinds by the
 /// irradiance to be expected of each.
@@ -34,12 +34,6 @@ impl Choice {
     fn within(self, part: f32) -> Self {
         Self { probability: self.probability * part, ..self }
     }
-}
-
-/// Part of an interval [from, from + length) that a number in it leaves below itself: in [0, 1), whatever the rounding.
-#[inline]
-pub(super) fn rest(u: f32, from: f32, length: f32) -> f32 {
-    ((u - from) / length).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
 }
 
 /// Bounds of the probability of either kind, where it shines at all: walls may hide the brighter one.

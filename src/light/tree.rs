@@ -2,7 +2,8 @@
 
 use super::bounds::{Cluster, LightBounds};
 use super::receiver::Receiver;
-use super::selection::{Choice, rest};
+use super::selection::Choice;
+use crate::math::distribution::rest;
 
 /// A binary tree over lights: from its root down a light is found by the importance of either half for the receiver
 /// ([Conty18](crate::references#conty18), [pbrt4](crate::references#pbrt4) §12.6.3).

@@ -113,6 +113,13 @@ impl PiecewiseConstant2D {
     }
 }
 
+/// What a choice leaves of its number: the part of an interval [from, from + length) that lies below a number `u` in it. In
+/// [0, 1), whatever the rounding.
+#[inline]
+pub fn rest(u: f32, from: f32, length: f32) -> f32 {
+    ((u - from) / length).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
+}
+
 /// Choice of one of n things in proportion to their weights in O(1): Walker's alias method as built by
 /// M. Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution" (1991).
 #[derive(Clone, Debug)]
@@ -170,11 +177,11 @@ impl AliasTable {
         let number = (scaled as usize).min(self.bins.len() - 1);
         let (bin, within) = (&self.bins[number], scaled - number as f32);
         let (entry, rest) = if within < bin.keep {
-            (number as u32, within / bin.keep)
+            (number as u32, rest(within, 0.0, bin.keep))
         } else {
-            (bin.alias, (within - bin.keep) / (1.0 - bin.keep))
+            (bin.alias, rest(within, bin.keep, 1.0 - bin.keep))
         };
-        (entry, self.bins[entry as usize].probability, rest.clamp(0.0, 1.0 - f32::EPSILON / 2.0))
+        (entry, self.bins[entry as usize].probability, rest)
     }
 
     /// Probability of an entry.
