@@ -220,14 +220,14 @@ impl<'a> Checkpoints<'a> {
     }
 }
 
-/// The checkpoints in a folder.
-fn all(folder: &Path) -> impl Iterator<Item = PathBuf> {
-    let is_one = |path: &PathBuf| {
+/// The files of checkpoints in a folder, of one of their two kinds.
+fn all(folder: &Path, kind: &str) -> impl Iterator<Item = PathBuf> {
+    let is_one = move |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let numbered = name.strip_suffix(FILM).or(name.strip_suffix(ROWS)).and_then(|rest| rest.strip_prefix(STEM));
+        let numbered =
+            name.strip_suffix(kind).and_then(|rest| rest.strip_prefix(STEM)).and_then(|r| r.strip_suffix('.'));
         numbered.is_some_and(|rest| {
-            rest == "."
-                || rest.strip_prefix('-').and_then(|r| r.strip_suffix('.')).is_some_and(|n| n.parse::<u32>().is_ok())
+            rest.is_empty() || rest.strip_prefix('-').is_some_and(|number| number.parse::<u32>().is_ok())
         })
     };
     fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).filter(is_one)
@@ -235,10 +235,31 @@ fn all(folder: &Path) -> impl Iterator<Item = PathBuf> {
 
 /// Whether a render was broken off in a folder.
 pub(super) fn are_in(folder: &Path) -> bool {
-    all(folder).next().is_some()
+    all(folder, FILM).next().is_some()
 }
 
-/// Removes all of a folder.
+/// Removes all of a folder: rows after what says that they are there, should this be killed on the way.
 pub(super) fn remove(folder: &Path) -> Result<()> {
-    all(folder).try_for_each(|path| fs::remove_file(&path).map_err(|reason| Error::io(&path, "remove", reason)))
+    let mut files = all(folder, FILM).chain(all(folder, ROWS));
+    files.try_for_each(|path| fs::remove_file(&path).map_err(|reason| Error::io(&path, "remove", reason)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_stay_as_long_as_a_checkpoint_speaks_of_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let rows: Vec<_> = (0..20).map(|number| folder.path().join(named(STEM, Some(number), ROWS))).collect();
+        rows.iter().for_each(|path| fs::write(path, "rows").expect("written"));
+        // A folder, which cannot be removed as a file can.
+        let film = folder.path().join(named(STEM, Some(10), FILM));
+        fs::create_dir(&film).expect("made");
+        assert!(are_in(folder.path()) && remove(folder.path()).is_err());
+        assert!(rows.iter().all(|path| path.exists()));
+        fs::remove_dir(&film).expect("removed");
+        assert!(!are_in(folder.path()) && remove(folder.path()).is_ok());
+        assert!(!rows.iter().any(|path| path.exists()));
+    }
 }
