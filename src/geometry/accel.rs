@@ -21,7 +21,7 @@ use super::chunks::Chunks;
 use super::collapse::{BinaryTree, LEAF_SIZE};
 use super::mesh::segment;
 use super::motion::{Motion, Transform};
-use super::simd::{Lanes, prefer_huge_pages, with_widest_lanes};
+use super::simd::{Lanes, compact, prefer_huge_pages, with_widest_lanes};
 use super::triangle_block::{BLOCK_SIZE, BlockHits, ShearedRay, TriangleBlock};
 use super::wide_bvh::{LeafVisitor, WideBvh};
 use super::{Geometry, Hit, Ray};
@@ -154,7 +154,7 @@ impl Accel {
             },
             Some(top) => {
                 let mut visitor = PlacementVisitor { accel: self, top, ray, query };
-                top.bvh.traverse::<L>(ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
+                top.bvh.traverse::<L, _>(ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
             }
         }
     }
@@ -182,6 +182,8 @@ fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> 
 
 /// What is asked of the triangles along a ray.
 trait TriangleQuery {
+    /// Whether triangles may come in any order, since the ray is never shortened.
+    const ANY_ORDER: bool;
     /// Looks at the hits in a block; may shorten the ray. Returning true ends the query.
     fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
 }
@@ -194,6 +196,8 @@ struct Closest<'a, F> {
 }
 
 impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
+    const ANY_ORDER: bool = false;
+
     #[inline(always)]
     fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
         let mut mask = hits.mask;
@@ -220,6 +224,8 @@ struct Occluded<'a, F> {
 }
 
 impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
+    const ANY_ORDER: bool = true;
+
     #[inline(always)]
     fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, _: u32, _: &mut f32) -> bool {
         let mut mask = hits.mask;
@@ -243,6 +249,8 @@ struct PlacementVisitor<'a, Q> {
 }
 
 impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
+    const ANY_ORDER: bool = Q::ANY_ORDER;
+
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
         for &placement in &self.top.leaves[leaf as usize] {
@@ -275,6 +283,8 @@ struct BlockVisitor<'a, Q, const SHAPES: usize> {
 }
 
 impl<Q: TriangleQuery, const SHAPES: usize> LeafVisitor for BlockVisitor<'_, Q, SHAPES> {
+    const ANY_ORDER: bool = Q::ANY_ORDER;
+
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
         let block = &self.blocks[leaf as usize];
@@ -347,7 +357,7 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
     ) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut visitor = BlockVisitor { blocks: &self.blocks, part, sheared, placement, query };
-        self.bvh.traverse::<L>(ray.origin, ray.direction, t_max, &mut visitor)
+        self.bvh.traverse::<L, _>(ray.origin, ray.direction, t_max, &mut visitor)
     }
 
     /// `corners` are those of a triangle in its shapes, `bounds` the box of them all.
@@ -380,10 +390,8 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
         };
         let parts = chunks.parts();
         if let [all] = parts[..] {
-            let (mut bvh, mut blocks) = part(all);
-            bvh.shrink_to_fit();
-            blocks.shrink_to_fit();
-            return Self { bvh, blocks, bounds: chunks.bounds() };
+            let (bvh, blocks) = part(all);
+            return Self { bvh: bvh.compact(), blocks: compact(&blocks), bounds: chunks.bounds() };
         }
         let mut bvh = WideBvh::collapse(&chunks, |parts| parts.len() == 1, |parts| parts[0]);
         let (own_nodes, mut blocks) = (bvh.len(), Vec::new());

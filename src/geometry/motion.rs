@@ -152,6 +152,8 @@ impl Key {
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
+    use glam::Vec3;
+
     use super::*;
     use crate::math::cone::angle_between;
 

@@ -231,6 +231,14 @@ pub(super) fn prefer_huge_pages<T>(values: &Vec<T>) {
     let _ = values;
 }
 
+/// A vector with room for nothing more, in such pages.
+pub(super) fn compact<T: Copy>(values: &[T]) -> Vec<T> {
+    let mut all = Vec::with_capacity(values.len());
+    prefer_huge_pages(&all);
+    all.extend_from_slice(values);
+    all
+}
+
 /// Defines a function that runs its generic body with the widest lanes this machine has. The body must be
 /// `#[inline(always)]`, so that it is compiled once more under the `avx2` target feature.
 macro_rules! with_widest_lanes {

@@ -81,6 +81,13 @@ impl TraversalStack {
         self.len += 1;
     }
 
+    /// Puts an entry on top.
+    #[inline(always)]
+    pub(super) fn push(&mut self, new: Entry) {
+        *self.entry(self.len) = new;
+        self.len += 1;
+    }
+
     /// Takes the entry on top.
     #[inline(always)]
     pub(super) fn pop(&mut self) -> Option<Entry> {

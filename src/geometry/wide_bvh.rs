@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 
-use super::collapse::{BinaryTree, Collapse, LEAF_SIZE};
-use super::simd::{Lanes, prefer_huge_pages};
+use super::bounds::half_area;
+use super::collapse::{BinaryTree, Collapse, LEAF_SIZE, Member};
+use super::simd::{Lanes, compact, prefer_huge_pages};
 use super::traversal_stack::{Entry, TraversalStack};
 use super::wide_node::{SlabRay, WideNode};
 
@@ -30,7 +31,9 @@ impl WideBvh {
         let mut primitives = Vec::with_capacity(LEAF_SIZE);
         let mut boxes = Vec::new();
         while let Some((binary, wide)) = open.pop() {
-            let members = collapse.members(binary);
+            let mut members = collapse.members(binary);
+            let area = |member: &Member| half_area(tree.bounds(member.node));
+            members.sort_by(|a, b| area(b).total_cmp(&area(a)));
             boxes.clear();
             boxes.extend(members.iter().map(|member| tree.bounds(member.node)));
             nodes[wide] = WideNode::new(&boxes);
@@ -48,9 +51,9 @@ impl WideBvh {
         Self { nodes }
     }
 
-    /// Gives back memory that building reserved.
-    pub(super) fn shrink_to_fit(&mut self) {
-        self.nodes.shrink_to_fit();
+    /// The same without the memory that building reserved.
+    pub(super) fn compact(self) -> Self {
+        Self { nodes: compact(&self.nodes) }
     }
 
     /// Makes room for the nodes of so many such hierarchies, [`append`](Self::append)ed.
@@ -81,15 +84,16 @@ impl WideBvh {
         self.nodes.len()
     }
 
-    /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far, and
-    /// returns whether the visitor ended the traversal. The visitor shortens `t_max`.
+    /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far unless the
+    /// visitor takes any order, and returns whether the visitor ended the traversal. The visitor may shorten `t_max`, unless
+    /// it takes any order.
     #[inline(always)]
-    pub(super) fn traverse<L: Lanes>(
+    pub(super) fn traverse<L: Lanes, V: LeafVisitor>(
         &self,
         origin: Vec3,
         direction: Vec3,
         t_max: &mut f32,
-        visitor: &mut impl LeafVisitor,
+        visitor: &mut V,
     ) -> bool {
         let ray = SlabRay::<L>::new(origin, direction);
         let mut stack = TraversalStack::new();
@@ -102,6 +106,19 @@ impl WideBvh {
             } else {
                 let node = &self.nodes[current as usize];
                 let (mut hits, near) = node.enter(&ray, *t_max);
+                if V::ANY_ORDER && hits != 0 {
+                    // The largest child, which is the likeliest to hold a hit.
+                    current = node.children[hits.trailing_zeros() as usize];
+                    stack.base();
+                    hits &= hits - 1;
+                    while hits != 0 {
+                        let child = node.children[hits.trailing_zeros() as usize];
+                        hits &= hits - 1;
+                        self.prefetch::<L>(child, visitor);
+                        stack.push(Entry::new(0.0, child));
+                    }
+                    continue;
+                }
                 if hits != 0 {
                     let near = near.store();
                     let first = hits.trailing_zeros() as usize;
@@ -125,7 +142,7 @@ impl WideBvh {
             }
             current = loop {
                 match stack.pop() {
-                    Some(entry) if entry.near() < *t_max => break entry.child(),
+                    Some(entry) if V::ANY_ORDER || entry.near() < *t_max => break entry.child(),
                     Some(_) => {}
                     None => return false,
                 }
@@ -149,6 +166,8 @@ impl WideBvh {
 /// A trait rather than a closure, since only what is `#[inline(always)]` all the way down is compiled for wide
 /// registers (see [`simd`](super::simd)).
 pub(super) trait LeafVisitor {
+    /// Whether leaves may come in any order, since the ray is never shortened.
+    const ANY_ORDER: bool;
     /// Visits a leaf; may shorten the ray. Returning true ends the traversal.
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool;
     /// Asks the memory for a leaf that may be visited soon.
