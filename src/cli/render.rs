@@ -308,8 +308,7 @@ impl Series<'_> {
             settings.seed = hash64(settings.seed, u64::from(number));
         }
         if let Light::Part(samples) = self.source {
-            settings.first_sample = samples.start;
-            settings.samples_per_pixel = samples.end - samples.start;
+            settings.part = Some(samples.clone());
         }
         let partner = capture.output.truth.partner.unwrap_or(DAffine3::IDENTITY);
         let truth_job = TruthJob { scene, camera, next, partner, resolution: pixels(capture) };
@@ -324,11 +323,10 @@ impl Series<'_> {
                 Traced { rows: KeptRows::Light(light), paths, pilot_paths: 0, earlier: Duration::ZERO }
             }
             Light::Traced | Light::Part(_) => {
-                let samples = settings.first_sample..settings.first_sample + settings.samples_per_pixel;
                 let interval = capture.output.checkpoint_interval;
                 let number = frames.light_number();
                 let is_part = matches!(self.source, Light::Part(_));
-                let checkpoints = Checkpoints::new(folder, number, is_part, samples, self.makings, interval);
+                let checkpoints = Checkpoints::new(folder, number, is_part, settings.samples(), self.makings, interval);
                 let traced = Trace {
                     capture,
                     settings: &settings,

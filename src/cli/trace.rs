@@ -70,7 +70,7 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
     let responses = FilmResponses::new(t.responses);
     // The sensor's channels come first.
     let of_sensor = FilmResponses::new(&t.responses[..t.capture.sensor.cfa.channels().len()]);
-    let per_row = width as u64 * u64::from(settings.samples_per_pixel);
+    let per_row = width as u64 * settings.samples().len() as u64;
     let asked_for = per_row * height as u64;
 
     let (path, resumed) = (checkpoints.path().to_owned(), checkpoints.resume(t.strips)?);

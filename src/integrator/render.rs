@@ -10,7 +10,7 @@ use super::RenderSettings;
 use super::path::{PathLimits, radiance};
 use crate::film::{Film, FilmResponses, FilmRow};
 use crate::optics::Camera;
-use crate::sampler::Sampler;
+use crate::sampler::{PixelOrder, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::{Spectrum, SpectrumId, SpectrumTable, WavelengthSampler};
 
@@ -68,7 +68,7 @@ pub fn render(job: &RenderJob<'_>, responses: FilmResponses, step: &Listener<'_>
 /// what it would be if all had been rendered in one go.
 pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
     let tracer = Tracer::new(job, job.settings.seed, step);
-    let samples = job.settings.samples_per_pixel;
+    let samples = job.settings.samples().len() as u32;
     let planned = Some(film.counts().len() as u64 * u64::from(samples));
     // A render that is broken off is one of fewer samples.
     let _ = tracer.fill(film, samples, |film| tracer.tell(film, None, planned));
@@ -91,6 +91,7 @@ impl RenderJob<'_> {
 pub(super) struct Tracer<'a> {
     job: &'a RenderJob<'a>,
     seed: u64,
+    order: PixelOrder,
     step: &'a Listener<'a>,
     start: Instant,
     wavelengths: WavelengthSampler,
@@ -105,10 +106,11 @@ impl<'a> Tracer<'a> {
         let useful = job.importance.product(job.scene.light_spectrum()).product(job.transmittance);
         let mut spectra = SpectrumTable::default();
         let transmittance = spectra.add(job.transmittance);
-        let RenderSettings { max_depth, roulette_depth, splitting, .. } = *job.settings;
+        let RenderSettings { max_depth, roulette_depth, splitting, samples_per_pixel, sampler, .. } = *job.settings;
         Self {
             job,
             seed,
+            order: PixelOrder::new(sampler, job.resolution[0], samples_per_pixel, splitting),
             step,
             start: Instant::now(),
             wavelengths: WavelengthSampler::new(&useful),
@@ -142,16 +144,16 @@ impl<'a> Tracer<'a> {
     /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it.
     pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) {
         let job = self.job;
-        let RenderSettings { sampler: kind, first_sample, .. } = *job.settings;
+        let (kind, first_sample) = (job.settings.sampler, job.settings.samples().start);
         let (width, first_row) = (film.width(), film.picture_rows().start);
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
             let mut paths = 0;
             for x in 0..width {
-                let pixel = (first_row + y) * width + x;
+                let (sequence, first_index) = self.order.place([x as u32, (first_row + y) as u32]);
                 let (done, wanted) = (row.samples(x), wanted(y * width + x));
                 paths += u64::from(wanted.saturating_sub(done));
                 for index in done..wanted {
-                    let mut sampler = Sampler::new(kind, self.seed, pixel as u64, first_sample + index);
+                    let mut sampler = Sampler::new(kind, self.seed, sequence, first_index + first_sample + index);
                     let [dx, dy] = sampler.next_2d();
                     let aperture = sampler.next_2d();
                     let mut lambda = self.wavelengths.sample(sampler.next_1d());

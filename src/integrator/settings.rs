@@ -1,5 +1,6 @@
 //! What a user asks of a render.
 
+use std::ops::Range;
 use std::time::Duration;
 
 use crate::Invalid;
@@ -8,10 +9,10 @@ use crate::sampler::SamplerKind;
 /// How many samples, how long, how deep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
-    /// Number of the first sample of every pixel. Those before it belong to other parts of the same render.
-    pub first_sample: u32,
-    /// Samples a pixel, from the first on; where a time limit or a noise target is given too, at most so many.
+    /// Samples a pixel; where a time limit or a noise target is given too, at most so many.
     pub samples_per_pixel: u32,
+    /// Those of them to be traced, the others belonging to other parts of the same render; `None` for all.
+    pub part: Option<Range<u32>>,
     /// Stop after this long, at the end of a pass.
     pub time_limit: Option<Duration>,
     /// Stop in each pixel once Monte Carlo noise is below this part of the sensor's noise (ratio of standard deviations).
@@ -35,8 +36,8 @@ const MOST_SPLITTING: u32 = 256;
 impl Default for RenderSettings {
     fn default() -> Self {
         Self {
-            first_sample: 0,
             samples_per_pixel: 64,
+            part: None,
             time_limit: None,
             noise_target: None,
             max_depth: 16,
@@ -49,6 +50,11 @@ impl Default for RenderSettings {
 }
 
 impl RenderSettings {
+    /// The samples of every pixel that are to be traced.
+    pub fn samples(&self) -> Range<u32> {
+        self.part.clone().unwrap_or(0..self.samples_per_pixel)
+    }
+
     /// Refuses what cannot be rendered. Keys are those of the capture file's `[render]` table.
     pub fn validate(&self) -> Result<(), Invalid> {
         if self.samples_per_pixel == 0 {

@@ -1,16 +1,20 @@
 //! Where the random numbers of light transport come from.
 //!
-//! A [`Sampler`] is a pure function of (seed, pixel, sample, dimension), so a picture can be computed in any order, in
-//! parts, and on any number of threads. In: those four. Out: numbers in [0, 1).
+//! A [`Sampler`] is a pure function of (seed, sequence, index, dimension), and [`PixelOrder`] gives each sample of a picture a
+//! sequence and an index, so a picture can be computed in any order, in parts, and on any number of threads. In: those four.
+//! Out: numbers in [0, 1).
 
+mod pixel_order;
 mod sobol;
+
+pub use pixel_order::PixelOrder;
 
 use crate::math::hash::{first_half, hash64, hash64_halves, second_half, unit_f32};
 
 /// Random number sequences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplerKind {
-    /// Owen-scrambled Sobol points, independent between pixels.
+    /// Owen-scrambled Sobol points, shared by neighbours in [`PixelOrder`].
     Sobol,
     /// Independent random numbers: more noise, but the reported variance is exact.
     Independent,
@@ -30,9 +34,9 @@ impl SamplerKind {
 #[derive(Clone, Debug)]
 pub struct Sampler {
     kind: SamplerKind,
-    /// [`first_half`] of the key of the pixel's sequence.
+    /// [`first_half`] of the key of the sequence.
     key: u64,
-    /// Index of the sample within the pixel, over the whole render.
+    /// Index of the sample in the sequence.
     index: u32,
     /// Its bits in reverse.
     reversed_index: u32,
@@ -40,13 +44,19 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// The sequence of `pixel` (row · width + column) for a render with `seed`, at sample `index`.
+    /// Sample `index` of a sequence of a render with `seed`.
     #[inline]
-    pub fn new(kind: SamplerKind, seed: u64, pixel: u64, index: u32) -> Self {
-        Self { kind, key: first_half(hash64(seed, pixel)), index, reversed_index: index.reverse_bits(), dimension: 0 }
+    pub fn new(kind: SamplerKind, seed: u64, sequence: u64, index: u32) -> Self {
+        Self {
+            kind,
+            key: first_half(hash64(seed, sequence)),
+            index,
+            reversed_index: index.reverse_bits(),
+            dimension: 0,
+        }
     }
 
-    /// The numbers from here on of one of `count` paths that go on together. Those of all samples of the pixel are
+    /// The numbers from here on of one of `count` paths that go on together. Those of all samples of the sequence are
     /// stratified together too.
     #[inline]
     pub fn branch(&self, branch: u32, count: u32) -> Self {
@@ -83,7 +93,7 @@ impl Sampler {
         }
     }
 
-    /// A key of its own for each request, the same for all samples of the pixel.
+    /// A key of its own for each request, the same for all samples of the sequence.
     #[inline]
     fn next_key(&mut self) -> u64 {
         self.dimension += 1;

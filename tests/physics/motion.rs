@@ -14,8 +14,8 @@ const RESOLUTION: [u32; 2] = [96, 120];
 const FX: f64 = 200.0;
 const SAMPLES: u32 = 64;
 const SETTINGS: RenderSettings = RenderSettings {
-    first_sample: 0,
     samples_per_pixel: SAMPLES,
+    part: None,
     time_limit: None,
     noise_target: None,
     max_depth: 1,

@@ -388,7 +388,7 @@ pub(super) fn positive_number(key: &str, value: f64, example: &str) -> Result<f6
 pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
     let default = RenderSettings::default();
     let settings = RenderSettings {
-        first_sample: default.first_sample,
+        part: None,
         samples_per_pixel: table.samples_per_pixel.unwrap_or(default.samples_per_pixel),
         time_limit: table.time_limit_s.map(|s| duration("time_limit_s", s)).transpose()?,
         noise_target: table.noise_target,
