@@ -3,7 +3,7 @@
 samples everywhere as 99 % of those pixels have got.
 
     cargo build --release
-    python3 benches/noise_target.py            # a few minutes
+    python3 benches/noise_target.py            # long: what is compared has as many samples everywhere as the worst pixels
 
 The scene is scenes/depth-of-field at half its resolution, at the lowest gain. Both renders alternate. Noise of light
 and of the sensor together is √(1 + r²) times that of the sensor, with r the ratio of both in the whole picture
