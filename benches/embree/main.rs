@@ -28,7 +28,7 @@ use photosite::geometry::Ray;
 use rays::{Kind, Stage};
 use scenes::LARGE_SPHERE;
 
-const RUNS: usize = 15;
+const RUNS: usize = 61;
 /// Of the robust mode's rate.
 const GOAL: f64 = 0.95;
 
