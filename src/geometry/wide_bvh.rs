@@ -109,8 +109,9 @@ impl WideBvh {
                 if V::ANY_ORDER && hits != 0 {
                     // The largest child, which is the likeliest to hold a hit.
                     current = node.children[hits.trailing_zeros() as usize];
-                    stack.base();
                     hits &= hits - 1;
+                    // Makes room for all of them.
+                    stack.base();
                     while hits != 0 {
                         let child = node.children[hits.trailing_zeros() as usize];
                         hits &= hits - 1;
