@@ -81,6 +81,7 @@ mod tests {
             camera: &camera,
             transmittance: &capture.lens.transmittance,
             importance: &importance,
+            filters: None,
             resolution,
             settings: &settings,
         };

@@ -11,6 +11,7 @@ use photosite::calibration::targets::PlacedTarget;
 use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::film::{Response, band_response};
 use photosite::geometry::{Hit, Ray};
+use photosite::integrator::{FilterTile, WavelengthChoice};
 use photosite::io::capture::{Capture, REPORT, TruthOutput};
 use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
@@ -126,6 +127,7 @@ pub(super) fn render(
     let responses = responses(&capture);
     let strips = request.film_memory.strips(&capture, responses.len())?;
     let importance = importance(&responses);
+    let filters = filters(&capture);
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
     let truth_report = TruthReport::new(&capture.output.truth, &description);
@@ -161,6 +163,7 @@ pub(super) fn render(
         chain: &chain,
         responses: &responses,
         importance: &importance,
+        filters: filters.as_ref(),
         strips,
     };
     let Recorded { shot, paths } = traced.record(folder, &mut timings, request.silent)?;
@@ -225,6 +228,7 @@ struct Series<'a> {
     chain: &'a Chain<'a>,
     responses: &'a [Response],
     importance: &'a Spectrum,
+    filters: Option<&'a FilterTile>,
     strips: Strips,
 }
 
@@ -334,6 +338,7 @@ impl Series<'_> {
                     camera,
                     responses: self.responses,
                     importance: self.importance,
+                    filters: self.filters,
                     strips: self.strips,
                     is_part,
                     chain,
@@ -430,6 +435,18 @@ pub(super) fn importance(responses: &[Response]) -> Spectrum {
     Spectrum::from_fn(|lambda| scaled.iter().map(|(r, scale)| f64::from(r.spectrum.eval(lambda as f32) * scale)).sum())
 }
 
+/// The filters of the sensor, where paths are to carry wavelengths for those of their pixels and not all have the same.
+fn filters(capture: &Capture) -> Option<FilterTile> {
+    let cfa = &capture.sensor.cfa;
+    let (width, height) = cfa.tile_size();
+    let tile = || FilterTile {
+        responses: capture.sensor.responses().into_iter().map(|(_, spectrum)| spectrum).collect(),
+        filters: (0..width * height).map(|i| cfa.channel_at(i % width, i / width)).collect(),
+        width,
+    };
+    (capture.render.wavelengths == WavelengthChoice::OwnFilter && cfa.is_mosaic()).then(tile)
+}
+
 /// Columns and rows of the picture.
 pub(super) fn pixels(capture: &Capture) -> [u32; 2] {
     in_u32(capture.sensor.resolution)
@@ -494,6 +511,7 @@ fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderRe
         max_depth: settings.max_depth,
         roulette_depth: settings.roulette_depth,
         splitting: settings.splitting,
+        wavelengths: settings.wavelengths.name(),
         sampler: settings.sampler.name(),
         triangles: scene.geometry().triangles.len(),
         lights: scene.lights().len(),

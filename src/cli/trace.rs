@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use photosite::Result;
 use photosite::film::{Film, FilmResponses, Response};
 use photosite::image::{Estimate, Planes};
-use photosite::integrator::{Listener, RenderJob, RenderSettings, Step, render_on, render_with_pilot};
+use photosite::integrator::{FilterTile, Listener, RenderJob, RenderSettings, Step, render_on, render_with_pilot};
 use photosite::io::capture::Capture;
 use photosite::io::film_file::film_bytes;
 use photosite::io::light_rows::{LightRows, Store};
@@ -34,6 +34,7 @@ pub(super) struct Trace<'a> {
     pub(super) camera: &'a Camera,
     pub(super) responses: &'a [Response],
     pub(super) importance: &'a Spectrum,
+    pub(super) filters: Option<&'a FilterTile>,
     pub(super) strips: Strips,
     /// Whether it is a part of a render, of which the sums are kept.
     pub(super) is_part: bool,
@@ -63,6 +64,7 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
         camera: t.camera,
         transmittance: &t.capture.lens.transmittance,
         importance: t.importance,
+        filters: t.filters,
         resolution: pixels(t.capture),
         settings,
     };

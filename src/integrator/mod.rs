@@ -7,7 +7,9 @@ pub mod path;
 pub mod pilot;
 mod render;
 mod settings;
+mod wavelengths;
 
 pub use pilot::render_with_pilot;
 pub use render::{Listener, RenderJob, Step, render, render_on};
 pub use settings::RenderSettings;
+pub use wavelengths::{FilterTile, WavelengthChoice};

@@ -8,11 +8,12 @@ use rayon::prelude::*;
 
 use super::RenderSettings;
 use super::path::{PathLimits, radiance};
+use super::wavelengths::{FilterTile, PixelWavelengths};
 use crate::film::{Film, FilmResponses, FilmRow};
 use crate::optics::Camera;
 use crate::sampler::{PixelOrder, Sampler};
 use crate::scene::Scene;
-use crate::spectrum::{Spectrum, SpectrumId, SpectrumTable, WavelengthSampler};
+use crate::spectrum::{Spectrum, SpectrumId, SpectrumTable};
 
 /// Everything that a render reads.
 pub struct RenderJob<'a> {
@@ -24,6 +25,8 @@ pub struct RenderJob<'a> {
     pub transmittance: &'a Spectrum,
     /// How much each wavelength matters to the sensor.
     pub importance: &'a Spectrum,
+    /// Where paths carry mostly what matters to the filter of their pixel: the filters.
+    pub filters: Option<&'a FilterTile>,
     /// Columns and rows.
     pub resolution: [u32; 2],
     /// Depth, seed, sampler, limits.
@@ -94,7 +97,7 @@ pub(super) struct Tracer<'a> {
     order: PixelOrder,
     step: &'a Listener<'a>,
     start: Instant,
-    wavelengths: WavelengthSampler,
+    wavelengths: PixelWavelengths,
     spectra: SpectrumTable,
     transmittance: SpectrumId,
     limits: PathLimits,
@@ -102,8 +105,6 @@ pub(super) struct Tracer<'a> {
 
 impl<'a> Tracer<'a> {
     pub(super) fn new(job: &'a RenderJob<'a>, seed: u64, step: &'a Listener<'a>) -> Self {
-        // Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
-        let useful = job.importance.product(job.scene.light_spectrum()).product(job.transmittance);
         let mut spectra = SpectrumTable::default();
         let transmittance = spectra.add(job.transmittance);
         let RenderSettings { max_depth, roulette_depth, splitting, samples_per_pixel, sampler, .. } = *job.settings;
@@ -113,7 +114,7 @@ impl<'a> Tracer<'a> {
             order: PixelOrder::new(sampler, job.resolution[0], samples_per_pixel, splitting),
             step,
             start: Instant::now(),
-            wavelengths: WavelengthSampler::new(&useful),
+            wavelengths: PixelWavelengths::new(job),
             spectra,
             transmittance,
             limits: PathLimits { max_depth, roulette_depth, splitting },
@@ -151,12 +152,13 @@ impl<'a> Tracer<'a> {
             for x in 0..width {
                 let (sequence, first_index) = self.order.place([x as u32, (first_row + y) as u32]);
                 let (done, wanted) = (row.samples(x), wanted(y * width + x));
+                let wavelengths = self.wavelengths.at(x, first_row + y);
                 paths += u64::from(wanted.saturating_sub(done));
                 for index in done..wanted {
                     let mut sampler = Sampler::new(kind, self.seed, sequence, first_index + first_sample + index);
                     let [dx, dy] = sampler.next_2d();
                     let aperture = sampler.next_2d();
-                    let mut lambda = self.wavelengths.sample(sampler.next_1d());
+                    let mut lambda = wavelengths.sample(sampler.next_1d());
                     let position = DVec2::new(x as f64 + f64::from(dx), (first_row + y) as f64 + f64::from(dy));
                     // A camera that stands still needs no time, and its samples stay what they are.
                     let time = if job.camera.moves() { sampler.next_1d() } else { 0.0 };

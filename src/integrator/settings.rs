@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
+use super::WavelengthChoice;
 use crate::Invalid;
 use crate::sampler::SamplerKind;
 
@@ -24,6 +25,8 @@ pub struct RenderSettings {
     pub roulette_depth: u32,
     /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
     pub splitting: u32,
+    /// Whose wavelengths the paths of a pixel carry: a job has the [filters](super::RenderJob::filters) where that matters.
+    pub wavelengths: WavelengthChoice,
     /// Where random numbers come from.
     pub sampler: SamplerKind,
     /// Seed of light transport and sensor noise.
@@ -43,6 +46,7 @@ impl Default for RenderSettings {
             max_depth: 16,
             roulette_depth: 5,
             splitting: 1,
+            wavelengths: WavelengthChoice::AllFilters,
             sampler: SamplerKind::Sobol,
             seed: 0,
         }

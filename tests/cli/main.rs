@@ -33,3 +33,4 @@ mod same_bytes;
 mod seeds;
 mod strips;
 mod targets;
+mod wavelengths;

@@ -32,8 +32,10 @@ fn one_and_two_threads_give_the_same_bytes(
     #[values("sobol", "independent")] sampler: &str,
     #[values(1, 2)] frames: u32,
 ) {
+    let wavelengths = if frames == 1 { "all-filters" } else { "own-filter" };
     let folder = room(&format!(
         "frames = {frames}\n[render]\nsamples_per_pixel = 8\nsampler = '{sampler}'\nsplitting = {frames}\nseed = 7\n\
+         wavelengths = '{wavelengths}'\n\
          [output]\nraw = ['dng', 'tiff', 'pgm', 'npy']\nirradiance = true\n"
     ));
     folder.succeed("render capture.toml --threads 1 -o one");

@@ -53,6 +53,7 @@ fn behind_our_lens(sky: &Scene, f_number: f64, angle_deg: f64) -> f64 {
         camera: &camera,
         transmittance: &Spectrum::constant(1.0),
         importance: &response,
+        filters: None,
         resolution: [1, 1],
         settings: &RenderSettings { samples_per_pixel: 1 << 14, ..Default::default() },
     };

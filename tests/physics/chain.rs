@@ -34,6 +34,7 @@ fn electron_rates(
         camera: &camera,
         transmittance: &clear,
         importance: &importance,
+        filters: None,
         resolution: [1, 1],
         settings: &settings,
     };

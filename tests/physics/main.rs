@@ -39,3 +39,4 @@ mod stage;
 mod textures;
 mod transport;
 mod truth;
+mod wavelengths;

@@ -2,7 +2,7 @@
 //! pictures of line cameras.
 
 use glam::{DAffine3, DVec3, Vec3};
-use photosite::integrator::RenderSettings;
+use photosite::integrator::{RenderSettings, WavelengthChoice};
 use photosite::optics::{Camera, CameraMotion, Falloff, Focus, LensDescription, LensKind, PixelGrid, Recording};
 use photosite::scene::Scene;
 use rstest::rstest;
@@ -21,6 +21,7 @@ const SETTINGS: RenderSettings = RenderSettings {
     max_depth: 1,
     roulette_depth: 1,
     splitting: 1,
+    wavelengths: WavelengthChoice::AllFilters,
     sampler: photosite::sampler::SamplerKind::Sobol,
     seed: 1,
 };

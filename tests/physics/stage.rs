@@ -145,7 +145,8 @@ pub(crate) fn irradiance(scene: &Scene, camera: &Camera, resolution: [u32; 2], s
     let response = band.scale(1.0 / band.integral());
     let responses = FilmResponses::new(&[Response { name: "E".into(), spectrum: response.clone() }]);
     let clear = Spectrum::constant(1.0);
-    let job = RenderJob { scene, camera, transmittance: &clear, importance: &response, resolution, settings };
+    let job =
+        RenderJob { scene, camera, transmittance: &clear, importance: &response, filters: None, resolution, settings };
     render(&job, responses, &|_| ControlFlow::Continue(())).estimate(["E"])
 }
 

@@ -8,11 +8,12 @@ use serde::Deserialize;
 
 use super::tables::{
     ExposureTable, IrradianceSource, NoiseSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
+    WavelengthsName,
 };
 use crate::Invalid;
 use crate::calibration::truth::TruthLayer;
 use crate::develop::RawLayout;
-use crate::integrator::RenderSettings;
+use crate::integrator::{RenderSettings, WavelengthChoice};
 use crate::io::noise_maps::NoiseFormat;
 use crate::io::truth::TruthFormat;
 use crate::raw::{Area, Cfa, DngCompression, dng_can_hold};
@@ -395,6 +396,11 @@ pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
         max_depth: table.max_depth.unwrap_or(default.max_depth),
         roulette_depth: table.roulette_depth.unwrap_or(default.roulette_depth),
         splitting: table.splitting.unwrap_or(default.splitting),
+        wavelengths: match table.wavelengths {
+            None => default.wavelengths,
+            Some(WavelengthsName::AllFilters) => WavelengthChoice::AllFilters,
+            Some(WavelengthsName::OwnFilter) => WavelengthChoice::OwnFilter,
+        },
         sampler: match table.sampler {
             None => default.sampler,
             Some(SamplerName::Sobol) => SamplerKind::Sobol,

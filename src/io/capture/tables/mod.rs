@@ -35,6 +35,7 @@ pub(super) use material::{
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
 pub(super) use settings::{
     ExposureTable, IrradianceSource, NoiseSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
+    WavelengthsName,
 };
 pub(super) use target::{PlacementTable, TargetTable};
 

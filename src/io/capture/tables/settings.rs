@@ -80,10 +80,24 @@ pub(crate) struct RenderTable {
     /// Paths that go on from the first surface that is no mirror, for each sample, 1 to 256: light that comes off other
     /// surfaces costs less so. Left out: 1.
     pub(crate) splitting: Option<u32>,
+    /// Whose wavelengths the paths of a pixel carry: "all-filters"; or "own-filter", mostly what the filter above the pixel
+    /// lets through, for raw pictures through many narrow filters and for dispersion: what electrons.exr tells of the other
+    /// filters is noisier. Left out: "all-filters".
+    pub(crate) wavelengths: Option<WavelengthsName>,
     /// Where random numbers come from. Left out: "sobol".
     pub(crate) sampler: Option<SamplerName>,
     /// Seed of rendering and sensor noise. Left out: 0.
     pub(crate) seed: Option<u64>,
+}
+
+/// Whose wavelengths the paths of a pixel carry.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum WavelengthsName {
+    /// Those that matter to any filter of the sensor.
+    AllFilters,
+    /// Mostly those that matter to the pixel's own.
+    OwnFilter,
 }
 
 /// Where random numbers come from.

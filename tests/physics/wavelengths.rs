@@ -1,0 +1,99 @@
+//! Wavelengths for the filter of each pixel: fair to all filters, and quieter for its own.
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+use glam::{DAffine3, Vec3};
+use photosite::film::{FilmResponses, Response};
+use photosite::image::Estimate;
+use photosite::integrator::{FilterTile, RenderJob, RenderSettings, render};
+use photosite::optics::{Focus, LensDescription, LensKind, PixelGrid};
+use photosite::sampler::SamplerKind;
+use photosite::scene::description::MaterialModel;
+use photosite::spectrum::{Dispersion, Spectrum, illuminant};
+
+use crate::stage::{Stage, camera, square};
+
+const RESOLUTION: [u32; 2] = [6, 4];
+/// Tile of the filters, row by row.
+const TILE: [usize; 6] = [0, 1, 2, 2, 0, 1];
+const TILE_WIDTH: usize = 3;
+
+/// Three narrow filters, and one that is nowhere in the tile.
+fn responses() -> Vec<Response> {
+    let band = |centre: f64| Spectrum::from_fn(|l| if (l - centre).abs() <= 10.0 { 1.0 } else { 0.0 });
+    let named = |&centre: &f64| Response { name: format!("{centre}"), spectrum: band(centre) };
+    [450.0, 550.0, 650.0, 750.0].iter().map(named).collect()
+}
+
+/// Daylight through a pane of glass that fills the picture.
+fn picture(own_filter: bool, dispersion: Dispersion) -> Estimate {
+    let glass = MaterialModel::Dielectric { index: dispersion, roughness: 0.0 };
+    let front = square(Vec3::NEG_Z, Vec3::X, Vec3::Y, 100.0);
+    let back = square(2.0 * Vec3::NEG_Z, Vec3::Y, Vec3::X, 100.0);
+    let scene = Stage::default().mesh([front, back].concat(), glass, None).sky(illuminant::d65().clone()).build();
+    let lens = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 8.0, Focus::Infinity) };
+    let grid = PixelGrid { resolution: RESOLUTION, pitch_m: [1e-5; 2] };
+    let camera = camera(&lens, &grid, DAffine3::IDENTITY);
+    let responses = responses();
+    let importance = Spectrum::from_fn(|l| responses.iter().map(|r| f64::from(r.spectrum.eval(l as f32))).sum());
+    let of_tile = responses[..3].iter().map(|r| r.spectrum.clone()).collect();
+    let tile = FilterTile { responses: of_tile, filters: TILE.to_vec(), width: TILE_WIDTH };
+    let settings =
+        RenderSettings { samples_per_pixel: 1 << 14, sampler: SamplerKind::Independent, ..Default::default() };
+    let clear = Spectrum::constant(1.0);
+    let job = RenderJob {
+        scene: &scene,
+        camera: &camera,
+        transmittance: &clear,
+        importance: &importance,
+        filters: own_filter.then_some(&tile),
+        resolution: RESOLUTION,
+        settings: &settings,
+    };
+    let film = render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(()));
+    film.estimate(responses.iter().map(|r| r.name.as_str()))
+}
+
+/// Index of the pixel's own filter.
+fn own(pixel: usize) -> usize {
+    let (x, y) = (pixel % RESOLUTION[0] as usize, pixel / RESOLUTION[0] as usize);
+    TILE[y % 2 * TILE_WIDTH + x % TILE_WIDTH]
+}
+
+#[test]
+fn wavelengths_for_the_own_filter_are_right_for_all_and_quieter_for_it() {
+    let glasses = [
+        ("constant", Dispersion::constant(1.5)),
+        ("dispersing", Dispersion::Cauchy { a: 1.5, b_um2: 0.004, c_um4: 0.0 }),
+    ];
+    for (name, glass) in glasses {
+        let [all, own_filter] = [false, true].map(|own_filter| picture(own_filter, glass.clone()));
+        let mut gains = Vec::new();
+        for (channel, response) in responses().iter().enumerate() {
+            // A sky that is the same everywhere looks the same through a pane, which reflects as much of it as it holds back.
+            let lit = response.spectrum.product(illuminant::d65()).integral();
+            for pixel in 0..TILE.len() * 4 {
+                let values = [&all, &own_filter].map(|estimate| {
+                    let [mean, variance] = [&estimate.mean, &estimate.variance]
+                        .map(|planes| f64::from(planes.channels()[channel].data[pixel]));
+                    // Rounding of single floats.
+                    let z = (mean - lit * PI / 4.0 / 64.0) / (variance.sqrt() + 1e-6 * mean);
+                    assert!(
+                        z.abs() < 5.0,
+                        "{name} {} in pixel {pixel}: {mean} ± {}, z = {z}",
+                        response.name,
+                        variance.sqrt()
+                    );
+                    variance
+                });
+                if own(pixel) == channel {
+                    gains.push(values[0] / values[1]);
+                }
+            }
+        }
+        println!("{name}: {gains:.1?}");
+        assert_eq!(gains.len(), 24);
+        assert!(gains.iter().all(|&gain| gain > 4.0), "{name}: {gains:?}");
+    }
+}
