@@ -29,6 +29,8 @@ use rays::{Kind, Stage};
 use scenes::LARGE_SPHERE;
 
 const RUNS: usize = 61;
+/// Bands and sectors of a sphere of ten times as many triangles as [`LARGE_SPHERE`].
+const TEN_TIMES_LARGER: (u32, u32) = (2024, 3241);
 /// Of the robust mode's rate.
 const GOAL: f64 = 0.95;
 
@@ -42,10 +44,7 @@ fn main() -> ExitCode {
         println!("Embree is not measured: it takes apt install g++ libembree-dev");
         return ExitCode::SUCCESS;
     }
-    let (bands, sectors) = LARGE_SPHERE;
-    match compare("kitchen", Stage::kitchen(), &program)
-        .and_then(|()| compare("sphere from inside", Stage::sphere_from_inside(bands, sectors), &program))
-    {
+    match compare_all(&program) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             println!("{error}");
@@ -54,7 +53,22 @@ fn main() -> ExitCode {
     }
 }
 
-fn compare(name: &str, stage: Stage, program: &Path) -> Result<(), Box<dyn Error>> {
+fn compare_all(program: &Path) -> Result<(), Box<dyn Error>> {
+    compare("kitchen", Stage::kitchen(), program)?;
+    let sphere = |(bands, sectors)| compare("sphere from inside", Stage::sphere_from_inside(bands, sectors), program);
+    let (small, large) = (sphere(LARGE_SPHERE)?, sphere(TEN_TIMES_LARGER)?);
+    println!("\nTen times the triangles, times the time a ray:\n");
+    println!("| rays | ours | Embree robust | Embree default |");
+    println!("|---|---|---|---|");
+    for (kind, (small, large)) in Kind::ALL.into_iter().zip(small.iter().zip(&large)) {
+        let [ours, robust, default] = std::array::from_fn(|i| large[i] / small[i]);
+        println!("| {kind} | {ours:.2} | {robust:.2} | {default:.2} |");
+    }
+    Ok(())
+}
+
+/// Prints a table; returns the seconds of ours, Embree's robust and its default mode for each kind of rays.
+fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 3]>, Box<dyn Error>> {
     let file = program.with_file_name("rays.bin");
     write(&stage, &file)?;
     let mut embree = Embree::start(program, &file)?;
@@ -62,6 +76,7 @@ fn compare(name: &str, stage: Stage, program: &Path) -> Result<(), Box<dyn Error
     println!("\n{name}, {triangles} triangles\n");
     println!("| rays | ours, Mray/s | Embree robust | ratio | | Embree default | ratio |");
     println!("|---|---|---|---|---|---|---|");
+    let mut medians = Vec::new();
     for (set, kind) in Kind::ALL.into_iter().enumerate() {
         let count = stage.rays(kind).len() as f64;
         let distance = distance(&stage, kind);
@@ -93,8 +108,9 @@ fn compare(name: &str, stage: Stage, program: &Path) -> Result<(), Box<dyn Error
             rate(default),
             Ratio::of(default, ours)
         );
+        medians.push(seconds.each_ref().map(|seconds| median(seconds)));
     }
-    Ok(())
+    Ok(medians)
 }
 
 /// The sum of how far rays of a kind get, over those that hit something.
