@@ -3,7 +3,7 @@
 /// Entries that need no memory of their own: few, since they are cleared for each ray, and a power of two.
 const LEN: usize = 32;
 
-/// Pushes between two calls of [`TraversalStack::base`], at most.
+/// Pushes between two calls of [`TraversalStack::make_room`], at most.
 const ROOM: usize = 8;
 
 /// Children yet to be visited with the distance at which the ray enters them. A tree so deep that they do not fit spills to
@@ -44,12 +44,17 @@ impl TraversalStack {
         Self { entries: [Entry(0); LEN], len: 0, spilled: Vec::new() }
     }
 
-    /// Where the children of the next node will begin.
+    /// Makes room for the children of the next node.
     #[inline(always)]
-    pub(super) fn base(&mut self) -> usize {
+    pub(super) fn make_room(&mut self) {
         if self.len > LEN - ROOM {
             self.spill();
         }
+    }
+
+    /// Where they will begin.
+    #[inline(always)]
+    pub(super) fn base(&self) -> usize {
         self.len
     }
 
@@ -109,6 +114,7 @@ mod tests {
         let nears = [3.0, 1.0, 4.0, 1.5, 9.0, 2.6];
         // Nodes of six children: five fill the entries.
         for node in 0..7 {
+            stack.make_room();
             let base = stack.base();
             for (child, near) in (0..).zip(nears) {
                 stack.push_sorted(base, Entry::new(near, 10 * node + child));

@@ -110,8 +110,7 @@ impl WideBvh {
                     // The largest child, which is the likeliest to hold a hit.
                     current = node.children[hits.trailing_zeros() as usize];
                     hits &= hits - 1;
-                    // Makes room for all of them.
-                    stack.base();
+                    stack.make_room();
                     while hits != 0 {
                         let child = node.children[hits.trailing_zeros() as usize];
                         hits &= hits - 1;
@@ -126,6 +125,7 @@ impl WideBvh {
                     let mut nearest = Entry::new(near[first], node.children[first]);
                     hits &= hits - 1;
                     if hits != 0 {
+                        stack.make_room();
                         let base = stack.base();
                         while hits != 0 {
                             let slot = hits.trailing_zeros() as usize;
