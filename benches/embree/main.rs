@@ -5,7 +5,8 @@
 //!
 //! Ours never let a ray through between two triangles, so that Embree's robust mode is the like; its default mode, which
 //! may, is shown beside it. Prints a table in Markdown: millions of rays per second, medians, and the medians of the
-//! ratios of neighbouring runs with the smallest and the largest.
+//! ratios of neighbouring runs with the smallest and the largest. At the end, how much longer a ray takes in a mesh of ten
+//! times as many triangles, for each of the programs.
 
 #[path = "../parts/kitchen.rs"]
 mod kitchen;
@@ -67,7 +68,7 @@ fn compare_all(program: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints a table; returns the seconds of ours, Embree's robust and its default mode for each kind of rays.
+/// Prints a table; returns the seconds a ray of ours, Embree's robust and its default mode for each kind of rays.
 fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 3]>, Box<dyn Error>> {
     let file = program.with_file_name("rays.bin");
     write(&stage, &file)?;
@@ -108,7 +109,7 @@ fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 3]>, Bo
             rate(default),
             Ratio::of(default, ours)
         );
-        medians.push(seconds.each_ref().map(|seconds| median(seconds)));
+        medians.push(seconds.each_ref().map(|seconds| median(seconds) / count));
     }
     Ok(medians)
 }

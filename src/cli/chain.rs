@@ -4,6 +4,7 @@ use photosite::develop::colour_matrix::{CameraColour, camera_colour};
 use photosite::develop::merge::Merged;
 use photosite::develop::{DevelopSettings, EncodedPicture, develop, develop_merged};
 use photosite::image::{Estimate, Planes};
+use photosite::integrator::WavelengthChoice;
 use photosite::io::capture::{
     Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, RawFormat, StoredCapture,
 };
@@ -11,8 +12,8 @@ use photosite::optics::{Camera, LensDescription};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
 use photosite::sensor::{
-    Exposure, NoiseKey, NoiseMap, NoiseMaps, SensorModel, auto_exposure, expose_with_maps, noise_ratio, samples_needed,
-    smoothed_mean,
+    Exposure, Neighbours, NoiseKey, NoiseMap, NoiseMaps, SensorModel, auto_exposure, expose_with_maps, noise_ratio,
+    samples_needed, smoothed_mean,
 };
 use photosite::spectrum::{Spectrum, illuminant};
 use photosite::units::Seconds;
@@ -30,20 +31,28 @@ pub(super) struct Settings<'a> {
     pub(super) develop: &'a DevelopSettings,
     /// Seed of sensor noise.
     pub(super) seed: u64,
+    /// Pixels that know of light as well as a pixel does.
+    pub(super) neighbours: Neighbours,
     pub(super) source: &'a CaptureSource,
 }
 
 impl<'a> From<&'a Capture> for Settings<'a> {
     fn from(capture: &'a Capture) -> Self {
         let Capture { sensor, exposure, output, develop, render, source, .. } = capture;
-        Self { sensor, exposure, output, develop, seed: render.seed, source }
+        let neighbours = match render.wavelengths {
+            WavelengthChoice::AllFilters => Neighbours::All,
+            WavelengthChoice::OwnFilter => Neighbours::OfTheSameChannel,
+        };
+        Self { sensor, exposure, output, develop, seed: render.seed, neighbours, source }
     }
 }
 
 impl<'a> From<&'a StoredCapture> for Settings<'a> {
     fn from(capture: &'a StoredCapture) -> Self {
         let StoredCapture { sensor, exposure, output, develop, seed, source, .. } = capture;
-        Self { sensor, exposure, output, develop, seed: *seed, source }
+        // Nothing is traced.
+        let neighbours = Neighbours::All;
+        Self { sensor, exposure, output, develop, seed: *seed, neighbours, source }
     }
 }
 
@@ -216,8 +225,9 @@ impl<'a> Chain<'a> {
     /// How many samples of each pixel bring that ratio down to `target` there, as far as rates of so many samples tell;
     /// `None` as above.
     pub(super) fn samples_needed(&self, rates: &Estimate, counts: &[u32], target: f64) -> Option<Vec<f32>> {
-        let exposure = self.exposure(&smoothed_mean(rates, counts), Seconds(1.0)).ok()?;
-        Some(samples_needed(rates, counts, self.settings.sensor, &exposure, target))
+        let Settings { sensor, neighbours, .. } = self.settings;
+        let exposure = self.exposure(&smoothed_mean(rates, counts, sensor, neighbours), Seconds(1.0)).ok()?;
+        Some(samples_needed(rates, counts, sensor, &exposure, target, neighbours))
     }
 
     /// What rates of so many samples have reached of a noise target; `pilot_paths` beside them have found how many it takes.

@@ -11,7 +11,7 @@ use photosite::calibration::targets::PlacedTarget;
 use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::film::{Response, band_response};
 use photosite::geometry::{Hit, Ray};
-use photosite::integrator::{FilterTile, WavelengthChoice};
+use photosite::integrator::FilterTile;
 use photosite::io::capture::{Capture, REPORT, TruthOutput};
 use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
@@ -435,7 +435,7 @@ pub(super) fn importance(responses: &[Response]) -> Spectrum {
     Spectrum::from_fn(|lambda| scaled.iter().map(|(r, scale)| f64::from(r.spectrum.eval(lambda as f32) * scale)).sum())
 }
 
-/// The filters of the sensor, where paths are to carry wavelengths for those of their pixels and not all have the same.
+/// The filters of the sensor, where pixels have different ones.
 fn filters(capture: &Capture) -> Option<FilterTile> {
     let cfa = &capture.sensor.cfa;
     let (width, height) = cfa.tile_size();
@@ -444,7 +444,7 @@ fn filters(capture: &Capture) -> Option<FilterTile> {
         filters: (0..width * height).map(|i| cfa.channel_at(i % width, i / width)).collect(),
         width,
     };
-    (capture.render.wavelengths == WavelengthChoice::OwnFilter && cfa.is_mosaic()).then(tile)
+    cfa.is_mosaic().then(tile)
 }
 
 /// Columns and rows of the picture.

@@ -1,7 +1,7 @@
 //! Eight numbers at a time: the few operations that ray traversal needs, on AVX registers where the machine has them
 //! and on plain arrays elsewhere.
 //!
-//! Of AVX-512 nothing is used: on eight lanes its registers and masks made renders 0 to 6 % slower (AMD EPYC, one thread).
+//! Of AVX-512 nothing is used: on eight lanes its registers and masks made renders up to 6 % slower (AMD EPYC, one thread).
 //!
 //! Both kinds do the same IEEE operations in the same order and contract nothing into fused ones, so that a picture does
 //! not depend on the machine. This is the only file with `unsafe` code: the AVX intrinsics must not run on a processor

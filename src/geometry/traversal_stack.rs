@@ -52,7 +52,7 @@ impl TraversalStack {
         }
     }
 
-    /// Where they will begin.
+    /// Where the children of the next node will begin, once there is [room](Self::make_room) for them.
     #[inline(always)]
     pub(super) fn base(&self) -> usize {
         self.len

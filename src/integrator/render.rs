@@ -25,7 +25,7 @@ pub struct RenderJob<'a> {
     pub transmittance: &'a Spectrum,
     /// How much each wavelength matters to the sensor.
     pub importance: &'a Spectrum,
-    /// Where paths carry mostly what matters to the filter of their pixel: the filters.
+    /// The filters of the pixels; `None` where all pixels have the same.
     pub filters: Option<&'a FilterTile>,
     /// Columns and rows.
     pub resolution: [u32; 2],

@@ -25,7 +25,7 @@ pub struct RenderSettings {
     pub roulette_depth: u32,
     /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
     pub splitting: u32,
-    /// Whose wavelengths the paths of a pixel carry: a job has the [filters](super::RenderJob::filters) where that matters.
+    /// Whose wavelengths the paths of a pixel carry, where pixels have [filters](super::RenderJob::filters) of their own.
     pub wavelengths: WavelengthChoice,
     /// Where random numbers come from.
     pub sampler: SamplerKind,

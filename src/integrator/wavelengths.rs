@@ -3,7 +3,13 @@
 //! One density for all pixels serves all filters: four wavelengths that share it evenly tell nearly as much of red, green
 //! and blue as wavelengths of their own would. It does not serve filters that see little of what all see together, as those
 //! of multispectral sensors, nor paths that dispersion leaves with one wavelength: most of them carry what the filter above
-//! the pixel does not let through. A picture of raw numbers alone needs what the pixel's own filter sees.
+//! the pixel does not let through. A picture of raw numbers alone needs what the pixel's own filter sees. With the response
+//! R of that filter, A of all together, and what arrives of the light L through the lens τ, wavelengths are then drawn by
+//!
+//! p(λ) ∝ (1 − f)·RLτ/∫RLτ dλ + f·ALτ/∫ALτ dλ,   f = 0.02,
+//!
+//! of which the [`WavelengthSampler`] spreads another 5 % evenly: what the other filters would see of the pixel's light stays
+//! right on average.
 
 use super::RenderJob;
 use crate::spectrum::{Spectrum, WavelengthSampler};
@@ -46,26 +52,19 @@ pub(super) struct PixelWavelengths {
 }
 
 impl PixelWavelengths {
-    /// The part of a pixel's paths that carry what matters to all filters: what the others see of its light stays right on
-    /// average, with more noise.
-    const FOR_ALL: f64 = 0.02;
-
     pub(super) fn new(job: &RenderJob<'_>) -> Self {
         // Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
         let useful = |response: &Spectrum| response.product(job.scene.light_spectrum()).product(job.transmittance);
         let all = useful(job.importance);
-        let Some(FilterTile { responses, filters, width }) = job.filters else {
-            return Self { samplers: vec![WavelengthSampler::new(&all)], filters: vec![0], width: 1 };
-        };
-        let mostly = |response: &Spectrum| {
-            let own = useful(response);
-            let (part, whole) = (own.integral(), all.integral());
-            // A filter that lets none of the light through leaves all others.
-            let scale = if part > 0.0 { (1.0 - Self::FOR_ALL) / part } else { 0.0 };
-            let sum = |lambda, value| scale * value + Self::FOR_ALL / whole * f64::from(all.eval(lambda as f32));
-            WavelengthSampler::new(&if whole > 0.0 { own.map(sum) } else { own })
-        };
-        Self { samplers: responses.iter().map(mostly).collect(), filters: filters.clone(), width: *width }
+        match (job.settings.wavelengths, job.filters) {
+            (WavelengthChoice::OwnFilter, Some(FilterTile { responses, filters, width })) => {
+                let sampler = |response| WavelengthSampler::new(&mostly(&useful(response), &all));
+                Self { samplers: responses.iter().map(sampler).collect(), filters: filters.clone(), width: *width }
+            }
+            (WavelengthChoice::AllFilters, _) | (WavelengthChoice::OwnFilter, None) => {
+                Self { samplers: vec![WavelengthSampler::new(&all)], filters: vec![0], width: 1 }
+            }
+        }
     }
 
     /// That of a pixel.
@@ -73,5 +72,51 @@ impl PixelWavelengths {
     pub(super) fn at(&self, column: usize, row: usize) -> &WavelengthSampler {
         let height = self.filters.len() / self.width;
         &self.samplers[self.filters[row % height * self.width + column % self.width]]
+    }
+}
+
+/// The density's f: no wavelength that matters to any filter is left out.
+const FOR_ALL: f64 = 0.02;
+
+/// What matters to one filter with a little of what matters to all; the latter alone where the filter lets no light through.
+fn mostly(own: &Spectrum, all: &Spectrum) -> Spectrum {
+    let (part, whole) = (own.integral(), all.integral());
+    if part <= 0.0 {
+        return all.clone();
+    }
+    let mut all = all.values().iter();
+    own.map(|_, value| {
+        let all = f64::from(*all.next().unwrap_or(&0.0));
+        (1.0 - FOR_ALL) * value / part + FOR_ALL * all / whole
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn band(from: f64, to: f64) -> Spectrum {
+        Spectrum::from_fn(|l| if (from..=to).contains(&l) { 3.0 } else { 0.0 })
+    }
+
+    #[test]
+    fn most_is_for_the_own_filter_and_some_for_each_other() {
+        let (own, all) = (band(500.0, 520.0), band(400.0, 700.0));
+        let mixed = mostly(&own, &all);
+        assert!((mixed.integral() - 1.0).abs() < 1e-6);
+        let within = mixed.product(&band(500.0, 520.0)).integral() / 3.0;
+        // Of the band for all, 301 entries of a nanometre, 21 are within.
+        assert!((within - (0.98 + 0.02 * 21.0 / 301.0)).abs() < 1e-6, "{within}");
+        assert!(all.iter().zip(mixed.iter()).all(|((_, all), (_, mixed))| (all > 0.0) == (mixed > 0.0)));
+    }
+
+    #[test]
+    fn a_filter_without_light_has_the_wavelengths_of_all() {
+        let all = band(400.0, 700.0);
+        assert_eq!(mostly(&Spectrum::constant(0.0), &all).values(), all.values());
+        // In the dark any will do.
+        let dark = Spectrum::constant(0.0);
+        let drawn = WavelengthSampler::new(&mostly(&dark, &dark)).sample(0.5);
+        assert!((0..4).all(|lane| drawn.lambda_nm(lane).is_finite() && drawn.weights()[lane].is_finite()));
     }
 }

@@ -12,6 +12,29 @@ const RADIUS: usize = 2;
 /// Samples of a pixel at which its own noise counts as much as that of its neighbourhood.
 const TRUSTED: f32 = 64.0;
 
+/// The pixels whose noise that of a pixel is taken to be like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Neighbours {
+    /// All that are near: light of all colours is known as well in each.
+    All,
+    /// Those near that see the same channel: that of the others is known less well.
+    OfTheSameChannel,
+}
+
+impl Neighbours {
+    /// 1 for those that count in a channel, 0 for others.
+    fn counted(self, channel: usize, sensor: &SensorModel, [width, height]: [usize; 2]) -> Vec<f32> {
+        let counts = |i| self == Self::All || sees(sensor, channel, i, width);
+        (0..width * height).map(|i| if counts(i) { 1.0 } else { 0.0 }).collect()
+    }
+}
+
+/// Whether the i-th pixel of a picture has a channel.
+fn sees(sensor: &SensorModel, channel: usize, i: usize, width: usize) -> bool {
+    let samples = sensor.cfa.samples_per_pixel();
+    (0..samples).any(|sample| sensor.cfa.channel_at(i % width * samples + sample, i / width) == channel)
+}
+
 /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
 /// saturate do not count: no noise shows there. `None` where nothing counts.
 pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) -> Option<f64> {
@@ -41,23 +64,22 @@ pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) 
 /// with the variance s² of one sample and the mean μ in the pixel's own channel (the worst of those that it has), the
 /// exposure time t, b pixels in a bin, and the sensor's variance σ² ([`SensorModel::noise_variance`]). Few samples tell
 /// little of s², least where bright ones are rare: both s² and μ are those of the pixel's N samples with a weight of
-/// N and of the 5 × 5 pixels about it with a weight of 64. Saturated pixels need none, and are no part of a neighbourhood.
+/// N and of its neighbours among the 5 × 5 pixels about it with a weight of 64. Saturated pixels need none, and are no part of a neighbourhood.
 pub fn samples_needed(
     rates: &Estimate,
     counts: &[u32],
     sensor: &SensorModel,
     exposure: &Exposure,
     target: f64,
+    neighbours: Neighbours,
 ) -> Vec<f32> {
-    let width = rates.mean.width();
+    let size @ [width, _] = [rates.mean.width(), rates.mean.height()];
     let mut needed = vec![0f32; counts.len()];
-    let per_pixel = sensor.cfa.samples_per_pixel();
     for (channel, (mean, variance)) in rates.mean.channels().iter().zip(rates.variance.channels()).enumerate() {
         let of_channel = Needed { mean: &mean.data, variance: &variance.data, counts, sensor, exposure, target };
-        let sees =
-            |i: usize| (0..per_pixel).any(|s| sensor.cfa.channel_at(i % width * per_pixel + s, i / width) == channel);
-        for (i, (needed, of_channel)) in needed.iter_mut().zip(of_channel.samples(width)).enumerate() {
-            if sees(i) {
+        let of_channel = of_channel.samples(width, neighbours.counted(channel, sensor, size));
+        for (i, (needed, of_channel)) in needed.iter_mut().zip(of_channel).enumerate() {
+            if sees(sensor, channel, i, width) {
                 *needed = needed.max(of_channel);
             }
         }
@@ -67,11 +89,11 @@ pub fn samples_needed(
 
 /// Electron rates whose pixels are those of `rates` and their neighbourhoods, as in [`samples_needed`], so that an automatic
 /// exposure does not take the noise of few samples for bright parts.
-pub fn smoothed_mean(rates: &Estimate, counts: &[u32]) -> Planes {
+pub fn smoothed_mean(rates: &Estimate, counts: &[u32], sensor: &SensorModel, neighbours: Neighbours) -> Planes {
     let mut mean = rates.mean.clone();
-    let width = mean.width();
-    for channel in mean.channels_mut() {
-        channel.data = shrunk(&channel.data, counts, &vec![1.0; counts.len()], width);
+    let size @ [width, _] = [mean.width(), mean.height()];
+    for (index, channel) in mean.channels_mut().iter_mut().enumerate() {
+        channel.data = shrunk(&channel.data, counts, &neighbours.counted(index, sensor, size), width);
     }
     mean
 }
@@ -87,15 +109,17 @@ struct Needed<'a> {
 }
 
 impl Needed<'_> {
-    fn samples(&self, width: usize) -> Vec<f32> {
+    /// `counted` is 1 for pixels that may be neighbours.
+    fn samples(&self, width: usize, mut counted: Vec<f32>) -> Vec<f32> {
         let Self { mean, variance, counts, sensor, exposure, target } = *self;
         let time = exposure.time.0;
         let saturation = sensor.saturation_capacity(exposure).0;
         let pixels = exposure.window.binning.pixels() as f64;
         // One bright sample among a few does not make a pixel that saturates.
         let surely = |(&mean, &variance): (&f32, &f32)| f64::from(mean) - 2.0 * f64::from(variance).sqrt();
-        let counted: Vec<f32> =
-            mean.iter().zip(variance).map(|pixel| if surely(pixel) * time < saturation { 1.0 } else { 0.0 }).collect();
+        for (counted, pixel) in counted.iter_mut().zip(mean.iter().zip(variance)) {
+            *counted *= if surely(pixel) * time < saturation { 1.0 } else { 0.0 };
+        }
         let of_one: Vec<f32> = variance.iter().zip(counts).map(|(&v, &n)| v * n as f32).collect();
         let of_one = shrunk(&of_one, counts, &counted, width);
         let mean = shrunk(mean, counts, &counted, width);
@@ -160,7 +184,8 @@ mod tests {
 
     fn needed(light: &Estimate, count: u32) -> Vec<f64> {
         let counts = vec![count; SIZE[0] * SIZE[1]];
-        samples_needed(light, &counts, &sensor(), &EXPOSURE, TARGET).into_iter().map(f64::from).collect()
+        let needed = samples_needed(light, &counts, &sensor(), &EXPOSURE, TARGET, Neighbours::All);
+        needed.into_iter().map(f64::from).collect()
     }
 
     /// For a variance of the mean, (e⁻/s)².
@@ -226,10 +251,31 @@ mod tests {
     }
 
     #[test]
+    fn what_pixels_tell_badly_of_other_channels_does_not_count() {
+        let (calm, counts) = (light(), vec![COUNT; SIZE[0] * SIZE[1]]);
+        let mut light = light();
+        for (channel, (mean, variance)) in
+            light.mean.channels_mut().iter_mut().zip(light.variance.channels_mut()).enumerate()
+        {
+            for i in (0..SIZE[0] * SIZE[1]).filter(|&i| !sees(&sensor(), channel, i, SIZE[0])) {
+                (mean.data[i], variance.data[i]) = (3000.0, 1e6);
+            }
+        }
+        let needed = |light, neighbours| samples_needed(light, &counts, &sensor(), &EXPOSURE, TARGET, neighbours);
+        let alike = |a: &[f32], b: &[f32]| a.iter().zip(b).all(|(a, b)| (a / b - 1.0).abs() < 1e-5);
+        let wanted = needed(&calm, Neighbours::All);
+        assert!(alike(&needed(&light, Neighbours::OfTheSameChannel), &wanted));
+        assert!(!alike(&needed(&light, Neighbours::All), &wanted));
+        let mean = smoothed_mean(&light, &counts, &sensor(), Neighbours::OfTheSameChannel);
+        let own = |i: usize| mean.channels()[sensor().cfa.channel_at(i % SIZE[0], i / SIZE[0])].data[i];
+        assert!((0..counts.len()).all(|i| (own(i) / 1000.0 - 1.0).abs() < 1e-5));
+    }
+
+    #[test]
     fn few_bright_samples_do_not_shorten_an_exposure() {
         let mut light = light();
         light.mean.channels_mut()[1].data[40] = 26_000.0;
-        let mean = smoothed_mean(&light, &vec![8; SIZE[0] * SIZE[1]]);
+        let mean = smoothed_mean(&light, &vec![8; SIZE[0] * SIZE[1]], &sensor(), Neighbours::All);
         // (8·26 000 + 64·2000)/72.
         assert_near(f64::from(mean.channels()[1].data[40]), 336_000.0 / 72.0);
         assert_near(f64::from(mean.channels()[0].data[40]), 1000.0);

@@ -71,7 +71,7 @@ pub use description::{
 pub use dual_gain::DualGain;
 pub use expose::{expose, expose_with_maps};
 pub use exposure::{Exposure, Window};
-pub use light_noise::{noise_ratio, samples_needed, smoothed_mean};
+pub use light_noise::{Neighbours, noise_ratio, samples_needed, smoothed_mean};
 pub use linearisation::Linearisation;
 pub use logarithmic::Logarithmic;
 pub use masked_pixels::MaskedPixels;

@@ -31,8 +31,8 @@ pub(crate) fn assert_same(folder: &Folder, one: &str, two: &str) {
 fn one_and_two_threads_give_the_same_bytes(
     #[values("sobol", "independent")] sampler: &str,
     #[values(1, 2)] frames: u32,
+    #[values("all-filters", "own-filter")] wavelengths: &str,
 ) {
-    let wavelengths = if frames == 1 { "all-filters" } else { "own-filter" };
     let folder = room(&format!(
         "frames = {frames}\n[render]\nsamples_per_pixel = 8\nsampler = '{sampler}'\nsplitting = {frames}\nseed = 7\n\
          wavelengths = '{wavelengths}'\n\

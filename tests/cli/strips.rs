@@ -24,10 +24,12 @@ fn strips_of(rows: u32, channels: f64) -> String {
 #[rstest]
 #[case::still("")]
 #[case::automatic("auto = true")]
+#[case::own_filter("[render]\nwavelengths = 'own-filter'")]
 #[case::moving("frames = 2\nframe_interval_s = 0.01\n[camera.motion]\nvelocity_m_per_s = [20, 0, 0]")]
 fn strips_give_the_bytes_of_a_picture_in_one_go(#[case] exposure: &str) {
+    let render = if exposure.starts_with("[render]") { "\n" } else { "\n[render]\n" };
     let folder = room(&format!(
-        "{exposure}\n[render]\nsamples_per_pixel = 6\nseed = 7\n\
+        "{exposure}{render}samples_per_pixel = 6\nseed = 7\n\
          [output]\nraw = ['dng', 'npy']\nirradiance = true\nideal = true\ntruth = ['depth', 'normal']\nnoise = true\n"
     ));
     if exposure.starts_with("auto") {

@@ -81,8 +81,9 @@ pub(crate) struct RenderTable {
     /// surfaces costs less so. Left out: 1.
     pub(crate) splitting: Option<u32>,
     /// Whose wavelengths the paths of a pixel carry: "all-filters"; or "own-filter", mostly what the filter above the pixel
-    /// lets through, for raw pictures through many narrow filters and for dispersion: what electrons.exr tells of the other
-    /// filters is noisier. Left out: "all-filters".
+    /// lets through, for raw pictures through narrow filters and for dispersion: what else is told of the pixel's light (other
+    /// filters in electrons.exr, irradiance.exr, ideal.exr) is noisier. Without effect where all pixels see the same. Left
+    /// out: "all-filters".
     pub(crate) wavelengths: Option<WavelengthsName>,
     /// Where random numbers come from. Left out: "sobol".
     pub(crate) sampler: Option<SamplerName>,
