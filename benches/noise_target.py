@@ -9,12 +9,11 @@ The scene is scenes/depth-of-field at the lowest gain, in few large pixels, expo
 fills two fifths of the full well. Noise of light and of the sensor together is √(1 + r²) times that of the sensor, with r
 the ratio of both in the whole picture (`render.noise_ratio`); a target of 0.14 makes that 1 % more. Times are processor
 times. Of the even render a part of the samples is traced: its time is so many times longer, and its noise is so many times
-smaller in square, as samples are traced one like the other; the fifth of a second that reading
-and building take counts among them. The table is Markdown.
+smaller in square, as samples are traced one like the other; the fifth of a second that reading and building take counts
+among them. The table is Markdown.
 """
 
 import argparse
-import resource
 import statistics
 import tempfile
 from pathlib import Path
@@ -41,12 +40,6 @@ def total_noise(report, part=1):
     return (1 + report["render"]["noise_ratio"] ** 2 / part) ** 0.5
 
 
-def processor_s():
-    """Processor time of all programs that were started and are over."""
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
-
-
 def main():
     options = arguments()
     enter()
@@ -55,9 +48,8 @@ def main():
     times, noises, paths = {"noise target": [], "even": []}, {"noise target": [], "even": []}, {}
     with tempfile.TemporaryDirectory() as folder:
         def render(name, seed, part, *keys):
-            start = processor_s()
-            report = command.render(options.photosite, CAPTURE, folder, seed, [*SENSOR, *keys])
-            times[name].append(part * (processor_s() - start))
+            report, busy = command.render(options.photosite, CAPTURE, folder, seed, [*SENSOR, *keys])
+            times[name].append(part * busy)
             noises[name].append(total_noise(report, part))
             paths[name] = part * report["paths"]
 

@@ -1,7 +1,5 @@
 """A capture in photosite, through its command."""
 
-import resource
-
 import numpy as np
 
 from . import command
@@ -26,10 +24,7 @@ class Photosite:
             f"render.splitting={self.splitting}",
         ]
         options = ["--threads", self.threads] if self.threads else []
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        report = command.render(self.photosite, self.capture, self.folder, seed, keys, *options)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        busy = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        report, busy = command.render(self.photosite, self.capture, self.folder, seed, keys, *options)
         seconds = report["timings"]["trace_s"], busy - self.overhead
         return self._electrons(), seconds
 

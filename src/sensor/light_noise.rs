@@ -64,7 +64,8 @@ pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) 
 /// with the variance s² of one sample and the mean μ in the pixel's own channel (the worst of those that it has), the
 /// exposure time t, b pixels in a bin, and the sensor's variance σ² ([`SensorModel::noise_variance`]). Few samples tell
 /// little of s², least where bright ones are rare: both s² and μ are those of the pixel's N samples with a weight of
-/// N and of its neighbours among the 5 × 5 pixels about it with a weight of 64. Saturated pixels need none, and are no part of a neighbourhood.
+/// N and of its neighbours among the 5 × 5 pixels about it with a weight of 64. Saturated pixels need none, and are nobody's
+/// neighbours.
 pub fn samples_needed(
     rates: &Estimate,
     counts: &[u32],

@@ -22,14 +22,13 @@ fn strips_of(rows: u32, channels: f64) -> String {
 }
 
 #[rstest]
-#[case::still("")]
-#[case::automatic("auto = true")]
-#[case::own_filter("[render]\nwavelengths = 'own-filter'")]
-#[case::moving("frames = 2\nframe_interval_s = 0.01\n[camera.motion]\nvelocity_m_per_s = [20, 0, 0]")]
-fn strips_give_the_bytes_of_a_picture_in_one_go(#[case] exposure: &str) {
-    let render = if exposure.starts_with("[render]") { "\n" } else { "\n[render]\n" };
+#[case::still("", "all-filters")]
+#[case::own_filter("", "own-filter")]
+#[case::automatic("auto = true", "all-filters")]
+#[case::moving("frames = 2\nframe_interval_s = 0.01\n[camera.motion]\nvelocity_m_per_s = [20, 0, 0]", "all-filters")]
+fn strips_give_the_bytes_of_a_picture_in_one_go(#[case] exposure: &str, #[case] wavelengths: &str) {
     let folder = room(&format!(
-        "{exposure}{render}samples_per_pixel = 6\nseed = 7\n\
+        "{exposure}\n[render]\nsamples_per_pixel = 6\nseed = 7\nwavelengths = '{wavelengths}'\n\
          [output]\nraw = ['dng', 'npy']\nirradiance = true\nideal = true\ntruth = ['depth', 'normal']\nnoise = true\n"
     ));
     if exposure.starts_with("auto") {
