@@ -3,7 +3,6 @@
 
 use super::table::place_in_table;
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN};
-use crate::math::distribution::PiecewiseConstant1D;
 use crate::sabotage::{Fault, flip};
 
 /// Four wavelengths with their densities. The first, the hero, decides wherever a direction depends on wavelength.
@@ -75,10 +74,25 @@ impl Wavelengths {
     }
 }
 
-/// Draws wavelengths with a density proportional to an importance spectrum.
+/// Draws wavelengths with a density proportional to an importance spectrum, constant between whole nanometres.
 #[derive(Clone, Debug)]
 pub struct WavelengthSampler {
-    distribution: PiecewiseConstant1D,
+    /// From short waves to long ones, each a nanometre long, and one where the last ends.
+    pieces: Vec<Piece>,
+    /// For each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in or an earlier one. So
+    /// fine are they that most lie in one piece ([Devroye86](crate::references#devroye86) §III.2.4).
+    guide: Vec<u16>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// Probability of all before.
+    before: f32,
+    start_nm: f32,
+    /// nm⁻¹; its own probability.
+    density: f32,
+    /// Its reciprocal; 0 for 0.
+    nm_per_probability: f32,
 }
 
 impl WavelengthSampler {
@@ -86,33 +100,65 @@ impl WavelengthSampler {
     /// wavelength is never left out for good.
     const EVEN_PART: f64 = 0.05;
 
+    const PARTS: usize = 2048;
+
     /// From an importance (any unit, not negative): typically what the sensor makes of the light. Wavelengths where it
     /// is zero are never drawn, so it must be positive wherever the response and the light both are.
     pub fn new(importance: &Spectrum) -> Self {
         let nm = |i: usize| f64::from(importance.values()[i].max(0.0));
         // Pieces are the 800 intervals between table entries. A piece counts as useful where either end does.
-        let pieces: Vec<f64> = (0..TABLE_LEN - 1).map(|i| 0.5 * (nm(i) + nm(i + 1))).collect();
-        let useful = pieces.iter().filter(|&&p| p > 0.0).count().max(1) as f64;
-        let mean = pieces.iter().sum::<f64>() / useful;
-        let even = |p: f64| if p > 0.0 { (1.0 - Self::EVEN_PART) * p + Self::EVEN_PART * mean } else { 0.0 };
-        let values: Vec<f32> = pieces.into_iter().map(|p| even(p) as f32).collect();
-        Self { distribution: PiecewiseConstant1D::new(&values) }
+        let mut values: Vec<f64> = (0..TABLE_LEN - 1).map(|i| 0.5 * (nm(i) + nm(i + 1))).collect();
+        if values.iter().all(|&value| value == 0.0) {
+            values.fill(1.0);
+        }
+        let useful = values.iter().filter(|&&value| value > 0.0).count() as f64;
+        let sum: f64 = values.iter().sum();
+        let mut running = 0.0;
+        let mut before = vec![0.0];
+        for value in values {
+            if value > 0.0 {
+                running += (1.0 - Self::EVEN_PART) * value / sum + Self::EVEN_PART / useful;
+            }
+            before.push(running as f32);
+        }
+        // What rounding has left of the whole.
+        let whole = running as f32;
+        before.iter_mut().filter(|before| **before == whole).for_each(|before| *before = 1.0);
+        // Densities follow from the rounded sums, so that they agree exactly.
+        let piece = |i: usize| {
+            let density = before.get(i + 1).map_or(0.0, |end| end - before[i]);
+            let nm_per_probability = if density > 0.0 { 1.0 / density } else { 0.0 };
+            Piece { before: before[i], start_nm: LAMBDA_MIN_NM + i as f32, density, nm_per_probability }
+        };
+        let first = |part: usize| before.partition_point(|&b| b <= part as f32 / Self::PARTS as f32).saturating_sub(1);
+        Self {
+            pieces: (0..TABLE_LEN).map(piece).collect(),
+            guide: (0..Self::PARTS).map(|part| first(part) as u16).collect(),
+        }
     }
 
     /// Four wavelengths from one number in [0, 1): the hero at u, the others at u + ¼, u + ½, u + ¾ (mod 1) of the
     /// cumulative distribution, each therefore with density p(λ).
     #[inline]
     pub fn sample(&self, u: f32) -> Wavelengths {
-        let range = LAMBDA_MAX_NM - LAMBDA_MIN_NM;
         let mut lambda_nm = [0.0; LANES];
         let mut pdf = [0.0; LANES];
         for lane in 0..LANES {
             let shifted = u + lane as f32 / LANES as f32;
-            let (x, density, _) = self.distribution.sample(if shifted >= 1.0 { shifted - 1.0 } else { shifted });
-            lambda_nm[lane] = LAMBDA_MIN_NM + x * range;
-            pdf[lane] = density / range;
+            (lambda_nm[lane], pdf[lane]) = self.draw(if shifted >= 1.0 { shifted - 1.0 } else { shifted });
         }
         Wavelengths::new(lambda_nm, flip(Fault::WavelengthPdfOfHero, pdf, [pdf[0]; LANES]))
+    }
+
+    /// u in [0, 1) → (λ in nm, p(λ) in nm⁻¹).
+    #[inline]
+    fn draw(&self, u: f32) -> (f32, f32) {
+        let mut number = usize::from(self.guide[(u * Self::PARTS as f32) as usize % Self::PARTS]);
+        while self.pieces[number + 1].before <= u {
+            number += 1;
+        }
+        let Piece { before, start_nm, density, nm_per_probability } = self.pieces[number];
+        (start_nm + ((u - before) * nm_per_probability).min(1.0), density)
     }
 }
 
