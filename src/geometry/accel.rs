@@ -6,6 +6,8 @@
 //!
 //! [`wide_bvh`]: super::wide_bvh
 
+mod query;
+
 use std::ops::Range;
 
 use glam::Vec3;
@@ -16,33 +18,17 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, SortPrecision};
 use rayon::prelude::*;
 
+use super::Geometry;
 use super::bounds::{Bounds, union};
 use super::chunks::Chunks;
 use super::collapse::{BinaryTree, LEAF_SIZE};
-use super::mesh::segment;
 use super::motion::{Motion, Transform};
-use super::simd::{Lanes, compact, prefer_huge_pages, with_widest_lanes};
-use super::triangle_block::{BLOCK_SIZE, BlockHits, ShearedRay, TriangleBlock};
-use super::wide_bvh::{LeafVisitor, WideBvh};
-use super::{Geometry, Hit, Ray};
+use super::triangle_block::TriangleBlock;
+use super::wide_bvh::WideBvh;
 use crate::math::float::gamma;
+use crate::math::simd::{compact, prefer_huge_pages};
 
-/// Decides whether a triangle that a ray meets is there at that point: alpha masks.
-pub trait HitFilter {
-    /// Whether the hit counts.
-    fn accept(&self, triangle: u32, barycentric: [f32; 2], ray: &Ray) -> bool;
-}
-
-/// Every triangle is there.
-#[derive(Clone, Copy, Debug)]
-pub struct AcceptAll;
-
-impl HitFilter for AcceptAll {
-    #[inline(always)]
-    fn accept(&self, _: u32, _: [f32; 2], _: &Ray) -> bool {
-        true
-    }
-}
+pub use query::{AcceptAll, HitFilter};
 
 /// A group of triangles somewhere in the world.
 #[derive(Clone, Debug)]
@@ -128,191 +114,9 @@ impl Accel {
         let all = self.placements.iter().map(|p| p.bounds(&self.groups));
         all.reduce(union).unwrap_or_default()
     }
-
-    /// The nearest hit that `filter` accepts.
-    #[inline]
-    pub fn closest<F: HitFilter>(&self, ray: &Ray, filter: &F) -> Option<Hit> {
-        closest(self, ray, filter)
-    }
-
-    /// Whether anything that `filter` accepts is in the ray's way.
-    #[inline]
-    pub fn occluded<F: HitFilter>(&self, ray: &Ray, filter: &F) -> bool {
-        occluded(self, ray, filter)
-    }
-
-    /// Shows `query` every group that the ray may meet. Returns whether it broke off.
-    #[inline(always)]
-    fn traverse<L: Lanes>(&self, ray: &Ray, query: &mut impl TriangleQuery) -> bool {
-        match &self.top {
-            None => match self.placements.first() {
-                Some(placement) => {
-                    let group = &self.groups[placement.group as usize];
-                    group.traverse::<L, _>(0, ray, &mut { ray.t_max }, query)
-                }
-                None => false,
-            },
-            Some(top) => {
-                let mut visitor = PlacementVisitor { accel: self, top, ray, query };
-                top.bvh.traverse::<L, _>(ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
-            }
-        }
-    }
-}
-
-with_widest_lanes! {
-    fn closest<F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> Option<Hit> = closest_in
-}
-
-#[inline(always)]
-fn closest_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> Option<Hit> {
-    let mut query = Closest { ray, filter, nearest: None };
-    accel.traverse::<L>(ray, &mut query);
-    query.nearest
-}
-
-with_widest_lanes! {
-    fn occluded<F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> bool = occluded_in
-}
-
-#[inline(always)]
-fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> bool {
-    accel.traverse::<L>(ray, &mut Occluded { ray, filter })
-}
-
-/// What is asked of the triangles along a ray.
-trait TriangleQuery {
-    /// Whether triangles may come in any order, since the ray is never shortened.
-    const ANY_ORDER: bool;
-    /// Looks at the hits in a block; may shorten the ray. Returning true ends the query.
-    fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
-}
-
-/// The nearest hit.
-struct Closest<'a, F> {
-    ray: &'a Ray,
-    filter: &'a F,
-    nearest: Option<Hit>,
-}
-
-impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
-    const ANY_ORDER: bool = false;
-
-    #[inline(always)]
-    fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
-        let mut mask = hits.mask;
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            let (t, triangle) = (hits.t[lane], ids[lane]);
-            if t < *t_max {
-                let barycentric = hits.barycentric(lane);
-                if self.filter.accept(triangle, barycentric, self.ray) {
-                    *t_max = t;
-                    self.nearest = Some(Hit { t, barycentric, triangle, placement });
-                }
-            }
-        }
-        false
-    }
-}
-
-/// Any hit.
-struct Occluded<'a, F> {
-    ray: &'a Ray,
-    filter: &'a F,
-}
-
-impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
-    const ANY_ORDER: bool = true;
-
-    #[inline(always)]
-    fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, _: u32, _: &mut f32) -> bool {
-        let mut mask = hits.mask;
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
-            if self.filter.accept(ids[lane], hits.barycentric(lane), self.ray) {
-                return true;
-            }
-        }
-        false
-    }
-}
-
-/// Takes a query from the placements into their groups.
-struct PlacementVisitor<'a, Q> {
-    accel: &'a Accel,
-    top: &'a TopLevel,
-    ray: &'a Ray,
-    query: &'a mut Q,
-}
-
-impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
-    const ANY_ORDER: bool = Q::ANY_ORDER;
-
-    #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
-        for &placement in &self.top.leaves[leaf as usize] {
-            let Some(placement) = placement else { break };
-            let Placement { group, place } = &self.accel.placements[placement as usize];
-            let mut local = *self.ray;
-            if let Some(transform) = place.at(self.ray.time) {
-                local.origin = transform.to_group.transform_point3(self.ray.origin);
-                local.direction = transform.to_group.transform_vector3(self.ray.direction);
-            }
-            if self.accel.groups[*group as usize].traverse::<L, _>(placement, &local, t_max, self.query) {
-                return true;
-            }
-        }
-        false
-    }
-
-    #[inline(always)]
-    fn prefetch<L: Lanes>(&self, _: u32) {}
-}
-
-/// Takes a query from the leaves of a group to their triangles.
-struct BlockVisitor<'a, Q, const SHAPES: usize> {
-    blocks: &'a [TriangleBlock<SHAPES>],
-    /// How far the time is between two shapes.
-    part: f32,
-    sheared: ShearedRay,
-    placement: u32,
-    query: &'a mut Q,
-}
-
-impl<Q: TriangleQuery, const SHAPES: usize> LeafVisitor for BlockVisitor<'_, Q, SHAPES> {
-    const ANY_ORDER: bool = Q::ANY_ORDER;
-
-    #[inline(always)]
-    fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
-        let block = &self.blocks[leaf as usize];
-        match block.intersect::<L>(&self.sheared, self.part, *t_max) {
-            Some(hits) => self.query.consider(&block.ids, &hits, self.placement, t_max),
-            None => false,
-        }
-    }
-
-    #[inline(always)]
-    fn prefetch<L: Lanes>(&self, leaf: u32) {
-        L::prefetch(&self.blocks[leaf as usize]);
-    }
 }
 
 impl Group {
-    /// `ray` is in the group's space; `t_max` is shortened to the nearest hit that the query keeps.
-    #[inline(always)]
-    fn traverse<L: Lanes, Q: TriangleQuery>(&self, placement: u32, ray: &Ray, t_max: &mut f32, query: &mut Q) -> bool {
-        match self {
-            Self::Rigid(bvh) => bvh.traverse::<L, _>(placement, ray, 0.0, t_max, query),
-            Self::Deforming(parts) => {
-                let (index, part) = segment(ray.time, parts.len());
-                parts[index].traverse::<L, _>(placement, ray, part, t_max, query)
-            }
-        }
-    }
-
     fn build(geometry: &Geometry, range: &Range<u32>) -> Self {
         let mesh = geometry.triangles[range.start as usize].mesh;
         let Some(deformation) = geometry.meshes[mesh as usize].deformation else {
@@ -345,21 +149,6 @@ fn widened(aabb: &Aabb) -> Aabb {
 }
 
 impl<const SHAPES: usize> TriangleBvh<SHAPES> {
-    /// `part` is how far the time is between two shapes.
-    #[inline(always)]
-    fn traverse<L: Lanes, Q: TriangleQuery>(
-        &self,
-        placement: u32,
-        ray: &Ray,
-        part: f32,
-        t_max: &mut f32,
-        query: &mut Q,
-    ) -> bool {
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
-        let mut visitor = BlockVisitor { blocks: &self.blocks, part, sheared, placement, query };
-        self.bvh.traverse::<L, _>(ray.origin, ray.direction, t_max, &mut visitor)
-    }
-
     /// `corners` are those of a triangle in its shapes, `bounds` the box of them all.
     fn build(
         range: &Range<u32>,

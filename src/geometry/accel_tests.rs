@@ -129,6 +129,53 @@ fn traversal_finds_what_brute_force_finds() {
     assert!(hits > 400 && differing <= 2, "{hits} hits, {differing} differ");
 }
 
+/// Lets every other ray through every other triangle.
+struct Sieve;
+
+impl HitFilter for Sieve {
+    fn accept(&self, triangle: u32, _: [f32; 2], ray: &Ray) -> bool {
+        (triangle ^ ray.direction.x.to_bits()) & 1 == 0
+    }
+}
+
+#[test]
+fn rays_that_take_turns_meet_what_each_meets_alone() {
+    let mut numbers = Numbers(5);
+    let g = sphere(16, 32);
+    let all = 0..g.triangles.len() as u32;
+    let beside = |x: f32| {
+        let to_world = Affine3A::from_translation(Vec3::X * x);
+        Placement { group: 0, place: Place::Still(Transform { to_world, to_group: to_world.inverse() }) }
+    };
+    let instances = Accel::build(&g, &[all], vec![beside(-1.5), beside(1.5)]);
+    for (what, accel) in
+        [("in the world", in_world(&g)), ("instances", instances), ("nothing", Accel::build(&g, &[], vec![]))]
+    {
+        // More and fewer than take turns at once, and some that are short.
+        for count in [0, 1, 7, 8, 9, 100] {
+            let ray = |i: usize| {
+                let direction = warp::uniform_sphere([numbers.next(), numbers.next()]);
+                let ray = Ray::new((numbers.point() - 0.5) * 5.0, direction);
+                if i.is_multiple_of(3) { Ray { t_max: 1.5, ..ray } } else { ray }
+            };
+            let rays: Vec<Ray> = (0..count).map(ray).collect();
+            let (mut hits, mut occluded) = (vec![None; 3], vec![true; 3]);
+            accel.closest_of_each(&rays, &AcceptAll, &mut hits);
+            accel.occluded_each(&rays, &AcceptAll, &mut occluded);
+            assert_eq!(hits, rays.iter().map(|ray| accel.closest(ray, &AcceptAll)).collect::<Vec<_>>(), "{what}");
+            assert_eq!(occluded, rays.iter().map(|ray| accel.occluded(ray, &AcceptAll)).collect::<Vec<_>>(), "{what}");
+            accel.closest_of_each(&rays, &Sieve, &mut hits);
+            accel.occluded_each(&rays, &Sieve, &mut occluded);
+            assert_eq!(hits, rays.iter().map(|ray| accel.closest(ray, &Sieve)).collect::<Vec<_>>(), "{what}, sieve");
+            assert_eq!(
+                occluded,
+                rays.iter().map(|ray| accel.occluded(ray, &Sieve)).collect::<Vec<_>>(),
+                "{what}, sieve"
+            );
+        }
+    }
+}
+
 #[test]
 fn no_ray_leaves_a_closed_mesh_at_any_scale_or_place() {
     let mut numbers = Numbers(7);

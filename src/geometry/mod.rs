@@ -17,7 +17,6 @@ mod mesh;
 mod motion;
 mod point;
 mod ray;
-mod simd;
 mod traversal_stack;
 mod triangle_block;
 mod wide_bvh;

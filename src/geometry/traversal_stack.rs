@@ -40,8 +40,15 @@ impl Entry {
 
 impl TraversalStack {
     #[inline(always)]
-    pub(super) fn new() -> Self {
+    pub(super) const fn new() -> Self {
         Self { entries: [Entry(0); LEN], len: 0, spilled: Vec::new() }
+    }
+
+    /// Forgets all.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        self.len = 0;
+        self.spilled.clear();
     }
 
     /// Makes room for the children of the next node.

@@ -8,8 +8,8 @@
 
 use glam::Vec3;
 
-use super::simd::Lanes;
 use crate::math::float::gamma;
+use crate::math::simd::Lanes;
 
 /// Triangles in a block, at most, and vertices.
 pub(super) const BLOCK_SIZE: usize = 8;
@@ -173,6 +173,8 @@ pub(super) struct ShearedRay {
 }
 
 impl ShearedRay {
+    pub(super) const NONE: Self = Self { origin: [0.0; 3], axes: [0; 3], shear: [0.0; 3] };
+
     #[inline(always)]
     pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
         let size = direction.abs();

@@ -1,12 +1,14 @@
 //! An eight-wide bounding volume hierarchy, and how a ray goes through it.
 
+use std::ops::ControlFlow;
+
 use glam::Vec3;
 
 use super::bounds::half_area;
 use super::collapse::{BinaryTree, Collapse, LEAF_SIZE, Member};
-use super::simd::{Lanes, compact, prefer_huge_pages};
 use super::traversal_stack::{Entry, TraversalStack};
-use super::wide_node::{SlabRay, WideNode};
+use super::wide_node::{SlabLanes, SlabRay, WideNode};
+use crate::math::simd::{Lanes, compact, prefer_huge_pages, prefetch};
 
 /// Set in the number of a child that is a leaf, beside what the leaf visitor knows it by.
 const LEAF: u32 = 1 << 31;
@@ -95,69 +97,125 @@ impl WideBvh {
         t_max: &mut f32,
         visitor: &mut V,
     ) -> bool {
-        let ray = SlabRay::<L>::new(origin, direction);
-        let mut stack = TraversalStack::new();
-        let mut current = 0;
+        let ray = SlabRay::new(origin, direction).in_lanes();
+        let (mut next, mut stack) = (0, TraversalStack::new());
         loop {
-            if current & LEAF != 0 {
-                if visitor.visit::<L>(current & !LEAF, t_max) {
-                    return true;
-                }
-            } else {
-                let node = &self.nodes[current as usize];
-                let (mut hits, near) = node.enter(&ray, *t_max);
-                if V::ANY_ORDER && hits != 0 {
-                    // The largest child, which is the likeliest to hold a hit.
-                    current = node.children[hits.trailing_zeros() as usize];
-                    hits &= hits - 1;
-                    stack.make_room();
-                    while hits != 0 {
-                        let child = node.children[hits.trailing_zeros() as usize];
-                        hits &= hits - 1;
-                        self.prefetch::<L>(child, visitor);
-                        stack.push(Entry::new(0.0, child));
-                    }
-                    continue;
-                }
-                if hits != 0 {
-                    let near = near.store();
-                    let first = hits.trailing_zeros() as usize;
-                    let mut nearest = Entry::new(near[first], node.children[first]);
-                    hits &= hits - 1;
-                    if hits != 0 {
-                        stack.make_room();
-                        let base = stack.base();
-                        while hits != 0 {
-                            let slot = hits.trailing_zeros() as usize;
-                            hits &= hits - 1;
-                            let entry = Entry::new(near[slot], node.children[slot]);
-                            let farther = nearest.max(entry);
-                            nearest = nearest.min(entry);
-                            self.prefetch::<L>(farther.child(), visitor);
-                            stack.push_sorted(base, farther);
-                        }
-                    }
-                    current = nearest.child();
-                    continue;
-                }
+            match self.step::<L, V, false>(&ray, &mut next, &mut stack, t_max, visitor) {
+                ControlFlow::Continue(()) => {}
+                ControlFlow::Break(is_ended) => return is_ended,
             }
-            current = loop {
-                match stack.pop() {
-                    Some(entry) if V::ANY_ORDER || entry.near() < *t_max => break entry.child(),
-                    Some(_) => {}
-                    None => return false,
-                }
-            };
         }
+    }
+
+    /// The same a step at a time: visits the node or leaf that is `next`, at first number 0, and puts what comes then in its
+    /// place. `ALTERNATES` says whether other rays make steps between two of this one: then it is the next step that is worth
+    /// asking the memory for, and later ones can wait.
+    #[inline(always)]
+    pub(super) fn step<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
+        &self,
+        ray: &SlabLanes<L>,
+        next: &mut u32,
+        stack: &mut TraversalStack,
+        t_max: &mut f32,
+        visitor: &mut V,
+    ) -> ControlFlow<bool> {
+        let current = *next;
+        if current & LEAF != 0 {
+            if visitor.visit::<L>(current & !LEAF, t_max) {
+                return ControlFlow::Break(true);
+            }
+        } else {
+            let node = &self.nodes[current as usize];
+            let (hits, near) = node.enter(ray, *t_max);
+            if hits != 0 {
+                *next = if V::ANY_ORDER {
+                    self.choose_largest::<L, V, ALTERNATES>(node, hits, stack, visitor)
+                } else {
+                    self.choose_nearest::<L, V, ALTERNATES>(node, hits, near, stack, visitor)
+                };
+                if ALTERNATES {
+                    self.prefetch(*next, visitor);
+                }
+                return ControlFlow::Continue(());
+            }
+        }
+        loop {
+            match stack.pop() {
+                Some(entry) if V::ANY_ORDER || entry.near() < *t_max => {
+                    *next = entry.child();
+                    if ALTERNATES {
+                        self.prefetch(*next, visitor);
+                    }
+                    return ControlFlow::Continue(());
+                }
+                Some(_) => {}
+                None => return ControlFlow::Break(false),
+            }
+        }
+    }
+
+    /// The largest child that the ray enters, which is the likeliest to hold a hit. The others are left for later.
+    #[inline(always)]
+    fn choose_largest<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
+        &self,
+        node: &WideNode,
+        mut hits: u32,
+        stack: &mut TraversalStack,
+        visitor: &V,
+    ) -> u32 {
+        let largest = node.children[hits.trailing_zeros() as usize];
+        hits &= hits - 1;
+        stack.make_room();
+        while hits != 0 {
+            let child = node.children[hits.trailing_zeros() as usize];
+            hits &= hits - 1;
+            if !ALTERNATES {
+                self.prefetch(child, visitor);
+            }
+            stack.push(Entry::new(0.0, child));
+        }
+        largest
+    }
+
+    /// The nearest child that the ray enters. The others are left for later, sorted.
+    #[inline(always)]
+    fn choose_nearest<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
+        &self,
+        node: &WideNode,
+        mut hits: u32,
+        near: L,
+        stack: &mut TraversalStack,
+        visitor: &V,
+    ) -> u32 {
+        let near = near.store();
+        let first = hits.trailing_zeros() as usize;
+        let mut nearest = Entry::new(near[first], node.children[first]);
+        hits &= hits - 1;
+        if hits != 0 {
+            stack.make_room();
+            let base = stack.base();
+            while hits != 0 {
+                let slot = hits.trailing_zeros() as usize;
+                hits &= hits - 1;
+                let entry = Entry::new(near[slot], node.children[slot]);
+                let farther = nearest.max(entry);
+                nearest = nearest.min(entry);
+                if !ALTERNATES {
+                    self.prefetch(farther.child(), visitor);
+                }
+                stack.push_sorted(base, farther);
+            }
+        }
+        nearest.child()
     }
 
     /// Asks the memory for a child that may be visited soon.
     #[inline(always)]
-    fn prefetch<L: Lanes>(&self, child: u32, visitor: &impl LeafVisitor) {
+    fn prefetch(&self, child: u32, visitor: &impl LeafVisitor) {
         if child & LEAF != 0 {
-            visitor.prefetch::<L>(child & !LEAF);
+            visitor.prefetch(child & !LEAF);
         } else {
-            L::prefetch(&self.nodes[child as usize]);
+            prefetch(&self.nodes[child as usize]);
         }
     }
 }
@@ -165,12 +223,12 @@ impl WideBvh {
 /// What a traversal does at its leaves.
 ///
 /// A trait rather than a closure, since only what is `#[inline(always)]` all the way down is compiled for wide
-/// registers (see [`simd`](super::simd)).
+/// registers (see [`simd`](crate::math::simd)).
 pub(super) trait LeafVisitor {
     /// Whether leaves may come in any order, since the ray is never shortened.
     const ANY_ORDER: bool;
     /// Visits a leaf; may shorten the ray. Returning true ends the traversal.
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool;
     /// Asks the memory for a leaf that may be visited soon.
-    fn prefetch<L: Lanes>(&self, leaf: u32);
+    fn prefetch(&self, leaf: u32);
 }

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::bounds::Bounds;
-use super::simd::Lanes;
 use crate::math::float::gamma;
+use crate::math::simd::Lanes;
 
 /// Children of a node, at most.
 pub(super) const WIDTH: usize = 8;
@@ -20,24 +20,44 @@ pub(super) struct WideNode {
 }
 
 /// A ray as the boxes of nodes meet it.
-pub(super) struct SlabRay<L> {
-    origin: [L; 3],
+#[derive(Clone, Copy)]
+pub(super) struct SlabRay {
+    origin: Vec3,
     /// 1/direction, and the same enlarged by the bound on rounding.
-    inverse: [L; 3],
-    enlarged: [L; 3],
+    inverse: Vec3,
+    enlarged: Vec3,
     /// Index of the plane that the ray meets first, for each axis.
     near_planes: [usize; 3],
 }
 
-impl<L: Lanes> SlabRay<L> {
+impl SlabRay {
+    /// That of no ray.
+    pub(super) const NONE: Self =
+        Self { origin: Vec3::ZERO, inverse: Vec3::ZERO, enlarged: Vec3::ZERO, near_planes: [0; 3] };
+
     #[inline(always)]
     pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
         let inverse = direction.recip();
         let near_planes =
             [usize::from(inverse.x < 0.0), 2 + usize::from(inverse.y < 0.0), 4 + usize::from(inverse.z < 0.0)];
         let enlarged = inverse * (1.0 + 2.0 * gamma(3));
-        Self { origin: splat(origin), inverse: splat(inverse), enlarged: splat(enlarged), near_planes }
+        Self { origin, inverse, enlarged, near_planes }
     }
+
+    /// The same in all lanes.
+    #[inline(always)]
+    pub(super) fn in_lanes<L: Lanes>(&self) -> SlabLanes<L> {
+        let Self { origin, inverse, enlarged, near_planes } = *self;
+        SlabLanes { origin: splat(origin), inverse: splat(inverse), enlarged: splat(enlarged), near_planes }
+    }
+}
+
+/// A [`SlabRay`] in lanes.
+pub(super) struct SlabLanes<L> {
+    origin: [L; 3],
+    inverse: [L; 3],
+    enlarged: [L; 3],
+    near_planes: [usize; 3],
 }
 
 #[inline(always)]
@@ -75,7 +95,7 @@ impl WideNode {
     /// direction component of 0 gives ±∞ · 0 = NaN where the origin lies on the plane; min and max then keep their second
     /// operand, which counts the origin as inside that slab.
     #[inline(always)]
-    pub(super) fn enter<L: Lanes>(&self, ray: &SlabRay<L>, t_max: f32) -> (u32, L) {
+    pub(super) fn enter<L: Lanes>(&self, ray: &SlabLanes<L>, t_max: f32) -> (u32, L) {
         let mut near = L::splat(0.0);
         let mut far = L::splat(t_max);
         for axis in 0..3 {

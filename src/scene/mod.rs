@@ -84,6 +84,26 @@ impl Scene {
         if self.has_alpha { self.accel.occluded(ray, &Holes(self)) } else { self.accel.occluded(ray, &AcceptAll) }
     }
 
+    /// The nearest surface along each of several rays, in their order.
+    #[inline]
+    pub fn closest_of_each(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        if self.has_alpha {
+            self.accel.closest_of_each(rays, &Holes(self), hits);
+        } else {
+            self.accel.closest_of_each(rays, &AcceptAll, hits);
+        }
+    }
+
+    /// Whether a surface is in the way of each of several rays, in their order.
+    #[inline]
+    pub fn occluded_each(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        if self.has_alpha {
+            self.accel.occluded_each(rays, &Holes(self), occluded);
+        } else {
+            self.accel.occluded_each(rays, &AcceptAll, occluded);
+        }
+    }
+
     /// The surface point of a hit by a ray of that time.
     #[inline]
     pub fn point(&self, hit: &Hit, time: f32) -> SurfacePoint {

@@ -1,5 +1,6 @@
 //! Eight numbers at a time: the few operations that ray traversal needs, on AVX registers where the machine has them
-//! and on plain arrays elsewhere.
+//! and on plain arrays elsewhere. Loops over arrays that the compiler turns into such operations by itself are compiled for
+//! these registers too.
 //!
 //! Of AVX-512 nothing is used: on eight lanes its registers and masks made renders up to 6 % slower (AMD EPYC, one thread).
 //!
@@ -11,13 +12,11 @@
 #![allow(unsafe_code, reason = "intrinsics behind a run-time check; see the module documentation")]
 
 /// Eight f32 lanes. Implementations are values of a register or an array.
-pub(super) trait Lanes: Copy {
+pub(crate) trait Lanes: Copy {
     /// Numbers of lanes.
     type Indices: Copy;
 
     fn load(values: &[f32; 8]) -> Self;
-    /// Asks the memory for what will be needed.
-    fn prefetch<T>(value: &T);
     /// Numbers below 8.
     fn indices(values: &[u8; 8]) -> Self::Indices;
     /// Lane i is the one of self that the i-th number names.
@@ -40,7 +39,7 @@ pub(super) trait Lanes: Copy {
 
 /// Lanes in an array, on any machine.
 #[derive(Clone, Copy)]
-pub(super) struct Portable([f32; 8]);
+pub(crate) struct Portable([f32; 8]);
 
 impl Portable {
     #[inline(always)]
@@ -61,8 +60,6 @@ impl Lanes for Portable {
     fn load(values: &[f32; 8]) -> Self {
         Self(*values)
     }
-    #[inline(always)]
-    fn prefetch<T>(_: &T) {}
     #[inline(always)]
     fn indices(values: &[u8; 8]) -> [u8; 8] {
         *values
@@ -114,14 +111,14 @@ impl Lanes for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(super) use avx::Avx;
+pub(crate) use avx::Avx;
 
 #[cfg(target_arch = "x86_64")]
 mod avx {
     use std::arch::x86_64::{
-        __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _MM_HINT_T0, _mm_loadl_epi64, _mm_prefetch, _mm256_add_ps,
-        _mm256_cmp_ps, _mm256_cvtepu8_epi32, _mm256_div_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps,
-        _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
+        __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadl_epi64, _mm256_add_ps, _mm256_cmp_ps, _mm256_cvtepu8_epi32,
+        _mm256_div_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
+        _mm256_permutevar8x32_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
     };
 
     use super::Lanes;
@@ -129,7 +126,7 @@ mod avx {
     /// Lanes in an AVX register. Only code that is inlined below a function with the `avx2` target feature, itself
     /// called after [`available`](super::avx_available) said yes, may make one.
     #[derive(Clone, Copy)]
-    pub(in super::super) struct Avx(__m256);
+    pub(crate) struct Avx(__m256);
 
     // SAFETY, for every block below: an `Avx` exists only where AVX2 does (see the type), and the loads and stores are of
     // references to eight floats or bytes, which the unaligned instructions accept at any address.
@@ -140,14 +137,6 @@ mod avx {
         fn load(values: &[f32; 8]) -> Self {
             // SAFETY: reads the eight floats behind the reference.
             Self(unsafe { _mm256_loadu_ps(values.as_ptr()) })
-        }
-        #[inline(always)]
-        fn prefetch<T>(value: &T) {
-            let start = std::ptr::from_ref(value).cast::<i8>();
-            for offset in (0..size_of::<T>()).step_by(64) {
-                // SAFETY: reads nothing that the program could tell.
-                unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
-            }
         }
         #[inline(always)]
         fn indices(values: &[u8; 8]) -> __m256i {
@@ -214,9 +203,26 @@ mod avx {
     }
 }
 
+/// Asks the memory for what will be needed.
+#[inline(always)]
+pub(crate) fn prefetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+
+        let start = std::ptr::from_ref(value).cast::<i8>();
+        for offset in (0..size_of::<T>()).step_by(64) {
+            // SAFETY: reads nothing that the program could tell.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}
+
 /// Asks the system for pages of 2 MB where it gives 4 kB otherwise, for what a vector has room for: rays in large scenes spend
 /// much of their time looking up where pages are.
-pub(super) fn prefer_huge_pages<T>(values: &Vec<T>) {
+pub(crate) fn prefer_huge_pages<T>(values: &Vec<T>) {
     #[cfg(target_os = "linux")]
     {
         const PAGE: usize = 4096;
@@ -234,7 +240,7 @@ pub(super) fn prefer_huge_pages<T>(values: &Vec<T>) {
 }
 
 /// A vector with room for nothing more, in such pages.
-pub(super) fn compact<T: Copy>(values: &[T]) -> Vec<T> {
+pub(crate) fn compact<T: Copy>(values: &[T]) -> Vec<T> {
     let mut all = Vec::with_capacity(values.len());
     prefer_huge_pages(&all);
     all.extend_from_slice(values);
@@ -244,15 +250,30 @@ pub(super) fn compact<T: Copy>(values: &[T]) -> Vec<T> {
 /// Defines a function that runs its generic body with the widest lanes this machine has. The body must be
 /// `#[inline(always)]`, so that it is compiled once more under the `avx2` target feature.
 macro_rules! with_widest_lanes {
-    ($(#[$meta:meta])* $visibility:vis fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident) => {
-        $(#[$meta])*
+    (fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident) => {
+        $crate::math::simd::with_widest_registers! {
+            fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
+                wide: $body::<$crate::math::simd::Avx, $($generic)?>($($argument),*),
+                portable: $body::<$crate::math::simd::Portable, $($generic)?>($($argument),*),
+            }
+        }
+    };
+}
+
+/// Defines a function that runs the first of two expressions where the machine has AVX2, compiled for it, and the second
+/// elsewhere. Functions that they call must be `#[inline(always)]` to be compiled so too.
+macro_rules! with_widest_registers {
+    (fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty {
+        wide: $wide:expr,
+        portable: $portable:expr $(,)?
+    }) => {
         #[inline]
-        $visibility fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
+        fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
             #[cfg(target_arch = "x86_64")]
             {
                 #[target_feature(enable = "avx2")]
                 fn wide $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
-                    $body::<$crate::geometry::simd::Avx, $($generic)?>($($argument),*)
+                    $wide
                 }
                 if std::arch::is_x86_feature_detected!("avx2") {
                     #[allow(unsafe_code, reason = "the one call that the check above makes sound")]
@@ -260,11 +281,11 @@ macro_rules! with_widest_lanes {
                     return unsafe { wide($($argument),*) };
                 }
             }
-            $body::<$crate::geometry::simd::Portable, $($generic)?>($($argument),*)
+            $portable
         }
     };
 }
-pub(super) use with_widest_lanes;
+pub(crate) use {with_widest_lanes, with_widest_registers};
 
 #[cfg(test)]
 mod tests {
