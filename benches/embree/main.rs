@@ -1,4 +1,5 @@
-//! Rays per second against Embree 3, single rays on one thread, in turn with it over the same triangles and rays.
+//! Rays per second against Embree 3 on one thread, in turn with it over the same triangles and rays: single rays, and beside
+//! them ours as renders trace them, several that take turns.
 //!
 //!     apt install g++ libembree-dev
 //!     cargo bench --bench embree
@@ -59,36 +60,44 @@ fn compare_all(program: &Path) -> Result<(), Box<dyn Error>> {
     let sphere = |(bands, sectors)| compare("sphere from inside", Stage::sphere_from_inside(bands, sectors), program);
     let (small, large) = (sphere(LARGE_SPHERE)?, sphere(TEN_TIMES_LARGER)?);
     println!("\nTen times the triangles, times the time a ray:\n");
-    println!("| rays | ours | Embree robust | Embree default |");
-    println!("|---|---|---|---|");
+    println!("| rays | ours | taking turns | Embree robust | Embree default |");
+    println!("|---|---|---|---|---|");
     for (kind, (small, large)) in Kind::ALL.into_iter().zip(small.iter().zip(&large)) {
-        let [ours, robust, default] = std::array::from_fn(|i| large[i] / small[i]);
-        println!("| {kind} | {ours:.2} | {robust:.2} | {default:.2} |");
+        let [ours, turns, robust, default] = std::array::from_fn(|i| large[i] / small[i]);
+        println!("| {kind} | {ours:.2} | {turns:.2} | {robust:.2} | {default:.2} |");
     }
     Ok(())
 }
 
-/// Prints a table; returns the seconds a ray of ours, Embree's robust and its default mode for each kind of rays.
-fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 3]>, Box<dyn Error>> {
+/// Prints a table; returns for each kind of rays the seconds a ray takes here alone, here in turns with others, and in Embree's
+/// robust and its default mode.
+fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 4]>, Box<dyn Error>> {
     let file = program.with_file_name("rays.bin");
     write(&stage, &file)?;
     let mut embree = Embree::start(program, &file)?;
     let triangles = stage.scene.geometry().triangles.len();
     println!("\n{name}, {triangles} triangles\n");
-    println!("| rays | ours, Mray/s | Embree robust | ratio | | Embree default | ratio |");
-    println!("|---|---|---|---|---|---|---|");
+    println!("| rays | ours, Mray/s | Embree robust | ratio | | taking turns | ratio | Embree default | ratio |");
+    println!("|---|---|---|---|---|---|---|---|---|");
     let mut medians = Vec::new();
     for (set, kind) in Kind::ALL.into_iter().enumerate() {
         let count = stage.rays(kind).len() as f64;
         let distance = distance(&stage, kind);
-        let mut seconds = [const { Vec::new() }; 3];
+        let mut seconds = [const { Vec::new() }; 4];
         for _ in 0..RUNS {
-            let start = Instant::now();
-            let hits = black_box(&stage).trace(kind);
-            seconds[0].push(start.elapsed().as_secs_f64());
+            let timed = |trace: fn(&Stage, Kind) -> usize, seconds: &mut Vec<f64>| {
+                let start = Instant::now();
+                let hits = trace(black_box(&stage), kind);
+                seconds.push(start.elapsed().as_secs_f64());
+                hits
+            };
+            let hits = timed(Stage::trace_one_by_one, &mut seconds[0]);
+            if timed(Stage::trace, &mut seconds[1]) != hits {
+                return Err(format!("{kind}: rays that take turns hit something else").into());
+            }
             for mode in [1, 0] {
                 let answer = embree.trace(set, mode)?;
-                seconds[2 - mode].push(answer.seconds);
+                seconds[3 - mode].push(answer.seconds);
                 // Rays that graze an edge may differ.
                 if answer.hits.abs_diff(hits) as f64 > 1e-3 * count {
                     return Err(format!("{kind}: {hits} hits here and {} in Embree", answer.hits).into());
@@ -98,14 +107,16 @@ fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 3]>, Bo
                 }
             }
         }
-        let [ours, robust, default] = &seconds;
+        let [ours, turns, robust, default] = &seconds;
         let against_robust = Ratio::of(robust, ours);
         let rate = |seconds: &[f64]| count / median(seconds) / 1e6;
         println!(
-            "| {kind} | {:.2} | {:.2} | {against_robust} | {} | {:.2} | {} |",
+            "| {kind} | {:.2} | {:.2} | {against_robust} | {} | {:.2} | {} | {:.2} | {} |",
             rate(ours),
             rate(robust),
             if against_robust.median >= GOAL { "reached" } else { "**not reached**" },
+            rate(turns),
+            Ratio::of(robust, turns),
             rate(default),
             Ratio::of(default, ours)
         );

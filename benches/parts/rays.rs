@@ -86,14 +86,15 @@ impl Stage {
             Self { scene, bounces: [primary.collect(), Vec::new(), Vec::new()], shadows: Default::default() };
         for bounce in 0..2 {
             let rays = stage.bounces[bounce].clone();
+            let mut sampler = Sampler::new(SamplerKind::Independent, bounce as u64);
             for (pixel, ray) in rays.iter().enumerate() {
                 let Some(hit) = stage.scene.closest(ray) else { continue };
                 let point = stage.scene.point(&hit, 0.0);
                 let facing = point.geometric_normal * -ray.direction.dot(point.geometric_normal).signum();
                 let origin = offset_origin(point.position, point.error, facing, facing);
                 stage.shadows[bounce].push(Ray { origin, direction: light - origin, t_max: 1.0, time: 0.0 });
-                let u = Sampler::new(SamplerKind::Independent, bounce as u64, pixel as u64, 0).next_2d();
-                let direction = Frame::from_normal(facing).to_world(warp::cosine_hemisphere(u));
+                sampler.start(pixel as u64, 0);
+                let direction = Frame::from_normal(facing).to_world(warp::cosine_hemisphere(sampler.next_2d()));
                 stage.bounces[bounce + 1].push(Ray::new(origin, direction));
             }
         }
@@ -111,8 +112,24 @@ impl Stage {
         }
     }
 
-    /// Traces all rays of a kind and counts those that hit something.
+    /// Traces all rays of a kind, as many together as a render does, and counts those that hit something.
     pub(crate) fn trace(&self, kind: Kind) -> usize {
+        const TOGETHER: usize = 256;
+        let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+        let hit_something = |rays: &[Ray]| {
+            if kind.is_shadow() {
+                self.scene.occluded_each(rays, &mut occluded);
+                occluded.iter().filter(|&&is_occluded| is_occluded).count()
+            } else {
+                self.scene.closest_of_each(rays, &mut hits);
+                hits.iter().flatten().count()
+            }
+        };
+        self.rays(kind).chunks(TOGETHER).map(hit_something).sum()
+    }
+
+    /// The same, one ray after the other.
+    pub(crate) fn trace_one_by_one(&self, kind: Kind) -> usize {
         let scene = &self.scene;
         let rays = self.rays(kind).iter();
         if kind.is_shadow() {

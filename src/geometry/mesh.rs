@@ -1,5 +1,6 @@
 //! Triangles and their vertices as flat tables, for all meshes of a scene together.
 
+use crate::math::simd::prefetch;
 use glam::{Vec2, Vec3, Vec4};
 
 /// Corner indices into the vertex tables, and the mesh that the triangle belongs to.
@@ -74,6 +75,27 @@ impl Geometry {
     #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].corners.map(|corner| self.positions[corner as usize])
+    }
+
+    /// Whether there are more triangles than the caches have room for, so that it is worth asking the memory for some ahead of
+    /// time.
+    pub(crate) fn exceeds_caches(&self) -> bool {
+        const MANY: usize = 1 << 15;
+        self.triangles.len() > MANY
+    }
+
+    /// Asks the memory for what [`Self::prefetch_corners`] needs.
+    #[inline]
+    pub(crate) fn prefetch_triangle(&self, triangle: u32) {
+        prefetch(&self.triangles[triangle as usize]);
+    }
+
+    /// Asks the memory for the corners of a triangle.
+    #[inline]
+    pub(crate) fn prefetch_corners(&self, triangle: u32) {
+        for corner in self.triangles[triangle as usize].corners {
+            prefetch(&self.positions[corner as usize]);
+        }
     }
 
     /// Corner positions of a triangle at a time from 0 to 1.

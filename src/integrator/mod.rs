@@ -1,15 +1,18 @@
-//! Light transport: how much radiance arrives along a ray ([`path`]), and the loop over the pixels ([`render`]), which
+//! Light transport: how much radiance arrives along a ray ([`radiance`]), and the loop over the pixels ([`render`]), which
 //! may give each pixel the samples that it needs ([`pilot`]).
 //!
 //! In: a [`Scene`](crate::scene::Scene), a camera, responses. Out: a [`Film`](crate::film::Film).
 
-pub mod path;
+mod path;
 pub mod pilot;
 mod render;
 mod settings;
+mod wave;
 mod wavelengths;
 
+pub use path::PathLimits;
 pub use pilot::render_with_pilot;
 pub use render::{Listener, RenderJob, Step, render, render_on};
 pub use settings::RenderSettings;
+pub use wave::radiance;
 pub use wavelengths::{FilterTile, WavelengthChoice};

@@ -1,4 +1,5 @@
-//! Unidirectional path tracing with next-event estimation, multiple importance sampling and Russian roulette.
+//! What a path does at each surface that it meets: unidirectional path tracing with next-event estimation, multiple importance
+//! sampling and Russian roulette.
 
 use glam::Vec3;
 
@@ -6,7 +7,7 @@ use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::light::{Facing, Receiver};
 use crate::math::{Pdf, SolidAngle};
 use crate::sabotage::{Fault, flip};
-use crate::sampler::Sampler;
+use crate::sampler::{SamplePlace, Sampler};
 use crate::scene::{Scene, Shading};
 use crate::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 
@@ -21,8 +22,9 @@ pub struct PathLimits {
     pub splitting: u32,
 }
 
-/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength.
-/// A refraction that disperses leaves only the hero of `wavelengths`.
+/// A path that is about to go on along a ray, and the light that it has gathered.
+///
+/// What arrives against the ray that it began with is, on average, the light at its end:
 ///
 /// L = Σ over vertices of throughput · (emission found by scattering · w_bsdf + emission found by looking at a light ·
 /// w_light), with the power heuristic for the weights ([Veach97](crate::references#veach97) §9.2,
@@ -34,28 +36,16 @@ pub struct PathLimits {
 ///
 /// Volumes that surfaces bound absorb by Beer and Lambert's law along every segment within them. A volume within another
 /// replaces it, and what is left on the way out is taken to be air.
-#[inline]
-pub fn radiance(
-    scene: &Scene,
-    ray: Ray,
-    wavelengths: &mut Wavelengths,
-    sampler: &mut Sampler,
-    limits: PathLimits,
-) -> SampledSpectrum {
-    let throughput = SampledSpectrum::ONE;
-    Walk { limits, ray, depth: 0, throughput, scattered: None, eta_scale: 1.0, medium: None }.radiance(
-        scene,
-        wavelengths,
-        sampler,
-    )
-}
-
-/// A path that is about to go on along a ray.
 #[derive(Clone, Copy)]
-struct Walk {
-    /// With the number of paths that go on from the next rough surface.
-    limits: PathLimits,
-    ray: Ray,
+pub(super) struct Path {
+    /// W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength.
+    pub(super) light: SampledSpectrum,
+    /// A refraction that disperses leaves only the hero.
+    pub(super) wavelengths: Wavelengths,
+    /// Where its numbers go on.
+    place: SamplePlace,
+    /// Whether several paths may yet go on from a rough surface.
+    may_split: bool,
     /// Segments so far.
     depth: u32,
     throughput: SampledSpectrum,
@@ -65,6 +55,21 @@ struct Walk {
     eta_scale: f32,
     /// What the path is inside of, where that absorbs.
     medium: Option<SpectrumId>,
+}
+
+/// What paths leave to be looked at once all have come to their next surface.
+#[derive(Default)]
+pub(super) struct Left {
+    /// Rays from surfaces to lights.
+    pub(super) shadow_rays: Vec<Ray>,
+    /// What arrives from there unless something is in the way: at the path of which number, and how much.
+    pub(super) lights: Vec<(u32, SampledSpectrum)>,
+    /// Paths that have come from others, which have split.
+    pub(super) branches: Vec<Path>,
+    /// Along which ray each goes on.
+    pub(super) branch_rays: Vec<Ray>,
+    /// Number of the path that each has come from.
+    pub(super) origins: Vec<u32>,
 }
 
 /// A surface that a path has met.
@@ -89,88 +94,119 @@ impl<'a> Vertex<'a> {
     }
 }
 
-impl Walk {
-    /// What comes back along the ray, times the throughput.
+impl Path {
+    /// From the camera, with the numbers from a place on.
     #[inline]
-    fn radiance(mut self, scene: &Scene, wavelengths: &mut Wavelengths, sampler: &mut Sampler) -> SampledSpectrum {
-        let mut light = SampledSpectrum::ZERO;
-        while self.depth < self.limits.max_depth {
-            self.depth += 1;
-            let Some(hit) = scene.closest(&self.ray) else {
-                let emitted = scene.environment_radiance(self.ray.direction, wavelengths);
-                if !emitted.is_black() {
-                    let weight = self.scattered.map_or(1.0, |(pdf, receiver)| {
-                        pdf.power_heuristic(scene.lights().environment_pdf(&receiver, self.ray.direction))
-                    });
-                    light += self.throughput * emitted * weight;
-                }
-                break;
-            };
-            let point = scene.point(&hit, self.ray.time);
-            let wo = -self.ray.direction;
-            // A volume seen from behind has been crossed, whether or not its front was met before.
-            self.medium = scene.absorption_behind(&point, wo).or(self.medium);
-            if let Some(medium) = self.medium {
-                self.throughput *= scene.transmittance(medium, hit.t, wavelengths);
-            }
-            let emitted = scene.emitted(&point, wo, wavelengths);
-            if !emitted.is_black() {
-                light += self.throughput * emitted * emission_weight(scene, &point, &hit, wo, self.scattered);
-            }
-            if self.depth == self.limits.max_depth {
-                break;
-            }
-
-            let shading = scene.shading(&point, wo, wavelengths);
-            if shading.bsdf.needs_single_wavelength() {
-                terminate_secondary(wavelengths, &mut self.throughput);
-            }
-            let vertex = Vertex::new(&point, &shading, wo);
-            if !shading.bsdf.is_delta() {
-                light += self.throughput * direct_light(scene, &vertex, self.medium, wavelengths, sampler);
-                if self.limits.splitting > 1 {
-                    light += self.split(scene, &vertex, wavelengths, sampler);
-                    break;
-                }
-            }
-            if self.scatter(scene, &vertex, wavelengths, sampler).is_none() {
-                break;
-            }
+    pub(super) fn new(wavelengths: Wavelengths, place: SamplePlace, may_split: bool) -> Self {
+        Self {
+            light: SampledSpectrum::ZERO,
+            wavelengths,
+            place,
+            may_split,
+            depth: 0,
+            throughput: SampledSpectrum::ONE,
+            scattered: None,
+            eta_scale: 1.0,
+            medium: None,
         }
-        light
     }
 
-    /// The mean of several paths that go on from a surface.
+    /// Gathers light where a ray has led, and returns the one along which the path with this number goes on. It has none when it
+    /// ends, and when it has split.
+    #[inline]
+    pub(super) fn advance(
+        &mut self,
+        number: u32,
+        (ray, hit): (&Ray, Option<Hit>),
+        scene: &Scene,
+        limits: &PathLimits,
+        sampler: &mut Sampler,
+        left: &mut Left,
+    ) -> Option<Ray> {
+        self.depth += 1;
+        let Some(hit) = hit else {
+            self.escape(scene, ray.direction);
+            return None;
+        };
+        let point = scene.point(&hit, ray.time);
+        let wo = -ray.direction;
+        // A volume seen from behind has been crossed, whether or not its front was met before.
+        self.medium = scene.absorption_behind(&point, wo).or(self.medium);
+        if let Some(medium) = self.medium {
+            self.throughput *= scene.transmittance(medium, hit.t, &self.wavelengths);
+        }
+        let emitted = scene.emitted(&point, wo, &self.wavelengths);
+        if !emitted.is_black() {
+            self.light += self.throughput * emitted * emission_weight(scene, &point, &hit, wo, self.scattered);
+        }
+        if self.depth == limits.max_depth {
+            return None;
+        }
+
+        let shading = scene.shading(&point, wo, &self.wavelengths);
+        if shading.bsdf.needs_single_wavelength() {
+            terminate_secondary(&mut self.wavelengths, &mut self.throughput);
+        }
+        let vertex = Vertex::new(&point, &shading, wo);
+        sampler.resume(self.place);
+        if !shading.bsdf.is_delta() {
+            if let Some((ray, light)) = direct_light(scene, &vertex, self.medium, &self.wavelengths, sampler) {
+                left.shadow_rays.push(ray);
+                left.lights.push((number, self.throughput * light));
+            }
+            if self.may_split {
+                self.split(number, scene, &vertex, limits, sampler, left);
+                return None;
+            }
+        }
+        self.scatter(scene, &vertex, limits, sampler)
+    }
+
+    /// Gathers the light of the environment.
+    #[inline]
+    fn escape(&mut self, scene: &Scene, direction: Vec3) {
+        let emitted = scene.environment_radiance(direction, &self.wavelengths);
+        if !emitted.is_black() {
+            let weight = self.scattered.map_or(1.0, |(pdf, receiver)| {
+                pdf.power_heuristic(scene.lights().environment_pdf(&receiver, direction))
+            });
+            self.light += self.throughput * emitted * weight;
+        }
+    }
+
+    /// Sends several paths on from a surface, of which some may end there.
     // Not a part of the loop, whose speed is that of renders which do not split.
     #[inline(never)]
     fn split(
-        self,
+        &self,
+        number: u32,
         scene: &Scene,
         vertex: &Vertex<'_>,
-        wavelengths: &Wavelengths,
-        sampler: &Sampler,
-    ) -> SampledSpectrum {
-        let count = self.limits.splitting;
-        let mut light = SampledSpectrum::ZERO;
-        for branch in 0..count {
-            let (mut own, mut sampler) = (*wavelengths, sampler.branch(branch, count));
-            let mut walk = Self { limits: PathLimits { splitting: 1, ..self.limits }, ..self };
-            if walk.scatter(scene, vertex, &mut own, &mut sampler).is_some() {
-                light += walk.radiance(scene, &mut own, &mut sampler) * own.densities_over(wavelengths);
+        limits: &PathLimits,
+        sampler: &mut Sampler,
+        left: &mut Left,
+    ) {
+        let place = sampler.place();
+        for branch in 0..limits.splitting {
+            sampler.resume(place.branch(branch, limits.splitting));
+            let mut path = Self { may_split: false, light: SampledSpectrum::ZERO, ..*self };
+            if let Some(ray) = path.scatter(scene, vertex, limits, sampler) {
+                left.branches.push(path);
+                left.branch_rays.push(ray);
+                left.origins.push(number);
             }
         }
-        light * (1.0 / count as f32)
     }
 
-    /// Takes a direction on from a surface; `None` where the path ends there.
+    /// The ray along which the path goes on from a surface; `None` where it ends there.
     #[inline]
     fn scatter(
         &mut self,
         scene: &Scene,
         Vertex { point, shading, wo, wo_local, receiver }: &Vertex<'_>,
-        wavelengths: &mut Wavelengths,
+        limits: &PathLimits,
         sampler: &mut Sampler,
-    ) -> Option<()> {
+    ) -> Option<Ray> {
         let u_lobe = if shading.bsdf.has_lobes() {
             sampler.next_1d()
         } else {
@@ -188,16 +224,14 @@ impl Walk {
             return None;
         }
         if sample.terminates_secondary {
-            terminate_secondary(wavelengths, &mut self.throughput);
+            terminate_secondary(&mut self.wavelengths, &mut self.throughput);
         }
         self.eta_scale *= sample.eta * sample.eta;
         self.scattered = (!sample.is_delta).then_some((sample.pdf, *receiver));
         if sample.is_transmission {
             self.medium = scene.medium_across(point, wi, self.medium);
         }
-        self.ray = leave(point, wi);
-
-        if self.depth >= self.limits.roulette_depth {
+        if self.depth >= limits.roulette_depth {
             let survival = self.throughput.max() * self.eta_scale;
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {
@@ -206,11 +240,13 @@ impl Walk {
                 self.throughput *= 1.0 / survival;
             }
         }
-        Some(())
+        self.place = sampler.place();
+        Some(leave(point, wi))
     }
 }
 
-/// Light that the surface receives straight from a light and scatters back along the path.
+/// Light that the surface receives straight from a light and scatters back along the path, unless something is in the way of
+/// the ray.
 #[inline]
 fn direct_light(
     scene: &Scene,
@@ -218,14 +254,12 @@ fn direct_light(
     medium: Option<SpectrumId>,
     wavelengths: &Wavelengths,
     sampler: &mut Sampler,
-) -> SampledSpectrum {
-    let Some(light) = scene.sample_light(receiver, point.time, sampler.next_2d(), wavelengths) else {
-        return SampledSpectrum::ZERO;
-    };
+) -> Option<(Ray, SampledSpectrum)> {
+    let light = scene.sample_light(receiver, point.time, sampler.next_2d(), wavelengths)?;
     let wi_local = shading.frame.to_local(light.wi);
     let is_transmission = wi_local.z * wo_local.z < 0.0;
     if light.pdf.0 <= 0.0 || leaks(point, shading, *wo, light.wi, is_transmission) {
-        return SampledSpectrum::ZERO;
+        return None;
     }
     let scattering = shading.bsdf.eval(*wo_local, wi_local);
     let cos = flip(Fault::CosineMissing, wi_local.z.abs(), 1.0);
@@ -235,11 +269,11 @@ fn direct_light(
     if let (Some(medium), Some((position, _))) = (medium, light.position) {
         contribution *= scene.transmittance(medium, point.position.distance(position), wavelengths);
     }
-    if contribution.is_black() || scene.occluded(&shadow_ray(point, light.wi, light.position)) {
-        return SampledSpectrum::ZERO;
+    if contribution.is_black() {
+        return None;
     }
     let weight = if light.is_delta { 1.0 } else { light.pdf.power_heuristic(scattering.pdf) };
-    contribution * weight
+    Some((shadow_ray(point, light.wi, light.position), contribution * weight))
 }
 
 /// Weight of emission that a scattered ray found.

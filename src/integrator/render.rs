@@ -7,13 +7,14 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::RenderSettings;
-use super::path::{PathLimits, radiance};
+use super::path::PathLimits;
+use super::wave::Wave;
 use super::wavelengths::{FilterTile, PixelWavelengths};
 use crate::film::{Film, FilmResponses, FilmRow};
 use crate::optics::Camera;
 use crate::sampler::{PixelOrder, Sampler};
 use crate::scene::Scene;
-use crate::spectrum::{Spectrum, SpectrumId, SpectrumTable};
+use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, WavelengthSampler};
 
 /// Everything that a render reads.
 pub struct RenderJob<'a> {
@@ -59,6 +60,10 @@ pub type Listener<'a> = dyn Fn(Step<'_>) -> ControlFlow<()> + Sync + 'a;
 /// Largest number of samples a pixel in one pass: passes double up to it, so that there is soon something to see, and a
 /// limit of time is kept well.
 pub(super) const LARGEST_PASS: u32 = 16;
+
+/// Paths that are traced together, branches included: few enough for the caches. With 32 of them a Cornell box took 4 % longer,
+/// with 8 of them 12 %.
+const PATHS_TOGETHER: u32 = 256;
 
 /// Renders until the settings' samples are reached or `step` breaks off after a pass.
 pub fn render(job: &RenderJob<'_>, responses: FilmResponses, step: &Listener<'_>) -> Film {
@@ -147,35 +152,70 @@ impl<'a> Tracer<'a> {
         let job = self.job;
         let (kind, first_sample) = (job.settings.sampler, job.settings.samples().start);
         let (width, first_row) = (film.width(), film.picture_rows().start);
+        let together = (PATHS_TOGETHER / self.limits.splitting).max(1) as usize;
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
             let mut paths = 0;
+            let mut sampler = Sampler::new(kind, self.seed);
+            let mut wave = Wave::new(self.limits);
+            let mut destinations = Vec::with_capacity(together);
             for x in 0..width {
                 let (sequence, first_index) = self.order.place([x as u32, (first_row + y) as u32]);
                 let (done, wanted) = (row.samples(x), wanted(y * width + x));
                 let wavelengths = self.wavelengths.at(x, first_row + y);
                 paths += u64::from(wanted.saturating_sub(done));
                 for index in done..wanted {
-                    let mut sampler = Sampler::new(kind, self.seed, sequence, first_index + first_sample + index);
-                    let [dx, dy] = sampler.next_2d();
-                    let aperture = sampler.next_2d();
-                    let mut lambda = wavelengths.sample(sampler.next_1d());
-                    let position = DVec2::new(x as f64 + f64::from(dx), (first_row + y) as f64 + f64::from(dy));
-                    // A camera that stands still needs no time, and its samples stay what they are.
-                    let time = if job.camera.moves() { sampler.next_1d() } else { 0.0 };
-                    let spread = if job.camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
-                    let ray = job.camera.generate_spectral(position, aperture, time, spread, &mut lambda);
-                    let Some((camera_ray, weights)) = ray else {
-                        row.add_darkness(x);
-                        continue;
-                    };
-                    let through = self.spectra.sample(self.transmittance, &lambda) * weights * camera_ray.weight;
-                    let arriving = radiance(job.scene, camera_ray.ray, &mut lambda, &mut sampler, self.limits);
-                    row.add(x, arriving * through, &lambda);
+                    sampler.start(sequence, first_index + first_sample + index);
+                    match self.start([x, first_row + y], wavelengths, &mut sampler, &mut wave) {
+                        Some(through) => destinations.push((x, through)),
+                        None => row.add_darkness(x),
+                    }
+                    if wave.len() == together {
+                        self.arrive(&mut wave, &mut destinations, &mut sampler, &mut row);
+                    }
                 }
             }
+            self.arrive(&mut wave, &mut destinations, &mut sampler, &mut row);
             // The listener can only end a render between passes, so its answer to a row does not matter.
             let _ = (self.step)(Step::Row { paths });
         };
         film.rows().into_par_iter().enumerate().for_each(fill);
+    }
+
+    /// Adds the path of a sample of a pixel, column and row, to a wave. Returns what the lens lets through of the light that
+    /// arrives along it; `None` where it sees nothing.
+    fn start(
+        &self,
+        [x, y]: [usize; 2],
+        wavelengths: &WavelengthSampler,
+        sampler: &mut Sampler,
+        wave: &mut Wave,
+    ) -> Option<SampledSpectrum> {
+        let camera = self.job.camera;
+        let [dx, dy] = sampler.next_2d();
+        let aperture = sampler.next_2d();
+        let mut lambda = wavelengths.sample(sampler.next_1d());
+        let position = DVec2::new(x as f64 + f64::from(dx), y as f64 + f64::from(dy));
+        // A camera that stands still needs no time, and its samples stay what they are.
+        let time = if camera.moves() { sampler.next_1d() } else { 0.0 };
+        let spread = if camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
+        let (camera_ray, weights) = camera.generate_spectral(position, aperture, time, spread, &mut lambda)?;
+        wave.start(camera_ray.ray, lambda, sampler.place());
+        Some(self.spectra.sample(self.transmittance, &lambda) * weights * camera_ray.weight)
+    }
+
+    /// Traces the paths of a wave and adds what arrives along each, by what the lens lets through, to a pixel of the row.
+    fn arrive(
+        &self,
+        wave: &mut Wave,
+        destinations: &mut Vec<(usize, SampledSpectrum)>,
+        sampler: &mut Sampler,
+        row: &mut FilmRow<'_>,
+    ) {
+        wave.trace(self.job.scene, sampler);
+        for (number, (x, through)) in destinations.drain(..).enumerate() {
+            let (light, wavelengths) = wave.arrived(number);
+            row.add(x, light * through, &wavelengths);
+        }
+        wave.clear();
     }
 }

@@ -1,14 +1,16 @@
 //! Where the random numbers of light transport come from.
 //!
-//! A [`Sampler`] is a pure function of (seed, sequence, index, dimension), and [`PixelOrder`] gives each sample of a picture a
-//! sequence and an index, so a picture can be computed in any order, in parts, and on any number of threads. In: those four.
-//! Out: numbers in [0, 1).
+//! The numbers of a [`Sampler`] are a pure function of (seed, sequence, index, dimension), and [`PixelOrder`] gives each sample
+//! of a picture a sequence and an index, so a picture can be computed in any order, in parts, and on any number of threads.
+//! In: those four. Out: numbers in [0, 1).
 
 mod pixel_order;
 mod sobol;
+mod window;
 
 pub use pixel_order::PixelOrder;
 
+use self::window::Window;
 use crate::math::hash::{first_half, hash64, hash64_halves, second_half, unit_f32};
 
 /// Random number sequences.
@@ -30,76 +32,103 @@ impl SamplerKind {
     }
 }
 
-/// The numbers of one camera path, dimension by dimension.
+/// Gives the numbers of camera paths, dimension by dimension.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     kind: SamplerKind,
+    seed: u64,
+    place: SamplePlace,
+    /// Sobol points of neighbouring samples.
+    window: Window,
+}
+
+/// How far a sample has come with its numbers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SamplePlace {
     /// [`first_half`] of the key of the sequence.
     key: u64,
     /// Index of the sample in the sequence.
     index: u32,
-    /// Its bits in reverse.
-    reversed_index: u32,
+    /// Requests so far.
     dimension: u32,
 }
 
-impl Sampler {
-    /// Sample `index` of a sequence of a render with `seed`.
+impl SamplePlace {
+    /// The place of one of `count` paths that go on together from here. Those of all samples of the sequence are stratified
+    /// together too.
     #[inline]
-    pub fn new(kind: SamplerKind, seed: u64, sequence: u64, index: u32) -> Self {
-        Self {
-            kind,
-            key: first_half(hash64(seed, sequence)),
-            index,
-            reversed_index: index.reverse_bits(),
-            dimension: 0,
-        }
+    #[must_use]
+    pub fn branch(self, branch: u32, count: u32) -> Self {
+        Self { index: self.index.wrapping_mul(count).wrapping_add(branch), ..self }
+    }
+}
+
+impl Sampler {
+    /// Of a render with `seed`, at no sample yet.
+    pub fn new(kind: SamplerKind, seed: u64) -> Self {
+        Self { kind, seed, place: SamplePlace::default(), window: Window::default() }
     }
 
-    /// The numbers from here on of one of `count` paths that go on together. Those of all samples of the sequence are
-    /// stratified together too.
+    /// Goes to the first numbers of sample `index` of a sequence.
     #[inline]
-    pub fn branch(&self, branch: u32, count: u32) -> Self {
-        let index = self.index.wrapping_mul(count).wrapping_add(branch);
-        Self { index, reversed_index: index.reverse_bits(), ..self.clone() }
+    pub fn start(&mut self, sequence: u64, index: u32) {
+        self.resume(SamplePlace { key: first_half(hash64(self.seed, sequence)), index, dimension: 0 });
+    }
+
+    /// Where it is.
+    #[inline]
+    pub fn place(&self) -> SamplePlace {
+        self.place
+    }
+
+    /// Goes on where a sample was left. Samples that follow each other cost least one after the other, dimension by dimension.
+    #[inline]
+    pub fn resume(&mut self, place: SamplePlace) {
+        self.place = place;
+        if self.kind == SamplerKind::Sobol {
+            self.window.show(place.key, place.index);
+        }
     }
 
     /// The next number in [0, 1).
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
-        let key = self.next_key();
+        self.place.dimension += 1;
         match self.kind {
-            SamplerKind::Sobol => unit_f32(sobol::scrambled_1d(self.reversed_index, key)),
-            SamplerKind::Independent => unit_f32(hash64(key, u64::from(self.index)) as u32),
+            SamplerKind::Sobol => self.window.first(self.place.index, self.place.dimension),
+            SamplerKind::Independent => self.independent()[0],
         }
     }
 
     /// Leaves out what [`Self::next_1d`] or [`Self::next_2d`] would give.
     #[inline]
     pub fn skip(&mut self) {
-        self.dimension += 1;
+        self.place.dimension += 1;
     }
 
     /// The next two numbers in [0, 1), stratified together.
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
-        let key = self.next_key();
+        self.place.dimension += 1;
         match self.kind {
-            SamplerKind::Sobol => sobol::scrambled_2d(self.reversed_index, key).map(unit_f32),
-            SamplerKind::Independent => {
-                let bits = hash64(key, u64::from(self.index));
-                [unit_f32(bits as u32), unit_f32((bits >> 32) as u32)]
-            }
+            SamplerKind::Sobol => self.window.both(self.place.index, self.place.dimension),
+            SamplerKind::Independent => self.independent(),
         }
     }
 
-    /// A key of its own for each request, the same for all samples of the sequence.
-    #[inline]
-    fn next_key(&mut self) -> u64 {
-        self.dimension += 1;
-        let dimension = DIMENSIONS.get(self.dimension as usize).copied();
-        hash64_halves(self.key, dimension.unwrap_or_else(|| second_half(u64::from(self.dimension))))
+    #[inline(never)]
+    fn independent(&self) -> [f32; 2] {
+        let SamplePlace { key, index, dimension } = self.place;
+        let bits = hash64(request_key(key, dimension), u64::from(index));
+        [unit_f32(bits as u32), unit_f32((bits >> 32) as u32)]
     }
+}
+
+/// A key of its own for each request, the same for all samples of the sequence.
+#[inline]
+fn request_key(sequence_key: u64, dimension: u32) -> u64 {
+    let half = DIMENSIONS.get(dimension as usize).copied();
+    hash64_halves(sequence_key, half.unwrap_or_else(|| second_half(u64::from(dimension))))
 }
 
 /// [`second_half`] of the dimensions that most paths come by.
@@ -120,9 +149,11 @@ mod tests {
     /// Means over 64 pixels × 256 samples of the first two dimensions.
     fn means(kind: SamplerKind) -> [f64; 2] {
         let mut sums = [0.0; 2];
+        let mut sampler = Sampler::new(kind, 1);
         for pixel in 0..64 {
             for index in 0..256 {
-                let [u, v] = Sampler::new(kind, 1, pixel, index).next_2d();
+                sampler.start(pixel, index);
+                let [u, v] = sampler.next_2d();
                 sums[0] += f64::from(u);
                 sums[1] += f64::from(v);
             }
@@ -143,11 +174,14 @@ mod tests {
     #[test]
     fn branches_of_all_samples_are_stratified_together() {
         let mut strata = [0; 64];
+        let mut sampler = Sampler::new(SamplerKind::Sobol, 5);
         for index in 0..16 {
-            let mut sampler = Sampler::new(SamplerKind::Sobol, 5, 9, index);
+            sampler.start(9, index);
             sampler.next_2d();
+            let place = sampler.place();
             for branch in 0..4 {
-                strata[(sampler.branch(branch, 4).next_1d() * 64.0) as usize] += 1;
+                sampler.resume(place.branch(branch, 4));
+                strata[(sampler.next_1d() * 64.0) as usize] += 1;
             }
         }
         assert_eq!(strata, [1; 64]);
@@ -158,8 +192,9 @@ mod tests {
         // Two of one number and one of two: their pairs fill an 8 × 8 grid evenly, in a pixel of many samples.
         let n = 1 << 14;
         let mut counts = [[0f64; 64]; 6];
+        let mut sampler = Sampler::new(SamplerKind::Sobol, 5);
         for index in 0..n {
-            let mut sampler = Sampler::new(SamplerKind::Sobol, 5, 9, index);
+            sampler.start(9, index);
             let (a, b, [c, d]) = (sampler.next_1d(), sampler.next_1d(), sampler.next_2d());
             let cell = |x: f32| (x * 8.0) as usize;
             for (counts, [x, y]) in counts.iter_mut().zip([[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]]) {
@@ -178,11 +213,40 @@ mod tests {
     fn dimensions_of_one_sample_are_not_correlated() {
         let mut products = 0.0;
         let n = 1 << 14;
+        let mut sampler = Sampler::new(SamplerKind::Sobol, 5);
         for index in 0..n {
-            let mut sampler = Sampler::new(SamplerKind::Sobol, 5, 9, index);
+            sampler.start(9, index);
             products += (f64::from(sampler.next_1d()) - 0.5) * (f64::from(sampler.next_2d()[0]) - 0.5);
         }
         // Independent numbers: σ of the mean product = 1/12/√n = 0.00065.
         assert!((products / f64::from(n)).abs() < 4.0 * 0.00065, "{products}");
+    }
+
+    #[test]
+    fn numbers_do_not_depend_on_what_was_asked_for_before() {
+        for kind in [SamplerKind::Sobol, SamplerKind::Independent] {
+            // Pairs at odd requests, one number at even ones, more requests than are kept.
+            let numbers = |sampler: &mut Sampler| -> Vec<f32> {
+                (0..20).flat_map(|_| [sampler.next_2d(), [sampler.next_1d(), 0.0]]).flatten().collect()
+            };
+            let alone = |sequence: u64, index: u32| {
+                let mut sampler = Sampler::new(kind, 5);
+                sampler.start(sequence, index);
+                numbers(&mut sampler)
+            };
+            let mut sampler = Sampler::new(kind, 5);
+            for (sequence, index) in [(1, 0), (1, 1), (2, 1), (1, 9), (1, 8), (1, 1), (2, u32::MAX), (2, u32::MAX - 8)]
+            {
+                sampler.start(sequence, index);
+                assert_eq!(numbers(&mut sampler), alone(sequence, index), "{kind:?}, {sequence}, {index}");
+                // A first number alone, where others ask for both.
+                sampler.start(sequence, index);
+                let first = sampler.next_1d();
+                sampler.start(sequence, index + u32::from(index % 8 == 0));
+                sampler.next_2d();
+                sampler.start(sequence, index);
+                assert_eq!(first, sampler.next_1d(), "{kind:?}, {sequence}, {index}");
+            }
+        }
     }
 }

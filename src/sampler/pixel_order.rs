@@ -80,12 +80,13 @@ mod tests {
     #[test]
     fn samples_of_a_square_are_stratified_together() {
         let order = PixelOrder::new(SamplerKind::Sobol, 100, 4, 1);
+        let mut sampler = Sampler::new(SamplerKind::Sobol, 3);
         for corner in [[8, 16], [64, 0], [0, 72]] {
             let mut strata = [[0; 256]; 3];
             for (x, y) in (0..8).flat_map(|y| (0..8).map(move |x| (x, y))) {
                 let (sequence, first) = order.place([corner[0] + x, corner[1] + y]);
                 for sample in 0..4 {
-                    let mut sampler = Sampler::new(SamplerKind::Sobol, 3, sequence, first + sample);
+                    sampler.start(sequence, first + sample);
                     let [u, v] = sampler.next_2d();
                     for (strata, u) in strata.iter_mut().zip([u, v, sampler.next_1d()]) {
                         strata[(u * 256.0) as usize] += 1;
@@ -104,8 +105,10 @@ mod tests {
         let order = PixelOrder::new(SamplerKind::Sobol, side, 4, 1);
         let error = |[x, y]: [u32; 2]| {
             let (sequence, first) = order.place([x, y]);
+            let mut sampler = Sampler::new(SamplerKind::Sobol, 3);
             let values = (first..first + 4).map(|index| {
-                let [u, v] = Sampler::new(SamplerKind::Sobol, 3, sequence, index).next_2d();
+                sampler.start(sequence, index);
+                let [u, v] = sampler.next_2d();
                 f(u, v)
             });
             // ∫₀¹∫₀¹ sin(3u + v) du dv = (sin 3 + sin 1 − sin 4)/3.

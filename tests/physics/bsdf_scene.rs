@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use photosite::geometry::Ray;
-use photosite::integrator::path::{PathLimits, radiance};
+use photosite::integrator::{PathLimits, radiance};
 use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::description::{
@@ -110,8 +110,9 @@ fn a_mix_is_the_mean_of_both_by_weight() {
         let scene = Stage::default().mesh(sphere(16, 1.0), model, None).environment(3.0).build();
         // The choice is made by where a path meets the surface and whence: rays spread over the surface see both.
         let at = |i: u16| f32::from(i) / 128.0 - 0.5;
+        let mut sampler = Sampler::new(SamplerKind::Independent, 11);
         let path = |i: u16| {
-            let mut sampler = Sampler::new(SamplerKind::Independent, 11, 0, u32::from(i));
+            sampler.start(0, u32::from(i));
             let ray = Ray::new(Vec3::new(at(i % 128), at(i / 128), 5.0), Vec3::NEG_Z);
             let limits = PathLimits { max_depth: 8, roulette_depth: 5, splitting: 1 };
             let mut wavelengths = Wavelengths::new([500.0; 4], [1.0; 4]);

@@ -51,8 +51,9 @@ fn a_slanted_edge_through_airys_pattern_has_the_mtf_of_diffraction() {
     alone.terminate_secondary();
     let pixels = || (0..SIZE[0] * SIZE[1]).map(|i| ((i % SIZE[0]) as f64, (i / SIZE[0]) as f64));
     let traced = |(i, (x, y)): (usize, (f64, f64))| {
+        let mut sampler = Sampler::new(SamplerKind::Sobol, 3);
         let lit = (0..SAMPLES).filter(|&index| {
-            let mut sampler = Sampler::new(SamplerKind::Sobol, 3, i as u64, index);
+            sampler.start(i as u64, index);
             let [dx, dy] = sampler.next_2d().map(f64::from);
             let spread = sampler.next_2d();
             let pixel = DVec2::new(x + dx, y + dy);

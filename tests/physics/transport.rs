@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::Ray;
-use photosite::integrator::path::{PathLimits, radiance};
+use photosite::integrator::{PathLimits, radiance};
 use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::Scene;
@@ -23,9 +23,10 @@ pub(crate) fn along(scene: &Scene, origin: Vec3, direction: Vec3, max_depth: u32
 }
 
 fn along_within(scene: &Scene, origin: Vec3, direction: Vec3, limits: PathLimits, paths: u32) -> Moments {
+    let mut sampler = Sampler::new(SamplerKind::Independent, 11);
     (0..paths)
         .map(|index| {
-            let mut sampler = Sampler::new(SamplerKind::Independent, 11, 0, index);
+            sampler.start(0, index);
             let mut wavelengths = Wavelengths::new([500.0; 4], [1.0; 4]);
             let ray = Ray::new(origin, direction.normalize());
             f64::from(radiance(scene, ray, &mut wavelengths, &mut sampler, limits)[0])
@@ -233,9 +234,10 @@ fn a_dispersed_path_carries_its_hero_for_all_four_wavelengths(#[values(1, 3)] sp
     let stage = Stage::default().mesh(sphere(16, 1.0), glass, None).environment(2.0);
     let (scene, x) = if splitting == 1 { (stage.build(), 0.5) } else { (stage.diffuse(floor, 1.0, 0.0).build(), 1.1) };
     let limits = PathLimits { max_depth: 200, roulette_depth: 5, splitting };
+    let mut sampler = Sampler::new(SamplerKind::Independent, 3);
     let estimates: Moments = (0..20_000)
         .map(|index| {
-            let mut sampler = Sampler::new(SamplerKind::Independent, 3, 1, index);
+            sampler.start(1, index);
             // Each of the four is the hero equally often, as rotation in the wavelength sampler makes it.
             let lambda = [0, 1, 2, 3].map(|lane| 450.0 + 50.0 * ((lane + index) % 4) as f32);
             let mut wavelengths = Wavelengths::new(lambda, [0.01; 4]);

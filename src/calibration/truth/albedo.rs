@@ -47,8 +47,9 @@ static QUADRATURE: LazyLock<Quadrature> = LazyLock::new(|| {
 pub(super) fn albedo(scene: &Scene, point: &SurfacePoint, wo: Vec3, pixel: u64) -> DVec3 {
     let Quadrature { bundles, to_rgb } = &*QUADRATURE;
     let mut xyz = DVec3::ZERO;
+    let mut sampler = Sampler::new(SamplerKind::Sobol, 0);
     for (index, (wavelengths, weights)) in bundles.iter().enumerate() {
-        let mut sampler = Sampler::new(SamplerKind::Sobol, 0, pixel, index as u32);
+        sampler.start(pixel, index as u32);
         let shading = scene.shading(point, wo, wavelengths);
         let (u_lobe, u) = (sampler.next_1d(), sampler.next_2d());
         let Some(sample) = shading.bsdf.sample(shading.frame.to_local(wo), u_lobe, u) else { continue };
