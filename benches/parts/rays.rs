@@ -121,7 +121,7 @@ impl Stage {
                 self.scene.occluded_each(rays, &mut occluded);
                 occluded.iter().filter(|&&is_occluded| is_occluded).count()
             } else {
-                self.scene.closest_of_each(rays, &mut hits);
+                self.scene.closest_each(rays, &mut hits);
                 hits.iter().flatten().count()
             }
         };

@@ -160,11 +160,11 @@ fn rays_that_take_turns_meet_what_each_meets_alone() {
             };
             let rays: Vec<Ray> = (0..count).map(ray).collect();
             let (mut hits, mut occluded) = (vec![None; 3], vec![true; 3]);
-            accel.closest_of_each(&rays, &AcceptAll, &mut hits);
+            accel.closest_each(&rays, &AcceptAll, &mut hits);
             accel.occluded_each(&rays, &AcceptAll, &mut occluded);
             assert_eq!(hits, rays.iter().map(|ray| accel.closest(ray, &AcceptAll)).collect::<Vec<_>>(), "{what}");
             assert_eq!(occluded, rays.iter().map(|ray| accel.occluded(ray, &AcceptAll)).collect::<Vec<_>>(), "{what}");
-            accel.closest_of_each(&rays, &Sieve, &mut hits);
+            accel.closest_each(&rays, &Sieve, &mut hits);
             accel.occluded_each(&rays, &Sieve, &mut occluded);
             assert_eq!(hits, rays.iter().map(|ray| accel.closest(ray, &Sieve)).collect::<Vec<_>>(), "{what}, sieve");
             assert_eq!(

@@ -1,7 +1,8 @@
 //! Triangles and their vertices as flat tables, for all meshes of a scene together.
 
-use crate::math::simd::prefetch;
 use glam::{Vec2, Vec3, Vec4};
+
+use crate::math::simd::prefetch;
 
 /// Corner indices into the vertex tables, and the mesh that the triangle belongs to.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! The children that a traversal has yet to visit.
 
-/// Entries that need no memory of their own: few, since they are cleared for each ray, and a power of two.
+/// Entries that need no memory of their own: few, since they are cleared for most rays, and a power of two.
 const LEN: usize = 32;
 
 /// Pushes between two calls of [`TraversalStack::make_room`], at most.

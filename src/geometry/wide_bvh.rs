@@ -108,7 +108,7 @@ impl WideBvh {
     }
 
     /// The same a step at a time: visits the node or leaf that is `next`, at first number 0, and puts what comes then in its
-    /// place. `ALTERNATES` says whether other rays make steps between two of this one: then it is the next step that is worth
+    /// place. Breaks with whether the visitor has ended the traversal. `ALTERNATES` says whether other rays make steps between two of this one: then it is the next step that is worth
     /// asking the memory for, and later ones can wait.
     #[inline(always)]
     pub(super) fn step<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
@@ -119,44 +119,56 @@ impl WideBvh {
         t_max: &mut f32,
         visitor: &mut V,
     ) -> ControlFlow<bool> {
-        let current = *next;
-        if current & LEAF != 0 {
-            if visitor.visit::<L>(current & !LEAF, t_max) {
-                return ControlFlow::Break(true);
-            }
-        } else {
-            let node = &self.nodes[current as usize];
-            let (hits, near) = node.enter(ray, *t_max);
-            if hits != 0 {
-                *next = if V::ANY_ORDER {
-                    self.choose_largest::<L, V, ALTERNATES>(node, hits, stack, visitor)
-                } else {
-                    self.choose_nearest::<L, V, ALTERNATES>(node, hits, near, stack, visitor)
-                };
-                if ALTERNATES {
-                    self.prefetch(*next, visitor);
-                }
-                return ControlFlow::Continue(());
-            }
-        }
-        loop {
-            match stack.pop() {
-                Some(entry) if V::ANY_ORDER || entry.near() < *t_max => {
-                    *next = entry.child();
-                    if ALTERNATES {
-                        self.prefetch(*next, visitor);
+        match self.visit::<L, V, ALTERNATES>(ray, *next, stack, t_max, visitor) {
+            ControlFlow::Continue(Some(child)) => *next = child,
+            ControlFlow::Continue(None) => loop {
+                match stack.pop() {
+                    Some(entry) if V::ANY_ORDER || entry.near() < *t_max => {
+                        *next = entry.child();
+                        break;
                     }
-                    return ControlFlow::Continue(());
+                    Some(_) => {}
+                    None => return ControlFlow::Break(false),
                 }
-                Some(_) => {}
-                None => return ControlFlow::Break(false),
-            }
+            },
+            ControlFlow::Break(()) => return ControlFlow::Break(true),
         }
+        if ALTERNATES {
+            self.prefetch(*next, visitor);
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Visits a node, of which it returns the child to visit first if the ray enters any, or a leaf. Breaks where the visitor
+    /// ends the traversal.
+    #[inline(always)]
+    fn visit<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
+        &self,
+        ray: &SlabLanes<L>,
+        current: u32,
+        stack: &mut TraversalStack,
+        t_max: &mut f32,
+        visitor: &mut V,
+    ) -> ControlFlow<(), Option<u32>> {
+        if current & LEAF != 0 {
+            let is_ended = visitor.visit::<L>(current & !LEAF, t_max);
+            return if is_ended { ControlFlow::Break(()) } else { ControlFlow::Continue(None) };
+        }
+        let node = &self.nodes[current as usize];
+        let (hits, near) = node.enter(ray, *t_max);
+        if hits == 0 {
+            return ControlFlow::Continue(None);
+        }
+        ControlFlow::Continue(Some(if V::ANY_ORDER {
+            self.choose_largest::<V, ALTERNATES>(node, hits, stack, visitor)
+        } else {
+            self.choose_nearest::<L, V, ALTERNATES>(node, hits, near, stack, visitor)
+        }))
     }
 
     /// The largest child that the ray enters, which is the likeliest to hold a hit. The others are left for later.
     #[inline(always)]
-    fn choose_largest<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
+    fn choose_largest<V: LeafVisitor, const ALTERNATES: bool>(
         &self,
         node: &WideNode,
         mut hits: u32,

@@ -44,8 +44,8 @@ pub(super) struct Path {
     pub(super) wavelengths: Wavelengths,
     /// Where its numbers go on.
     place: SamplePlace,
-    /// Whether several paths may yet go on from a rough surface.
-    may_split: bool,
+    /// Number of the path that it has come from as a branch.
+    pub(super) origin: Option<u32>,
     /// Segments so far.
     depth: u32,
     throughput: SampledSpectrum,
@@ -57,19 +57,15 @@ pub(super) struct Path {
     medium: Option<SpectrumId>,
 }
 
-/// What paths leave to be looked at once all have come to their next surface.
+/// What paths put off until all have come to their next surface.
 #[derive(Default)]
-pub(super) struct Left {
+pub(super) struct Postponed {
     /// Rays from surfaces to lights.
     pub(super) shadow_rays: Vec<Ray>,
     /// What arrives from there unless something is in the way: at the path of which number, and how much.
     pub(super) lights: Vec<(u32, SampledSpectrum)>,
-    /// Paths that have come from others, which have split.
-    pub(super) branches: Vec<Path>,
-    /// Along which ray each goes on.
-    pub(super) branch_rays: Vec<Ray>,
-    /// Number of the path that each has come from.
-    pub(super) origins: Vec<u32>,
+    /// Paths that have come from others, which have split, and along which ray each goes on.
+    pub(super) branches: Vec<(Path, Ray)>,
 }
 
 /// A surface that a path has met.
@@ -97,12 +93,12 @@ impl<'a> Vertex<'a> {
 impl Path {
     /// From the camera, with the numbers from a place on.
     #[inline]
-    pub(super) fn new(wavelengths: Wavelengths, place: SamplePlace, may_split: bool) -> Self {
+    pub(super) fn new(wavelengths: Wavelengths, place: SamplePlace) -> Self {
         Self {
             light: SampledSpectrum::ZERO,
             wavelengths,
             place,
-            may_split,
+            origin: None,
             depth: 0,
             throughput: SampledSpectrum::ONE,
             scattered: None,
@@ -121,7 +117,7 @@ impl Path {
         scene: &Scene,
         limits: &PathLimits,
         sampler: &mut Sampler,
-        left: &mut Left,
+        postponed: &mut Postponed,
     ) -> Option<Ray> {
         self.depth += 1;
         let Some(hit) = hit else {
@@ -151,11 +147,11 @@ impl Path {
         sampler.resume(self.place);
         if !shading.bsdf.is_delta() {
             if let Some((ray, light)) = direct_light(scene, &vertex, self.medium, &self.wavelengths, sampler) {
-                left.shadow_rays.push(ray);
-                left.lights.push((number, self.throughput * light));
+                postponed.shadow_rays.push(ray);
+                postponed.lights.push((number, self.throughput * light));
             }
-            if self.may_split {
-                self.split(number, scene, &vertex, limits, sampler, left);
+            if limits.splitting > 1 && self.origin.is_none() {
+                self.split(number, scene, &vertex, limits, sampler, postponed);
                 return None;
             }
         }
@@ -175,7 +171,7 @@ impl Path {
     }
 
     /// Sends several paths on from a surface, of which some may end there.
-    // Not a part of the loop, whose speed is that of renders which do not split.
+    // Out of the way of renders that do not split.
     #[inline(never)]
     fn split(
         &self,
@@ -184,16 +180,14 @@ impl Path {
         vertex: &Vertex<'_>,
         limits: &PathLimits,
         sampler: &mut Sampler,
-        left: &mut Left,
+        postponed: &mut Postponed,
     ) {
         let place = sampler.place();
         for branch in 0..limits.splitting {
             sampler.resume(place.branch(branch, limits.splitting));
-            let mut path = Self { may_split: false, light: SampledSpectrum::ZERO, ..*self };
+            let mut path = Self { origin: Some(number), light: SampledSpectrum::ZERO, ..*self };
             if let Some(ray) = path.scatter(scene, vertex, limits, sampler) {
-                left.branches.push(path);
-                left.branch_rays.push(ray);
-                left.origins.push(number);
+                postponed.branches.push((path, ray));
             }
         }
     }

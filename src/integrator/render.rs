@@ -152,7 +152,7 @@ impl<'a> Tracer<'a> {
         let job = self.job;
         let (kind, first_sample) = (job.settings.sampler, job.settings.samples().start);
         let (width, first_row) = (film.width(), film.picture_rows().start);
-        let together = (PATHS_TOGETHER / self.limits.splitting).max(1) as usize;
+        let together = (PATHS_TOGETHER / self.limits.splitting.max(1)).max(1) as usize;
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
             let mut paths = 0;
             let mut sampler = Sampler::new(kind, self.seed);
@@ -165,16 +165,16 @@ impl<'a> Tracer<'a> {
                 paths += u64::from(wanted.saturating_sub(done));
                 for index in done..wanted {
                     sampler.start(sequence, first_index + first_sample + index);
-                    match self.start([x, first_row + y], wavelengths, &mut sampler, &mut wave) {
+                    match self.add_path([x, first_row + y], wavelengths, &mut sampler, &mut wave) {
                         Some(through) => destinations.push((x, through)),
                         None => row.add_darkness(x),
                     }
                     if wave.len() == together {
-                        self.arrive(&mut wave, &mut destinations, &mut sampler, &mut row);
+                        self.trace(&mut wave, &mut destinations, &mut sampler, &mut row);
                     }
                 }
             }
-            self.arrive(&mut wave, &mut destinations, &mut sampler, &mut row);
+            self.trace(&mut wave, &mut destinations, &mut sampler, &mut row);
             // The listener can only end a render between passes, so its answer to a row does not matter.
             let _ = (self.step)(Step::Row { paths });
         };
@@ -183,7 +183,7 @@ impl<'a> Tracer<'a> {
 
     /// Adds the path of a sample of a pixel, column and row, to a wave. Returns what the lens lets through of the light that
     /// arrives along it; `None` where it sees nothing.
-    fn start(
+    fn add_path(
         &self,
         [x, y]: [usize; 2],
         wavelengths: &WavelengthSampler,
@@ -204,7 +204,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Traces the paths of a wave and adds what arrives along each, by what the lens lets through, to a pixel of the row.
-    fn arrive(
+    fn trace(
         &self,
         wave: &mut Wave,
         destinations: &mut Vec<(usize, SampledSpectrum)>,

@@ -2,14 +2,15 @@
 //! then their shadow rays. While the memory brings what one ray needs, others go on, and each part of the code runs for all
 //! paths before the next one takes its place.
 
-use super::path::{Left, Path, PathLimits};
+use super::path::{Path, PathLimits, Postponed};
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::sampler::{SamplePlace, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::{SampledSpectrum, Wavelengths};
 
-/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength, by one path
-/// with the numbers from where the sampler is. A refraction that disperses leaves only the hero of `wavelengths`.
+/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength, by one path and
+/// its branches, with the numbers from where the sampler is; where it is afterwards means nothing. A refraction that disperses
+/// leaves only the hero of `wavelengths`.
 pub fn radiance(
     scene: &Scene,
     ray: Ray,
@@ -20,8 +21,8 @@ pub fn radiance(
     let mut wave = Wave::new(limits);
     wave.start(ray, *wavelengths, sampler.place());
     wave.trace(scene, sampler);
-    let (light, left) = wave.arrived(0);
-    *wavelengths = left;
+    let (light, remaining) = wave.arrived(0);
+    *wavelengths = remaining;
     light
 }
 
@@ -36,7 +37,7 @@ pub(super) struct Wave {
     /// What becomes the front.
     next: Front,
     hits: Vec<Option<Hit>>,
-    left: Left,
+    postponed: Postponed,
     occluded: Vec<bool>,
 }
 
@@ -75,6 +76,7 @@ fn ask_for_corners(geometry: &Geometry, hits: &[Option<Hit>]) {
 impl Wave {
     /// Without paths.
     pub(super) fn new(limits: PathLimits) -> Self {
+        assert!(limits.splitting > 0, "a path goes on as at least one");
         Self {
             limits,
             paths: Vec::new(),
@@ -82,7 +84,7 @@ impl Wave {
             front: Front::default(),
             next: Front::default(),
             hits: Vec::new(),
-            left: Left::default(),
+            postponed: Postponed::default(),
             occluded: Vec::new(),
         }
     }
@@ -91,7 +93,7 @@ impl Wave {
     #[inline]
     pub(super) fn start(&mut self, ray: Ray, wavelengths: Wavelengths, place: SamplePlace) {
         self.front.push(self.paths.len() as u32, ray);
-        self.paths.push(Path::new(wavelengths, place, self.limits.splitting > 1));
+        self.paths.push(Path::new(wavelengths, place));
     }
 
     /// Number of paths that were started, before they are traced.
@@ -101,7 +103,7 @@ impl Wave {
 
     /// Traces all that were started to their ends.
     pub(super) fn trace(&mut self, scene: &Scene, sampler: &mut Sampler) {
-        let started = self.paths.len();
+        let started_count = self.paths.len();
         if self.limits.max_depth == 0 {
             self.front.clear();
         }
@@ -109,29 +111,29 @@ impl Wave {
             self.advance(scene, sampler);
         }
         self.branched.clear();
-        self.branched.resize(started, SampledSpectrum::ZERO);
-        let (started, branches) = self.paths.split_at(started);
-        for (branch, &origin) in branches.iter().zip(&self.left.origins) {
-            let densities = branch.wavelengths.densities_over(&started[origin as usize].wavelengths);
-            self.branched[origin as usize] += branch.light * densities;
+        self.branched.resize(started_count, SampledSpectrum::ZERO);
+        let (started, branches) = self.paths.split_at(started_count);
+        for branch in branches {
+            let Some(origin) = branch.origin.map(|number| number as usize) else { continue };
+            self.branched[origin] += branch.light * branch.wavelengths.densities_over(&started[origin].wavelengths);
         }
     }
 
     /// All paths that go on, from one surface to the next.
     fn advance(&mut self, scene: &Scene, sampler: &mut Sampler) {
-        let Self { limits, paths, front, next, hits, left, .. } = self;
-        scene.closest_of_each(&front.rays, hits);
+        let Self { limits, paths, front, next, hits, postponed, .. } = self;
+        scene.closest_each(&front.rays, hits);
         let looks_ahead = scene.geometry().exceeds_caches();
         for (i, ((&number, ray), &hit)) in front.numbers.iter().zip(&front.rays).zip(&*hits).enumerate() {
             if looks_ahead {
                 ask_for_corners(scene.geometry(), &hits[i..]);
             }
             let path = &mut paths[number as usize];
-            if let Some(ray) = path.advance(number, (ray, hit), scene, limits, sampler, left) {
+            if let Some(ray) = path.advance(number, (ray, hit), scene, limits, sampler, postponed) {
                 next.push(number, ray);
             }
         }
-        for (path, ray) in left.branches.drain(..).zip(left.branch_rays.drain(..)) {
+        for (path, ray) in postponed.branches.drain(..) {
             next.push(paths.len() as u32, ray);
             paths.push(path);
         }
@@ -142,7 +144,7 @@ impl Wave {
 
     /// Gives light that nothing is in the way of to its paths.
     fn light_up(&mut self, scene: &Scene) {
-        let Self { paths, left: Left { shadow_rays, lights, .. }, occluded, .. } = self;
+        let Self { paths, postponed: Postponed { shadow_rays, lights, .. }, occluded, .. } = self;
         scene.occluded_each(shadow_rays, occluded);
         for ((number, light), occluded) in lights.drain(..).zip(&*occluded) {
             if !occluded {
@@ -161,6 +163,99 @@ impl Wave {
     /// Makes room for other paths.
     pub(super) fn clear(&mut self) {
         self.paths.clear();
-        self.left.origins.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DAffine3, Vec3};
+
+    use super::*;
+    use crate::sampler::SamplerKind;
+    use crate::scene::build;
+    use crate::scene::description::{
+        Colour, EnvironmentDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
+        SceneDescription, TexturedColour,
+    };
+    use crate::spectrum::{Spectrum, library};
+
+    /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere.
+    fn scene() -> Scene {
+        let mut scene = SceneDescription {
+            environment: Some(EnvironmentDescription::Constant {
+                colour: Colour::Rgb([0.9; 3]),
+                luminance_nit: Some(50.0),
+            }),
+            ..SceneDescription::default()
+        };
+        let silver = library::conductor("Ag").expect("a metal");
+        let materials = [
+            (-1.0, MaterialModel::Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.7, 0.5, 0.3])) }),
+            (0.0, MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.0 }),
+            (0.5, MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.3 }),
+            (1.5, MaterialModel::Conductor { eta: silver.eta, k: silver.k, roughness: 0.0, anisotropy: 0.0 }),
+        ];
+        for (material, (z, model)) in materials.into_iter().enumerate() {
+            let name = format!("{material}");
+            scene.materials.push(MaterialDescription::new(&name, model));
+            scene.meshes.push(MeshDescription {
+                name: name.clone(),
+                material,
+                positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+                    .map(|[x, y]| Vec3::new(x, y, z))
+                    .to_vec(),
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                ..MeshDescription::default()
+            });
+            scene.instances.push(InstanceDescription {
+                name,
+                mesh: material,
+                to_world: DAffine3::IDENTITY,
+                later: vec![],
+            });
+        }
+        build(scene, &Spectrum::constant(1.0))
+    }
+
+    #[test]
+    fn paths_of_a_wave_bring_what_each_brings_alone() {
+        let scene = scene();
+        for (kind, splitting, max_depth) in [
+            (SamplerKind::Sobol, 1, 6),
+            (SamplerKind::Sobol, 3, 6),
+            (SamplerKind::Sobol, 4, 1),
+            (SamplerKind::Sobol, 1, 0),
+            (SamplerKind::Independent, 3, 12),
+        ] {
+            let limits = PathLimits { max_depth, roulette_depth: 3, splitting };
+            let mut wave = Wave::new(limits);
+            // The second wave is smaller, and nothing of the first may be left in it.
+            for count in [40, 7] {
+                let mut sampler = Sampler::new(kind, 5);
+                let start = |sampler: &mut Sampler, number: u32| {
+                    sampler.start(u64::from(number / 20), number);
+                    let [x, y] = sampler.next_2d();
+                    let target = Vec3::new(2.4 * x - 1.2, 2.4 * y - 1.2, 0.2);
+                    let ray =
+                        Ray::new(Vec3::new(0.3, -0.2, 1.2), target.normalize() * (1.0 - 2.0 * (number % 2) as f32));
+                    (ray, Wavelengths::new([450.0, 520.0, 590.0, 660.0], [0.01; 4]))
+                };
+                for number in 0..count {
+                    let (ray, wavelengths) = start(&mut sampler, number);
+                    wave.start(ray, wavelengths, sampler.place());
+                }
+                wave.trace(&scene, &mut sampler);
+                let mut lit = 0;
+                for number in 0..count {
+                    let mut alone = Sampler::new(kind, 5);
+                    let (ray, mut wavelengths) = start(&mut alone, number);
+                    let light = radiance(&scene, ray, &mut wavelengths, &mut alone, limits);
+                    assert_eq!(wave.arrived(number as usize), (light, wavelengths), "{kind:?}, {limits:?}, {number}");
+                    lit += u32::from(!light.is_black());
+                }
+                assert_eq!(lit > 0, max_depth > 0, "{limits:?}");
+                wave.clear();
+            }
+        }
     }
 }

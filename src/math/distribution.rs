@@ -1,5 +1,4 @@
-//! Discrete and piecewise-constant distributions: the choice of a light, of a wavelength, of a direction in an
-//! environment picture.
+//! Discrete and piecewise-constant distributions: the choice of a light, of a direction in an environment picture.
 
 /// A function on [0, 1) that is constant on n equal pieces, normalised to a density, sampled by inverting its
 /// cumulative sum. Keeps the stratification of its input. A guide table makes a sample cost O(1) on average

@@ -6,8 +6,8 @@
 //!
 //! Both kinds do the same IEEE operations in the same order and contract nothing into fused ones, so that a picture does
 //! not depend on the machine. This is the only file with `unsafe` code: the AVX intrinsics must not run on a processor
-//! without AVX2, and the compiler cannot know where the program will run. Advice on memory, which is a call of the
-//! system, is here too.
+//! without AVX2, and the compiler cannot know where the program will run. Advice to the memory, by an
+//! instruction and by a call of the system, is here too.
 
 #![allow(unsafe_code, reason = "intrinsics behind a run-time check; see the module documentation")]
 
@@ -124,7 +124,7 @@ mod avx {
     use super::Lanes;
 
     /// Lanes in an AVX register. Only code that is inlined below a function with the `avx2` target feature, itself
-    /// called after [`available`](super::avx_available) said yes, may make one.
+    /// called after `is_x86_feature_detected!` said yes, may make one.
     #[derive(Clone, Copy)]
     pub(crate) struct Avx(__m256);
 
@@ -251,7 +251,7 @@ pub(crate) fn compact<T: Copy>(values: &[T]) -> Vec<T> {
 /// `#[inline(always)]`, so that it is compiled once more under the `avx2` target feature.
 macro_rules! with_widest_lanes {
     (fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident) => {
-        $crate::math::simd::with_widest_registers! {
+        $crate::math::simd::on_widest_registers! {
             fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
                 wide: $body::<$crate::math::simd::Avx, $($generic)?>($($argument),*),
                 portable: $body::<$crate::math::simd::Portable, $($generic)?>($($argument),*),
@@ -260,9 +260,21 @@ macro_rules! with_widest_lanes {
     };
 }
 
-/// Defines a function that runs the first of two expressions where the machine has AVX2, compiled for it, and the second
-/// elsewhere. Functions that they call must be `#[inline(always)]` to be compiled so too.
+/// The same for a body whose loops the compiler turns into operations on lanes by itself.
 macro_rules! with_widest_registers {
+    (fn $name:ident ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident) => {
+        $crate::math::simd::on_widest_registers! {
+            fn $name($($argument: $type),*) -> $output {
+                wide: $body($($argument),*),
+                portable: $body($($argument),*),
+            }
+        }
+    };
+}
+
+/// Defines a function that runs the first of two expressions where the machine has AVX2, compiled for it, and the second
+/// elsewhere.
+macro_rules! on_widest_registers {
     (fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty {
         wide: $wide:expr,
         portable: $portable:expr $(,)?
@@ -285,7 +297,7 @@ macro_rules! with_widest_registers {
         }
     };
 }
-pub(crate) use {with_widest_lanes, with_widest_registers};
+pub(crate) use {on_widest_registers, with_widest_lanes, with_widest_registers};
 
 #[cfg(test)]
 mod tests {

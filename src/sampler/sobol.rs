@@ -15,7 +15,7 @@ fn permute(mut x: u32, key: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// The second Sobol dimension of a sample with its bits in reverse, as scrambling needs it. Its direction numbers are the rows
+/// The second Sobol dimension of an index, its bits in reverse as scrambling needs them. Its direction numbers are the rows
 /// of Pascal's triangle mod 2, and reversed the powers of 1 + x: with the bits of the index for coefficients of a polynomial
 /// p(x) mod 2, this is p(1 + x), where (1 + x)^h = 1 + x^h for the powers of two that halve it.
 #[inline(always)]
@@ -27,12 +27,11 @@ fn reversed_second_dimension(mut index: u32) -> u32 {
     index ^ (index >> 1) & 0x5555_5555
 }
 
-/// What the key of a request makes of the index of a sample, given with its bits in reverse: its place in the order of this
-/// request. Scrambling alone would leave the first bit of the first dimension, which is the reversed index, a function of the
+/// What the key of a request makes of the index of a sample: its place in the order of this request. Scrambling alone would leave the first bit of the first dimension, which is the reversed index, a function of the
 /// index's last, and two requests dependent: one half of one would always meet the same half of the other.
 #[inline(always)]
-pub(super) fn shuffled(reversed_index: u32, key: u64) -> u32 {
-    permute(reversed_index, key as u32).reverse_bits()
+pub(super) fn shuffled(index: u32, key: u64) -> u32 {
+    permute(index.reverse_bits(), key as u32).reverse_bits()
 }
 
 /// The scrambled first dimension of a [`shuffled`] sample, 32 bits.
@@ -52,7 +51,7 @@ mod tests {
     use super::*;
 
     fn scrambled_2d(index: u32, key: u64) -> [u32; 2] {
-        let shuffled = shuffled(index.reverse_bits(), key);
+        let shuffled = shuffled(index, key);
         [first(shuffled, key), second(shuffled, key)]
     }
 
@@ -71,6 +70,18 @@ mod tests {
                 assert!(cells.iter().all(|&count| count == 1), "2^{m} samples, {split} bits of x");
             }
         }
+    }
+
+    #[test]
+    fn the_second_dimension_has_the_rows_of_pascals_triangle_for_direction_numbers() {
+        // Row j has the parities of the binomial coefficients, each the sum of two of the row before.
+        let mut row: u32 = 1;
+        for bit in 0..32 {
+            assert_eq!(reversed_second_dimension(1 << bit), row, "bit {bit}");
+            row ^= row << 1;
+        }
+        let (a, b) = (0x1234_5678, 0x9abc_def0);
+        assert_eq!(reversed_second_dimension(a ^ b), reversed_second_dimension(a) ^ reversed_second_dimension(b));
     }
 
     #[test]

@@ -18,10 +18,10 @@ const KEPT: usize = 8;
 pub(super) struct Window {
     sequence_key: u64,
     /// Of the first sample; a multiple of [`WIDTH`].
-    index: u32,
+    first_index: u32,
     /// The dimension that each place holds of one number, and of two; none has number 0.
-    firsts: [u32; KEPT],
-    pairs: [u32; KEPT],
+    first_of: [u32; KEPT],
+    pair_of: [u32; KEPT],
     numbers: [Numbers; KEPT],
 }
 
@@ -29,13 +29,18 @@ pub(super) struct Window {
 type Numbers = [[f32; WIDTH]; 2];
 
 impl Window {
+    /// Whether sample `index` of the sequence is in it.
+    #[inline]
+    pub(super) fn shows(&self, sequence_key: u64, index: u32) -> bool {
+        (self.sequence_key, self.first_index) == (sequence_key, first_index(index))
+    }
+
     /// Moves to where sample `index` of the sequence is.
     #[inline]
     pub(super) fn show(&mut self, sequence_key: u64, index: u32) {
-        let index = index - index % WIDTH as u32;
-        if (self.sequence_key, self.index) != (sequence_key, index) {
-            (self.sequence_key, self.index) = (sequence_key, index);
-            (self.firsts, self.pairs) = ([0; KEPT], [0; KEPT]);
+        if !self.shows(sequence_key, index) {
+            (self.sequence_key, self.first_index) = (sequence_key, first_index(index));
+            (self.first_of, self.pair_of) = ([0; KEPT], [0; KEPT]);
         }
     }
 
@@ -43,7 +48,7 @@ impl Window {
     #[inline]
     pub(super) fn first(&mut self, index: u32, dimension: u32) -> f32 {
         let place = dimension as usize % KEPT;
-        if self.firsts[place] != dimension {
+        if self.first_of[place] != dimension {
             self.fill_firsts(dimension);
         }
         self.numbers[place][0][index as usize % WIDTH]
@@ -53,7 +58,7 @@ impl Window {
     #[inline]
     pub(super) fn both(&mut self, index: u32, dimension: u32) -> [f32; 2] {
         let place = dimension as usize % KEPT;
-        if self.pairs[place] != dimension {
+        if self.pair_of[place] != dimension {
             self.fill_pairs(dimension);
         }
         let [firsts, seconds] = &self.numbers[place];
@@ -65,30 +70,30 @@ impl Window {
     #[inline(never)]
     fn fill_firsts(&mut self, dimension: u32) {
         let place = dimension as usize % KEPT;
-        self.numbers[place][0] = firsts(self.index, request_key(self.sequence_key, dimension));
-        (self.firsts[place], self.pairs[place]) = (dimension, 0);
+        self.numbers[place][0] = firsts(self.first_index, request_key(self.sequence_key, dimension));
+        (self.first_of[place], self.pair_of[place]) = (dimension, 0);
     }
 
     #[inline(never)]
     fn fill_pairs(&mut self, dimension: u32) {
         let place = dimension as usize % KEPT;
-        self.numbers[place] = pairs(self.index, request_key(self.sequence_key, dimension));
-        (self.firsts[place], self.pairs[place]) = (dimension, dimension);
+        self.numbers[place] = pairs(self.first_index, request_key(self.sequence_key, dimension));
+        (self.first_of[place], self.pair_of[place]) = (dimension, dimension);
     }
 }
 
-with_widest_registers! {
-    fn firsts(first_index: u32, key: u64) -> [f32; WIDTH] {
-        wide: firsts_inline(first_index, key),
-        portable: firsts_inline(first_index, key),
-    }
+/// Index of the first sample of the window that a sample is in.
+#[inline]
+fn first_index(index: u32) -> u32 {
+    index - index % WIDTH as u32
 }
 
 with_widest_registers! {
-    fn pairs(first_index: u32, key: u64) -> Numbers {
-        wide: pairs_inline(first_index, key),
-        portable: pairs_inline(first_index, key),
-    }
+    fn firsts(first_index: u32, key: u64) -> [f32; WIDTH] = firsts_inline
+}
+
+with_widest_registers! {
+    fn pairs(first_index: u32, key: u64) -> Numbers = pairs_inline
 }
 
 // Loops rather than closures, which would not be inlined into a function for wide registers.
@@ -114,5 +119,5 @@ fn pairs_inline(first_index: u32, key: u64) -> Numbers {
 
 #[inline(always)]
 fn shuffled(first_index: u32, lane: usize, key: u64) -> u32 {
-    sobol::shuffled((first_index | lane as u32).reverse_bits(), key)
+    sobol::shuffled(first_index | lane as u32, key)
 }

@@ -86,11 +86,11 @@ impl Scene {
 
     /// The nearest surface along each of several rays, in their order.
     #[inline]
-    pub fn closest_of_each(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+    pub fn closest_each(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         if self.has_alpha {
-            self.accel.closest_of_each(rays, &Holes(self), hits);
+            self.accel.closest_each(rays, &Holes(self), hits);
         } else {
-            self.accel.closest_of_each(rays, &AcceptAll, hits);
+            self.accel.closest_each(rays, &AcceptAll, hits);
         }
     }
 

@@ -79,8 +79,8 @@ impl Wavelengths {
 pub struct WavelengthSampler {
     /// From short waves to long ones, each a nanometre long, and one where the last ends.
     pieces: Vec<Piece>,
-    /// For each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in or an earlier one. So
-    /// fine are they that most lie in one piece ([Devroye86](crate::references#devroye86) §III.2.4).
+    /// For each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in. So fine
+    /// are they that most lie in one piece ([Devroye86](crate::references#devroye86) §III.2.4).
     guide: Vec<u16>,
 }
 
@@ -89,9 +89,9 @@ struct Piece {
     /// Probability of all before.
     before: f32,
     start_nm: f32,
-    /// nm⁻¹; its own probability.
+    /// Its probability, and as it is a nanometre long, its density in nm⁻¹.
     density: f32,
-    /// Its reciprocal; 0 for 0.
+    /// The reciprocal.
     nm_per_probability: f32,
 }
 
@@ -105,14 +105,15 @@ impl WavelengthSampler {
     /// From an importance (any unit, not negative): typically what the sensor makes of the light. Wavelengths where it
     /// is zero are never drawn, so it must be positive wherever the response and the light both are.
     pub fn new(importance: &Spectrum) -> Self {
-        let nm = |i: usize| f64::from(importance.values()[i].max(0.0));
+        let at = |i: usize| f64::from(importance.values()[i].max(0.0));
         // Pieces are the 800 intervals between table entries. A piece counts as useful where either end does.
-        let mut values: Vec<f64> = (0..TABLE_LEN - 1).map(|i| 0.5 * (nm(i) + nm(i + 1))).collect();
+        let mut values: Vec<f64> = (0..TABLE_LEN - 1).map(|i| 0.5 * (at(i) + at(i + 1))).collect();
         if values.iter().all(|&value| value == 0.0) {
             values.fill(1.0);
         }
         let useful = values.iter().filter(|&&value| value > 0.0).count() as f64;
         let sum: f64 = values.iter().sum();
+        assert!(sum.is_finite(), "importances must be finite");
         let mut running = 0.0;
         let mut before = vec![0.0];
         for value in values {
@@ -121,16 +122,15 @@ impl WavelengthSampler {
             }
             before.push(running as f32);
         }
-        // What rounding has left of the whole.
-        let whole = running as f32;
-        before.iter_mut().filter(|before| **before == whole).for_each(|before| *before = 1.0);
+        // Off by some 10⁻¹³, which f32 does not see: all below 1 belongs to a piece.
+        debug_assert_eq!(running as f32, 1.0);
         // Densities follow from the rounded sums, so that they agree exactly.
         let piece = |i: usize| {
             let density = before.get(i + 1).map_or(0.0, |end| end - before[i]);
-            let nm_per_probability = if density > 0.0 { 1.0 / density } else { 0.0 };
-            Piece { before: before[i], start_nm: LAMBDA_MIN_NM + i as f32, density, nm_per_probability }
+            // No number leads to a piece of density 0.
+            Piece { before: before[i], start_nm: LAMBDA_MIN_NM + i as f32, density, nm_per_probability: 1.0 / density }
         };
-        let first = |part: usize| before.partition_point(|&b| b <= part as f32 / Self::PARTS as f32).saturating_sub(1);
+        let first = |part: usize| before.partition_point(|&b| b <= part as f32 / Self::PARTS as f32) - 1;
         Self {
             pieces: (0..TABLE_LEN).map(piece).collect(),
             guide: (0..Self::PARTS).map(|part| first(part) as u16).collect(),
@@ -153,7 +153,7 @@ impl WavelengthSampler {
     /// u in [0, 1) → (λ in nm, p(λ) in nm⁻¹).
     #[inline]
     fn draw(&self, u: f32) -> (f32, f32) {
-        let mut number = usize::from(self.guide[(u * Self::PARTS as f32) as usize % Self::PARTS]);
+        let mut number = usize::from(self.guide[(u * Self::PARTS as f32) as usize]);
         while self.pieces[number + 1].before <= u {
             number += 1;
         }
@@ -192,6 +192,19 @@ mod tests {
         w.terminate_secondary();
         w.terminate_secondary();
         assert_eq!(w.weights().to_array(), [4.0 * before, 0.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_nanometre_at_either_end_is_enough() {
+        for lit in [300.0f32, 1100.0] {
+            let only = |lambda| if lambda == f64::from(lit) { 1.0 } else { 0.0 };
+            let sampler = WavelengthSampler::new(&Spectrum::from_fn(only));
+            for u in [0.0, 0.25, 0.5, 1.0 - f32::EPSILON / 2.0] {
+                let w = sampler.sample(u);
+                assert!(w.lambdas_nm().iter().all(|lambda| (lambda - lit).abs() <= 1.0), "{lit}, {u}: {w:?}");
+                assert_eq!(w.weights().to_array(), [0.25; 4]);
+            }
+        }
     }
 
     #[test]

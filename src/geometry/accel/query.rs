@@ -1,8 +1,8 @@
 //! What is asked along rays, and how it is taken to the triangles: through the placements, into their groups, down to blocks.
 //!
-//! Several rays may be asked for at once. They take turns then, a node or a leaf each: while the memory brings what one of them
-//! is to visit next, the others go on. On meshes larger than the caches that makes them a third faster, where they start out
-//! together as from a camera too, and elsewhere it costs nothing.
+//! Several rays may be asked for at once. Where all geometry is one rigid group in world space they take turns then, a node or a
+//! leaf each: while the memory brings what one of them is to visit next, the others go on. In meshes larger than the caches that
+//! makes them 1.4 to 2.4 times as fast, rays of a camera in small scenes too; others stay within some per cent.
 
 use std::ops::ControlFlow;
 
@@ -46,10 +46,10 @@ impl Accel {
     }
 
     /// The nearest hits of several rays that `filter` accepts, in the order of the rays.
-    pub fn closest_of_each<F: HitFilter>(&self, rays: &[Ray], filter: &F, hits: &mut Vec<Option<Hit>>) {
+    pub fn closest_each<F: HitFilter>(&self, rays: &[Ray], filter: &F, hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         hits.resize(rays.len(), None);
-        closest_of_each(self, rays, filter, hits);
+        closest_each(self, rays, filter, hits);
     }
 
     /// Whether anything that `filter` accepts is in the way of each of several rays.
@@ -120,12 +120,12 @@ fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> 
 }
 
 with_widest_lanes! {
-    fn closest_of_each<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
-        closest_of_each_in
+    fn closest_each<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
+        closest_each_in
 }
 
 #[inline(always)]
-fn closest_of_each_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
+fn closest_each_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
     accel.ask_each::<L, _>(rays, |ray| Closest { ray, filter, nearest: None }, hits);
 }
 
@@ -305,7 +305,7 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
         self.bvh.traverse::<L, _>(ray.origin, ray.direction, t_max, &mut visitor)
     }
 
-    /// Asks of several rays, which take turns: while the memory brings what one of them is to visit next, the others go on.
+    /// Asks of several rays, which take turns.
     #[inline(always)]
     fn ask_each<'a, L: Lanes, Q: TriangleQuery>(
         &self,
@@ -325,7 +325,9 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
                     let slot = turn.trailing_zeros() as usize;
                     turn &= turn - 1;
                     let flight = &mut flights[slot];
-                    let Flight { slab, sheared, t_max, next, stack, query: Some(query) } = flight else { continue };
+                    let Flight { slab, sheared, t_max, next, stack, query: Some(query) } = flight else {
+                        unreachable!("only rays that have started have turns")
+                    };
                     let mut visitor = BlockVisitor { blocks: &self.blocks, part: 0.0, sheared, placement: 0, query };
                     let step = self.bvh.step::<L, _, true>(&slab.in_lanes(), next, stack, t_max, &mut visitor);
                     if let ControlFlow::Break(is_ended) = step {
