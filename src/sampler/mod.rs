@@ -38,11 +38,9 @@ pub struct Sampler {
     kind: SamplerKind,
     seed: u64,
     place: SamplePlace,
-    /// Sobol points of neighbouring samples, and of others: paths that split go to and fro between their own and those of their
-    /// branches.
-    windows: [Window; 2],
-    /// The one that shows the place.
-    current: usize,
+    /// Sobol points of neighbouring samples. Paths that split go to and fro between their own and those of their branches; a
+    /// second window for these brought nothing.
+    window: Window,
 }
 
 /// How far a sample has come with its numbers.
@@ -69,7 +67,7 @@ impl SamplePlace {
 impl Sampler {
     /// Of a render with `seed`, at no sample yet.
     pub fn new(kind: SamplerKind, seed: u64) -> Self {
-        Self { kind, seed, place: SamplePlace::default(), windows: Default::default(), current: 0 }
+        Self { kind, seed, place: SamplePlace::default(), window: Window::default() }
     }
 
     /// Goes to the first numbers of sample `index` of a sequence.
@@ -88,9 +86,8 @@ impl Sampler {
     #[inline]
     pub fn resume(&mut self, place: SamplePlace) {
         self.place = place;
-        if self.kind == SamplerKind::Sobol && !self.windows[self.current].shows(place.key, place.index) {
-            self.current = 1 - self.current;
-            self.windows[self.current].show(place.key, place.index);
+        if self.kind == SamplerKind::Sobol {
+            self.window.show(place.key, place.index);
         }
     }
 
@@ -99,7 +96,7 @@ impl Sampler {
     pub fn next_1d(&mut self) -> f32 {
         self.place.dimension += 1;
         match self.kind {
-            SamplerKind::Sobol => self.windows[self.current].first(self.place.index, self.place.dimension),
+            SamplerKind::Sobol => self.window.first(self.place.index, self.place.dimension),
             SamplerKind::Independent => self.independent()[0],
         }
     }
@@ -115,7 +112,7 @@ impl Sampler {
     pub fn next_2d(&mut self) -> [f32; 2] {
         self.place.dimension += 1;
         match self.kind {
-            SamplerKind::Sobol => self.windows[self.current].both(self.place.index, self.place.dimension),
+            SamplerKind::Sobol => self.window.both(self.place.index, self.place.dimension),
             SamplerKind::Independent => self.independent(),
         }
     }

@@ -29,17 +29,12 @@ pub(super) struct Window {
 type Numbers = [[f32; WIDTH]; 2];
 
 impl Window {
-    /// Whether sample `index` of the sequence is in it.
-    #[inline]
-    pub(super) fn shows(&self, sequence_key: u64, index: u32) -> bool {
-        (self.sequence_key, self.first_index) == (sequence_key, first_index(index))
-    }
-
     /// Moves to where sample `index` of the sequence is.
     #[inline]
     pub(super) fn show(&mut self, sequence_key: u64, index: u32) {
-        if !self.shows(sequence_key, index) {
-            (self.sequence_key, self.first_index) = (sequence_key, first_index(index));
+        let first_index = index - index % WIDTH as u32;
+        if (self.sequence_key, self.first_index) != (sequence_key, first_index) {
+            (self.sequence_key, self.first_index) = (sequence_key, first_index);
             (self.first_of, self.pair_of) = ([0; KEPT], [0; KEPT]);
         }
     }
@@ -80,12 +75,6 @@ impl Window {
         self.numbers[place] = pairs(self.first_index, request_key(self.sequence_key, dimension));
         (self.first_of[place], self.pair_of[place]) = (dimension, dimension);
     }
-}
-
-/// Index of the first sample of the window that a sample is in.
-#[inline]
-fn first_index(index: u32) -> u32 {
-    index - index % WIDTH as u32
 }
 
 with_widest_registers! {
