@@ -108,8 +108,10 @@ impl WideBvh {
     }
 
     /// The same a step at a time: visits the node or leaf that is `next`, at first number 0, and puts what comes then in its
-    /// place. Breaks with whether the visitor has ended the traversal. `ALTERNATES` says whether other rays make steps between two of this one: then it is the next step that is worth
-    /// asking the memory for, and later ones can wait.
+    /// place. Breaks with whether the visitor has ended the traversal.
+    ///
+    /// `ALTERNATES` says whether other rays make steps between two of this one: then it is the next step that is worth asking the
+    /// memory for, and later ones can wait.
     #[inline(always)]
     pub(super) fn step<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
         &self,

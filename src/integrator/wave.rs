@@ -8,9 +8,9 @@ use crate::sampler::{SamplePlace, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::{SampledSpectrum, Wavelengths};
 
-/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength, by one path and
-/// its branches, with the numbers from where the sampler is; where it is afterwards means nothing. A refraction that disperses
-/// leaves only the hero of `wavelengths`.
+/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength, by one path
+/// and its branches, with the numbers from where the sampler is; where it is afterwards means nothing. A refraction that
+/// disperses leaves only the hero of `wavelengths`.
 pub fn radiance(
     scene: &Scene,
     ray: Ray,
