@@ -67,7 +67,8 @@ def main():
     median = statistics.median(quotients)
     spread = f" ({min(quotients):.2f}–{max(quotients):.2f})" if len(quotients) > 1 else ""
     verdict = "reached" if median < 1 / 3 and noise < 1.01 else "**not reached**"
-    print(f"\nGoal, the same total noise within 1 % in at most a third of the time: {noise - 1:+.2%} in {median:.2f}{spread} of the time, {verdict}.")
+    print(f"\nGoal, the same total noise within 1 % in at most a third of the time: {noise - 1:+.2%} in {median:.2f}{spread} "
+          f"of the time, {verdict}.")
 
 
 if __name__ == "__main__":
