@@ -79,11 +79,10 @@ impl FilmResponses {
         self.len().div_ceil(4)
     }
 
-    /// Sets `values`, one for each group, to what one spectral sample gives to each channel: Σᵢ wᵢ·R(λᵢ)·E(λᵢ),
+    /// Adds to `values`, one for each group, what one spectral sample gives to each channel: Σᵢ wᵢ·R(λᵢ)·E(λᵢ),
     /// wᵢ = 1/(4·p(λᵢ)).
     #[inline]
     fn respond(&self, irradiance: SampledSpectrum, wavelengths: &Wavelengths, values: &mut [Vec4]) {
-        values.fill(Vec4::ZERO);
         let weighted = irradiance * wavelengths.weights();
         let groups = values.len();
         for lane in 0..LANES {
@@ -268,18 +267,19 @@ impl FilmRow<'_> {
         self.counts[column]
     }
 
-    /// Adds one sample without light to the pixel in `column`.
+    /// Adds one sample to the pixel in `column`: the sum of spectral irradiances, each at wavelengths of its own.
     #[inline]
-    pub fn add_darkness(&mut self, column: usize) {
-        self.counts[column] += 1;
-    }
-
-    /// Adds one sample to the pixel in `column`: spectral irradiance at the path's wavelengths.
-    #[inline]
-    pub fn add(&mut self, column: usize, irradiance: SampledSpectrum, wavelengths: &Wavelengths) {
+    pub fn add<'b>(
+        &mut self,
+        column: usize,
+        irradiances: impl IntoIterator<Item = (SampledSpectrum, &'b Wavelengths)>,
+    ) {
         self.counts[column] += 1;
         let channels = self.responses.len();
-        self.responses.respond(irradiance, wavelengths, &mut self.scratch);
+        self.scratch.fill(Vec4::ZERO);
+        for (irradiance, wavelengths) in irradiances {
+            self.responses.respond(irradiance, wavelengths, &mut self.scratch);
+        }
         let values = self.scratch.iter().flat_map(|four| four.to_array());
         for (sums, value) in self.sums[column * channels..(column + 1) * channels].iter_mut().zip(values) {
             sums.add(f64::from(value));
@@ -312,7 +312,7 @@ mod tests {
         for row in &mut film.rows() {
             for i in 0..n {
                 let w = sampler.sample((i as f32 + 0.5) / n as f32);
-                row.add(1, SampledSpectrum::splat(2.0), &w);
+                row.add(1, [(SampledSpectrum::splat(2.0), &w)]);
             }
         }
         let estimate = film.estimate(["Y", "absent"]);

@@ -14,6 +14,9 @@
 //! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the ACM on
 //! Computer Graphics and Interactive Techniques 1(2) (2018).
 //!
+//! ## Arvo86
+//! J. Arvo, "Backward Ray Tracing", Developments in Ray Tracing, SIGGRAPH Course Notes (1986).
+//!
 //! ## ArvoKirk90
 //! J. Arvo, D. Kirk, "Particle Transport and Image Synthesis", Computer Graphics (SIGGRAPH) 24(4) (1990).
 //!

@@ -47,6 +47,11 @@ pub use phong::Phong;
 /// no longer known, a unit vector being rounded to 6e-8.
 const GRAZING: f32 = 1e-7;
 
+/// The roughness α of facets above which light thrown on by them is spread so far that [`Bsdf::focuses`] does not speak of it.
+const WIDEST_FOCUS: f32 = 0.3;
+/// The exponent of Phong's lobe of about that width, 2/α² − 2.
+const FLATTEST_FOCUS: f32 = 20.0;
+
 /// How the surface scatters at one shading point: the model with its parameters looked up.
 #[derive(Clone, Copy, Debug)]
 pub enum Bsdf {
@@ -217,6 +222,22 @@ impl Bsdf {
             Self::Conductor { distribution, .. } => distribution.is_smooth(),
             Self::Dielectric { eta, distribution, .. } => dielectric::is_delta(eta, distribution),
             Self::Layered(ref layered) => layered.is_delta(),
+        }
+    }
+
+    /// Whether it throws light from a lamp on in bundles, or lets it through where no path from elsewhere to the lamp goes
+    /// straight: mirrors, glass, and facets of α < 0.3, whether or not other lobes go with them.
+    #[inline]
+    pub fn focuses(&self) -> bool {
+        let is_narrow = |distribution: Ggx| distribution.mean_alpha() < WIDEST_FOCUS;
+        match *self {
+            Self::Diffuse { .. } | Self::OrenNayar { .. } | Self::Translucent { .. } => false,
+            Self::ThinDielectric { .. } => true,
+            Self::Phong(ref phong) => phong.exponent > FLATTEST_FOCUS && !phong.specular.is_black(),
+            Self::Conductor { distribution, .. } | Self::Dielectric { distribution, .. } => is_narrow(distribution),
+            Self::Layered(ref layered) => {
+                is_narrow(layered.distribution) || layered.coat.is_some_and(|coat| is_narrow(coat.distribution))
+            }
         }
     }
 

@@ -511,6 +511,7 @@ fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderRe
         max_depth: settings.max_depth,
         roulette_depth: settings.roulette_depth,
         splitting: settings.splitting,
+        light_paths: settings.light_paths,
         wavelengths: settings.wavelengths.name(),
         sampler: settings.sampler.name(),
         triangles: scene.geometry().triangles.len(),

@@ -3,6 +3,8 @@
 //!
 //! In: a [`Scene`](crate::scene::Scene), a camera, responses. Out: a [`Film`](crate::film::Film).
 
+mod light_paths;
+mod odds;
 mod path;
 pub mod pilot;
 mod render;

@@ -3,7 +3,9 @@
 
 use glam::Vec3;
 
+use super::odds::{Crossing, Odds};
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
+use crate::bsdf::BsdfSample;
 use crate::light::{Facing, Receiver};
 use crate::math::{Pdf, SolidAngle};
 use crate::sabotage::{Fault, flip};
@@ -55,6 +57,8 @@ pub(super) struct Path {
     eta_scale: f32,
     /// What the path is inside of, where that absorbs.
     medium: Option<SpectrumId>,
+    /// How likely paths from lamps are to find the same.
+    odds: Odds,
 }
 
 /// What paths put off until all have come to their next surface.
@@ -70,6 +74,8 @@ pub(super) struct Postponed {
 
 /// A surface that a path has met.
 struct Vertex<'a> {
+    /// From the vertex before, m.
+    distance: f32,
     point: &'a SurfacePoint,
     shading: &'a Shading,
     /// Back along the path, unit vector in world space.
@@ -79,21 +85,41 @@ struct Vertex<'a> {
     receiver: Receiver,
 }
 
+/// Who looks for light at a surface.
+#[inline]
+pub(super) fn receiver(point: &SurfacePoint, shading: &Shading) -> Receiver {
+    // What only reflects has its shading normal on the side that it is seen from.
+    let normal = shading.frame.z;
+    let facing = if shading.bsdf.transmits() { Facing::Both(normal) } else { Facing::Front(normal) };
+    Receiver { point: point.position, facing }
+}
+
 impl<'a> Vertex<'a> {
     #[inline]
-    fn new(point: &'a SurfacePoint, shading: &'a Shading, wo: Vec3) -> Self {
-        // What only reflects has its shading normal on the side that it is seen from.
-        let normal = shading.frame.z;
-        let facing = if shading.bsdf.transmits() { Facing::Both(normal) } else { Facing::Front(normal) };
-        let receiver = Receiver { point: point.position, facing };
-        Self { point, shading, wo, wo_local: shading.frame.to_local(wo), receiver }
+    fn new(distance: f32, point: &'a SurfacePoint, shading: &'a Shading, wo: Vec3) -> Self {
+        let receiver = receiver(point, shading);
+        Self { distance, point, shading, wo, wo_local: shading.frame.to_local(wo), receiver }
+    }
+
+    /// What becomes of the odds at this vertex, in the direction `wi`, which was scattered to with a density.
+    #[inline]
+    fn crossing(&self, wi: Vec3, wi_local: Vec3, pdf_to_lamp: f32, is_first: bool) -> Crossing {
+        let normal = self.point.geometric_normal;
+        // At the first surface, paths from lamps do not scatter but look at the lens.
+        let pdf_to_camera = if is_first { 0.0 } else { self.shading.bsdf.eval(wi_local, self.wo_local).pdf.0 };
+        Crossing {
+            cos_to_camera: self.wo.dot(normal).abs(),
+            cos_to_lamp: wi.dot(normal).abs(),
+            pdf_to_camera,
+            pdf_to_lamp,
+        }
     }
 }
 
 impl Path {
-    /// From the camera, with the numbers from a place on.
+    /// From the camera, with the numbers from a place on, beside paths from lamps of such odds.
     #[inline]
-    pub(super) fn new(wavelengths: Wavelengths, place: SamplePlace) -> Self {
+    pub(super) fn new(wavelengths: Wavelengths, place: SamplePlace, odds: Odds) -> Self {
         Self {
             light: SampledSpectrum::ZERO,
             wavelengths,
@@ -104,6 +130,7 @@ impl Path {
             scattered: None,
             eta_scale: 1.0,
             medium: None,
+            odds,
         }
     }
 
@@ -133,7 +160,7 @@ impl Path {
         }
         let emitted = scene.emitted(&point, wo, &self.wavelengths);
         if !emitted.is_black() {
-            self.light += self.throughput * emitted * emission_weight(scene, &point, &hit, wo, self.scattered);
+            self.light += self.throughput * emitted * emission_weight(scene, &point, &hit, wo, self.scattered, &self.odds);
         }
         if self.depth == limits.max_depth {
             return None;
@@ -143,10 +170,10 @@ impl Path {
         if shading.bsdf.needs_single_wavelength() {
             terminate_secondary(&mut self.wavelengths, &mut self.throughput);
         }
-        let vertex = Vertex::new(&point, &shading, wo);
+        let vertex = Vertex::new(hit.t, &point, &shading, wo);
         sampler.resume(self.place);
         if !shading.bsdf.is_delta() {
-            if let Some((ray, light)) = direct_light(scene, &vertex, self.medium, &self.wavelengths, sampler) {
+            if let Some((ray, light)) = self.direct_light(scene, &vertex, sampler) {
                 postponed.shadow_rays.push(ray);
                 postponed.lights.push((number, self.throughput * light));
             }
@@ -197,10 +224,11 @@ impl Path {
     fn scatter(
         &mut self,
         scene: &Scene,
-        Vertex { point, shading, wo, wo_local, receiver }: &Vertex<'_>,
+        vertex: &Vertex<'_>,
         limits: &PathLimits,
         sampler: &mut Sampler,
     ) -> Option<Ray> {
+        let Vertex { point, shading, wo, wo_local, receiver, .. } = vertex;
         let u_lobe = if shading.bsdf.has_lobes() {
             sampler.next_1d()
         } else {
@@ -220,6 +248,9 @@ impl Path {
         if sample.terminates_secondary {
             terminate_secondary(&mut self.wavelengths, &mut self.throughput);
         }
+        if self.odds.are_shared() {
+            self.odds = self.odds_after(vertex, wi, &sample);
+        }
         self.eta_scale *= sample.eta * sample.eta;
         self.scattered = (!sample.is_delta).then_some((sample.pdf, *receiver));
         if sample.is_transmission {
@@ -237,37 +268,62 @@ impl Path {
         self.place = sampler.place();
         Some(leave(point, wi))
     }
-}
 
-/// Light that the surface receives straight from a light and scatters back along the path, unless something is in the way of
-/// the ray.
-#[inline]
-fn direct_light(
-    scene: &Scene,
-    Vertex { point, shading, wo, wo_local, receiver }: &Vertex<'_>,
-    medium: Option<SpectrumId>,
-    wavelengths: &Wavelengths,
-    sampler: &mut Sampler,
-) -> Option<(Ray, SampledSpectrum)> {
-    let light = scene.sample_light(receiver, point.time, sampler.next_2d(), wavelengths)?;
-    let wi_local = shading.frame.to_local(light.wi);
-    let is_transmission = wi_local.z * wo_local.z < 0.0;
-    if light.pdf.0 <= 0.0 || leaks(point, shading, *wo, light.wi, is_transmission) {
-        return None;
+    /// The odds beyond a surface that has scattered the path.
+    // Out of the way of renders without paths from lamps.
+    #[inline(never)]
+    fn odds_after(&self, vertex: &Vertex<'_>, wi: Vec3, sample: &BsdfSample) -> Odds {
+        let is_first = self.depth == 1;
+        match (sample.is_delta, is_first) {
+            (true, true) => Odds::NONE,
+            (true, false) => self.odds.after_delta(sample.eta),
+            (false, _) => {
+                let crossing = vertex.crossing(wi, sample.wi, sample.pdf.0, is_first);
+                if is_first {
+                    self.odds.after_first(&crossing, vertex.distance)
+                } else {
+                    self.odds.after(&crossing, vertex.shading.bsdf.focuses())
+                }
+            }
+        }
     }
-    let scattering = shading.bsdf.eval(*wo_local, wi_local);
-    let cos = flip(Fault::CosineMissing, wi_local.z.abs(), 1.0);
-    let mut contribution = light.radiance * scattering.f * (cos / light.pdf.0);
-    let medium = if is_transmission { scene.medium_across(point, light.wi, medium) } else { medium };
-    // Light from outside would have to come through the boundary, where shadow rays end.
-    if let (Some(medium), Some((position, _))) = (medium, light.position) {
-        contribution *= scene.transmittance(medium, point.position.distance(position), wavelengths);
+
+    /// Light that a surface receives straight from a light and scatters back along the path, unless something is in the way of
+    /// the ray.
+    #[inline]
+    fn direct_light(
+        &self,
+        scene: &Scene,
+        vertex: &Vertex<'_>,
+        sampler: &mut Sampler,
+    ) -> Option<(Ray, SampledSpectrum)> {
+        let Vertex { point, shading, wo, wo_local, receiver, .. } = vertex;
+        let wavelengths = &self.wavelengths;
+        let light = scene.sample_light(receiver, point.time, sampler.next_2d(), wavelengths)?;
+        let wi_local = shading.frame.to_local(light.wi);
+        let is_transmission = wi_local.z * wo_local.z < 0.0;
+        if light.pdf.0 <= 0.0 || leaks(point, shading, *wo, light.wi, is_transmission) {
+            return None;
+        }
+        let scattering = shading.bsdf.eval(*wo_local, wi_local);
+        let cos = flip(Fault::CosineMissing, wi_local.z.abs(), 1.0);
+        let mut contribution = light.radiance * scattering.f * (cos / light.pdf.0);
+        let medium = if is_transmission { scene.medium_across(point, light.wi, self.medium) } else { self.medium };
+        // Light from outside would have to come through the boundary, where shadow rays end.
+        if let (Some(medium), Some((position, _))) = (medium, light.position) {
+            contribution *= scene.transmittance(medium, point.position.distance(position), wavelengths);
+        }
+        if contribution.is_black() {
+            return None;
+        }
+        let mut weight = if light.is_delta { 1.0 } else { light.pdf.power_heuristic(scattering.pdf) };
+        if self.odds.are_shared() && self.depth > 1 && !light.is_delta && shading.bsdf.focuses() {
+            let crossing = vertex.crossing(light.wi, wi_local, scattering.pdf.0, false);
+            let density = scene.emission_density(light.light, point.time);
+            weight *= self.odds.weight_of_looked_at(&crossing, density, light.pdf.0);
+        }
+        Some((shadow_ray(point, light.wi, light.position), contribution * weight))
     }
-    if contribution.is_black() {
-        return None;
-    }
-    let weight = if light.is_delta { 1.0 } else { light.pdf.power_heuristic(scattering.pdf) };
-    Some((shadow_ray(point, light.wi, light.position), contribution * weight))
 }
 
 /// Weight of emission that a scattered ray found.
@@ -278,14 +334,18 @@ fn emission_weight(
     hit: &Hit,
     wo: Vec3,
     scattered: Option<(Pdf<SolidAngle>, Receiver)>,
+    odds: &Odds,
 ) -> f32 {
-    match (scattered, scene.light_of(point)) {
-        (Some((pdf, receiver)), Some(light)) => {
+    let Some(light) = scene.light_of(point) else { return 1.0 };
+    let emission_density = || scene.emission_density(light, point.time);
+    match scattered {
+        Some((pdf, receiver)) => {
             let cos = wo.dot(point.geometric_normal);
             let lights = scene.lights();
-            pdf.power_heuristic(lights.triangle_pdf(light, &receiver, scene.geometry(), point.time, hit.t, cos))
+            let looked_at = lights.triangle_pdf(light, &receiver, scene.geometry(), point.time, hit.t, cos);
+            pdf.power_heuristic(looked_at) * odds.weight_of_found(emission_density, looked_at.0 / pdf.0)
         }
-        (None, _) | (Some(_), None) => 1.0,
+        None => odds.weight_of_found(emission_density, 0.0),
     }
 }
 
@@ -293,26 +353,26 @@ fn emission_weight(
 /// ([Veach97](crate::references#veach97) §5.3). It is dropped. Light that a dielectric reflects or refracts to the wrong
 /// side of the surface is not: there it is as much at home, and would be missing.
 #[inline]
-fn leaks(point: &SurfacePoint, shading: &Shading, wo: Vec3, wi: Vec3, is_transmission: bool) -> bool {
+pub(super) fn leaks(point: &SurfacePoint, shading: &Shading, wo: Vec3, wi: Vec3, is_transmission: bool) -> bool {
     let crosses = wo.dot(point.geometric_normal) * wi.dot(point.geometric_normal) < 0.0;
     crosses != is_transmission && !shading.bsdf.transmits()
 }
 
 #[inline]
-fn terminate_secondary(wavelengths: &mut Wavelengths, throughput: &mut SampledSpectrum) {
+pub(super) fn terminate_secondary(wavelengths: &mut Wavelengths, throughput: &mut SampledSpectrum) {
     wavelengths.terminate_secondary();
     *throughput = SampledSpectrum::from([throughput[0], 0.0, 0.0, 0.0]);
 }
 
 /// The ray that leaves a surface point in the unit direction `wi`.
 #[inline]
-fn leave(point: &SurfacePoint, wi: Vec3) -> Ray {
+pub(super) fn leave(point: &SurfacePoint, wi: Vec3) -> Ray {
     Ray::new(offset_origin(point.position, point.error, point.geometric_normal, wi), wi).at_time(point.time)
 }
 
 /// The ray from a surface point to a light: up to just before its surface, or without end.
 #[inline]
-fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Vec3)>) -> Ray {
+pub(super) fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Vec3)>) -> Ray {
     let mut ray = leave(point, wi);
     if let Some((position, normal)) = light {
         // A few roundings lie between the light's corners and its sampled point.

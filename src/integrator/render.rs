@@ -7,6 +7,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::RenderSettings;
+use super::light_paths::{LightTracer, Splat, Splats};
+use super::odds::Odds;
 use super::path::PathLimits;
 use super::wave::Wave;
 use super::wavelengths::{FilterTile, PixelWavelengths};
@@ -95,6 +97,15 @@ impl RenderJob<'_> {
     }
 }
 
+/// Where the light of a path from the camera goes.
+struct Destination<'a> {
+    column: usize,
+    /// What the lens lets through.
+    through: SampledSpectrum,
+    /// What paths from lamps bring to the same sample.
+    of_lamps: &'a [Splat],
+}
+
 /// Traces paths into films, with the random numbers of one seed.
 pub(super) struct Tracer<'a> {
     job: &'a RenderJob<'a>,
@@ -106,6 +117,8 @@ pub(super) struct Tracer<'a> {
     spectra: SpectrumTable,
     transmittance: SpectrumId,
     limits: PathLimits,
+    /// `None` where no paths set out from lamps.
+    light_tracer: Option<LightTracer<'a>>,
 }
 
 impl<'a> Tracer<'a> {
@@ -113,6 +126,7 @@ impl<'a> Tracer<'a> {
         let mut spectra = SpectrumTable::default();
         let transmittance = spectra.add(job.transmittance);
         let RenderSettings { max_depth, roulette_depth, splitting, samples_per_pixel, sampler, .. } = *job.settings;
+        let limits = PathLimits { max_depth, roulette_depth, splitting };
         Self {
             job,
             seed,
@@ -122,7 +136,8 @@ impl<'a> Tracer<'a> {
             wavelengths: PixelWavelengths::new(job),
             spectra,
             transmittance,
-            limits: PathLimits { max_depth, roulette_depth, splitting },
+            limits,
+            light_tracer: LightTracer::new(job, limits, seed),
         }
     }
 
@@ -152,11 +167,13 @@ impl<'a> Tracer<'a> {
         let job = self.job;
         let (kind, first_sample) = (job.settings.sampler, job.settings.samples().start);
         let (width, first_row) = (film.width(), film.picture_rows().start);
+        let splats = self.splats(film, wanted);
+        let odds = self.light_tracer.as_ref().map_or(Odds::NONE, LightTracer::odds);
         let together = (PATHS_TOGETHER / self.limits.splitting.max(1)).max(1) as usize;
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
             let mut paths = 0;
             let mut sampler = Sampler::new(kind, self.seed);
-            let mut wave = Wave::new(self.limits);
+            let mut wave = Wave::new(self.limits, odds);
             let mut destinations = Vec::with_capacity(together);
             for x in 0..width {
                 let (sequence, first_index) = self.order.place([x as u32, (first_row + y) as u32]);
@@ -165,9 +182,10 @@ impl<'a> Tracer<'a> {
                 paths += u64::from(wanted.saturating_sub(done));
                 for index in done..wanted {
                     sampler.start(sequence, first_index + first_sample + index);
+                    let of_lamps = splats.of(y * width + x, first_sample + index);
                     match self.add_path([x, first_row + y], wavelengths, &mut sampler, &mut wave) {
-                        Some(through) => destinations.push((x, through)),
-                        None => row.add_darkness(x),
+                        Some(through) => destinations.push(Destination { column: x, through, of_lamps }),
+                        None => row.add(x, of_lamps.iter().map(Splat::light)),
                     }
                     if wave.len() == together {
                         self.trace(&mut wave, &mut destinations, &mut sampler, &mut row);
@@ -179,6 +197,18 @@ impl<'a> Tracer<'a> {
             let _ = (self.step)(Step::Row { paths });
         };
         film.rows().into_par_iter().enumerate().for_each(fill);
+    }
+
+    /// What paths from lamps bring to the samples that a pass adds to a film.
+    fn splats(&self, film: &Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) -> Splats {
+        let Some(tracer) = &self.light_tracer else { return Splats::default() };
+        let first = self.job.settings.samples().start;
+        let counts = film.counts();
+        let unfinished = (0..).zip(counts).map(|(pixel, &done)| done..wanted(pixel)).filter(|left| !left.is_empty());
+        let all = unfinished.reduce(|all, left| all.start.min(left.start)..all.end.max(left.end));
+        let samples = all.map_or(first..first, |all| first + all.start..first + all.end);
+        let wants = |pixel: usize, sample: u32| (counts[pixel]..wanted(pixel)).contains(&(sample - first));
+        tracer.trace(samples, film.picture_rows(), wants)
     }
 
     /// Adds the path of a sample of a pixel, column and row, to a wave. Returns what the lens lets through of the light that
@@ -207,14 +237,15 @@ impl<'a> Tracer<'a> {
     fn trace(
         &self,
         wave: &mut Wave,
-        destinations: &mut Vec<(usize, SampledSpectrum)>,
+        destinations: &mut Vec<Destination<'_>>,
         sampler: &mut Sampler,
         row: &mut FilmRow<'_>,
     ) {
         wave.trace(self.job.scene, sampler);
-        for (number, (x, through)) in destinations.drain(..).enumerate() {
+        for (number, Destination { column, through, of_lamps }) in destinations.drain(..).enumerate() {
             let (light, wavelengths) = wave.arrived(number);
-            row.add(x, light * through, &wavelengths);
+            let of_camera = (light * through, &wavelengths);
+            row.add(column, of_lamps.iter().map(Splat::light).chain([of_camera]));
         }
         wave.clear();
     }

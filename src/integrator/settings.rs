@@ -25,6 +25,8 @@ pub struct RenderSettings {
     pub roulette_depth: u32,
     /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
     pub splitting: u32,
+    /// Number of paths from lamps, which look for caustics, for each sample of the picture; 0 for none.
+    pub light_paths: f64,
     /// Whose wavelengths the paths of a pixel carry, where pixels have [filters](super::RenderJob::filters) of their own.
     pub wavelengths: WavelengthChoice,
     /// Where random numbers come from.
@@ -36,6 +38,9 @@ pub struct RenderSettings {
 /// More than so many paths from one surface are better spent on other samples.
 const MOST_SPLITTING: u32 = 256;
 
+/// More than so many paths from lamps are better spent on other samples.
+const MOST_LIGHT_PATHS: f64 = 64.0;
+
 impl Default for RenderSettings {
     fn default() -> Self {
         Self {
@@ -46,6 +51,7 @@ impl Default for RenderSettings {
             max_depth: 16,
             roulette_depth: 5,
             splitting: 1,
+            light_paths: 0.0,
             wavelengths: WavelengthChoice::AllFilters,
             sampler: SamplerKind::Sobol,
             seed: 0,
@@ -71,6 +77,10 @@ impl RenderSettings {
         if !(1..=MOST_SPLITTING).contains(&self.splitting) {
             let message = format!("must be from 1 to {MOST_SPLITTING}, got {}", self.splitting);
             return Err(Invalid::new("splitting", message).help("for example splitting = 4"));
+        }
+        if !(0.0..=MOST_LIGHT_PATHS).contains(&self.light_paths) {
+            let message = format!("must be from 0 to {MOST_LIGHT_PATHS}, got {}", self.light_paths);
+            return Err(Invalid::new("light_paths", message).help("for example light_paths = 0.5"));
         }
         if let Some(target) = self.noise_target
             && !(target.is_finite() && target > 0.0)

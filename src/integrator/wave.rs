@@ -2,6 +2,7 @@
 //! then their shadow rays. While the memory brings what one ray needs, others go on, and each part of the code runs for all
 //! paths before the next one takes its place.
 
+use super::odds::Odds;
 use super::path::{Path, PathLimits, Postponed};
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::sampler::{SamplePlace, Sampler};
@@ -18,7 +19,7 @@ pub fn radiance(
     sampler: &mut Sampler,
     limits: PathLimits,
 ) -> SampledSpectrum {
-    let mut wave = Wave::new(limits);
+    let mut wave = Wave::new(limits, Odds::NONE);
     wave.start(ray, *wavelengths, sampler.place());
     wave.trace(scene, sampler);
     let (light, remaining) = wave.arrived(0);
@@ -29,6 +30,8 @@ pub fn radiance(
 /// Paths that are traced together.
 pub(super) struct Wave {
     limits: PathLimits,
+    /// Those of each path at its start.
+    odds: Odds,
     /// Those that were started, and then the branches of those that have split.
     paths: Vec<Path>,
     /// Sums over the branches of each path that was started.
@@ -75,10 +78,11 @@ fn ask_for_corners(geometry: &Geometry, hits: &[Option<Hit>]) {
 
 impl Wave {
     /// Without paths.
-    pub(super) fn new(limits: PathLimits) -> Self {
+    pub(super) fn new(limits: PathLimits, odds: Odds) -> Self {
         assert!(limits.splitting > 0, "a path goes on as at least one");
         Self {
             limits,
+            odds,
             paths: Vec::new(),
             branched: Vec::new(),
             front: Front::default(),
@@ -93,7 +97,7 @@ impl Wave {
     #[inline]
     pub(super) fn start(&mut self, ray: Ray, wavelengths: Wavelengths, place: SamplePlace) {
         self.front.push(self.paths.len() as u32, ray);
-        self.paths.push(Path::new(wavelengths, place));
+        self.paths.push(Path::new(wavelengths, place, self.odds));
     }
 
     /// Number of paths that were started, before they are traced.
@@ -228,7 +232,7 @@ mod tests {
             (SamplerKind::Independent, 3, 12),
         ] {
             let limits = PathLimits { max_depth, roulette_depth: 3, splitting };
-            let mut wave = Wave::new(limits);
+            let mut wave = Wave::new(limits, Odds::NONE);
             // The second wave is smaller, and nothing of the first may be left in it.
             for count in [40, 7] {
                 let mut sampler = Sampler::new(kind, 5);

@@ -53,12 +53,10 @@ pub(super) struct PixelWavelengths {
 
 impl PixelWavelengths {
     pub(super) fn new(job: &RenderJob<'_>) -> Self {
-        // Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
-        let useful = |response: &Spectrum| response.product(job.scene.light_spectrum()).product(job.transmittance);
-        let all = useful(job.importance);
+        let all = useful(job, job.importance);
         match (job.settings.wavelengths, job.filters) {
             (WavelengthChoice::OwnFilter, Some(FilterTile { responses, filters, width })) => {
-                let sampler = |response| WavelengthSampler::new(&mostly(&useful(response), &all));
+                let sampler = |response| WavelengthSampler::new(&mostly(&useful(job, response), &all));
                 Self { samplers: responses.iter().map(sampler).collect(), filters: filters.clone(), width: *width }
             }
             (WavelengthChoice::AllFilters, _) | (WavelengthChoice::OwnFilter, None) => {
@@ -67,12 +65,22 @@ impl PixelWavelengths {
         }
     }
 
+    /// For paths of which no one knows to which pixel they will come.
+    pub(super) fn of_all(job: &RenderJob<'_>) -> WavelengthSampler {
+        WavelengthSampler::new(&useful(job, job.importance))
+    }
+
     /// That of a pixel.
     #[inline]
     pub(super) fn at(&self, column: usize, row: usize) -> &WavelengthSampler {
         let height = self.filters.len() / self.width;
         &self.samplers[self.filters[row % height * self.width + column % self.width]]
     }
+}
+
+/// Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
+fn useful(job: &RenderJob<'_>, response: &Spectrum) -> Spectrum {
+    response.product(job.scene.light_spectrum()).product(job.transmittance)
 }
 
 /// The density's f: no wavelength that matters to any filter is left out.

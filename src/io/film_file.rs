@@ -151,7 +151,7 @@ mod tests {
         for (y, row) in film.rows().iter_mut().enumerate() {
             for i in 0..21 {
                 let light = SampledSpectrum::splat(0.1 + (i * i) as f32 / (1 + y) as f32);
-                row.add(i % 3, light, &sampler.sample(i as f32 / 21.0));
+                row.add(i % 3, [(light, &sampler.sample(i as f32 / 21.0))]);
             }
         }
         film

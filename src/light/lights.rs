@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 
 use super::bounds::LightBounds;
+use super::emitters::Emitters;
 use super::selection::{Choice, Selection};
 use super::{Environment, Profile, Projector, Receiver, SurfaceEmission};
 use crate::geometry::{Geometry, Motion, Transform};
@@ -91,6 +92,8 @@ pub struct TriangleLight {
 /// A direction in which a point looks for light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
+    /// Handle of the light.
+    pub light: u32,
     /// Radiance from there, or for lights without extent, irradiance across the direction (pdf 1).
     pub radiance: SampledSpectrum,
     /// Unit vector to the light.
@@ -106,7 +109,7 @@ pub struct LightSample {
 /// Lights with the tables to choose among them.
 #[derive(Clone, Debug)]
 pub struct Lights {
-    lights: Vec<Light>,
+    pub(super) lights: Vec<Light>,
     /// The ways of the lights that move, in order of their handles. They are described in their own space.
     motions: Vec<(u32, Motion)>,
     lamps: Lamps,
@@ -114,6 +117,7 @@ pub struct Lights {
     /// Number of the environment among the lights infinitely far.
     environment_number: Option<u32>,
     selection: Selection,
+    pub(super) emitters: Emitters,
 }
 
 impl Lights {
@@ -147,6 +151,7 @@ impl Lights {
         Self {
             environment_number: distant.iter().position(is_environment).map(|i| i as u32),
             selection: Selection::new(&bounds, &distant),
+            emitters: Emitters::new(&lights, powers),
             motions: (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect(),
             lights,
             lamps,
@@ -191,7 +196,8 @@ impl Lights {
         let place = self.place_of(index, time);
         let local = place.map_or(receiver.point, |place| place.to_group.transform_point3(receiver.point));
         let light = &self.lights[index as usize];
-        let sample = self.sample_one(light, spectra, geometry, emitted_at, local, time, probability, u, wavelengths)?;
+        let choice = (index, light, probability);
+        let sample = self.sample_one(choice, spectra, geometry, emitted_at, local, time, u, wavelengths)?;
         let Some(Transform { to_world, .. }) = place else { return Some(sample) };
         let in_world = |(position, normal)| (to_world.transform_point3(position), to_world.transform_vector3(normal));
         Some(LightSample {
@@ -213,13 +219,12 @@ impl Lights {
     #[allow(clippy::too_many_arguments, reason = "tables, point and random numbers, each once")]
     fn sample_one(
         &self,
-        light: &Light,
+        (index, light, probability): (u32, &Light, f32),
         spectra: &SpectrumTable,
         geometry: &Geometry,
         emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
         point: Vec3,
         time: f32,
-        probability: f32,
         u: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
@@ -227,6 +232,7 @@ impl Lights {
             let to_light = position - point;
             let distance_squared = to_light.length_squared();
             (distance_squared > 0.0).then(|| LightSample {
+                light: index,
                 radiance: intensity / distance_squared,
                 wi: to_light / distance_squared.sqrt(),
                 position: Some((position, Vec3::ZERO)),
@@ -264,6 +270,7 @@ impl Lights {
                 from_point(from, spectra.sample(*flux, wavelengths) * intensity)
             }
             Light::Directional { towards, irradiance } => Some(LightSample {
+                light: index,
                 radiance: spectra.sample(*irradiance, wavelengths),
                 wi: *towards,
                 position: None,
@@ -288,6 +295,7 @@ impl Lights {
                     return None;
                 }
                 Some(LightSample {
+                    light: index,
                     radiance: emitted_at(light, barycentric),
                     wi,
                     position: Some((position, normal)),
@@ -301,6 +309,7 @@ impl Lights {
                 let environment = self.environment.as_ref()?;
                 let (wi, pdf) = environment.sample(u)?;
                 Some(LightSample {
+                    light: index,
                     radiance: environment.radiance(spectra, wi, wavelengths),
                     wi,
                     position: None,

@@ -5,6 +5,7 @@
 
 mod bounds;
 mod emission;
+mod emitters;
 mod environment;
 mod lights;
 mod profile;
@@ -17,6 +18,7 @@ mod tree;
 #[cfg(test)]
 mod tree_tests;
 
+pub use emitters::Emission;
 pub use emission::{SurfaceEmission, Tint};
 pub use environment::{Environment, EnvironmentPicture};
 pub use lights::{Lamps, Light, LightSample, Lights, TriangleLight};

@@ -63,6 +63,30 @@ pub struct CameraRay {
     pub weight: f32,
 }
 
+/// A ray of a place through a point of the aperture, in camera space.
+struct Aim {
+    seen: Seen,
+    /// Through the centre of the lens, in units of the focus distance.
+    chief: DVec3,
+    /// On the entrance pupil.
+    origin: DVec3,
+    /// From there to what is in focus, of any length.
+    towards: DVec3,
+}
+
+/// Where a point in the world is seen through a point of the aperture.
+#[derive(Clone, Copy, Debug)]
+pub struct Connection {
+    /// Continuous pixel coordinates, on the sensor or beside it.
+    pub pixel: DVec2,
+    /// From the lens by the point; see [`Camera::generate`].
+    pub ray: CameraRay,
+    /// What each wavelength counts.
+    pub weights: SampledSpectrum,
+    /// Area of the picture over that of what it shows on a plane across the ray at the point, px²·m⁻².
+    pub px2_per_m2: f32,
+}
+
 impl Camera {
     /// Places a lens. `autofocus_distance_m` is what [`Focus::Autofocus`] found along the axis (infinite for nothing)
     /// and not looked at for other kinds of focus.
@@ -287,10 +311,25 @@ impl Camera {
         spread_sample: [f32; 2],
         wavelengths: &mut Wavelengths,
     ) -> Option<(CameraRay, SampledSpectrum)> {
+        if self.lateral_colour.is_some() {
+            wavelengths.terminate_secondary();
+        }
+        let (place, weights) = self.spread_place(pixel, spread_sample, wavelengths);
+        Some((self.ray(place, pixel.y.floor(), aperture_sample, u_time)?, weights))
+    }
+
+    /// The place of a pixel position behind a lens with lateral colour and a point spread, at the hero's wavelength, and what
+    /// each wavelength counts.
+    #[inline]
+    fn spread_place(
+        &self,
+        pixel: DVec2,
+        spread_sample: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> (DVec2, SampledSpectrum) {
         let mut place = self.place(pixel);
         let mut weights = SampledSpectrum::ONE;
         if let Some(lateral) = &self.lateral_colour {
-            wavelengths.terminate_secondary();
             place /= lateral.magnification(f64::from(wavelengths.lambda_nm(0)));
         }
         if let Some(spread) = &self.point_spread {
@@ -300,28 +339,111 @@ impl Camera {
             place += offset / DVec2::new(self.pitch_m[0] * fx, self.pitch_m[1] * fy);
             weights = of_wavelengths;
         }
-        Some((self.ray(place, pixel.y.floor(), aperture_sample, u_time)?, weights))
+        (place, weights)
     }
 
     #[inline]
     fn ray(&self, place: DVec2, row: f64, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
         let (to_world, time) = self.pose(row, u_time);
-        let seen = self.seen_at(place)?;
-        let chief = self.chief(&seen);
-        let opening = match self.kind {
-            LensKind::Pinhole => DVec2::ZERO,
-            LensKind::Thin => self.aperture.sample(aperture_sample) * flip(Fault::ApertureRadiusDoubled, 1.0, 2.0),
-        };
-        let origin = self.in_pupil(opening, &seen);
-        let towards = self.towards(chief, origin);
-        if !self.passes(chief, opening, towards) {
+        let opening = self.opening(aperture_sample);
+        let aim = self.aim(place, opening)?;
+        if !self.passes(aim.chief, opening, aim.towards) {
             return None;
         }
+        let origin = to_world.transform_point3(aim.origin);
+        let direction = to_world.transform_vector3(aim.towards).normalize();
+        let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time);
+        Some(CameraRay { ray, weight: self.weight(&aim, opening) })
+    }
+
+    /// A point of the aperture.
+    #[inline]
+    fn opening(&self, aperture_sample: [f32; 2]) -> DVec2 {
+        match self.kind {
+            LensKind::Pinhole => DVec2::ZERO,
+            LensKind::Thin => self.aperture.sample(aperture_sample) * flip(Fault::ApertureRadiusDoubled, 1.0, 2.0),
+        }
+    }
+
+    /// Where the ray of a place goes through a point of the aperture, whatever stops are in its way.
+    #[inline]
+    fn aim(&self, place: DVec2, opening: DVec2) -> Option<Aim> {
+        let seen = self.seen_at(place)?;
+        let chief = self.chief(&seen);
+        let origin = self.in_pupil(opening, &seen);
+        Some(Aim { seen, chief, origin, towards: self.towards(chief, origin) })
+    }
+
+    /// [`CameraRay::weight`].
+    #[inline]
+    fn weight(&self, aim: &Aim, opening: DVec2) -> f32 {
         let v = self.image_distance_m;
-        let weight = self.aperture.area() * self.falloff_at(&seen, opening) / (v * v);
-        let origin = to_world.transform_point3(origin);
-        let direction = to_world.transform_vector3(towards).normalize();
-        Some(CameraRay { ray: Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time), weight: weight as f32 })
+        (self.aperture.area() * self.falloff_at(&aim.seen, opening) / (v * v)) as f32
+    }
+
+    /// The pixel position whose ray goes by a point in world space, of the same samples as [`Self::generate_spectral`] takes:
+    /// its inverse, found by Newton's method, since neither distortion nor an entrance pupil that turns has one in closed
+    /// form. `None` where the lens does not see the point. Of a camera that stands still.
+    pub fn connect(
+        &self,
+        point: Vec3,
+        aperture_sample: [f32; 2],
+        spread_sample: [f32; 2],
+        wavelengths: &mut Wavelengths,
+    ) -> Option<Connection> {
+        /// Finite differences are this wide, px: as exact as an f64 makes them of functions that are smooth over pixels.
+        const STEP_PX: f64 = 0.01;
+        const NEAR_PX: f64 = 1e-4;
+        const MOST_STEPS: u32 = 8;
+        if self.lateral_colour.is_some() {
+            wavelengths.terminate_secondary();
+        }
+        let opening = self.opening(aperture_sample);
+        let point = self.to_world.inverse().transform_point3(point.as_dvec3());
+        let aim = |pixel| self.aim(self.spread_place(pixel, spread_sample, wavelengths).0, opening);
+        let across = DQuat::from_rotation_arc(DVec3::Z, point.try_normalize()?);
+        let (right, up, forward) = (across * DVec3::X, across * DVec3::Y, across * DVec3::Z);
+        // Where the ray of a pixel position meets the plane across the direction of the point, seen from the point.
+        let miss = |pixel: DVec2| -> Option<DVec2> {
+            let Aim { origin, towards, .. } = aim(pixel)?;
+            let t = (point - origin).dot(forward) / towards.dot(forward);
+            let miss = origin + towards * t - point;
+            (t > 0.0).then(|| DVec2::new(miss.dot(right), miss.dot(up)))
+        };
+        let mut pixel = self.project_camera(point)?;
+        for _ in 0..MOST_STEPS {
+            let here = miss(pixel)?;
+            let along = |step: DVec2| Some((miss(pixel + step)? - miss(pixel - step)?) / (2.0 * STEP_PX));
+            let (by_x, by_y) = (along(DVec2::X * STEP_PX)?, along(DVec2::Y * STEP_PX)?);
+            let m2_per_px2 = by_x.perp_dot(by_y);
+            let step = DVec2::new(by_y.perp_dot(here), here.perp_dot(by_x)) / m2_per_px2;
+            pixel += step;
+            if step.length_squared() > NEAR_PX * NEAR_PX {
+                continue;
+            }
+            let found = aim(pixel)?;
+            if !self.passes(found.chief, opening, found.towards) {
+                return None;
+            }
+            let direction = found.towards.normalize();
+            let origin = self.to_world.transform_point3(found.origin).as_vec3();
+            let ray = Ray::new(origin, self.to_world.transform_vector3(direction).as_vec3()).at_time(self.time);
+            let (_, weights) = self.spread_place(pixel, spread_sample, wavelengths);
+            // The plane is across the line to the lens's centre; what is seen of it is across the ray.
+            let tilt = direction.dot(forward);
+            return Some(Connection {
+                pixel,
+                ray: CameraRay { ray, weight: self.weight(&found, opening) },
+                weights,
+                px2_per_m2: (1.0 / (m2_per_px2.abs() * tilt)) as f32,
+            });
+        }
+        None
+    }
+
+    /// Pixels per solid angle in the middle of the picture, px²·sr⁻¹.
+    pub fn px2_per_sr(&self) -> f64 {
+        self.intrinsics.fx * self.intrinsics.fy
     }
 
     /// From a point of the pupil to what is in focus, in units of the focus distance.

@@ -18,7 +18,7 @@ pub use material::{
 pub use shading::Shading;
 
 use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Ray, SurfacePoint};
-use crate::light::{LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
+use crate::light::{Emission, LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
 use crate::math::hash::{hash64, unit_f32};
 use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 use crate::texture::Texture;
@@ -175,12 +175,28 @@ impl Scene {
         u: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
-        let emitted_at = |light: &TriangleLight, barycentric| {
-            let emitted = self.emitted_at(&light.emission, light.triangle, barycentric, wavelengths);
-            // Where there are holes, rays that look for the light end in front of them.
-            if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
-        };
+        let emitted_at = |light: &TriangleLight, barycentric| self.shining(light, barycentric, wavelengths);
         self.lights.sample(&self.spectra, &self.geometry, emitted_at, receiver, time, u, wavelengths)
+    }
+
+    /// Light that sets out from a surface at a time, by five numbers in [0, 1): for the light, the point and the direction.
+    pub fn emit(&self, time: f32, u: (f32, [f32; 2], [f32; 2]), wavelengths: &Wavelengths) -> Option<Emission> {
+        let emitted_at = |light: &TriangleLight, barycentric| self.shining(light, barycentric, wavelengths);
+        self.lights.emit(&self.geometry, emitted_at, time, u)
+    }
+
+    /// [`Emission::density`] of [`Self::emit`] on a light at a time.
+    #[inline]
+    pub fn emission_density(&self, light: u32, time: f32) -> f32 {
+        self.lights.emission_density(light, &self.geometry, time)
+    }
+
+    /// Radiance of a point of a light.
+    #[inline]
+    fn shining(&self, light: &TriangleLight, barycentric: [f32; 2], wavelengths: &Wavelengths) -> SampledSpectrum {
+        let emitted = self.emitted_at(&light.emission, light.triangle, barycentric, wavelengths);
+        // Where there are holes, rays that look for the light end in front of them.
+        if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
     }
 
     /// Radiance from infinitely far in the unit direction `towards`.

@@ -32,7 +32,7 @@ impl Scene {
         let material = &self.materials[point.material as usize];
         let mut model = &material.model;
         while let ScatteringModel::Mix(mix) = model {
-            model = self.chosen(&self.mixes[*mix as usize], point, wo);
+            model = self.chosen(&self.mixes[*mix as usize], point);
         }
         // Each arm makes the whole, so that none copies a `Bsdf`, which is large.
         let two_sided = || self.frame(material, point, wo, true);
@@ -77,12 +77,11 @@ impl Scene {
     }
 
     /// One of two models, the second with the probability of its weight: the expected radiance is that of both. The
-    /// choice is a function of where the path comes from and meets the surface.
+    /// choice is a function of the point, so that it is the same from wherever a path comes.
     #[inline(never)]
-    fn chosen<'a>(&self, mix: &'a Mix, point: &SurfacePoint, wo: Vec3) -> &'a ScatteringModel {
-        let bits = |v: Vec3| v.to_array().map(|c| u64::from(c.to_bits()));
-        let ([x, y, z], [u, v, w]) = (bits(wo), bits(point.position));
-        let key = hash64(hash64(x << 32 | y, z << 32 | u), v << 32 | w);
+    fn chosen<'a>(&self, mix: &'a Mix, point: &SurfacePoint) -> &'a ScatteringModel {
+        let [x, y, z] = point.position.to_array().map(|c| u64::from(c.to_bits()));
+        let key = hash64(x << 32 | y, z);
         // Mixes within mixes choose by their own bits.
         let own = hash64(key, u64::from(mix.weight.to_bits()));
         &mix.models[usize::from(unit_f32(own as u32) < mix.weight)]

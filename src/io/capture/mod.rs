@@ -184,11 +184,16 @@ impl Capture {
             let of_file = motion::motion_of_file(&file.camera, &geometry.scene.cameras, &recording);
             Recording { motion: recording.motion.clone().or(of_file), ..recording }
         });
+        let render = settings::render(&file.render).map_err(|invalid| invalid.within("render"))?;
+        if moves && render.light_paths > 0.0 {
+            let invalid = Invalid::new("light_paths", "cannot go with a camera or a scene that moves");
+            return Err(invalid.help(format!("remove it, or {mover}")).within("render"));
+        }
         Ok(Self {
             recording,
             scene_moves,
             exposure,
-            render: settings::render(&file.render).map_err(|invalid| invalid.within("render"))?,
+            render,
             develop: develop::checked(&file.develop)?,
             output: settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?,
             scene: geometry.with_tables(file, folder)?,

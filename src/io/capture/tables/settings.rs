@@ -80,6 +80,9 @@ pub(crate) struct RenderTable {
     /// Paths that go on from the first surface that is no mirror, for each sample, 1 to 256: light that comes off other
     /// surfaces costs less so. Left out: 1.
     pub(crate) splitting: Option<u32>,
+    /// Paths that set out from surfaces that shine, for each sample, 0 to 64: they look for caustics, what glass, mirrors and
+    /// polished metal throw on other surfaces. Not where a camera or a scene moves. Left out: 0.
+    pub(crate) light_paths: Option<f64>,
     /// Whose wavelengths the paths of a pixel carry: "all-filters"; or "own-filter", mostly what the filter above the pixel
     /// lets through, for raw pictures through narrow filters and for dispersion: what else is told of the pixel's light (other
     /// filters in electrons.exr, irradiance.exr, ideal.exr) is noisier. Without effect where all pixels see the same. Left
