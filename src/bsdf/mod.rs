@@ -177,6 +177,24 @@ impl Bsdf {
         }
     }
 
+    /// Density with which [`Self::sample`] finds `wo` for light that goes the other way round. What is black from behind counts
+    /// as seen from its other side there.
+    #[inline]
+    pub fn reverse_pdf(&self, wo: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
+        let refracts = match *self {
+            Self::Dielectric { .. } => true,
+            Self::Layered(ref layered) => !layered.is_two_sided(),
+            Self::Diffuse { .. }
+            | Self::Conductor { .. }
+            | Self::OrenNayar { .. }
+            | Self::Phong(_)
+            | Self::Translucent { .. }
+            | Self::ThinDielectric { .. } => false,
+        };
+        let [wo, wi] = if wi.z < 0.0 && !refracts { [wo, wi].map(dielectric::mirrored) } else { [wo, wi] };
+        self.eval(wi, wo).pdf
+    }
+
     /// Draws `wi` from three numbers in [0, 1): one to choose a lobe, two for the direction in it. None where the
     /// direction drawn leads nowhere; the light of such a draw counts as lost.
     #[inline]

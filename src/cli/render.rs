@@ -137,6 +137,9 @@ pub(super) fn render(
         warnings
             .push(format!("autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"));
     }
+    if capture.render.light_paths > 0.0 && !scene.lights().has_emitters() {
+        warnings.push("render.light_paths: no surface shines, so that no paths set out".to_owned());
+    }
     let light = scene_light(&capture, &scene)?;
     let optics = Optics {
         f_number: Some(capture.lens.f_number),

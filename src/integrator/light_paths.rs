@@ -34,6 +34,8 @@ use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, WavelengthSamp
 
 /// Paths that are traced together.
 const PATHS_TOGETHER: u32 = 256;
+/// Paths of which what they bring is kept at once: 2²² of them, which bring up to some hundred megabytes.
+const PATHS_KEPT: u32 = 1 << 22;
 /// Sequence of their random numbers, beyond all that pixels have.
 const SEQUENCE: u64 = 0x6c69_6768_7400_0000;
 
@@ -105,6 +107,11 @@ impl<'a> LightTracer<'a> {
         let transmittance = spectra.add(job.transmittance);
         let wavelengths = PixelWavelengths::of_all(job);
         Some(Self { job, limits, seed, wavelengths, spectra, transmittance, paths, scale: scale as f32 })
+    }
+
+    /// Samples whose paths are best traced at once.
+    pub(super) fn samples_together(&self) -> usize {
+        (PATHS_KEPT / self.paths).max(1) as usize
     }
 
     /// Those of paths from the camera.
@@ -364,7 +371,7 @@ impl LightPath {
                 return None;
             }
             let scattering = shading.bsdf.eval(wo_local, wi_local);
-            let pdf_to_camera = shading.bsdf.eval(wi_local, wo_local).pdf.0;
+            let pdf_to_camera = shading.bsdf.reverse_pdf(wo_local, wi_local).0;
             let crossing = Crossing { cos_to_camera, cos_to_lamp, pdf_to_camera, pdf_to_lamp: scattering.pdf.0 };
             self.odds *= if self.depth == 1 {
                 crossing.last_factor(self.light_pdf(scene, point, &shading, distance))

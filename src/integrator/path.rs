@@ -4,8 +4,8 @@
 use glam::Vec3;
 
 use super::odds::{Crossing, Odds};
-use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::bsdf::BsdfSample;
+use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::light::{Facing, Receiver};
 use crate::math::{Pdf, SolidAngle};
 use crate::sabotage::{Fault, flip};
@@ -106,7 +106,7 @@ impl<'a> Vertex<'a> {
     fn crossing(&self, wi: Vec3, wi_local: Vec3, pdf_to_lamp: f32, is_first: bool) -> Crossing {
         let normal = self.point.geometric_normal;
         // At the first surface, paths from lamps do not scatter but look at the lens.
-        let pdf_to_camera = if is_first { 0.0 } else { self.shading.bsdf.eval(wi_local, self.wo_local).pdf.0 };
+        let pdf_to_camera = if is_first { 0.0 } else { self.shading.bsdf.reverse_pdf(self.wo_local, wi_local).0 };
         Crossing {
             cos_to_camera: self.wo.dot(normal).abs(),
             cos_to_lamp: wi.dot(normal).abs(),
@@ -160,7 +160,8 @@ impl Path {
         }
         let emitted = scene.emitted(&point, wo, &self.wavelengths);
         if !emitted.is_black() {
-            self.light += self.throughput * emitted * emission_weight(scene, &point, &hit, wo, self.scattered, &self.odds);
+            self.light +=
+                self.throughput * emitted * emission_weight(scene, &point, &hit, wo, self.scattered, &self.odds);
         }
         if self.depth == limits.max_depth {
             return None;

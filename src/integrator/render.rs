@@ -164,10 +164,27 @@ impl<'a> Tracer<'a> {
 
     /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it.
     pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) {
+        let Some(light_tracer) = &self.light_tracer else { return self.add_samples(film, wanted, &Splats::default()) };
+        let missing = |(pixel, &done): (usize, &u32)| Some(done..wanted(pixel)).filter(|samples| !samples.is_empty());
+        let all = film.counts().iter().enumerate().filter_map(missing);
+        let Some(all) = all.reduce(|all, own| all.start.min(own.start)..all.end.max(own.end)) else { return };
+        let first = self.job.settings.samples().start;
+        // What many paths from lamps bring would not fit into memory.
+        for start in all.clone().step_by(light_tracer.samples_together()) {
+            let end = all.end.min(start + light_tracer.samples_together() as u32);
+            let wanted = |pixel: usize| wanted(pixel).min(end);
+            let counts = film.counts();
+            let wants = |pixel: usize, sample: u32| (counts[pixel]..wanted(pixel)).contains(&(sample - first));
+            let splats = light_tracer.trace(first + start..first + end, film.picture_rows(), wants);
+            self.add_samples(film, &wanted, &splats);
+        }
+    }
+
+    /// The same with what paths from lamps bring to those samples.
+    fn add_samples(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), splats: &Splats) {
         let job = self.job;
         let (kind, first_sample) = (job.settings.sampler, job.settings.samples().start);
         let (width, first_row) = (film.width(), film.picture_rows().start);
-        let splats = self.splats(film, wanted);
         let odds = self.light_tracer.as_ref().map_or(Odds::NONE, LightTracer::odds);
         let together = (PATHS_TOGETHER / self.limits.splitting.max(1)).max(1) as usize;
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
@@ -197,18 +214,6 @@ impl<'a> Tracer<'a> {
             let _ = (self.step)(Step::Row { paths });
         };
         film.rows().into_par_iter().enumerate().for_each(fill);
-    }
-
-    /// What paths from lamps bring to the samples that a pass adds to a film.
-    fn splats(&self, film: &Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) -> Splats {
-        let Some(tracer) = &self.light_tracer else { return Splats::default() };
-        let first = self.job.settings.samples().start;
-        let counts = film.counts();
-        let unfinished = (0..).zip(counts).map(|(pixel, &done)| done..wanted(pixel)).filter(|left| !left.is_empty());
-        let all = unfinished.reduce(|all, left| all.start.min(left.start)..all.end.max(left.end));
-        let samples = all.map_or(first..first, |all| first + all.start..first + all.end);
-        let wants = |pixel: usize, sample: u32| (counts[pixel]..wanted(pixel)).contains(&(sample - first));
-        tracer.trace(samples, film.picture_rows(), wants)
     }
 
     /// Adds the path of a sample of a pixel, column and row, to a wave. Returns what the lens lets through of the light that

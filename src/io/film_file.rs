@@ -201,7 +201,7 @@ mod tests {
     fn what_is_not_finished_comes_back_with_its_counts() {
         let mut film = film();
         let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
-        film.rows()[1].add(2, SampledSpectrum::splat(0.7), &sampler.sample(0.3));
+        film.rows()[1].add(2, [(SampledSpectrum::splat(0.7), &sampler.sample(0.3))]);
         let mut file = Vec::new();
         for _ in 0..2 {
             write_unfinished(&film, &mut file).expect("written");

@@ -18,8 +18,8 @@ mod tree;
 #[cfg(test)]
 mod tree_tests;
 
-pub use emitters::Emission;
 pub use emission::{SurfaceEmission, Tint};
+pub use emitters::Emission;
 pub use environment::{Environment, EnvironmentPicture};
 pub use lights::{Lamps, Light, LightSample, Lights, TriangleLight};
 pub use profile::Profile;

@@ -1,6 +1,6 @@
 //! Cameras: focus, weight of rays, the way there and back through all lens models, stops, motion.
 
-use glam::{DAffine3, DVec2};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 
 use super::*;
 use crate::spectrum::Wavelengths;
@@ -217,5 +217,80 @@ fn lateral_colour_moves_the_picture_of_the_hero() {
         let found = camera.project_camera(ray.ray.direction.as_dvec3()).expect("in reach");
         // f32 directions: 1e-7 of 800 px.
         assert!((found - expected).length() < 2e-4, "{lambda}: {found} {expected}");
+    }
+}
+
+#[test]
+fn a_point_is_connected_to_the_pixel_whose_ray_goes_by_it() {
+    let placed = |lens: &LensDescription| {
+        let to_world = DAffine3::from_rotation_translation(DQuat::from_rotation_y(0.7), DVec3::new(1.0, -2.0, 0.5));
+        Camera::new(lens, &GRID, to_world, f64::NAN).expect("a valid lens")
+    };
+    let of = |projection| {
+        let mut lens = LensDescription::thin(0.004, 0.5, Focus::Distance(0.5));
+        (lens.projection, lens.max_angle_rad) = (projection, Some(1.2));
+        lens.intrinsics = Some(Intrinsics { fx: 400.0, fy: 410.0, cx: 300.0, cy: 250.0, skew: 1.5 });
+        lens
+    };
+    let points = vec![(400.0, 0.99), (700.0, 1.02)];
+    let lenses = [
+        LensDescription { kind: LensKind::Pinhole, ..of(Projection::Perspective) },
+        of(Projection::Perspective),
+        of(barrel(-0.1)),
+        of(FISHEYE),
+        of(Projection::Omnidirectional { xi: 1.1, distortion: BrownConrady::default() }),
+        LensDescription { lateral_colour: Some(LateralColour { points }), ..of(barrel(0.2)) },
+        LensDescription { point_spread: Some(PointSpread::Gaussian { sigma_m: 2e-5 }), ..of(Projection::Perspective) },
+    ];
+    for lens in lenses {
+        let camera = placed(&lens);
+        for (pixel, aperture, t) in [
+            (DVec2::new(310.25, 244.5), [0.3, 0.9], 0.7f32),
+            (DVec2::new(420.5, 130.75), [0.95, 0.1], 3.0),
+            (DVec2::new(150.0, 400.25), [0.7, 0.4], 0.31),
+        ] {
+            let spread = [0.4, 0.8];
+            let mut wavelengths = Wavelengths::new([450.0, 550.0, 600.0, 650.0], [0.01; 4]);
+            let (ray, weights) =
+                camera.generate_spectral(pixel, aperture, 0.0, spread, &mut wavelengths).expect("in reach");
+            let mut again = Wavelengths::new([450.0, 550.0, 600.0, 650.0], [0.01; 4]);
+            let point = ray.ray.at(t);
+            let found = camera.connect(point, aperture, spread, &mut again).expect("it is seen");
+            // A point in f32, some 3e-7 m off, is that much more of a pixel the nearer it is: 400 px·rad⁻¹ at 0.3 m.
+            assert!((found.pixel - pixel).length() < 1e-3, "{lens:?}: {} is not {pixel}", found.pixel);
+            assert!((found.ray.ray.direction - ray.ray.direction).length() < 2e-6, "{lens:?}");
+            assert!((found.ray.weight / ray.weight - 1.0).abs() < 1e-4 && found.weights == weights, "{lens:?}");
+            assert_eq!(again, wavelengths);
+            if matches!(lens.projection, Projection::Perspective) {
+                // A pixel shows (z/f)² of a plane across the axis, whichever point of the lens it is seen through.
+                let towards = camera.to_world().inverse().transform_vector3(ray.ray.direction.as_dvec3());
+                let cos = -towards.z;
+                let z = -camera.to_world().inverse().transform_point3(point.as_dvec3()).z;
+                let expected = 400.0 * 410.0 / (z * z * cos);
+                assert!((f64::from(found.px2_per_m2) / expected - 1.0).abs() < 1e-5, "{lens:?} {pixel}");
+            } else if matches!(lens.projection, Projection::KannalaBrandt { .. }) && aperture == [0.7, 0.4] {
+                // By rays of four neighbours, on the plane across the ray.
+                let at = |x: f64, y: f64| {
+                    let ray = camera.generate(pixel + DVec2::new(x, y), aperture).expect("in reach").ray;
+                    let normal = found.ray.ray.direction;
+                    let t = (point - ray.origin).dot(normal) / ray.direction.dot(normal);
+                    ray.at(t).as_dvec3()
+                };
+                let area = (at(4.0, 0.0) - at(-4.0, 0.0)).cross(at(0.0, 4.0) - at(0.0, -4.0)).length() / 64.0;
+                // f32 rays over a patch of 5 mm, and its curvature.
+                assert!(
+                    (f64::from(found.px2_per_m2) * area - 1.0).abs() < 1e-3,
+                    "{}",
+                    f64::from(found.px2_per_m2) * area
+                );
+            }
+        }
+    }
+    // Behind a pinhole, and beyond the edge of what a lens sees.
+    let camera = placed(&LensDescription { kind: LensKind::Pinhole, ..of(FISHEYE) });
+    for direction in [DVec3::Z, DVec3::new(1.0, 0.0, -0.1)] {
+        let point = camera.to_world().transform_point3(direction).as_vec3();
+        let mut wavelengths = Wavelengths::new([450.0, 550.0, 600.0, 650.0], [0.01; 4]);
+        assert!(camera.connect(point, [0.5; 2], [0.5; 2], &mut wavelengths).is_none());
     }
 }

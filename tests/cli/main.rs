@@ -20,6 +20,7 @@ mod info;
 mod interruption;
 mod layout;
 mod lens;
+mod light_paths;
 mod limits;
 mod merge;
 mod motion;

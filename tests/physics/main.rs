@@ -18,6 +18,7 @@ mod develop_colour;
 mod develop_neutral;
 mod lamps;
 mod lens;
+mod light_paths;
 mod light_sampling;
 mod light_tree;
 mod motion;

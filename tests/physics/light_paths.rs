@@ -1,0 +1,296 @@
+//! Paths from lamps: the same light as without them, through every material and lens, and less noise in caustics.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::ControlFlow;
+
+use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
+use photosite::film::{FilmResponses, Response};
+use photosite::image::{Estimate, Planes};
+use photosite::integrator::{RenderJob, RenderSettings, render};
+use photosite::optics::{
+    BrownConrady, Falloff, Focus, Intrinsics, LateralColour, LensDescription, LensKind, PixelGrid, PointSpread,
+    Projection, Stop,
+};
+use photosite::sampler::SamplerKind;
+use photosite::scene::Scene;
+use photosite::scene::description::{
+    AlphaMode, CoatDescription, Colour, EmissionDescription, LayeredDescription, MaterialModel, TexturedColour,
+    TexturedFactor,
+};
+use photosite::spectrum::{Dispersion, Spectrum, library};
+
+use crate::stage::{Stage, camera, sphere, square};
+
+const RESOLUTION: [u32; 2] = [8, 6];
+const BANDS: [&str; 2] = ["short", "long"];
+
+fn grey(value: f32) -> TexturedColour {
+    TexturedColour::plain(Colour::Spectrum(Spectrum::constant(value)))
+}
+
+fn glass(roughness: f32) -> MaterialModel {
+    MaterialModel::Dielectric { index: Dispersion::constant(1.5), roughness }
+}
+
+fn gold(roughness: f32) -> MaterialModel {
+    let metal = library::conductor("Au").expect("a metal");
+    MaterialModel::Conductor { eta: metal.eta, k: metal.k, roughness, anisotropy: 0.0 }
+}
+
+fn layers(layers: LayeredDescription) -> MaterialModel {
+    MaterialModel::Layered(Box::new(LayeredDescription { base_colour: grey(0.8), ..layers }))
+}
+
+/// A ball of a material in a room of 4 m under a lamp, seen from the front.
+fn room(model: MaterialModel) -> Stage {
+    let shine = Spectrum::from_fn(|l| 1.0 + l / 500.0);
+    let emission = EmissionDescription { colour: Colour::Spectrum(shine), level: None, texture: None };
+    let ball = sphere(12, 0.5).into_iter().map(|triangle| triangle.map(|corner| corner + Vec3::new(0.1, 0.3, -0.5)));
+    Stage::default()
+        .diffuse(sphere(6, -3.0), 0.5, 0.0)
+        .mesh(
+            square(Vec3::new(-0.2, 1.7, 0.1), Vec3::X, Vec3::Z, 0.35),
+            MaterialModel::Diffuse { reflectance: grey(0.2) },
+            Some(emission),
+        )
+        .mesh(ball.collect(), model, None)
+}
+
+/// A pinhole at z = 2.2 that sees the ball and the wall behind.
+fn lens() -> LensDescription {
+    LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 4.0, Focus::Distance(2.5)) }
+}
+
+fn picture(scene: &Scene, lens: &LensDescription, light_paths: f64, splitting: u32) -> Estimate {
+    let grid = PixelGrid { resolution: RESOLUTION, pitch_m: [2e-3; 2] };
+    let camera = camera(
+        lens,
+        &grid,
+        DAffine3::from_rotation_translation(DQuat::from_rotation_x(-0.5), DVec3::new(0.0, 0.1, 2.2)),
+    );
+    let band = |from: f64, to: f64| Spectrum::from_fn(|l| if l >= from && l < to { 1e-3 } else { 0.0 });
+    let responses = [(BANDS[0], band(400.0, 550.0)), (BANDS[1], band(550.0, 700.0))]
+        .map(|(name, spectrum)| Response { name: name.to_owned(), spectrum });
+    let settings = RenderSettings {
+        samples_per_pixel: 1 << 13,
+        max_depth: 6,
+        splitting,
+        light_paths,
+        sampler: SamplerKind::Independent,
+        seed: if light_paths > 0.0 { 1 } else { 2 },
+        ..RenderSettings::default()
+    };
+    let importance = Spectrum::from_fn(|l| if (400.0..700.0).contains(&l) { 1.0 } else { 0.0 });
+    let job = RenderJob {
+        scene,
+        camera: &camera,
+        transmittance: &Spectrum::from_fn(|l| 0.5 + l / 2000.0),
+        importance: &importance,
+        filters: None,
+        resolution: RESOLUTION,
+        settings: &settings,
+    };
+    render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(())).estimate(BANDS)
+}
+
+/// Renders with and without paths from lamps, and compares them pixel by pixel. Returns the variance without over that with
+/// them, of all pixels together.
+fn compare(name: &str, scene: &Scene, lens: &LensDescription, splitting: u32) -> f64 {
+    let [without, with] = [0.0, 1.0].map(|share| picture(scene, lens, share, splitting));
+    let values = |estimate: &Estimate, is_mean: bool| -> Vec<f64> {
+        let planes = if is_mean { &estimate.mean } else { &estimate.variance };
+        planes.channels().iter().flat_map(|channel| &channel.data).map(|&v| f64::from(v)).collect()
+    };
+    let [mean, more_mean] = [&without, &with].map(|estimate| values(estimate, true));
+    let [variance, more_variance] = [&without, &with].map(|estimate| values(estimate, false));
+    let difference: f64 = mean.iter().zip(&more_mean).map(|(a, b)| b - a).sum();
+    // Both bands of a pixel come from the same paths: their errors may be all one, √2 of independent ones.
+    let error = (2.0 * variance.iter().chain(&more_variance).sum::<f64>()).sqrt();
+    assert!(difference.abs() < 4.0 * error, "{name}: all pixels differ by {difference} ± {error}");
+    // χ² of all pixels, pooled: where light is rare, single pixels do not know their variance. That of bands is 2, twice as much
+    // if both are one, and four times where tails are heavy, at a kurtosis of 9: 4 standard deviations of 96 values.
+    let squares: f64 = mean.iter().zip(&more_mean).map(|(a, b)| (b - a).powi(2)).sum();
+    let chi2 = 2.0 * squares / (error * error);
+    let most = 1.0 + 4.0 * (16.0 / mean.len() as f64).sqrt();
+    assert!(chi2 < most, "{name}: χ² per pixel {chi2}");
+    variance.iter().sum::<f64>() / more_variance.iter().sum::<f64>()
+}
+
+#[test]
+fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
+    let rough = TexturedFactor::plain;
+    let varnish = CoatDescription { weight: rough(1.0), roughness: rough(0.2), normal_map: None };
+    let clear = LayeredDescription { transmission: rough(1.0), roughness: rough(0.1), ..LayeredDescription::default() };
+    // By how much the variance falls at least: caustics of narrow lobes are most of what there is.
+    let cases = [
+        ("glass", glass(0.0), 10.0),
+        ("rough glass", glass(0.3), 10.0),
+        (
+            "dispersing glass",
+            MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.0 },
+            10.0,
+        ),
+        (
+            "rough dispersing glass",
+            MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.3 },
+            10.0,
+        ),
+        ("mirror", gold(0.0), 4.0),
+        ("gold", gold(0.3), 3.0),
+        (
+            "pane",
+            MaterialModel::ThinDielectric { index: Dispersion::constant(1.5), transmittance: Spectrum::constant(0.9) },
+            7.0,
+        ),
+        ("Phong", MaterialModel::Phong { diffuse: grey(0.2), specular: grey(0.7), exponent: 100.0 }, 2.0),
+        ("mix", MaterialModel::Mix { models: Box::new([gold(0.1), glass(0.0)]), weight: 0.5 }, 3.0),
+        ("varnish", layers(LayeredDescription { coat: Some(varnish), ..LayeredDescription::default() }), 1.5),
+        (
+            "metal",
+            layers(LayeredDescription { metallic: rough(1.0), roughness: rough(0.3), ..LayeredDescription::default() }),
+            3.0,
+        ),
+        ("clear sheet", layers(clear.clone()), 10.0),
+        (
+            "clear body",
+            layers(LayeredDescription { absorption_per_m: Some(Spectrum::from_fn(|l| l / 1000.0)), ..clear }),
+            8.0,
+        ),
+        // Too dull to gather light: nothing changes.
+        ("dull metal", gold(0.8), 0.9),
+    ];
+    for (name, model, least) in cases {
+        let gain = compare(name, &room(model).build(), &lens(), 1);
+        assert!(gain > least, "{name}: {gain}");
+    }
+}
+
+#[test]
+fn paths_from_lamps_come_through_every_lens() {
+    let thin = || LensDescription::thin(0.01, 0.2, Focus::Distance(1.1));
+    let pitch = |fx: f64| Some(Intrinsics { fx, fy: 1.1 * fx, cx: 4.3, cy: 2.8, skew: 0.1 });
+    let barrel =
+        Projection::BrownConrady(BrownConrady { k: [-0.05, 0.0, 0.0, 0.0, 0.0, 0.0], ..BrownConrady::default() });
+    let lenses = [
+        ("out of focus", thin()),
+        ("barrel", LensDescription { projection: barrel, intrinsics: pitch(5.0), ..thin() }),
+        (
+            "fisheye",
+            LensDescription { projection: Projection::KannalaBrandt { k: [0.0; 4] }, intrinsics: pitch(3.0), ..thin() },
+        ),
+        ("panorama", LensDescription { projection: Projection::Equirectangular, intrinsics: pitch(1.2), ..lens() }),
+        (
+            "lateral colour",
+            LensDescription {
+                lateral_colour: Some(LateralColour { points: vec![(400.0, 0.8), (700.0, 1.2)] }),
+                ..thin()
+            },
+        ),
+        ("blur", LensDescription { point_spread: Some(PointSpread::Gaussian { sigma_m: 1.5e-3 }), ..lens() }),
+        ("vignetted", LensDescription { stops: vec![Stop { distance_m: 0.02, radius_m: 0.03 }], ..thin() }),
+    ];
+    let scene = room(glass(0.0)).build();
+    for (name, lens) in lenses {
+        let gain = compare(name, &scene, &lens, 1);
+        // The panorama sees the lamp, whose edge is then most of the noise.
+        let least = if name == "panorama" { 1.0 } else { 2.5 };
+        assert!(gain > least, "{name}: {gain}");
+    }
+}
+
+#[test]
+fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
+    // A lamp of 20 cm a metre above a mirror shines down; the ceiling above it sees its image only, a metre below the mirror.
+    let (half, radiance, reflectance) = (0.1f32, 3.0, 0.5);
+    let metal = |eta, k| MaterialModel::Conductor {
+        eta: Spectrum::constant(eta),
+        k: Spectrum::constant(k),
+        roughness: 0.0,
+        anisotropy: 0.0,
+    };
+    let scene = Stage::default()
+        .diffuse(square(Vec3::Y, Vec3::X, Vec3::Z, half), 0.0, radiance)
+        .mesh(square(Vec3::ZERO, Vec3::Z, Vec3::X, 5.0), metal(0.0, 1.0), None)
+        .diffuse(square(2.0 * Vec3::Y, Vec3::X, Vec3::Z, 5.0), reflectance, 0.0)
+        .build();
+    // Straight up to a square metre of the ceiling, from half a metre below it.
+    let mut lens = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.1, 4.0, Focus::Infinity) };
+    lens.falloff = Falloff::None;
+    let (n, middle) = (8u32, 1.5);
+    let up = DAffine3::from_rotation_translation(DQuat::from_rotation_x(FRAC_PI_2), DVec3::new(middle, 1.5, 0.0));
+    let camera = camera(&lens, &PixelGrid { resolution: [n; 2], pitch_m: [0.2 / f64::from(n); 2] }, up);
+    let spectrum = Spectrum::from_fn(|l| if (500.0..=600.0).contains(&l) { 0.01 } else { 0.0 });
+    let settings =
+        RenderSettings { samples_per_pixel: 512, max_depth: 3, light_paths: 64.0, ..RenderSettings::default() };
+    let job = RenderJob {
+        scene: &scene,
+        camera: &camera,
+        transmittance: &Spectrum::constant(1.0),
+        importance: &spectrum.clone(),
+        filters: None,
+        resolution: [n; 2],
+        settings: &settings,
+    };
+    let band = spectrum.integral();
+    let film =
+        render(
+            &job,
+            FilmResponses::new(&[Response { name: "E".to_owned(), spectrum }]),
+            &|_| ControlFlow::Continue(()),
+        );
+    let estimate = film.estimate(["E"]);
+    let sum = |planes: &Planes| planes.channels()[0].data.iter().map(|&v| f64::from(v)).sum::<f64>();
+    let pixels = f64::from(n * n);
+    let (found, error) = (sum(&estimate.mean) / pixels, sum(&estimate.variance).sqrt() / pixels);
+    // Midpoint rule over the ceiling and the image, 3 m below: E = ∫ L·cos²/d² dA.
+    let steps = 12u32;
+    let at = |i: u32, side: f64| side * ((f64::from(i) + 0.5) / f64::from(steps) - 0.5);
+    let mut irradiance = 0.0;
+    for [i, j, k, l] in (0..steps.pow(4)).map(|i| [1, steps, steps.pow(2), steps.pow(3)].map(|unit| i / unit % steps)) {
+        let lamp = 2.0 * f64::from(half);
+        let (dx, dz) = (middle + at(i, 1.0) - at(k, lamp), at(j, 1.0) - at(l, lamp));
+        let d2 = dx * dx + dz * dz + 9.0;
+        irradiance += f64::from(radiance) * lamp * lamp * 9.0 / (d2 * d2) / f64::from(steps.pow(4));
+    }
+    let weight = f64::from(camera.generate(DVec2::splat(4.0), [0.5; 2]).expect("a ray").weight);
+    let expected = f64::from(reflectance) / PI * irradiance * weight * band;
+    // Four standard errors, and what a grid of 8 cm leaves out at 3 m, 1e-4.
+    assert!((found - expected).abs() < 4.0 * error + 1e-4 * expected, "{found}, not {expected} ± {error}");
+    assert!(error < 0.005 * expected, "{error} of {expected}: the lamps' paths have not found it");
+}
+
+#[test]
+fn paths_that_split_have_their_share_beside_those_from_lamps() {
+    let gain = compare("splitting", &room(glass(0.0)).build(), &lens(), 4);
+    assert!(gain > 4.0, "{gain}");
+}
+
+#[test]
+fn lamps_of_every_kind_send_paths_out() {
+    let emission =
+        || EmissionDescription { colour: Colour::Spectrum(Spectrum::constant(1.0)), level: None, texture: None };
+    let dark = || MaterialModel::Diffuse { reflectance: grey(0.0) };
+    let turned = |centre: Vec3| square(centre, Vec3::Z, Vec3::new(0.8, 0.6, 0.0), 0.2);
+    let lamps = [
+        ("several", room(gold(0.1)).mesh(turned(Vec3::new(-1.5, 0.5, 0.5)), dark(), Some(emission()))),
+        (
+            "with holes",
+            room(gold(0.1))
+                .mesh(turned(Vec3::new(-1.5, 0.5, 0.5)), dark(), Some(emission()))
+                .alpha(AlphaMode::Blend, 0.4),
+        ),
+        ("within glass", {
+            let shell =
+                sphere(8, 0.5).into_iter().map(|t| t.map(|corner| corner + Vec3::new(-1.2, 0.3, 0.0))).collect();
+            room(gold(0.1)).mesh(turned(Vec3::new(-1.2, 0.3, 0.0)), dark(), Some(emission())).mesh(
+                shell,
+                glass(0.0),
+                None,
+            )
+        }),
+    ];
+    for (name, stage) in lamps {
+        let gain = compare(name, &stage.build(), &lens(), 1);
+        assert!(gain > 3.0, "{name}: {gain}");
+    }
+}
