@@ -47,6 +47,9 @@ pub use phong::Phong;
 /// no longer known, a unit vector being rounded to 6e-8.
 const GRAZING: f32 = 1e-7;
 
+/// Cosine below which a shading normal may have been bent towards who sees it (`scene::shading`), which does so below half of it.
+const EDGE_ON: f32 = 2e-3;
+
 /// The roughness α of facets above which light thrown on by them is spread so far that [`Bsdf::focuses`] does not speak of it.
 const WIDEST_FOCUS: f32 = 0.3;
 /// The exponent of Phong's lobe of about that width, 2/α² − 2.
@@ -181,17 +184,7 @@ impl Bsdf {
     /// as seen from its other side there.
     #[inline]
     pub fn reverse_pdf(&self, wo: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
-        let refracts = match *self {
-            Self::Dielectric { .. } => true,
-            Self::Layered(ref layered) => !layered.is_two_sided(),
-            Self::Diffuse { .. }
-            | Self::Conductor { .. }
-            | Self::OrenNayar { .. }
-            | Self::Phong(_)
-            | Self::Translucent { .. }
-            | Self::ThinDielectric { .. } => false,
-        };
-        let [wo, wi] = if wi.z < 0.0 && !refracts { [wo, wi].map(dielectric::mirrored) } else { [wo, wi] };
+        let [wo, wi] = if wi.z < 0.0 && !self.refracts() { [wo, wi].map(dielectric::mirrored) } else { [wo, wi] };
         self.eval(wi, wo).pdf
     }
 
@@ -252,11 +245,37 @@ impl Bsdf {
             Self::Diffuse { .. } | Self::OrenNayar { .. } | Self::Translucent { .. } => false,
             Self::ThinDielectric { .. } => true,
             Self::Phong(ref phong) => phong.exponent > FLATTEST_FOCUS && !phong.specular.is_black(),
-            Self::Conductor { distribution, .. } | Self::Dielectric { distribution, .. } => is_narrow(distribution),
+            Self::Conductor { distribution, .. } => is_narrow(distribution),
+            Self::Dielectric { eta, distribution, .. } => {
+                is_narrow(distribution) || dielectric::is_delta(eta, distribution)
+            }
             Self::Layered(ref layered) => {
-                is_narrow(layered.distribution) || layered.coat.is_some_and(|coat| is_narrow(coat.distribution))
+                is_narrow(layered.distribution)
+                    || layered.coat.is_some_and(|coat| is_narrow(coat.distribution))
+                    || layered.refracting().is_some_and(|volume| dielectric::is_delta(volume.eta, layered.distribution))
             }
         }
+    }
+
+    /// Whether both sides are of different media, so that the frame stays on its side, whichever is seen.
+    #[inline]
+    fn refracts(&self) -> bool {
+        match *self {
+            Self::Dielectric { .. } => true,
+            Self::Layered(ref layered) => !layered.is_two_sided(),
+            Self::Diffuse { .. }
+            | Self::Conductor { .. }
+            | Self::OrenNayar { .. }
+            | Self::Phong(_)
+            | Self::Translucent { .. }
+            | Self::ThinDielectric { .. } => false,
+        }
+    }
+
+    /// Whether `wo` sees the surface so much edge-on that its frame may be one for this direction alone.
+    #[inline]
+    pub fn is_edge_on(&self, wo: Vec3) -> bool {
+        !self.refracts() && wo.z < EDGE_ON
     }
 
     /// Whether [`Self::eval`] and [`Self::sample`] are right for the hero wavelength alone, so that the path must drop the

@@ -514,6 +514,7 @@ fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderRe
         max_depth: settings.max_depth,
         roulette_depth: settings.roulette_depth,
         splitting: settings.splitting,
+        reuse: settings.reuse,
         light_paths: settings.light_paths,
         wavelengths: settings.wavelengths.name(),
         sampler: settings.sampler.name(),

@@ -368,6 +368,7 @@ pub(super) struct RenderReport {
     pub(super) max_depth: u32,
     pub(super) roulette_depth: u32,
     pub(super) splitting: u32,
+    pub(super) reuse: u32,
     pub(super) light_paths: f64,
     pub(super) wavelengths: &'static str,
     pub(super) sampler: &'static str,

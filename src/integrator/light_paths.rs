@@ -34,8 +34,8 @@ use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, WavelengthSamp
 
 /// Paths that are traced together.
 const PATHS_TOGETHER: u32 = 256;
-/// Paths of which what they bring is kept at once: 2²² of them, which bring up to some hundred megabytes.
-const PATHS_KEPT: u32 = 1 << 22;
+/// Paths of which what they bring is kept at once, unless one sample has more: where all is polished, 250 bytes each.
+const PATHS_KEPT: u32 = 1 << 20;
 /// Sequence of their random numbers, beyond all that pixels have.
 const SEQUENCE: u64 = 0x6c69_6768_7400_0000;
 
@@ -91,6 +91,7 @@ pub(super) struct LightTracer<'a> {
     paths: u32,
     /// N/(n·κ) of [`super::odds`].
     scale: f32,
+    has_lone_heroes: bool,
 }
 
 impl<'a> LightTracer<'a> {
@@ -98,7 +99,8 @@ impl<'a> LightTracer<'a> {
     pub(super) fn new(job: &'a RenderJob<'a>, limits: PathLimits, seed: u64) -> Option<Self> {
         let share = job.settings.light_paths;
         // The shortest path is of three segments: lamp, surface that focuses, surface that is seen, lens.
-        if share <= 0.0 || limits.max_depth < 3 || !job.scene.lights().has_emitters() {
+        let is_still = !job.camera.moves() && !job.camera.scans();
+        if share <= 0.0 || limits.max_depth < 3 || !is_still || !job.scene.lights().has_emitters() {
             return None;
         }
         let paths = (share * job.pixels() as f64).ceil().min(f64::from(u32::MAX)) as u32;
@@ -106,7 +108,17 @@ impl<'a> LightTracer<'a> {
         let mut spectra = SpectrumTable::default();
         let transmittance = spectra.add(job.transmittance);
         let wavelengths = PixelWavelengths::of_all(job);
-        Some(Self { job, limits, seed, wavelengths, spectra, transmittance, paths, scale: scale as f32 })
+        Some(Self {
+            job,
+            limits,
+            seed,
+            wavelengths,
+            spectra,
+            transmittance,
+            paths,
+            scale: scale as f32,
+            has_lone_heroes: job.has_lone_heroes(),
+        })
     }
 
     /// Samples whose paths are best traced at once.
@@ -130,20 +142,19 @@ impl<'a> LightTracer<'a> {
         let paths = u64::from(self.paths);
         let all = u64::from(samples.start) * paths..u64::from(samples.end) * paths;
         let together = u64::from(PATHS_TOGETHER);
-        let waves = (all.end - all.start).div_ceil(together);
-        let mut splats: Vec<Splat> = (0..waves)
+        // The same waves whichever samples are asked for, so that sums are of one order.
+        let mut splats: Vec<Splat> = (all.start / together..all.end.div_ceil(together))
             .into_par_iter()
             .map_init(
                 || LightWave::new(self, rows.clone()),
                 |wave, number| {
-                    let first = all.start + number * together;
-                    wave.trace(first..(first + together).min(all.end));
+                    let first = number * together;
+                    wave.trace(first.max(all.start)..(first + together).min(all.end));
                     wave.splats.drain(..).filter(|splat| wants(splat.pixel as usize, splat.sample)).collect::<Vec<_>>()
                 },
             )
             .flatten_iter()
             .collect();
-        // Those of one sample stay in the order of their paths.
         splats.par_sort_by_key(Splat::key);
         Splats { splats }
     }
@@ -175,7 +186,7 @@ struct LightPath {
     place: SamplePlace,
     wavelengths: Wavelengths,
     emission: Emission,
-    /// β: W·m⁻² · sr⁻¹ · nm⁻¹ over densities, cosines and geometry as the module has them.
+    /// β, W·nm⁻¹ at each wavelength.
     power: SampledSpectrum,
     /// q of [`super::odds`] so far, without the factor of the surface that the camera sees.
     odds: f32,
@@ -183,6 +194,8 @@ struct LightPath {
     depth: u32,
     /// What the path is inside of, where that absorbs.
     medium: Option<SpectrumId>,
+    /// Way since the lamp, m, as long as nothing has told what that stands in.
+    untold_m: Option<f32>,
 }
 
 impl<'a> LightWave<'a> {
@@ -232,7 +245,10 @@ impl<'a> LightWave<'a> {
     fn start(&mut self, number: u64) {
         let Self { tracer, sampler, .. } = self;
         sampler.start(SEQUENCE + (number >> 32), number as u32);
-        let wavelengths = tracer.wavelengths.sample(sampler.next_1d());
+        let mut wavelengths = tracer.wavelengths.sample(sampler.next_1d());
+        if tracer.has_lone_heroes {
+            wavelengths.terminate_secondary();
+        }
         let u = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
         let Some(emission) = tracer.job.scene.emit(0.0, u, &wavelengths) else { return };
         let Emission { position, normal, direction, radiance, density, .. } = emission;
@@ -249,6 +265,7 @@ impl<'a> LightWave<'a> {
             odds: tracer.scale * density,
             depth: 0,
             medium: None,
+            untold_m: Some(0.0),
         });
     }
 
@@ -260,10 +277,7 @@ impl<'a> LightWave<'a> {
         path.depth += 1;
         let point = scene.point(hit, ray.time);
         let wi = -ray.direction;
-        path.medium = scene.absorption_behind(&point, wi).or(path.medium);
-        if let Some(medium) = path.medium {
-            path.power *= scene.transmittance(medium, hit.t, &path.wavelengths);
-        }
+        path.absorb(scene, &point, wi, hit.t);
         let shading = scene.shading(&point, wi, &path.wavelengths);
         if shading.bsdf.needs_single_wavelength() {
             terminate_secondary(&mut path.wavelengths, &mut path.power);
@@ -295,6 +309,20 @@ fn cosines(point: &SurfacePoint, shading: &Shading, w: Vec3) -> (f32, f32) {
 }
 
 impl LightPath {
+    /// Takes away what is absorbed on the way to a point. A volume that is seen from within for the first time has been all around
+    /// since the lamp, as it is for paths from the camera, which come into it before they come to the lamp.
+    fn absorb(&mut self, scene: &Scene, point: &SurfacePoint, wi: Vec3, distance: f32) {
+        let behind = scene.absorption_behind(point, wi);
+        self.medium = behind.or(self.medium);
+        match self.medium {
+            Some(medium) => {
+                let distance = distance + self.untold_m.take().unwrap_or(0.0);
+                self.power *= scene.transmittance(medium, distance, &self.wavelengths);
+            }
+            None => self.untold_m = self.untold_m.map(|untold| untold + distance),
+        }
+    }
+
     /// What a pixel gets of the light of a surface, unless something is in the way of the ray.
     fn look_at_lens(
         &self,
@@ -317,7 +345,8 @@ impl LightPath {
         let wo = to_lens / distance;
         let shading = scene.shading(point, wo, &wavelengths);
         let (wo_local, wi_local) = (shading.frame.to_local(wo), shading.frame.to_local(wi));
-        if leaks(point, &shading, wo, wi, wo_local.z * wi_local.z < 0.0) {
+        let leaks = leaks(point, &shading, wo, wi, wo_local.z * wi_local.z < 0.0);
+        if leaks || shading.bsdf.is_edge_on(wo_local) {
             return None;
         }
         let scattering = shading.bsdf.eval(wo_local, wi_local);
@@ -361,13 +390,18 @@ impl LightPath {
             // The index is that of the camera's side over the lamp's. Reciprocity: f(ωₒ, ωᵢ) = η²·f(ωᵢ, ωₒ).
             let eta_squared = sample.eta * sample.eta;
             self.odds *= delta_factor(1.0 / sample.eta);
-            let cosines = (wi_local.z / sample.wi.z).abs() * cos_to_camera / cos_to_lamp;
-            sample.throughput() * (eta_squared * cosines)
+            let bend = if sample.is_transmission { (wi_local.z / sample.wi.z).abs() } else { 1.0 };
+            let seen = scene.shading(point, wo, &self.wavelengths);
+            if seen.bsdf.is_edge_on(seen.frame.to_local(wo)) {
+                return None;
+            }
+            sample.throughput() * (eta_squared * bend * cos_to_camera / cos_to_lamp)
         } else {
             // As the camera sees it: its shading normal may differ where one of both directions is beyond the horizon.
             let shading = scene.shading(point, wo, &self.wavelengths);
             let (wo_local, wi_local) = (shading.frame.to_local(wo), shading.frame.to_local(wi));
-            if leaks(point, &shading, wo, wi, wo_local.z * wi_local.z < 0.0) {
+            let leaks = leaks(point, &shading, wo, wi, wo_local.z * wi_local.z < 0.0);
+            if leaks || shading.bsdf.is_edge_on(wo_local) {
                 return None;
             }
             let scattering = shading.bsdf.eval(wo_local, wi_local);
@@ -389,6 +423,7 @@ impl LightPath {
         }
         if sample.is_transmission {
             self.medium = scene.medium_across(point, wo, self.medium);
+            self.untold_m = None;
         }
         if self.depth >= tracer.limits.roulette_depth {
             let survival = factor.max();

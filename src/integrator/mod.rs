@@ -8,6 +8,7 @@ mod odds;
 mod path;
 pub mod pilot;
 mod render;
+mod reuse;
 mod settings;
 mod wave;
 mod wavelengths;

@@ -64,10 +64,10 @@ pub(super) fn delta_factor(eta: f32) -> f32 {
     1.0 / (eta * eta)
 }
 
-/// What the camera's paths are worth, from q.
+/// What the camera's paths are worth, from q: all where there is no telling, as between surfaces that touch.
 #[inline]
 pub(super) fn camera_weight(q: f32) -> f32 {
-    1.0 / (1.0 + q)
+    if q.is_nan() { 1.0 } else { 1.0 / (1.0 + q) }
 }
 
 /// What the lamps' paths are worth, from q.

@@ -4,7 +4,8 @@
 use glam::Vec3;
 
 use super::odds::{Crossing, Odds};
-use crate::bsdf::BsdfSample;
+use super::reuse::{FirstSurface, Place, SecondSurface, Side};
+use crate::bsdf::{Bsdf, BsdfSample};
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::light::{Facing, Receiver};
 use crate::math::{Pdf, SolidAngle};
@@ -59,6 +60,19 @@ pub(super) struct Path {
     medium: Option<SpectrumId>,
     /// How likely paths from lamps are to find the same.
     odds: Odds,
+    pub(super) sharing: Sharing,
+}
+
+/// What a path shares with others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sharing {
+    /// Nothing.
+    Nothing,
+    /// Its second surface, if that is matt; the path is of a group of this number, and has come from a first surface if it has
+    /// branched off.
+    Group(u32),
+    /// What it gathers: it has come to a second surface, and its light is what that sends back.
+    Light,
 }
 
 /// What paths put off until all have come to their next surface.
@@ -70,6 +84,11 @@ pub(super) struct Postponed {
     pub(super) lights: Vec<(u32, SampledSpectrum)>,
     /// Paths that have come from others, which have split, and along which ray each goes on.
     pub(super) branches: Vec<(Path, Ray)>,
+    /// Surfaces to be shared.
+    pub(super) firsts: Vec<FirstSurface>,
+    pub(super) seconds: Vec<SecondSurface>,
+    /// What paths have brought until they came to their second surfaces: number of the path that was started, and light.
+    pub(super) before: Vec<(u32, SampledSpectrum)>,
 }
 
 /// A surface that a path has met.
@@ -103,14 +122,12 @@ impl<'a> Vertex<'a> {
 
     /// What becomes of the odds at this vertex, in the direction `wi`, which was scattered to with a density.
     #[inline]
-    fn crossing(&self, wi: Vec3, wi_local: Vec3, pdf_to_lamp: f32, is_first: bool) -> Crossing {
+    fn crossing(&self, wi: Vec3, wi_local: Vec3, pdf_to_lamp: f32) -> Crossing {
         let normal = self.point.geometric_normal;
-        // At the first surface, paths from lamps do not scatter but look at the lens.
-        let pdf_to_camera = if is_first { 0.0 } else { self.shading.bsdf.reverse_pdf(self.wo_local, wi_local).0 };
         Crossing {
             cos_to_camera: self.wo.dot(normal).abs(),
             cos_to_lamp: wi.dot(normal).abs(),
-            pdf_to_camera,
+            pdf_to_camera: self.shading.bsdf.reverse_pdf(self.wo_local, wi_local).0,
             pdf_to_lamp,
         }
     }
@@ -119,7 +136,7 @@ impl<'a> Vertex<'a> {
 impl Path {
     /// From the camera, with the numbers from a place on, beside paths from lamps of such odds.
     #[inline]
-    pub(super) fn new(wavelengths: Wavelengths, place: SamplePlace, odds: Odds) -> Self {
+    pub(super) fn new(wavelengths: Wavelengths, place: SamplePlace, odds: Odds, sharing: Sharing) -> Self {
         Self {
             light: SampledSpectrum::ZERO,
             wavelengths,
@@ -131,6 +148,7 @@ impl Path {
             eta_scale: 1.0,
             medium: None,
             odds,
+            sharing,
         }
     }
 
@@ -148,7 +166,13 @@ impl Path {
     ) -> Option<Ray> {
         self.depth += 1;
         let Some(hit) = hit else {
-            self.escape(scene, ray.direction);
+            match (self.sharing, self.origin) {
+                (Sharing::Group(group), Some(origin)) => {
+                    self.light = scene.environment_radiance(ray.direction, &self.wavelengths);
+                    self.share_light(origin, group, number, Place::Sky(ray.direction), postponed);
+                }
+                _ => self.escape(scene, ray.direction),
+            }
             return None;
         };
         let point = scene.point(&hit, ray.time);
@@ -172,18 +196,63 @@ impl Path {
             terminate_secondary(&mut self.wavelengths, &mut self.throughput);
         }
         let vertex = Vertex::new(hit.t, &point, &shading, wo);
+        if let Sharing::Group(group) = self.sharing {
+            self.share(number, group, &vertex, postponed);
+        }
         sampler.resume(self.place);
         if !shading.bsdf.is_delta() {
             if let Some((ray, light)) = self.direct_light(scene, &vertex, sampler) {
                 postponed.shadow_rays.push(ray);
                 postponed.lights.push((number, self.throughput * light));
             }
-            if limits.splitting > 1 && self.origin.is_none() {
+            let branches = limits.splitting > 1 || matches!(self.sharing, Sharing::Group(_));
+            if branches && self.origin.is_none() {
                 self.split(number, scene, &vertex, limits, sampler, postponed);
                 return None;
             }
         }
         self.scatter(scene, &vertex, limits, sampler)
+    }
+
+    /// Shares the first surface, and the second one.
+    // Out of the way of renders in which pixels share nothing.
+    #[inline(never)]
+    fn share(&mut self, number: u32, group: u32, vertex: &Vertex<'_>, postponed: &mut Postponed) {
+        self.sharing = Sharing::Nothing;
+        let Bsdf::Diffuse { reflectance } = vertex.shading.bsdf else { return };
+        let Some(side) = Side::new(vertex.point, vertex.shading.frame.z, vertex.wo) else { return };
+        if self.medium.is_some() {
+            return;
+        }
+        match (self.depth, self.origin) {
+            (1, None) => {
+                let throughput = self.throughput * reflectance;
+                if throughput.is_black() {
+                    return;
+                }
+                self.sharing = Sharing::Group(group);
+                postponed.firsts.push(FirstSurface { path: number, group, side, point: *vertex.point, throughput });
+            }
+            (2, Some(origin)) => {
+                postponed.before.push((origin, self.light));
+                self.light = SampledSpectrum::ZERO;
+                self.throughput = SampledSpectrum::ONE;
+                self.share_light(origin, group, number, Place::Matt(side), postponed);
+            }
+            _ => {}
+        }
+    }
+
+    /// Shares what this branch gathers from a place on.
+    fn share_light(&mut self, origin: u32, group: u32, branch: u32, place: Place, postponed: &mut Postponed) {
+        self.sharing = Sharing::Light;
+        postponed.seconds.push(SecondSurface { origin, group, branch, place });
+    }
+
+    /// What a branch has gathered, at the wavelengths of the path that it has come from.
+    #[inline]
+    pub(super) fn arrived_at(&self, origin: &Self) -> SampledSpectrum {
+        self.light * self.wavelengths.densities_over(&origin.wavelengths)
     }
 
     /// Gathers the light of the environment.
@@ -257,7 +326,8 @@ impl Path {
         if sample.is_transmission {
             self.medium = scene.medium_across(point, wi, self.medium);
         }
-        if self.depth >= limits.roulette_depth {
+        // What is shared has come from its first surface with the density of scattering alone.
+        if self.depth >= limits.roulette_depth && !matches!(self.sharing, Sharing::Group(_)) {
             let survival = self.throughput.max() * self.eta_scale;
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {
@@ -275,17 +345,16 @@ impl Path {
     #[inline(never)]
     fn odds_after(&self, vertex: &Vertex<'_>, wi: Vec3, sample: &BsdfSample) -> Odds {
         let is_first = self.depth == 1;
+        let crossing = || vertex.crossing(wi, sample.wi, sample.pdf.0);
+        // The shading normal is another for light that comes from there.
+        if vertex.shading.bsdf.is_edge_on(vertex.wo_local) {
+            return Odds::NONE;
+        }
         match (sample.is_delta, is_first) {
             (true, true) => Odds::NONE,
             (true, false) => self.odds.after_delta(sample.eta),
-            (false, _) => {
-                let crossing = vertex.crossing(wi, sample.wi, sample.pdf.0, is_first);
-                if is_first {
-                    self.odds.after_first(&crossing, vertex.distance)
-                } else {
-                    self.odds.after(&crossing, vertex.shading.bsdf.focuses())
-                }
-            }
+            (false, true) => self.odds.after_first(&crossing(), vertex.distance),
+            (false, false) => self.odds.after(&crossing(), vertex.shading.bsdf.focuses()),
         }
     }
 
@@ -318,8 +387,9 @@ impl Path {
             return None;
         }
         let mut weight = if light.is_delta { 1.0 } else { light.pdf.power_heuristic(scattering.pdf) };
-        if self.odds.are_shared() && self.depth > 1 && !light.is_delta && shading.bsdf.focuses() {
-            let crossing = vertex.crossing(light.wi, wi_local, scattering.pdf.0, false);
+        let is_shared = self.odds.are_shared() && self.depth > 1 && !light.is_delta;
+        if is_shared && shading.bsdf.focuses() && !shading.bsdf.is_edge_on(*wo_local) {
+            let crossing = vertex.crossing(light.wi, wi_local, scattering.pdf.0);
             let density = scene.emission_density(light.light, point.time);
             weight *= self.odds.weight_of_looked_at(&crossing, density, light.pdf.0);
         }

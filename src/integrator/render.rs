@@ -1,6 +1,6 @@
 //! The loop over the pixels: passes over the whole picture, rows side by side on all threads.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
@@ -9,14 +9,14 @@ use rayon::prelude::*;
 use super::RenderSettings;
 use super::light_paths::{LightTracer, Splat, Splats};
 use super::odds::Odds;
-use super::path::PathLimits;
+use super::path::{PathLimits, Sharing};
 use super::wave::Wave;
 use super::wavelengths::{FilterTile, PixelWavelengths};
 use crate::film::{Film, FilmResponses, FilmRow};
 use crate::optics::Camera;
 use crate::sampler::{PixelOrder, Sampler};
 use crate::scene::Scene;
-use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, WavelengthSampler};
+use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable};
 
 /// Everything that a render reads.
 pub struct RenderJob<'a> {
@@ -91,10 +91,22 @@ impl RenderJob<'_> {
         Film::new(width, height, responses)
     }
 
+    /// Whether paths carry one wavelength from the lens on: where it spreads points by wavelength, what dispersion takes from a
+    /// path later would leave the weights of all four to the one that is left.
+    pub(super) fn has_lone_heroes(&self) -> bool {
+        self.camera.spreads_by_wavelength() && self.scene.disperses()
+    }
+
     /// Number of pixels.
     pub(super) fn pixels(&self) -> u64 {
         self.resolution.iter().map(|&n| u64::from(n)).product()
     }
+}
+
+/// The numbers from the first to the last of ranges.
+fn hull(ranges: impl Iterator<Item = Range<u32>>) -> Range<u32> {
+    let all = ranges.filter(|range| !range.is_empty());
+    all.reduce(|all, own| all.start.min(own.start)..all.end.max(own.end)).unwrap_or(0..0)
 }
 
 /// Where the light of a path from the camera goes.
@@ -117,6 +129,7 @@ pub(super) struct Tracer<'a> {
     spectra: SpectrumTable,
     transmittance: SpectrumId,
     limits: PathLimits,
+    has_lone_heroes: bool,
     /// `None` where no paths set out from lamps.
     light_tracer: Option<LightTracer<'a>>,
 }
@@ -137,6 +150,7 @@ impl<'a> Tracer<'a> {
             spectra,
             transmittance,
             limits,
+            has_lone_heroes: job.has_lone_heroes(),
             light_tracer: LightTracer::new(job, limits, seed),
         }
     }
@@ -165,9 +179,7 @@ impl<'a> Tracer<'a> {
     /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it.
     pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) {
         let Some(light_tracer) = &self.light_tracer else { return self.add_samples(film, wanted, &Splats::default()) };
-        let missing = |(pixel, &done): (usize, &u32)| Some(done..wanted(pixel)).filter(|samples| !samples.is_empty());
-        let all = film.counts().iter().enumerate().filter_map(missing);
-        let Some(all) = all.reduce(|all, own| all.start.min(own.start)..all.end.max(own.end)) else { return };
+        let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
         let first = self.job.settings.samples().start;
         // What many paths from lamps bring would not fit into memory.
         for start in all.clone().step_by(light_tracer.samples_together()) {
@@ -186,26 +198,47 @@ impl<'a> Tracer<'a> {
         let (kind, first_sample) = (job.settings.sampler, job.settings.samples().start);
         let (width, first_row) = (film.width(), film.picture_rows().start);
         let odds = self.light_tracer.as_ref().map_or(Odds::NONE, LightTracer::odds);
-        let together = (PATHS_TOGETHER / self.limits.splitting.max(1)).max(1) as usize;
+        let together = (PATHS_TOGETHER / self.limits.splitting.max(1)).max(1);
+        let group_size = self.group_size();
+        let samples_together = (together / group_size as u32).max(1);
         let fill = |(y, mut row): (usize, FilmRow<'_>)| {
             let mut paths = 0;
             let mut sampler = Sampler::new(kind, self.seed);
             let mut wave = Wave::new(self.limits, odds);
-            let mut destinations = Vec::with_capacity(together);
-            for x in 0..width {
-                let (sequence, first_index) = self.order.place([x as u32, (first_row + y) as u32]);
-                let (done, wanted) = (row.samples(x), wanted(y * width + x));
-                let wavelengths = self.wavelengths.at(x, first_row + y);
-                paths += u64::from(wanted.saturating_sub(done));
-                for index in done..wanted {
-                    sampler.start(sequence, first_index + first_sample + index);
-                    let of_lamps = splats.of(y * width + x, first_sample + index);
-                    match self.add_path([x, first_row + y], wavelengths, &mut sampler, &mut wave) {
-                        Some(through) => destinations.push(Destination { column: x, through, of_lamps }),
-                        None => row.add(x, of_lamps.iter().map(Splat::light)),
-                    }
-                    if wave.len() == together {
+            let mut destinations = Vec::with_capacity(together as usize);
+            let mut missing = Vec::with_capacity(group_size);
+            let mut u_wavelengths = Vec::new();
+            for first_column in (0..width).step_by(group_size) {
+                let columns = first_column..width.min(first_column + group_size);
+                missing.clear();
+                missing.extend(columns.clone().map(|x| row.samples(x)..wanted(y * width + x)));
+                let all = hull(missing.iter().cloned());
+                for start in all.clone().step_by(samples_together as usize) {
+                    let indices = start..all.end.min(start + samples_together);
+                    if wave.len() + columns.len() * indices.len() > together as usize {
                         self.trace(&mut wave, &mut destinations, &mut sampler, &mut row);
+                    }
+                    let first_group = wave.len() as u32;
+                    if group_size > 1 {
+                        let samples = indices.clone().map(|index| first_sample + index);
+                        let u = samples
+                            .map(|sample| self.wavelength_of([first_column, first_row + y], sample, &mut sampler));
+                        u_wavelengths.clear();
+                        u_wavelengths.extend(u);
+                    }
+                    for (x, missing) in columns.clone().zip(&missing) {
+                        let own = missing.start.max(start)..missing.end.min(indices.end);
+                        paths += own.len() as u64;
+                        for index in own {
+                            let sample = first_sample + index;
+                            let of_lamps = splats.of(y * width + x, sample);
+                            let number = (index - start) as usize;
+                            let shared = u_wavelengths.get(number).map(|&u| (u, first_group + number as u32));
+                            match self.add_path(([x, first_row + y], sample), shared, &mut sampler, &mut wave) {
+                                Some(through) => destinations.push(Destination { column: x, through, of_lamps }),
+                                None => row.add(x, of_lamps.iter().map(Splat::light)),
+                            }
+                        }
                     }
                 }
             }
@@ -216,25 +249,52 @@ impl<'a> Tracer<'a> {
         film.rows().into_par_iter().enumerate().for_each(fill);
     }
 
-    /// Adds the path of a sample of a pixel, column and row, to a wave. Returns what the lens lets through of the light that
-    /// arrives along it; `None` where it sees nothing.
+    /// Number of pixels that share what lies beyond their first surfaces.
+    fn group_size(&self) -> usize {
+        if self.job.camera.moves() { 1 } else { self.job.settings.reuse.max(1) as usize }
+    }
+
+    /// Goes to the numbers of a sample of a pixel.
+    fn start(&self, [x, y]: [usize; 2], sample: u32, sampler: &mut Sampler) {
+        let (sequence, first_index) = self.order.place([x as u32, y as u32]);
+        sampler.start(sequence, first_index + sample);
+    }
+
+    /// The number that chooses the wavelengths of a sample of a pixel.
+    fn wavelength_of(&self, pixel: [usize; 2], sample: u32, sampler: &mut Sampler) -> f32 {
+        self.start(pixel, sample, sampler);
+        sampler.skip();
+        sampler.skip();
+        sampler.next_1d()
+    }
+
+    /// Adds the path of a sample of a pixel, column and row, to a wave. Pixels that share have the same number for the wavelengths,
+    /// and that of their group. Returns what the lens lets through of the light that arrives along the path; `None` where it
+    /// sees nothing.
     fn add_path(
         &self,
-        [x, y]: [usize; 2],
-        wavelengths: &WavelengthSampler,
+        ([x, y], sample): ([usize; 2], u32),
+        shared: Option<(f32, u32)>,
         sampler: &mut Sampler,
         wave: &mut Wave,
     ) -> Option<SampledSpectrum> {
         let camera = self.job.camera;
+        self.start([x, y], sample, sampler);
         let [dx, dy] = sampler.next_2d();
         let aperture = sampler.next_2d();
-        let mut lambda = wavelengths.sample(sampler.next_1d());
+        let u_wavelengths = sampler.next_1d();
+        let (u_wavelengths, sharing) =
+            shared.map_or((u_wavelengths, Sharing::Nothing), |(u, group)| (u, Sharing::Group(group)));
+        let mut lambda = self.wavelengths.at(x, y).sample(u_wavelengths);
+        if self.has_lone_heroes {
+            lambda.terminate_secondary();
+        }
         let position = DVec2::new(x as f64 + f64::from(dx), y as f64 + f64::from(dy));
         // A camera that stands still needs no time, and its samples stay what they are.
         let time = if camera.moves() { sampler.next_1d() } else { 0.0 };
         let spread = if camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
         let (camera_ray, weights) = camera.generate_spectral(position, aperture, time, spread, &mut lambda)?;
-        wave.start(camera_ray.ray, lambda, sampler.place());
+        wave.start(camera_ray.ray, lambda, sampler.place(), sharing);
         Some(self.spectra.sample(self.transmittance, &lambda) * weights * camera_ray.weight)
     }
 

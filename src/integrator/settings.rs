@@ -25,6 +25,8 @@ pub struct RenderSettings {
     pub roulette_depth: u32,
     /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
     pub splitting: u32,
+    /// Number of pixels in a row that share what their paths find beyond the first surface, at least 1.
+    pub reuse: u32,
     /// Number of paths from lamps, which look for caustics, for each sample of the picture; 0 for none.
     pub light_paths: f64,
     /// Whose wavelengths the paths of a pixel carry, where pixels have [filters](super::RenderJob::filters) of their own.
@@ -37,6 +39,9 @@ pub struct RenderSettings {
 
 /// More than so many paths from one surface are better spent on other samples.
 const MOST_SPLITTING: u32 = 256;
+
+/// Connections grow with the square.
+const MOST_REUSE: u32 = 64;
 
 /// More than so many paths from lamps are better spent on other samples.
 const MOST_LIGHT_PATHS: f64 = 64.0;
@@ -51,6 +56,7 @@ impl Default for RenderSettings {
             max_depth: 16,
             roulette_depth: 5,
             splitting: 1,
+            reuse: 1,
             light_paths: 0.0,
             wavelengths: WavelengthChoice::AllFilters,
             sampler: SamplerKind::Sobol,
@@ -77,6 +83,22 @@ impl RenderSettings {
         if !(1..=MOST_SPLITTING).contains(&self.splitting) {
             let message = format!("must be from 1 to {MOST_SPLITTING}, got {}", self.splitting);
             return Err(Invalid::new("splitting", message).help("for example splitting = 4"));
+        }
+        if !(1..=MOST_REUSE).contains(&self.reuse) {
+            let message = format!("must be from 1 to {MOST_REUSE}, got {}", self.reuse);
+            return Err(Invalid::new("reuse", message).help("for example reuse = 16"));
+        }
+        if self.reuse > 1 && self.wavelengths == WavelengthChoice::OwnFilter {
+            let message = "cannot go with wavelengths = \"own-filter\": what pixels share has the same wavelengths";
+            return Err(Invalid::new("reuse", message).help("remove one of both"));
+        }
+        if self.light_paths > 0.0 && self.wavelengths == WavelengthChoice::OwnFilter {
+            let message = "cannot go with wavelengths = \"own-filter\": light comes to pixels of all filters";
+            return Err(Invalid::new("light_paths", message).help("remove one of both"));
+        }
+        if self.reuse > 1 && self.light_paths > 0.0 {
+            let message = "cannot go with light_paths: what paths from lamps find counts by the pixel that sees it";
+            return Err(Invalid::new("reuse", message).help("remove one of both"));
         }
         if !(0.0..=MOST_LIGHT_PATHS).contains(&self.light_paths) {
             let message = format!("must be from 0 to {MOST_LIGHT_PATHS}, got {}", self.light_paths);

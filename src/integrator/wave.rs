@@ -3,7 +3,8 @@
 //! paths before the next one takes its place.
 
 use super::odds::Odds;
-use super::path::{Path, PathLimits, Postponed};
+use super::path::{Path, PathLimits, Postponed, Sharing};
+use super::reuse::Connections;
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::sampler::{SamplePlace, Sampler};
 use crate::scene::Scene;
@@ -20,7 +21,7 @@ pub fn radiance(
     limits: PathLimits,
 ) -> SampledSpectrum {
     let mut wave = Wave::new(limits, Odds::NONE);
-    wave.start(ray, *wavelengths, sampler.place());
+    wave.start(ray, *wavelengths, sampler.place(), Sharing::Nothing);
     wave.trace(scene, sampler);
     let (light, remaining) = wave.arrived(0);
     *wavelengths = remaining;
@@ -42,6 +43,7 @@ pub(super) struct Wave {
     hits: Vec<Option<Hit>>,
     postponed: Postponed,
     occluded: Vec<bool>,
+    connections: Connections,
 }
 
 /// Paths that have not come to their ends, by their numbers, and where they go.
@@ -90,14 +92,15 @@ impl Wave {
             hits: Vec::new(),
             postponed: Postponed::default(),
             occluded: Vec::new(),
+            connections: Connections::default(),
         }
     }
 
     /// Adds a path from the camera, with the numbers from a place on.
     #[inline]
-    pub(super) fn start(&mut self, ray: Ray, wavelengths: Wavelengths, place: SamplePlace) {
+    pub(super) fn start(&mut self, ray: Ray, wavelengths: Wavelengths, place: SamplePlace, sharing: Sharing) {
         self.front.push(self.paths.len() as u32, ray);
-        self.paths.push(Path::new(wavelengths, place, self.odds));
+        self.paths.push(Path::new(wavelengths, place, self.odds, sharing));
     }
 
     /// Number of paths that were started, before they are traced.
@@ -119,8 +122,29 @@ impl Wave {
         let (started, branches) = self.paths.split_at(started_count);
         for branch in branches {
             let Some(origin) = branch.origin.map(|number| number as usize) else { continue };
-            self.branched[origin] += branch.light * branch.wavelengths.densities_over(&started[origin].wavelengths);
+            if branch.sharing != Sharing::Light {
+                self.branched[origin] += branch.arrived_at(&started[origin]);
+            }
         }
+        self.share(scene);
+    }
+
+    /// Lets the paths of each group share what they have found.
+    fn share(&mut self, scene: &Scene) {
+        let Self { paths, branched, postponed: Postponed { firsts, seconds, before, .. }, connections, .. } = self;
+        for (origin, light) in before.drain(..) {
+            branched[origin as usize] += light;
+        }
+        // Those of one group stay in the order of their paths.
+        firsts.sort_by_key(|first| first.group);
+        seconds.sort_by_key(|second| second.group);
+        let light = |number: usize| {
+            let second = &seconds[number];
+            paths[second.branch as usize].arrived_at(&paths[second.origin as usize])
+        };
+        connections.share(scene, (firsts, seconds), light, |path, light| branched[path as usize] += light);
+        firsts.clear();
+        seconds.clear();
     }
 
     /// All paths that go on, from one surface to the next.
@@ -246,7 +270,7 @@ mod tests {
                 };
                 for number in 0..count {
                     let (ray, wavelengths) = start(&mut sampler, number);
-                    wave.start(ray, wavelengths, sampler.place());
+                    wave.start(ray, wavelengths, sampler.place(), Sharing::Nothing);
                 }
                 wave.trace(&scene, &mut sampler);
                 let mut lit = 0;

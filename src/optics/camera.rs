@@ -159,6 +159,11 @@ impl Camera {
         self.recording.is_some()
     }
 
+    /// Whether all lines of the picture are seen by one row of pixels.
+    pub fn scans(&self) -> bool {
+        self.scans
+    }
+
     /// The camera as it stands, still, in the middle of the exposure of a row.
     pub fn at_row(&self, row: f64) -> Self {
         let (to_world, time) = self.pose(row, 0.5);
@@ -300,6 +305,11 @@ impl Camera {
         self.point_spread.is_some()
     }
 
+    /// Whether a point spreads by wavelength, so that the weights of wavelengths are right for all four together alone.
+    pub fn spreads_by_wavelength(&self) -> bool {
+        matches!(self.point_spread, Some(PointSpread::Airy | PointSpread::Measured(_)))
+    }
+
     /// The same ray through a lens with a point spread and lateral colour, at the sample `u_time` in [0, 1) of the exposure of
     /// the pixel's row, and what each wavelength counts. Lateral colour leaves only the hero, whose direction it is.
     #[inline]
@@ -430,7 +440,7 @@ impl Camera {
             let ray = Ray::new(origin, self.to_world.transform_vector3(direction).as_vec3()).at_time(self.time);
             let (_, weights) = self.spread_place(pixel, spread_sample, wavelengths);
             // The plane is across the line to the lens's centre; what is seen of it is across the ray.
-            let tilt = direction.dot(forward);
+            let tilt = direction.dot(forward).abs();
             return Some(Connection {
                 pixel,
                 ray: CameraRay { ray, weight: self.weight(&found, opening) },

@@ -72,6 +72,25 @@ impl Scene {
         &self.light_spectrum
     }
 
+    /// Whether any material leaves paths with one wavelength.
+    pub fn disperses(&self) -> bool {
+        self.materials.iter().any(|material| self.model_disperses(&material.model))
+    }
+
+    fn model_disperses(&self, model: &ScatteringModel) -> bool {
+        match *model {
+            ScatteringModel::Dielectric { dispersive, .. } => dispersive,
+            ScatteringModel::Layered(layers) => self.layered[layers as usize].dispersive,
+            ScatteringModel::Mix(mix) => self.mixes[mix as usize].models.iter().any(|m| self.model_disperses(m)),
+            ScatteringModel::Diffuse { .. }
+            | ScatteringModel::Conductor { .. }
+            | ScatteringModel::OrenNayar { .. }
+            | ScatteringModel::Phong { .. }
+            | ScatteringModel::Translucent { .. }
+            | ScatteringModel::ThinDielectric { .. } => false,
+        }
+    }
+
     /// The nearest surface along a ray.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {

@@ -80,8 +80,8 @@ impl Scene {
     /// choice is a function of the point, so that it is the same from wherever a path comes.
     #[inline(never)]
     fn chosen<'a>(&self, mix: &'a Mix, point: &SurfacePoint) -> &'a ScatteringModel {
-        let [x, y, z] = point.position.to_array().map(|c| u64::from(c.to_bits()));
-        let key = hash64(x << 32 | y, z);
+        let [u, v] = point.barycentric.map(|c| u64::from(c.to_bits()));
+        let key = hash64(u << 32 | v, u64::from(point.triangle));
         // Mixes within mixes choose by their own bits.
         let own = hash64(key, u64::from(mix.weight.to_bits()));
         &mix.models[usize::from(unit_f32(own as u32) < mix.weight)]

@@ -7,19 +7,26 @@ use crate::room::room;
 use crate::same_bytes::assert_same;
 
 fn room_with(light_paths: f64, more: &str) -> Folder {
+    room_of(&format!("light_paths = {light_paths}"), more)
+}
+
+fn room_of(keys: &str, more: &str) -> Folder {
     room(&format!(
-        "{more}\n[render]\nsamples_per_pixel = 8\nseed = 7\nlight_paths = {light_paths}\n\
+        "{more}\n[render]\nsamples_per_pixel = 8\nseed = 7\n{keys}\n\
          [output]\nraw = ['npy']\nirradiance = true\n"
     ))
 }
 
 #[rstest]
-fn light_of_lamps_has_the_same_bytes_in_threads_strips_and_parts(#[values(0.3, 5.0)] light_paths: f64) {
-    let folder = room_with(light_paths, "");
+#[case::few("light_paths = 0.3")]
+#[case::many("light_paths = 5.1")]
+#[case::reuse("reuse = 16")]
+#[case::odd_reuse("reuse = 7\nsplitting = 3")]
+fn the_bytes_are_the_same_in_threads_strips_and_parts(#[case] keys: &str) {
+    let folder = room_of(keys, "");
     folder.succeed("render capture.toml --threads 1 -o one");
     folder.succeed("render capture.toml --threads 2 -o two");
     assert_same(&folder, "one", "two");
-    assert_eq!(folder.report("one")["render"]["light_paths"], light_paths);
     // 32 columns of 33 channels of 32 bytes: strips of 5 rows.
     let memory = 32.0 * (33.0 * 32.0 + 4.0) * 5.5 / f64::from(1 << 30);
     folder.succeed(&format!("render capture.toml --film-memory {memory} -o strips"));
@@ -28,7 +35,7 @@ fn light_of_lamps_has_the_same_bytes_in_threads_strips_and_parts(#[values(0.3, 5
     folder.succeed("render capture.toml --samples 3..8 -o rest");
     folder.succeed("merge rest first -o merged");
     assert_same(&folder, "one", "merged");
-    folder.succeed("render capture.toml --set render.light_paths=0 -o without");
+    folder.succeed("render capture.toml --set render.light_paths=0 --set render.reuse=1 -o without");
     assert!(folder.results("without")["raw.npy"] != folder.results("one")["raw.npy"]);
 }
 
@@ -40,11 +47,54 @@ fn a_number_of_paths_that_cannot_be_is_refused(#[case] set: &str, #[case] messag
     room_with(0.5, "").fail(&format!("render capture.toml --set {set}"), 1, &[message, "light_paths = 0.5"]);
 }
 
+#[rstest]
+#[case::none("render.reuse=0", "render.reuse: must be from 1 to 64, got 0", "reuse = 16")]
+#[case::many("render.reuse=65", "render.reuse: must be from 1 to 64, got 65", "reuse = 16")]
+#[case::filters(
+    "render.wavelengths=own-filter",
+    "render.reuse: cannot go with wavelengths = \"own-filter\"",
+    "remove one"
+)]
+fn sharing_that_cannot_be_is_refused(#[case] set: &str, #[case] message: &str, #[case] help: &str) {
+    room_of("reuse = 4", "").fail(&format!("render capture.toml --set {set}"), 1, &[message, help]);
+}
+
+#[test]
+fn pixels_that_share_have_noise_targets_of_their_own() {
+    let keys = "noise_target = 0.5\nreuse = 8";
+    let folder = room_of(keys, "");
+    folder.succeed("render capture.toml --set render.samples_per_pixel=64 --threads 1 -o one");
+    folder.succeed("render capture.toml --set render.samples_per_pixel=64 --threads 2 -o two");
+    assert_same(&folder, "one", "two");
+    let report = folder.report("one");
+    assert_eq!((&report["render"]["reuse"], &report["render"]["light_paths"]), (&8.into(), &0.0.into()));
+    assert!(report["render"]["noise"]["samples_least"].as_f64() < report["render"]["noise"]["samples_most"].as_f64());
+}
+
+#[test]
+fn what_filters_see_alone_and_what_scans_is_refused() {
+    let folder = room_with(0.5, "");
+    let filters = "--set render.wavelengths=own-filter";
+    folder.fail(
+        &format!("render capture.toml {filters}"),
+        1,
+        &["render.light_paths: cannot go with wavelengths", "remove"],
+    );
+    let scanning = "--set sensor.shutter.kind=scanning --set sensor.shutter.row_time_us=1000";
+    folder.fail(
+        &format!("render capture.toml {scanning}"),
+        1,
+        &["render.light_paths: cannot go with a sensor that scans"],
+    );
+}
+
 #[test]
 fn what_moves_is_refused() {
     let moving = "frames = 2\nframe_interval_s = 0.01\n[camera.motion]\nvelocity_m_per_s = [20, 0, 0]";
     let message = "render.light_paths: cannot go with a camera or a scene that moves";
     room_with(0.5, moving).fail("render capture.toml", 1, &[message, "remove it, or camera.motion"]);
+    let message = "render.reuse: cannot go with a camera or a scene that moves";
+    room_of("reuse = 2", moving).fail("render capture.toml", 1, &[message, "remove it, or camera.motion"]);
 }
 
 #[test]

@@ -24,15 +24,15 @@ use crate::stage::{Stage, camera, sphere, square};
 const RESOLUTION: [u32; 2] = [8, 6];
 const BANDS: [&str; 2] = ["short", "long"];
 
-fn grey(value: f32) -> TexturedColour {
+pub(crate) fn grey(value: f32) -> TexturedColour {
     TexturedColour::plain(Colour::Spectrum(Spectrum::constant(value)))
 }
 
-fn glass(roughness: f32) -> MaterialModel {
+pub(crate) fn glass(roughness: f32) -> MaterialModel {
     MaterialModel::Dielectric { index: Dispersion::constant(1.5), roughness }
 }
 
-fn gold(roughness: f32) -> MaterialModel {
+pub(crate) fn gold(roughness: f32) -> MaterialModel {
     let metal = library::conductor("Au").expect("a metal");
     MaterialModel::Conductor { eta: metal.eta, k: metal.k, roughness, anisotropy: 0.0 }
 }
@@ -42,7 +42,7 @@ fn layers(layers: LayeredDescription) -> MaterialModel {
 }
 
 /// A ball of a material in a room of 4 m under a lamp, seen from the front.
-fn room(model: MaterialModel) -> Stage {
+pub(crate) fn room(model: MaterialModel) -> Stage {
     let shine = Spectrum::from_fn(|l| 1.0 + l / 500.0);
     let emission = EmissionDescription { colour: Colour::Spectrum(shine), level: None, texture: None };
     let ball = sphere(12, 0.5).into_iter().map(|triangle| triangle.map(|corner| corner + Vec3::new(0.1, 0.3, -0.5)));
@@ -57,11 +57,15 @@ fn room(model: MaterialModel) -> Stage {
 }
 
 /// A pinhole at z = 2.2 that sees the ball and the wall behind.
-fn lens() -> LensDescription {
+pub(crate) fn lens() -> LensDescription {
     LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 4.0, Focus::Distance(2.5)) }
 }
 
-fn picture(scene: &Scene, lens: &LensDescription, light_paths: f64, splitting: u32) -> Estimate {
+fn with_light_paths() -> RenderSettings {
+    RenderSettings { light_paths: 1.0, ..RenderSettings::default() }
+}
+
+fn picture(scene: &Scene, lens: &LensDescription, settings: RenderSettings) -> Estimate {
     let grid = PixelGrid { resolution: RESOLUTION, pitch_m: [2e-3; 2] };
     let camera = camera(
         lens,
@@ -71,15 +75,8 @@ fn picture(scene: &Scene, lens: &LensDescription, light_paths: f64, splitting: u
     let band = |from: f64, to: f64| Spectrum::from_fn(|l| if l >= from && l < to { 1e-3 } else { 0.0 });
     let responses = [(BANDS[0], band(400.0, 550.0)), (BANDS[1], band(550.0, 700.0))]
         .map(|(name, spectrum)| Response { name: name.to_owned(), spectrum });
-    let settings = RenderSettings {
-        samples_per_pixel: 1 << 13,
-        max_depth: 6,
-        splitting,
-        light_paths,
-        sampler: SamplerKind::Independent,
-        seed: if light_paths > 0.0 { 1 } else { 2 },
-        ..RenderSettings::default()
-    };
+    let settings =
+        RenderSettings { samples_per_pixel: 1 << 13, max_depth: 6, sampler: SamplerKind::Independent, ..settings };
     let importance = Spectrum::from_fn(|l| if (400.0..700.0).contains(&l) { 1.0 } else { 0.0 });
     let job = RenderJob {
         scene,
@@ -93,10 +90,11 @@ fn picture(scene: &Scene, lens: &LensDescription, light_paths: f64, splitting: u
     render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(())).estimate(BANDS)
 }
 
-/// Renders with and without paths from lamps, and compares them pixel by pixel. Returns the variance without over that with
-/// them, of all pixels together.
-fn compare(name: &str, scene: &Scene, lens: &LensDescription, splitting: u32) -> f64 {
-    let [without, with] = [0.0, 1.0].map(|share| picture(scene, lens, share, splitting));
+/// Renders as the settings say, and with paths from the camera alone, and compares both pixel by pixel. Returns the variance
+/// without over that with them, of all pixels together.
+pub(crate) fn compare(name: &str, scene: &Scene, lens: &LensDescription, settings: RenderSettings) -> f64 {
+    let alone = RenderSettings { light_paths: 0.0, reuse: 1, seed: 2, ..settings.clone() };
+    let [without, with] = [alone, settings].map(|settings| picture(scene, lens, settings));
     let values = |estimate: &Estimate, is_mean: bool| -> Vec<f64> {
         let planes = if is_mean { &estimate.mean } else { &estimate.variance };
         planes.channels().iter().flat_map(|channel| &channel.data).map(|&v| f64::from(v)).collect()
@@ -156,11 +154,13 @@ fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
             layers(LayeredDescription { absorption_per_m: Some(Spectrum::from_fn(|l| l / 1000.0)), ..clear }),
             8.0,
         ),
+        // No interface at all, as glTF's index of 1: straight through, whatever the roughness.
+        ("nothing", MaterialModel::Dielectric { index: Dispersion::constant(1.0), roughness: 0.8 }, 2.0),
         // Too dull to gather light: nothing changes.
         ("dull metal", gold(0.8), 0.9),
     ];
     for (name, model, least) in cases {
-        let gain = compare(name, &room(model).build(), &lens(), 1);
+        let gain = compare(name, &room(model).build(), &lens(), with_light_paths());
         assert!(gain > least, "{name}: {gain}");
     }
 }
@@ -191,7 +191,7 @@ fn paths_from_lamps_come_through_every_lens() {
     ];
     let scene = room(glass(0.0)).build();
     for (name, lens) in lenses {
-        let gain = compare(name, &scene, &lens, 1);
+        let gain = compare(name, &scene, &lens, with_light_paths());
         // The panorama sees the lamp, whose edge is then most of the noise.
         let least = if name == "panorama" { 1.0 } else { 2.5 };
         assert!(gain > least, "{name}: {gain}");
@@ -261,7 +261,8 @@ fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
 
 #[test]
 fn paths_that_split_have_their_share_beside_those_from_lamps() {
-    let gain = compare("splitting", &room(glass(0.0)).build(), &lens(), 4);
+    let gain =
+        compare("splitting", &room(glass(0.0)).build(), &lens(), RenderSettings { splitting: 4, ..with_light_paths() });
     assert!(gain > 4.0, "{gain}");
 }
 
@@ -279,6 +280,18 @@ fn lamps_of_every_kind_send_paths_out() {
                 .mesh(turned(Vec3::new(-1.5, 0.5, 0.5)), dark(), Some(emission()))
                 .alpha(AlphaMode::Blend, 0.4),
         ),
+        ("in murky water", {
+            // Around the lamp and the ball: all that comes out has been absorbed from the lamp on.
+            let murky = LayeredDescription {
+                transmission: TexturedFactor::plain(1.0),
+                roughness: TexturedFactor::plain(0.0),
+                absorption_per_m: Some(Spectrum::constant(0.5)),
+                ..LayeredDescription::default()
+            };
+            let water =
+                sphere(8, 1.9).into_iter().map(|t| t.map(|corner| corner + Vec3::new(0.0, 0.4, -0.4))).collect();
+            room(gold(0.1)).mesh(water, layers(murky), None)
+        }),
         ("within glass", {
             let shell =
                 sphere(8, 0.5).into_iter().map(|t| t.map(|corner| corner + Vec3::new(-1.2, 0.3, 0.0))).collect();
@@ -290,7 +303,7 @@ fn lamps_of_every_kind_send_paths_out() {
         }),
     ];
     for (name, stage) in lamps {
-        let gain = compare(name, &stage.build(), &lens(), 1);
+        let gain = compare(name, &stage.build(), &lens(), with_light_paths());
         assert!(gain > 3.0, "{name}: {gain}");
     }
 }

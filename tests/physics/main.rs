@@ -24,6 +24,7 @@ mod light_tree;
 mod motion;
 mod point_spread;
 mod quadrature;
+mod reuse;
 mod sampling;
 mod sensor_cases;
 mod sensor_ccd;

@@ -21,6 +21,7 @@ const SETTINGS: RenderSettings = RenderSettings {
     max_depth: 1,
     roulette_depth: 1,
     splitting: 1,
+    reuse: 1,
     light_paths: 0.0,
     wavelengths: WavelengthChoice::AllFilters,
     sampler: photosite::sampler::SamplerKind::Sobol,

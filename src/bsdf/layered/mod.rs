@@ -143,7 +143,7 @@ impl Layered {
 
     /// The volume behind, where light gets into it by refraction.
     #[inline]
-    fn refracting(&self) -> Option<Volume> {
+    pub(super) fn refracting(&self) -> Option<Volume> {
         self.volume.filter(|_| self.transmission > 0.0)
     }
 

@@ -185,9 +185,14 @@ impl Capture {
             Recording { motion: recording.motion.clone().or(of_file), ..recording }
         });
         let render = settings::render(&file.render).map_err(|invalid| invalid.within("render"))?;
-        if moves && render.light_paths > 0.0 {
-            let invalid = Invalid::new("light_paths", "cannot go with a camera or a scene that moves");
+        let still_only = [("light_paths", render.light_paths > 0.0), ("reuse", render.reuse > 1)];
+        if let (true, Some((key, _))) = (moves, still_only.into_iter().find(|(_, is_set)| *is_set)) {
+            let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves");
             return Err(invalid.help(format!("remove it, or {mover}")).within("render"));
+        }
+        if sensor.shutter.scans() && render.light_paths > 0.0 {
+            let invalid = Invalid::new("light_paths", "cannot go with a sensor that scans line by line");
+            return Err(invalid.help("remove it, or sensor.shutter").within("render"));
         }
         Ok(Self {
             recording,

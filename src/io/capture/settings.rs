@@ -396,6 +396,7 @@ pub(super) fn render(table: &RenderTable) -> Result<RenderSettings, Invalid> {
         max_depth: table.max_depth.unwrap_or(default.max_depth),
         roulette_depth: table.roulette_depth.unwrap_or(default.roulette_depth),
         splitting: table.splitting.unwrap_or(default.splitting),
+        reuse: table.reuse.unwrap_or(default.reuse),
         light_paths: table.light_paths.unwrap_or(default.light_paths),
         wavelengths: match table.wavelengths {
             None => default.wavelengths,

@@ -322,7 +322,6 @@ fn settings_are_as_written() {
         max_depth = 5
         roulette_depth = 3
         splitting = 4
-        light_paths = 0.5
         wavelengths = "own-filter"
         sampler = "independent"
         seed = 18446744073709551615
@@ -339,7 +338,7 @@ fn settings_are_as_written() {
     assert_eq!((exposure.temperature, exposure.frames), (Celsius(40.0), 3));
     let render = capture.render;
     assert_eq!((render.samples_per_pixel, render.max_depth, render.roulette_depth, render.seed), (128, 5, 3, u64::MAX));
-    assert_eq!((render.splitting, render.light_paths, render.wavelengths), (4, 0.5, WavelengthChoice::OwnFilter));
+    assert_eq!((render.splitting, render.reuse, render.wavelengths), (4, 1, WavelengthChoice::OwnFilter));
     assert_eq!((render.noise_target, render.sampler), (Some(0.2), SamplerKind::Independent));
     assert_eq!(render.time_limit, Some(std::time::Duration::from_millis(1500)));
     let output = capture.output;
