@@ -9,7 +9,8 @@ install libllvm19). What the scenes are says benches/comparison/scenes.py. Both 
 camera, depth, roulette and sensor, but for the balls of b, which are true spheres in Mitsuba and so twice as fast:
 256 × 256 pixels, box filter, four wavelengths a path, in the response functions of photosite's sensor, so that both
 estimate the same three numbers a pixel, electrons. "Splitting 4" is photosite with `render.splitting = 4`: as many samples,
-each with four paths from the first rough surface on. Runs of all alternate. Mitsuba is warm: its kernel is compiled before
+each with four paths from the first rough surface on; "reuse 16" and "light paths 1" are `render.reuse` and
+`render.light_paths`. Runs of all alternate. Mitsuba is warm: its kernel is compiled before
 the measurement. Times are those of light transport alone: photosite's `trace_s`, Mitsuba's time in `render`. Loading,
 sensor and files are left out on both sides.
 
@@ -76,13 +77,21 @@ def compare(mitsuba, key, options, folder):
     balls = scenes.balls(key)
     theirs = [Mitsuba(mitsuba, options.photosite, capture, balls, folder, sampler) for sampler in ("independent", "multijitter")]
     ours = [
-        Photosite(mitsuba, options.photosite, capture, folder, sampler, splitting, options.threads)
-        for sampler, splitting in (("independent", 1), ("sobol", 1), ("sobol", 4))
+        Photosite(mitsuba, options.photosite, capture, folder, sampler, options.threads, **ways)
+        for sampler, ways in (
+            ("independent", {}),
+            ("sobol", {}),
+            ("sobol", {"reuse": 16}),
+            ("sobol", {"light_paths": 1}),
+            ("sobol", {"splitting": 4}),
+        )
     ]
-    # The samplers of a program estimate the same picture: one reference serves both.
+    # All ways of a program estimate the same picture: one reference serves all, in which nothing is shared.
+    light = {"light_paths": 1} if key == "b" else {}
+    most = Photosite(mitsuba, options.photosite, capture, folder, "sobol", options.threads, splitting=4, **light)
     truth = {
         "Mitsuba": reference(theirs[-1], options.reference, options.cache, f"{key}-mitsuba"),
-        "photosite": reference(ours[-1], options.reference, options.cache, f"{key}-photosite"),
+        "photosite": reference(most, options.reference, options.cache, f"{key}-photosite"),
     }
     result = {
         "mean_ratio": (truth["photosite"].mean(axis=(0, 1)) / truth["Mitsuba"].mean(axis=(0, 1))).tolist(),
@@ -102,8 +111,9 @@ def compare(mitsuba, key, options, folder):
 
 
 def best(runs, program, undivided=False):
-    """The name of a program's way of the highest efficiency; if asked, of those whose paths do not split."""
-    names = (name for name in runs if name.startswith(program) and not (undivided and "splitting" in name))
+    """The name of a program's way of the highest efficiency; if asked, of those that trace one path a sample and no more."""
+    more = ("splitting", "reuse", "light paths")
+    names = (name for name in runs if name.startswith(program) and not (undivided and any(way in name for way in more)))
     return max(names, key=lambda name: runs[name].efficiency())
 
 
@@ -143,7 +153,7 @@ def summarise(results):
     from comparison.figures import Ratio
 
     print("\n### In short\n")
-    print("The best of each, for paths per second of those that do not split. Goals: paths per second at least 1, efficiency at "
+    print("The best of each, for paths per second of those that trace one path a sample. Goals: paths per second at least 1, efficiency at "
           "least 2.\n")
     print("| scene | samples | paths per second | by processor time | efficiency | by processor time | |")
     print("|---|---|---|---|---|---|---|")

@@ -8,11 +8,13 @@ from . import command
 class Photosite:
     """A capture as photosite renders it."""
 
-    def __init__(self, mitsuba, photosite, capture, folder, sampler, splitting, threads):
+    def __init__(self, mitsuba, photosite, capture, folder, sampler, threads, splitting=1, reuse=1, light_paths=0):
         self.mitsuba, self.photosite, self.capture, self.threads = mitsuba, photosite, capture, threads
-        self.sampler, self.splitting = sampler, splitting
-        self.folder = folder / f"{sampler}-{splitting}"
-        self.name = f"photosite, {sampler}" + (f", splitting {splitting}" if splitting > 1 else "")
+        self.sampler, self.splitting, self.reuse, self.light_paths = sampler, splitting, reuse, light_paths
+        ways = (("splitting", splitting, 1), ("reuse", reuse, 1), ("light paths", light_paths, 0))
+        parts = [sampler] + [f"{name} {value}" for name, value, usual in ways if value != usual]
+        self.folder = folder / "-".join(parts).replace(" ", "-")
+        self.name = ", ".join(["photosite", *parts])
         # Processor seconds of all that is not light transport: loading, building, sensor, files.
         self.overhead = 0.0
 
@@ -22,6 +24,8 @@ class Photosite:
             f"render.samples_per_pixel={samples}",
             f'render.sampler="{self.sampler}"',
             f"render.splitting={self.splitting}",
+            f"render.reuse={self.reuse}",
+            f"render.light_paths={self.light_paths}",
         ]
         options = ["--threads", self.threads] if self.threads else []
         report, busy = command.render(self.photosite, self.capture, self.folder, seed, keys, *options)

@@ -80,7 +80,8 @@ fn what_filters_see_alone_and_what_scans_is_refused() {
         1,
         &["render.light_paths: cannot go with wavelengths", "remove"],
     );
-    let scanning = "--set sensor.shutter.kind=scanning --set sensor.shutter.row_time_us=1000";
+    let scanning =
+        "--set sensor.preset=sony-imx249-mono --set sensor.shutter.kind=scanning --set sensor.shutter.row_time_us=1000";
     folder.fail(
         &format!("render capture.toml {scanning}"),
         1,
