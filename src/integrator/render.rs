@@ -208,6 +208,7 @@ impl<'a> Tracer<'a> {
             let mut destinations = Vec::with_capacity(together as usize);
             let mut missing = Vec::with_capacity(group_size);
             let mut u_wavelengths = Vec::new();
+            let mut groups = 0;
             for first_column in (0..width).step_by(group_size) {
                 let columns = first_column..width.min(first_column + group_size);
                 missing.clear();
@@ -218,7 +219,6 @@ impl<'a> Tracer<'a> {
                     if wave.len() + columns.len() * indices.len() > together as usize {
                         self.trace(&mut wave, &mut destinations, &mut sampler, &mut row);
                     }
-                    let first_group = wave.len() as u32;
                     if group_size > 1 {
                         let samples = indices.clone().map(|index| first_sample + index);
                         let u = samples
@@ -233,13 +233,14 @@ impl<'a> Tracer<'a> {
                             let sample = first_sample + index;
                             let of_lamps = splats.of(y * width + x, sample);
                             let number = (index - start) as usize;
-                            let shared = u_wavelengths.get(number).map(|&u| (u, first_group + number as u32));
+                            let shared = u_wavelengths.get(number).map(|&u| (u, groups + number as u32));
                             match self.add_path(([x, first_row + y], sample), shared, &mut sampler, &mut wave) {
                                 Some(through) => destinations.push(Destination { column: x, through, of_lamps }),
                                 None => row.add(x, of_lamps.iter().map(Splat::light)),
                             }
                         }
                     }
+                    groups += indices.len() as u32;
                 }
             }
             self.trace(&mut wave, &mut destinations, &mut sampler, &mut row);

@@ -3,9 +3,9 @@
 //! Where light comes off other surfaces, most of a path's work goes into what the second surface sends back, which a matt one
 //! sends to all that see it. So a group of pixels connects each of its first surfaces with each second surface that any of
 //! them has found ([Bekaert02](crate::references#bekaert02)), at the cost of a shadow ray. A piece of the sky is such a surface
-//! too, infinitely far away. For the density pₖ(y), per area, with
-//! which the path at xₖ finds y, Vₖ(y) = 1 where xₖ sees y and else 0, and the radiance L that y sends back, as one path has
-//! estimated it, what arrives along the path at xⱼ from the second surfaces yᵢ of all is
+//! too, infinitely far away. For the density pₖ(y), per area, with which the path at xₖ finds y, Vₖ(y) = 1 where xₖ sees y and
+//! else 0, and the radiance L that y sends back, as one path has estimated it, what arrives along the path at xⱼ from the second
+//! surfaces yᵢ of all is
 //!
 //! Lⱼ = Σᵢ ρⱼ·pⱼ(yᵢ)·Vⱼ(yᵢ)·L(yᵢ) / (s·Σₖ pₖ(yᵢ)·Vₖ(yᵢ)),   p(y) = cos θ·cos θ′/(π·d²),
 //!
@@ -46,7 +46,7 @@ pub(super) struct Side {
 pub(super) struct FirstSurface {
     /// Number of its path.
     pub(super) path: u32,
-    /// Of the path.
+    /// Number of those that share.
     pub(super) group: u32,
     pub(super) side: Side,
     pub(super) point: SurfacePoint,
@@ -59,7 +59,7 @@ pub(super) struct FirstSurface {
 pub(super) struct SecondSurface {
     /// Number of the path that it has branched off from, the same as that of its first surface.
     pub(super) origin: u32,
-    /// Of the path.
+    /// Number of those that share.
     pub(super) group: u32,
     /// Number of the branch, whose light is what the surface sends back.
     pub(super) branch: u32,

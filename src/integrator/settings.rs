@@ -25,9 +25,11 @@ pub struct RenderSettings {
     pub roulette_depth: u32,
     /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
     pub splitting: u32,
-    /// Number of pixels in a row that share what their paths find beyond the first surface, at least 1.
+    /// Number of pixels in a row that share what their paths find beyond the first surface, at least 1. Without effect where the
+    /// camera moves.
     pub reuse: u32,
-    /// Number of paths from lamps, which look for caustics, for each sample of the picture; 0 for none.
+    /// Number of paths from lamps, which look for caustics, for each sample of the picture; 0 for none. Without effect where the
+    /// camera moves or scans.
     pub light_paths: f64,
     /// Whose wavelengths the paths of a pixel carry, where pixels have [filters](super::RenderJob::filters) of their own.
     pub wavelengths: WavelengthChoice,

@@ -4,9 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::ControlFlow;
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
-use photosite::film::{FilmResponses, Response};
+use photosite::film::{Film, FilmResponses, Response};
 use photosite::image::{Estimate, Planes};
-use photosite::integrator::{RenderJob, RenderSettings, render};
+use photosite::integrator::{RenderJob, RenderSettings, render, render_on};
 use photosite::optics::{
     BrownConrady, Falloff, Focus, Intrinsics, LateralColour, LensDescription, LensKind, PixelGrid, PointSpread,
     Projection, Stop,
@@ -21,7 +21,7 @@ use photosite::spectrum::{Dispersion, Spectrum, library};
 
 use crate::stage::{Stage, camera, sphere, square};
 
-const RESOLUTION: [u32; 2] = [8, 6];
+pub(crate) const RESOLUTION: [u32; 2] = [8, 6];
 const BANDS: [&str; 2] = ["short", "long"];
 
 pub(crate) fn grey(value: f32) -> TexturedColour {
@@ -65,7 +65,12 @@ fn with_light_paths() -> RenderSettings {
     RenderSettings { light_paths: 1.0, ..RenderSettings::default() }
 }
 
-fn picture(scene: &Scene, lens: &LensDescription, settings: RenderSettings) -> Estimate {
+pub(crate) fn picture(
+    scene: &Scene,
+    lens: &LensDescription,
+    settings: RenderSettings,
+    prepare: impl FnOnce(&mut Film),
+) -> Estimate {
     let grid = PixelGrid { resolution: RESOLUTION, pitch_m: [2e-3; 2] };
     let camera = camera(
         lens,
@@ -87,14 +92,17 @@ fn picture(scene: &Scene, lens: &LensDescription, settings: RenderSettings) -> E
         resolution: RESOLUTION,
         settings: &settings,
     };
-    render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(())).estimate(BANDS)
+    let mut film = job.empty_film(FilmResponses::new(&responses));
+    prepare(&mut film);
+    render_on(&job, &mut film, &|_| ControlFlow::Continue(()));
+    film.estimate(BANDS)
 }
 
 /// Renders as the settings say, and with paths from the camera alone, and compares both pixel by pixel. Returns the variance
 /// without over that with them, of all pixels together.
 pub(crate) fn compare(name: &str, scene: &Scene, lens: &LensDescription, settings: RenderSettings) -> f64 {
     let alone = RenderSettings { light_paths: 0.0, reuse: 1, seed: 2, ..settings.clone() };
-    let [without, with] = [alone, settings].map(|settings| picture(scene, lens, settings));
+    let [without, with] = [alone, settings].map(|settings| picture(scene, lens, settings, |_| {}));
     let values = |estimate: &Estimate, is_mean: bool| -> Vec<f64> {
         let planes = if is_mean { &estimate.mean } else { &estimate.variance };
         planes.channels().iter().flat_map(|channel| &channel.data).map(|&v| f64::from(v)).collect()
