@@ -32,6 +32,32 @@ pub struct Emission {
     pub density: f32,
 }
 
+/// A point of a triangle, all of which are equally likely.
+pub(super) struct TrianglePoint {
+    pub(super) barycentric: [f32; 2],
+    pub(super) position: Vec3,
+    /// Unit normal.
+    pub(super) normal: Vec3,
+    /// Of the triangle, m².
+    pub(super) double_area: f32,
+}
+
+impl TrianglePoint {
+    /// At a time, by two numbers in [0, 1); `None` where the triangle has no area.
+    #[inline]
+    pub(super) fn new(geometry: &Geometry, triangle: u32, time: f32, u: [f32; 2]) -> Option<Self> {
+        let [a, b, c] = geometry.corners_at(triangle, time);
+        let barycentric = warp::uniform_triangle(u);
+        let across = (b - a).cross(c - a);
+        let double_area = across.length();
+        if double_area == 0.0 {
+            return None;
+        }
+        let position = a + (b - a) * barycentric[0] + (c - a) * barycentric[1];
+        Some(Self { barycentric, position, normal: across / double_area, double_area })
+    }
+}
+
 impl Emitters {
     /// `powers[i]` is the power of `lights[i]`, any unit.
     pub(super) fn new(lights: &[Light], powers: &[f64]) -> Self {
@@ -79,15 +105,8 @@ impl Lights {
     ) -> Option<Emission> {
         let (light, probability, rest) = self.emitters.table.as_ref()?.sample(u_light);
         let Light::Triangle(emitter) = &self.lights[light as usize] else { return None };
-        let [a, b, c] = geometry.corners_at(emitter.triangle, time);
-        let barycentric = warp::uniform_triangle(u_point);
-        let across = (b - a).cross(c - a);
-        let double_area = across.length();
-        if double_area == 0.0 {
-            return None;
-        }
-        let normal = across / double_area;
-        let position = a + (b - a) * barycentric[0] + (c - a) * barycentric[1];
+        let TrianglePoint { barycentric, position, normal, double_area } =
+            TrianglePoint::new(geometry, emitter.triangle, time, u_point)?;
         let two_sided = emitter.emission.two_sided;
         let side = if two_sided && rest >= 0.5 { -normal } else { normal };
         let direction = Frame::from_normal(side).to_world(warp::cosine_hemisphere(u_direction));

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 
 use super::bounds::LightBounds;
-use super::emitters::Emitters;
+use super::emitters::{Emitters, TrianglePoint};
 use super::selection::{Choice, Selection};
 use super::{Environment, Profile, Projector, Receiver, SurfaceEmission};
 use crate::geometry::{Geometry, Motion, Transform};
-use crate::math::{Area, Pdf, SolidAngle, warp};
+use crate::math::{Area, Pdf, SolidAngle};
 use crate::sabotage::{Fault, flip};
 use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths};
 
@@ -278,15 +278,8 @@ impl Lights {
                 is_delta: true,
             }),
             Light::Triangle(light) => {
-                let [a, b, c] = geometry.corners_at(light.triangle, time);
-                let barycentric = warp::uniform_triangle(u);
-                let across = (b - a).cross(c - a);
-                let double_area = across.length();
-                if double_area == 0.0 {
-                    return None;
-                }
-                let normal = across / double_area;
-                let position = a + (b - a) * barycentric[0] + (c - a) * barycentric[1];
+                let TrianglePoint { barycentric, position, normal, double_area } =
+                    TrianglePoint::new(geometry, light.triangle, time, u)?;
                 let to_light = position - point;
                 let distance_squared = to_light.length_squared();
                 let wi = to_light / distance_squared.sqrt();

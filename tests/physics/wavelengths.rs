@@ -5,9 +5,9 @@ use std::ops::ControlFlow;
 
 use glam::{DAffine3, Vec3};
 use photosite::film::{FilmResponses, Response};
-use photosite::image::Estimate;
+use photosite::image::{Estimate, Planes};
 use photosite::integrator::{FilterTile, RenderJob, RenderSettings, WavelengthChoice, render};
-use photosite::optics::{Focus, LensDescription, LensKind, PixelGrid};
+use photosite::optics::{Focus, LensDescription, LensKind, PixelGrid, PointSpread};
 use photosite::sampler::SamplerKind;
 use photosite::scene::description::MaterialModel;
 use photosite::spectrum::{Dispersion, Spectrum, illuminant};
@@ -28,13 +28,17 @@ fn responses() -> Vec<Response> {
 
 /// Daylight through a pane of glass that fills the picture.
 fn picture(wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
+    let lens = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 8.0, Focus::Infinity) };
+    picture_through(&lens, wavelengths, dispersion)
+}
+
+fn picture_through(lens: &LensDescription, wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
     let glass = MaterialModel::Dielectric { index: dispersion, roughness: 0.0 };
     let front = square(Vec3::NEG_Z, Vec3::X, Vec3::Y, 100.0);
     let back = square(2.0 * Vec3::NEG_Z, Vec3::Y, Vec3::X, 100.0);
     let scene = Stage::default().mesh([front, back].concat(), glass, None).sky(illuminant::d65().clone()).build();
-    let lens = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 8.0, Focus::Infinity) };
     let grid = PixelGrid { resolution: RESOLUTION, pitch_m: [1e-5; 2] };
-    let camera = camera(&lens, &grid, DAffine3::IDENTITY);
+    let camera = camera(lens, &grid, DAffine3::IDENTITY);
     let responses = responses();
     let importance = Spectrum::from_fn(|l| responses.iter().map(|r| f64::from(r.spectrum.eval(l as f32))).sum());
     let of_tile = responses[..3].iter().map(|r| r.spectrum.clone()).collect();
@@ -57,6 +61,23 @@ fn picture(wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
     };
     let film = render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(()));
     film.estimate(responses.iter().map(|r| r.name.as_str()))
+}
+
+#[test]
+fn a_lens_that_spreads_points_by_wavelength_leaves_even_light_behind_glass_that_disperses_as_it_is() {
+    let glass = || Dispersion::Cauchy { a: 1.5, b_um2: 0.01, c_um4: 0.0 };
+    let blurred = |spread| {
+        let pinhole = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 8.0, Focus::Infinity) };
+        let lens = LensDescription { point_spread: Some(spread), ..pinhole };
+        picture_through(&lens, WavelengthChoice::AllFilters, glass())
+    };
+    let [even, by_wavelength] = [PointSpread::Gaussian { sigma_m: 1e-5 }, PointSpread::Airy].map(blurred);
+    let sum = |planes: &Planes, i: usize| planes.channels()[i].data.iter().map(|&v| f64::from(v)).sum::<f64>();
+    for i in 0..3 {
+        let [a, b] = [&even, &by_wavelength].map(|picture| sum(&picture.mean, i));
+        let error = (sum(&even.variance, i) + sum(&by_wavelength.variance, i)).sqrt();
+        assert!((a - b).abs() < 4.0 * error && error < 0.02 * a, "{i}: {a} {b} ± {error}");
+    }
 }
 
 /// Index of the pixel's own filter.
