@@ -151,7 +151,10 @@ impl Connections {
         let mut from = 0;
         for (number, second) in seconds.iter().enumerate() {
             from += firsts[from..].iter().take_while(|first| first.group < second.group).count();
-            self.connect(number, second, (from, &firsts[from..]));
+            // Darkness needs no rays.
+            if !light(number).is_black() {
+                self.connect(number, second, (from, &firsts[from..]));
+            }
         }
         scene.occluded_each(&self.rays, &mut self.occluded);
         let sees = |pair: &&Pair| pair.ray.is_none_or(|ray| !self.occluded[ray as usize]);

@@ -85,7 +85,8 @@ pub(crate) struct RenderTable {
     /// where a camera or a scene moves, nor with wavelengths = "own-filter" or light_paths. Left out: 1.
     pub(crate) reuse: Option<u32>,
     /// Paths that set out from surfaces that shine, for each sample, 0 to 64: they look for caustics, what glass, mirrors and
-    /// polished metal throw on other surfaces. Not where a camera or a scene moves. Left out: 0.
+    /// polished metal throw on other surfaces. Not where a camera or a scene moves, on sensors that scan, nor with wavelengths =
+    /// "own-filter" or reuse. Left out: 0.
     pub(crate) light_paths: Option<f64>,
     /// Whose wavelengths the paths of a pixel carry: "all-filters"; or "own-filter", mostly what the filter above the pixel
     /// lets through, for raw pictures through narrow filters and for dispersion: what else is told of the pixel's light (other
