@@ -247,7 +247,7 @@ impl<'a> Tracer<'a> {
             // The listener can only end a render between passes, so its answer to a row does not matter.
             let _ = (self.step)(Step::Row { paths });
         };
-        film.rows().into_par_iter().enumerate().for_each(fill);
+        film.rows().into_par_iter().with_max_len(1).enumerate().for_each(fill);
     }
 
     /// Number of pixels that share what lies beyond their first surfaces.
