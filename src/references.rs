@@ -26,6 +26,10 @@
 //! ## KirkArvo91
 //! D. Kirk, J. Arvo, "Unbiased Sampling Techniques for Image Synthesis", Computer Graphics (SIGGRAPH) 25(4) (1991).
 //!
+//! ## KingmaBa15
+//! D. P. Kingma, J. Ba, "Adam: A Method for Stochastic Optimization", International Conference on Learning Representations
+//! (2015), algorithm 1.
+//!
 //! ## Wilkie14
 //! A. Wilkie et al., "Hero Wavelength Spectral Sampling", Computer Graphics Forum 33(4) (2014).
 //!

@@ -80,7 +80,7 @@ mod tests {
             scene: &scene,
             camera: &camera,
             transmittance: &capture.lens.transmittance,
-            importance: &importance,
+            responses: &responses,
             filters: None,
             resolution,
             settings: &settings,

@@ -340,7 +340,6 @@ impl Series<'_> {
                     scene,
                     camera,
                     responses: self.responses,
-                    importance: self.importance,
                     filters: self.filters,
                     strips: self.strips,
                     is_part,

@@ -13,7 +13,6 @@ use photosite::io::film_file::film_bytes;
 use photosite::io::light_rows::{LightRows, Store};
 use photosite::optics::Camera;
 use photosite::scene::Scene;
-use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
 
 use super::chain::Chain;
@@ -33,7 +32,6 @@ pub(super) struct Trace<'a> {
     pub(super) scene: &'a Scene,
     pub(super) camera: &'a Camera,
     pub(super) responses: &'a [Response],
-    pub(super) importance: &'a Spectrum,
     pub(super) filters: Option<&'a FilterTile>,
     pub(super) strips: Strips,
     /// Whether it is a part of a render, of which the sums are kept.
@@ -63,7 +61,7 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
         scene: t.scene,
         camera: t.camera,
         transmittance: &t.capture.lens.transmittance,
-        importance: t.importance,
+        responses: t.responses,
         filters: t.filters,
         resolution: pixels(t.capture),
         settings,

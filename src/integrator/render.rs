@@ -12,7 +12,7 @@ use super::odds::Odds;
 use super::path::{PathLimits, Sharing};
 use super::wave::Wave;
 use super::wavelengths::{FilterTile, PixelWavelengths};
-use crate::film::{Film, FilmResponses, FilmRow};
+use crate::film::{Film, FilmResponses, FilmRow, Response};
 use crate::optics::Camera;
 use crate::sampler::{PixelOrder, Sampler};
 use crate::scene::Scene;
@@ -26,8 +26,8 @@ pub struct RenderJob<'a> {
     pub camera: &'a Camera,
     /// The lens's spectral transmittance τ.
     pub transmittance: &'a Spectrum,
-    /// How much each wavelength matters to the sensor.
-    pub importance: &'a Spectrum,
+    /// What is made of each wavelength: what the planes of the film hold.
+    pub responses: &'a [Response],
     /// The filters of the pixels; `None` where all pixels have the same.
     pub filters: Option<&'a FilterTile>,
     /// Columns and rows.

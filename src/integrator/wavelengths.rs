@@ -1,7 +1,7 @@
 //! Which wavelengths the paths of each pixel carry.
 //!
-//! One density for all pixels serves all filters: four wavelengths that share it evenly tell nearly as much of red, green
-//! and blue as wavelengths of their own would. It does not serve filters that see little of what all see together, as those
+//! One density for all pixels serves all filters: four wavelengths that share it evenly tell of red, green and blue what
+//! wavelengths of their own would, if it is the one that [`importance`] finds. It does not serve filters that see little of what all see together, as those
 //! of multispectral sensors, nor paths that dispersion leaves with one wavelength: most of them carry what the filter above
 //! the pixel does not let through. A picture of raw numbers alone needs what the pixel's own filter sees. With the response
 //! R of that filter, A of all together, and what arrives of the light L through the lens τ, wavelengths are then drawn by
@@ -12,7 +12,7 @@
 //! right on average.
 
 use super::RenderJob;
-use crate::spectrum::{Spectrum, WavelengthSampler};
+use crate::spectrum::{Spectrum, WavelengthSampler, importance};
 
 /// Whose wavelengths the paths of a pixel carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +53,7 @@ pub(super) struct PixelWavelengths {
 
 impl PixelWavelengths {
     pub(super) fn new(job: &RenderJob<'_>) -> Self {
-        let all = useful(job, job.importance);
+        let all = of_all(job);
         match (job.settings.wavelengths, job.filters) {
             (WavelengthChoice::OwnFilter, Some(FilterTile { responses, filters, width })) => {
                 let sampler = |response| WavelengthSampler::new(&mostly(&useful(job, response), &all));
@@ -67,7 +67,7 @@ impl PixelWavelengths {
 
     /// For paths of which no one knows to which pixel they will come.
     pub(super) fn of_all(job: &RenderJob<'_>) -> WavelengthSampler {
-        WavelengthSampler::new(&useful(job, job.importance))
+        WavelengthSampler::new(&of_all(job))
     }
 
     /// That of a pixel.
@@ -76,6 +76,12 @@ impl PixelWavelengths {
         let height = self.filters.len() / self.width;
         &self.samplers[self.filters[row % height * self.width + column % self.width]]
     }
+}
+
+/// How much each wavelength matters to whatever looks at the light.
+fn of_all(job: &RenderJob<'_>) -> Spectrum {
+    let responses: Vec<Spectrum> = job.responses.iter().map(|response| useful(job, &response.spectrum)).collect();
+    importance(&responses)
 }
 
 /// Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.

@@ -74,6 +74,29 @@ impl Wavelengths {
     }
 }
 
+/// The part of the probability that is spread evenly over where the importance is not zero, so that a dim wavelength is
+/// never left out for good.
+const EVEN_PART: f64 = 0.05;
+
+/// Pieces of a density, each a nanometre long: the intervals between the entries of a table.
+pub(super) const PIECES: usize = TABLE_LEN - 1;
+
+/// The probability of each piece, for importances at the entries, of which those below zero count as zero: a factor times the
+/// mean of its two ends, and the even part. With that factor. A piece counts as useful where either end does; where none
+/// is, all are.
+pub(super) fn probabilities(importances: &[f64]) -> (Vec<f64>, f64) {
+    let mut masses: Vec<f64> = importances.windows(2).map(|ends| 0.5 * (ends[0].max(0.0) + ends[1].max(0.0))).collect();
+    if masses.iter().all(|&mass| mass == 0.0) {
+        masses.fill(1.0);
+    }
+    let useful = masses.iter().filter(|&&mass| mass > 0.0).count() as f64;
+    let sum: f64 = masses.iter().sum();
+    assert!(sum.is_finite(), "importances must be finite");
+    let scale = (1.0 - EVEN_PART) / sum;
+    let probability = |&mass: &f64| if mass > 0.0 { scale * mass + EVEN_PART / useful } else { 0.0 };
+    (masses.iter().map(probability).collect(), scale)
+}
+
 /// Draws wavelengths with a density proportional to an importance spectrum, constant between whole nanometres.
 #[derive(Clone, Debug)]
 pub struct WavelengthSampler {
@@ -96,30 +119,16 @@ struct Piece {
 }
 
 impl WavelengthSampler {
-    /// The part of the probability that is spread evenly over where the importance is not zero, so that a dim
-    /// wavelength is never left out for good.
-    const EVEN_PART: f64 = 0.05;
-
     const PARTS: usize = 2048;
 
     /// From an importance (any unit, not negative): typically what the sensor makes of the light. Wavelengths where it
     /// is zero are never drawn, so it must be positive wherever the response and the light both are.
     pub fn new(importance: &Spectrum) -> Self {
-        let at = |i: usize| f64::from(importance.values()[i].max(0.0));
-        // Pieces are the 800 intervals between table entries. A piece counts as useful where either end does.
-        let mut values: Vec<f64> = (0..TABLE_LEN - 1).map(|i| 0.5 * (at(i) + at(i + 1))).collect();
-        if values.iter().all(|&value| value == 0.0) {
-            values.fill(1.0);
-        }
-        let useful = values.iter().filter(|&&value| value > 0.0).count() as f64;
-        let sum: f64 = values.iter().sum();
-        assert!(sum.is_finite(), "importances must be finite");
+        let (probabilities, _) = probabilities(&importance.values().map(f64::from));
         let mut running = 0.0;
         let mut before = vec![0.0];
-        for value in values {
-            if value > 0.0 {
-                running += (1.0 - Self::EVEN_PART) * value / sum + Self::EVEN_PART / useful;
-            }
+        for probability in probabilities {
+            running += probability;
             before.push(running as f32);
         }
         // Off by some 10⁻¹³, which f32 does not see: all below 1 belongs to a piece.

@@ -47,18 +47,17 @@ fn behind_our_lens(sky: &Scene, f_number: f64, angle_deg: f64) -> f64 {
     let grid = PixelGrid { resolution: [1, 1], pitch_m: [1e-3; 2] };
     let camera = Camera::new(&lens, &grid, DAffine3::IDENTITY, f64::NAN).expect("a valid lens");
     let band = Spectrum::from_fn(|l| if (400.0..=700.0).contains(&l) { 1.0 } else { 0.0 });
-    let response = band.scale(1.0 / band.integral());
+    let responses = [Response { name: "E".into(), spectrum: band.scale(1.0 / band.integral()) }];
     let job = RenderJob {
         scene: sky,
         camera: &camera,
         transmittance: &Spectrum::constant(1.0),
-        importance: &response,
+        responses: &responses,
         filters: None,
         resolution: [1, 1],
         settings: &RenderSettings { samples_per_pixel: 1 << 14, ..Default::default() },
     };
-    let responses = FilmResponses::new(&[Response { name: "E".into(), spectrum: response.clone() }]);
-    let film = render(&job, responses, &|_| ControlFlow::Continue(()));
+    let film = render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(()));
     f64::from(film.estimate(["E"]).mean.channels()[0].data[0])
 }
 

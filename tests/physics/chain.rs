@@ -26,14 +26,13 @@ fn electron_rates(
         sensor.responses().into_iter().map(|(name, spectrum)| Response { name, spectrum }).collect();
     let grid = PixelGrid { resolution: [1, 1], pitch_m: sensor.pixel_pitch_m };
     let camera = camera(lens, &grid, to_world);
-    let importance = Spectrum::from_fn(|l| responses.iter().map(|r| f64::from(r.spectrum.eval(l as f32))).sum());
     let settings = RenderSettings { samples_per_pixel: samples, ..Default::default() };
     let clear = Spectrum::constant(1.0);
     let job = RenderJob {
         scene,
         camera: &camera,
         transmittance: &clear,
-        importance: &importance,
+        responses: &responses,
         filters: None,
         resolution: [1, 1],
         settings: &settings,

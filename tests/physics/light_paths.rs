@@ -82,12 +82,11 @@ pub(crate) fn picture(
         .map(|(name, spectrum)| Response { name: name.to_owned(), spectrum });
     let settings =
         RenderSettings { samples_per_pixel: 1 << 13, max_depth: 6, sampler: SamplerKind::Independent, ..settings };
-    let importance = Spectrum::from_fn(|l| if (400.0..700.0).contains(&l) { 1.0 } else { 0.0 });
     let job = RenderJob {
         scene,
         camera: &camera,
         transmittance: &Spectrum::from_fn(|l| 0.5 + l / 2000.0),
-        importance: &importance,
+        responses: &responses,
         filters: None,
         resolution: RESOLUTION,
         settings: &settings,
@@ -228,24 +227,20 @@ fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
     let up = DAffine3::from_rotation_translation(DQuat::from_rotation_x(FRAC_PI_2), DVec3::new(middle, 1.5, 0.0));
     let camera = camera(&lens, &PixelGrid { resolution: [n; 2], pitch_m: [0.2 / f64::from(n); 2] }, up);
     let spectrum = Spectrum::from_fn(|l| if (500.0..=600.0).contains(&l) { 0.01 } else { 0.0 });
+    let band = spectrum.integral();
+    let responses = [Response { name: "E".to_owned(), spectrum }];
     let settings =
         RenderSettings { samples_per_pixel: 512, max_depth: 3, light_paths: 64.0, ..RenderSettings::default() };
     let job = RenderJob {
         scene: &scene,
         camera: &camera,
         transmittance: &Spectrum::constant(1.0),
-        importance: &spectrum.clone(),
+        responses: &responses,
         filters: None,
         resolution: [n; 2],
         settings: &settings,
     };
-    let band = spectrum.integral();
-    let film =
-        render(
-            &job,
-            FilmResponses::new(&[Response { name: "E".to_owned(), spectrum }]),
-            &|_| ControlFlow::Continue(()),
-        );
+    let film = render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(()));
     let estimate = film.estimate(["E"]);
     let sum = |planes: &Planes| planes.channels()[0].data.iter().map(|&v| f64::from(v)).sum::<f64>();
     let pixels = f64::from(n * n);

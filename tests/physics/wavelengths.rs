@@ -40,7 +40,6 @@ fn picture_through(lens: &LensDescription, wavelengths: WavelengthChoice, disper
     let grid = PixelGrid { resolution: RESOLUTION, pitch_m: [1e-5; 2] };
     let camera = camera(lens, &grid, DAffine3::IDENTITY);
     let responses = responses();
-    let importance = Spectrum::from_fn(|l| responses.iter().map(|r| f64::from(r.spectrum.eval(l as f32))).sum());
     let of_tile = responses[..3].iter().map(|r| r.spectrum.clone()).collect();
     let tile = FilterTile { responses: of_tile, filters: TILE.to_vec(), width: TILE_WIDTH };
     let settings = RenderSettings {
@@ -54,7 +53,7 @@ fn picture_through(lens: &LensDescription, wavelengths: WavelengthChoice, disper
         scene: &scene,
         camera: &camera,
         transmittance: &clear,
-        importance: &importance,
+        responses: &responses,
         filters: Some(&tile),
         resolution: RESOLUTION,
         settings: &settings,
