@@ -313,8 +313,9 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
         query: impl Fn(&'a Ray) -> Q,
         answers: &mut [Q::Answer],
     ) {
-        let mut flights = [const { Flight::NONE }; IN_FLIGHT];
-        for (rays, answers) in rays.chunks(IN_FLIGHT).zip(answers.chunks_mut(IN_FLIGHT)) {
+        let mut flights = [const { Flight::NONE }; MOST_IN_FLIGHT];
+        let in_flight = if self.blocks.len() > MANY_BLOCKS { MOST_IN_FLIGHT } else { IN_FLIGHT };
+        for (rays, answers) in rays.chunks(in_flight).zip(answers.chunks_mut(in_flight)) {
             for (flight, ray) in flights.iter_mut().zip(rays) {
                 flight.start(ray, query(ray));
             }
@@ -340,8 +341,11 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
     }
 }
 
-/// Rays that take turns.
+/// Rays that take turns, of which more would not fit into the innermost cache beside a small scene.
 const IN_FLIGHT: usize = 8;
+/// The same in meshes of which little is in the caches, where they wait longer.
+const MOST_IN_FLIGHT: usize = 16;
+const MANY_BLOCKS: usize = 1 << 16;
 
 /// A ray on its way through a group.
 struct Flight<Q> {
