@@ -7,6 +7,7 @@
 //! [`wide_bvh`]: super::wide_bvh
 
 mod query;
+mod turns;
 
 use std::ops::Range;
 
@@ -67,8 +68,10 @@ impl Place {
 pub struct Accel {
     groups: Vec<Group>,
     placements: Vec<Placement>,
-    /// Over the placements; `None` where there is none, or a single one in world space.
+    /// Over the placements; `None` where there is none, or a single one of a rigid group in world space.
     top: Option<TopLevel>,
+    /// Whether rays often wait for the memory.
+    pub(super) exceeds_caches: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -99,9 +102,11 @@ impl Accel {
     /// deforms are a group of their own.
     pub fn build(geometry: &Geometry, groups: &[Range<u32>], placements: Vec<Placement>) -> Self {
         let groups: Vec<_> = groups.iter().map(|range| Group::build(geometry, range)).collect();
-        let needs_top = !matches!(placements[..], [] | [Placement { place: Place::World, .. }]);
-        let top = needs_top.then(|| TopLevel::build(&groups, &placements));
-        Self { groups, placements, top }
+        let is_alone =
+            matches!((&placements[..], &groups[..]), ([Placement { place: Place::World, .. }], [Group::Rigid(_)]));
+        let top = (!placements.is_empty() && !is_alone).then(|| TopLevel::build(&groups, &placements));
+        let exceeds_caches = turns::exceed_caches(groups.iter().map(Group::blocks).sum());
+        Self { groups, placements, top, exceeds_caches }
     }
 
     /// The placements.
@@ -132,6 +137,14 @@ impl Group {
             TriangleBvh::build(range, boxes, corners)
         };
         Self::Deforming((0..deformation.shape_count() - 1).map(part).collect())
+    }
+
+    /// Number of blocks of triangles.
+    fn blocks(&self) -> usize {
+        match self {
+            Self::Rigid(bvh) => bvh.blocks.len(),
+            Self::Deforming(parts) => parts.iter().map(|part| part.blocks.len()).sum(),
+        }
     }
 
     fn bounds(&self) -> Bounds {

@@ -1,6 +1,6 @@
 //! Traversal against brute force, watertightness, instances, precision at every scale.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, Quat, Vec3};
 
 use super::*;
 use crate::math::hash::{hash64, unit_f32};
@@ -138,24 +138,53 @@ impl HitFilter for Sieve {
     }
 }
 
+/// Spheres in each other's way: of which one stays where it is, one is elsewhere, one moves, and one swells and shrinks, here
+/// and there.
+fn spheres() -> Accel {
+    let mut g = sphere(16, 32);
+    let (corners, triangles) = (g.positions.len() as u32, g.triangles.len() as u32);
+    let shape = |size: f32| g.positions.iter().map(move |corner| corner * size);
+    let positions: Vec<_> = [0.7, 1.2, 0.6].into_iter().flat_map(shape).collect();
+    g.deformations.push(Deformation { first_corner: corners, corner_count: corners, positions, normals: vec![] });
+    g.positions.extend_from_within(..);
+    let moved: Vec<_> =
+        g.triangles.iter().map(|t| Triangle { corners: t.corners.map(|c| c + corners), mesh: 1 }).collect();
+    g.triangles.extend(moved);
+    g.meshes.push(MeshRange { first_triangle: triangles, deformation: Some(0), ..mesh_of(triangles) });
+    let at = |x: f64, y: f64| DAffine3::from_translation(DVec3::new(x, y, 0.0));
+    let still = |x, y| Place::Still(Transform::new(&at(x, y)));
+    let placements = [
+        (0, Place::World),
+        (0, still(-1.5, 0.0)),
+        (0, Place::Moving(Box::new(Motion::new(&[at(0.5, 0.0), at(2.0, 0.5)])))),
+        (1, still(0.0, 1.0)),
+        (1, Place::World),
+    ];
+    let placements = placements.map(|(group, place)| Placement { group, place });
+    Accel::build(&g, &[0..triangles, triangles..2 * triangles], placements.into())
+}
+
 #[test]
 fn rays_that_take_turns_meet_what_each_meets_alone() {
     let mut numbers = Numbers(5);
     let g = sphere(16, 32);
-    let all = 0..g.triangles.len() as u32;
-    let beside = |x: f32| {
-        let to_world = Affine3A::from_translation(Vec3::X * x);
-        Placement { group: 0, place: Place::Still(Transform { to_world, to_group: to_world.inverse() }) }
-    };
-    let instances = Accel::build(&g, &[all], vec![beside(-1.5), beside(1.5)]);
-    for (what, accel) in
-        [("in the world", in_world(&g)), ("instances", instances), ("nothing", Accel::build(&g, &[], vec![]))]
-    {
+    let nothing = Accel::build(&g, &[], vec![]);
+    // As in large scenes.
+    let (mut in_turns, mut nothing_in_turns) = (spheres(), nothing.clone());
+    in_turns.exceeds_caches = true;
+    nothing_in_turns.exceeds_caches = true;
+    for (what, accel) in [
+        ("in the world", in_world(&g)),
+        ("placements", spheres()),
+        ("placements in turns", in_turns),
+        ("nothing", nothing),
+        ("nothing in turns", nothing_in_turns),
+    ] {
         // More and fewer than take turns at once, and some that are short.
-        for count in [0, 1, 7, 8, 9, 100] {
+        for count in [0, 1, 7, 8, 9, 15, 17, 300] {
             let ray = |i: usize| {
                 let direction = warp::uniform_sphere([numbers.next(), numbers.next()]);
-                let ray = Ray::new((numbers.point() - 0.5) * 5.0, direction);
+                let ray = Ray::new((numbers.point() - 0.5) * 5.0, direction).at_time(numbers.next());
                 if i.is_multiple_of(3) { Ray { t_max: 1.5, ..ray } } else { ray }
             };
             let rays: Vec<Ray> = (0..count).map(ray).collect();

@@ -1,17 +1,10 @@
 //! What is asked along rays, and how it is taken to the triangles: through the placements, into their groups, down to blocks.
-//!
-//! Several rays may be asked for at once. Where all geometry is one rigid group in world space they take turns then, a node or a
-//! leaf each: while the memory brings what one of them is to visit next, the others go on. In meshes larger than the caches that
-//! makes them 1.4 to 2.4 times as fast, rays of a camera in small scenes too; others stay within some per cent.
 
-use std::ops::ControlFlow;
-
+use super::turns::{FEW, GroupFlight, MANY, PlacedFlight, exceed_caches, take_turns};
 use super::{Accel, Group, Placement, TopLevel, TriangleBvh};
 use crate::geometry::mesh::segment;
-use crate::geometry::traversal_stack::TraversalStack;
 use crate::geometry::triangle_block::{BLOCK_SIZE, BlockHits, ShearedRay, TriangleBlock};
 use crate::geometry::wide_bvh::LeafVisitor;
-use crate::geometry::wide_node::SlabRay;
 use crate::geometry::{Hit, Ray};
 use crate::math::simd::{Lanes, prefetch, with_widest_lanes};
 
@@ -49,14 +42,22 @@ impl Accel {
     pub fn closest_each<F: HitFilter>(&self, rays: &[Ray], filter: &F, hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         hits.resize(rays.len(), None);
-        closest_each(self, rays, filter, hits);
+        match self.alone() {
+            Some(group) => closest_each(group, rays, filter, hits),
+            None if self.exceeds_caches => closest_each_placed(self, rays, filter, hits),
+            None => hits.iter_mut().zip(rays).for_each(|(hit, ray)| *hit = self.closest(ray, filter)),
+        }
     }
 
     /// Whether anything that `filter` accepts is in the way of each of several rays.
     pub fn occluded_each<F: HitFilter>(&self, rays: &[Ray], filter: &F, occluded: &mut Vec<bool>) {
         occluded.clear();
         occluded.resize(rays.len(), false);
-        occluded_each(self, rays, filter, occluded);
+        match self.alone() {
+            Some(group) => occluded_each(group, rays, filter, occluded),
+            None if self.exceeds_caches => occluded_each_placed(self, rays, filter, occluded),
+            None => occluded.iter_mut().zip(rays).for_each(|(is, ray)| *is = self.occluded(ray, filter)),
+        }
     }
 
     #[inline(always)]
@@ -65,32 +66,33 @@ impl Accel {
         query.answer(is_ended)
     }
 
-    /// Asks of several rays, with a query of its own for each.
+    /// The group that is all there is.
     #[inline(always)]
-    fn ask_each<'a, L: Lanes, Q: TriangleQuery>(
-        &self,
-        rays: &'a [Ray],
-        query: impl Fn(&'a Ray) -> Q,
-        answers: &mut [Q::Answer],
-    ) {
-        let first = self.placements.first().map(|placement| &self.groups[placement.group as usize]);
-        if let (None, Some(Group::Rigid(alone))) = (&self.top, first) {
-            return alone.ask_each::<L, Q>(rays, query, answers);
+    fn alone(&self) -> Option<&TriangleBvh<1>> {
+        match (&self.top, self.groups.first()) {
+            (None, Some(Group::Rigid(group))) => Some(group),
+            _ => None,
         }
-        for (ray, answer) in rays.iter().zip(answers) {
-            *answer = self.ask::<L, Q>(ray, query(ray));
+    }
+
+    /// The group of a placement, and a ray in its space.
+    #[inline(always)]
+    pub(super) fn in_group(&self, placement: u32, ray: &Ray) -> (&Group, Ray) {
+        let Placement { group, place } = &self.placements[placement as usize];
+        let mut local = *ray;
+        if let Some(transform) = place.at(ray.time) {
+            local.origin = transform.to_group.transform_point3(ray.origin);
+            local.direction = transform.to_group.transform_vector3(ray.direction);
         }
+        (&self.groups[*group as usize], local)
     }
 
     /// Shows `query` every group that the ray may meet. Returns whether it broke off.
     #[inline(always)]
     fn traverse<L: Lanes>(&self, ray: &Ray, query: &mut impl TriangleQuery) -> bool {
         match &self.top {
-            None => match self.placements.first() {
-                Some(placement) => {
-                    let group = &self.groups[placement.group as usize];
-                    group.traverse::<L, _>(0, ray, &mut { ray.t_max }, query)
-                }
+            None => match self.alone() {
+                Some(group) => group.traverse::<L, _>(0, ray, 0.0, &mut { ray.t_max }, query),
                 None => false,
             },
             Some(top) => {
@@ -119,28 +121,55 @@ fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> 
     accel.ask::<L, _>(ray, Occluded { ray, filter })
 }
 
+// Functions of their own for rays in one group, which are slower in one function with the others.
 with_widest_lanes! {
-    fn closest_each<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
+    fn closest_each<F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
         closest_each_in
 }
 
 #[inline(always)]
-fn closest_each_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
-    accel.ask_each::<L, _>(rays, |ray| Closest { ray, filter, nearest: None }, hits);
+fn closest_each_in<L: Lanes, F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
+    take_turns::<L, GroupFlight<_>, _>(
+        group,
+        rays,
+        group.in_turn(),
+        |ray| Closest { ray, filter, nearest: None },
+        hits,
+    );
 }
 
 with_widest_lanes! {
-    fn occluded_each<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, occluded: &mut [bool]) -> () =
+    fn closest_each_placed<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
+        closest_each_placed_in
+}
+
+#[inline(always)]
+fn closest_each_placed_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
+    take_turns::<L, PlacedFlight<_>, _>(accel, rays, MANY, |ray| Closest { ray, filter, nearest: None }, hits);
+}
+
+with_widest_lanes! {
+    fn occluded_each<F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool]) -> () =
         occluded_each_in
 }
 
 #[inline(always)]
-fn occluded_each_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, occluded: &mut [bool]) {
-    accel.ask_each::<L, _>(rays, |ray| Occluded { ray, filter }, occluded);
+fn occluded_each_in<L: Lanes, F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool]) {
+    take_turns::<L, GroupFlight<_>, _>(group, rays, group.in_turn(), |ray| Occluded { ray, filter }, occluded);
+}
+
+with_widest_lanes! {
+    fn occluded_each_placed<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, occluded: &mut [bool]) -> () =
+        occluded_each_placed_in
+}
+
+#[inline(always)]
+fn occluded_each_placed_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, occluded: &mut [bool]) {
+    take_turns::<L, PlacedFlight<_>, _>(accel, rays, MANY, |ray| Occluded { ray, filter }, occluded);
 }
 
 /// What is asked of the triangles along a ray.
-trait TriangleQuery {
+pub(super) trait TriangleQuery {
     /// Whether triangles may come in any order, since the ray is never shortened.
     const ANY_ORDER: bool;
     /// What is known in the end.
@@ -230,13 +259,8 @@ impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
         for &placement in &self.top.leaves[leaf as usize] {
             let Some(placement) = placement else { break };
-            let Placement { group, place } = &self.accel.placements[placement as usize];
-            let mut local = *self.ray;
-            if let Some(transform) = place.at(self.ray.time) {
-                local.origin = transform.to_group.transform_point3(self.ray.origin);
-                local.direction = transform.to_group.transform_vector3(self.ray.direction);
-            }
-            if self.accel.groups[*group as usize].traverse::<L, _>(placement, &local, t_max, self.query) {
+            let (group, local) = self.accel.in_group(placement, self.ray);
+            if group.traverse::<L, _>(placement, &local, t_max, self.query) {
                 return true;
             }
         }
@@ -248,13 +272,13 @@ impl<Q: TriangleQuery> LeafVisitor for PlacementVisitor<'_, Q> {
 }
 
 /// Takes a query from the leaves of a group to their triangles.
-struct BlockVisitor<'a, Q, const SHAPES: usize> {
-    blocks: &'a [TriangleBlock<SHAPES>],
+pub(super) struct BlockVisitor<'a, Q, const SHAPES: usize> {
+    pub(super) blocks: &'a [TriangleBlock<SHAPES>],
     /// How far the time is between two shapes.
-    part: f32,
-    sheared: &'a ShearedRay,
-    placement: u32,
-    query: &'a mut Q,
+    pub(super) part: f32,
+    pub(super) sheared: &'a ShearedRay,
+    pub(super) placement: u32,
+    pub(super) query: &'a mut Q,
 }
 
 impl<Q: TriangleQuery, const SHAPES: usize> LeafVisitor for BlockVisitor<'_, Q, SHAPES> {
@@ -290,6 +314,12 @@ impl Group {
 }
 
 impl<const SHAPES: usize> TriangleBvh<SHAPES> {
+    /// Number of rays that take turns.
+    #[inline]
+    fn in_turn(&self) -> usize {
+        if exceed_caches(self.blocks.len()) { MANY } else { FEW }
+    }
+
     /// `part` is how far the time is between two shapes.
     #[inline(always)]
     fn traverse<L: Lanes, Q: TriangleQuery>(
@@ -303,81 +333,5 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
         let mut visitor = BlockVisitor { blocks: &self.blocks, part, sheared: &sheared, placement, query };
         self.bvh.traverse::<L, _>(ray.origin, ray.direction, t_max, &mut visitor)
-    }
-
-    /// Asks of several rays, which take turns.
-    #[inline(always)]
-    fn ask_each<'a, L: Lanes, Q: TriangleQuery>(
-        &self,
-        rays: &'a [Ray],
-        query: impl Fn(&'a Ray) -> Q,
-        answers: &mut [Q::Answer],
-    ) {
-        let mut flights = [const { Flight::NONE }; MOST_IN_FLIGHT];
-        let in_flight = if self.blocks.len() > MANY_BLOCKS { MOST_IN_FLIGHT } else { IN_FLIGHT };
-        for (rays, answers) in rays.chunks(in_flight).zip(answers.chunks_mut(in_flight)) {
-            for (flight, ray) in flights.iter_mut().zip(rays) {
-                flight.start(ray, query(ray));
-            }
-            let mut in_flight = (1u32 << rays.len()) - 1;
-            while in_flight != 0 {
-                let mut turn = in_flight;
-                while turn != 0 {
-                    let slot = turn.trailing_zeros() as usize;
-                    turn &= turn - 1;
-                    let flight = &mut flights[slot];
-                    let Flight { slab, sheared, t_max, next, stack, query: Some(query) } = flight else {
-                        unreachable!("only rays that have started have turns")
-                    };
-                    let mut visitor = BlockVisitor { blocks: &self.blocks, part: 0.0, sheared, placement: 0, query };
-                    let step = self.bvh.step::<L, _, true>(&slab.in_lanes(), next, stack, t_max, &mut visitor);
-                    if let ControlFlow::Break(is_ended) = step {
-                        answers[slot] = query.answer(is_ended);
-                        in_flight &= !(1 << slot);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Rays that take turns, of which more would not fit into the innermost cache beside a small scene.
-const IN_FLIGHT: usize = 8;
-/// The same in meshes of which little is in the caches, where they wait longer.
-const MOST_IN_FLIGHT: usize = 16;
-const MANY_BLOCKS: usize = 1 << 16;
-
-/// A ray on its way through a group.
-struct Flight<Q> {
-    slab: SlabRay,
-    sheared: ShearedRay,
-    t_max: f32,
-    /// What it visits next.
-    next: u32,
-    /// What it has yet to visit.
-    stack: TraversalStack,
-    query: Option<Q>,
-}
-
-impl<Q> Flight<Q> {
-    /// That of no ray.
-    const NONE: Self = Self {
-        slab: SlabRay::NONE,
-        sheared: ShearedRay::NONE,
-        t_max: 0.0,
-        next: 0,
-        stack: TraversalStack::new(),
-        query: None,
-    };
-
-    /// Begins, where the last one has come to its end or was broken off.
-    #[inline(always)]
-    fn start(&mut self, ray: &Ray, query: Q) {
-        self.slab = SlabRay::new(ray.origin, ray.direction);
-        self.sheared = ShearedRay::new(ray.origin, ray.direction);
-        self.t_max = ray.t_max;
-        self.next = 0;
-        self.stack.clear();
-        self.query = Some(query);
     }
 }
