@@ -47,7 +47,7 @@ impl Environment {
         match self {
             Self::Constant { .. } => 0.0,
             Self::Picture(picture) => picture.excess,
-            Self::Sky(_) => 1.0,
+            Self::Sky(sky) => sky.excess(),
         }
     }
 

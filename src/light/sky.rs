@@ -60,8 +60,9 @@ pub struct Sky {
     cos_sun_radius: f32,
     /// Part of the samples that look at the sun.
     sun_part: f32,
-    /// Of azimuth and angle from the zenith.
+    /// Of azimuth and angle from the zenith, of what is brighter than the mean of the sky above and the dark below.
     distribution: PiecewiseConstant2D,
+    excess: f64,
 }
 
 /// The sky at a wavelength: parameters A–I and mean radiance of [HosekWilkie12](crate::references#hosekwilkie12) eq. 8.
@@ -176,7 +177,9 @@ impl Sky {
         const WITHIN: usize = 2;
         let hat = |knot: usize| spectrum(&std::array::from_fn(|k| f64::from(u8::from(k == knot))), true);
         let luminous: [f64; KNOTS] = std::array::from_fn(|knot| cie::luminous(&hat(knot)));
-        let mut weights = vec![0.0f32; ROWS * COLUMNS];
+        let mut weights = vec![0.0; ROWS * COLUMNS];
+        // Of the same for a sky of luminance 1.
+        let mut sines = [0.0; ROWS];
         let mut totals = [0.0; KNOTS];
         for row in 0..ROWS * WITHIN {
             for column in 0..COLUMNS * WITHIN {
@@ -190,14 +193,24 @@ impl Sky {
                     *total += radiance * f64::from(cell);
                     luminance += radiance * luminous;
                 }
-                weights[row / WITHIN * COLUMNS + column / WITHIN] += (luminance * f64::from(sin_theta)) as f32;
+                weights[row / WITHIN * COLUMNS + column / WITHIN] += luminance * f64::from(sin_theta);
+                sines[row / WITHIN] += f64::from(sin_theta) / COLUMNS as f64;
             }
         }
+        // Half of all directions are dark.
+        let whole: f64 = weights.iter().sum();
+        let mean = 0.5 * whole / (sines.iter().sum::<f64>() * COLUMNS as f64);
+        for (row, sine) in weights.chunks_mut(COLUMNS).zip(sines) {
+            row.iter_mut().for_each(|weight| *weight = (*weight - mean * sine).max(0.0));
+        }
+        let excess_of_sky = weights.iter().sum::<f64>() / whole;
+        let weights: Vec<f32> = weights.into_iter().map(|weight| weight as f32).collect();
         let sky_light = spectrum(&totals, true);
         let sun = conditions.has_sun.then(|| spectrum(&sun_knots(conditions.turbidity, elevation), false));
         let cos_sun_radius = SUN_RADIUS_RAD.cos();
         let sun_light = sun.as_ref().map(|sun| sun.scale(std::f64::consts::TAU * (1.0 - cos_sun_radius)));
         let [of_sky, of_sun] = [Some(&sky_light), sun_light.as_ref()].map(|light| light.map_or(0.0, cie::luminous));
+        let looked_at = of_sun + of_sky * excess_of_sky;
         let all = match &sun_light {
             Some(sun) => sky_light.map(|lambda, v| v + f64::from(sun.eval(lambda as f32))),
             None => sky_light,
@@ -209,10 +222,16 @@ impl Sky {
             sun: sun.map(|sun| spectra.add(&sun)),
             cos_sun_radius: cos_sun_radius as f32,
             // Both deserve some, whatever their power: either can be hidden from a point.
-            sun_part: if conditions.has_sun { (of_sun / (of_sun + of_sky)).clamp(0.25, 0.75) as f32 } else { 0.0 },
+            sun_part: if conditions.has_sun { (of_sun / looked_at).clamp(0.25, 0.75) as f32 } else { 0.0 },
             distribution: PiecewiseConstant2D::new(&weights, COLUMNS),
+            excess: looked_at / (of_sun + of_sky),
         };
         (sky, all)
+    }
+
+    /// The part of its light that exceeds the mean of all directions, 0–1, of which the sun is always one.
+    pub fn excess(&self) -> f64 {
+        self.excess
     }
 
     /// Radiance from the unit direction `towards`.
@@ -334,23 +353,40 @@ mod tests {
         }
     }
 
+    /// ∫ f dω over the hemisphere by n² samples of the sky and as many even ones, by the balance heuristic: the sky's leave out
+    /// what is darker than the mean.
+    fn integral(sky: &Sky, n: u16, f: impl Fn(Vec3) -> [f64; 4]) -> [f64; 4] {
+        let mut sums = [0.0; 4];
+        let mut add = |towards: Vec3| {
+            let density = f64::from(sky.pdf(towards).0) + 0.5 / std::f64::consts::PI;
+            for (sum, value) in sums.iter_mut().zip(f(towards)) {
+                *sum += value / density / f64::from(n).powi(2);
+            }
+        };
+        for i in 0..u32::from(n).pow(2) {
+            let u = [i % u32::from(n), i / u32::from(n)].map(|i| (i as f32 + 0.5) / f32::from(n));
+            if let Some((towards, _)) = sky.sample(u) {
+                add(towards);
+            }
+            // Around the zenith, which is +Y.
+            let Vec3 { x, y, z } = warp::uniform_cone(u, 0.0);
+            add(Vec3::new(x, z, y));
+        }
+        sums
+    }
+
     #[test]
     fn light_of_a_clear_day_is_as_bright_as_measured() {
         let horizontal = |turbidity, has_sun| {
             let (spectra, sky, _) = sky(turbidity, 60.0, 0.2, has_sun);
-            let n = 200u16;
-            let mut sum = 0.0;
-            for i in 0..n * n {
-                let u = [(f32::from(i % n) + 0.5) / f32::from(n), (f32::from(i / n) + 0.5) / f32::from(n)];
-                if let Some((towards, pdf)) = sky.sample(u) {
-                    let lanes = (0..10u8).map(|i| {
-                        let l = 400.0 + 30.0 * f32::from(i);
-                        f64::from(sky.radiance(&spectra, towards, &at([l; 4]))[0] * cie::y_bar().eval(l)) * 30.0
-                    });
-                    sum += 683.0 * lanes.sum::<f64>() * f64::from(towards.y / pdf.0);
-                }
-            }
-            sum / f64::from(n * n)
+            let illuminance = |towards: Vec3| {
+                let lanes = (0..10u8).map(|i| {
+                    let l = 400.0 + 30.0 * f32::from(i);
+                    f64::from(sky.radiance(&spectra, towards, &at([l; 4]))[0] * cie::y_bar().eval(l)) * 30.0
+                });
+                [683.0 * lanes.sum::<f64>() * f64::from(towards.y); 4]
+            };
+            integral(&sky, 200, illuminance)[0]
         };
         // A sun 60° high on a clear day gives some 90 000 lux, the clear sky alone 10 000 to 20 000 (IES Lighting Handbook,
         // daylight availability: 127 500 lux outside the air, extinction 0.21 for the sun; 800 + 15 500·√sin for the sky).
@@ -365,24 +401,22 @@ mod tests {
     fn samples_estimate_the_whole_light_and_know_their_density() {
         let (spectra, sky, all) = sky(4.0, 30.0, 0.2, true);
         let wavelengths = at([380.0, 550.0, 700.0, 900.0]);
+        let radiance = |towards| sky.radiance(&spectra, towards, &wavelengths).to_array().map(f64::from);
+        let found = integral(&sky, 256, radiance);
+        for (lambda, found) in [380.0, 550.0, 700.0, 900.0].into_iter().zip(found) {
+            // 65 000 evenly spread points of each kind, over cells of 1/128 by 1/64 with the sky smooth in them.
+            let ratio = found / f64::from(all.eval(lambda));
+            assert!((ratio - 1.0).abs() < 0.01, "{lambda}: {ratio}");
+        }
         let n = 256u16;
-        let mut sum = SampledSpectrum::ZERO;
+        let count = f64::from(n) * f64::from(n);
         let mut density = 0.0;
         for i in 0..u32::from(n) * u32::from(n) {
             let u = [i % u32::from(n), i / u32::from(n)].map(|i| (i as f32 + 0.5) / f32::from(n));
-            if let Some((towards, pdf)) = sky.sample(u) {
-                sum += sky.radiance(&spectra, towards, &wavelengths) * (1.0 / pdf.0);
-            }
             let uniform = warp::uniform_sphere(u);
             if sky.towards_sun.dot(uniform) < sky.cos_sun_radius {
                 density += f64::from(sky.pdf(uniform).0);
             }
-        }
-        let count = f64::from(n) * f64::from(n);
-        for (lane, lambda) in [380.0, 550.0, 700.0, 900.0].into_iter().enumerate() {
-            // 65 000 evenly spread points over cells of 1/128 by 1/64 with the sky smooth in them.
-            let ratio = f64::from(sum[lane]) / count / f64::from(all.eval(lambda));
-            assert!((ratio - 1.0).abs() < 0.01, "{lambda}: {ratio}");
         }
         // All but the part that looks at the sun.
         let rest = density / count * 4.0 * std::f64::consts::PI;
