@@ -126,7 +126,7 @@ pub(super) fn render(
     let start = Instant::now();
     let responses = responses(&capture);
     let strips = request.film_memory.strips(&capture, responses.len())?;
-    let importance = importance(&responses);
+    let importance = importance_of_light(&responses);
     let filters = filters(&capture);
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
@@ -431,7 +431,7 @@ pub(super) fn responses(capture: &Capture) -> Vec<Response> {
 }
 
 /// How much each wavelength matters: the sum of all responses, each scaled to a peak of 1.
-pub(super) fn importance(responses: &[Response]) -> Spectrum {
+pub(super) fn importance_of_light(responses: &[Response]) -> Spectrum {
     let scaled = responses.iter().filter(|r| r.spectrum.max() > 0.0).map(|r| (r, 1.0 / r.spectrum.max()));
     let scaled: Vec<_> = scaled.collect();
     Spectrum::from_fn(|lambda| scaled.iter().map(|(r, scale)| f64::from(r.spectrum.eval(lambda as f32) * scale)).sum())
@@ -500,7 +500,7 @@ pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<H
 /// The camera of a capture that is not rendered: its scene is built only where autofocus has to look at it.
 pub(super) fn lone_camera(capture: &Capture) -> Result<Camera> {
     let built = OnceCell::new();
-    let build = || scene::build(capture.scene.clone(), &importance(&responses(capture)));
+    let build = || scene::build(capture.scene.clone(), &importance_of_light(&responses(capture)));
     place_camera(capture, |ray| built.get_or_init(build).closest(ray))
 }
 

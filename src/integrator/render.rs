@@ -247,6 +247,7 @@ impl<'a> Tracer<'a> {
             // The listener can only end a render between passes, so its answer to a row does not matter.
             let _ = (self.step)(Step::Row { paths });
         };
+        // One by one: of many that a thread had begun to share out, others could not take any while it was busy with the first.
         film.rows().into_par_iter().with_max_len(1).enumerate().for_each(fill);
     }
 

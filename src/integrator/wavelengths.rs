@@ -1,12 +1,12 @@
 //! Which wavelengths the paths of each pixel carry.
 //!
-//! One density for all pixels serves all filters: four wavelengths that share it evenly tell of red, green and blue what
-//! wavelengths of their own would, if it is the one that [`importance`] finds. It does not serve filters that see little of what all see together, as those
-//! of multispectral sensors, nor paths that dispersion leaves with one wavelength: most of them carry what the filter above
-//! the pixel does not let through. A picture of raw numbers alone needs what the pixel's own filter sees. With the response
-//! R of that filter, A of all together, and what arrives of the light L through the lens τ, wavelengths are then drawn by
+//! One density A for all pixels serves all filters, up to four of them: four wavelengths that share it evenly tell of red, green
+//! and blue what wavelengths of their own would, if it is the one that [`importance`] finds. It does not serve more filters that
+//! are narrow, as those of multispectral sensors, nor paths that dispersion leaves with one wavelength: most of them carry what
+//! the filter above the pixel does not let through. A picture of raw numbers alone needs what the pixel's own filter sees. With
+//! the response R of that filter and what arrives of the light L through the lens τ, wavelengths are then drawn by
 //!
-//! p(λ) ∝ (1 − f)·RLτ/∫RLτ dλ + f·ALτ/∫ALτ dλ,   f = 0.02,
+//! p(λ) ∝ (1 − f)·RLτ/∫RLτ dλ + f·A/∫A dλ,   f = 0.02,
 //!
 //! of which the [`WavelengthSampler`] spreads another 5 % evenly: what the other filters would see of the pixel's light stays
 //! right on average.
@@ -53,7 +53,7 @@ pub(super) struct PixelWavelengths {
 
 impl PixelWavelengths {
     pub(super) fn new(job: &RenderJob<'_>) -> Self {
-        let all = of_all(job);
+        let all = importance_for_all(job);
         match (job.settings.wavelengths, job.filters) {
             (WavelengthChoice::OwnFilter, Some(FilterTile { responses, filters, width })) => {
                 let sampler = |response| WavelengthSampler::new(&mostly(&useful(job, response), &all));
@@ -67,7 +67,7 @@ impl PixelWavelengths {
 
     /// For paths of which no one knows to which pixel they will come.
     pub(super) fn of_all(job: &RenderJob<'_>) -> WavelengthSampler {
-        WavelengthSampler::new(&of_all(job))
+        WavelengthSampler::new(&importance_for_all(job))
     }
 
     /// That of a pixel.
@@ -79,7 +79,7 @@ impl PixelWavelengths {
 }
 
 /// How much each wavelength matters to whatever looks at the light.
-fn of_all(job: &RenderJob<'_>) -> Spectrum {
+fn importance_for_all(job: &RenderJob<'_>) -> Spectrum {
     let responses: Vec<Spectrum> = job.responses.iter().map(|response| useful(job, &response.spectrum)).collect();
     importance(&responses)
 }

@@ -203,7 +203,7 @@ impl Sky {
         for (row, sine) in weights.chunks_mut(COLUMNS).zip(sines) {
             row.iter_mut().for_each(|weight| *weight = (*weight - mean * sine).max(0.0));
         }
-        let excess_of_sky = weights.iter().sum::<f64>() / whole;
+        let excess_of_sky = if whole > 0.0 { weights.iter().sum::<f64>() / whole } else { 0.0 };
         let weights: Vec<f32> = weights.into_iter().map(|weight| weight as f32).collect();
         let sky_light = spectrum(&totals, true);
         let sun = conditions.has_sun.then(|| spectrum(&sun_knots(conditions.turbidity, elevation), false));
@@ -222,14 +222,18 @@ impl Sky {
             sun: sun.map(|sun| spectra.add(&sun)),
             cos_sun_radius: cos_sun_radius as f32,
             // Both deserve some, whatever their power: either can be hidden from a point.
-            sun_part: if conditions.has_sun { (of_sun / looked_at).clamp(0.25, 0.75) as f32 } else { 0.0 },
+            sun_part: if conditions.has_sun {
+                (of_sun / looked_at.max(f64::MIN_POSITIVE)).clamp(0.25, 0.75) as f32
+            } else {
+                0.0
+            },
             distribution: PiecewiseConstant2D::new(&weights, COLUMNS),
-            excess: looked_at / (of_sun + of_sky),
+            excess: looked_at / (of_sun + of_sky).max(f64::MIN_POSITIVE),
         };
         (sky, all)
     }
 
-    /// The part of its light that exceeds the mean of all directions, 0–1, of which the sun is always one.
+    /// The part of its light, 0–1, that exceeds the mean of the sky above and the dark below; all of the sun's does.
     pub fn excess(&self) -> f64 {
         self.excess
     }
@@ -395,6 +399,20 @@ mod tests {
         let (all, alone) = (horizontal(3.0, true), horizontal(3.0, false));
         assert!(((all - alone) / direct - 1.0).abs() < 0.15, "{} {direct}", all - alone);
         assert!((alone / diffuse - 1.0).abs() < 0.25, "{alone} {diffuse}");
+    }
+
+    #[test]
+    fn what_shines_evenly_is_not_looked_at_and_the_sun_is() {
+        let alone = sky(3.0, 60.0, 0.2, false).1;
+        let with_sun = sky(3.0, 60.0, 0.2, true).1;
+        // Of a sky that would be even above the horizon and dark below, half exceeds the mean.
+        assert!(alone.excess() > 0.45 && alone.excess() < 0.75, "{}", alone.excess());
+        assert!(with_sun.excess() > 0.8 && with_sun.excess() < 1.0, "{}", with_sun.excess());
+        let brightest = alone.pdf(towards(30.0, 0.0)).0;
+        assert!(brightest > 0.5 / PI, "{brightest}");
+        // A sun in haze leaves the other side of the sky below the mean.
+        let hazy = sky(8.0, 30.0, 0.2, false).1;
+        assert_eq!(hazy.pdf(towards(40.0, 180.0)).0, 0.0);
     }
 
     #[test]

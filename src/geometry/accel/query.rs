@@ -69,9 +69,10 @@ impl Accel {
     /// The group that is all there is.
     #[inline(always)]
     fn alone(&self) -> Option<&TriangleBvh<1>> {
-        match (&self.top, self.groups.first()) {
-            (None, Some(Group::Rigid(group))) => Some(group),
-            _ => None,
+        let (None, Some(placement)) = (&self.top, self.placements.first()) else { return None };
+        match &self.groups[placement.group as usize] {
+            Group::Rigid(group) => Some(group),
+            Group::Deforming(_) => None,
         }
     }
 

