@@ -89,9 +89,9 @@ pub(crate) struct RenderTable {
     /// "own-filter" or reuse. Left out: 0.
     pub(crate) light_paths: Option<f64>,
     /// Whose wavelengths the paths of a pixel carry: "all-filters"; or "own-filter", mostly what the filter above the pixel
-    /// lets through, for raw pictures through narrow filters and for dispersion: what else is told of the pixel's light (other
-    /// filters in electrons.exr, irradiance.exr, ideal.exr) is noisier. Without effect where all pixels see the same. Left
-    /// out: "all-filters".
+    /// lets through, for raw pictures of glass that disperses or through more than four narrow filters: what else is told of
+    /// the pixel's light (other filters in electrons.exr, irradiance.exr, ideal.exr) is noisier, and elsewhere the raw picture
+    /// too. Without effect where all pixels see the same. Left out: "all-filters".
     pub(crate) wavelengths: Option<WavelengthsName>,
     /// Where random numbers come from. Left out: "sobol".
     pub(crate) sampler: Option<SamplerName>,
