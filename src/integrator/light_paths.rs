@@ -24,13 +24,12 @@ use rayon::prelude::*;
 use super::RenderJob;
 use super::odds::{Crossing, Odds, delta_factor, light_weight};
 use super::path::{PathLimits, leaks, leave, receiver, shadow_ray, terminate_secondary};
-use super::wavelengths::PixelWavelengths;
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::light::Emission;
 use crate::math::float::gamma;
 use crate::sampler::{SamplePlace, Sampler};
 use crate::scene::{Scene, Shading};
-use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, WavelengthSampler, Wavelengths};
+use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, WavelengthSampler, Wavelengths};
 
 /// Paths that are traced together.
 const PATHS_TOGETHER: u32 = 256;
@@ -95,8 +94,9 @@ pub(super) struct LightTracer<'a> {
 }
 
 impl<'a> LightTracer<'a> {
-    /// For a render with the numbers of `seed`; `None` where there are no such paths.
-    pub(super) fn new(job: &'a RenderJob<'a>, limits: PathLimits, seed: u64) -> Option<Self> {
+    /// For a render with the numbers of `seed`; `None` where there are no such paths. Their wavelengths are those of `importance`,
+    /// since no one knows to which pixel they will come.
+    pub(super) fn new(job: &'a RenderJob<'a>, limits: PathLimits, seed: u64, importance: &Spectrum) -> Option<Self> {
         let share = job.settings.light_paths;
         // The shortest path is of three segments: lamp, surface that focuses, surface that is seen, lens.
         let is_still = !job.camera.moves() && !job.camera.scans();
@@ -107,12 +107,11 @@ impl<'a> LightTracer<'a> {
         let scale = f64::from(paths) / (f64::from(limits.splitting) * job.camera.px2_per_sr());
         let mut spectra = SpectrumTable::default();
         let transmittance = spectra.add(job.transmittance);
-        let wavelengths = PixelWavelengths::of_all(job);
         Some(Self {
             job,
             limits,
             seed,
-            wavelengths,
+            wavelengths: WavelengthSampler::new(importance),
             spectra,
             transmittance,
             paths,

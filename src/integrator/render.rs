@@ -11,7 +11,7 @@ use super::light_paths::{LightTracer, Splat, Splats};
 use super::odds::Odds;
 use super::path::{PathLimits, Sharing};
 use super::wave::Wave;
-use super::wavelengths::{FilterTile, PixelWavelengths};
+use super::wavelengths::{FilterTile, PixelWavelengths, importance_for_all};
 use crate::film::{Film, FilmResponses, FilmRow, Response};
 use crate::optics::Camera;
 use crate::sampler::{PixelOrder, Sampler};
@@ -140,18 +140,19 @@ impl<'a> Tracer<'a> {
         let transmittance = spectra.add(job.transmittance);
         let RenderSettings { max_depth, roulette_depth, splitting, samples_per_pixel, sampler, .. } = *job.settings;
         let limits = PathLimits { max_depth, roulette_depth, splitting };
+        let importance = importance_for_all(job);
         Self {
             job,
             seed,
             order: PixelOrder::new(sampler, job.resolution[0], samples_per_pixel, splitting),
             step,
             start: Instant::now(),
-            wavelengths: PixelWavelengths::new(job),
+            wavelengths: PixelWavelengths::new(job, &importance),
             spectra,
             transmittance,
             limits,
             has_lone_heroes: job.has_lone_heroes(),
-            light_tracer: LightTracer::new(job, limits, seed),
+            light_tracer: LightTracer::new(job, limits, seed, &importance),
         }
     }
 

@@ -52,22 +52,17 @@ pub(super) struct PixelWavelengths {
 }
 
 impl PixelWavelengths {
-    pub(super) fn new(job: &RenderJob<'_>) -> Self {
-        let all = importance_for_all(job);
+    /// `all` is the [`importance_for_all`].
+    pub(super) fn new(job: &RenderJob<'_>, all: &Spectrum) -> Self {
         match (job.settings.wavelengths, job.filters) {
             (WavelengthChoice::OwnFilter, Some(FilterTile { responses, filters, width })) => {
-                let sampler = |response| WavelengthSampler::new(&mostly(&useful(job, response), &all));
+                let sampler = |response| WavelengthSampler::new(&mostly(&useful(job, response), all));
                 Self { samplers: responses.iter().map(sampler).collect(), filters: filters.clone(), width: *width }
             }
             (WavelengthChoice::AllFilters, _) | (WavelengthChoice::OwnFilter, None) => {
-                Self { samplers: vec![WavelengthSampler::new(&all)], filters: vec![0], width: 1 }
+                Self { samplers: vec![WavelengthSampler::new(all)], filters: vec![0], width: 1 }
             }
         }
-    }
-
-    /// For paths of which no one knows to which pixel they will come.
-    pub(super) fn of_all(job: &RenderJob<'_>) -> WavelengthSampler {
-        WavelengthSampler::new(&importance_for_all(job))
     }
 
     /// That of a pixel.
@@ -79,7 +74,7 @@ impl PixelWavelengths {
 }
 
 /// How much each wavelength matters to whatever looks at the light.
-fn importance_for_all(job: &RenderJob<'_>) -> Spectrum {
+pub(super) fn importance_for_all(job: &RenderJob<'_>) -> Spectrum {
     let responses: Vec<Spectrum> = job.responses.iter().map(|response| useful(job, &response.spectrum)).collect();
     importance(&responses)
 }

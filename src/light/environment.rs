@@ -113,15 +113,9 @@ impl EnvironmentPicture {
         let sines: Vec<f64> = (0..height).map(|y| polar_angle(y, height).sin()).collect();
         let smooth: Vec<f64> =
             (0..width * height).map(|i| 0.5 * (luminance[i] + around(i % width, i / width))).collect();
-        let all = smooth.chunks(width).zip(&sines).map(|(row, sine)| row.iter().sum::<f64>() * sine).sum::<f64>();
-        let mean = all / (width as f64 * sines.iter().sum::<f64>());
-        let above = |(i, luminance): (usize, &f64)| (luminance - mean).max(0.0) * sines[i / width];
-        let weights: Vec<f32> = smooth.iter().enumerate().map(|texel| above(texel) as f32).collect();
-        let excess = weights.iter().map(|&weight| f64::from(weight)).sum::<f64>() / all;
+        let (weights, excess) = above_mean(&smooth, &sines, 1.0);
         let (sin, cos) = rotation_deg.to_radians().sin_cos();
         let distribution = PiecewiseConstant2D::new(&weights, width);
-        // What rounding leaves of a picture of one colour is not worth a look.
-        let excess = if excess > 1e-4 { excess } else { 0.0 };
         Self { picture, radiance, rotation: [cos as f32, sin as f32], distribution, excess }
     }
 
@@ -155,6 +149,20 @@ impl EnvironmentPicture {
         let [cos, sin] = self.rotation;
         Vec3::new(cos * x + sin * z, cos_theta, cos * z - sin * x)
     }
+}
+
+/// What is worth looking at of a grid of directions: the weights of its cells by what exceeds the mean of all directions, of which
+/// the grid covers a part and the rest is dark, and how much of all light that is, 0–1. Luminances come row by row, with the sine
+/// of each row's angle from the pole.
+pub(super) fn above_mean(luminances: &[f64], sines: &[f64], covered: f64) -> (Vec<f32>, f64) {
+    let width = luminances.len() / sines.len();
+    let all = luminances.chunks(width).zip(sines).map(|(row, sine)| row.iter().sum::<f64>() * sine).sum::<f64>();
+    let mean = covered * all / (width as f64 * sines.iter().sum::<f64>());
+    let above = |(i, luminance): (usize, &f64)| (luminance - mean).max(0.0) * sines[i / width];
+    let weights: Vec<f32> = luminances.iter().enumerate().map(|cell| above(cell) as f32).collect();
+    let excess = weights.iter().map(|&weight| f64::from(weight)).sum::<f64>() / all;
+    // What rounding leaves of a picture of one colour is not worth a look.
+    (weights, if excess > 1e-4 { excess } else { 0.0 })
 }
 
 /// The picture as a texture that wraps around horizontally and stops at the poles.

@@ -12,6 +12,7 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 
+use super::environment::above_mean;
 use crate::math::distribution::PiecewiseConstant2D;
 use crate::math::{Frame, Pdf, SolidAngle, warp};
 use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths, cie, illuminant};
@@ -177,8 +178,8 @@ impl Sky {
         const WITHIN: usize = 2;
         let hat = |knot: usize| spectrum(&std::array::from_fn(|k| f64::from(u8::from(k == knot))), true);
         let luminous: [f64; KNOTS] = std::array::from_fn(|knot| cie::luminous(&hat(knot)));
-        let mut weights = vec![0.0; ROWS * COLUMNS];
-        // Of the same for a sky of luminance 1.
+        // Of each cell the mean by solid angle, and of each row the mean sine.
+        let mut luminances = vec![0.0; ROWS * COLUMNS];
         let mut sines = [0.0; ROWS];
         let mut totals = [0.0; KNOTS];
         for row in 0..ROWS * WITHIN {
@@ -193,18 +194,13 @@ impl Sky {
                     *total += radiance * f64::from(cell);
                     luminance += radiance * luminous;
                 }
-                weights[row / WITHIN * COLUMNS + column / WITHIN] += luminance * f64::from(sin_theta);
-                sines[row / WITHIN] += f64::from(sin_theta) / COLUMNS as f64;
+                let weight = f64::from(sin_theta) / (WITHIN * WITHIN) as f64;
+                luminances[row / WITHIN * COLUMNS + column / WITHIN] += luminance * weight;
+                sines[row / WITHIN] += weight / COLUMNS as f64;
             }
         }
-        // Half of all directions are dark.
-        let whole: f64 = weights.iter().sum();
-        let mean = 0.5 * whole / (sines.iter().sum::<f64>() * COLUMNS as f64);
-        for (row, sine) in weights.chunks_mut(COLUMNS).zip(sines) {
-            row.iter_mut().for_each(|weight| *weight = (*weight - mean * sine).max(0.0));
-        }
-        let excess_of_sky = if whole > 0.0 { weights.iter().sum::<f64>() / whole } else { 0.0 };
-        let weights: Vec<f32> = weights.into_iter().map(|weight| weight as f32).collect();
+        luminances.iter_mut().enumerate().for_each(|(i, luminance)| *luminance /= sines[i / COLUMNS]);
+        let (weights, excess_of_sky) = above_mean(&luminances, &sines, 0.5);
         let sky_light = spectrum(&totals, true);
         let sun = conditions.has_sun.then(|| spectrum(&sun_knots(conditions.turbidity, elevation), false));
         let cos_sun_radius = SUN_RADIUS_RAD.cos();
