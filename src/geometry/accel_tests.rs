@@ -169,18 +169,19 @@ fn rays_that_take_turns_meet_what_each_meets_alone() {
     let mut numbers = Numbers(5);
     let g = sphere(16, 32);
     let nothing = Accel::build(&g, &[], vec![]);
-    // As in large scenes.
-    let (mut in_turns, mut nothing_in_turns) = (spheres(), nothing.clone());
-    in_turns.exceeds_caches = true;
-    nothing_in_turns.exceeds_caches = true;
+    let as_if_large = |mut accel: Accel| {
+        accel.exceeds_caches = true;
+        accel
+    };
     for (what, accel) in [
         ("in the world", in_world(&g)),
-        ("placements in turns", in_turns),
-        ("nothing", nothing),
-        ("nothing in turns", nothing_in_turns),
+        ("as in a large mesh", as_if_large(in_world(&g))),
+        ("placements as in large scenes", as_if_large(spheres())),
+        ("nothing", nothing.clone()),
+        ("nothing large", as_if_large(nothing)),
     ] {
         // More and fewer than take turns at once, and some that are short.
-        for count in [0, 1, 7, 8, 9, 15, 17, 300] {
+        for count in [0, 1, 7, 8, 9, 23, 24, 25, 300] {
             let ray = |i: usize| {
                 let direction = warp::uniform_sphere([numbers.next(), numbers.next()]);
                 let ray = Ray::new((numbers.point() - 0.5) * 5.0, direction).at_time(numbers.next());

@@ -250,11 +250,14 @@ pub(crate) fn compact<T: Copy>(values: &[T]) -> Vec<T> {
 /// Defines a function that runs its generic body with the widest lanes this machine has. The body must be
 /// `#[inline(always)]`, so that it is compiled once more under the `avx2` target feature.
 macro_rules! with_widest_lanes {
-    (fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident) => {
+    (
+        fn $name:ident $(<$generic:ident: $bound:path $(, const $count:ident: usize)?>)?
+        ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident
+    ) => {
         $crate::math::simd::on_widest_registers! {
-            fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
-                wide: $body::<$crate::math::simd::Avx, $($generic)?>($($argument),*),
-                portable: $body::<$crate::math::simd::Portable, $($generic)?>($($argument),*),
+            fn $name $(<$generic: $bound $(, const $count: usize)?>)? ($($argument: $type),*) -> $output {
+                wide: $body::<$crate::math::simd::Avx, $($generic, $($count)?)?>($($argument),*),
+                portable: $body::<$crate::math::simd::Portable, $($generic, $($count)?)?>($($argument),*),
             }
         }
     };
@@ -275,22 +278,25 @@ macro_rules! with_widest_registers {
 /// Defines a function that runs the first of two expressions where the machine has AVX2, compiled for it, and the second
 /// elsewhere.
 macro_rules! on_widest_registers {
-    (fn $name:ident $(<$generic:ident: $bound:path>)? ($($argument:ident: $type:ty),* $(,)?) -> $output:ty {
-        wide: $wide:expr,
-        portable: $portable:expr $(,)?
-    }) => {
+    (
+        fn $name:ident $(<$generic:ident: $bound:path $(, const $count:ident: usize)?>)?
+        ($($argument:ident: $type:ty),* $(,)?) -> $output:ty {
+            wide: $wide:expr,
+            portable: $portable:expr $(,)?
+        }
+    ) => {
         #[inline]
-        fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
+        fn $name $(<$generic: $bound $(, const $count: usize)?>)? ($($argument: $type),*) -> $output {
             #[cfg(target_arch = "x86_64")]
             {
                 #[target_feature(enable = "avx2")]
-                fn wide $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
+                fn wide $(<$generic: $bound $(, const $count: usize)?>)? ($($argument: $type),*) -> $output {
                     $wide
                 }
                 if std::arch::is_x86_feature_detected!("avx2") {
                     #[allow(unsafe_code, reason = "the one call that the check above makes sound")]
                     // SAFETY: the processor has AVX2, as was just asked.
-                    return unsafe { wide($($argument),*) };
+                    return unsafe { wide$(::<$generic, $($count)?>)?($($argument),*) };
                 }
             }
             $portable

@@ -1,6 +1,6 @@
 //! What is asked along rays, and how it is taken to the triangles: through the placements, into their groups, down to blocks.
 
-use super::turns::{FEW, GroupFlight, MANY, PlacedFlight, exceed_caches, take_turns};
+use super::turns::{FEW, GroupFlight, MANY, PlacedFlight, take_turns};
 use super::{Accel, Group, Placement, TopLevel, TriangleBvh};
 use crate::geometry::mesh::segment;
 use crate::geometry::triangle_block::{BLOCK_SIZE, BlockHits, ShearedRay, TriangleBlock};
@@ -43,7 +43,8 @@ impl Accel {
         hits.clear();
         hits.resize(rays.len(), None);
         match self.alone() {
-            Some(group) => closest_each(group, rays, filter, hits),
+            Some(group) if self.exceeds_caches => closest_each::<F, MANY>(group, rays, filter, hits),
+            Some(group) => closest_each::<F, FEW>(group, rays, filter, hits),
             None if self.exceeds_caches => closest_each_placed(self, rays, filter, hits),
             None => hits.iter_mut().zip(rays).for_each(|(hit, ray)| *hit = self.closest(ray, filter)),
         }
@@ -54,7 +55,8 @@ impl Accel {
         occluded.clear();
         occluded.resize(rays.len(), false);
         match self.alone() {
-            Some(group) => occluded_each(group, rays, filter, occluded),
+            Some(group) if self.exceeds_caches => occluded_each::<F, MANY>(group, rays, filter, occluded),
+            Some(group) => occluded_each::<F, FEW>(group, rays, filter, occluded),
             None if self.exceeds_caches => occluded_each_placed(self, rays, filter, occluded),
             None => occluded.iter_mut().zip(rays).for_each(|(is, ray)| *is = self.occluded(ray, filter)),
         }
@@ -124,19 +126,20 @@ fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> 
 
 // Functions of their own for rays in one group, which are slower in one function with the others.
 with_widest_lanes! {
-    fn closest_each<F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
-        closest_each_in
+    fn closest_each<F: HitFilter, const IN_TURN: usize>(
+        group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>],
+    ) -> () = closest_each_in
 }
 
 #[inline(always)]
-fn closest_each_in<L: Lanes, F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
-    take_turns::<L, GroupFlight<_>, _>(
-        group,
-        rays,
-        group.in_turn(),
-        |ray| Closest { ray, filter, nearest: None },
-        hits,
-    );
+fn closest_each_in<L: Lanes, F: HitFilter, const IN_TURN: usize>(
+    group: &TriangleBvh<1>,
+    rays: &[Ray],
+    filter: &F,
+    hits: &mut [Option<Hit>],
+) {
+    let query = |ray| Closest { ray, filter, nearest: None };
+    take_turns::<L, GroupFlight<_>, _, IN_TURN>(group, rays, query, hits);
 }
 
 with_widest_lanes! {
@@ -146,17 +149,23 @@ with_widest_lanes! {
 
 #[inline(always)]
 fn closest_each_placed_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
-    take_turns::<L, PlacedFlight<_>, _>(accel, rays, MANY, |ray| Closest { ray, filter, nearest: None }, hits);
+    take_turns::<L, PlacedFlight<_>, _, MANY>(accel, rays, |ray| Closest { ray, filter, nearest: None }, hits);
 }
 
 with_widest_lanes! {
-    fn occluded_each<F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool]) -> () =
-        occluded_each_in
+    fn occluded_each<F: HitFilter, const IN_TURN: usize>(
+        group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool],
+    ) -> () = occluded_each_in
 }
 
 #[inline(always)]
-fn occluded_each_in<L: Lanes, F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool]) {
-    take_turns::<L, GroupFlight<_>, _>(group, rays, group.in_turn(), |ray| Occluded { ray, filter }, occluded);
+fn occluded_each_in<L: Lanes, F: HitFilter, const IN_TURN: usize>(
+    group: &TriangleBvh<1>,
+    rays: &[Ray],
+    filter: &F,
+    occluded: &mut [bool],
+) {
+    take_turns::<L, GroupFlight<_>, _, IN_TURN>(group, rays, |ray| Occluded { ray, filter }, occluded);
 }
 
 with_widest_lanes! {
@@ -166,7 +175,7 @@ with_widest_lanes! {
 
 #[inline(always)]
 fn occluded_each_placed_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, occluded: &mut [bool]) {
-    take_turns::<L, PlacedFlight<_>, _>(accel, rays, MANY, |ray| Occluded { ray, filter }, occluded);
+    take_turns::<L, PlacedFlight<_>, _, MANY>(accel, rays, |ray| Occluded { ray, filter }, occluded);
 }
 
 /// What is asked of the triangles along a ray.
@@ -315,12 +324,6 @@ impl Group {
 }
 
 impl<const SHAPES: usize> TriangleBvh<SHAPES> {
-    /// Number of rays that take turns.
-    #[inline]
-    fn in_turn(&self) -> usize {
-        if exceed_caches(self.blocks.len()) { MANY } else { FEW }
-    }
-
     /// `part` is how far the time is between two shapes.
     #[inline(always)]
     fn traverse<L: Lanes, Q: TriangleQuery>(

@@ -22,7 +22,7 @@ use crate::math::simd::{Lanes, prefetch};
 /// Rays that take turns in small scenes, beside which more would not fit into the innermost cache.
 pub(super) const FEW: usize = 8;
 /// The same where little of the scene is in the caches, and rays wait longer.
-pub(super) const MANY: usize = 16;
+pub(super) const MANY: usize = 24;
 
 /// Whether so many blocks of triangles are far more than the caches have room for.
 #[inline]
@@ -49,17 +49,16 @@ pub(super) trait Flight<Q: TriangleQuery> {
     fn query(&self) -> &Q;
 }
 
-/// Asks of several rays, with a query of its own for each; so many, at most [`MANY`], take turns.
+/// Asks of several rays, with a query of its own for each; so many take turns.
 #[inline(always)]
-pub(super) fn take_turns<'a, L: Lanes, F: Flight<Q>, Q: TriangleQuery>(
+pub(super) fn take_turns<'a, L: Lanes, F: Flight<Q>, Q: TriangleQuery, const IN_TURN: usize>(
     hierarchy: &F::Hierarchy,
     rays: &'a [Ray],
-    in_turn: usize,
     query: impl Fn(&'a Ray) -> Q,
     answers: &mut [Q::Answer],
 ) {
-    let mut flights = [const { F::NONE }; MANY];
-    for (rays, answers) in rays.chunks(in_turn).zip(answers.chunks_mut(in_turn)) {
+    let mut flights = [const { F::NONE }; IN_TURN];
+    for (rays, answers) in rays.chunks(IN_TURN).zip(answers.chunks_mut(IN_TURN)) {
         for (flight, ray) in flights.iter_mut().zip(rays) {
             flight.start(ray, query(ray));
         }
