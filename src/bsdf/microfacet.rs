@@ -82,6 +82,13 @@ impl Ggx {
         if self.alpha_x == self.alpha_y { self.alpha_x } else { (self.alpha_x * self.alpha_y).sqrt() }
     }
 
+    /// Whether light that they throw on stays so close together that it makes caustics, α < 0.3: see
+    /// [`Bsdf::focuses`](super::Bsdf::focuses).
+    #[inline]
+    pub(crate) fn is_narrow(&self) -> bool {
+        self.mean_alpha() < 0.3
+    }
+
     /// Area of facets per unit of surface whose normal is `m`, sr⁻¹:
     /// D(m) = 1/(π·α_x·α_y·(m_x²/α_x² + m_y²/α_y² + m_z²)²) ([Heitz18](crate::references#heitz18) eq. 1).
     /// Normalised so that ∫ D(m)·m_z dm = 1. `m` is a unit vector with m_z ≥ 0. Not for a smooth surface.

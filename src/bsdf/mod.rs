@@ -50,11 +50,6 @@ const GRAZING: f32 = 1e-7;
 /// Cosine below which a shading normal may have been bent towards who sees it (`scene::shading`), which does so below half of it.
 const EDGE_ON: f32 = 2e-3;
 
-/// The roughness α of facets above which light thrown on by them is spread so far that [`Bsdf::focuses`] does not speak of it.
-const WIDEST_FOCUS: f32 = 0.3;
-/// The exponent of Phong's lobe of about that width, 2/α² − 2.
-const FLATTEST_FOCUS: f32 = 20.0;
-
 /// How the surface scatters at one shading point: the model with its parameters looked up.
 #[derive(Clone, Copy, Debug)]
 pub enum Bsdf {
@@ -240,18 +235,17 @@ impl Bsdf {
     /// straight: mirrors, glass, and facets of α < 0.3, whether or not other lobes go with them.
     #[inline]
     pub fn focuses(&self) -> bool {
-        let is_narrow = |distribution: Ggx| distribution.mean_alpha() < WIDEST_FOCUS;
         match *self {
             Self::Diffuse { .. } | Self::OrenNayar { .. } | Self::Translucent { .. } => false,
             Self::ThinDielectric { .. } => true,
-            Self::Phong(ref phong) => phong.exponent > FLATTEST_FOCUS && !phong.specular.is_black(),
-            Self::Conductor { distribution, .. } => is_narrow(distribution),
+            Self::Phong(ref phong) => Phong::is_narrow(phong.exponent) && !phong.specular.is_black(),
+            Self::Conductor { distribution, .. } => distribution.is_narrow(),
             Self::Dielectric { eta, distribution, .. } => {
-                is_narrow(distribution) || dielectric::is_delta(eta, distribution)
+                distribution.is_narrow() || dielectric::is_delta(eta, distribution)
             }
             Self::Layered(ref layered) => {
-                is_narrow(layered.distribution)
-                    || layered.coat.is_some_and(|coat| is_narrow(coat.distribution))
+                layered.distribution.is_narrow()
+                    || layered.coat.is_some_and(|coat| coat.distribution.is_narrow())
                     || layered.refracting().is_some_and(|volume| dielectric::is_delta(volume.eta, layered.distribution))
             }
         }

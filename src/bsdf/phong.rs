@@ -24,6 +24,13 @@ pub struct Phong {
 }
 
 impl Phong {
+    /// Whether the lobe of an exponent is as narrow as that of facets of which [`Ggx::is_narrow`](super::Ggx::is_narrow) says so:
+    /// their α is √(2/(n + 2)).
+    #[inline]
+    pub(crate) fn is_narrow(exponent: f32) -> bool {
+        exponent > 20.0
+    }
+
     /// The part of the samples that go to the lobe; None where all is black.
     #[inline]
     fn lobe_part(&self) -> Option<f32> {

@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use glam::DAffine3;
 use photosite::image::Estimate;
+use photosite::integrator::WavelengthChoice;
 use photosite::io::capture::{REPORT, StoredCapture, StoredReport};
 use photosite::optics::{Camera, Focus, LensDescription};
 use photosite::sensor::{Exposure, SensorModel, electron_rates};
@@ -71,6 +72,13 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     }
     if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
         warnings.push(other_pitch(&recorded.sensor, &capture.sensor));
+    }
+    if recorded.as_ref().is_some_and(|r| traced_for_other_filters(&report, &r.sensor, &capture.sensor)) {
+        warnings.push(
+            "the light of each pixel was traced for its own filter (render.wavelengths = \"own-filter\"); with other filters \
+             the picture is right on average, but noisier"
+                .to_owned(),
+        );
     }
     // What is asked for again as it was takes what automatic exposure found then, to the last bit.
     let same = recorded.is_some_and(|r| r.sensor == capture.sensor && r.exposure.is_like(&capture.exposure));
@@ -287,6 +295,14 @@ fn lists(report: &StoredReport, file: &Path) -> bool {
 /// The spectrum that counts as white, where the report tells it.
 fn scene_light(report: &Map<String, Value>) -> Option<Spectrum> {
     LightReport::deserialize(report.get("scene_light")?).ok()?.spectrum()
+}
+
+/// Whether light is that of pixels whose paths have the wavelengths of their own filters, which are others now.
+fn traced_for_other_filters(report: &Map<String, Value>, recorded: &SensorModel, sensor: &SensorModel) -> bool {
+    let own_filter = WavelengthChoice::OwnFilter.name();
+    let for_own = report.get("render").is_some_and(|render| render["wavelengths"] == own_filter);
+    let same_filters = || recorded.cfa == sensor.cfa && recorded.responses() == sensor.responses();
+    for_own && recorded.cfa.is_mosaic() && !same_filters()
 }
 
 fn other_pitch(recorded: &SensorModel, sensor: &SensorModel) -> String {

@@ -11,7 +11,7 @@ use photosite::calibration::targets::PlacedTarget;
 use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::film::{Response, band_response};
 use photosite::geometry::{Hit, Ray};
-use photosite::integrator::FilterTile;
+use photosite::integrator::{FilterTile, WavelengthChoice};
 use photosite::io::capture::{Capture, REPORT, TruthOutput};
 use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
@@ -137,9 +137,7 @@ pub(super) fn render(
         warnings
             .push(format!("autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"));
     }
-    if capture.render.light_paths > 0.0 && !scene.lights().has_emitters() {
-        warnings.push("render.light_paths: no surface shines, so that no paths set out".to_owned());
-    }
+    warnings.extend(settings_in_vain(&capture, &scene));
     let light = scene_light(&capture, &scene)?;
     let optics = Optics {
         f_number: Some(capture.lens.f_number),
@@ -435,6 +433,26 @@ pub(super) fn importance_of_light(responses: &[Response]) -> Spectrum {
     let scaled = responses.iter().filter(|r| r.spectrum.max() > 0.0).map(|r| (r, 1.0 / r.spectrum.max()));
     let scaled: Vec<_> = scaled.collect();
     Spectrum::from_fn(|lambda| scaled.iter().map(|(r, scale)| f64::from(r.spectrum.eval(lambda as f32) * scale)).sum())
+}
+
+/// Settings that change nothing in this scene and with this sensor.
+fn settings_in_vain(capture: &Capture, scene: &Scene) -> Vec<String> {
+    let render = &capture.render;
+    let light_paths = match render.light_paths > 0.0 {
+        true if !scene.lights().has_emitters() => Some("no surface shines, so that no paths set out"),
+        true if !scene.may_focus() => {
+            Some("nothing focuses light, as mirrors, glass and polished metal do, so that no paths set out")
+        }
+        _ => None,
+    };
+    let shares_nothing = render.reuse > 1 && !scene.has_diffuse();
+    let reuse = shares_nothing.then_some("no material is purely diffuse, so that pixels share nothing");
+    let all_alike = render.wavelengths == WavelengthChoice::OwnFilter && !capture.sensor.cfa.is_mosaic();
+    let wavelengths = all_alike.then_some("all pixels see the same, so that \"own-filter\" changes nothing");
+    [("light_paths", light_paths), ("reuse", reuse), ("wavelengths", wavelengths)]
+        .into_iter()
+        .filter_map(|(key, why)| Some(format!("render.{key}: {}", why?)))
+        .collect()
 }
 
 /// The filters of the sensor, where pixels have different ones.

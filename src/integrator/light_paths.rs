@@ -100,7 +100,8 @@ impl<'a> LightTracer<'a> {
         let share = job.settings.light_paths;
         // The shortest path is of three segments: lamp, surface that focuses, surface that is seen, lens.
         let is_still = !job.camera.moves() && !job.camera.scans();
-        if share <= 0.0 || limits.max_depth < 3 || !is_still || !job.scene.lights().has_emitters() {
+        let may_find_any = job.scene.lights().has_emitters() && job.scene.may_focus();
+        if share <= 0.0 || limits.max_depth < 3 || !is_still || !may_find_any {
             return None;
         }
         let paths = (share * job.pixels() as f64).ceil().min(f64::from(u32::MAX)) as u32;

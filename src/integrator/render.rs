@@ -254,7 +254,8 @@ impl<'a> Tracer<'a> {
 
     /// Number of pixels that share what lies beyond their first surfaces.
     fn group_size(&self) -> usize {
-        if self.job.camera.moves() { 1 } else { self.job.settings.reuse.max(1) as usize }
+        let may_share = !self.job.camera.moves() && self.job.scene.has_diffuse();
+        if may_share { self.job.settings.reuse.max(1) as usize } else { 1 }
     }
 
     /// Goes to the numbers of a sample of a pixel.

@@ -157,6 +157,20 @@ pub struct LayeredMaterial {
     pub coat: Option<CoatSource>,
 }
 
+impl LayeredMaterial {
+    /// Whether it may throw light on in bundles at some of its points.
+    pub(super) fn may_focus(&self) -> bool {
+        // Textures only make it smoother.
+        let may_be_narrow = |roughness: FactorSource| {
+            let alpha = roughness.value * roughness.value;
+            roughness.texture.is_some() || Ggx::new(alpha, alpha).is_narrow()
+        };
+        may_be_narrow(self.roughness)
+            || self.coat.is_some_and(|coat| may_be_narrow(coat.roughness))
+            || self.has_volume && self.transmission.value > 0.0
+    }
+}
+
 /// Grooves.
 #[derive(Clone, Copy, Debug)]
 pub struct AnisotropySource {

@@ -17,6 +17,7 @@ pub use material::{
 };
 pub use shading::Shading;
 
+use crate::bsdf::Phong;
 use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Ray, SurfacePoint};
 use crate::light::{Emission, LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
 use crate::math::hash::{hash64, unit_f32};
@@ -41,6 +42,9 @@ pub struct Scene {
     /// Whether any material bounds a volume that absorbs.
     has_media: bool,
 }
+
+/// What a mix is asked for is told by the models that it is made of.
+const OF_BOTH_MODELS: bool = false;
 
 /// Which instance of the description each surface belongs to.
 #[derive(Clone, Debug, Default)]
@@ -74,21 +78,42 @@ impl Scene {
 
     /// Whether any material leaves paths with one wavelength.
     pub fn disperses(&self) -> bool {
-        self.materials.iter().any(|material| self.model_disperses(&material.model))
-    }
-
-    fn model_disperses(&self, model: &ScatteringModel) -> bool {
-        match *model {
+        self.models().any(|model| match *model {
             ScatteringModel::Dielectric { dispersive, .. } => dispersive,
             ScatteringModel::Layered(layers) => self.layered[layers as usize].dispersive,
-            ScatteringModel::Mix(mix) => self.mixes[mix as usize].models.iter().any(|m| self.model_disperses(m)),
             ScatteringModel::Diffuse { .. }
             | ScatteringModel::Conductor { .. }
             | ScatteringModel::OrenNayar { .. }
             | ScatteringModel::Phong { .. }
             | ScatteringModel::Translucent { .. }
             | ScatteringModel::ThinDielectric { .. } => false,
-        }
+            ScatteringModel::Mix(_) => OF_BOTH_MODELS,
+        })
+    }
+
+    /// Whether any material may throw light on in bundles ([`Bsdf::focuses`](crate::bsdf::Bsdf::focuses)).
+    pub fn may_focus(&self) -> bool {
+        self.models().any(|model| match *model {
+            ScatteringModel::Dielectric { .. } | ScatteringModel::ThinDielectric { .. } => true,
+            ScatteringModel::Conductor { distribution, .. } => distribution.is_narrow(),
+            ScatteringModel::Phong { exponent, .. } => Phong::is_narrow(exponent),
+            ScatteringModel::Layered(layers) => self.layered[layers as usize].may_focus(),
+            ScatteringModel::Diffuse { .. }
+            | ScatteringModel::OrenNayar { .. }
+            | ScatteringModel::Translucent { .. } => false,
+            ScatteringModel::Mix(_) => OF_BOTH_MODELS,
+        })
+    }
+
+    /// Whether any material scatters by Lambert's law alone, so that pixels can share what is seen from it.
+    pub fn has_diffuse(&self) -> bool {
+        self.models().any(|model| matches!(model, ScatteringModel::Diffuse { .. }))
+    }
+
+    /// The models of all materials, with those that mixes are made of.
+    fn models(&self) -> impl Iterator<Item = &ScatteringModel> {
+        let of_materials = self.materials.iter().map(|material| &material.model);
+        of_materials.chain(self.mixes.iter().flat_map(|mix| &mix.models))
     }
 
     /// The nearest surface along a ray.

@@ -98,10 +98,59 @@ fn what_moves_is_refused() {
     room_of("reuse = 2", moving).fail("render capture.toml", 1, &[message, "remove it, or camera.motion"]);
 }
 
+/// A matt floor and a wall of some material under a lamp.
+fn wall(material: &str, keys: &str) -> Folder {
+    let obj = "mtllib scene.mtl\nusemtl floor\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n\
+        usemtl lamp\nv -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 5 6 7 8\n\
+        usemtl wall\nv -1 1 -1\nv 1 1 -1\nf 1 2 10 9\n";
+    let capture = format!(
+        "[scene]\ngeometry = ['scene.obj']\n[materials.wall]\n{material}\n[camera]\nposition_m = [0, 1, 3]\n\
+         look_at_m = [0, 0, 0]\n[sensor]\nresolution_px = [16, 12]\n[render]\nsamples_per_pixel = 4\n{keys}\n"
+    );
+    let mtl = "newmtl floor\nnewmtl wall\nnewmtl lamp\nKe 9 9 9\n";
+    Folder::new([("scene.obj", obj), ("scene.mtl", mtl), ("capture.toml", &capture)].map(|(name, t)| (name, t.into())))
+}
+
+#[rstest]
+#[case::matt("type = 'diffuse'\nreflectance = 0.5", true)]
+#[case::rough_metal("type = 'conductor'\nmetal = 'Ag'\nroughness = 0.7", true)]
+#[case::metal("type = 'conductor'\nmetal = 'Ag'\nroughness = 0.4", false)]
+#[case::glass("type = 'dielectric'\nindex = 1.5", false)]
+fn where_nothing_focuses_no_paths_set_out(#[case] material: &str, #[case] in_vain: bool) {
+    let folder = wall(material, "max_depth = 4");
+    folder.succeed("render capture.toml -o without");
+    let outcome = folder.succeed("render capture.toml --set render.light_paths=1 -o with");
+    let warns = outcome.text().contains("warning: render.light_paths: nothing focuses light");
+    assert_eq!(warns, in_vain, "{outcome:?}");
+    let [with, without] = ["with", "without"].map(|name| folder.results(name).remove("electrons.exr"));
+    assert_eq!(with == without, in_vain);
+}
+
 #[test]
 fn a_scene_without_lamps_is_rendered_with_a_warning() {
     let folder = room_with(0.5, "");
-    folder.add("dark.toml", "[scene]\ngeometry = ['sails.gltf']\nenvironment = { illuminance_lux = 100, linear_rgb = [1, 1, 1] }\n[render]\nsamples_per_pixel = 1\nlight_paths = 1\n[sensor]\nresolution_px = [16, 12]\n");
-    let outcome = folder.succeed("render dark.toml -o dark");
+    folder.add("sails.toml", SAILS);
+    let outcome = folder.succeed("render sails.toml --set render.light_paths=1 -o sails");
     assert!(outcome.text().contains("warning: render.light_paths: no surface shines"), "{outcome:?}");
 }
+
+#[test]
+fn a_scene_that_is_nowhere_purely_diffuse_shares_nothing_with_a_warning() {
+    let folder = room_with(0.5, "");
+    folder.add("sails.toml", SAILS);
+    folder.succeed("render sails.toml -o without");
+    let outcome = folder.succeed("render sails.toml --set render.reuse=16 -o with");
+    assert!(outcome.text().contains("warning: render.reuse: no material is purely diffuse"), "{outcome:?}");
+    assert!(folder.results("with")["electrons.exr"] == folder.results("without")["electrons.exr"]);
+}
+
+/// Somewhat polished sails under a sky.
+const SAILS: &str = "\
+[scene]
+geometry = ['sails.gltf']
+environment = { illuminance_lux = 100, linear_rgb = [1, 1, 1] }
+[render]
+samples_per_pixel = 1
+[sensor]
+resolution_px = [16, 12]
+";

@@ -65,4 +65,21 @@ fn where_all_pixels_see_the_same_nothing_changes(#[case] preset: &str, #[case] c
     }
     let [all, own] = ["all-filters", "own-filter"].map(|name| folder.results(name).remove("electrons.exr"));
     assert!(all.is_some() && all == own, "{cfa}");
+    let warnings = folder.report("own-filter")["warnings"].to_string();
+    assert!(warnings.contains("render.wavelengths: all pixels see the same"), "{warnings}");
+    assert!(!folder.report("all-filters")["warnings"].to_string().contains("wavelengths"));
+}
+
+#[test]
+fn light_for_the_own_filter_is_exposed_behind_others_with_a_warning() {
+    let folder = pane("generic-cmos-color", "RGGB");
+    let quick = "--set render.samples_per_pixel=1";
+    folder.succeed(&format!("render capture.toml {quick} --set render.wavelengths=own-filter -o own"));
+    folder.succeed(&format!("render capture.toml {quick} -o all"));
+    for (input, cfa, warns) in [("own", "RGGB", false), ("own", "BGGR", true), ("all", "BGGR", false)] {
+        let output = format!("{input}-{cfa}");
+        folder.succeed(&format!("expose {input} --set sensor.cfa={cfa} -o {output}"));
+        let warnings = folder.report(&output)["warnings"].to_string();
+        assert_eq!(warnings.contains("was traced for its own filter"), warns, "{output}: {warnings}");
+    }
 }
