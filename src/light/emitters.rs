@@ -32,32 +32,6 @@ pub struct Emission {
     pub density: f32,
 }
 
-/// A point of a triangle, all of which are equally likely.
-pub(super) struct TrianglePoint {
-    pub(super) barycentric: [f32; 2],
-    pub(super) position: Vec3,
-    /// Unit normal.
-    pub(super) normal: Vec3,
-    /// Of the triangle, m².
-    pub(super) double_area: f32,
-}
-
-impl TrianglePoint {
-    /// At a time, by two numbers in [0, 1); `None` where the triangle has no area.
-    #[inline]
-    pub(super) fn new(geometry: &Geometry, triangle: u32, time: f32, u: [f32; 2]) -> Option<Self> {
-        let [a, b, c] = geometry.corners_at(triangle, time);
-        let barycentric = warp::uniform_triangle(u);
-        let across = (b - a).cross(c - a);
-        let double_area = across.length();
-        if double_area == 0.0 {
-            return None;
-        }
-        let position = a + (b - a) * barycentric[0] + (c - a) * barycentric[1];
-        Some(Self { barycentric, position, normal: across / double_area, double_area })
-    }
-}
-
 impl Emitters {
     /// `powers[i]` is the power of `lights[i]`, any unit.
     pub(super) fn new(lights: &[Light], powers: &[f64]) -> Self {
@@ -105,13 +79,14 @@ impl Lights {
     ) -> Option<Emission> {
         let (light, probability, rest) = self.emitters.table.as_ref()?.sample(u_light);
         let Light::Triangle(emitter) = &self.lights[light as usize] else { return None };
-        let TrianglePoint { barycentric, position, normal, double_area } =
-            TrianglePoint::new(geometry, emitter.triangle, time, u_point)?;
+        let facet = self.facet(light, emitter, geometry, time)?;
+        let barycentric = warp::uniform_triangle(u_point);
         let two_sided = emitter.emission.two_sided;
+        let (position, normal) = (facet.point(barycentric), facet.normal);
         let side = if two_sided && rest >= 0.5 { -normal } else { normal };
         let direction = Frame::from_normal(side).to_world(warp::cosine_hemisphere(u_direction));
         let radiance = emitted_at(emitter, barycentric);
-        let density = density(probability, double_area, two_sided);
+        let density = density(probability, facet.double_area, two_sided);
         (!radiance.is_black()).then_some(Emission { light, position, normal, direction, radiance, density })
     }
 
@@ -119,7 +94,7 @@ impl Lights {
     #[inline]
     pub fn emission_density(&self, light: u32, geometry: &Geometry, time: f32) -> f32 {
         let Light::Triangle(emitter) = &self.lights[light as usize] else { return 0.0 };
-        let [a, b, c] = geometry.corners_at(emitter.triangle, time);
-        density(self.emitters.probability(light), (b - a).cross(c - a).length(), emitter.emission.two_sided)
+        let Some(facet) = self.facet(light, emitter, geometry, time) else { return 0.0 };
+        density(self.emitters.probability(light), facet.double_area, emitter.emission.two_sided)
     }
 }

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 
 use super::bounds::LightBounds;
-use super::emitters::{Emitters, TrianglePoint};
+use super::emitters::Emitters;
+use super::facet::Facet;
 use super::selection::{Choice, Selection};
 use super::{Environment, Profile, Projector, Receiver, SurfaceEmission};
 use crate::geometry::{Geometry, Motion, Transform};
-use crate::math::{Area, Pdf, SolidAngle};
+use crate::math::{Area, Pdf, SolidAngle, warp};
 use crate::sabotage::{Fault, flip};
 use crate::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths};
 
@@ -110,6 +111,8 @@ pub struct LightSample {
 #[derive(Clone, Debug)]
 pub struct Lights {
     pub(super) lights: Vec<Light>,
+    /// The triangles of those that stay as they are.
+    facets: Vec<Option<Facet>>,
     /// The ways of the lights that move, in order of their handles. They are described in their own space.
     motions: Vec<(u32, Motion)>,
     lamps: Lamps,
@@ -153,6 +156,7 @@ impl Lights {
             selection: Selection::new(&bounds, &distant),
             emitters: Emitters::new(&lights, powers),
             motions: (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect(),
+            facets: lights.iter().map(|light| still_facet(light, geometry)).collect(),
             lights,
             lamps,
             environment,
@@ -205,6 +209,13 @@ impl Lights {
             position: sample.position.map(in_world),
             ..sample
         })
+    }
+
+    /// The triangle of a light at a time, in its own space; `None` where it has no area.
+    #[inline]
+    pub(super) fn facet(&self, light: u32, emitter: &TriangleLight, geometry: &Geometry, time: f32) -> Option<Facet> {
+        let still = &self.facets[light as usize];
+        still.or_else(|| Facet::new(geometry.corners_at(emitter.triangle, time)))
     }
 
     /// Where a light's own space is at a time, if it moves.
@@ -278,8 +289,9 @@ impl Lights {
                 is_delta: true,
             }),
             Light::Triangle(light) => {
-                let TrianglePoint { barycentric, position, normal, double_area } =
-                    TrianglePoint::new(geometry, light.triangle, time, u)?;
+                let facet = self.facet(index, light, geometry, time)?;
+                let barycentric = warp::uniform_triangle(u);
+                let (position, normal) = (facet.point(barycentric), facet.normal);
                 let to_light = position - point;
                 let distance_squared = to_light.length_squared();
                 let wi = to_light / distance_squared.sqrt();
@@ -292,7 +304,7 @@ impl Lights {
                     radiance: emitted_at(light, barycentric),
                     wi,
                     position: Some((position, normal)),
-                    pdf: Pdf::<Area>::new(2.0 / double_area)
+                    pdf: Pdf::<Area>::new(2.0 / facet.double_area)
                         .to_solid_angle(distance_squared, cos.abs())
                         .times(probability),
                     is_delta: false,
@@ -326,13 +338,12 @@ impl Lights {
         cos: f32,
     ) -> Pdf<SolidAngle> {
         match &self.lights[light as usize] {
-            Light::Triangle(TriangleLight { triangle, .. }) => {
-                let [a, b, c] = geometry.corners_at(*triangle, time);
-                let area = 0.5 * (b - a).cross(c - a).length();
-                Pdf::<Area>::new(1.0 / area)
+            Light::Triangle(emitter) => match self.facet(light, emitter, geometry, time) {
+                Some(facet) => Pdf::<Area>::new(2.0 / facet.double_area)
                     .to_solid_angle(distance * distance, cos.abs())
-                    .times(self.selection.probability(receiver, light))
-            }
+                    .times(self.selection.probability(receiver, light)),
+                None => Pdf::new(0.0),
+            },
             Light::Point { .. }
             | Light::Spot { .. }
             | Light::Profile { .. }
@@ -352,6 +363,13 @@ impl Lights {
             (None, _) | (Some(_), None) => Pdf::new(0.0),
         }
     }
+}
+
+/// The triangle of a light whose mesh keeps its shape.
+fn still_facet(light: &Light, geometry: &Geometry) -> Option<Facet> {
+    let Light::Triangle(TriangleLight { triangle, .. }) = *light else { return None };
+    let mut shapes = geometry.shapes(triangle);
+    shapes.next().filter(|_| shapes.next().is_none()).and_then(Facet::new)
 }
 
 /// KHR_lights_punctual's angular attenuation: the square of the clamped ramp between the cosines of both half-angles.

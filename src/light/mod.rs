@@ -7,6 +7,7 @@ mod bounds;
 mod emission;
 mod emitters;
 mod environment;
+mod facet;
 mod lights;
 mod profile;
 mod projector;
