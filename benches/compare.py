@@ -6,13 +6,13 @@
 
 Mitsuba is installed on the first run, into target/benches-venv; its LLVM variant needs LLVM 17 or later (Debian: apt
 install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same triangles, spectra,
-camera, depth, roulette and sensor, but for the balls of b, which are true spheres in Mitsuba and so twice as fast:
-256 × 256 pixels, box filter, four wavelengths a path, in the response functions of photosite's sensor, so that both
-estimate the same three numbers a pixel, electrons. "Splitting 4" is photosite with `render.splitting = 4`: as many samples,
-each with four paths from the first rough surface on; "reuse 16" and "light paths 1" are `render.reuse` and
-`render.light_paths`. Runs of all alternate. Mitsuba is warm: its kernel is compiled before
-the measurement. Times are those of light transport alone: photosite's `trace_s`, Mitsuba's time in `render`. Loading,
-sensor and files are left out on both sides.
+camera, depth, roulette and sensor, but for the balls of b, which are true spheres in Mitsuba, where that is faster; with
+--same-triangles they are not. 256 × 256 pixels, box filter, four wavelengths a path, in the response functions of
+photosite's sensor, so that both estimate the same three numbers a pixel, electrons. "Splitting 4" is photosite with
+`render.splitting = 4`: as many samples, each with four paths from the first rough surface on; "reuse 16" and "light paths
+1" are `render.reuse` and `render.light_paths`. Runs of all alternate. Mitsuba is warm: its kernel is compiled before the
+measurement. Times are those of light transport alone: photosite's `trace_s`, Mitsuba's time in `render`. Loading, sensor
+and files are left out on both sides.
 
 Definitions, for a picture x and a reference r of the same program (many samples, other seeds), each channel divided by
 the reference's mean in that channel:
@@ -48,6 +48,7 @@ def arguments():
     parser.add_argument("--cache", type=Path, default=ROOT / "target" / "benches-references", metavar="FOLDER",
                         help="where references are kept (default: %(default)s)")
     parser.add_argument("--threads", type=int, help="of both programs (default: all cores)")
+    parser.add_argument("--same-triangles", action="store_true", help="Mitsuba gets the balls of b as the triangles that photosite gets")
     parser.add_argument("--variant", default="llvm_ad_spectral", help="of Mitsuba (default: %(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
     return parser.parse_args()
@@ -74,7 +75,7 @@ def compare(mitsuba, key, options, folder):
     from comparison.photosite_renderer import Photosite
 
     capture = scenes.write(key, folder)
-    balls = scenes.balls(key)
+    balls = {} if options.same_triangles else scenes.balls(key)
     theirs = [Mitsuba(mitsuba, options.photosite, capture, balls, folder, sampler) for sampler in ("independent", "multijitter")]
     ours = [
         Photosite(mitsuba, options.photosite, capture, folder, sampler, options.threads, **ways)
@@ -90,7 +91,7 @@ def compare(mitsuba, key, options, folder):
     light = {"light_paths": 1} if key == "b" else {}
     most = Photosite(mitsuba, options.photosite, capture, folder, "sobol", options.threads, splitting=4, **light)
     truth = {
-        "Mitsuba": reference(theirs[-1], options.reference, options.cache, f"{key}-mitsuba"),
+        "Mitsuba": reference(theirs[-1], options.reference, options.cache, f"{key}-mitsuba" + ("-triangles" if options.same_triangles else "")),
         "photosite": reference(most, options.reference, options.cache, f"{key}-photosite"),
     }
     result = {
