@@ -1,6 +1,6 @@
 //! Rays that are asked for together take turns on their ways to the triangles, a node or a leaf each: while the memory brings
 //! what one of them is to visit next, the others go on. In meshes larger than the caches that makes them 1.7 to 3.7 times as
-//! fast. In small scenes rays of a camera and their shadow rays are 1.2 to 1.45 times as fast, others take up to 1.15 times as
+//! fast. In small scenes rays of a camera and their shadow rays are 1.2 to 1.45 times as fast, others take up to 1.3 times as
 //! long, and a render as long as with turns for the former alone. Rays that go through placements on their way take turns in
 //! large scenes alone, where that takes 0.75 to 0.95 of the time; in small ones it would take 1.25 times as long.
 
