@@ -34,9 +34,9 @@ def measure(section, more):
     """Runs a section's program and replaces what the page has between its marks."""
     command = COMMANDS[section] + (["--", *more] if more and section == "scale" else more)
     load = os.getloadavg()[0]
-    # A bench whose goals are not reached fails, and says so in its tables.
     # Incremental builds trace up to 15 % fewer rays a second than those of users.
     environment = dict(os.environ, CARGO_INCREMENTAL="0")
+    # A bench whose goals are not reached fails, and says so in its tables.
     done = subprocess.run(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True, check=False)
     if "|" not in done.stdout:
         sys.exit(f"{' '.join(command)} gave no table")

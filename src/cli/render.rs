@@ -435,24 +435,30 @@ pub(super) fn importance_of_light(responses: &[Response]) -> Spectrum {
     Spectrum::from_fn(|lambda| scaled.iter().map(|(r, scale)| f64::from(r.spectrum.eval(lambda as f32) * scale)).sum())
 }
 
-/// Settings that change nothing in this scene and with this sensor.
+/// What is to be said of settings that change nothing in this scene and with this sensor.
 fn settings_in_vain(capture: &Capture, scene: &Scene) -> Vec<String> {
     let render = &capture.render;
-    let light_paths = match render.light_paths > 0.0 {
-        true if !scene.lights().has_emitters() => Some("no surface shines, so that no paths set out"),
-        true if !scene.may_focus() => {
-            Some("nothing focuses light, as mirrors, glass and polished metal do, so that no paths set out")
-        }
-        _ => None,
-    };
-    let shares_nothing = render.reuse > 1 && !scene.has_diffuse();
-    let reuse = shares_nothing.then_some("no material is purely diffuse, so that pixels share nothing");
-    let all_alike = render.wavelengths == WavelengthChoice::OwnFilter && !capture.sensor.cfa.is_mosaic();
-    let wavelengths = all_alike.then_some("all pixels see the same, so that \"own-filter\" changes nothing");
-    [("light_paths", light_paths), ("reuse", reuse), ("wavelengths", wavelengths)]
-        .into_iter()
-        .filter_map(|(key, why)| Some(format!("render.{key}: {}", why?)))
-        .collect()
+    let (light_paths, shines) = (render.light_paths > 0.0, scene.lights().has_emitters());
+    let own_filter = render.wavelengths == WavelengthChoice::OwnFilter;
+    let focusing = "nothing focuses light, as mirrors, glass and polished metal do, so that no paths set out";
+    [
+        ("light_paths", light_paths && !shines, "no surface shines, so that no paths set out"),
+        ("light_paths", light_paths && shines && !scene.may_focus(), focusing),
+        (
+            "reuse",
+            render.reuse > 1 && !scene.has_diffuse(),
+            "no material is purely diffuse, so that pixels share nothing",
+        ),
+        (
+            "wavelengths",
+            own_filter && !capture.sensor.cfa.is_mosaic(),
+            "all pixels see the same, so that \"own-filter\" changes nothing",
+        ),
+    ]
+    .into_iter()
+    .filter(|(_, is_in_vain, _)| *is_in_vain)
+    .map(|(key, _, why)| format!("render.{key}: {why}"))
+    .collect()
 }
 
 /// The filters of the sensor, where pixels have different ones.

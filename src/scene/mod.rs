@@ -43,9 +43,6 @@ pub struct Scene {
     has_media: bool,
 }
 
-/// What a mix is asked for is told by the models that it is made of.
-const OF_BOTH_MODELS: bool = false;
-
 /// Which instance of the description each surface belongs to.
 #[derive(Clone, Debug, Default)]
 struct InstanceTable {
@@ -86,8 +83,8 @@ impl Scene {
             | ScatteringModel::OrenNayar { .. }
             | ScatteringModel::Phong { .. }
             | ScatteringModel::Translucent { .. }
-            | ScatteringModel::ThinDielectric { .. } => false,
-            ScatteringModel::Mix(_) => OF_BOTH_MODELS,
+            | ScatteringModel::ThinDielectric { .. }
+            | ScatteringModel::Mix(_) => false,
         })
     }
 
@@ -100,8 +97,8 @@ impl Scene {
             ScatteringModel::Layered(layers) => self.layered[layers as usize].may_focus(),
             ScatteringModel::Diffuse { .. }
             | ScatteringModel::OrenNayar { .. }
-            | ScatteringModel::Translucent { .. } => false,
-            ScatteringModel::Mix(_) => OF_BOTH_MODELS,
+            | ScatteringModel::Translucent { .. }
+            | ScatteringModel::Mix(_) => false,
         })
     }
 
@@ -110,7 +107,7 @@ impl Scene {
         self.models().any(|model| matches!(model, ScatteringModel::Diffuse { .. }))
     }
 
-    /// The models of all materials, with those that mixes are made of.
+    /// The models of all materials, and those that mixes are made of, which tell all that there is to tell of these.
     fn models(&self) -> impl Iterator<Item = &ScatteringModel> {
         let of_materials = self.materials.iter().map(|material| &material.model);
         of_materials.chain(self.mixes.iter().flat_map(|mix| &mix.models))

@@ -116,6 +116,21 @@ fn wall(material: &str, keys: &str) -> Folder {
 #[case::rough_metal("type = 'conductor'\nmetal = 'Ag'\nroughness = 0.7", true)]
 #[case::metal("type = 'conductor'\nmetal = 'Ag'\nroughness = 0.4", false)]
 #[case::glass("type = 'dielectric'\nindex = 1.5", false)]
+#[case::rough_plastic("type = 'plastic'\nreflectance = 0.5\nroughness = 0.7", true)]
+#[case::plastic("type = 'plastic'\nreflectance = 0.5\nroughness = 0.4", false)]
+#[case::flat_phong("type = 'phong'\ndiffuse = 0.3\nspecular = 0.6\nexponent = 10", true)]
+#[case::phong("type = 'phong'\ndiffuse = 0.3\nspecular = 0.6\nexponent = 50", false)]
+#[case::matt_mix(
+    "type = 'mix'\nweight = 0.5\nfirst = { type = 'diffuse', reflectance = 0.5 }\n\
+     second = { type = 'diffuse', reflectance = 0.2 }",
+    true
+)]
+#[case::mix_of_mixes(
+    "type = 'mix'\nweight = 0.5\nfirst = { type = 'diffuse', reflectance = 0.5 }\n\
+     second = { type = 'mix', weight = 0.9, first = { type = 'diffuse', reflectance = 0.2 }, \
+     second = { type = 'conductor', metal = 'Ag' } }",
+    false
+)]
 fn where_nothing_focuses_no_paths_set_out(#[case] material: &str, #[case] in_vain: bool) {
     let folder = wall(material, "max_depth = 4");
     folder.succeed("render capture.toml -o without");
