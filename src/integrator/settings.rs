@@ -25,8 +25,8 @@ pub struct RenderSettings {
     pub roulette_depth: u32,
     /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
     pub splitting: u32,
-    /// Number of pixels in a row that share what their paths find beyond the first surface, at least 1. Without effect where the
-    /// camera moves.
+    /// Number of neighbouring pixels that share what their paths find beyond the first surface, at least 1. Without effect where
+    /// the camera moves.
     pub reuse: u32,
     /// Number of paths from lamps, which look for caustics, for each sample of the picture; 0 for none. Without effect where the
     /// camera moves or scans.
@@ -73,6 +73,14 @@ impl RenderSettings {
         self.part.clone().unwrap_or(0..self.samples_per_pixel)
     }
 
+    /// Columns and rows of the groups of pixels that share: as near to a square as their number allows, rather wide than high.
+    /// A film of a part of the picture begins with a whole group.
+    pub fn reuse_columns_and_rows(&self) -> [usize; 2] {
+        let pixels = self.reuse.max(1);
+        let rows = (1..=pixels.isqrt()).rev().find(|&rows| pixels.is_multiple_of(rows)).unwrap_or(1);
+        [pixels / rows, rows].map(|n| n as usize)
+    }
+
     /// Refuses what cannot be rendered. Keys are those of the capture file's `[render]` table.
     pub fn validate(&self) -> Result<(), Invalid> {
         if self.samples_per_pixel == 0 {
@@ -113,5 +121,20 @@ impl RenderSettings {
                 .help("for example noise_target = 0.2"));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_that_share_are_as_near_to_a_square_as_their_number_allows() {
+        for (reuse, columns_and_rows) in
+            [(1, [1, 1]), (2, [2, 1]), (7, [7, 1]), (12, [4, 3]), (16, [4, 4]), (32, [8, 4]), (64, [8, 8])]
+        {
+            let settings = RenderSettings { reuse, ..RenderSettings::default() };
+            assert_eq!(settings.reuse_columns_and_rows(), columns_and_rows, "{reuse}");
+        }
     }
 }

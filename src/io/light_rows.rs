@@ -180,7 +180,7 @@ mod tests {
         };
         let mut film = Film::of_rows(3, rows.clone(), FilmResponses::new(&NAMES.map(response)));
         let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
-        for (y, row) in rows.clone().zip(&mut film.rows()) {
+        for (y, row) in rows.clone().zip(&mut film.bands(1)) {
             for i in 0..13 * (y + 1) {
                 let light = SampledSpectrum::splat(0.1 + (i * i) as f32);
                 row.add(i % 3, [(light, &sampler.sample(i as f32 / 55.0))]);

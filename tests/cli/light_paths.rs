@@ -22,6 +22,8 @@ fn room_of(keys: &str, more: &str) -> Folder {
 #[case::many("light_paths = 5.1")]
 #[case::reuse("reuse = 16")]
 #[case::odd_reuse("reuse = 7\nsplitting = 3")]
+#[case::reuse_of_three_rows("reuse = 12")]
+#[case::reuse_of_more_rows_than_a_strip("reuse = 64")]
 fn the_bytes_are_the_same_in_threads_strips_and_parts(#[case] keys: &str) {
     let folder = room_of(keys, "");
     folder.succeed("render capture.toml --threads 1 -o one");

@@ -50,7 +50,8 @@ fn light_is_the_same_where_pixels_share_and_quieter() {
     let open = LensDescription::thin(0.01, 0.2, Focus::Distance(1.1));
     let cases = [
         ("matt", room(matt(0.7)), lens(), settings(8), 1.2),
-        ("groups that end in the row", room(matt(0.7)), lens(), settings(3), 1.1),
+        ("groups cut by an edge", room(matt(0.7)), lens(), settings(3), 1.1),
+        ("groups cut by both edges", room(matt(0.7)), lens(), settings(35), 1.1),
         ("out of focus", room(matt(0.7)), open, settings(8), 0.9),
         ("splitting", room(matt(0.7)), lens(), RenderSettings { splitting: 3, ..settings(4) }, 1.0),
         ("black", room(matt(0.0)), lens(), settings(8), 1.0),
@@ -77,17 +78,20 @@ fn pixels_share_with_their_own_group_alone() {
     let pixels = (RESOLUTION[0] * RESOLUTION[1]) as usize;
     let is_ahead = |pixel: usize| pixel % RESOLUTION[0] as usize % 4 < 2;
     let ahead = |film: &mut Film| film.add([], (0..pixels).map(|pixel| if is_ahead(pixel) { 13 } else { 0 }));
-    let [whole, rest] = [false, true].map(|some| {
-        let estimate = picture(&scene, &lens(), settings(2), |film| {
-            if some {
-                ahead(film)
-            }
+    // One beside the other, and two above two.
+    for reuse in [2, 4] {
+        let [whole, rest] = [false, true].map(|some| {
+            let estimate = picture(&scene, &lens(), settings(reuse), |film| {
+                if some {
+                    ahead(film)
+                }
+            });
+            estimate.mean.channels().to_vec()
         });
-        estimate.mean.channels().to_vec()
-    });
-    for (whole, rest) in whole.iter().zip(&rest) {
-        for pixel in (0..pixels).filter(|&pixel| !is_ahead(pixel)) {
-            assert_eq!(whole.data[pixel], rest.data[pixel], "{pixel}");
+        for (whole, rest) in whole.iter().zip(&rest) {
+            for pixel in (0..pixels).filter(|&pixel| !is_ahead(pixel)) {
+                assert_eq!(whole.data[pixel], rest.data[pixel], "{reuse}, {pixel}");
+            }
         }
     }
 }

@@ -80,9 +80,9 @@ pub(crate) struct RenderTable {
     /// Paths that go on from the first surface that is no mirror, for each sample, 1 to 256: light that comes off other
     /// surfaces costs less so. Left out: 1.
     pub(crate) splitting: Option<u32>,
-    /// Pixels in a row that share what their paths find beyond the first surface where both are diffuse, 1 to 64: 16 of them
-    /// have as little noise of light off other surfaces as sixteen times the samples, but errors of neighbours go together. Not
-    /// where a camera or a scene moves, nor with wavelengths = "own-filter" or light_paths. Left out: 1.
+    /// Neighbouring pixels that share what their paths find beyond the first surface where both are diffuse, 1 to 64: 16 of them,
+    /// a square, have as little noise of light off other surfaces as sixteen times the samples, but errors of neighbours go
+    /// together. Not where a camera or a scene moves, nor with wavelengths = "own-filter" or light_paths. Left out: 1.
     pub(crate) reuse: Option<u32>,
     /// Paths that set out from surfaces that shine, for each sample, 0 to 64: they look for caustics, what glass, mirrors and
     /// polished metal throw on other surfaces. Not where a camera or a scene moves, on sensors that scan, nor with wavelengths =
