@@ -49,6 +49,7 @@ def arguments():
                         help="where references are kept (default: %(default)s)")
     parser.add_argument("--threads", type=int, help="of both programs (default: all cores)")
     parser.add_argument("--same-triangles", action="store_true", help="Mitsuba gets the balls of b as the triangles that photosite gets")
+    parser.add_argument("--avx2", action="store_true", help="Mitsuba compiles for AVX2, as on a machine without AVX-512")
     parser.add_argument("--variant", default="llvm_ad_spectral", help="of Mitsuba (default: %(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
     return parser.parse_args()
@@ -180,8 +181,9 @@ def main():
     enter()
     from comparison.mitsuba_renderer import start
 
-    mitsuba = start(options.variant, options.threads)
-    print(f"Mitsuba {mitsuba.__version__} {options.variant}, {options.threads or os.cpu_count()} threads, "
+    mitsuba = start(options.variant, options.threads, options.avx2)
+    registers = ", AVX2" if options.avx2 else ""
+    print(f"Mitsuba {mitsuba.__version__} {options.variant}{registers}, {options.threads or os.cpu_count()} threads, "
           f"{options.runs} runs, references of {options.reference} samples")
     results = {}
     with tempfile.TemporaryDirectory() as folder:

@@ -1,11 +1,13 @@
 """A capture in Mitsuba 3, inside this process."""
 
+import ctypes
 import glob
 import os
 import subprocess
 import sys
 import time
 import xml.etree.ElementTree as xml
+from pathlib import Path
 
 import numpy as np
 
@@ -67,8 +69,17 @@ def use_sphere(tree, number, centre, radius):
     sys.exit(f"photosite exports no mesh {number}")
 
 
-def start(variant, threads):
-    """Imports Mitsuba in a variant."""
+def keep_to_avx2(drjit):
+    """Lets Mitsuba compile its kernels as on a machine that has AVX2 and no AVX-512."""
+    core = ctypes.CDLL(str(Path(drjit.__file__).with_name("libdrjit-core.so")))
+    # jit_llvm_set_target(processor, features, numbers in a vector): not among what Dr.Jit shows to Python.
+    set_target = core._Z19jit_llvm_set_targetPKcS0_j
+    set_target.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_uint32]
+    set_target(b"haswell", b"+avx2,+fma,+bmi2,+f16c", 8)
+
+
+def start(variant, threads, avx2=False):
+    """Imports Mitsuba in a variant, if asked to keep to AVX2."""
     # Mitsuba finds LLVM when its backend starts, by this variable or the loader's default names.
     if "llvm" in variant and "DRJIT_LIBLLVM_PATH" not in os.environ:
         found = sorted(glob.glob("/usr/lib/*/libLLVM.so.19*") + glob.glob("/usr/lib/llvm-19/lib/libLLVM*.so*"))
@@ -80,6 +91,8 @@ def start(variant, threads):
     if variant not in mitsuba.variants():
         sys.exit(f"Mitsuba has no variant {variant}; it has {', '.join(mitsuba.variants())}")
     mitsuba.set_variant(variant)
+    if avx2:
+        keep_to_avx2(drjit)
     if threads:
         drjit.set_thread_count(threads)
         mitsuba.Thread.set_thread_count(threads)
