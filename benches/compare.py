@@ -5,15 +5,14 @@
     python3 benches/compare.py                 # a, b and c, about half an hour the first time, for the references
 
 Mitsuba is installed on the first run, into target/benches-venv; its LLVM variant needs LLVM 17 or later (Debian: apt
-install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same triangles,
-spectra, camera, depth, roulette and sensor, but for the balls of b, which are true spheres in Mitsuba, where that is
-faster; with --same-triangles they are not. With --avx2 Mitsuba's kernels are those of a machine without AVX-512. 256
-× 256 pixels, box filter, four wavelengths a path, in the response functions of photosite's sensor, so that both
-estimate the same three numbers a pixel, electrons. "Splitting 4" is photosite with `render.splitting = 4`: as many
-samples, each with four paths from the first rough surface on; "reuse 16" and "light paths 1" are `render.reuse` and
-`render.light_paths`. Runs of all alternate. Mitsuba is warm: its kernel is compiled before the measurement. Times are
-those of light transport alone: photosite's `trace_s`, Mitsuba's time in `render`. Loading, sensor and files are left
-out on both sides.
+install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same triangles, spectra,
+camera, depth, roulette and sensor, but for the balls of b, which are true spheres in Mitsuba, where that is faster; with
+--same-triangles they are not. With --avx2 Mitsuba's kernels are those of a machine without AVX-512. 256 × 256 pixels, box
+filter, four wavelengths a path, in the response functions of photosite's sensor, so that both estimate the same three
+numbers a pixel, electrons. "Splitting 4" is photosite with `render.splitting = 4`: as many samples, each with four paths
+from the first rough surface on; "reuse 16" and "light paths 1" are `render.reuse` and `render.light_paths`. Runs of all
+alternate. Mitsuba is warm: its kernel is compiled before the measurement. Times are those of light transport alone:
+photosite's `trace_s`, Mitsuba's time in `render`. Loading, sensor and files are left out on both sides.
 
 Definitions, for a picture x and a reference r of the same program (many samples, other seeds), each channel divided by
 the reference's mean in that channel:

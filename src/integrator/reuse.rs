@@ -13,9 +13,9 @@
 //! law. Lamps that paths come to are left to each pixel: most of their light is found by looking at them. What the sky sends has
 //! the weight that it has for a path alone, against looking at it.
 //!
-//! Groups are as near to squares as their numbers allow: neighbours see surfaces that are close to each other, and of the numbers of
-//! [`PixelOrder`](crate::sampler::PixelOrder) squares have those that are stratified together. Sixteen in a square had 0.78 of
-//! the error of sixteen in a row (Cornell box).
+//! Groups are as near to squares as their numbers of pixels allow: what these see is close together then, and the Sobol points of
+//! a square are stratified together ([`PixelOrder`](crate::sampler::PixelOrder)), those of a row are not. Sixteen in a square
+//! had 0.78 of the error of sixteen in a row (Cornell box).
 //!
 //! Every pixel keeps its mean, and its samples stay independent of each other, so that their variance is right. What changes
 //! is that errors of the pixels of a group go together.
