@@ -61,7 +61,7 @@ fn sample(bencher: Bencher, model: &Model) {
 }
 
 fn upward(i: u64) -> Vec3 {
-    warp::cosine_hemisphere([number(2 * i), number(2 * i + 1)])
+    warp::cosine_hemisphere([number(2 * i), number(2 * i + 1)]).into()
 }
 
 fn number(i: u64) -> f32 {

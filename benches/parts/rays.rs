@@ -94,7 +94,7 @@ impl Stage {
                 let origin = offset_origin(point.position, point.error, facing, facing);
                 stage.shadows[bounce].push(Ray { origin, direction: light - origin, t_max: 1.0, time: 0.0 });
                 sampler.start(pixel as u64, 0);
-                let direction = Frame::from_normal(facing).to_world(warp::cosine_hemisphere(sampler.next_2d()));
+                let direction = Frame::from_normal(facing).to_world(warp::cosine_hemisphere(sampler.next_2d()).into());
                 stage.bounces[bounce + 1].push(Ray::new(origin, direction));
             }
         }

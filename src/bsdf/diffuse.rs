@@ -21,7 +21,7 @@ pub(super) fn eval(reflectance: SampledSpectrum, wo: Vec3, wi: Vec3) -> BsdfEval
 
 #[inline]
 pub(super) fn sample(reflectance: SampledSpectrum, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
-    let wi = warp::cosine_hemisphere(u);
+    let wi = Vec3::from(warp::cosine_hemisphere(u));
     (is_above(wo) && is_above(wi))
         .then(|| BsdfSample::reflected(reflectance * FRAC_1_PI, wi, Pdf::new(wi.z * FRAC_1_PI)))
 }

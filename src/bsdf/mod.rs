@@ -45,7 +45,7 @@ pub use phong::Phong;
 
 /// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are is
 /// no longer known, a unit vector being rounded to 6e-8.
-const GRAZING: f32 = 1e-7;
+pub(crate) const GRAZING: f32 = 1e-7;
 
 /// Cosine below which a shading normal may have been bent towards who sees it (`scene::shading`), which does so below half of it.
 const EDGE_ON: f32 = 2e-3;

@@ -53,7 +53,7 @@ pub(super) fn sample(
     u_lobe: f32,
     u: [f32; 2],
 ) -> Option<BsdfSample> {
-    let wi = if u_lobe < EVEN_PART { warp::uniform_cone(u, 0.0) } else { warp::cosine_hemisphere(u) };
+    let wi = if u_lobe < EVEN_PART { warp::uniform_cone(u, 0.0) } else { warp::cosine_hemisphere(u).into() };
     let BsdfEval { f, pdf } = eval(reflectance, roughness, wo, wi);
     (pdf.0 > 0.0).then(|| BsdfSample::reflected(f, wi, pdf))
 }

@@ -56,7 +56,7 @@ impl Phong {
             let sin = (1.0 - cos * cos).max(0.0).sqrt();
             Frame::from_normal(mirrored(wo)).to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos))
         } else {
-            warp::cosine_hemisphere([u, v])
+            warp::cosine_hemisphere([u, v]).into()
         };
         let BsdfEval { f, pdf } = self.eval(wo, wi);
         (pdf.0 > 0.0).then(|| BsdfSample::reflected(f, wi, pdf))

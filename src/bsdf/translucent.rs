@@ -36,7 +36,7 @@ pub(super) fn sample(
     u: [f32; 2],
 ) -> Option<BsdfSample> {
     let is_transmission = u_lobe >= reflected_part(reflectance, transmittance)?;
-    let up = warp::cosine_hemisphere(u);
+    let up = Vec3::from(warp::cosine_hemisphere(u));
     let wi = if is_transmission { mirrored(up) } else { up };
     let BsdfEval { f, pdf } = eval(reflectance, transmittance, wo, wi);
     (pdf.0 > 0.0).then(|| BsdfSample { is_transmission, ..BsdfSample::reflected(f, wi, pdf) })

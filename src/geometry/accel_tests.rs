@@ -336,10 +336,11 @@ fn a_flat_surface_does_not_shadow_itself() {
         let mut shadowed = 0;
         for _ in 0..20_000 {
             let target = corner(numbers.next(), numbers.next());
-            let eye = target + frame.to_world(warp::cosine_hemisphere([numbers.next(), numbers.next()])) * 10.0 * side;
+            let eye =
+                target + frame.to_world(warp::cosine_hemisphere([numbers.next(), numbers.next()]).into()) * 10.0 * side;
             let Some(hit) = accel.closest(&Ray::new(eye, (target - eye).normalize()), &AcceptAll) else { continue };
             let point = SurfacePoint::new(&g, &accel, &hit, 0.0);
-            let wi = frame.to_world(warp::cosine_hemisphere([numbers.next(), numbers.next()]));
+            let wi = frame.to_world(warp::cosine_hemisphere([numbers.next(), numbers.next()]).into());
             let origin = offset_origin(point.position, point.error, point.geometric_normal, wi);
             // Directions need not be of unit length.
             let wi = wi * 10f32.powf(6.0 * numbers.next() - 3.0);

@@ -36,6 +36,13 @@ pub struct MeshRange {
     pub deformation: Option<u32>,
 }
 
+impl MeshRange {
+    /// Whether its triangles are as flat as they look, in one shape, with no direction marked on them.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.normals_from.is_none() && self.tangents_from.is_none() && self.deformation.is_none()
+    }
+}
+
 /// The shapes that a mesh goes through, at evenly spaced times from 0 to 1. Between two of them its corners move on
 /// straight lines.
 #[derive(Clone, Debug)]

@@ -26,4 +26,6 @@ pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement};
 pub use mesh::{Deformation, Geometry, MeshRange, Triangle};
 pub use motion::{Motion, Transform};
 pub use point::SurfacePoint;
+pub(crate) use point::on_triangle;
+pub(crate) use ray::offset;
 pub use ray::{Hit, Ray, offset_origin};

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3, Vec3A};
 use super::mesh::interpolate;
 use super::{Accel, Geometry, Hit};
 use crate::math::float::gamma;
+use crate::math::{Real, Vector};
 
 /// A point on a surface, in world space.
 #[derive(Clone, Copy, Debug)]
@@ -40,12 +41,8 @@ impl SurfacePoint {
         let triangle = &geometry.triangles[hit.triangle as usize];
         let mesh = &geometry.meshes[triangle.mesh as usize];
         let [a, b, c] = geometry.corners_of(triangle, mesh, time);
-        let [b1, b2] = hit.barycentric;
-
-        // pbrt4 §6.8.5: seven roundings at most lie between the corners and their weighted sum.
-        let mut position = interpolate([a, b, c], hit.barycentric);
-        let mut error = (a.abs() * (1.0 - b1 - b2).abs() + b.abs() * b1 + c.abs() * b2) * gamma(7);
-        let mut normal = (b - a).cross(c - a);
+        let (position, error, normal) = on_triangle([a, b, c].map(Vector::from), hit.barycentric);
+        let (mut position, mut error, mut normal) = (Vec3::from(position), Vec3::from(error), Vec3::from(normal));
         let mut shading =
             geometry.corner_normals(triangle, mesh, time).map(|normals| interpolate(normals, hit.barycentric));
         let tangent = mesh.tangents_from.map(|from| {
@@ -92,6 +89,16 @@ impl SurfacePoint {
     pub fn uv(&self, geometry: &Geometry, set: usize) -> Vec2 {
         geometry.uv(self.triangle, self.barycentric, set)
     }
+}
+
+/// The point of a triangle with these weights of the second and the third corner, the bound on its rounding error, and a
+/// normal, not of unit length.
+#[inline(always)]
+pub(crate) fn on_triangle<R: Real>([a, b, c]: [Vector<R>; 3], [b1, b2]: [R; 2]) -> (Vector<R>, Vector<R>, Vector<R>) {
+    let b0 = R::splat(1.0) - b1 - b2;
+    // pbrt4 §6.8.5: seven roundings at most lie between the corners and their weighted sum.
+    let error = (a.abs() * b0.abs() + b.abs() * b1 + c.abs() * b2) * R::splat(gamma(7));
+    (a * b0 + b * b1 + c * b2, error, (b - a).cross(c - a))
 }
 
 fn absolute(m: &glam::Affine3A) -> glam::Mat3A {

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::math::{Real, Vector};
+
 /// A ray from `origin` along `direction`; points on it are origin + t·direction for 0 < t < `t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
@@ -56,9 +58,15 @@ pub struct Hit {
 /// what the sum p + d·n may lose along n when it is rounded: at most Σ |nᵢ|·u·|pᵢ + d·nᵢ|, with u = 2⁻²⁴.
 #[inline]
 pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    offset(p.into(), error.into(), normal.into(), direction.into()).into()
+}
+
+/// The same for any numbers.
+#[inline(always)]
+pub(crate) fn offset<R: Real>(p: Vector<R>, error: Vector<R>, normal: Vector<R>, direction: Vector<R>) -> Vector<R> {
     let u = 0.5 * f32::EPSILON;
     // Twice u for p, and four times for d, pay for the roundings of these products too.
-    let distance = normal.abs().dot(error + p.abs() * (2.0 * u)) * (1.0 + 4.0 * u);
+    let distance = normal.abs().dot(error + p.abs() * R::splat(2.0 * u)) * R::splat(1.0 + 4.0 * u);
     p + normal * distance.copysign(direction.dot(normal))
 }
 

@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use crate::math::float::gamma;
-use crate::math::simd::Lanes;
+use crate::math::simd::{LaneMask, Lanes};
 
 /// Triangles in a block, at most, and vertices.
 pub(super) const BLOCK_SIZE: usize = 8;
@@ -78,18 +78,18 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         if SHAPES == 1 {
             return from;
         }
-        from.mul(L::splat(1.0 - part)).add(L::load(&self.vertices[1][axis]).mul(L::splat(part)))
+        from * L::splat(1.0 - part) + L::load(&self.vertices[1][axis]) * L::splat(part)
     }
 
     /// Vertices relative to the origin of the ray, sheared so that it runs along z.
     #[inline(always)]
     fn shear<L: Lanes>(&self, ray: &ShearedRay, part: f32) -> [L; 3] {
         let [kx, ky, kz] = ray.axes;
-        let x = self.along::<L>(kx, part).sub(L::splat(ray.origin[kx]));
-        let y = self.along::<L>(ky, part).sub(L::splat(ray.origin[ky]));
-        let z = self.along::<L>(kz, part).sub(L::splat(ray.origin[kz]));
+        let x = self.along::<L>(kx, part) - L::splat(ray.origin[kx]);
+        let y = self.along::<L>(ky, part) - L::splat(ray.origin[ky]);
+        let z = self.along::<L>(kz, part) - L::splat(ray.origin[kz]);
         let [sx, sy, sz] = ray.shear;
-        [x.sub(L::splat(sx).mul(z)), y.sub(L::splat(sy).mul(z)), L::splat(sz).mul(z)]
+        [x - L::splat(sx) * z, y - L::splat(sy) * z, L::splat(sz) * z]
     }
 
     /// Where the ray meets the triangles, from either side; `None` where it does not.
@@ -100,21 +100,21 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         let b = permute(vertices, &self.corners[1]);
         let c = permute(vertices, &self.corners[2]);
         let (u, v, w) = (double_area(c, b), double_area(a, c), double_area(b, a));
-        let (smallest, largest) = (u.min(v).min(w), u.max(v).max(w));
+        let (smallest, largest) = (u.least(v).least(w), u.most(v).most(w));
         let zero = L::splat(0.0);
-        let inside = zero.le(smallest) | largest.le(zero);
+        let inside = zero.is_at_most(smallest).bits() | largest.is_at_most(zero).bits();
         if inside == 0 {
             return None;
         }
-        let sum = u.add(v).add(w);
-        let t = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2])).div(sum);
-        let edge_on = sum.le(zero) & zero.le(sum);
-        let mut mask = inside & !edge_on & zero.lt(t) & t.lt(L::splat(t_max));
+        let sum = u + v + w;
+        let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
+        let edge_on = sum.is_at_most(zero) & zero.is_at_most(sum);
+        let mut mask = inside & (!edge_on & zero.is_below(t) & t.is_below(L::splat(t_max))).bits();
         if mask == 0 {
             return None;
         }
         // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
-        mask &= distance_error([a, b, c], [u, v, w], sum, ray.shear[2]).lt(t);
+        mask &= distance_error([a, b, c], [u, v, w], sum, ray.shear[2]).is_below(t).bits();
         if mask == 0 {
             return None;
         }
@@ -133,7 +133,7 @@ fn permute<L: Lanes>([x, y, z]: [L; 3], indices: &[u8; BLOCK_SIZE]) -> [L; 3] {
 /// one or is zero, and zero counts as inside, so no point of a mesh is outside all its triangles.
 #[inline(always)]
 fn double_area<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
-    p[0].mul(q[1]).sub(p[1].mul(q[0]))
+    p[0] * q[1] - p[1] * q[0]
 }
 
 /// Bound on the rounding error of t = (u·a_z + v·b_z + w·c_z)/sum ([pbrt4](crate::references#pbrt4) §6.8.7), for
@@ -145,23 +145,18 @@ fn distance_error<L: Lanes>([a, b, c]: [[L; 3]; 3], [u, v, w]: [L; 3], sum: L, s
     let y = largest_magnitude(a[1], b[1], c[1]);
     let z = largest_magnitude(a[2], b[2], c[2]);
     let e = largest_magnitude(u, v, w);
-    let before_scaling = z.mul(L::splat(1.0 / scale.abs()));
-    let dx = x.add(before_scaling).mul(g5);
-    let dy = y.add(before_scaling).mul(g5);
-    let dz = z.mul(g3);
-    let de = g2.mul(x).mul(y).add(dy.mul(x)).add(dx.mul(y)).mul(L::splat(2.0));
-    let numerator = g3.mul(e).mul(z).add(de.mul(z)).add(dz.mul(e)).mul(L::splat(3.0));
-    numerator.div(magnitude(sum))
-}
-
-#[inline(always)]
-fn magnitude<L: Lanes>(a: L) -> L {
-    a.max(L::splat(0.0).sub(a))
+    let before_scaling = z * L::splat(1.0 / scale.abs());
+    let dx = (x + before_scaling) * g5;
+    let dy = (y + before_scaling) * g5;
+    let dz = z * g3;
+    let de = (g2 * x * y + dy * x + dx * y) * L::splat(2.0);
+    let numerator = (g3 * e * z + de * z + dz * e) * L::splat(3.0);
+    numerator / sum.abs()
 }
 
 #[inline(always)]
 fn largest_magnitude<L: Lanes>(a: L, b: L, c: L) -> L {
-    magnitude(a).max(magnitude(b)).max(magnitude(c))
+    a.abs().most(b.abs()).most(c.abs())
 }
 
 /// A ray with the shear and the axis order that turn its direction into +Z of length 1, made once per ray.

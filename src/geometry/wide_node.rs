@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::bounds::Bounds;
 use crate::math::float::gamma;
-use crate::math::simd::Lanes;
+use crate::math::simd::{LaneMask, Lanes};
 
 /// Children of a node, at most.
 pub(super) const WIDTH: usize = 8;
@@ -100,9 +100,9 @@ impl WideNode {
         let mut far = L::splat(t_max);
         for axis in 0..3 {
             let first = ray.near_planes[axis];
-            near = L::load(&self.planes[first]).sub(ray.origin[axis]).mul(ray.inverse[axis]).max(near);
-            far = L::load(&self.planes[first ^ 1]).sub(ray.origin[axis]).mul(ray.enlarged[axis]).min(far);
+            near = ((L::load(&self.planes[first]) - ray.origin[axis]) * ray.inverse[axis]).most(near);
+            far = ((L::load(&self.planes[first ^ 1]) - ray.origin[axis]) * ray.enlarged[axis]).least(far);
         }
-        (near.le(far), near)
+        (near.is_at_most(far).bits(), near)
     }
 }

@@ -1,14 +1,18 @@
 //! What a path does at each surface that it meets: unidirectional path tracing with next-event estimation, multiple importance
 //! sampling and Russian roulette.
 
+mod matt;
+
 use glam::Vec3;
 
+pub(super) use self::matt::MattSurfaces;
 use super::odds::{Crossing, Odds};
 use super::reuse::{FirstSurface, Place, SecondSurface, Side};
 use crate::bsdf::{Bsdf, BsdfSample};
-use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
-use crate::light::{Facing, Receiver};
-use crate::math::{Pdf, SolidAngle};
+use crate::geometry::{Hit, Ray, SurfacePoint, offset, offset_origin};
+use crate::light::{Facing, LightSample, Receiver};
+use crate::math::float::gamma;
+use crate::math::{Pdf, Real, SolidAngle, Vector};
 use crate::sabotage::{Fault, flip};
 use crate::sampler::{SamplePlace, Sampler};
 use crate::scene::{Scene, Shading};
@@ -150,6 +154,14 @@ impl Path {
             odds,
             sharing,
         }
+    }
+
+    /// Whether it does nothing at matt surfaces but look at a light and scatter.
+    #[inline]
+    fn is_plain(&self, limits: &PathLimits) -> bool {
+        let goes_alone = !matches!(self.sharing, Sharing::Group(_)) && !self.odds.are_shared();
+        let splits = limits.splitting > 1 && self.origin.is_none();
+        goes_alone && !splits && self.medium.is_none() && self.depth + 1 < limits.max_depth
     }
 
     /// Gathers light where a ray has led, and returns the one along which the path with this number goes on. It has none when it
@@ -326,18 +338,24 @@ impl Path {
         if sample.is_transmission {
             self.medium = scene.medium_across(point, wi, self.medium);
         }
+        self.survives(limits, sampler).then(|| leave(point, wi))
+    }
+
+    /// Whether roulette lets the path go on, with the numbers from where the sampler is.
+    #[inline]
+    fn survives(&mut self, limits: &PathLimits, sampler: &mut Sampler) -> bool {
         // What is shared has come from its first surface with the density of scattering alone.
         if self.depth >= limits.roulette_depth && !matches!(self.sharing, Sharing::Group(_)) {
             let survival = self.throughput.max() * self.eta_scale;
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {
-                    return None;
+                    return false;
                 }
                 self.throughput *= 1.0 / survival;
             }
         }
         self.place = sampler.place();
-        Some(leave(point, wi))
+        true
     }
 
     /// The odds beyond a surface that has scattered the path.
@@ -367,9 +385,17 @@ impl Path {
         vertex: &Vertex<'_>,
         sampler: &mut Sampler,
     ) -> Option<(Ray, SampledSpectrum)> {
-        let Vertex { point, shading, wo, wo_local, receiver, .. } = vertex;
+        let Vertex { point, receiver, .. } = vertex;
         let wavelengths = &self.wavelengths;
         let light = scene.sample_light(receiver, point.time, sampler.next_2d(), wavelengths)?;
+        self.light_from(scene, vertex, &light)
+    }
+
+    /// The same from a light that is looked at.
+    #[inline]
+    fn light_from(&self, scene: &Scene, vertex: &Vertex<'_>, light: &LightSample) -> Option<(Ray, SampledSpectrum)> {
+        let Vertex { point, shading, wo, wo_local, .. } = vertex;
+        let wavelengths = &self.wavelengths;
         let wi_local = shading.frame.to_local(light.wi);
         let is_transmission = wi_local.z * wo_local.z < 0.0;
         if light.pdf.0 <= 0.0 || leaks(point, shading, *wo, light.wi, is_transmission) {
@@ -446,11 +472,20 @@ pub(super) fn leave(point: &SurfacePoint, wi: Vec3) -> Ray {
 pub(super) fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Vec3)>) -> Ray {
     let mut ray = leave(point, wi);
     if let Some((position, normal)) = light {
-        // A few roundings lie between the light's corners and its sampled point.
-        let error = position.abs() * crate::math::float::gamma(8);
-        let target = if normal == Vec3::ZERO { position } else { offset_origin(position, error, normal, -wi) };
+        let target = if normal == Vec3::ZERO {
+            position
+        } else {
+            towards_light(position.into(), normal.into(), wi.into()).into()
+        };
         ray.direction = target - ray.origin;
         ray.t_max = 1.0;
     }
     ray
+}
+
+/// Where a ray in the unit direction `wi` to a point of a light with this unit normal ends: just before it.
+#[inline(always)]
+fn towards_light<R: Real>(position: Vector<R>, normal: Vector<R>, wi: Vector<R>) -> Vector<R> {
+    // A few roundings lie between the light's corners and its sampled point.
+    offset(position, position.abs() * R::splat(gamma(8)), normal, -wi)
 }

@@ -3,7 +3,7 @@
 //! paths before the next one takes its place.
 
 use super::odds::Odds;
-use super::path::{Path, PathLimits, Postponed, Sharing};
+use super::path::{MattSurfaces, Path, PathLimits, Postponed, Sharing};
 use super::reuse::Connections;
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::sampler::{SamplePlace, Sampler};
@@ -41,6 +41,7 @@ pub(super) struct Wave {
     /// What becomes the front.
     next: Front,
     hits: Vec<Option<Hit>>,
+    matt: MattSurfaces,
     postponed: Postponed,
     occluded: Vec<bool>,
     connections: Connections,
@@ -90,6 +91,7 @@ impl Wave {
             front: Front::default(),
             next: Front::default(),
             hits: Vec::new(),
+            matt: MattSurfaces::new(),
             postponed: Postponed::default(),
             occluded: Vec::new(),
             connections: Connections::default(),
@@ -149,7 +151,7 @@ impl Wave {
 
     /// All paths that go on, from one surface to the next.
     fn advance(&mut self, scene: &Scene, sampler: &mut Sampler) {
-        let Self { limits, paths, front, next, hits, postponed, .. } = self;
+        let Self { limits, paths, front, next, hits, matt, postponed, .. } = self;
         scene.closest_each(&front.rays, hits);
         let looks_ahead = scene.geometry().exceeds_caches();
         for (i, ((&number, ray), &hit)) in front.numbers.iter().zip(&front.rays).zip(&*hits).enumerate() {
@@ -157,10 +159,15 @@ impl Wave {
                 ask_for_corners(scene.geometry(), &hits[i..]);
             }
             let path = &mut paths[number as usize];
-            if let Some(ray) = path.advance(number, (ray, hit), scene, limits, sampler, postponed) {
+            if matt.take(number, path, (ray, hit), scene, limits) {
+                if matt.is_full() {
+                    matt.advance(paths, scene, limits, sampler, postponed, |number, ray| next.push(number, ray));
+                }
+            } else if let Some(ray) = path.advance(number, (ray, hit), scene, limits, sampler, postponed) {
                 next.push(number, ray);
             }
         }
+        matt.advance(paths, scene, limits, sampler, postponed, |number, ray| next.push(number, ray));
         for (path, ray) in postponed.branches.drain(..) {
             next.push(paths.len() as u32, ray);
             paths.push(path);

@@ -82,9 +82,9 @@ impl Lights {
         let facet = self.facet(light, emitter, geometry, time)?;
         let barycentric = warp::uniform_triangle(u_point);
         let two_sided = emitter.emission.two_sided;
-        let (position, normal) = (facet.point(barycentric), facet.normal);
+        let (position, normal) = (facet.point(barycentric).into(), facet.normal());
         let side = if two_sided && rest >= 0.5 { -normal } else { normal };
-        let direction = Frame::from_normal(side).to_world(warp::cosine_hemisphere(u_direction));
+        let direction = Frame::from_normal(side).to_world(warp::cosine_hemisphere(u_direction).into());
         let radiance = emitted_at(emitter, barycentric);
         let density = density(probability, facet.double_area, two_sided);
         (!radiance.is_black()).then_some(Emission { light, position, normal, direction, radiance, density })

@@ -178,25 +178,31 @@ impl Lights {
         self.environment.as_ref()
     }
 
-    /// A direction from a receiver towards a light at a time from 0 to 1. `emitted_at(light, barycentric)` is the radiance of
-    /// a point of a triangle. `None` where the chosen light cannot reach the receiver. One pair of numbers is enough: what
-    /// the choice of the light leaves of the first is one in [0, 1) again, so that lights are chosen, and the points on each
-    /// spread, as evenly as the pairs are.
+    /// The light at which a receiver looks. `None` where the lights that it came to cannot reach it. What the choice leaves of the
+    /// number is one in [0, 1) again, so that lights are chosen, and the points on each spread, as evenly as pairs of numbers
+    /// are.
+    #[inline]
+    pub(crate) fn choose(&self, receiver: &Receiver, u_light: f32) -> Option<Choice> {
+        let choice = self.selection.sample(receiver, u_light)?;
+        Some(Choice { probability: flip(Fault::LightPdfWithoutChoice, choice.probability, 1.0), ..choice })
+    }
+
+    /// A direction from a receiver towards the light that was chosen, at a time from 0 to 1. `emitted_at(light, barycentric)` is
+    /// the radiance of a point of a triangle. `None` where the light cannot reach the receiver.
     #[inline]
     #[allow(clippy::too_many_arguments, reason = "tables, receiver and random numbers, each once")]
-    pub fn sample(
+    pub(crate) fn sample_chosen(
         &self,
+        &Choice { light: index, probability, rest }: &Choice,
         spectra: &SpectrumTable,
         geometry: &Geometry,
         emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
         receiver: &Receiver,
         time: f32,
-        [u_light, v]: [f32; 2],
+        v: f32,
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
-        let Choice { light: index, probability, rest } = self.selection.sample(receiver, u_light)?;
         let u = [rest, v];
-        let probability = flip(Fault::LightPdfWithoutChoice, probability, 1.0);
         let place = self.place_of(index, time);
         let local = place.map_or(receiver.point, |place| place.to_group.transform_point3(receiver.point));
         let light = &self.lights[index as usize];
@@ -209,6 +215,14 @@ impl Lights {
             position: sample.position.map(in_world),
             ..sample
         })
+    }
+
+    /// A light that is a triangle, and stays as and where it is.
+    #[inline]
+    pub(crate) fn still_triangle(&self, light: u32) -> Option<(&TriangleLight, &Facet)> {
+        let Light::Triangle(emitter) = &self.lights[light as usize] else { return None };
+        let facet = self.facets[light as usize].as_ref()?;
+        self.motions.is_empty().then_some((emitter, facet))
     }
 
     /// The triangle of a light at a time, in its own space; `None` where it has no area.
@@ -291,22 +305,16 @@ impl Lights {
             Light::Triangle(light) => {
                 let facet = self.facet(index, light, geometry, time)?;
                 let barycentric = warp::uniform_triangle(u);
-                let (position, normal) = (facet.point(barycentric), facet.normal);
-                let to_light = position - point;
-                let distance_squared = to_light.length_squared();
-                let wi = to_light / distance_squared.sqrt();
-                let cos = -normal.dot(wi);
-                if !(cos > 0.0 || light.emission.two_sided && cos < 0.0) {
+                let sight = facet.sight(barycentric, point.into());
+                if !(sight.cos > 0.0 || light.emission.two_sided && sight.cos < 0.0) {
                     return None;
                 }
                 Some(LightSample {
                     light: index,
                     radiance: emitted_at(light, barycentric),
-                    wi,
-                    position: Some((position, normal)),
-                    pdf: Pdf::<Area>::new(2.0 / facet.double_area)
-                        .to_solid_angle(distance_squared, cos.abs())
-                        .times(probability),
+                    wi: sight.wi.into(),
+                    position: Some((sight.position.into(), facet.normal())),
+                    pdf: Pdf::new(sight.density).times(probability),
                     is_delta: false,
                 })
             }
@@ -325,7 +333,7 @@ impl Lights {
         }
     }
 
-    /// Density with which [`Self::sample`] finds, for a receiver, the point of a triangle light that a ray of unit direction
+    /// Density with which [`Self::sample_chosen`] finds, for a receiver, the point of a triangle light that a ray of unit direction
     /// met at `distance` and at that time, `cos` being the cosine at the light, of either sign.
     #[inline]
     pub fn triangle_pdf(
@@ -353,7 +361,7 @@ impl Lights {
         }
     }
 
-    /// Density with which [`Self::sample`] looks, for a receiver, at the environment in the unit direction `towards`.
+    /// Density with which [`Self::sample_chosen`] looks, for a receiver, at the environment in the unit direction `towards`.
     #[inline]
     pub fn environment_pdf(&self, receiver: &Receiver, towards: Vec3) -> Pdf<SolidAngle> {
         match (&self.environment, self.environment_number) {

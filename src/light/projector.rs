@@ -62,7 +62,7 @@ impl Projector {
     /// A point of the opening.
     #[inline]
     pub(super) fn opening(&self, u: [f32; 2]) -> Vec3 {
-        if self.radius == 0.0 { Vec3::ZERO } else { (warp::concentric_disk(u) * self.radius).extend(0.0) }
+        if self.radius == 0.0 { Vec3::ZERO } else { (Vec2::from(warp::concentric_disk(u)) * self.radius).extend(0.0) }
     }
 
     /// Intensity from a point of the opening towards a unit direction, over the flux of a white slide, sr⁻¹.

@@ -19,13 +19,13 @@ pub(super) struct Selection {
 
 /// A light that a point looks at.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Choice {
+pub(crate) struct Choice {
     /// Its handle.
-    pub(super) light: u32,
+    pub(crate) light: u32,
     /// Of the choice.
-    pub(super) probability: f32,
+    pub(crate) probability: f32,
     /// What is left of the number that chose, in [0, 1) again.
-    pub(super) rest: f32,
+    pub(crate) rest: f32,
 }
 
 impl Choice {

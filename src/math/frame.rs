@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::{Real, Vector};
+
 /// A right-handed orthonormal frame (x, y, z), each of unit length in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
@@ -14,17 +16,10 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame about a unit normal `z`, tangents chosen without a branch on nearly parallel axes
-    /// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
+    /// A frame about a unit normal `z`, with its [`tangents`].
     pub fn from_normal(z: Vec3) -> Self {
-        let sign = 1f32.copysign(z.z);
-        let a = -1.0 / (sign + z.z);
-        let b = z.x * z.y * a;
-        Self {
-            x: Vec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x),
-            y: Vec3::new(b, sign + z.y * z.y * a, -z.y),
-            z,
-        }
+        let [x, y] = tangents(Vector::from(z)).map(Vec3::from);
+        Self { x, y, z }
     }
 
     /// A frame about a unit normal `z` whose x lies along `tangent` made perpendicular to z. Falls back to
@@ -48,6 +43,17 @@ impl Frame {
     pub fn to_world(&self, v: Vec3) -> Vec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
+}
+
+/// Tangents x and y to a unit normal z, chosen without a branch on nearly parallel axes
+/// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
+#[inline(always)]
+pub fn tangents<R: Real>(z: Vector<R>) -> [Vector<R>; 2] {
+    let one = R::splat(1.0);
+    let sign = one.copysign(z.z);
+    let a = -one / (sign + z.z);
+    let b = z.x * z.y * a;
+    [Vector::new(one + sign * z.x * z.x * a, sign * b, -sign * z.x), Vector::new(b, sign + z.y * z.y * a, -z.y)]
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Mathematics that knows nothing of light: frames, cones of directions, warps of the unit square, discrete distributions, hashing,
 //! counter-based random numbers, linear equations, minima, floating-point error bounds, probability densities with a measure, the normal
-//! distribution, statistics, sums of 106 bits, eight numbers at a time.
+//! distribution, statistics, sums of 106 bits, formulas for one number and for eight at a time.
 
 pub mod cone;
 pub mod distribution;
@@ -13,6 +13,7 @@ pub mod minimise;
 pub mod normal;
 pub mod pdf;
 pub mod philox;
+pub mod real;
 pub(crate) mod simd;
 pub mod statistics;
 pub mod warp;
@@ -20,3 +21,4 @@ pub mod warp;
 pub use cone::Cone;
 pub use frame::Frame;
 pub use pdf::{Area, Pdf, SolidAngle};
+pub use real::{Real, Vector};

@@ -3,6 +3,8 @@
 
 use std::marker::PhantomData;
 
+use super::Real;
+
 /// Marks a density per unit of solid angle, sr⁻¹.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidAngle;
@@ -33,11 +35,7 @@ impl<M> Pdf<M> {
     /// β = 2 ([Veach97](crate::references#veach97) eq. 9.14), p²/(p² + q²), written so that it cannot overflow.
     #[inline]
     pub fn power_heuristic(self, other: Self) -> f32 {
-        if self.0 == 0.0 {
-            return 0.0;
-        }
-        let ratio = other.0 / self.0;
-        1.0 / (1.0 + ratio * ratio)
+        power_heuristic(self.0, other.0)
     }
 }
 
@@ -47,8 +45,23 @@ impl Pdf<Area> {
     /// Zero where the surface is seen edge-on.
     #[inline]
     pub fn to_solid_angle(self, distance_squared: f32, cos_surface: f32) -> Pdf<SolidAngle> {
-        Pdf::new(if cos_surface > 0.0 { self.0 * distance_squared / cos_surface } else { 0.0 })
+        Pdf::new(to_solid_angle(self.0, distance_squared, cos_surface))
     }
+}
+
+/// [`Pdf::power_heuristic`] of any numbers.
+#[inline(always)]
+pub(crate) fn power_heuristic<R: Real>(own: R, other: R) -> R {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let ratio = other / own;
+    R::select(zero.is_below(own), one / (one + ratio * ratio), zero)
+}
+
+/// [`Pdf::to_solid_angle`] of any numbers.
+#[inline(always)]
+pub(crate) fn to_solid_angle<R: Real>(area_density: R, distance_squared: R, cos_surface: R) -> R {
+    let zero = R::splat(0.0);
+    R::select(zero.is_below(cos_surface), area_density * distance_squared / cos_surface, zero)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Eight numbers at a time: the few operations that ray traversal needs, on AVX registers where the machine has them
+//! Eight numbers at a time: the operations that rays and matt surfaces need, on AVX registers where the machine has them
 //! and on plain arrays elsewhere. Loops over arrays that the compiler turns into such operations by itself are compiled for
 //! these registers too.
 //!
@@ -11,8 +11,14 @@
 
 #![allow(unsafe_code, reason = "intrinsics behind a run-time check; see the module documentation")]
 
+use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
+
+use glam::Vec3;
+
+use super::{Real, Vector};
+
 /// Eight f32 lanes. Implementations are values of a register or an array.
-pub(crate) trait Lanes: Copy {
+pub(crate) trait Lanes: Real<Mask: LaneMask> {
     /// Numbers of lanes.
     type Indices: Copy;
 
@@ -21,35 +27,141 @@ pub(crate) trait Lanes: Copy {
     fn indices(values: &[u8; 8]) -> Self::Indices;
     /// Lane i is the one of self that the i-th number names.
     fn permute(self, indices: Self::Indices) -> Self;
-    fn splat(value: f32) -> Self;
     fn store(self) -> [f32; 8];
-    fn add(self, other: Self) -> Self;
-    fn sub(self, other: Self) -> Self;
-    fn mul(self, other: Self) -> Self;
-    fn div(self, other: Self) -> Self;
-    /// The smaller of the two; `other` where either is NaN.
-    fn min(self, other: Self) -> Self;
-    /// The larger of the two; `other` where either is NaN.
-    fn max(self, other: Self) -> Self;
-    /// Bit i is set where lane i of self ≤ that of other; NaN compares false.
-    fn le(self, other: Self) -> u32;
-    /// Bit i is set where lane i of self < that of other; NaN compares false.
-    fn lt(self, other: Self) -> u32;
+}
+
+/// What comparisons of lanes find.
+pub(crate) trait LaneMask {
+    /// Bit i is set where lane i is.
+    fn bits(self) -> u32;
 }
 
 /// Lanes in an array, on any machine.
 #[derive(Clone, Copy)]
 pub(crate) struct Portable([f32; 8]);
 
+/// Which lanes of an array are set.
+#[derive(Clone, Copy)]
+pub(crate) struct PortableMask([bool; 8]);
+
 impl Portable {
+    #[inline(always)]
+    fn map(self, f: impl Fn(f32) -> f32) -> Self {
+        Self(self.0.map(f))
+    }
+
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
         Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 
     #[inline(always)]
-    fn mask(self, other: Self, f: impl Fn(f32, f32) -> bool) -> u32 {
-        (0..8).fold(0, |mask, i| mask | u32::from(f(self.0[i], other.0[i])) << i)
+    fn compare(self, other: Self, f: impl Fn(f32, f32) -> bool) -> PortableMask {
+        PortableMask(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+    }
+}
+
+impl LaneMask for PortableMask {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        (0..8).fold(0, |mask, i| mask | u32::from(self.0[i]) << i)
+    }
+}
+
+impl BitAnd for PortableMask {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] & other.0[i]))
+    }
+}
+
+impl Not for PortableMask {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(self.0.map(|is_set| !is_set))
+    }
+}
+
+impl Add for Portable {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl Sub for Portable {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl Mul for Portable {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+impl Div for Portable {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+}
+
+impl Neg for Portable {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+impl Real for Portable {
+    type Mask = PortableMask;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self([value; 8])
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(f32::sqrt)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(f32::abs)
+    }
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        self.zip(sign, f32::copysign)
+    }
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        self.zip(other, Real::least)
+    }
+    #[inline(always)]
+    fn most(self, other: Self) -> Self {
+        self.zip(other, Real::most)
+    }
+    #[inline(always)]
+    fn is_below(self, other: Self) -> PortableMask {
+        self.compare(other, |a, b| a < b)
+    }
+    #[inline(always)]
+    fn is_at_most(self, other: Self) -> PortableMask {
+        self.compare(other, |a, b| a <= b)
+    }
+    #[inline(always)]
+    fn select(mask: PortableMask, yes: Self, no: Self) -> Self {
+        Self(std::array::from_fn(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
     }
 }
 
@@ -69,44 +181,8 @@ impl Lanes for Portable {
         Self(indices.map(|i| self.0[usize::from(i % 8)]))
     }
     #[inline(always)]
-    fn splat(value: f32) -> Self {
-        Self([value; 8])
-    }
-    #[inline(always)]
     fn store(self) -> [f32; 8] {
         self.0
-    }
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
-    }
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
-    }
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
-    }
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a < b { a } else { b })
-    }
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        self.zip(other, |a, b| if a > b { a } else { b })
-    }
-    #[inline(always)]
-    fn le(self, other: Self) -> u32 {
-        self.mask(other, |a, b| a <= b)
-    }
-    #[inline(always)]
-    fn lt(self, other: Self) -> u32 {
-        self.mask(other, |a, b| a < b)
     }
 }
 
@@ -116,20 +192,148 @@ pub(crate) use avx::Avx;
 #[cfg(target_arch = "x86_64")]
 mod avx {
     use std::arch::x86_64::{
-        __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadl_epi64, _mm256_add_ps, _mm256_cmp_ps, _mm256_cvtepu8_epi32,
-        _mm256_div_ps, _mm256_loadu_ps, _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps,
-        _mm256_permutevar8x32_ps, _mm256_set1_ps, _mm256_storeu_ps, _mm256_sub_ps,
+        __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadl_epi64, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps,
+        _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cvtepu8_epi32, _mm256_div_ps, _mm256_loadu_ps,
+        _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_permutevar8x32_ps,
+        _mm256_set1_epi32, _mm256_set1_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
     };
+    use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
 
-    use super::Lanes;
+    use super::{LaneMask, Lanes, Real};
 
     /// Lanes in an AVX register. Only code that is inlined below a function with the `avx2` target feature, itself
     /// called after `is_x86_feature_detected!` said yes, may make one.
     #[derive(Clone, Copy)]
     pub(crate) struct Avx(__m256);
 
-    // SAFETY, for every block below: an `Avx` exists only where AVX2 does (see the type), and the loads and stores are of
-    // references to eight floats or bytes, which the unaligned instructions accept at any address.
+    /// Lanes of which all bits are set or none.
+    #[derive(Clone, Copy)]
+    pub(crate) struct AvxMask(__m256);
+
+    // SAFETY, for every block below: an `Avx` or an `AvxMask` exists only where AVX2 does (see the type), and the loads and
+    // stores are of references to eight floats or bytes, which the unaligned instructions accept at any address.
+
+    impl LaneMask for AvxMask {
+        #[inline(always)]
+        fn bits(self) -> u32 {
+            // SAFETY: AVX2 is there.
+            unsafe { _mm256_movemask_ps(self.0) as u32 }
+        }
+    }
+
+    impl BitAnd for AvxMask {
+        type Output = Self;
+        #[inline(always)]
+        fn bitand(self, other: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_and_ps(self.0, other.0) })
+        }
+    }
+
+    impl Not for AvxMask {
+        type Output = Self;
+        #[inline(always)]
+        fn not(self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_xor_ps(self.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1))) })
+        }
+    }
+
+    impl Add for Avx {
+        type Output = Self;
+        #[inline(always)]
+        fn add(self, other: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_add_ps(self.0, other.0) })
+        }
+    }
+
+    impl Sub for Avx {
+        type Output = Self;
+        #[inline(always)]
+        fn sub(self, other: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_sub_ps(self.0, other.0) })
+        }
+    }
+
+    impl Mul for Avx {
+        type Output = Self;
+        #[inline(always)]
+        fn mul(self, other: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_mul_ps(self.0, other.0) })
+        }
+    }
+
+    impl Div for Avx {
+        type Output = Self;
+        #[inline(always)]
+        fn div(self, other: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_div_ps(self.0, other.0) })
+        }
+    }
+
+    impl Neg for Avx {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
+        }
+    }
+
+    impl Real for Avx {
+        type Mask = AvxMask;
+
+        #[inline(always)]
+        fn splat(value: f32) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_set1_ps(value) })
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_sqrt_ps(self.0) })
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+        }
+        #[inline(always)]
+        fn copysign(self, sign: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_or_ps(self.abs().0, _mm256_and_ps(_mm256_set1_ps(-0.0), sign.0)) })
+        }
+        #[inline(always)]
+        fn least(self, other: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_min_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn most(self, other: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_max_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn is_below(self, other: Self) -> AvxMask {
+            // SAFETY: AVX2 is there.
+            AvxMask(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn is_at_most(self, other: Self) -> AvxMask {
+            // SAFETY: AVX2 is there.
+            AvxMask(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn select(mask: AvxMask, yes: Self, no: Self) -> Self {
+            // SAFETY: AVX2 is there.
+            Self(unsafe { _mm256_blendv_ps(no.0, yes.0, mask.0) })
+        }
+    }
+
     impl Lanes for Avx {
         type Indices = __m256i;
 
@@ -149,57 +353,38 @@ mod avx {
             Self(unsafe { _mm256_permutevar8x32_ps(self.0, indices) })
         }
         #[inline(always)]
-        fn splat(value: f32) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_set1_ps(value) })
-        }
-        #[inline(always)]
         fn store(self) -> [f32; 8] {
             let mut values = [0.0; 8];
             // SAFETY: writes the eight floats of the array.
             unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
             values
         }
-        #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_add_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn sub(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_sub_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_mul_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn div(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_div_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn min(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_min_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn max(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_max_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn le(self, other: Self) -> u32 {
-            // SAFETY: AVX2 is there.
-            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
-        }
-        #[inline(always)]
-        fn lt(self, other: Self) -> u32 {
-            // SAFETY: AVX2 is there.
-            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
-        }
+    }
+}
+
+/// Eight vectors in memory, component by component.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Vectors([[f32; 8]; 3]);
+
+impl Vectors {
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, v: Vec3) {
+        [self.0[0][lane], self.0[1][lane], self.0[2][lane]] = v.to_array();
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.0[0][lane], self.0[1][lane], self.0[2][lane])
+    }
+
+    #[inline(always)]
+    pub(crate) fn load<L: Lanes>(&self) -> Vector<L> {
+        Vector::new(L::load(&self.0[0]), L::load(&self.0[1]), L::load(&self.0[2]))
+    }
+
+    #[inline(always)]
+    pub(crate) fn store<L: Lanes>(v: Vector<L>) -> Self {
+        Self([v.x.store(), v.y.store(), v.z.store()])
     }
 }
 
@@ -314,11 +499,16 @@ mod tests {
     fn every_operation<L: Lanes>(a: &[f32; 8], b: &[f32; 8]) -> Vec<u32> {
         let (x, y) = (L::load(a), L::load(b));
         let turned = x.permute(L::indices(&[7, 0, 0, 3, 2, 6, 5, 1]));
-        let results = [x.add(y), x.sub(y), x.mul(y), x.div(y), x.min(y), x.max(y), L::splat(a[0]), turned];
+        let both = x.is_below(y) & !y.is_at_most(L::splat(3.0));
+        let results = [
+            [x + y, x - y, x * y, x / y, x.least(y), x.most(y)],
+            [L::splat(a[0]), turned, -x, x.abs(), x.sqrt(), x.copysign(y)],
+            [L::select(both, x, y); 6],
+        ];
         // The sign of a NaN is nobody's promise.
         let canonical = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
-        let mut bits: Vec<u32> = results.into_iter().flat_map(|r| r.store().map(canonical)).collect();
-        bits.extend([x.le(y), x.lt(y)]);
+        let mut bits: Vec<u32> = results.as_flattened().iter().flat_map(|r| r.store().map(canonical)).collect();
+        bits.extend([x.is_at_most(y).bits(), x.is_below(y).bits(), both.bits()]);
         bits
     }
 
@@ -336,8 +526,8 @@ mod tests {
     #[test]
     fn a_nan_yields_to_the_second_operand() {
         let nan = Portable::splat(f32::NAN);
-        assert_eq!(nan.min(Portable::splat(2.0)).store(), [2.0; 8]);
-        assert_eq!(nan.max(Portable::splat(2.0)).store(), [2.0; 8]);
-        assert_eq!(nan.le(nan), 0);
+        assert_eq!(nan.least(Portable::splat(2.0)).store(), [2.0; 8]);
+        assert_eq!(nan.most(Portable::splat(2.0)).store(), [2.0; 8]);
+        assert_eq!(nan.is_at_most(nan).bits(), 0);
     }
 }

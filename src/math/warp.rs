@@ -2,41 +2,41 @@
 
 use std::f32::consts::{FRAC_PI_4, PI};
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
+
+use super::{Real, Vector};
 
 /// Unit square → unit disk, density 1/π; keeps neighbouring points together (Shirley & Chiu 1997).
-#[inline]
-pub fn concentric_disk([u, v]: [f32; 2]) -> Vec2 {
-    let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    if x == 0.0 && y == 0.0 {
-        return Vec2::ZERO;
-    }
-    if x.abs() > y.abs() {
-        let (sin, cos) = sin_cos_of_eighth(FRAC_PI_4 * (y / x));
-        Vec2::new(x * cos, x * sin)
-    } else {
-        // The angle is counted from the y axis.
-        let (sin, cos) = sin_cos_of_eighth(FRAC_PI_4 * (x / y));
-        Vec2::new(y * sin, y * cos)
-    }
+#[inline(always)]
+pub fn concentric_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
+    let (zero, one, two) = (R::splat(0.0), R::splat(1.0), R::splat(2.0));
+    let (x, y) = (two * u - one, two * v - one);
+    // The angle is counted from the axis of the larger one.
+    let is_x = y.abs().is_below(x.abs());
+    let (larger, smaller) = (R::select(is_x, x, y), R::select(is_x, y, x));
+    let is_centre = larger.abs().is_at_most(zero);
+    let (sin, cos) = sin_cos_of_eighth(R::splat(FRAC_PI_4) * (smaller / R::select(is_centre, one, larger)));
+    let (along, aside) = (larger * cos, larger * sin);
+    [R::select(is_x, along, aside), R::select(is_x, aside, along)]
 }
 
 /// Sine and cosine of an angle of −π/4 to π/4, to the last bit or two: Taylor's series up to x⁹ and x¹⁰, whose first term left
 /// out is 2·10⁻⁹ and 10⁻¹⁰ of the whole at most. The same on every machine, and cheaper than functions of any angle.
-#[inline]
-fn sin_cos_of_eighth(x: f32) -> (f32, f32) {
+#[inline(always)]
+fn sin_cos_of_eighth<R: Real>(x: R) -> (R, R) {
+    let c = R::splat;
     let x2 = x * x;
-    let sin = x + x * x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 * (-1.0 / 5040.0 + x2 * (1.0 / 362_880.0))));
-    let of_eighth_power = 1.0 / 40_320.0 - x2 * (1.0 / 3_628_800.0);
-    let cos = 1.0 + x2 * (-0.5 + x2 * (1.0 / 24.0 + x2 * (-1.0 / 720.0 + x2 * of_eighth_power)));
+    let sin = x + x * x2 * (c(-1.0 / 6.0) + x2 * (c(1.0 / 120.0) + x2 * (c(-1.0 / 5040.0) + x2 * c(1.0 / 362_880.0))));
+    let of_eighth_power = c(1.0 / 40_320.0) - x2 * c(1.0 / 3_628_800.0);
+    let cos = c(1.0) + x2 * (c(-0.5) + x2 * (c(1.0 / 24.0) + x2 * (c(-1.0 / 720.0) + x2 * of_eighth_power)));
     (sin, cos)
 }
 
 /// Unit square → upper hemisphere, density cos θ/π per steradian.
-#[inline]
-pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
-    let d = concentric_disk(u);
-    Vec3::new(d.x, d.y, (1.0 - d.length_squared()).max(0.0).sqrt())
+#[inline(always)]
+pub fn cosine_hemisphere<R: Real>(u: [R; 2]) -> Vector<R> {
+    let [x, y] = concentric_disk(u);
+    Vector::new(x, y, (R::splat(1.0) - (x * x + y * y)).most(R::splat(0.0)).sqrt())
 }
 
 /// Unit square → unit sphere, density 1/(4π) per steradian.
@@ -59,15 +59,12 @@ pub fn uniform_cone([u, v]: [f32; 2], cos_max: f32) -> Vec3 {
 
 /// Unit square → barycentric coordinates (b₁, b₂) of the second and third corner, uniform over the triangle
 /// (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
-#[inline]
-pub fn uniform_triangle([u, v]: [f32; 2]) -> [f32; 2] {
-    if u < v {
-        let b1 = 0.5 * u;
-        [b1, v - b1]
-    } else {
-        let b2 = 0.5 * v;
-        [u - b2, b2]
-    }
+#[inline(always)]
+pub fn uniform_triangle<R: Real>([u, v]: [R; 2]) -> [R; 2] {
+    let is_below = u.is_below(v);
+    let half = R::splat(0.5) * R::select(is_below, u, v);
+    let rest = R::select(is_below, v, u) - half;
+    [R::select(is_below, half, rest), R::select(is_below, rest, half)]
 }
 
 #[cfg(test)]
@@ -88,7 +85,7 @@ mod tests {
     fn sine_and_cosine_of_small_angles_are_right_to_two_ulp() {
         for i in -1000i16..=1000 {
             let x = FRAC_PI_4 * f32::from(i) / 1000.0;
-            let ((sin, cos), exact) = (sin_cos_of_eighth(x), f64::from(x).sin_cos());
+            let ((sin, cos), exact) = (sin_cos_of_eighth::<f32>(x), f64::from(x).sin_cos());
             let ulp = |value: f64| f64::from(f32::EPSILON) * value.abs().max(1e-30);
             assert!((f64::from(sin) - exact.0).abs() <= 2.0 * ulp(exact.0), "sin {x}");
             assert!((f64::from(cos) - exact.1).abs() <= 2.0 * ulp(exact.1), "cos {x}");
@@ -97,8 +94,11 @@ mod tests {
 
     #[test]
     fn disk_has_the_moments_of_a_uniform_disk() {
-        assert!((grid_mean(512, |u| f64::from(concentric_disk(u).length_squared())) - 0.5).abs() < TOLERANCE);
-        assert!(grid_mean(512, |u| f64::from(concentric_disk(u).x)).abs() < TOLERANCE);
+        assert!(
+            (grid_mean(512, |u| f64::from(concentric_disk(u).iter().map(|x| x * x).sum::<f32>())) - 0.5).abs()
+                < TOLERANCE
+        );
+        assert!(grid_mean(512, |u| f64::from(concentric_disk(u)[0])).abs() < TOLERANCE);
     }
 
     #[test]

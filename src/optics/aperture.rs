@@ -1,6 +1,6 @@
 //! The opening of a lens: its area and how points on it are drawn.
 
-use glam::DVec2;
+use glam::{DVec2, Vec2};
 
 use crate::math::warp;
 
@@ -35,7 +35,7 @@ impl Aperture {
     #[inline]
     pub(super) fn sample(&self, [u, v]: [f32; 2]) -> DVec2 {
         if self.blades == 0 {
-            return warp::concentric_disk([u, v]).as_dvec2() * self.radius;
+            return Vec2::from(warp::concentric_disk([u, v])).as_dvec2() * self.radius;
         }
         // One of n equal triangles about the centre, then a point within it.
         let scaled = u * self.blades as f32;

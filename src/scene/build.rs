@@ -68,12 +68,16 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let environment = environment.map(|e| builder.environment(&e, radius, &mut all));
     let LightList { lights, motions, powers, spectrum } = all;
     let lights = Lights::new(lights, motions, &powers, disk_m2(radius), &geometry, builder.lamps, environment);
+    let has_media = table.iter().any(|m| m.absorption.is_some());
+    let matt =
+        |mesh: &MeshRange| table[mesh.material as usize].reflectance_alone().filter(|_| !has_media && mesh.is_plain());
     Scene {
+        matt: geometry.meshes.iter().map(matt).collect(),
         geometry,
         accel,
         instances: instance_table,
         has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
-        has_media: table.iter().any(|m| m.absorption.is_some()),
+        has_media,
         materials: table,
         layered: builder.layered,
         mixes: builder.mixes,

@@ -19,6 +19,14 @@ pub struct Material {
     pub absorption: Option<SpectrumId>,
 }
 
+impl Material {
+    /// The reflectance of what scatters by Lambert's law, without bumps or light of its own, and is nothing else.
+    pub(super) fn reflectance_alone(&self) -> Option<ColourSource> {
+        let ScatteringModel::Diffuse { reflectance } = self.model else { return None };
+        (self.normal_map.is_none() && self.emission.is_none()).then_some(reflectance)
+    }
+}
+
 /// A reflectance that may vary over a surface.
 #[derive(Clone, Copy, Debug)]
 pub enum ColourSource {

@@ -15,11 +15,12 @@ pub use material::{
     Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, Mix,
     NormalMap, ScatteringModel,
 };
+pub(crate) use shading::EDGE_ON;
 pub use shading::Shading;
 
 use crate::bsdf::Phong;
-use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Ray, SurfacePoint};
-use crate::light::{Emission, LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
+use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Ray, SurfacePoint};
+use crate::light::{Choice, Emission, LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
 use crate::math::hash::{hash64, unit_f32};
 use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 use crate::texture::Texture;
@@ -31,6 +32,8 @@ pub struct Scene {
     accel: Accel,
     instances: InstanceTable,
     materials: Vec<Material>,
+    /// Of each mesh that is matt and nothing else, its reflectance.
+    matt: Vec<Option<ColourSource>>,
     layered: Vec<LayeredMaterial>,
     mixes: Vec<Mix>,
     textures: Vec<Texture>,
@@ -200,6 +203,15 @@ impl Scene {
         self.spectra.sample(absorption, wavelengths).map(|per_m| (-per_m * distance).exp())
     }
 
+    /// The reflectance of a flat matt surface that was hit where its file puts it: in world space, without light of its own, and
+    /// with nothing that absorbs around it.
+    #[inline]
+    pub(crate) fn matt_surface(&self, hit: &Hit) -> Option<ColourSource> {
+        let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
+        let stands_in_world = matches!(self.accel.placements()[hit.placement as usize].place, Place::World);
+        self.matt[mesh as usize].filter(|_| stands_in_world)
+    }
+
     /// Handle of the light that a surface point belongs to.
     #[inline]
     pub fn light_of(&self, point: &SurfacePoint) -> Option<u32> {
@@ -213,11 +225,31 @@ impl Scene {
         &self,
         receiver: &Receiver,
         time: f32,
-        u: [f32; 2],
+        [u_light, v]: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
+        let choice = self.choose_light(receiver, u_light)?;
+        self.sample_chosen_light(&choice, receiver, time, v, wavelengths)
+    }
+
+    /// The light of [`Self::sample_light`], by the first of its numbers.
+    #[inline]
+    pub(crate) fn choose_light(&self, receiver: &Receiver, u_light: f32) -> Option<Choice> {
+        self.lights.choose(receiver, u_light)
+    }
+
+    /// The direction of [`Self::sample_light`] towards the light that was chosen.
+    #[inline]
+    pub(crate) fn sample_chosen_light(
+        &self,
+        choice: &Choice,
+        receiver: &Receiver,
+        time: f32,
+        v: f32,
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
         let emitted_at = |light: &TriangleLight, barycentric| self.shining(light, barycentric, wavelengths);
-        self.lights.sample(&self.spectra, &self.geometry, emitted_at, receiver, time, u, wavelengths)
+        self.lights.sample_chosen(choice, &self.spectra, &self.geometry, emitted_at, receiver, time, v, wavelengths)
     }
 
     /// Light that sets out from a surface at a time, by five numbers in [0, 1): for the light, the point and the direction.
@@ -234,7 +266,12 @@ impl Scene {
 
     /// Radiance of a point of a light.
     #[inline]
-    fn shining(&self, light: &TriangleLight, barycentric: [f32; 2], wavelengths: &Wavelengths) -> SampledSpectrum {
+    pub(crate) fn shining(
+        &self,
+        light: &TriangleLight,
+        barycentric: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> SampledSpectrum {
         let emitted = self.emitted_at(&light.emission, light.triangle, barycentric, wavelengths);
         // Where there are holes, rays that look for the light end in front of them.
         if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }

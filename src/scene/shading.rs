@@ -12,6 +12,9 @@ use crate::math::hash::{hash64, unit_f32};
 use crate::spectrum::upsampling::reflectance_polynomial;
 use crate::spectrum::{SampledSpectrum, Wavelengths};
 
+/// Smallest cosine of a shading normal to who sees the surface.
+pub(crate) const EDGE_ON: f32 = 1e-3;
+
 /// A BSDF in its frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Shading {
@@ -192,15 +195,27 @@ impl Scene {
 
     #[inline]
     fn colour(&self, source: ColourSource, point: &SurfacePoint, wavelengths: &Wavelengths) -> SampledSpectrum {
+        self.colour_at(source, point.triangle, point.barycentric, wavelengths)
+    }
+
+    /// A colour at a point of a triangle.
+    #[inline]
+    pub(crate) fn colour_at(
+        &self,
+        source: ColourSource,
+        triangle: u32,
+        barycentric: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> SampledSpectrum {
         match source {
             ColourSource::Spectrum(id) => self.spectra.sample(id, wavelengths),
             ColourSource::Texture { factor, texture } => {
-                let texel = self.texel(texture, point.triangle, point.barycentric);
+                let texel = self.texel(texture, triangle, barycentric);
                 let rgb = [0, 1, 2].map(|i| (factor[i] * texel[i]).clamp(0.0, 1.0));
                 reflectance_polynomial(rgb).sample(wavelengths)
             }
             ColourSource::SpectrumTexture { spectrum, texture } => {
-                let texel = self.texel(texture, point.triangle, point.barycentric);
+                let texel = self.texel(texture, triangle, barycentric);
                 self.spectra.sample(spectrum, wavelengths) * reflectance_polynomial(texel).sample(wavelengths)
             }
         }
@@ -232,7 +247,6 @@ impl Scene {
         // seen edge-on at least is made of it.
         if two_sided {
             let cos = wo.dot(normal);
-            const EDGE_ON: f32 = 1e-3;
             if cos < EDGE_ON {
                 normal = (normal + wo * (EDGE_ON - cos)).try_normalize().unwrap_or(geometric);
             }

@@ -52,7 +52,7 @@ impl View<'_> {
 
     #[inline]
     pub(super) fn sample_base(&self, u_part: f32, u: [f32; 2]) -> Vec3 {
-        if u_part < self.even_part() { warp::uniform_cone(u, 0.0) } else { warp::cosine_hemisphere(u) }
+        if u_part < self.even_part() { warp::uniform_cone(u, 0.0) } else { warp::cosine_hemisphere(u).into() }
     }
 
     /// Whether light passes in one direction only.

@@ -1,0 +1,361 @@
+//! Matt surfaces, eight at a time: where paths come to flat surfaces that scatter by Lambert's law, they all do the same, and each
+//! lane of a register does it for one of them.
+//!
+//! What depends on tables, the numbers, the choice of a light and all that is spectral, is done for one after the other. Formulas
+//! are those of single paths ([`Real`](crate::math::Real)), so that a path brings the same bits alone and in a lane.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+
+use super::{Path, PathLimits, Postponed, Vertex, towards_light};
+use crate::bsdf::{Bsdf, GRAZING};
+use crate::geometry::{Hit, Ray, SurfacePoint, offset, on_triangle};
+use crate::light::{Choice, Facets, Facing, Receiver};
+use crate::math::pdf::power_heuristic;
+use crate::math::simd::{LaneMask, Lanes, Vectors, with_widest_lanes};
+use crate::math::{Frame, Pdf, Vector, frame, warp};
+use crate::sabotage::{Fault, flip};
+use crate::sampler::{SamplePlace, Sampler};
+use crate::scene::{ColourSource, EDGE_ON, Scene, Shading};
+use crate::spectrum::{SampledSpectrum, Wavelengths};
+
+/// Lanes.
+const WIDTH: usize = 8;
+
+/// Paths that have come to matt surfaces, up to [`WIDTH`] of them.
+pub(in super::super) struct MattSurfaces {
+    arrivals: Vec<Arrival>,
+    meetings: Meetings,
+    looks: Looks,
+}
+
+/// A path that has come to a matt surface.
+struct Arrival {
+    /// Of the path.
+    number: u32,
+    ray: Ray,
+    hit: Hit,
+    reflectance: ColourSource,
+    /// The light that it looks at.
+    choice: Option<Choice>,
+    /// Where its numbers go on.
+    place: SamplePlace,
+}
+
+/// Where paths meet triangles.
+#[derive(Default)]
+struct Meetings {
+    corners: [Vectors; 3],
+    barycentric: [[f32; WIDTH]; 2],
+    /// Back along the paths, unit vectors.
+    wo: Vectors,
+}
+
+/// Points of surfaces.
+struct Points {
+    position: Vectors,
+    error: Vectors,
+    geometric_normal: Vectors,
+    /// On the side that the paths have come from.
+    normal: Vectors,
+    /// Bit i is set where the surface of lane i is not seen edge-on.
+    is_seen: u32,
+}
+
+/// What surfaces look at, and numbers for where they scatter to.
+#[derive(Default)]
+struct Looks {
+    facets: Facets,
+    /// Bit i is set where lane i looks at a facet.
+    is_facet: u32,
+    /// Bit i is set where the facet of lane i shines on both sides.
+    two_sided: u32,
+    /// Of the choice of the light.
+    probability: [f32; WIDTH],
+    u_light: [[f32; WIDTH]; 2],
+    u_scatter: [[f32; WIDTH]; 2],
+}
+
+/// Light from facets.
+struct Lit {
+    /// Bit i is set where light may come to lane i.
+    is_lit: u32,
+    /// Where on the facet.
+    barycentric: [[f32; WIDTH]; 2],
+    /// Cosine at the surface over the density of the look.
+    cos_over_pdf: [f32; WIDTH],
+    weight: [f32; WIDTH],
+    shadow_origin: Vectors,
+    shadow_direction: Vectors,
+}
+
+/// Where paths go on.
+struct Scattered {
+    /// Bit i is set where the path of lane i goes on.
+    goes_on: u32,
+    origin: Vectors,
+    wi: Vectors,
+    pdf: [f32; WIDTH],
+    /// Cosine over density.
+    cos_over_pdf: [f32; WIDTH],
+}
+
+impl MattSurfaces {
+    /// None yet.
+    pub(in super::super) fn new() -> Self {
+        Self { arrivals: Vec::with_capacity(WIDTH), meetings: Meetings::default(), looks: Looks::default() }
+    }
+
+    /// Whether there is no room for another.
+    #[inline]
+    pub(in super::super) fn is_full(&self) -> bool {
+        self.arrivals.len() == WIDTH
+    }
+
+    /// Takes the path with this number in, if it has come to such a surface.
+    #[inline]
+    pub(in super::super) fn take(
+        &mut self,
+        number: u32,
+        path: &Path,
+        (ray, hit): (&Ray, Option<Hit>),
+        scene: &Scene,
+        limits: &PathLimits,
+    ) -> bool {
+        let Some(hit) = hit.filter(|_| path.is_plain(limits)) else { return false };
+        let Some(reflectance) = scene.matt_surface(&hit) else { return false };
+        let (lane, Meetings { corners, barycentric: [b1, b2], wo }) = (self.arrivals.len(), &mut self.meetings);
+        for (corners, corner) in corners.iter_mut().zip(scene.geometry().corners(hit.triangle)) {
+            corners.set(lane, corner);
+        }
+        [b1[lane], b2[lane]] = hit.barycentric;
+        wo.set(lane, -ray.direction);
+        let (choice, place) = (None, SamplePlace::default());
+        self.arrivals.push(Arrival { number, ray: *ray, hit, reflectance, choice, place });
+        true
+    }
+
+    /// Does for all that were taken in what [`Path::advance`] does for one, and lets go of them. `go_on` gets the rays along
+    /// which paths go on.
+    pub(in super::super) fn advance(
+        &mut self,
+        paths: &mut [Path],
+        scene: &Scene,
+        limits: &PathLimits,
+        sampler: &mut Sampler,
+        postponed: &mut Postponed,
+        mut go_on: impl FnMut(u32, Ray),
+    ) {
+        /// Fewer are faster one by one.
+        const FEWEST: usize = 3;
+        let is_worth_it = self.arrivals.len() >= FEWEST;
+        let points = is_worth_it.then(|| points(&self.meetings));
+        let seen = points.as_ref().map_or(0, |points| points.is_seen);
+        for arrival in (0..).zip(&self.arrivals).filter(|(lane, _)| seen >> lane & 1 == 0).map(|(_, arrival)| arrival) {
+            let (number, way) = (arrival.number, (&arrival.ray, Some(arrival.hit)));
+            let path = &mut paths[number as usize];
+            if let Some(ray) = path.advance(number, way, scene, limits, sampler, postponed) {
+                go_on(number, ray);
+            }
+        }
+        if let Some(points) = points {
+            self.look(&points, paths, scene, sampler);
+            let lit = lit(&points, &self.looks);
+            let scattered = scattered(&points, &self.meetings.wo, &self.looks.u_scatter);
+            for (lane, arrival) in self.arrivals.iter().enumerate().filter(|(lane, _)| seen >> lane & 1 != 0) {
+                let path = &mut paths[arrival.number as usize];
+                path.depth += 1;
+                let reflectance = arrival.reflectance(scene, &path.wavelengths);
+                if let Some((ray, light)) = self.light(lane, reflectance, path, &points, &lit, scene) {
+                    postponed.shadow_rays.push(ray);
+                    postponed.lights.push((arrival.number, path.throughput * light));
+                }
+                if scattered.goes_on >> lane & 1 == 0 {
+                    continue;
+                }
+                path.throughput *= reflectance * FRAC_1_PI * scattered.cos_over_pdf[lane];
+                if path.throughput.is_black() {
+                    continue;
+                }
+                path.scattered = Some((Pdf::new(scattered.pdf[lane]), points.receiver(lane)));
+                sampler.resume(arrival.place);
+                if path.survives(limits, sampler) {
+                    let ray = Ray::new(scattered.origin.get(lane), scattered.wi.get(lane));
+                    go_on(arrival.number, ray.at_time(arrival.ray.time));
+                }
+            }
+        }
+        self.arrivals.clear();
+    }
+
+    /// Chooses what those that are seen look at.
+    fn look(&mut self, points: &Points, paths: &[Path], scene: &Scene, sampler: &mut Sampler) {
+        let Self { arrivals, looks, .. } = self;
+        (looks.is_facet, looks.two_sided) = (0, 0);
+        for (lane, arrival) in arrivals.iter_mut().enumerate().filter(|(lane, _)| points.is_seen >> lane & 1 != 0) {
+            sampler.resume(paths[arrival.number as usize].place);
+            let [u_light, v] = sampler.next_2d();
+            sampler.skip();
+            [looks.u_scatter[0][lane], looks.u_scatter[1][lane]] = sampler.next_2d();
+            arrival.place = sampler.place();
+            arrival.choice = scene.choose_light(&points.receiver(lane), u_light);
+            let Some(choice) = &arrival.choice else { continue };
+            [looks.u_light[0][lane], looks.u_light[1][lane]] = [choice.rest, v];
+            let Some((emitter, facet)) = scene.lights().still_triangle(choice.light) else { continue };
+            looks.facets.set(lane, facet);
+            looks.probability[lane] = choice.probability;
+            looks.is_facet |= 1 << lane;
+            looks.two_sided |= u32::from(emitter.emission.two_sided) << lane;
+        }
+    }
+
+    /// Light that the surface of a lane receives straight from the one it looks at, unless something is in the way of the ray.
+    #[inline]
+    fn light(
+        &self,
+        lane: usize,
+        reflectance: SampledSpectrum,
+        path: &Path,
+        points: &Points,
+        lit: &Lit,
+        scene: &Scene,
+    ) -> Option<(Ray, SampledSpectrum)> {
+        let arrival = &self.arrivals[lane];
+        let choice = arrival.choice.as_ref()?;
+        let Some((emitter, _)) = scene.lights().still_triangle(choice.light) else {
+            let (time, v) = (arrival.ray.time, self.looks.u_light[1][lane]);
+            let receiver = points.receiver(lane);
+            let light = scene.sample_chosen_light(choice, &receiver, time, v, &path.wavelengths)?;
+            let point = arrival.point(lane, points, scene);
+            let frame = Frame::from_normal(points.normal.get(lane));
+            let shading = Shading { frame, bsdf: Bsdf::Diffuse { reflectance } };
+            let vertex = Vertex::new(arrival.hit.t, &point, &shading, self.meetings.wo.get(lane));
+            return path.light_from(scene, &vertex, &light);
+        };
+        if lit.is_lit >> lane & 1 == 0 {
+            return None;
+        }
+        let barycentric = lit.barycentric.map(|weights| weights[lane]);
+        let radiance = scene.shining(emitter, barycentric, &path.wavelengths);
+        let contribution = radiance * (reflectance * FRAC_1_PI) * lit.cos_over_pdf[lane];
+        if contribution.is_black() {
+            return None;
+        }
+        let mut ray = Ray::new(lit.shadow_origin.get(lane), lit.shadow_direction.get(lane)).at_time(arrival.ray.time);
+        ray.t_max = 1.0;
+        Some((ray, contribution * lit.weight[lane]))
+    }
+}
+
+impl Arrival {
+    #[inline]
+    fn reflectance(&self, scene: &Scene, wavelengths: &Wavelengths) -> SampledSpectrum {
+        scene.colour_at(self.reflectance, self.hit.triangle, self.hit.barycentric, wavelengths)
+    }
+
+    /// Its surface point, that of a lane.
+    fn point(&self, lane: usize, points: &Points, scene: &Scene) -> SurfacePoint {
+        let Hit { triangle, barycentric, .. } = self.hit;
+        let mesh = scene.geometry().triangles[triangle as usize].mesh;
+        let geometric_normal = points.geometric_normal.get(lane);
+        SurfacePoint {
+            position: points.position.get(lane),
+            error: points.error.get(lane),
+            geometric_normal,
+            shading_normal: geometric_normal,
+            tangent: Vec3::ZERO,
+            handedness: 1.0,
+            triangle,
+            mesh,
+            material: scene.geometry().meshes[mesh as usize].material,
+            barycentric,
+            time: self.ray.time,
+        }
+    }
+}
+
+impl Points {
+    /// Who looks for light in a lane.
+    #[inline]
+    fn receiver(&self, lane: usize) -> Receiver {
+        Receiver { point: self.position.get(lane), facing: Facing::Front(self.normal.get(lane)) }
+    }
+}
+
+with_widest_lanes! {
+    fn points(meetings: &Meetings) -> Points = points_in
+}
+
+#[inline(always)]
+fn points_in<L: Lanes>(Meetings { corners: [a, b, c], barycentric: [b1, b2], wo }: &Meetings) -> Points {
+    let (position, error, across) = on_triangle([a.load::<L>(), b.load(), c.load()], [L::load(b1), L::load(b2)]);
+    let geometric_normal = across * (L::splat(1.0) / across.dot(across).sqrt());
+    let wo = wo.load::<L>();
+    let is_behind = wo.dot(geometric_normal).is_below(L::splat(0.0));
+    let normal = Vector::select(is_behind, -geometric_normal, geometric_normal);
+    Points {
+        position: Vectors::store(position),
+        error: Vectors::store(error),
+        geometric_normal: Vectors::store(geometric_normal),
+        normal: Vectors::store(normal),
+        is_seen: L::splat(EDGE_ON).is_at_most(wo.dot(normal)).bits(),
+    }
+}
+
+with_widest_lanes! {
+    fn lit(points: &Points, looks: &Looks) -> Lit = lit_in
+}
+
+#[inline(always)]
+fn lit_in<L: Lanes>(points: &Points, looks: &Looks) -> Lit {
+    let zero = L::splat(0.0);
+    let (position, geometric_normal) = (points.position.load::<L>(), points.geometric_normal.load());
+    let facet = looks.facets.load::<L>();
+    let barycentric = warp::uniform_triangle([L::load(&looks.u_light[0]), L::load(&looks.u_light[1])]);
+    let sight = facet.sight(barycentric, position);
+    let pdf = sight.density * L::load(&looks.probability);
+    let cos = points.normal.load::<L>().dot(sight.wi);
+    let is_lit = (zero.is_below(pdf) & L::splat(GRAZING).is_below(cos)).bits();
+    let (front, back) = (zero.is_below(sight.cos).bits(), sight.cos.is_below(zero).bits());
+    let scattered_pdf = cos * L::splat(FRAC_1_PI);
+    let weighted_cos = if flip(Fault::CosineMissing, true, false) { cos.abs() } else { L::splat(1.0) };
+    let origin = offset(position, points.error.load(), geometric_normal, sight.wi);
+    let target = towards_light(sight.position, facet.normal, sight.wi);
+    Lit {
+        is_lit: is_lit & looks.is_facet & (front | back & looks.two_sided),
+        barycentric: barycentric.map(store),
+        cos_over_pdf: (weighted_cos / pdf).store(),
+        weight: power_heuristic(pdf, scattered_pdf).store(),
+        shadow_origin: Vectors::store(origin),
+        shadow_direction: Vectors::store(target - origin),
+    }
+}
+
+with_widest_lanes! {
+    fn scattered(points: &Points, wo: &Vectors, u: &[[f32; WIDTH]; 2]) -> Scattered = scattered_in
+}
+
+#[inline(always)]
+fn scattered_in<L: Lanes>(points: &Points, wo: &Vectors, [u, v]: &[[f32; WIDTH]; 2]) -> Scattered {
+    let local = warp::cosine_hemisphere([L::load(u), L::load(v)]);
+    let (normal, geometric_normal) = (points.normal.load::<L>(), points.geometric_normal.load::<L>());
+    let [x, y] = frame::tangents(normal);
+    let wi = x * local.x + y * local.y + normal * local.z;
+    let leaks = (wo.load::<L>().dot(geometric_normal) * wi.dot(geometric_normal)).is_below(L::splat(0.0));
+    let pdf = local.z * L::splat(FRAC_1_PI);
+    let origin = offset(points.position.load(), points.error.load(), geometric_normal, wi);
+    Scattered {
+        goes_on: (L::splat(GRAZING).is_below(local.z) & !leaks).bits(),
+        origin: Vectors::store(origin),
+        wi: Vectors::store(wi),
+        pdf: pdf.store(),
+        cos_over_pdf: (local.z.abs() / pdf).store(),
+    }
+}
+
+/// A function rather than a path to the trait's, which would not be inlined into a function for wide registers.
+#[inline(always)]
+fn store<L: Lanes>(numbers: L) -> [f32; WIDTH] {
+    numbers.store()
+}
