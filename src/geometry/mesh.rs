@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use crate::math::Real;
 use crate::math::simd::prefetch;
 
 /// Corner indices into the vertex tables, and the mesh that the triangle belongs to.
@@ -37,9 +38,9 @@ pub struct MeshRange {
 }
 
 impl MeshRange {
-    /// Whether its triangles are as flat as they look, in one shape, with no direction marked on them.
+    /// Whether it keeps its shape, with no direction marked on it.
     pub(crate) fn is_plain(&self) -> bool {
-        self.normals_from.is_none() && self.tangents_from.is_none() && self.deformation.is_none()
+        self.tangents_from.is_none() && self.deformation.is_none()
     }
 }
 
@@ -115,7 +116,7 @@ impl Geometry {
 
     /// The same of a triangle of that mesh.
     #[inline]
-    pub(super) fn corners_of(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> [Vec3; 3] {
+    pub(crate) fn corners_of(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> [Vec3; 3] {
         let corners = triangle.corners;
         match mesh.deformation {
             None => corners.map(|corner| self.positions[corner as usize]),
@@ -139,7 +140,7 @@ impl Geometry {
 
     /// Shading normals at the corners of a triangle of that mesh, not quite of unit length, where it has any.
     #[inline]
-    pub(super) fn corner_normals(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> Option<[Vec3; 3]> {
+    pub(crate) fn corner_normals(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> Option<[Vec3; 3]> {
         let from = mesh.normals_from?;
         Some(match mesh.deformation {
             None => triangle.corners.map(|corner| self.normals[(corner - from) as usize]),
@@ -208,10 +209,11 @@ pub(super) fn segment(time: f32, count: usize) -> (usize, f32) {
 }
 
 /// Linear interpolation over a triangle; `[b1, b2]` are the weights of the second and third corner.
-#[inline]
-pub(super) fn interpolate<T>([a, b, c]: [T; 3], [b1, b2]: [f32; 2]) -> T
+#[inline(always)]
+pub(crate) fn interpolate<R, T>([a, b, c]: [T; 3], [b1, b2]: [R; 2]) -> T
 where
-    T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+    R: Real,
+    T: std::ops::Mul<R, Output = T> + std::ops::Add<Output = T>,
 {
-    a * (1.0 - b1 - b2) + b * b1 + c * b2
+    a * (R::splat(1.0) - b1 - b2) + b * b1 + c * b2
 }

@@ -23,6 +23,7 @@ mod wide_bvh;
 mod wide_node;
 
 pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement};
+pub(crate) use mesh::interpolate;
 pub use mesh::{Deformation, Geometry, MeshRange, Triangle};
 pub use motion::{Motion, Transform};
 pub use point::SurfacePoint;

@@ -95,10 +95,10 @@ impl SurfacePoint {
 /// normal, not of unit length.
 #[inline(always)]
 pub(crate) fn on_triangle<R: Real>([a, b, c]: [Vector<R>; 3], [b1, b2]: [R; 2]) -> (Vector<R>, Vector<R>, Vector<R>) {
-    let b0 = R::splat(1.0) - b1 - b2;
     // pbrt4 §6.8.5: seven roundings at most lie between the corners and their weighted sum.
-    let error = (a.abs() * b0.abs() + b.abs() * b1 + c.abs() * b2) * R::splat(gamma(7));
-    (a * b0 + b * b1 + c * b2, error, (b - a).cross(c - a))
+    let of_first = (R::splat(1.0) - b1 - b2).abs();
+    let error = (a.abs() * of_first + b.abs() * b1 + c.abs() * b2) * R::splat(gamma(7));
+    (interpolate([a, b, c], [b1, b2]), error, (b - a).cross(c - a))
 }
 
 fn absolute(m: &glam::Affine3A) -> glam::Mat3A {

@@ -203,18 +203,19 @@ impl Wave {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DAffine3, Vec3};
+    use glam::{DAffine3, DVec3, Vec3};
 
     use super::*;
     use crate::sampler::SamplerKind;
     use crate::scene::build;
     use crate::scene::description::{
-        Colour, EnvironmentDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
-        SceneDescription, TexturedColour,
+        Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LightDescription, LightKind,
+        MaterialDescription, MaterialModel, MeshDescription, SceneDescription, TexturedColour,
     };
     use crate::spectrum::{Spectrum, library};
 
-    /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere.
+    /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere, with a lamp and a light
+    /// without extent. The floor's shading normals lean, in parts below what is seen.
     fn scene() -> Scene {
         let mut scene = SceneDescription {
             environment: Some(EnvironmentDescription::Constant {
@@ -233,9 +234,11 @@ mod tests {
         for (material, (z, model)) in materials.into_iter().enumerate() {
             let name = format!("{material}");
             scene.materials.push(MaterialDescription::new(&name, model));
+            let leaning = [[0.0, 0.0], [3.0, -1.0], [0.5, 0.5], [-8.0, 0.2]].map(|[x, y]| Vec3::new(x, y, 1.0));
             scene.meshes.push(MeshDescription {
                 name: name.clone(),
                 material,
+                normals: if z < 0.0 { leaning.map(Vec3::normalize).to_vec() } else { vec![] },
                 positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
                     .map(|[x, y]| Vec3::new(x, y, z))
                     .to_vec(),
@@ -249,6 +252,43 @@ mod tests {
                 later: vec![],
             });
         }
+        let emission = |level: f64| EmissionDescription {
+            colour: Colour::Rgb([1.0, 0.8, 0.6]),
+            level: Some(level),
+            texture: None,
+        };
+        // Triangles that shine to one side and to both, and walls without shading normals.
+        for (material, (x, level, double_sided)) in
+            (4..).zip([(-0.9f32, Some(80.0), false), (0.9, Some(90.0), true), (-1.1, None, false), (1.1, None, true)])
+        {
+            let name = format!("{material}");
+            let grey = MaterialModel::Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.4, 0.5, 0.6])) };
+            scene.materials.push(MaterialDescription {
+                emission: level.map(emission),
+                double_sided,
+                ..MaterialDescription::new(&name, grey)
+            });
+            scene.meshes.push(MeshDescription {
+                name: name.clone(),
+                material,
+                positions: [[-0.7, -0.9], [0.8, -0.9], [0.0, 0.4]].map(|[y, z]| Vec3::new(x, y, z)).to_vec(),
+                triangles: vec![[0, 1, 2]],
+                ..MeshDescription::default()
+            });
+            scene.instances.push(InstanceDescription {
+                name,
+                mesh: material,
+                to_world: DAffine3::IDENTITY,
+                later: vec![],
+            });
+        }
+        scene.lights.push(LightDescription {
+            name: "point".into(),
+            to_world: DAffine3::from_translation(DVec3::new(0.1, 0.8, -0.3)),
+            later: vec![],
+            kind: LightKind::Point,
+            emission: emission(20.0),
+        });
         build(scene, &Spectrum::constant(1.0))
     }
 

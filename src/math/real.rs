@@ -128,6 +128,15 @@ impl<R: Real> Vector<R> {
         Self::new(self.x.abs(), self.y.abs(), self.z.abs())
     }
 
+    /// The same with length 1, and another vector where it has no length.
+    #[inline(always)]
+    #[must_use]
+    pub fn normalize_or(self, other: Self) -> Self {
+        let inverse = R::splat(1.0) / self.dot(self).sqrt();
+        let has_length = R::splat(0.0).is_below(inverse) & inverse.is_below(R::splat(f32::INFINITY));
+        Self::select(has_length, self * inverse, other)
+    }
+
     /// Each component divided by a number.
     #[inline(always)]
     #[must_use]
@@ -203,5 +212,9 @@ mod tests {
         assert_eq!(Vec3::from(v * 0.7), a * 0.7);
         assert_eq!(Vec3::from(v.over(0.7)), a / 0.7);
         assert_eq!(Vec3::from(-v.abs()), -a.abs());
+        assert_eq!(Vec3::from(v.normalize_or(w)), a.normalize_or(b));
+        for short in [Vec3::ZERO, Vec3::splat(1e-30), Vec3::splat(f32::NAN)] {
+            assert_eq!(Vec3::from(Vector::from(short).normalize_or(w)), short.normalize_or(b), "{short}");
+        }
     }
 }

@@ -203,7 +203,7 @@ impl Scene {
         self.spectra.sample(absorption, wavelengths).map(|per_m| (-per_m * distance).exp())
     }
 
-    /// The reflectance of a flat matt surface that was hit where its file puts it: in world space, without light of its own, and
+    /// The reflectance of a matt surface that was hit where its file puts it: in world space, without light of its own, and
     /// with nothing that absorbs around it.
     #[inline]
     pub(crate) fn matt_surface(&self, hit: &Hit) -> Option<ColourSource> {

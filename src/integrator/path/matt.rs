@@ -1,4 +1,4 @@
-//! Matt surfaces, eight at a time: where paths come to flat surfaces that scatter by Lambert's law, they all do the same, and each
+//! Matt surfaces, eight at a time: where paths come to surfaces that scatter by Lambert's law, they all do the same, and each
 //! lane of a register does it for one of them.
 //!
 //! What depends on tables, the numbers, the choice of a light and all that is spectral, is done for one after the other. Formulas
@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use super::{Path, PathLimits, Postponed, Vertex, towards_light};
 use crate::bsdf::{Bsdf, GRAZING};
-use crate::geometry::{Hit, Ray, SurfacePoint, offset, on_triangle};
+use crate::geometry::{Geometry, Hit, Ray, SurfacePoint, interpolate, offset, on_triangle};
 use crate::light::{Choice, Facets, Facing, Receiver};
 use crate::math::pdf::power_heuristic;
 use crate::math::simd::{LaneMask, Lanes, Vectors, with_widest_lanes};
@@ -47,6 +47,10 @@ struct Arrival {
 #[derive(Default)]
 struct Meetings {
     corners: [Vectors; 3],
+    /// Shading normals at the corners, zero where a mesh has none.
+    normals: [Vectors; 3],
+    /// Bit i is set where they are not zero in lane i.
+    has_normals: u32,
     barycentric: [[f32; WIDTH]; 2],
     /// Back along the paths, unit vectors.
     wo: Vectors,
@@ -57,7 +61,7 @@ struct Points {
     position: Vectors,
     error: Vectors,
     geometric_normal: Vectors,
-    /// On the side that the paths have come from.
+    /// That by which light scatters, on the side that the paths have come from.
     normal: Vectors,
     /// Bit i is set where the surface of lane i is not seen edge-on.
     is_seen: u32,
@@ -125,12 +129,8 @@ impl MattSurfaces {
     ) -> bool {
         let Some(hit) = hit.filter(|_| path.is_plain(limits)) else { return false };
         let Some(reflectance) = scene.matt_surface(&hit) else { return false };
-        let (lane, Meetings { corners, barycentric: [b1, b2], wo }) = (self.arrivals.len(), &mut self.meetings);
-        for (corners, corner) in corners.iter_mut().zip(scene.geometry().corners(hit.triangle)) {
-            corners.set(lane, corner);
-        }
-        [b1[lane], b2[lane]] = hit.barycentric;
-        wo.set(lane, -ray.direction);
+        let lane = self.arrivals.len();
+        self.meetings.set(lane, ray, &hit, scene.geometry());
         let (choice, place) = (None, SamplePlace::default());
         self.arrivals.push(Arrival { number, ray: *ray, hit, reflectance, choice, place });
         true
@@ -161,7 +161,7 @@ impl MattSurfaces {
         }
         if let Some(points) = points {
             self.look(&points, paths, scene, sampler);
-            let lit = lit(&points, &self.looks);
+            let lit = lit(&points, &self.meetings.wo, &self.looks);
             let scattered = scattered(&points, &self.meetings.wo, &self.looks.u_scatter);
             for (lane, arrival) in self.arrivals.iter().enumerate().filter(|(lane, _)| seen >> lane & 1 != 0) {
                 let path = &mut paths[arrival.number as usize];
@@ -263,7 +263,7 @@ impl Arrival {
             position: points.position.get(lane),
             error: points.error.get(lane),
             geometric_normal,
-            shading_normal: geometric_normal,
+            shading_normal: points.normal.get(lane),
             tangent: Vec3::ZERO,
             handedness: 1.0,
             triangle,
@@ -272,6 +272,26 @@ impl Arrival {
             barycentric,
             time: self.ray.time,
         }
+    }
+}
+
+impl Meetings {
+    #[inline]
+    fn set(&mut self, lane: usize, ray: &Ray, hit: &Hit, geometry: &Geometry) {
+        let triangle = &geometry.triangles[hit.triangle as usize];
+        let mesh = &geometry.meshes[triangle.mesh as usize];
+        for (corners, corner) in self.corners.iter_mut().zip(geometry.corners_of(triangle, mesh, ray.time)) {
+            corners.set(lane, corner);
+        }
+        let normals = geometry.corner_normals(triangle, mesh, ray.time);
+        if normals.is_some() || self.has_normals >> lane & 1 != 0 {
+            self.has_normals = self.has_normals & !(1 << lane) | u32::from(normals.is_some()) << lane;
+            for (normals, normal) in self.normals.iter_mut().zip(normals.unwrap_or_default()) {
+                normals.set(lane, normal);
+            }
+        }
+        [self.barycentric[0][lane], self.barycentric[1][lane]] = hit.barycentric;
+        self.wo.set(lane, -ray.direction);
     }
 }
 
@@ -288,12 +308,18 @@ with_widest_lanes! {
 }
 
 #[inline(always)]
-fn points_in<L: Lanes>(Meetings { corners: [a, b, c], barycentric: [b1, b2], wo }: &Meetings) -> Points {
-    let (position, error, across) = on_triangle([a.load::<L>(), b.load(), c.load()], [L::load(b1), L::load(b2)]);
-    let geometric_normal = across * (L::splat(1.0) / across.dot(across).sqrt());
-    let wo = wo.load::<L>();
-    let is_behind = wo.dot(geometric_normal).is_below(L::splat(0.0));
-    let normal = Vector::select(is_behind, -geometric_normal, geometric_normal);
+fn points_in<L: Lanes>(meetings: &Meetings) -> Points {
+    let [a, b, c] = &meetings.corners;
+    let barycentric = [L::load(&meetings.barycentric[0]), L::load(&meetings.barycentric[1])];
+    let (position, error, across) = on_triangle([a.load::<L>(), b.load(), c.load()], barycentric);
+    let geometric_normal = across.normalize_or(Vector::splat(Vec3::ZERO));
+    let mut normal = geometric_normal;
+    if meetings.has_normals != 0 {
+        let [a, b, c] = &meetings.normals;
+        normal = interpolate([a.load::<L>(), b.load(), c.load()], barycentric).normalize_or(geometric_normal);
+    }
+    let wo = meetings.wo.load::<L>();
+    normal = Vector::select(wo.dot(geometric_normal).is_below(L::splat(0.0)), -normal, normal);
     Points {
         position: Vectors::store(position),
         error: Vectors::store(error),
@@ -304,11 +330,11 @@ fn points_in<L: Lanes>(Meetings { corners: [a, b, c], barycentric: [b1, b2], wo 
 }
 
 with_widest_lanes! {
-    fn lit(points: &Points, looks: &Looks) -> Lit = lit_in
+    fn lit(points: &Points, wo: &Vectors, looks: &Looks) -> Lit = lit_in
 }
 
 #[inline(always)]
-fn lit_in<L: Lanes>(points: &Points, looks: &Looks) -> Lit {
+fn lit_in<L: Lanes>(points: &Points, wo: &Vectors, looks: &Looks) -> Lit {
     let zero = L::splat(0.0);
     let (position, geometric_normal) = (points.position.load::<L>(), points.geometric_normal.load());
     let facet = looks.facets.load::<L>();
@@ -316,7 +342,8 @@ fn lit_in<L: Lanes>(points: &Points, looks: &Looks) -> Lit {
     let sight = facet.sight(barycentric, position);
     let pdf = sight.density * L::load(&looks.probability);
     let cos = points.normal.load::<L>().dot(sight.wi);
-    let is_lit = (zero.is_below(pdf) & L::splat(GRAZING).is_below(cos)).bits();
+    let is_above = L::splat(GRAZING).is_below(cos) & !crosses(wo.load(), sight.wi, geometric_normal);
+    let is_lit = (zero.is_below(pdf) & is_above).bits();
     let (front, back) = (zero.is_below(sight.cos).bits(), sight.cos.is_below(zero).bits());
     let scattered_pdf = cos * L::splat(FRAC_1_PI);
     let weighted_cos = if flip(Fault::CosineMissing, true, false) { cos.abs() } else { L::splat(1.0) };
@@ -342,16 +369,21 @@ fn scattered_in<L: Lanes>(points: &Points, wo: &Vectors, [u, v]: &[[f32; WIDTH];
     let (normal, geometric_normal) = (points.normal.load::<L>(), points.geometric_normal.load::<L>());
     let [x, y] = frame::tangents(normal);
     let wi = x * local.x + y * local.y + normal * local.z;
-    let leaks = (wo.load::<L>().dot(geometric_normal) * wi.dot(geometric_normal)).is_below(L::splat(0.0));
     let pdf = local.z * L::splat(FRAC_1_PI);
     let origin = offset(points.position.load(), points.error.load(), geometric_normal, wi);
     Scattered {
-        goes_on: (L::splat(GRAZING).is_below(local.z) & !leaks).bits(),
+        goes_on: (L::splat(GRAZING).is_below(local.z) & !crosses(wo.load(), wi, geometric_normal)).bits(),
         origin: Vectors::store(origin),
         wi: Vectors::store(wi),
         pdf: pdf.store(),
         cos_over_pdf: (local.z.abs() / pdf).store(),
     }
+}
+
+/// Where light on its way from one direction to the other would come through the surface, as [`leaks`](super::leaks) has it.
+#[inline(always)]
+fn crosses<L: Lanes>(wo: Vector<L>, wi: Vector<L>, normal: Vector<L>) -> L::Mask {
+    (wo.dot(normal) * wi.dot(normal)).is_below(L::splat(0.0))
 }
 
 /// A function rather than a path to the trait's, which would not be inlined into a function for wide registers.
