@@ -1,6 +1,6 @@
 //! Paths that are traced together, from surface to surface: first the rays of all, then what each does where it has come to,
 //! then their shadow rays. While the memory brings what one ray needs, others go on, and each part of the code runs for all
-//! paths before the next one takes its place.
+//! paths before the next one takes its place. Those that have come to matt surfaces are dealt with eight at a time.
 
 use super::odds::Odds;
 use super::path::{MattSurfaces, Path, PathLimits, Postponed, Sharing};

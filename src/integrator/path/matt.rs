@@ -37,10 +37,6 @@ struct Arrival {
     ray: Ray,
     hit: Hit,
     reflectance: ColourSource,
-    /// The light that it looks at.
-    choice: Option<Choice>,
-    /// Where its numbers go on.
-    place: SamplePlace,
 }
 
 /// Where paths meet triangles.
@@ -70,6 +66,9 @@ struct Points {
 /// What surfaces look at, and numbers for where they scatter to.
 #[derive(Default)]
 struct Looks {
+    /// The light of each lane.
+    choices: [Option<Choice>; WIDTH],
+    /// Those that are triangles which stay where they are.
     facets: Facets,
     /// Bit i is set where lane i looks at a facet.
     is_facet: u32,
@@ -79,6 +78,8 @@ struct Looks {
     probability: [f32; WIDTH],
     u_light: [[f32; WIDTH]; 2],
     u_scatter: [[f32; WIDTH]; 2],
+    /// Where the numbers go on.
+    places: [SamplePlace; WIDTH],
 }
 
 /// Light from facets.
@@ -131,8 +132,7 @@ impl MattSurfaces {
         let Some(reflectance) = scene.matt_surface(&hit) else { return false };
         let lane = self.arrivals.len();
         self.meetings.set(lane, ray, &hit, scene.geometry());
-        let (choice, place) = (None, SamplePlace::default());
-        self.arrivals.push(Arrival { number, ray: *ray, hit, reflectance, choice, place });
+        self.arrivals.push(Arrival { number, ray: *ray, hit, reflectance });
         true
     }
 
@@ -179,7 +179,7 @@ impl MattSurfaces {
                     continue;
                 }
                 path.scattered = Some((Pdf::new(scattered.pdf[lane]), points.receiver(lane)));
-                sampler.resume(arrival.place);
+                sampler.resume(self.looks.places[lane]);
                 if path.survives(limits, sampler) {
                     let ray = Ray::new(scattered.origin.get(lane), scattered.wi.get(lane));
                     go_on(arrival.number, ray.at_time(arrival.ray.time));
@@ -193,14 +193,14 @@ impl MattSurfaces {
     fn look(&mut self, points: &Points, paths: &[Path], scene: &Scene, sampler: &mut Sampler) {
         let Self { arrivals, looks, .. } = self;
         (looks.is_facet, looks.two_sided) = (0, 0);
-        for (lane, arrival) in arrivals.iter_mut().enumerate().filter(|(lane, _)| points.is_seen >> lane & 1 != 0) {
+        for (lane, arrival) in arrivals.iter().enumerate().filter(|(lane, _)| points.is_seen >> lane & 1 != 0) {
             sampler.resume(paths[arrival.number as usize].place);
             let [u_light, v] = sampler.next_2d();
             sampler.skip();
             [looks.u_scatter[0][lane], looks.u_scatter[1][lane]] = sampler.next_2d();
-            arrival.place = sampler.place();
-            arrival.choice = scene.choose_light(&points.receiver(lane), u_light);
-            let Some(choice) = &arrival.choice else { continue };
+            looks.places[lane] = sampler.place();
+            looks.choices[lane] = scene.choose_light(&points.receiver(lane), u_light);
+            let Some(choice) = &looks.choices[lane] else { continue };
             [looks.u_light[0][lane], looks.u_light[1][lane]] = [choice.rest, v];
             let Some((emitter, facet)) = scene.lights().still_triangle(choice.light) else { continue };
             looks.facets.set(lane, facet);
@@ -222,7 +222,7 @@ impl MattSurfaces {
         scene: &Scene,
     ) -> Option<(Ray, SampledSpectrum)> {
         let arrival = &self.arrivals[lane];
-        let choice = arrival.choice.as_ref()?;
+        let choice = self.looks.choices[lane].as_ref()?;
         let Some((emitter, _)) = scene.lights().still_triangle(choice.light) else {
             let (time, v) = (arrival.ray.time, self.looks.u_light[1][lane]);
             let receiver = points.receiver(lane);
