@@ -214,6 +214,15 @@ mod tests {
     };
     use crate::spectrum::{Spectrum, library};
 
+    /// Adds a mesh with a material of its own.
+    fn add(scene: &mut SceneDescription, material: MaterialDescription, mesh: MeshDescription) {
+        let (name, number) = (material.name.clone(), scene.materials.len());
+        scene.materials.push(material);
+        scene.meshes.push(MeshDescription { name: name.clone(), material: number, ..mesh });
+        let to_world = DAffine3::IDENTITY;
+        scene.instances.push(InstanceDescription { name, mesh: number, to_world, later: vec![] });
+    }
+
     /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere, with a lamp and a light
     /// without extent. The floor's shading normals lean, in parts below what is seen.
     fn scene() -> Scene {
@@ -231,26 +240,17 @@ mod tests {
             (0.5, MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.3 }),
             (1.5, MaterialModel::Conductor { eta: silver.eta, k: silver.k, roughness: 0.0, anisotropy: 0.0 }),
         ];
-        for (material, (z, model)) in materials.into_iter().enumerate() {
-            let name = format!("{material}");
-            scene.materials.push(MaterialDescription::new(&name, model));
-            let leaning = [[0.0, 0.0], [3.0, -1.0], [0.5, 0.5], [-8.0, 0.2]].map(|[x, y]| Vec3::new(x, y, 1.0));
-            scene.meshes.push(MeshDescription {
-                name: name.clone(),
-                material,
-                normals: if z < 0.0 { leaning.map(Vec3::normalize).to_vec() } else { vec![] },
+        let leaning = [[0.0, 0.0], [3.0, -1.0], [0.5, 0.5], [-8.0, 0.2]].map(|[x, y]| Vec3::new(x, y, 1.0));
+        for (z, model) in materials {
+            let mesh = MeshDescription {
                 positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
                     .map(|[x, y]| Vec3::new(x, y, z))
                     .to_vec(),
+                normals: if z < 0.0 { leaning.map(Vec3::normalize).to_vec() } else { vec![] },
                 triangles: vec![[0, 1, 2], [0, 2, 3]],
                 ..MeshDescription::default()
-            });
-            scene.instances.push(InstanceDescription {
-                name,
-                mesh: material,
-                to_world: DAffine3::IDENTITY,
-                later: vec![],
-            });
+            };
+            add(&mut scene, MaterialDescription::new(&format!("z = {z}"), model), mesh);
         }
         let emission = |level: f64| EmissionDescription {
             colour: Colour::Rgb([1.0, 0.8, 0.6]),
@@ -258,29 +258,21 @@ mod tests {
             texture: None,
         };
         // Triangles that shine to one side and to both, and walls without shading normals.
-        for (material, (x, level, double_sided)) in
-            (4..).zip([(-0.9f32, Some(80.0), false), (0.9, Some(90.0), true), (-1.1, None, false), (1.1, None, true)])
+        for (x, level, double_sided) in
+            [(-0.9f32, Some(80.0), false), (0.9, Some(90.0), true), (-1.1, None, false), (1.1, None, true)]
         {
-            let name = format!("{material}");
             let grey = MaterialModel::Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.4, 0.5, 0.6])) };
-            scene.materials.push(MaterialDescription {
+            let material = MaterialDescription {
                 emission: level.map(emission),
                 double_sided,
-                ..MaterialDescription::new(&name, grey)
-            });
-            scene.meshes.push(MeshDescription {
-                name: name.clone(),
-                material,
+                ..MaterialDescription::new(&format!("x = {x}"), grey)
+            };
+            let mesh = MeshDescription {
                 positions: [[-0.7, -0.9], [0.8, -0.9], [0.0, 0.4]].map(|[y, z]| Vec3::new(x, y, z)).to_vec(),
                 triangles: vec![[0, 1, 2]],
                 ..MeshDescription::default()
-            });
-            scene.instances.push(InstanceDescription {
-                name,
-                mesh: material,
-                to_world: DAffine3::IDENTITY,
-                later: vec![],
-            });
+            };
+            add(&mut scene, material, mesh);
         }
         scene.lights.push(LightDescription {
             name: "point".into(),
