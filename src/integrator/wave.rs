@@ -250,7 +250,7 @@ mod tests {
                 triangles: vec![[0, 1, 2], [0, 2, 3]],
                 ..MeshDescription::default()
             };
-            add(&mut scene, MaterialDescription::new(&format!("z = {z}"), model), mesh);
+            add(&mut scene, MaterialDescription::new(format!("z = {z}"), model), mesh);
         }
         let emission = |level: f64| EmissionDescription {
             colour: Colour::Rgb([1.0, 0.8, 0.6]),
@@ -265,7 +265,7 @@ mod tests {
             let material = MaterialDescription {
                 emission: level.map(emission),
                 double_sided,
-                ..MaterialDescription::new(&format!("x = {x}"), grey)
+                ..MaterialDescription::new(format!("x = {x}"), grey)
             };
             let mesh = MeshDescription {
                 positions: [[-0.7, -0.9], [0.8, -0.9], [0.0, 0.4]].map(|[y, z]| Vec3::new(x, y, z)).to_vec(),
