@@ -434,7 +434,7 @@ impl LightPath {
                 self.power *= 1.0 / survival;
             }
         }
-        self.place = sampler.place();
+        sampler.leave(&mut self.place);
         Some(leave(point, wo))
     }
 

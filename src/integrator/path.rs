@@ -293,8 +293,9 @@ impl Path {
     ) {
         let place = sampler.place();
         for branch in 0..limits.splitting {
-            sampler.resume(place.branch(branch, limits.splitting));
-            let mut path = Self { origin: Some(number), light: SampledSpectrum::ZERO, ..*self };
+            let own = place.branch(branch, limits.splitting);
+            sampler.resume(own);
+            let mut path = Self { origin: Some(number), light: SampledSpectrum::ZERO, place: own, ..*self };
             if let Some(ray) = path.scatter(scene, vertex, limits, sampler) {
                 postponed.branches.push((path, ray));
             }
@@ -354,7 +355,7 @@ impl Path {
                 self.throughput *= 1.0 / survival;
             }
         }
-        self.place = sampler.place();
+        sampler.leave(&mut self.place);
         true
     }
 

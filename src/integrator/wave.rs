@@ -154,16 +154,16 @@ impl Wave {
         let Self { limits, paths, front, next, hits, matt, postponed, .. } = self;
         scene.closest_each(&front.rays, hits);
         let looks_ahead = scene.geometry().exceeds_caches();
-        for (i, ((&number, ray), &hit)) in front.numbers.iter().zip(&front.rays).zip(&*hits).enumerate() {
+        for (i, ((&number, ray), hit)) in front.numbers.iter().zip(&front.rays).zip(&*hits).enumerate() {
             if looks_ahead {
                 ask_for_corners(scene.geometry(), &hits[i..]);
             }
             let path = &mut paths[number as usize];
-            if matt.take(number, path, (ray, hit), scene, limits) {
+            if matt.take(number, path, (ray, hit.as_ref()), scene, limits) {
                 if matt.is_full() {
                     matt.advance(paths, scene, limits, sampler, postponed, |number, ray| next.push(number, ray));
                 }
-            } else if let Some(ray) = path.advance(number, (ray, hit), scene, limits, sampler, postponed) {
+            } else if let Some(ray) = path.advance(number, (ray, *hit), scene, limits, sampler, postponed) {
                 next.push(number, ray);
             }
         }

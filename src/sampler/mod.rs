@@ -82,6 +82,14 @@ impl Sampler {
         self.place
     }
 
+    /// Notes how far it has come since it went on from a place, or from the one that it left there since.
+    // Reading all of the place, of which a part was written last, would wait for that to reach the memory.
+    #[inline]
+    pub fn leave(&self, place: &mut SamplePlace) {
+        debug_assert_eq!((place.key, place.index), (self.place.key, self.place.index), "a place of another sample");
+        place.dimension = self.place.dimension;
+    }
+
     /// Goes on where a sample was left. Samples that follow each other cost least one after the other, dimension by dimension.
     #[inline]
     pub fn resume(&mut self, place: SamplePlace) {

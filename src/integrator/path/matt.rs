@@ -16,7 +16,7 @@ use crate::math::pdf::power_heuristic;
 use crate::math::simd::{LaneMask, Lanes, Vectors, with_widest_lanes};
 use crate::math::{Frame, Pdf, Vector, frame, warp};
 use crate::sabotage::{Fault, flip};
-use crate::sampler::{SamplePlace, Sampler};
+use crate::sampler::Sampler;
 use crate::scene::{ColourSource, EDGE_ON, Scene, Shading};
 use crate::spectrum::{SampledSpectrum, Wavelengths};
 
@@ -25,12 +25,15 @@ const WIDTH: usize = 8;
 
 /// Paths that have come to matt surfaces, up to [`WIDTH`] of them.
 pub(in super::super) struct MattSurfaces {
-    arrivals: Vec<Arrival>,
+    arrivals: [Arrival; WIDTH],
+    /// Number of paths that have come, which are the first of the arrivals.
+    count: usize,
     meetings: Meetings,
     looks: Looks,
 }
 
 /// A path that has come to a matt surface.
+#[derive(Clone, Copy)]
 struct Arrival {
     /// Of the path.
     number: u32,
@@ -78,8 +81,6 @@ struct Looks {
     probability: [f32; WIDTH],
     u_light: [[f32; WIDTH]; 2],
     u_scatter: [[f32; WIDTH]; 2],
-    /// Where the numbers go on.
-    places: [SamplePlace; WIDTH],
 }
 
 /// Light from facets.
@@ -109,13 +110,13 @@ struct Scattered {
 impl MattSurfaces {
     /// None yet.
     pub(in super::super) fn new() -> Self {
-        Self { arrivals: Vec::with_capacity(WIDTH), meetings: Meetings::default(), looks: Looks::default() }
+        Self { arrivals: [Arrival::NONE; WIDTH], count: 0, meetings: Meetings::default(), looks: Looks::default() }
     }
 
     /// Whether there is no room for another.
     #[inline]
     pub(in super::super) fn is_full(&self) -> bool {
-        self.arrivals.len() == WIDTH
+        self.count == WIDTH
     }
 
     /// Takes the path with this number in, if it has come to such a surface.
@@ -124,15 +125,16 @@ impl MattSurfaces {
         &mut self,
         number: u32,
         path: &Path,
-        (ray, hit): (&Ray, Option<Hit>),
+        (ray, hit): (&Ray, Option<&Hit>),
         scene: &Scene,
         limits: &PathLimits,
     ) -> bool {
         let Some(hit) = hit.filter(|_| path.is_plain(limits)) else { return false };
-        let Some(reflectance) = scene.matt_surface(&hit) else { return false };
-        let lane = self.arrivals.len();
-        self.meetings.set(lane, ray, &hit, scene.geometry());
-        self.arrivals.push(Arrival { number, ray: *ray, hit, reflectance });
+        let Some(reflectance) = scene.matt_surface(hit) else { return false };
+        let lane = self.count % WIDTH;
+        self.meetings.set(lane, ray, hit, scene.geometry());
+        self.arrivals[lane] = Arrival { number, ray: *ray, hit: *hit, reflectance };
+        self.count += 1;
         true
     }
 
@@ -149,10 +151,10 @@ impl MattSurfaces {
     ) {
         /// Fewer are faster one by one.
         const FEWEST: usize = 3;
-        let is_worth_it = self.arrivals.len() >= FEWEST;
+        let is_worth_it = self.count >= FEWEST;
         let points = is_worth_it.then(|| points(&self.meetings));
         let seen = points.as_ref().map_or(0, |points| points.is_seen);
-        for arrival in (0..).zip(&self.arrivals).filter(|(lane, _)| seen >> lane & 1 == 0).map(|(_, arrival)| arrival) {
+        for (_, arrival) in (0..).zip(self.arrivals()).filter(|(lane, _)| seen >> lane & 1 == 0) {
             let (number, way) = (arrival.number, (&arrival.ray, Some(arrival.hit)));
             let path = &mut paths[number as usize];
             if let Some(ray) = path.advance(number, way, scene, limits, sampler, postponed) {
@@ -163,14 +165,11 @@ impl MattSurfaces {
             self.look(&points, paths, scene, sampler);
             let lit = lit(&points, &self.meetings.wo, &self.looks);
             let scattered = scattered(&points, &self.meetings.wo, &self.looks.u_scatter);
-            for (lane, arrival) in self.arrivals.iter().enumerate().filter(|(lane, _)| seen >> lane & 1 != 0) {
+            for (lane, arrival) in self.arrivals().iter().enumerate().filter(|(lane, _)| seen >> lane & 1 != 0) {
                 let path = &mut paths[arrival.number as usize];
                 path.depth += 1;
                 let reflectance = arrival.reflectance(scene, &path.wavelengths);
-                if let Some((ray, light)) = self.light(lane, reflectance, path, &points, &lit, scene) {
-                    postponed.shadow_rays.push(ray);
-                    postponed.lights.push((arrival.number, path.throughput * light));
-                }
+                self.light(lane, reflectance, path, (&points, &lit), scene, postponed);
                 if scattered.goes_on >> lane & 1 == 0 {
                     continue;
                 }
@@ -179,26 +178,34 @@ impl MattSurfaces {
                     continue;
                 }
                 path.scattered = Some((Pdf::new(scattered.pdf[lane]), points.receiver(lane)));
-                sampler.resume(self.looks.places[lane]);
+                sampler.resume(path.place);
                 if path.survives(limits, sampler) {
                     let ray = Ray::new(scattered.origin.get(lane), scattered.wi.get(lane));
                     go_on(arrival.number, ray.at_time(arrival.ray.time));
                 }
             }
         }
-        self.arrivals.clear();
+        self.count = 0;
+    }
+
+    /// Those that have come.
+    #[inline]
+    fn arrivals(&self) -> &[Arrival] {
+        &self.arrivals[..self.count]
     }
 
     /// Chooses what those that are seen look at.
-    fn look(&mut self, points: &Points, paths: &[Path], scene: &Scene, sampler: &mut Sampler) {
-        let Self { arrivals, looks, .. } = self;
+    fn look(&mut self, points: &Points, paths: &mut [Path], scene: &Scene, sampler: &mut Sampler) {
+        let Self { arrivals, count, looks, .. } = self;
         (looks.is_facet, looks.two_sided) = (0, 0);
+        let arrivals = &arrivals[..*count];
         for (lane, arrival) in arrivals.iter().enumerate().filter(|(lane, _)| points.is_seen >> lane & 1 != 0) {
-            sampler.resume(paths[arrival.number as usize].place);
+            let place = &mut paths[arrival.number as usize].place;
+            sampler.resume(*place);
             let [u_light, v] = sampler.next_2d();
             sampler.skip();
             [looks.u_scatter[0][lane], looks.u_scatter[1][lane]] = sampler.next_2d();
-            looks.places[lane] = sampler.place();
+            sampler.leave(place);
             looks.choices[lane] = scene.choose_light(&points.receiver(lane), u_light);
             let Some(choice) = &looks.choices[lane] else { continue };
             [looks.u_light[0][lane], looks.u_light[1][lane]] = [choice.rest, v];
@@ -217,38 +224,49 @@ impl MattSurfaces {
         lane: usize,
         reflectance: SampledSpectrum,
         path: &Path,
-        points: &Points,
-        lit: &Lit,
+        (points, lit): (&Points, &Lit),
         scene: &Scene,
-    ) -> Option<(Ray, SampledSpectrum)> {
+        postponed: &mut Postponed,
+    ) {
         let arrival = &self.arrivals[lane];
-        let choice = self.looks.choices[lane].as_ref()?;
+        let Some(choice) = &self.looks.choices[lane] else { return };
         let Some((emitter, _)) = scene.lights().still_triangle(choice.light) else {
             let (time, v) = (arrival.ray.time, self.looks.u_light[1][lane]);
             let receiver = points.receiver(lane);
-            let light = scene.sample_chosen_light(choice, &receiver, time, v, &path.wavelengths)?;
+            let Some(light) = scene.sample_chosen_light(choice, &receiver, time, v, &path.wavelengths) else { return };
             let point = arrival.point(lane, points, scene);
             let frame = Frame::from_normal(points.normal.get(lane));
             let shading = Shading { frame, bsdf: Bsdf::Diffuse { reflectance } };
             let vertex = Vertex::new(arrival.hit.t, &point, &shading, self.meetings.wo.get(lane));
-            return path.light_from(scene, &vertex, &light);
+            if let Some((ray, light)) = path.light_from(scene, &vertex, &light) {
+                postponed.shadow_rays.push(ray);
+                postponed.lights.push((arrival.number, path.throughput * light));
+            }
+            return;
         };
         if lit.is_lit >> lane & 1 == 0 {
-            return None;
+            return;
         }
         let barycentric = lit.barycentric.map(|weights| weights[lane]);
         let radiance = scene.shining(emitter, barycentric, &path.wavelengths);
         let contribution = radiance * (reflectance * FRAC_1_PI) * lit.cos_over_pdf[lane];
         if contribution.is_black() {
-            return None;
+            return;
         }
-        let mut ray = Ray::new(lit.shadow_origin.get(lane), lit.shadow_direction.get(lane)).at_time(arrival.ray.time);
-        ray.t_max = 1.0;
-        Some((ray, contribution * lit.weight[lane]))
+        let (origin, direction) = (lit.shadow_origin.get(lane), lit.shadow_direction.get(lane));
+        postponed.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time: arrival.ray.time });
+        postponed.lights.push((arrival.number, path.throughput * (contribution * lit.weight[lane])));
     }
 }
 
 impl Arrival {
+    const NONE: Self = Self {
+        number: 0,
+        ray: Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0 },
+        hit: Hit { t: 0.0, barycentric: [0.0; 2], triangle: 0, placement: 0 },
+        reflectance: ColourSource::Texture { factor: [0.0; 3], texture: 0 },
+    };
+
     #[inline]
     fn reflectance(&self, scene: &Scene, wavelengths: &Wavelengths) -> SampledSpectrum {
         scene.colour_at(self.reflectance, self.hit.triangle, self.hit.barycentric, wavelengths)
