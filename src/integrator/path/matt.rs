@@ -69,8 +69,10 @@ struct Points {
 /// What surfaces look at, and numbers for where they scatter to.
 #[derive(Default)]
 struct Looks {
-    /// The light of each lane.
-    choices: [Option<Choice>; WIDTH],
+    /// Bit i is set where lane i looks at a light.
+    has_light: u32,
+    /// Handles of the lights.
+    lights: [u32; WIDTH],
     /// Those that are triangles which stay where they are.
     facets: Facets,
     /// Bit i is set where lane i looks at a facet.
@@ -197,7 +199,7 @@ impl MattSurfaces {
     /// Chooses what those that are seen look at.
     fn look(&mut self, points: &Points, paths: &mut [Path], scene: &Scene, sampler: &mut Sampler) {
         let Self { arrivals, count, looks, .. } = self;
-        (looks.is_facet, looks.two_sided) = (0, 0);
+        (looks.has_light, looks.is_facet, looks.two_sided) = (0, 0, 0);
         let arrivals = &arrivals[..*count];
         for (lane, arrival) in arrivals.iter().enumerate().filter(|(lane, _)| points.is_seen >> lane & 1 != 0) {
             let place = &mut paths[arrival.number as usize].place;
@@ -206,12 +208,14 @@ impl MattSurfaces {
             sampler.skip();
             [looks.u_scatter[0][lane], looks.u_scatter[1][lane]] = sampler.next_2d();
             sampler.leave(place);
-            looks.choices[lane] = scene.choose_light(&points.receiver(lane), u_light);
-            let Some(choice) = &looks.choices[lane] else { continue };
-            [looks.u_light[0][lane], looks.u_light[1][lane]] = [choice.rest, v];
-            let Some((emitter, facet)) = scene.lights().still_triangle(choice.light) else { continue };
+            let choice = scene.choose_light(&points.receiver(lane), u_light);
+            let Some(Choice { light, probability, rest }) = choice else { continue };
+            looks.has_light |= 1 << lane;
+            looks.lights[lane] = light;
+            looks.probability[lane] = probability;
+            [looks.u_light[0][lane], looks.u_light[1][lane]] = [rest, v];
+            let Some((emitter, facet)) = scene.lights().still_triangle(light) else { continue };
             looks.facets.set(lane, facet);
-            looks.probability[lane] = choice.probability;
             looks.is_facet |= 1 << lane;
             looks.two_sided |= u32::from(emitter.emission.two_sided) << lane;
         }
@@ -229,11 +233,15 @@ impl MattSurfaces {
         postponed: &mut Postponed,
     ) {
         let arrival = &self.arrivals[lane];
-        let Some(choice) = &self.looks.choices[lane] else { return };
-        let Some((emitter, _)) = scene.lights().still_triangle(choice.light) else {
-            let (time, v) = (arrival.ray.time, self.looks.u_light[1][lane]);
-            let receiver = points.receiver(lane);
-            let Some(light) = scene.sample_chosen_light(choice, &receiver, time, v, &path.wavelengths) else { return };
+        if self.looks.has_light >> lane & 1 == 0 {
+            return;
+        }
+        let light = self.looks.lights[lane];
+        let Some((emitter, _)) = scene.lights().still_triangle(light) else {
+            let [rest, v] = self.looks.u_light.map(|numbers| numbers[lane]);
+            let choice = Choice { light, probability: self.looks.probability[lane], rest };
+            let (receiver, time) = (points.receiver(lane), arrival.ray.time);
+            let Some(light) = scene.sample_chosen_light(&choice, &receiver, time, v, &path.wavelengths) else { return };
             let point = arrival.point(lane, points, scene);
             let frame = Frame::from_normal(points.normal.get(lane));
             let shading = Shading { frame, bsdf: Bsdf::Diffuse { reflectance } };
