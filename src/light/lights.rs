@@ -333,8 +333,9 @@ impl Lights {
         }
     }
 
-    /// Density with which [`Self::sample_chosen`] finds, for a receiver, the point of a triangle light that a ray of unit direction
-    /// met at `distance` and at that time, `cos` being the cosine at the light, of either sign.
+    /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) finds, for a receiver, the point of a triangle
+    /// light that a ray of unit direction met at `distance` and at that time, `cos` being the cosine at the light, of either
+    /// sign.
     #[inline]
     pub fn triangle_pdf(
         &self,
@@ -361,7 +362,8 @@ impl Lights {
         }
     }
 
-    /// Density with which [`Self::sample_chosen`] looks, for a receiver, at the environment in the unit direction `towards`.
+    /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) looks, for a receiver, at the environment in
+    /// the unit direction `towards`.
     #[inline]
     pub fn environment_pdf(&self, receiver: &Receiver, towards: Vec3) -> Pdf<SolidAngle> {
         match (&self.environment, self.environment_number) {
