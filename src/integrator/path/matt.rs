@@ -25,6 +25,7 @@ const WIDTH: usize = 8;
 
 /// Paths that have come to matt surfaces, up to [`WIDTH`] of them.
 pub(in super::super) struct MattSurfaces {
+    // Each is made where it stays: copying what was just written in parts would wait for that to reach the memory.
     arrivals: [Arrival; WIDTH],
     /// Number of paths that have come, which are the first of the arrivals.
     count: usize,
@@ -196,7 +197,7 @@ impl MattSurfaces {
         &self.arrivals[..self.count]
     }
 
-    /// Chooses what those that are seen look at.
+    /// Chooses what those that are seen look at, and takes their numbers.
     fn look(&mut self, points: &Points, paths: &mut [Path], scene: &Scene, sampler: &mut Sampler) {
         let Self { arrivals, count, looks, .. } = self;
         (looks.has_light, looks.is_facet, looks.two_sided) = (0, 0, 0);
@@ -221,7 +222,8 @@ impl MattSurfaces {
         }
     }
 
-    /// Light that the surface of a lane receives straight from the one it looks at, unless something is in the way of the ray.
+    /// Postpones the light that the surface of a lane receives straight from the one it looks at, unless something is in the way
+    /// of the ray.
     #[inline]
     fn light(
         &self,
@@ -268,6 +270,7 @@ impl MattSurfaces {
 }
 
 impl Arrival {
+    /// That of no path.
     const NONE: Self = Self {
         number: 0,
         ray: Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0 },
