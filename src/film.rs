@@ -85,16 +85,15 @@ impl FilmResponses {
     fn respond(&self, irradiance: SampledSpectrum, wavelengths: &Wavelengths, values: &mut [Vec4]) {
         let weighted = irradiance * wavelengths.weights();
         let groups = values.len();
-        for lane in 0..LANES {
-            let value = weighted[lane];
-            if value == 0.0 {
-                continue;
+        for (group, value) in values.iter_mut().enumerate() {
+            // In a register until all wavelengths are in it.
+            let mut sum = *value;
+            for lane in 0..LANES {
+                let (entry, t) = wavelengths.place_in_table(lane);
+                let [low, high] = [entry, entry + 1].map(|entry| self.table[entry * groups + group]);
+                sum += weighted[lane] * (low + (high - low) * t);
             }
-            let (entry, t) = wavelengths.place_in_table(lane);
-            let (low, high) = self.table[entry * groups..(entry + 2) * groups].split_at(groups);
-            for ((sum, &low), &high) in values.iter_mut().zip(low).zip(high) {
-                *sum += value * (low + (high - low) * t);
-            }
+            *value = sum;
         }
     }
 }

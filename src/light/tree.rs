@@ -41,8 +41,7 @@ enum Link {
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     lights: [u32; 2],
-    /// Probability of the first.
-    of_first: f32,
+    probabilities: [f32; 2],
 }
 
 /// Rank of lights that the tree does not hold.
@@ -58,7 +57,7 @@ impl LightTree {
             let Some(bounds) = bounds else { continue };
             match items.last_mut().and_then(|before| before.with(light, &bounds)) {
                 Some(pair) => *items.last_mut().expect("it has been looked at") = pair,
-                None => items.push(Item { bounds, leaf: Leaf { lights: [light; 2], of_first: 1.0 } }),
+                None => items.push(Item { bounds, leaf: Leaf { lights: [light; 2], probabilities: [1.0, 0.0] } }),
             }
         }
         let Some(first) = items.first() else { return Self { nodes: Vec::new(), ranks } };
@@ -95,10 +94,12 @@ impl LightTree {
         let mut probability = 1.0;
         loop {
             match node.link {
-                Link::Leaf(Leaf { lights: [first, second], of_first }) => {
-                    let (light, from, part) =
-                        if u < of_first { (first, 0.0, of_first) } else { (second, of_first, 1.0 - of_first) };
-                    return Some(Choice { light, probability: probability * part, rest: rest(u, from, part) });
+                Link::Leaf(Leaf { lights, probabilities }) => {
+                    // Without a branch, which nothing could guess.
+                    let number = usize::from(u >= probabilities[0]);
+                    let (light, part) = (lights[number], probabilities[number]);
+                    let rest = rest(u, number as f32 * probabilities[0], part);
+                    return Some(Choice { light, probability: probability * part, rest });
                 }
                 Link::Inner { left, .. } => {
                     let halves = &self.nodes[left as usize..][..2];
@@ -121,8 +122,8 @@ impl LightTree {
         let mut probability = 1.0;
         loop {
             match node.link {
-                Link::Leaf(Leaf { lights: [first, _], of_first }) => {
-                    return probability * if light == first { of_first } else { 1.0 - of_first };
+                Link::Leaf(Leaf { lights: [first, _], probabilities: [of_first, of_second] }) => {
+                    return probability * if light == first { of_first } else { of_second };
                 }
                 Link::Inner { left, middle } => {
                     let halves = &self.nodes[left as usize..][..2];
@@ -162,7 +163,8 @@ impl Item {
         let both = self.bounds.union(other);
         let is_alike = self.bounds.cost() + other.cost() > 0.5 * both.cost();
         let of_first = self.bounds.intensity / both.intensity;
-        (first == second && is_alike).then_some(Self { bounds: both, leaf: Leaf { lights: [first, light], of_first } })
+        let leaf = Leaf { lights: [first, light], probabilities: [of_first, 1.0 - of_first] };
+        (first == second && is_alike).then_some(Self { bounds: both, leaf })
     }
 }
 

@@ -66,8 +66,6 @@ pub struct CameraRay {
 /// A ray of a place through a point of the aperture, in camera space.
 struct Aim {
     seen: Seen,
-    /// Through the centre of the lens, in units of the focus distance.
-    chief: DVec3,
     /// On the entrance pupil.
     origin: DVec3,
     /// From there to what is in focus, of any length.
@@ -266,21 +264,15 @@ impl Camera {
 
     #[inline]
     fn seen_at(&self, place: DVec2) -> Option<Seen> {
-        let Seen { direction, solid_angle } = self.projection.unproject(place, &self.reach)?;
-        Some(Seen { direction: DVec3::new(direction.x, -direction.y, -direction.z), solid_angle })
-    }
-
-    /// From the centre of the lens to what is in focus, in units of the focus distance: to a plane across the axis, or
-    /// to a sphere where the lens can see more than a half-space.
-    #[inline]
-    fn chief(&self, seen: &Seen) -> DVec3 {
-        if self.projection.is_flat() { seen.direction / -seen.direction.z } else { seen.direction }
+        let Seen { direction, chief, solid_angle } = self.projection.unproject(place, &self.reach)?;
+        let turned = |d: DVec3| DVec3::new(d.x, -d.y, -d.z);
+        Some(Seen { direction: turned(direction), chief: turned(chief), solid_angle })
     }
 
     /// The ray through the centre of the lens, in world space. Its parameter t is the distance in metres that focusing
     /// counts: along the axis, or along the ray where the lens can see more than a half-space.
     pub fn chief_ray(&self, pixel: DVec2) -> Option<Ray> {
-        let direction = self.to_world.transform_vector3(self.chief(&self.seen(pixel)?));
+        let direction = self.to_world.transform_vector3(self.seen(pixel)?.chief);
         Some(Ray::new(self.to_world.translation.as_vec3(), direction.as_vec3()).at_time(self.time))
     }
 
@@ -357,7 +349,7 @@ impl Camera {
         let (to_world, time) = self.pose(row, u_time);
         let opening = self.opening(aperture_sample);
         let aim = self.aim(place, opening)?;
-        if !self.passes(aim.chief, opening, aim.towards) {
+        if !self.passes(aim.seen.chief, opening, aim.towards) {
             return None;
         }
         let origin = to_world.transform_point3(aim.origin);
@@ -379,9 +371,8 @@ impl Camera {
     #[inline]
     fn aim(&self, place: DVec2, opening: DVec2) -> Option<Aim> {
         let seen = self.seen_at(place)?;
-        let chief = self.chief(&seen);
         let origin = self.in_pupil(opening, &seen);
-        Some(Aim { seen, chief, origin, towards: self.towards(chief, origin) })
+        Some(Aim { seen, origin, towards: self.towards(seen.chief, origin) })
     }
 
     /// [`CameraRay::weight`].
@@ -432,7 +423,7 @@ impl Camera {
                 continue;
             }
             let found = aim(pixel)?;
-            if !self.passes(found.chief, opening, found.towards) {
+            if !self.passes(found.seen.chief, opening, found.towards) {
                 return None;
             }
             let direction = found.towards.normalize();
@@ -491,8 +482,7 @@ impl Camera {
                 let cos = -seen.direction.z;
                 let (across, of_picture) = if self.projection.is_flat() {
                     // The sensor point is where the undistorted chief ray, carried on behind the lens, meets z = v.
-                    let chief = seen.direction / cos;
-                    (opening + DVec2::new(chief.x, chief.y) * v, seen.solid_angle / (cos * cos * cos))
+                    (opening + seen.chief.truncate() * v, seen.solid_angle / (cos * cos * cos))
                 } else {
                     (opening, seen.solid_angle)
                 };
@@ -509,18 +499,17 @@ impl Camera {
         let cells: u16 = if self.stops.is_empty() { 16 } else { 128 };
         let mean = |seen: &Seen| -> f64 {
             let centre = |i: u16| (f32::from(i) + 0.5) / f32::from(cells);
-            let chief = self.chief(seen);
             let through = |i: u16| {
                 let opening = match self.kind {
                     LensKind::Pinhole => DVec2::ZERO,
                     LensKind::Thin => self.aperture.sample([centre(i % cells), centre(i / cells)]),
                 };
-                let towards = self.towards(chief, self.in_pupil(opening, seen));
-                if self.passes(chief, opening, towards) { self.falloff_at(seen, opening) } else { 0.0 }
+                let towards = self.towards(seen.chief, self.in_pupil(opening, seen));
+                if self.passes(seen.chief, opening, towards) { self.falloff_at(seen, opening) } else { 0.0 }
             };
             (0..cells * cells).map(through).sum()
         };
-        let on_axis = Seen { direction: DVec3::NEG_Z, solid_angle: 1.0 };
+        let on_axis = Seen { direction: DVec3::NEG_Z, chief: DVec3::NEG_Z, solid_angle: 1.0 };
         Some(mean(&self.seen(pixel)?) / mean(&on_axis))
     }
 

@@ -39,10 +39,18 @@ impl PixelOrder {
     #[inline]
     pub fn place(&self, [x, y]: [u32; 2]) -> (u64, u32) {
         let square = u64::from(y >> self.log2_side) * self.squares + u64::from(x >> self.log2_side);
-        let in_square =
-            (0..self.log2_side).fold(0, |z, bit| z | (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1));
+        let within = (1 << self.log2_side) - 1;
+        let in_square = spread(x & within) | spread(y & within) << 1;
         (square, in_square.checked_shl(self.log2_samples).unwrap_or(0))
     }
+}
+
+/// Bits below 2^[`LARGEST`] moved to every other place.
+#[inline]
+fn spread(mut bits: u32) -> u32 {
+    bits = (bits | bits << 4) & 0x0f0f;
+    bits = (bits | bits << 2) & 0x3333;
+    (bits | bits << 1) & 0x5555
 }
 
 #[cfg(test)]

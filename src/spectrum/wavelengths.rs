@@ -1,6 +1,8 @@
 //! The wavelengths that a path carries, and how they are drawn: hero-wavelength sampling
 //! ([Wilkie14](crate::references#wilkie14)).
 
+use glam::Vec4;
+
 use super::table::place_in_table;
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, Spectrum, TABLE_LEN};
 use crate::sabotage::{Fault, flip};
@@ -70,7 +72,9 @@ impl Wavelengths {
     /// Monte Carlo weights 1/(4·p(λᵢ)) in nm, zero for dropped lanes: Σᵢ wᵢ·g(λᵢ) estimates ∫ g dλ.
     #[inline]
     pub fn weights(&self) -> SampledSpectrum {
-        SampledSpectrum::from_lanes(|i| if self.pdf[i] > 0.0 { 1.0 / (LANES as f32 * self.pdf[i]) } else { 0.0 })
+        let pdf = Vec4::from_array(self.pdf);
+        let weights = Vec4::ONE / (LANES as f32 * pdf);
+        SampledSpectrum(Vec4::select(pdf.cmpgt(Vec4::ZERO), weights, Vec4::ZERO))
     }
 }
 
@@ -150,24 +154,32 @@ impl WavelengthSampler {
     /// cumulative distribution, each therefore with density p(λ).
     #[inline]
     pub fn sample(&self, u: f32) -> Wavelengths {
-        let mut lambda_nm = [0.0; LANES];
-        let mut pdf = [0.0; LANES];
+        let [mut lambda_nm, mut pdf, mut part] = [[0.0; LANES]; 3];
+        let mut entry = [0; LANES];
         for lane in 0..LANES {
             let shifted = u + lane as f32 / LANES as f32;
-            (lambda_nm[lane], pdf[lane]) = self.draw(if shifted >= 1.0 { shifted - 1.0 } else { shifted });
+            let u = if shifted >= 1.0 { shifted - 1.0 } else { shifted };
+            let number = self.piece(u);
+            let Piece { before, start_nm, density, nm_per_probability } = self.pieces[number];
+            lambda_nm[lane] = start_nm + ((u - before) * nm_per_probability).min(1.0);
+            pdf[lane] = density;
+            entry[lane] = number as u32;
+            part[lane] = lambda_nm[lane] - start_nm;
         }
-        Wavelengths::new(lambda_nm, flip(Fault::WavelengthPdfOfHero, pdf, [pdf[0]; LANES]))
+        Wavelengths { lambda_nm, pdf: flip(Fault::WavelengthPdfOfHero, pdf, [pdf[0]; LANES]), entry, part }
     }
 
-    /// u in [0, 1) → (λ in nm, p(λ) in nm⁻¹).
+    /// Number of the piece in which u in [0, 1) of the probability has come.
     #[inline]
-    fn draw(&self, u: f32) -> (f32, f32) {
-        let mut number = usize::from(self.guide[(u * Self::PARTS as f32) as usize]);
+    fn piece(&self, u: f32) -> usize {
+        // Conversions to signed numbers cost less.
+        let mut number = usize::from(self.guide[(u * Self::PARTS as f32) as i32 as usize]);
+        // The first step is made without a branch, which would often be guessed wrong; a second one is rare.
+        number += usize::from(self.pieces[number + 1].before <= u);
         while self.pieces[number + 1].before <= u {
             number += 1;
         }
-        let Piece { before, start_nm, density, nm_per_probability } = self.pieces[number];
-        (start_nm + ((u - before) * nm_per_probability).min(1.0), density)
+        number
     }
 }
 

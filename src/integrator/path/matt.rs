@@ -201,20 +201,23 @@ impl MattSurfaces {
     fn look(&mut self, points: &Points, paths: &mut [Path], scene: &Scene, sampler: &mut Sampler) {
         let Self { arrivals, count, looks, .. } = self;
         (looks.has_light, looks.is_facet, looks.two_sided) = (0, 0, 0);
-        let arrivals = &arrivals[..*count];
-        for (lane, arrival) in arrivals.iter().enumerate().filter(|(lane, _)| points.is_seen >> lane & 1 != 0) {
-            let place = &mut paths[arrival.number as usize].place;
+        let seen = || (0..*count).filter(|lane| points.is_seen >> lane & 1 != 0);
+        // First the numbers of all: what depends on one of them would wait for it.
+        for lane in seen() {
+            let place = &mut paths[arrivals[lane].number as usize].place;
             sampler.resume(*place);
-            let [u_light, v] = sampler.next_2d();
+            [looks.u_light[0][lane], looks.u_light[1][lane]] = sampler.next_2d();
             sampler.skip();
             [looks.u_scatter[0][lane], looks.u_scatter[1][lane]] = sampler.next_2d();
             sampler.leave(place);
-            let choice = scene.choose_light(&points.receiver(lane), u_light);
+        }
+        for lane in seen() {
+            let choice = scene.choose_light(&points.receiver(lane), looks.u_light[0][lane]);
             let Some(Choice { light, probability, rest }) = choice else { continue };
             looks.has_light |= 1 << lane;
             looks.lights[lane] = light;
             looks.probability[lane] = probability;
-            [looks.u_light[0][lane], looks.u_light[1][lane]] = [rest, v];
+            looks.u_light[0][lane] = rest;
             let Some((emitter, facet)) = scene.lights().still_triangle(light) else { continue };
             looks.facets.set(lane, facet);
             looks.is_facet |= 1 << lane;

@@ -18,5 +18,5 @@ pub(super) fn unproject(place: DVec2) -> Option<Seen> {
     let (sin_x, cos_x) = place.x.sin_cos();
     let (sin_y, cos_y) = place.y.sin_cos();
     let direction = DVec3::new(cos_y * sin_x, sin_y, cos_y * cos_x);
-    (place.x.abs() <= PI && place.y.abs() <= FRAC_PI_2).then_some(Seen { direction, solid_angle: cos_y })
+    (place.x.abs() <= PI && place.y.abs() <= FRAC_PI_2).then(|| Seen::all_round(direction, cos_y))
 }

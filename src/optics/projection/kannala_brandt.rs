@@ -39,10 +39,10 @@ pub(super) fn project(k: [f64; 4], direction: DVec3) -> DVec2 {
 pub(super) fn unproject(k: [f64; 4], place: DVec2, largest_angle: f64) -> Option<Seen> {
     let distance = place.length();
     if distance == 0.0 {
-        return Some(Seen { direction: DVec3::Z, solid_angle: 1.0 });
+        return Some(Seen::all_round(DVec3::Z, 1.0));
     }
     let theta = solve(|theta| radius(k, theta), distance, distance, largest_angle)?;
     let (sin, cos) = theta.sin_cos();
     let direction = (place * (sin / distance)).extend(cos);
-    Some(Seen { direction, solid_angle: sin / (distance * radius(k, theta).1) })
+    Some(Seen::all_round(direction, sin / (distance * radius(k, theta).1)))
 }

@@ -78,8 +78,19 @@ pub enum Projection {
 pub struct Seen {
     /// Unit direction.
     pub direction: DVec3,
+    /// From the centre of the lens to what is in focus, in units of the focus distance: to a plane across the axis where the
+    /// projection [is flat](Projection::is_flat), to a sphere elsewhere.
+    pub chief: DVec3,
     /// Solid angle over area in normalised coordinates dΩ/dA, sr: cos³θ for a rectilinear lens.
     pub solid_angle: f64,
+}
+
+impl Seen {
+    /// By a lens that is focused on a sphere.
+    #[inline]
+    fn all_round(direction: DVec3, solid_angle: f64) -> Self {
+        Self { direction, chief: direction, solid_angle }
+    }
 }
 
 /// How far from the axis a projection is one to one.
@@ -256,10 +267,11 @@ impl Projection {
     }
 }
 
-/// What the point of the plane z = 1 sees, where the picture there is `growth` times as large in area as on the sensor:
-/// dΩ = cos³θ·dA.
+/// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth` times as
+/// large in area as on the sensor: dΩ = cos³θ·dA.
 #[inline]
 fn through_plane(ideal: DVec2, growth: f64) -> Seen {
     let cos = 1.0 / (1.0 + ideal.length_squared()).sqrt();
-    Seen { direction: ideal.extend(1.0) * cos, solid_angle: cos * cos * cos * growth }
+    let chief = ideal.extend(1.0);
+    Seen { direction: chief * cos, chief, solid_angle: cos * cos * cos * growth }
 }

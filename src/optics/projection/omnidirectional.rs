@@ -36,5 +36,5 @@ pub(super) fn unproject(xi: f64, place: DVec2) -> Option<Seen> {
     }
     let alpha = (xi + under.sqrt()) / (1.0 + r2);
     let cos = alpha - xi;
-    Some(Seen { direction: (place * alpha).extend(cos), solid_angle: alpha.powi(3) / (1.0 + xi * cos) })
+    Some(Seen::all_round((place * alpha).extend(cos), alpha.powi(3) / (1.0 + xi * cos)))
 }
