@@ -24,6 +24,7 @@ use super::bounds::{Bounds, union};
 use super::chunks::Chunks;
 use super::collapse::{BinaryTree, LEAF_SIZE};
 use super::motion::{Motion, Transform};
+use super::sweep::Sweep;
 use super::triangle_block::TriangleBlock;
 use super::wide_bvh::WideBvh;
 use crate::math::float::gamma;
@@ -70,6 +71,8 @@ pub struct Accel {
     placements: Vec<Placement>,
     /// Over the placements; `None` where there is none, or a single one of a rigid group in world space.
     top: Option<TopLevel>,
+    /// All triangles, where they are so few that several rays together need no hierarchy.
+    pub(super) sweep: Option<Sweep>,
     /// Whether rays often wait for the memory.
     pub(super) exceeds_caches: bool,
 }
@@ -98,15 +101,20 @@ struct TopLevel {
 }
 
 impl Accel {
-    /// Builds the hierarchies. `groups` are ranges of triangles of `geometry`, each not empty. The triangles of a mesh that
+    /// Builds the hierarchies. `ranges` are groups of triangles of `geometry`, each not empty. The triangles of a mesh that
     /// deforms are a group of their own.
-    pub fn build(geometry: &Geometry, groups: &[Range<u32>], placements: Vec<Placement>) -> Self {
-        let groups: Vec<_> = groups.iter().map(|range| Group::build(geometry, range)).collect();
+    pub fn build(geometry: &Geometry, ranges: &[Range<u32>], placements: Vec<Placement>) -> Self {
+        let groups: Vec<_> = ranges.iter().map(|range| Group::build(geometry, range)).collect();
         let is_alone =
             matches!((&placements[..], &groups[..]), ([Placement { place: Place::World, .. }], [Group::Rigid(_)]));
         let top = (!placements.is_empty() && !is_alone).then(|| TopLevel::build(&groups, &placements));
+        let sweep = is_alone.then(|| {
+            let triangles = ranges[placements[0].group as usize].clone();
+            Sweep::new(triangles.map(|triangle| (triangle, geometry.corners(triangle))), groups[0].bounds())
+        });
+        let sweep = sweep.flatten();
         let exceeds_caches = turns::exceed_caches(groups.iter().map(Group::blocks).sum());
-        Self { groups, placements, top, exceeds_caches }
+        Self { groups, placements, top, sweep, exceeds_caches }
     }
 
     /// The placements.

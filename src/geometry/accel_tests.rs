@@ -7,20 +7,20 @@ use crate::math::hash::{hash64, unit_f32};
 use crate::math::warp;
 
 /// A sequence of numbers in [0, 1) for a seed.
-struct Numbers(u64);
+pub(super) struct Numbers(pub(super) u64);
 
 impl Numbers {
-    fn next(&mut self) -> f32 {
+    pub(super) fn next(&mut self) -> f32 {
         self.0 += 1;
         unit_f32((hash64(1, self.0) >> 32) as u32)
     }
 
-    fn point(&mut self) -> Vec3 {
+    pub(super) fn point(&mut self) -> Vec3 {
         Vec3::new(self.next(), self.next(), self.next())
     }
 }
 
-fn geometry(triangles: &[[Vec3; 3]]) -> Geometry {
+pub(super) fn geometry(triangles: &[[Vec3; 3]]) -> Geometry {
     let mut g = Geometry::default();
     for corners in triangles {
         let first = g.positions.len() as u32;
@@ -45,7 +45,7 @@ fn mesh_of(triangle_count: u32) -> MeshRange {
     }
 }
 
-fn in_world(geometry: &Geometry) -> Accel {
+pub(super) fn in_world(geometry: &Geometry) -> Accel {
     let all = 0..geometry.triangles.len() as u32;
     Accel::build(geometry, &[all], vec![Placement { group: 0, place: Place::World }])
 }
@@ -130,7 +130,7 @@ fn traversal_finds_what_brute_force_finds() {
 }
 
 /// Lets every other ray through every other triangle.
-struct Sieve;
+pub(super) struct Sieve;
 
 impl HitFilter for Sieve {
     fn accept(&self, triangle: u32, _: [f32; 2], ray: &Ray) -> bool {

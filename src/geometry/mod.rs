@@ -17,6 +17,7 @@ mod mesh;
 mod motion;
 mod point;
 mod ray;
+mod sweep;
 mod traversal_stack;
 mod triangle_block;
 mod wide_bvh;

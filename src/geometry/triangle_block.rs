@@ -8,6 +8,7 @@
 
 use glam::Vec3;
 
+use crate::math::Real;
 use crate::math::float::gamma;
 use crate::math::simd::{LaneMask, Lanes};
 
@@ -114,7 +115,8 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
             return None;
         }
         // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
-        mask &= distance_error([a, b, c], [u, v, w], sum, ray.shear[2]).is_below(t).bits();
+        let inverse_scale = L::splat(1.0 / ray.shear[2].abs());
+        mask &= distance_error([a, b, c], [u, v, w], sum, inverse_scale).is_below(t).bits();
         if mask == 0 {
             return None;
         }
@@ -132,31 +134,50 @@ fn permute<L: Lanes>([x, y, z]: [L; 3], indices: &[u8; BLOCK_SIZE]) -> [L; 3] {
 /// Twice the signed area between the ray and an edge. The difference of two rounded products has the sign of the exact
 /// one or is zero, and zero counts as inside, so no point of a mesh is outside all its triangles.
 #[inline(always)]
-fn double_area<L: Lanes>(p: [L; 3], q: [L; 3]) -> L {
+pub(super) fn double_area<R: Real>(p: [R; 3], q: [R; 3]) -> R {
     p[0] * q[1] - p[1] * q[0]
 }
 
 /// Bound on the rounding error of t = (u·a_z + v·b_z + w·c_z)/sum ([pbrt4](crate::references#pbrt4) §6.8.7), for
-/// directions of any length: `scale` is what z was multiplied by after the shear.
+/// directions of any length: `inverse_scale` is one over the magnitude that z was multiplied by after the shear.
 #[inline(always)]
-fn distance_error<L: Lanes>([a, b, c]: [[L; 3]; 3], [u, v, w]: [L; 3], sum: L, scale: f32) -> L {
-    let (g2, g3, g5) = (L::splat(gamma(2)), L::splat(gamma(3)), L::splat(gamma(5)));
+pub(super) fn distance_error<R: Real>([a, b, c]: [[R; 3]; 3], [u, v, w]: [R; 3], sum: R, inverse_scale: R) -> R {
     let x = largest_magnitude(a[0], b[0], c[0]);
     let y = largest_magnitude(a[1], b[1], c[1]);
     let z = largest_magnitude(a[2], b[2], c[2]);
     let e = largest_magnitude(u, v, w);
-    let before_scaling = z * L::splat(1.0 / scale.abs());
+    error_of_sum([x, y, z], e, inverse_scale) / sum.abs()
+}
+
+/// The same of u·a_z + v·b_z + w·c_z, from the largest magnitudes of the corners' coordinates and of the areas: with larger
+/// ones it is not smaller.
+#[inline(always)]
+pub(super) fn error_of_sum<R: Real>([x, y, z]: [R; 3], e: R, inverse_scale: R) -> R {
+    let (g2, g3, g5) = (R::splat(gamma(2)), R::splat(gamma(3)), R::splat(gamma(5)));
+    let before_scaling = z * inverse_scale;
     let dx = (x + before_scaling) * g5;
     let dy = (y + before_scaling) * g5;
     let dz = z * g3;
-    let de = (g2 * x * y + dy * x + dx * y) * L::splat(2.0);
-    let numerator = (g3 * e * z + de * z + dz * e) * L::splat(3.0);
-    numerator / sum.abs()
+    let de = (g2 * x * y + dy * x + dx * y) * R::splat(2.0);
+    (g3 * e * z + de * z + dz * e) * R::splat(3.0)
 }
 
 #[inline(always)]
-fn largest_magnitude<L: Lanes>(a: L, b: L, c: L) -> L {
+fn largest_magnitude<R: Real>(a: R, b: R, c: R) -> R {
     a.abs().most(b.abs()).most(c.abs())
+}
+
+/// The axis along which a direction is longest.
+#[inline(always)]
+pub(super) fn longest_axis(direction: Vec3) -> usize {
+    let size = direction.abs();
+    if size.x > size.y && size.x > size.z {
+        0
+    } else if size.y > size.z {
+        1
+    } else {
+        2
+    }
 }
 
 /// A ray with the shear and the axis order that turn its direction into +Z of length 1, made once per ray.
@@ -172,14 +193,7 @@ impl ShearedRay {
 
     #[inline(always)]
     pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
-        let size = direction.abs();
-        let kz = if size.x > size.y && size.x > size.z {
-            0
-        } else if size.y > size.z {
-            1
-        } else {
-            2
-        };
+        let kz = longest_axis(direction);
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let scale = 1.0 / direction[kz];
         let shear = [direction[kx] * scale, direction[ky] * scale, scale];

@@ -3,7 +3,7 @@
 //! A function over a [`Real`] does the same IEEE operations in the same order for an `f32` and in each lane of a register, so
 //! that both give the same bits. Where a formula has two branches, lanes compute both and [`select`](Real::select).
 
-use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use glam::Vec3;
 
@@ -12,7 +12,7 @@ pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
     /// What comparisons find.
-    type Mask: Copy + BitAnd<Output = Self::Mask> + Not<Output = Self::Mask>;
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
 
     /// The same number in all lanes.
     fn splat(value: f32) -> Self;

@@ -2,16 +2,17 @@
 //! and on plain arrays elsewhere. Loops over arrays that the compiler turns into such operations by itself are compiled for
 //! these registers too.
 //!
-//! Of AVX-512 nothing is used: on eight lanes its registers and masks made renders up to 6 % slower (AMD EPYC, one thread).
+//! Of AVX-512 there are sixteen lanes, for what takes as many as there are ([`ManyLanes`]); on eight lanes its registers and
+//! masks made renders up to 6 % slower (AMD EPYC, one thread).
 //!
-//! Both kinds do the same IEEE operations in the same order and contract nothing into fused ones, so that a picture does
+//! All kinds do the same IEEE operations in the same order and contract nothing into fused ones, so that a picture does
 //! not depend on the machine. This is the only file with `unsafe` code: the AVX intrinsics must not run on a processor
 //! without AVX2, and the compiler cannot know where the program will run. Advice to the memory, by an
 //! instruction and by a call of the system, is here too.
 
 #![allow(unsafe_code, reason = "intrinsics behind a run-time check; see the module documentation")]
 
-use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use glam::Vec3;
 
@@ -28,6 +29,36 @@ pub(crate) trait Lanes: Real<Mask: LaneMask> {
     /// Lane i is the one of self that the i-th number names.
     fn permute(self, indices: Self::Indices) -> Self;
     fn store(self) -> [f32; 8];
+}
+
+/// Lanes in the most that a register holds, if not more than [`MOST_LANES`].
+pub(crate) trait ManyLanes: Real<Mask: LaneMask> {
+    /// How many.
+    const COUNT: usize;
+
+    /// The first [`COUNT`](Self::COUNT) numbers.
+    fn load_many(values: &[f32; MOST_LANES]) -> Self;
+    /// The lanes, and then zeros.
+    fn store_many(self) -> [f32; MOST_LANES];
+}
+
+/// Lanes of the widest registers.
+pub(crate) const MOST_LANES: usize = 16;
+
+impl<L: Lanes> ManyLanes for L {
+    const COUNT: usize = 8;
+
+    #[inline(always)]
+    fn load_many(values: &[f32; MOST_LANES]) -> Self {
+        let ([first, _], []) = values.as_chunks::<8>() else { unreachable!("two times eight") };
+        Self::load(first)
+    }
+    #[inline(always)]
+    fn store_many(self) -> [f32; MOST_LANES] {
+        let mut values = [0.0; MOST_LANES];
+        values[..8].copy_from_slice(&self.store());
+        values
+    }
 }
 
 /// What comparisons of lanes find.
@@ -73,6 +104,14 @@ impl BitAnd for PortableMask {
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i] & other.0[i]))
+    }
+}
+
+impl BitOr for PortableMask {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] | other.0[i]))
     }
 }
 
@@ -187,19 +226,14 @@ impl Lanes for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use avx::Avx;
+pub(crate) use avx::{Avx, Avx512};
 
 #[cfg(target_arch = "x86_64")]
 mod avx {
-    use std::arch::x86_64::{
-        __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm_loadl_epi64, _mm256_add_ps, _mm256_and_ps, _mm256_andnot_ps,
-        _mm256_blendv_ps, _mm256_castsi256_ps, _mm256_cmp_ps, _mm256_cvtepu8_epi32, _mm256_div_ps, _mm256_loadu_ps,
-        _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_or_ps, _mm256_permutevar8x32_ps,
-        _mm256_set1_epi32, _mm256_set1_ps, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_ps, _mm256_xor_ps,
-    };
-    use std::ops::{Add, BitAnd, Div, Mul, Neg, Not, Sub};
+    use std::arch::x86_64::*;
+    use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-    use super::{LaneMask, Lanes, Real};
+    use super::{LaneMask, Lanes, MOST_LANES, ManyLanes, Real};
 
     /// Lanes in an AVX register. Only code that is inlined below a function with the `avx2` target feature, itself
     /// called after `is_x86_feature_detected!` said yes, may make one.
@@ -210,8 +244,37 @@ mod avx {
     #[derive(Clone, Copy)]
     pub(crate) struct AvxMask(__m256);
 
-    // SAFETY, for every block below: an `Avx` or an `AvxMask` exists only where AVX2 does (see the type), and the loads and
-    // stores are of references to eight floats or bytes, which the unaligned instructions accept at any address.
+    /// Sixteen lanes in an AVX-512 register, likewise below a function with the `avx512f` target feature.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Avx512(__m512);
+
+    /// A bit for each lane.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Avx512Mask(__mmask16);
+
+    // SAFETY, for every block below: a value of these types exists only where its instructions do (see the types), and the loads
+    // and stores are of references to as many floats or bytes, which the unaligned instructions accept at any address.
+
+    /// Operators of two operands, an intrinsic each.
+    macro_rules! operators {
+        ($($kind:ident: $($trait:ident $method:ident = $intrinsic:ident),+;)+) => { $($(
+            impl $trait for $kind {
+                type Output = Self;
+                #[inline(always)]
+                fn $method(self, other: Self) -> Self {
+                    // SAFETY: the instruction is there.
+                    Self(unsafe { $intrinsic(self.0, other.0) })
+                }
+            }
+        )+)+ };
+    }
+
+    operators! {
+        Avx: Add add = _mm256_add_ps, Sub sub = _mm256_sub_ps, Mul mul = _mm256_mul_ps, Div div = _mm256_div_ps;
+        AvxMask: BitAnd bitand = _mm256_and_ps, BitOr bitor = _mm256_or_ps;
+        Avx512: Add add = _mm512_add_ps, Sub sub = _mm512_sub_ps, Mul mul = _mm512_mul_ps, Div div = _mm512_div_ps;
+        Avx512Mask: BitAnd bitand = _kand_mask16, BitOr bitor = _kor_mask16;
+    }
 
     impl LaneMask for AvxMask {
         #[inline(always)]
@@ -221,12 +284,10 @@ mod avx {
         }
     }
 
-    impl BitAnd for AvxMask {
-        type Output = Self;
+    impl LaneMask for Avx512Mask {
         #[inline(always)]
-        fn bitand(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_and_ps(self.0, other.0) })
+        fn bits(self) -> u32 {
+            u32::from(self.0)
         }
     }
 
@@ -239,39 +300,11 @@ mod avx {
         }
     }
 
-    impl Add for Avx {
+    impl Not for Avx512Mask {
         type Output = Self;
         #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_add_ps(self.0, other.0) })
-        }
-    }
-
-    impl Sub for Avx {
-        type Output = Self;
-        #[inline(always)]
-        fn sub(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_sub_ps(self.0, other.0) })
-        }
-    }
-
-    impl Mul for Avx {
-        type Output = Self;
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_mul_ps(self.0, other.0) })
-        }
-    }
-
-    impl Div for Avx {
-        type Output = Self;
-        #[inline(always)]
-        fn div(self, other: Self) -> Self {
-            // SAFETY: AVX2 is there.
-            Self(unsafe { _mm256_div_ps(self.0, other.0) })
+        fn not(self) -> Self {
+            Self(!self.0)
         }
     }
 
@@ -281,6 +314,18 @@ mod avx {
         fn neg(self) -> Self {
             // SAFETY: AVX2 is there.
             Self(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
+        }
+    }
+
+    impl Neg for Avx512 {
+        type Output = Self;
+        #[inline(always)]
+        fn neg(self) -> Self {
+            // SAFETY: AVX-512 is there.
+            let flipped =
+                unsafe { _mm512_xor_si512(_mm512_castps_si512(self.0), _mm512_castps_si512(Self::splat(-0.0).0)) };
+            // SAFETY: AVX-512 is there.
+            Self(unsafe { _mm512_castsi512_ps(flipped) })
         }
     }
 
@@ -357,6 +402,78 @@ mod avx {
             let mut values = [0.0; 8];
             // SAFETY: writes the eight floats of the array.
             unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) };
+            values
+        }
+    }
+
+    impl Real for Avx512 {
+        type Mask = Avx512Mask;
+
+        #[inline(always)]
+        fn splat(value: f32) -> Self {
+            // SAFETY: AVX-512 is there.
+            Self(unsafe { _mm512_set1_ps(value) })
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            // SAFETY: AVX-512 is there.
+            Self(unsafe { _mm512_sqrt_ps(self.0) })
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            // SAFETY: AVX-512 is there.
+            Self(unsafe { _mm512_abs_ps(self.0) })
+        }
+        #[inline(always)]
+        fn copysign(self, sign: Self) -> Self {
+            /// Bits of the second operand where the first has ones, and of the third elsewhere.
+            const CHOOSE: i32 = 0xca;
+            // SAFETY: AVX-512 is there.
+            Self(unsafe {
+                let [mask, sign, own] = [Self::splat(-0.0), sign, self].map(|lanes| _mm512_castps_si512(lanes.0));
+                _mm512_castsi512_ps(_mm512_ternarylogic_epi32::<CHOOSE>(mask, sign, own))
+            })
+        }
+        #[inline(always)]
+        fn least(self, other: Self) -> Self {
+            // SAFETY: AVX-512 is there.
+            Self(unsafe { _mm512_min_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn most(self, other: Self) -> Self {
+            // SAFETY: AVX-512 is there.
+            Self(unsafe { _mm512_max_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn is_below(self, other: Self) -> Avx512Mask {
+            // SAFETY: AVX-512 is there.
+            Avx512Mask(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn is_at_most(self, other: Self) -> Avx512Mask {
+            // SAFETY: AVX-512 is there.
+            Avx512Mask(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn select(mask: Avx512Mask, yes: Self, no: Self) -> Self {
+            // SAFETY: AVX-512 is there.
+            Self(unsafe { _mm512_mask_blend_ps(mask.0, no.0, yes.0) })
+        }
+    }
+
+    impl ManyLanes for Avx512 {
+        const COUNT: usize = 16;
+
+        #[inline(always)]
+        fn load_many(values: &[f32; MOST_LANES]) -> Self {
+            // SAFETY: reads the sixteen floats behind the reference.
+            Self(unsafe { _mm512_loadu_ps(values.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store_many(self) -> [f32; MOST_LANES] {
+            let mut values = [0.0; MOST_LANES];
+            // SAFETY: writes the sixteen floats of the array.
+            unsafe { _mm512_storeu_ps(values.as_mut_ptr(), self.0) };
             values
         }
     }
@@ -448,6 +565,33 @@ macro_rules! with_widest_lanes {
     };
 }
 
+/// The same with as many lanes as the widest registers of this machine have.
+macro_rules! with_most_lanes {
+    (
+        fn $name:ident <$generic:ident: $bound:path> ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident
+    ) => {
+        #[inline]
+        fn $name<$generic: $bound>($($argument: $type),*) -> $output {
+            #[cfg(target_arch = "x86_64")]
+            {
+                #[target_feature(enable = "avx512f")]
+                fn sixteen<$generic: $bound>($($argument: $type),*) -> $output {
+                    $body::<$crate::math::simd::Avx512, $generic>($($argument),*)
+                }
+                if std::arch::is_x86_feature_detected!("avx512f") {
+                    #[allow(unsafe_code, reason = "the one call that the check above makes sound")]
+                    // SAFETY: the processor has AVX-512, as was just asked.
+                    return unsafe { sixteen($($argument),*) };
+                }
+            }
+            $crate::math::simd::with_widest_lanes! {
+                fn eight<$generic: $bound>($($argument: $type),*) -> $output = $body
+            }
+            eight($($argument),*)
+        }
+    };
+}
+
 /// The same for a body whose loops the compiler turns into operations on lanes by itself.
 macro_rules! with_widest_registers {
     (fn $name:ident ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident) => {
@@ -488,7 +632,7 @@ macro_rules! on_widest_registers {
         }
     };
 }
-pub(crate) use {on_widest_registers, with_widest_lanes, with_widest_registers};
+pub(crate) use {on_widest_registers, with_most_lanes, with_widest_lanes, with_widest_registers};
 
 #[cfg(test)]
 mod tests {
@@ -521,6 +665,53 @@ mod tests {
         let a = [1.0, -2.5, 0.0, -0.0, f32::INFINITY, 1e-40, 3.0, f32::MAX];
         let b = [1.0, 3.5, -0.0, 7.0, 2.0, 1e20, 0.1, f32::INFINITY];
         assert_eq!(widest(&a, &b), every_operation::<Portable>(&a, &b));
+    }
+
+    /// Every operation on as many lanes as there are, for sixteen pairs, as bits.
+    #[inline(always)]
+    fn every_operation_on<L: ManyLanes, P: Pairs>(pairs: &P) -> Vec<[u32; 2]> {
+        let all = pairs.get();
+        let mut bits = Vec::new();
+        for pairs in all.chunks(L::COUNT) {
+            let (mut a, mut b) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+            for (lane, &[x, y]) in pairs.iter().enumerate() {
+                (a[lane], b[lane]) = (x, y);
+            }
+            let (x, y) = (L::load_many(&a), L::load_many(&b));
+            let both = x.is_below(y) & !y.is_at_most(L::splat(3.0)) | y.is_below(x);
+            let results = [x + y, x - y, x * y, x / y, x.least(y), x.most(y), -x, x.abs(), x.sqrt(), x.copysign(y)];
+            let chosen = L::select(both, x, y).store_many();
+            let results = results.map(L::store_many);
+            for lane in 0..pairs.len() {
+                let canonical = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
+                bits.extend(results.map(|lanes| [lane as u32, canonical(lanes[lane])]));
+                bits.push([both.bits() >> lane & 1, canonical(chosen[lane])]);
+            }
+        }
+        bits.into_iter().map(|[a, b]| [a % 8, b]).collect()
+    }
+
+    /// Where numbers come from.
+    trait Pairs {
+        fn get(&self) -> Vec<[f32; 2]>;
+    }
+
+    struct Strange;
+
+    impl Pairs for Strange {
+        fn get(&self) -> Vec<[f32; 2]> {
+            let numbers = [1.0, -2.5, 0.0, -0.0, f32::INFINITY, 1e-40, 3.0, f32::NAN];
+            numbers.iter().flat_map(|&a| numbers.map(|b| [a, b])).collect()
+        }
+    }
+
+    with_most_lanes! {
+        fn most<P: Pairs>(pairs: &P) -> Vec<[u32; 2]> = every_operation_on
+    }
+
+    #[test]
+    fn many_lanes_agree_with_eight_bit_by_bit() {
+        assert_eq!(most(&Strange), every_operation_on::<Portable, _>(&Strange));
     }
 
     #[test]

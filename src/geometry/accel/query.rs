@@ -10,6 +10,9 @@ use crate::math::simd::{Lanes, prefetch, with_widest_lanes};
 
 /// Decides whether a triangle that a ray meets is there at that point: alpha masks.
 pub trait HitFilter {
+    /// Whether every hit counts.
+    const ACCEPTS_ALL: bool = false;
+
     /// Whether the hit counts.
     fn accept(&self, triangle: u32, barycentric: [f32; 2], ray: &Ray) -> bool;
 }
@@ -19,6 +22,8 @@ pub trait HitFilter {
 pub struct AcceptAll;
 
 impl HitFilter for AcceptAll {
+    const ACCEPTS_ALL: bool = true;
+
     #[inline(always)]
     fn accept(&self, _: u32, _: [f32; 2], _: &Ray) -> bool {
         true
@@ -42,6 +47,9 @@ impl Accel {
     pub fn closest_each<F: HitFilter>(&self, rays: &[Ray], filter: &F, hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         hits.resize(rays.len(), None);
+        if let Some(sweep) = &self.sweep {
+            return sweep.closest_each(rays, filter, hits);
+        }
         match self.alone() {
             Some(group) if self.exceeds_caches => closest_each::<F, MANY>(group, rays, filter, hits),
             Some(group) => closest_each::<F, FEW>(group, rays, filter, hits),
@@ -54,6 +62,9 @@ impl Accel {
     pub fn occluded_each<F: HitFilter>(&self, rays: &[Ray], filter: &F, occluded: &mut Vec<bool>) {
         occluded.clear();
         occluded.resize(rays.len(), false);
+        if let Some(sweep) = &self.sweep {
+            return sweep.occluded_each(rays, filter, occluded);
+        }
         match self.alone() {
             Some(group) if self.exceeds_caches => occluded_each::<F, MANY>(group, rays, filter, occluded),
             Some(group) => occluded_each::<F, FEW>(group, rays, filter, occluded),
