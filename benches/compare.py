@@ -5,10 +5,9 @@
     python3 benches/compare.py                 # a, b and c, about half an hour the first time, for the references
 
 Mitsuba is installed on the first run, into target/benches-venv; its LLVM variant needs LLVM 17 or later (Debian: apt
-install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same triangles, spectra,
-camera, depth, roulette and sensor, but for the balls of b, which are true spheres in Mitsuba, where that is faster; with
---same-triangles they are not. With --avx2 Mitsuba's kernels are those of a machine without AVX-512. 256 × 256 pixels, box
-filter, four wavelengths a path, in the response functions of photosite's sensor, so that both estimate the same three
+install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same shapes, spectra,
+camera, depth, roulette and sensor. The balls of b are true spheres; with --triangles they are made of triangles. With --avx2
+Mitsuba's kernels are those of a machine without AVX-512. 256 × 256 pixels, box filter, four wavelengths a path, in the response functions of photosite's sensor, so that both estimate the same three
 numbers a pixel, electrons. "Splitting 4" is photosite with `render.splitting = 4`: as many samples, each with four paths
 from the first rough surface on; "reuse 16" and "light paths 1" are `render.reuse` and `render.light_paths`. Runs of all
 alternate. Mitsuba is warm: its kernel is compiled before the measurement. Times are those of light transport alone:
@@ -48,7 +47,7 @@ def arguments():
     parser.add_argument("--cache", type=Path, default=ROOT / "target" / "benches-references", metavar="FOLDER",
                         help="where references are kept (default: %(default)s)")
     parser.add_argument("--threads", type=int, help="of both programs (default: all cores)")
-    parser.add_argument("--same-triangles", action="store_true", help="Mitsuba gets the balls of b as the triangles that photosite gets")
+    parser.add_argument("--triangles", action="store_true", help="the balls of b are made of triangles, for both programs")
     parser.add_argument("--avx2", action="store_true", help="Mitsuba compiles for AVX2, as on a machine without AVX-512")
     parser.add_argument("--variant", default="llvm_ad_spectral", help="of Mitsuba (default: %(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here as well")
@@ -75,9 +74,8 @@ def compare(mitsuba, key, options, folder):
     from comparison.mitsuba_renderer import Mitsuba
     from comparison.photosite_renderer import Photosite
 
-    capture = scenes.write(key, folder)
-    balls = {} if options.same_triangles else scenes.balls(key)
-    theirs = [Mitsuba(mitsuba, options.photosite, capture, balls, folder, sampler) for sampler in ("independent", "multijitter")]
+    capture = scenes.write(key, folder, options.triangles)
+    theirs = [Mitsuba(mitsuba, options.photosite, capture, folder, sampler) for sampler in ("independent", "multijitter")]
     ours = [
         Photosite(mitsuba, options.photosite, capture, folder, sampler, options.threads, **ways)
         for sampler, ways in (
@@ -91,9 +89,10 @@ def compare(mitsuba, key, options, folder):
     # All ways of a program estimate the same picture: one reference serves all, in which nothing is shared.
     light = {"light_paths": 1} if key == "b" else {}
     most = Photosite(mitsuba, options.photosite, capture, folder, "sobol", options.threads, splitting=4, **light)
+    of_triangles = "-triangles" if options.triangles else ""
     truth = {
-        "Mitsuba": reference(theirs[-1], options.reference, options.cache, f"{key}-mitsuba" + ("-triangles" if options.same_triangles else "")),
-        "photosite": reference(most, options.reference, options.cache, f"{key}-photosite"),
+        "Mitsuba": reference(theirs[-1], options.reference, options.cache, f"{key}-mitsuba{of_triangles}"),
+        "photosite": reference(most, options.reference, options.cache, f"{key}-photosite{of_triangles}"),
     }
     result = {
         "mean_ratio": (truth["photosite"].mean(axis=(0, 1)) / truth["Mitsuba"].mean(axis=(0, 1))).tolist(),

@@ -16,9 +16,9 @@ PART = 256
 
 
 class Mitsuba:
-    """A capture as Mitsuba renders it, exported by `photosite export-mitsuba`, `balls` as true spheres: it is faster so."""
+    """A capture as Mitsuba renders it, exported by `photosite export-mitsuba`."""
 
-    def __init__(self, mitsuba, photosite, capture, balls, folder, sampler):
+    def __init__(self, mitsuba, photosite, capture, folder, sampler):
         self.mitsuba, self.sampler, self.name = mitsuba, sampler, f"Mitsuba, {sampler}"
         out = folder / "mitsuba"
         if not (out / "scene.xml").is_file():
@@ -28,8 +28,6 @@ class Mitsuba:
                 sys.exit("photosite cannot export the capture")
         tree = xml.parse(out / "scene.xml")
         tree.find("sensor/sampler").set("type", sampler)
-        for number, ball in balls.items():
-            use_sphere(tree, number, *ball)
         scene = out / f"{sampler}.xml"
         tree.write(scene)
         self.scene = mitsuba.load_file(str(scene))
@@ -53,20 +51,6 @@ class Mitsuba:
         """A picture of many samples."""
         parts = max(1, samples // PART)
         return sum(self.render(min(PART, samples), 1_000_000 + i)[0] for i in range(parts)) / parts
-
-
-def use_sphere(tree, number, centre, radius):
-    """Puts a sphere in the place of a mesh."""
-    for shape in tree.iter("shape"):
-        if shape.find(f"string[@value='meshes/{number}.ply']") is not None:
-            for child in [child for child in shape if child.tag != "ref"]:
-                shape.remove(child)
-            shape.set("type", "sphere")
-            x, y, z = map(str, centre)
-            xml.SubElement(shape, "point", name="center", x=x, y=y, z=z)
-            xml.SubElement(shape, "float", name="radius", value=str(radius))
-            return
-    sys.exit(f"photosite exports no mesh {number}")
 
 
 def keep_to_avx2(drjit):

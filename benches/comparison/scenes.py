@@ -18,7 +18,7 @@ CAPTURE = """\
 [scene]
 geometry = ["scene.glb"]
 {environment}
-{materials}
+{spheres}{materials}
 [camera]
 position_m = {eye}
 look_at_m = {target}
@@ -138,16 +138,22 @@ SCENES = {
 }
 
 
-def balls(key):
-    """Spheres by the number of their mesh: (centre, radius). Renderers that know spheres need not take triangles."""
-    return {number: mesh.ball for number, mesh in enumerate(SCENES[key][1]()[0]) if mesh.ball}
+SPHERE = """\
+[[scene.spheres]]
+material = "{material}"
+position_m = {centre}
+radius_m = {radius}
+
+"""
 
 
-def write(key, folder):
-    """Writes a scene and returns its capture file."""
+def write(key, folder, of_triangles=False):
+    """Writes a scene, its balls true spheres unless all is to be `of_triangles`, and returns its capture file."""
     meshes, values = SCENES[key][1]()
+    balls = [] if of_triangles else [mesh for mesh in meshes if mesh.ball]
     folder.mkdir(parents=True, exist_ok=True)
-    write_glb(folder / "scene.glb", meshes)
+    write_glb(folder / "scene.glb", [mesh for mesh in meshes if mesh not in balls])
+    spheres = "".join(SPHERE.format(material=ball.material, centre=list(ball.ball[0]), radius=ball.ball[1]) for ball in balls)
     capture = folder / "capture.toml"
-    capture.write_text(CAPTURE.format(**values), encoding="utf-8")
+    capture.write_text(CAPTURE.format(spheres=spheres, **values), encoding="utf-8")
     return capture

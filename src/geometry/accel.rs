@@ -19,7 +19,6 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, SortPrecision};
 use rayon::prelude::*;
 
-use super::Geometry;
 use super::bounds::{Bounds, union};
 use super::chunks::Chunks;
 use super::collapse::{BinaryTree, LEAF_SIZE};
@@ -27,8 +26,10 @@ use super::motion::{Motion, Transform};
 use super::sweep::Sweep;
 use super::triangle_block::TriangleBlock;
 use super::wide_bvh::WideBvh;
+use super::{Geometry, Sphere};
 use crate::math::float::gamma;
 use crate::math::simd::{compact, prefer_huge_pages};
+use query::SPHERE;
 
 pub use query::{AcceptAll, HitFilter};
 
@@ -109,8 +110,8 @@ impl Accel {
             matches!((&placements[..], &groups[..]), ([Placement { place: Place::World, .. }], [Group::Rigid(_)]));
         let top = (!placements.is_empty() && !is_alone).then(|| TopLevel::build(&groups, &placements));
         let sweep = is_alone.then(|| {
-            let triangles = ranges[placements[0].group as usize].clone();
-            Sweep::new(triangles.map(|triangle| (triangle, geometry.corners(triangle))), groups[0].bounds())
+            let range = ranges[placements[0].group as usize].clone();
+            Sweep::new(geometry, range, groups[0].bounds())
         });
         let sweep = sweep.flatten();
         let exceeds_caches = turns::exceed_caches(groups.iter().map(Group::blocks).sum());
@@ -134,7 +135,8 @@ impl Group {
         let mesh = geometry.triangles[range.start as usize].mesh;
         let Some(deformation) = geometry.meshes[mesh as usize].deformation else {
             let corners = |triangle| [geometry.corners(triangle)];
-            return Self::Rigid(TriangleBvh::build(range, |[corners]| bounds_of(corners), corners));
+            let sphere = |triangle| geometry.sphere(triangle);
+            return Self::Rigid(TriangleBvh::build(range, |[corners]| bounds_of(corners), corners, sphere));
         };
         let deformation = &geometry.deformations[deformation as usize];
         let part = |shape: usize| {
@@ -142,7 +144,7 @@ impl Group {
                 |t: u32| [shape, shape + 1].map(|shape| deformation.corners(shape, &geometry.triangles[t as usize]));
             // Rounding between the shapes may leave their box by a unit in the last place or two.
             let boxes = |[from, to]: &[_; 2]| widened(&bounds_of(from).union(&bounds_of(to)));
-            TriangleBvh::build(range, boxes, corners)
+            TriangleBvh::build(range, boxes, corners, |_| None)
         };
         Self::Deforming((0..deformation.shape_count() - 1).map(part).collect())
     }
@@ -170,11 +172,12 @@ fn widened(aabb: &Aabb) -> Aabb {
 }
 
 impl<const SHAPES: usize> TriangleBvh<SHAPES> {
-    /// `corners` are those of a triangle in its shapes, `bounds` the box of them all.
+    /// `corners` are those of a triangle in its shapes, `bounds` the box of them all, `sphere` what a triangle may stand for.
     fn build(
         range: &Range<u32>,
         bounds: impl Fn(&[[Vec3; 3]; SHAPES]) -> Aabb + Sync,
         corners: impl Fn(u32) -> [[Vec3; 3]; SHAPES] + Sync,
+        sphere: impl Fn(u32) -> Option<Sphere> + Sync,
     ) -> Self {
         let box_of = |primitive: u32| bounds(&corners(range.start + primitive));
         let chunks = Chunks::new(range.len() as u32, |primitive| {
@@ -183,17 +186,27 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
         });
         let part = |primitives: &[u32]| {
             let tree = build_binary(primitives.iter().map(|&primitive| box_of(primitive)));
+            // With what leads to it from a node.
             let block = |members: &[u32]| {
-                let triangles = members.iter().map(|&member| range.start + primitives[member as usize]);
-                TriangleBlock::new(triangles.map(|triangle| (triangle, corners(triangle))))
+                let triangles = || members.iter().map(|&member| range.start + primitives[member as usize]);
+                let spheres = triangles().find_map(|triangle| Some((triangle, sphere(triangle)?)));
+                match (spheres, members.len()) {
+                    (Some((id, sphere)), 1) => Some((TriangleBlock::of_sphere(id, &sphere), SPHERE)),
+                    (Some(_), _) => None,
+                    (None, _) => {
+                        let block = TriangleBlock::new(triangles().map(|triangle| (triangle, corners(triangle))));
+                        block.map(|block| (block, 0))
+                    }
+                }
             };
             let mut blocks = Vec::new();
             let bvh = WideBvh::collapse(
                 &tree,
                 |members| block(members).is_some(),
                 |members| {
-                    blocks.extend(block(members));
-                    (blocks.len() - 1) as u32
+                    let (block, kind) = block(members).expect("members that fit");
+                    blocks.push(block);
+                    (blocks.len() - 1) as u32 | kind
                 },
             );
             (bvh, blocks)

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::Sphere;
 use crate::math::Real;
 use crate::math::simd::prefetch;
 
@@ -35,12 +36,15 @@ pub struct MeshRange {
     pub colours_from: Option<u32>,
     /// Index into [`Geometry::deformations`], where the mesh changes its shape in the time of the picture.
     pub deformation: Option<u32>,
+    /// The sphere that its only triangle stands for. The corners of that lie on the diagonal of the sphere's box, so that no ray
+    /// meets the triangle itself.
+    pub sphere: Option<Sphere>,
 }
 
 impl MeshRange {
-    /// Whether it keeps its shape, with no direction marked on it.
+    /// Whether it is made of triangles that keep their shape, with no direction marked on it.
     pub(crate) fn is_plain(&self) -> bool {
-        self.tangents_from.is_none() && self.deformation.is_none()
+        self.tangents_from.is_none() && self.deformation.is_none() && self.sphere.is_none()
     }
 }
 
@@ -107,6 +111,12 @@ impl Geometry {
         }
     }
 
+    /// The sphere that a triangle stands for.
+    #[inline]
+    pub(super) fn sphere(&self, triangle: u32) -> Option<Sphere> {
+        self.meshes[self.triangles[triangle as usize].mesh as usize].sphere
+    }
+
     /// Corner positions of a triangle at a time from 0 to 1.
     #[inline]
     pub fn corners_at(&self, triangle: u32, time: f32) -> [Vec3; 3] {
@@ -157,7 +167,11 @@ impl Geometry {
     pub fn uv(&self, triangle: u32, barycentric: [f32; 2], set: usize) -> Vec2 {
         let triangle = &self.triangles[triangle as usize];
         let uvs = &self.uvs[set];
-        match self.meshes[triangle.mesh as usize].uvs_from[set] {
+        let mesh = &self.meshes[triangle.mesh as usize];
+        if mesh.sphere.is_some() {
+            return Sphere::uv(Sphere::normal(barycentric));
+        }
+        match mesh.uvs_from[set] {
             Some(from) => interpolate(triangle.corners.map(|c| uvs[(c - from) as usize]), barycentric),
             None => Vec2::ZERO,
         }

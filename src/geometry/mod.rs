@@ -1,9 +1,9 @@
-//! Rays, triangle meshes and where they meet.
+//! Rays, triangle meshes, spheres and where they meet.
 //!
 //! In: meshes and placements in metres. Out: the nearest [`Hit`] of a ray, or whether anything is in its way, and the
 //! [`SurfacePoint`] of a hit. What a surface does to light is left to [`bsdf`](crate::bsdf) and [`scene`](crate::scene).
 //!
-//! Intersection is watertight: a ray through a closed mesh cannot slip between two triangles that share an edge, at any
+//! Intersection with triangles is watertight: a ray through a closed mesh cannot slip between two triangles that share an edge, at any
 //! scale. Rays leave a surface from a point moved by the bound on its own rounding error, so no epsilon depends on the
 //! size of the scene.
 
@@ -17,6 +17,7 @@ mod mesh;
 mod motion;
 mod point;
 mod ray;
+mod sphere;
 mod sweep;
 mod traversal_stack;
 mod triangle_block;
@@ -31,3 +32,4 @@ pub use point::SurfacePoint;
 pub(crate) use point::on_triangle;
 pub(crate) use ray::offset;
 pub use ray::{Hit, Ray, offset_origin};
+pub use sphere::Sphere;

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3, Vec3A};
 
 use super::mesh::interpolate;
-use super::{Accel, Geometry, Hit};
+use super::{Accel, Geometry, Hit, Sphere};
 use crate::math::float::gamma;
 use crate::math::{Real, Vector};
 
@@ -40,6 +40,23 @@ impl SurfacePoint {
     pub fn new(geometry: &Geometry, accel: &Accel, hit: &Hit, time: f32) -> Self {
         let triangle = &geometry.triangles[hit.triangle as usize];
         let mesh = &geometry.meshes[triangle.mesh as usize];
+        if let Some(sphere) = &mesh.sphere {
+            let normal = Sphere::normal(hit.barycentric);
+            let (position, error) = sphere.point(normal);
+            return Self {
+                position,
+                error,
+                geometric_normal: normal,
+                shading_normal: normal,
+                tangent: mesh.tangents_from.map_or(Vec3::ZERO, |_| Sphere::tangent(normal)),
+                handedness: 1.0,
+                triangle: hit.triangle,
+                mesh: triangle.mesh,
+                material: mesh.material,
+                barycentric: hit.barycentric,
+                time,
+            };
+        }
         let [a, b, c] = geometry.corners_of(triangle, mesh, time);
         let (position, error, normal) = on_triangle([a, b, c].map(Vector::from), hit.barycentric);
         let (mut position, mut error, mut normal) = (Vec3::from(position), Vec3::from(error), Vec3::from(normal));

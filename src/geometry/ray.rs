@@ -38,12 +38,13 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a triangle.
+/// Where a ray meets a triangle or a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Ray parameter.
     pub t: f32,
-    /// Barycentric weights of the triangle's second and third corner.
+    /// Barycentric weights of the triangle's second and third corner; for a [`Sphere`](super::Sphere) what tells the direction from
+    /// its centre.
     pub barycentric: [f32; 2],
     /// Index of the triangle in [`Geometry`](super::Geometry).
     pub triangle: u32,

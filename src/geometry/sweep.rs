@@ -5,12 +5,15 @@
 //! The test is that of [`triangle_block`](super::triangle_block), operation by operation, so that a ray meets a triangle at the
 //! same distance in either way.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::accel::HitFilter;
 use super::bounds::Bounds;
 use super::triangle_block::{distance_error, double_area, error_of_sum, longest_axis};
-use super::{Hit, Ray};
+use super::{Geometry, Hit, Ray, Sphere};
+use crate::math::Vector;
 use crate::math::simd::{LaneMask, MOST_LANES, ManyLanes, with_most_lanes};
 
 /// Triangles, and vertices, of a scene that is swept, at most.
@@ -25,6 +28,8 @@ pub(super) struct Sweep {
     /// Each once.
     vertices: Vec<Vec3>,
     triangles: Vec<Swept>,
+    /// Spheres with what they are called.
+    spheres: Vec<(Sphere, u32)>,
     bounds: Bounds,
 }
 
@@ -37,13 +42,17 @@ struct Swept {
 }
 
 impl Sweep {
-    /// Of triangles with their corners, all within `bounds`; `None` where they are too many.
-    pub(super) fn new(triangles: impl ExactSizeIterator<Item = (u32, [Vec3; 3])>, bounds: Bounds) -> Option<Self> {
-        if triangles.len() > MOST {
+    /// Of a range of triangles, with the spheres that some stand for, all within `bounds`; `None` where they are too many.
+    pub(super) fn new(geometry: &Geometry, range: Range<u32>, bounds: Bounds) -> Option<Self> {
+        if range.len() > MOST {
             return None;
         }
-        let mut sweep = Self { vertices: Vec::new(), triangles: Vec::new(), bounds };
-        for (id, corners) in triangles {
+        let mut sweep = Self { vertices: Vec::new(), triangles: Vec::new(), spheres: Vec::new(), bounds };
+        for id in range {
+            if let Some(sphere) = geometry.sphere(id) {
+                sweep.spheres.push((sphere, id));
+                continue;
+            }
             let mut index = |corner: Vec3| {
                 let bits = |v: &Vec3| v.to_array().map(f32::to_bits);
                 let known = sweep.vertices.iter().position(|vertex| bits(vertex) == bits(&corner));
@@ -52,7 +61,7 @@ impl Sweep {
                     sweep.vertices.len() - 1
                 }) as u8
             };
-            let corners = corners.map(&mut index);
+            let corners = geometry.corners(id).map(&mut index);
             sweep.triangles.push(Swept { corners, id });
         }
         (sweep.vertices.len() <= MOST).then_some(sweep)
@@ -89,9 +98,16 @@ fn closest_each_in<L: ManyLanes, F: HitFilter>(sweep: &Sweep, rays: &[Ray], filt
             let (t, b1, b2) = (query.nearest.store_many(), (v / sum).store_many(), (w / sum).store_many());
             let which = query.which.store_many();
             for (lane, &member) in members.iter().enumerate() {
-                if let Some(met) = sweep.triangles.get(which[lane] as usize) {
-                    let barycentric = [b1[lane], b2[lane]];
-                    hits[usize::from(member)] = Some(Hit { t: t[lane], barycentric, triangle: met.id, placement: 0 });
+                let (which, t) = (which[lane] as usize, t[lane]);
+                let met = match sweep.triangles.get(which) {
+                    Some(met) => Some((met.id, [b1[lane], b2[lane]])),
+                    None => sweep.spheres.get(which - sweep.triangles.len()).map(|(sphere, id)| {
+                        let point = rays[usize::from(member)].at(t);
+                        (*id, sphere.numbers(point))
+                    }),
+                };
+                if let Some((triangle, barycentric)) = met {
+                    hits[usize::from(member)] = Some(Hit { t, barycentric, triangle, placement: 0 });
                 }
             }
         }
@@ -152,6 +168,7 @@ struct RayGroup<'a, L> {
     /// Numbers of those in the first lanes. In others are copies of the first.
     members: &'a [u8],
     origin: [L; 3],
+    direction: [L; 3],
     /// Where x, y and z of the sheared space come from.
     axes: [usize; 3],
     shear: [L; 3],
@@ -175,13 +192,15 @@ impl<'a, L: ManyLanes> RayGroup<'a, L> {
             numbers[6][lane] = *t_max;
         }
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        let scale = L::splat(1.0) / L::load_many(&numbers[3 + kz]);
+        let direction = [L::load_many(&numbers[3]), L::load_many(&numbers[4]), L::load_many(&numbers[5])];
+        let scale = L::splat(1.0) / direction[kz];
         Self {
             rays,
             members,
             origin: [L::load_many(&numbers[0]), L::load_many(&numbers[1]), L::load_many(&numbers[2])],
+            direction,
             axes: [kx, ky, kz],
-            shear: [L::load_many(&numbers[3 + kx]) * scale, L::load_many(&numbers[3 + ky]) * scale, scale],
+            shear: [direction[kx] * scale, direction[ky] * scale, scale],
             inverse_scale: L::splat(1.0) / scale.abs(),
             t_max: L::load_many(&numbers[6]),
         }
@@ -278,10 +297,23 @@ impl<L: ManyLanes> Sheared<L> {
         self.sure = error_of_sum(largest, across * across * L::splat(2.01), group.inverse_scale) * L::splat(2.0);
     }
 
-    /// Shows all triangles to the rays that have [`look`](Self::look)ed at their vertices.
+    /// Shows everything to the rays that have [`look`](Self::look)ed at the vertices.
     #[inline(always)]
     fn sweep<F: HitFilter>(&self, sweep: &Sweep, group: &RayGroup<'_, L>, filter: &F, query: &mut impl Query<L>) {
         let zero = L::splat(0.0);
+        let ([ox, oy, oz], [dx, dy, dz]) = (group.origin, group.direction);
+        let (origin, direction) = (Vector::new(ox, oy, oz), Vector::new(dx, dy, dz));
+        for (which, (sphere, id)) in (sweep.triangles.len()..).zip(&sweep.spheres) {
+            for t in sphere.sides(origin, direction) {
+                let mut is_met = zero.is_below(t) & t.is_below(query.nearest());
+                if !F::ACCEPTS_ALL {
+                    is_met = is_met & group.accepted_on(filter, (sphere, *id), is_met.bits(), t.store_many());
+                }
+                if is_met.bits() != 0 && query.take(is_met, which, t, [zero; 3]) {
+                    return;
+                }
+            }
+        }
         for (which, triangle) in sweep.triangles.iter().enumerate() {
             let [i, j, k] = triangle.corners;
             let a = self.vertices[usize::from(i) % MOST];
@@ -302,13 +334,8 @@ impl<L: ManyLanes> Sheared<L> {
                 is_met = is_met & distance_error([a, b, c], [u, v, w], sum, group.inverse_scale).is_below(t);
             }
             if !F::ACCEPTS_ALL {
-                is_met = is_met
-                    & group.accepted(
-                        filter,
-                        triangle.id,
-                        is_met.bits(),
-                        [(v / sum).store_many(), (w / sum).store_many()],
-                    );
+                let weights = [(v / sum).store_many(), (w / sum).store_many()];
+                is_met = is_met & group.accepted(filter, triangle.id, is_met.bits(), weights);
             }
             if query.take(is_met, which, t, [v, w, sum]) {
                 return;
@@ -318,6 +345,22 @@ impl<L: ManyLanes> Sheared<L> {
 }
 
 impl<L: ManyLanes> RayGroup<'_, L> {
+    /// Which of the lanes that meet a sphere there `filter` accepts.
+    #[inline(always)]
+    fn accepted_on<F: HitFilter>(
+        &self,
+        filter: &F,
+        (sphere, id): (&Sphere, u32),
+        met: u32,
+        t: [f32; MOST_LANES],
+    ) -> L::Mask {
+        let mut numbers = [[0.0; MOST_LANES]; 2];
+        for (lane, &member) in self.members.iter().enumerate() {
+            [numbers[0][lane], numbers[1][lane]] = sphere.numbers(self.rays[usize::from(member)].at(t[lane]));
+        }
+        self.accepted(filter, id, met, numbers)
+    }
+
     /// Which of the lanes that are met `filter` accepts.
     #[inline(always)]
     fn accepted<F: HitFilter>(&self, filter: &F, id: u32, met: u32, [b1, b2]: [[f32; MOST_LANES]; 2]) -> L::Mask {
@@ -335,7 +378,7 @@ impl<L: ManyLanes> RayGroup<'_, L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::accel_tests::{Numbers, Sieve, geometry, in_world};
+    use crate::geometry::accel_tests::{Numbers, Sieve, geometry, in_world, mixed};
     use crate::geometry::{Accel, AcceptAll};
     use crate::math::simd::Portable;
     use crate::math::warp;
@@ -414,6 +457,31 @@ mod tests {
                 assert!(hits > 0 || ray_count < 300, "{what}: {hits} hits");
                 compare(&accel, &rays, &Sieve, &format!("{what}, sieve"));
             }
+        }
+    }
+
+    #[test]
+    fn spheres_are_swept_too() {
+        let mut numbers = Numbers(29);
+        for (triangles, spheres) in [(8, 3), (0, 5)] {
+            let (g, _) = mixed(&mut numbers, triangles, spheres);
+            let accel = in_world(&g);
+            let corners: Vec<_> = (0..g.triangles.len() as u32).map(|triangle| g.corners(triangle)).collect();
+            let rays = rays(&mut numbers, 3000, &corners);
+            let what = format!("{triangles} triangles, {spheres} spheres");
+            let hits = compare(&accel, &rays, &AcceptAll, &what);
+            assert!(hits > 100, "{what}: {hits} hits");
+            // One side may have a hole where the other has none.
+            compare(&accel, &rays, &Patches, &format!("{what}, patches"));
+        }
+    }
+
+    /// Everything is there only here and there.
+    struct Patches;
+
+    impl HitFilter for Patches {
+        fn accept(&self, _: u32, [u, v]: [f32; 2], _: &Ray) -> bool {
+            (u * 7.0).sin() * (v * 5.0).cos() > 0.0
         }
     }
 

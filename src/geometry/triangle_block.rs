@@ -8,6 +8,7 @@
 
 use glam::Vec3;
 
+use super::Sphere;
 use crate::math::Real;
 use crate::math::float::gamma;
 use crate::math::simd::{LaneMask, Lanes};
@@ -70,6 +71,21 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
             }
         }
         Some(block)
+    }
+
+    /// A block that holds a sphere instead: its centre in the place of the first vertex, and its radius beside that.
+    pub(super) fn of_sphere(id: u32, sphere: &Sphere) -> Self {
+        let mut block =
+            Self { vertices: [[[0.0; BLOCK_SIZE]; 3]; SHAPES], corners: [[0; BLOCK_SIZE]; 3], ids: [id; BLOCK_SIZE] };
+        (0..3).for_each(|axis| block.vertices[0][axis][0] = sphere.centre[axis]);
+        block.vertices[0][0][1] = sphere.radius;
+        block
+    }
+
+    /// The sphere of [`of_sphere`](Self::of_sphere).
+    pub(super) fn sphere(&self) -> Sphere {
+        let [[x, radius, ..], [y, ..], [z, ..]] = self.vertices[0];
+        Sphere { centre: Vec3::new(x, y, z), radius }
     }
 
     /// Vertices along an axis, so far on the way from the first shape to the second.

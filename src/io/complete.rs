@@ -1,7 +1,7 @@
 //! What meshes need because of their materials, once both are settled: UV sets that textures refer to, tangents for
 //! normal maps.
 
-use glam::Vec2;
+use glam::{Vec2, Vec4};
 
 use super::mesh::flatten;
 use super::tangents::with_tangents;
@@ -16,6 +16,13 @@ pub fn complete(scene: &mut SceneDescription) {
     let mut warnings = Warnings::default();
     for mesh in &mut scene.meshes {
         let material = &scene.materials[mesh.material];
+        if mesh.is_sphere {
+            // It has UVs and tangents of its own; that there are any here tells that they are wanted.
+            if tangent_frame(material).is_some() {
+                mesh.tangents = vec![Vec4::ZERO; mesh.positions.len()];
+            }
+            continue;
+        }
         for texture in material.textures() {
             if mesh.uvs.len() <= texture.uv_set {
                 let (mesh_name, material_name, set) = (&mesh.name, &material.name, texture.uv_set);

@@ -76,6 +76,7 @@ fn lot(count: u32, seed: u64) -> Lot {
         uvs_from: [None; 2],
         colours_from: None,
         deformation: Some(0),
+        sphere: None,
     });
     lot
 }

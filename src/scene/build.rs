@@ -15,7 +15,7 @@ use super::{
     Material, Mix, NormalMap, ScatteringModel, Scene,
 };
 use crate::bsdf::Ggx;
-use crate::geometry::{Accel, Deformation, Geometry, MeshRange, Motion, Place, Placement, Transform, Triangle};
+use crate::geometry::{Accel, Deformation, Geometry, MeshRange, Motion, Place, Placement, Sphere, Transform, Triangle};
 use crate::light::{
     Environment, EnvironmentPicture, Lamps, Light, Lights, Projector, Sky, SurfaceEmission, Tint, TriangleLight,
 };
@@ -545,6 +545,10 @@ fn append(
         uvs_from: [0, 1].map(|set| from(mesh.uvs.len() > set, geometry.uvs[set].len())),
         colours_from: from(!mesh.colours.is_empty(), geometry.colours.len()),
         deformation: None,
+        sphere: mesh.is_sphere.then(|| Sphere {
+            centre: to_world.translation.as_vec3(),
+            radius: to_world.matrix3.x_axis.length() as f32,
+        }),
     };
     geometry.positions.extend(mesh.positions.iter().map(point));
     geometry.normals.extend(mesh.normals.iter().map(normal));

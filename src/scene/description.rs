@@ -55,6 +55,18 @@ pub struct MeshDescription {
     pub triangles: Vec<[u32; 3]>,
     /// The shapes that follow in the time of the picture, at evenly spaced times, where the mesh deforms.
     pub later_shapes: Vec<ShapeDescription>,
+    /// Whether it is the sphere of radius 1 about the origin in place of triangles; see [`unit_sphere`](Self::unit_sphere).
+    pub is_sphere: bool,
+}
+
+impl MeshDescription {
+    /// The sphere of radius 1 about the origin, for one instance that moves it and makes it larger or smaller, no more.
+    /// `positions` are two opposite corners of its box, and `triangles` is one between them, without an area, that stands for
+    /// it.
+    pub fn unit_sphere(name: String, material: usize) -> Self {
+        let positions = vec![Vec3::NEG_ONE, Vec3::ONE];
+        Self { name, material, positions, triangles: vec![[0, 1, 0]], is_sphere: true, ..Self::default() }
+    }
 }
 
 /// Where the corners of a mesh have gone.

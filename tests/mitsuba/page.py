@@ -69,6 +69,7 @@ COVERAGE = [
     ("many small lights, one far brighter", ["many-lights"]),
     ("near infrared: silicon, lamp A, a leaf and a dye", ["near-infrared"]),
     ("metallic-roughness", ["metallic-roughness", "texture-transform"]),
+    ("true spheres, seen from outside and inside", ["spheres"]),
 ]
 
 

@@ -132,6 +132,10 @@ impl Built {
                 format!("{} moves while the picture is taken, and BOP files have one pose for it", instance.name);
             return Err(Invalid::new("scene.animation", message).help("make a data set without animation"));
         }
+        if let Some(instance) = description.instances.iter().find(|i| description.meshes[i.mesh].is_sphere) {
+            let message = format!("{:?} is a sphere, and BOP files have models of triangles", instance.name);
+            return Err(Invalid::new("scene.spheres", message).help("put a mesh in its place"));
+        }
         let build = |object: &SceneObject| {
             let model = Model::new(object, &description);
             let to_world = rigid(&object.to_world);

@@ -5,8 +5,12 @@ use super::{Accel, Group, Placement, TopLevel, TriangleBvh};
 use crate::geometry::mesh::segment;
 use crate::geometry::triangle_block::{BLOCK_SIZE, BlockHits, ShearedRay, TriangleBlock};
 use crate::geometry::wide_bvh::LeafVisitor;
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Hit, Ray, Sphere};
+use crate::math::Vector;
 use crate::math::simd::{Lanes, prefetch, with_widest_lanes};
+
+/// Set in the number of a leaf whose block holds a sphere.
+pub(super) const SPHERE: u32 = 1 << 30;
 
 /// Decides whether a triangle that a ray meets is there at that point: alpha masks.
 pub trait HitFilter {
@@ -197,6 +201,8 @@ pub(super) trait TriangleQuery {
     type Answer;
     /// Looks at the hits in a block; may shorten the ray. Returning true ends the query.
     fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
+    /// Looks at a sphere in the world likewise.
+    fn consider_sphere(&mut self, id: u32, sphere: &Sphere, placement: u32, t_max: &mut f32) -> bool;
     /// The answer of a query that was ended, or of one that has seen all.
     fn answer(&self, is_ended: bool) -> Self::Answer;
 }
@@ -230,6 +236,16 @@ impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
         false
     }
 
+    #[inline(never)]
+    fn consider_sphere(&mut self, id: u32, sphere: &Sphere, placement: u32, t_max: &mut f32) -> bool {
+        let found = meet_sphere(sphere, self.ray, *t_max, |numbers| self.filter.accept(id, numbers, self.ray));
+        if let Some((t, barycentric)) = found {
+            *t_max = t;
+            self.nearest = Some(Hit { t, barycentric, triangle: id, placement });
+        }
+        false
+    }
+
     #[inline(always)]
     fn answer(&self, _: bool) -> Option<Hit> {
         self.nearest
@@ -259,10 +275,25 @@ impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
         false
     }
 
+    #[inline(never)]
+    fn consider_sphere(&mut self, id: u32, sphere: &Sphere, _: u32, t_max: &mut f32) -> bool {
+        meet_sphere(sphere, self.ray, *t_max, |numbers| self.filter.accept(id, numbers, self.ray)).is_some()
+    }
+
     #[inline(always)]
     fn answer(&self, is_ended: bool) -> bool {
         is_ended
     }
+}
+
+/// Where a ray meets a sphere first that is there, with the numbers that tell the direction from its centre: of the two sides
+/// the nearer may have a hole.
+fn meet_sphere(sphere: &Sphere, ray: &Ray, t_max: f32, is_there: impl Fn([f32; 2]) -> bool) -> Option<(f32, [f32; 2])> {
+    let sides = sphere.sides(Vector::from(ray.origin), Vector::from(ray.direction));
+    sides.into_iter().filter(|&t| 0.0 < t && t < t_max).find_map(|t| {
+        let numbers = sphere.numbers(ray.at(t));
+        is_there(numbers).then_some((t, numbers))
+    })
 }
 
 /// Takes a query from the placements into their groups.
@@ -307,6 +338,10 @@ impl<Q: TriangleQuery, const SHAPES: usize> LeafVisitor for BlockVisitor<'_, Q, 
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool {
+        if leaf & SPHERE != 0 {
+            let block = &self.blocks[(leaf & !SPHERE) as usize];
+            return self.query.consider_sphere(block.ids[0], &block.sphere(), self.placement, t_max);
+        }
         let block = &self.blocks[leaf as usize];
         match block.intersect::<L>(self.sheared, self.part, *t_max) {
             Some(hits) => self.query.consider(&block.ids, &hits, self.placement, t_max),
@@ -316,7 +351,7 @@ impl<Q: TriangleQuery, const SHAPES: usize> LeafVisitor for BlockVisitor<'_, Q, 
 
     #[inline(always)]
     fn prefetch(&self, leaf: u32) {
-        prefetch(&self.blocks[leaf as usize]);
+        prefetch(&self.blocks[(leaf & !SPHERE) as usize]);
     }
 }
 

@@ -1,15 +1,16 @@
 //! `[scene]`: reading geometry and laying the tables of a capture file over it.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 
 use super::colour::Finder;
 use super::light::{describe_environment, describe_lights};
 use super::material::override_materials;
 use super::source::CaptureSource;
-use super::tables::{CaptureFile, NormalsName, SceneTable};
+use super::tables::{CaptureFile, MaterialTable, NormalsName, SceneTable, SphereTable};
 use super::target::scene_of;
 use crate::calibration::targets::PlacedTarget;
 use crate::io::gltf::{self, Choice, Moment};
@@ -17,7 +18,10 @@ use crate::io::obj;
 use crate::io::obj::MissingNormals;
 use crate::io::suggest::{did_you_mean, list};
 use crate::io::warnings::Warnings;
-use crate::scene::description::{Colour, EnvironmentDescription, MeshDescription, SceneDescription};
+use crate::scene::description::{
+    Colour, EnvironmentDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
+    SceneDescription, TexturedColour,
+};
 use crate::spectrum::illuminant;
 use crate::{Invalid, Result};
 
@@ -139,6 +143,57 @@ impl ReadScene {
         Ok(())
     }
 
+    /// Adds spheres. Materials that no file of the geometry has are those of `described` names.
+    pub(super) fn add_spheres(
+        &mut self,
+        spheres: &[SphereTable],
+        described: &BTreeMap<String, MaterialTable>,
+    ) -> Result<(), Invalid> {
+        for (i, table) in spheres.iter().enumerate() {
+            let invalid = |key: &str, message: String| Invalid::new(format!("scene.spheres[{i}].{key}"), message);
+            let (centre, radius) = (DVec3::from_array(table.position_m), table.radius_m);
+            if !(centre.is_finite() && (centre.abs() + radius.abs()).max_element() <= FARTHEST_M) {
+                return Err(invalid(
+                    "position_m",
+                    format!("lies farther out than {FARTHEST_M:e} m, too far to compute with"),
+                ));
+            }
+            // The square of a smaller one has no digits in single precision.
+            if radius.is_nan() || radius < SMALLEST_RADIUS_M {
+                return Err(invalid("radius_m", format!("must be at least {SMALLEST_RADIUS_M:e}, got {radius}")));
+            }
+            let materials = &mut self.scene.materials;
+            let material = match materials.iter().position(|material| material.name == table.material) {
+                Some(material) => material,
+                None if described.contains_key(&table.material) => {
+                    let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
+                    materials.push(MaterialDescription::new(&table.material, MaterialModel::Diffuse { reflectance }));
+                    materials.len() - 1
+                }
+                None => {
+                    let of_files = materials.iter().map(|material| &material.name);
+                    let known: Vec<&str> = of_files.chain(described.keys()).map(String::as_str).collect();
+                    let hint = did_you_mean(&table.material, known.iter().copied());
+                    let help = match known[..] {
+                        [] => format!("describe it in a table [materials.{}]", table.material),
+                        _ => {
+                            format!("describe it in a table [materials.{}]; there are {}", table.material, list(known))
+                        }
+                    };
+                    return Err(
+                        invalid("material", format!("there is no material {:?}{hint}", table.material)).help(help)
+                    );
+                }
+            };
+            let name = table.name.clone().unwrap_or_else(|| format!("sphere-{i}"));
+            let mesh = self.scene.meshes.len();
+            self.scene.meshes.push(MeshDescription::unit_sphere(name.clone(), material));
+            let to_world = DAffine3::from_scale_rotation_translation(DVec3::splat(radius), DQuat::IDENTITY, centre);
+            self.scene.instances.push(InstanceDescription { name, mesh, to_world, later: vec![] });
+        }
+        Ok(())
+    }
+
     /// Refuses names of variants and animations that no file has.
     fn check_names(&self, table: &SceneTable) -> Result<(), Invalid> {
         check_name("variant", "material variant", table.variant.as_deref(), &self.variants)?;
@@ -176,6 +231,11 @@ impl ReadScene {
         for name in self.undescribed_materials.iter().filter(|name| !file.materials.contains_key(*name)) {
             warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));
         }
+        if let Some((i, sphere)) = shining_sphere(&self.scene) {
+            let message = format!("{:?} shines, but a sphere cannot", self.scene.materials[sphere.material].name);
+            let help = "give the lamp as a mesh, or as a light of [[lights]]";
+            return Err(Invalid::new(format!("scene.spheres[{i}].material"), message).help(help));
+        }
         if let Some(environment) = &file.scene.environment {
             let described = describe_environment(&finder, environment, &mut warnings);
             self.scene.environment = described.map_err(|e| e.within("environment").within("scene"))?;
@@ -188,6 +248,12 @@ impl ReadScene {
         }
         Ok(self.scene)
     }
+}
+
+/// A sphere whose material gives light, with its number.
+fn shining_sphere(scene: &SceneDescription) -> Option<(usize, &MeshDescription)> {
+    let mut spheres = scene.meshes.iter().filter(|mesh| mesh.is_sphere).enumerate();
+    spheres.find(|(_, mesh)| scene.materials[mesh.material].emission.is_some())
 }
 
 /// Refuses a name that is not among those of its kind in the files.
@@ -204,6 +270,9 @@ fn check_name(key: &str, kind: &str, name: Option<&str>, known: &[String]) -> Re
 
 /// Coordinates beyond this have squares, such as areas, that come close to the largest number of single precision.
 const FARTHEST_M: f64 = 1e18;
+
+/// Spheres of a smaller radius, m, have squares without digits of single precision.
+const SMALLEST_RADIUS_M: f64 = 1e-15;
 
 /// Whether all geometry lies within [`FARTHEST_M`] of the origin along each axis.
 fn within_reach(scene: &SceneDescription) -> bool {

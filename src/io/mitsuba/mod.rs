@@ -15,7 +15,7 @@
 //! | here | in Mitsuba | module |
 //! |---|---|---|
 //! | camera, lens, sensor, settings | `perspective` or `thinlens`, `specfilm`, `path` | `sensor.rs` |
-//! | meshes and their instances | `ply`, `shapegroup` and `instance` | `shape.rs` |
+//! | meshes and their instances, spheres | `ply`, `shapegroup` and `instance`, `sphere` | `shape.rs` |
 //! | materials | `diffuse`, `conductor`, `dielectric` and their rough kin, `twosided`, `mask`, `normalmap` | `material.rs` |
 //! | lights | `area`, `point`, `spot`, `directional`, `constant`, `envmap` | `light.rs` |
 //! | pictures | `bitmap` of an EXR file | `picture.rs` |

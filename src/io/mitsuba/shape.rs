@@ -1,4 +1,4 @@
-//! Meshes as PLY files, and where they stand.
+//! Meshes as PLY files, spheres, and where they stand.
 
 use super::material::ExportedMaterial;
 use super::sensor::rows;
@@ -45,13 +45,20 @@ fn shape(
 ) -> Element {
     let mesh = &scene.meshes[index];
     let material = &materials[mesh.material];
+    let described = &scene.materials[mesh.material];
+    if mesh.is_sphere {
+        if described.textures().next().is_some() || is_anisotropic(&described.model) {
+            let name = quoted("sphere", &mesh.name);
+            out.approximate(format!("the texture of {name} or its grooves: its UVs are others"));
+        }
+        return Element::object("shape", "sphere").child(Element::reference(&material.id));
+    }
     let name = if mirrored { format!("meshes/{index}-mirrored.ply") } else { format!("meshes/{index}.ply") };
     let file = out.file(name, || ply(mesh, mirrored, material.uv_set, material.uv_transform));
     let shape = Element::object("shape", "ply")
         .string("filename", file)
         .boolean("face_normals", is_flat(mesh))
         .child(Element::reference(&material.id));
-    let described = &scene.materials[mesh.material];
     let name = quoted("material", &described.name);
     if !has_uvs(mesh) && is_anisotropic(&described.model) {
         out.approximate(format!("the anisotropy of {name} on a mesh without UVs: its direction is another one"));

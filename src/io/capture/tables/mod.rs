@@ -32,7 +32,7 @@ pub(super) use material::{
     MetalSource, MetallicRoughnessTable, MixRest, MixTable, OrenNayarTable, PhongTable, PlasticTable,
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
-pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
+pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable, SphereTable};
 pub(super) use settings::{
     ExposureTable, IrradianceSource, NoiseSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
     WavelengthsName,

@@ -25,8 +25,25 @@ pub(crate) struct SceneTable {
     pub(crate) meters_per_unit: Option<f64>,
     /// What OBJ faces without normals get, outside the smoothing groups of the file. Left out: "flat".
     pub(crate) generate_normals: Option<NormalsName>,
+    /// Spheres, besides the geometry of the files.
+    #[serde(default)]
+    pub(crate) spheres: Vec<SphereTable>,
     /// Light from infinitely far in all directions. Left out: none.
     pub(crate) environment: Option<EnvironmentSource>,
+}
+
+/// A sphere. It is exact, where one of triangles has facets.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SphereTable {
+    /// Name, for messages and lists of instances. Left out: "sphere-0" …
+    pub(crate) name: Option<String>,
+    /// Name of its material, of `[materials]` or of the geometry's files.
+    pub(crate) material: String,
+    /// Its centre, m.
+    pub(crate) position_m: [f64; 3],
+    /// m.
+    pub(crate) radius_m: f64,
 }
 
 /// What faces without normals get.

@@ -85,6 +85,31 @@ use super::*;
     4,
     "materials.wal: the geometry has no material \"wal\"; did you mean `wall`?"
 )]
+#[case::sphere_material(
+    "[[scene.spheres]]\nmaterial = 'wal'\nposition_m = [0, 0, 0]\nradius_m = 1",
+    5,
+    "scene.spheres[0].material: there is no material \"wal\"; did you mean `wall`?"
+)]
+#[case::sphere_radius(
+    "[[scene.spheres]]\nmaterial = 'wall'\nposition_m = [0, 0, 0]\nradius_m = 0",
+    7,
+    "scene.spheres[0].radius_m: must be at least 1e-15, got 0"
+)]
+#[case::sphere_far(
+    "[[scene.spheres]]\nmaterial = 'wall'\nposition_m = [0, 1e19, 0]\nradius_m = 1",
+    6,
+    "scene.spheres[0].position_m: lies farther out than"
+)]
+#[case::sphere_key(
+    "[[scene.spheres]]\nmaterial = 'wall'\nposition_m = [0, 0, 0]\nradius = 1",
+    7,
+    "unknown key `radius`"
+)]
+#[case::sphere_shines(
+    "[[scene.spheres]]\nmaterial = 'hot'\nposition_m = [0, 0, 0]\nradius_m = 1\n[materials.hot]\ntype = 'diffuse'\nreflectance = 0.5\nemission = { illuminant = 'D65', luminance_nit = 1 }",
+    5,
+    "scene.spheres[0].material: \"hot\" shines, but a sphere cannot"
+)]
 #[case::material_missing("[materials.wall]\ntype = 'diffuse'", 4, "materials.wall: the key `reflectance` is missing")]
 #[case::reflectance(
     "[materials.wall]\ntype = 'diffuse'\nreflectance = 1.5",

@@ -400,6 +400,33 @@ fn a_scene_file_alone_is_a_capture() {
     assert!(error.starts_with("--set lens.f_number=0: lens.f_number: must be above 0"), "{error}");
 }
 
+#[test]
+fn spheres_stand_among_the_geometry_with_materials_of_either() {
+    let spheres = "
+        [[scene.spheres]]
+        material = 'wall'
+        position_m = [1, 2, 3]
+        radius_m = 0.5
+        [[scene.spheres]]
+        name = 'lens'
+        material = 'glass'
+        position_m = [0, 0, -1]
+        radius_m = 0.25
+        [materials.glass]
+        type = 'dielectric'
+        index = 1.5";
+    let capture = capture(&room(spheres));
+    let scene = &capture.scene;
+    let found = scene.instances.iter().filter(|i| scene.meshes[i.mesh].is_sphere).map(|i| {
+        let material = &scene.materials[scene.meshes[i.mesh].material].name;
+        let centre = i.to_world.translation.to_array();
+        (i.name.as_str(), material.as_str(), centre, i.to_world.transform_vector3(DVec3::X).length())
+    });
+    let expected = [("sphere-0", "wall", [1.0, 2.0, 3.0], 0.5), ("lens", "glass", [0.0, 0.0, -1.0], 0.25)];
+    assert_eq!(found.collect::<Vec<_>>(), expected);
+    assert_eq!(scene.materials.iter().filter(|material| material.name == "wall").count(), 1);
+}
+
 /// Seen from +x with +y up, −z is to the right.
 #[rstest]
 #[case::default("", [DVec3::X, DVec3::NEG_Y, DVec3::NEG_Z])]
