@@ -163,14 +163,19 @@ impl ReadScene {
                 return Err(invalid("radius_m", format!("must be at least {SMALLEST_RADIUS_M:e}, got {radius}")));
             }
             let materials = &mut self.scene.materials;
-            let material = match materials.iter().position(|material| material.name == table.material) {
-                Some(material) => material,
-                None if described.contains_key(&table.material) => {
+            let of_geometry = materials.iter().position(|material| material.name == table.material);
+            let material = match (of_geometry, described.get(&table.material)) {
+                (Some(material), _) => material,
+                (None, Some(MaterialTable::Kept(_))) => {
+                    let invalid = Invalid::new(format!("materials.{}", table.material), "the key `type` is missing");
+                    return Err(invalid.help("no file of the geometry says what the material is"));
+                }
+                (None, Some(MaterialTable::Typed(_))) => {
                     let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
                     materials.push(MaterialDescription::new(&table.material, MaterialModel::Diffuse { reflectance }));
                     materials.len() - 1
                 }
-                None => {
+                (None, None) => {
                     let of_files = materials.iter().map(|material| &material.name);
                     let known: Vec<&str> = of_files.chain(described.keys()).map(String::as_str).collect();
                     let hint = did_you_mean(&table.material, known.iter().copied());

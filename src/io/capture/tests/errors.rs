@@ -90,6 +90,11 @@ use super::*;
     5,
     "scene.spheres[0].material: there is no material \"wal\"; did you mean `wall`?"
 )]
+#[case::sphere_material_type(
+    "[[scene.spheres]]\nmaterial = 'ball'\nposition_m = [0, 0, 0]\nradius_m = 1\n[materials.ball]\ndouble_sided = true",
+    8,
+    "materials.ball: the key `type` is missing"
+)]
 #[case::sphere_radius(
     "[[scene.spheres]]\nmaterial = 'wall'\nposition_m = [0, 0, 0]\nradius_m = 0",
     7,
