@@ -59,6 +59,9 @@ pub enum Step<'a> {
 /// Hears what a render tells; what it answers to a pass ends the render or lets it go on.
 pub type Listener<'a> = dyn Fn(Step<'_>) -> ControlFlow<()> + Sync + 'a;
 
+/// Paths of a pass that takes little time, so that it need not be a smaller one.
+const FEW_PATHS: u64 = 1 << 20;
+
 /// Largest number of samples a pixel in one pass: passes double up to it, so that there is soon something to see, and a
 /// limit of time is kept well.
 pub(super) const LARGEST_PASS: u32 = 16;
@@ -165,8 +168,10 @@ impl<'a> Tracer<'a> {
         tell: impl Fn(&Film) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut level = film.samples();
+        // The numbers of the sampler come eight at a time, of which a pass of fewer samples leaves some.
+        let smallest = (FEW_PATHS / self.job.pixels().max(1)).clamp(1, u64::from(LARGEST_PASS / 2)) as u32;
         while level < samples {
-            level += level.clamp(1, LARGEST_PASS).min(samples - level);
+            level += level.clamp(smallest, LARGEST_PASS).min(samples - level);
             self.pass(film, &|_| level);
             tell(film)?;
         }
