@@ -6,6 +6,7 @@
 //!
 //! [`wide_bvh`]: super::wide_bvh
 
+mod packet;
 mod query;
 mod turns;
 

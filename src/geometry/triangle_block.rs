@@ -30,7 +30,7 @@ pub(super) struct TriangleBlock<const SHAPES: usize> {
 
 /// Where a ray meets the triangles of a block.
 pub(super) struct BlockHits {
-    /// Lanes that are hit at 0 < t < t_max, at least one.
+    /// Lanes that are hit at 0 < t ≤ t_max, at least one.
     pub(super) mask: u32,
     /// Ray parameter of each lane.
     pub(super) t: [f32; BLOCK_SIZE],
@@ -126,7 +126,7 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         let sum = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
         let edge_on = sum.is_at_most(zero) & zero.is_at_most(sum);
-        let mut mask = inside & (!edge_on & zero.is_below(t) & t.is_below(L::splat(t_max))).bits();
+        let mut mask = inside & (!edge_on & zero.is_below(t) & t.is_at_most(L::splat(t_max))).bits();
         if mask == 0 {
             return None;
         }

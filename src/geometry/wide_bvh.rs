@@ -7,11 +7,26 @@ use glam::Vec3;
 use super::bounds::half_area;
 use super::collapse::{BinaryTree, Collapse, LEAF_SIZE, Member};
 use super::traversal_stack::{Entry, TraversalStack};
-use super::wide_node::{SlabLanes, SlabRay, WideNode};
+use super::wide_node::{SlabLanes, SlabRay, WideNode, beyond_rounding};
 use crate::math::simd::{Lanes, compact, prefer_huge_pages, prefetch};
 
 /// Set in the number of a child that is a leaf, beside what the leaf visitor knows it by.
 const LEAF: u32 = 1 << 31;
+
+/// What a node has in a slot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Child(pub(super) u32);
+
+impl Child {
+    /// The node that all begins with.
+    pub(super) const ROOT: Self = Self(0);
+
+    /// What the leaf visitor knows it by; `None` of a node.
+    #[inline(always)]
+    pub(super) fn leaf(self) -> Option<u32> {
+        (self.0 & LEAF != 0).then_some(self.0 & !LEAF)
+    }
+}
 
 /// The hierarchy; leaves are known by a number that the builder of the leaf chose.
 #[derive(Clone, Debug)]
@@ -81,6 +96,12 @@ impl WideBvh {
         }
     }
 
+    /// A child that is no leaf.
+    #[inline(always)]
+    pub(super) fn node(&self, child: Child) -> &WideNode {
+        &self.nodes[child.0 as usize]
+    }
+
     /// Number of nodes.
     pub(super) fn len(&self) -> usize {
         self.nodes.len()
@@ -125,7 +146,7 @@ impl WideBvh {
             ControlFlow::Continue(Some(child)) => *next = child,
             ControlFlow::Continue(None) => loop {
                 match stack.pop() {
-                    Some(entry) if V::ANY_ORDER || entry.near() < *t_max => {
+                    Some(entry) if V::ANY_ORDER || entry.near() <= beyond_rounding(*t_max) => {
                         *next = entry.child();
                         break;
                     }

@@ -33,6 +33,8 @@ pub(crate) trait Lanes: Real<Mask: LaneMask> {
 
 /// Lanes in the most that a register holds, if not more than [`MOST_LANES`].
 pub(crate) trait ManyLanes: Real<Mask: LaneMask> {
+    /// Eight on the same machine.
+    type Eight: Lanes;
     /// How many.
     const COUNT: usize;
 
@@ -46,6 +48,7 @@ pub(crate) trait ManyLanes: Real<Mask: LaneMask> {
 pub(crate) const MOST_LANES: usize = 16;
 
 impl<L: Lanes> ManyLanes for L {
+    type Eight = L;
     const COUNT: usize = 8;
 
     #[inline(always)]
@@ -462,6 +465,7 @@ mod avx {
     }
 
     impl ManyLanes for Avx512 {
+        type Eight = Avx;
         const COUNT: usize = 16;
 
         #[inline(always)]

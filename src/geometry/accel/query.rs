@@ -1,5 +1,6 @@
 //! What is asked along rays, and how it is taken to the triangles: through the placements, into their groups, down to blocks.
 
+use super::packet::{ask_together, runs};
 use super::turns::{FEW, GroupFlight, MANY, PlacedFlight, take_turns};
 use super::{Accel, Group, Placement, TopLevel, TriangleBvh};
 use crate::geometry::mesh::segment;
@@ -7,7 +8,7 @@ use crate::geometry::triangle_block::{BLOCK_SIZE, BlockHits, ShearedRay, Triangl
 use crate::geometry::wide_bvh::LeafVisitor;
 use crate::geometry::{Hit, Ray, Sphere};
 use crate::math::Vector;
-use crate::math::simd::{Lanes, prefetch, with_widest_lanes};
+use crate::math::simd::{Lanes, ManyLanes, prefetch, with_most_lanes, with_widest_lanes};
 
 /// Set in the number of a leaf whose block holds a sphere.
 pub(super) const SPHERE: u32 = 1 << 30;
@@ -55,8 +56,16 @@ impl Accel {
             return sweep.closest_each(rays, filter, hits);
         }
         match self.alone() {
-            Some(group) if self.exceeds_caches => closest_each::<F, MANY>(group, rays, filter, hits),
-            Some(group) => closest_each::<F, FEW>(group, rays, filter, hits),
+            Some(group) => {
+                for (run, is_close) in runs(rays) {
+                    let (rays, hits) = (&rays[run.clone()], &mut hits[run]);
+                    match (is_close, self.exceeds_caches) {
+                        (true, _) => closest_together(group, rays, filter, hits),
+                        (false, true) => closest_each::<F, MANY>(group, rays, filter, hits),
+                        (false, false) => closest_each::<F, FEW>(group, rays, filter, hits),
+                    }
+                }
+            }
             None if self.exceeds_caches => closest_each_placed(self, rays, filter, hits),
             None => hits.iter_mut().zip(rays).for_each(|(hit, ray)| *hit = self.closest(ray, filter)),
         }
@@ -70,8 +79,16 @@ impl Accel {
             return sweep.occluded_each(rays, filter, occluded);
         }
         match self.alone() {
-            Some(group) if self.exceeds_caches => occluded_each::<F, MANY>(group, rays, filter, occluded),
-            Some(group) => occluded_each::<F, FEW>(group, rays, filter, occluded),
+            Some(group) => {
+                for (run, is_close) in runs(rays) {
+                    let (rays, occluded) = (&rays[run.clone()], &mut occluded[run]);
+                    match (is_close, self.exceeds_caches) {
+                        (true, _) => occluded_together(group, rays, filter, occluded),
+                        (false, true) => occluded_each::<F, MANY>(group, rays, filter, occluded),
+                        (false, false) => occluded_each::<F, FEW>(group, rays, filter, occluded),
+                    }
+                }
+            }
             None if self.exceeds_caches => occluded_each_placed(self, rays, filter, occluded),
             None => occluded.iter_mut().zip(rays).for_each(|(is, ray)| *is = self.occluded(ray, filter)),
         }
@@ -85,7 +102,7 @@ impl Accel {
 
     /// The group that is all there is.
     #[inline(always)]
-    fn alone(&self) -> Option<&TriangleBvh<1>> {
+    pub(super) fn alone(&self) -> Option<&TriangleBvh<1>> {
         let (None, Some(placement)) = (&self.top, self.placements.first()) else { return None };
         match &self.groups[placement.group as usize] {
             Group::Rigid(group) => Some(group),
@@ -157,6 +174,36 @@ fn closest_each_in<L: Lanes, F: HitFilter, const IN_TURN: usize>(
     take_turns::<L, GroupFlight<_>, _, IN_TURN>(group, rays, query, hits);
 }
 
+with_most_lanes! {
+    fn closest_together<F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
+        closest_together_in
+}
+
+#[inline(always)]
+pub(super) fn closest_together_in<L: ManyLanes, F: HitFilter>(
+    group: &TriangleBvh<1>,
+    rays: &[Ray],
+    filter: &F,
+    hits: &mut [Option<Hit>],
+) {
+    ask_together::<L, _>(group, rays, |ray| Closest { ray, filter, nearest: None }, hits);
+}
+
+with_most_lanes! {
+    fn occluded_together<F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool]) -> () =
+        occluded_together_in
+}
+
+#[inline(always)]
+pub(super) fn occluded_together_in<L: ManyLanes, F: HitFilter>(
+    group: &TriangleBvh<1>,
+    rays: &[Ray],
+    filter: &F,
+    occluded: &mut [bool],
+) {
+    ask_together::<L, _>(group, rays, |ray| Occluded { ray, filter }, occluded);
+}
+
 with_widest_lanes! {
     fn closest_each_placed<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
         closest_each_placed_in
@@ -207,11 +254,19 @@ pub(super) trait TriangleQuery {
     fn answer(&self, is_ended: bool) -> Self::Answer;
 }
 
-/// The nearest hit.
+/// The nearest hit, of several at the same distance that of the triangle with the lowest number, in whatever order they come.
 struct Closest<'a, F> {
     ray: &'a Ray,
     filter: &'a F,
     nearest: Option<Hit>,
+}
+
+impl<F> Closest<'_, F> {
+    /// Whether a hit comes before what is known, which ends at `t_max`.
+    #[inline(always)]
+    fn is_first(&self, t: f32, triangle: u32, t_max: f32) -> bool {
+        t < t_max || t == t_max && self.nearest.is_some_and(|nearest| triangle < nearest.triangle)
+    }
 }
 
 impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
@@ -225,7 +280,7 @@ impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let (t, triangle) = (hits.t[lane], ids[lane]);
-            if t < *t_max {
+            if self.is_first(t, triangle, *t_max) {
                 let barycentric = hits.barycentric(lane);
                 if self.filter.accept(triangle, barycentric, self.ray) {
                     *t_max = t;
@@ -238,7 +293,8 @@ impl<F: HitFilter> TriangleQuery for Closest<'_, F> {
 
     #[inline(never)]
     fn consider_sphere(&mut self, id: u32, sphere: &Sphere, placement: u32, t_max: &mut f32) -> bool {
-        let found = meet_sphere(sphere, self.ray, *t_max, |numbers| self.filter.accept(id, numbers, self.ray));
+        let is_first = |t| self.is_first(t, id, *t_max);
+        let found = meet_sphere(sphere, self.ray, is_first, |numbers| self.filter.accept(id, numbers, self.ray));
         if let Some((t, barycentric)) = found {
             *t_max = t;
             self.nearest = Some(Hit { t, barycentric, triangle: id, placement });
@@ -263,12 +319,12 @@ impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
     type Answer = bool;
 
     #[inline(always)]
-    fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, _: u32, _: &mut f32) -> bool {
+    fn consider(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, _: u32, t_max: &mut f32) -> bool {
         let mut mask = hits.mask;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            if self.filter.accept(ids[lane], hits.barycentric(lane), self.ray) {
+            if hits.t[lane] < *t_max && self.filter.accept(ids[lane], hits.barycentric(lane), self.ray) {
                 return true;
             }
         }
@@ -277,7 +333,8 @@ impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
 
     #[inline(never)]
     fn consider_sphere(&mut self, id: u32, sphere: &Sphere, _: u32, t_max: &mut f32) -> bool {
-        meet_sphere(sphere, self.ray, *t_max, |numbers| self.filter.accept(id, numbers, self.ray)).is_some()
+        let is_before = |t| t < *t_max;
+        meet_sphere(sphere, self.ray, is_before, |numbers| self.filter.accept(id, numbers, self.ray)).is_some()
     }
 
     #[inline(always)]
@@ -288,9 +345,14 @@ impl<F: HitFilter> TriangleQuery for Occluded<'_, F> {
 
 /// Where a ray meets a sphere first that is there, with the numbers that tell the direction from its centre: of the two sides
 /// the nearer may have a hole.
-fn meet_sphere(sphere: &Sphere, ray: &Ray, t_max: f32, is_there: impl Fn([f32; 2]) -> bool) -> Option<(f32, [f32; 2])> {
+fn meet_sphere(
+    sphere: &Sphere,
+    ray: &Ray,
+    is_before: impl Fn(f32) -> bool,
+    is_there: impl Fn([f32; 2]) -> bool,
+) -> Option<(f32, [f32; 2])> {
     let sides = sphere.sides(Vector::from(ray.origin), Vector::from(ray.direction));
-    sides.into_iter().filter(|&t| 0.0 < t && t < t_max).find_map(|t| {
+    sides.into_iter().filter(|&t| 0.0 < t && is_before(t)).find_map(|t| {
         let numbers = sphere.numbers(ray.at(t));
         is_there(numbers).then_some((t, numbers))
     })
