@@ -13,10 +13,10 @@ use super::path::{PathLimits, Sharing};
 use super::wave::Wave;
 use super::wavelengths::{FilterTile, PixelWavelengths, importance_for_all};
 use crate::film::{Film, FilmBand, FilmResponses, Response};
-use crate::optics::Camera;
-use crate::sampler::{PixelOrder, Sampler};
+use crate::optics::{Camera, CameraRay, CameraSample};
+use crate::sampler::{PixelOrder, SamplePlace, Sampler};
 use crate::scene::Scene;
-use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable};
+use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 
 /// Everything that a render reads.
 pub struct RenderJob<'a> {
@@ -110,6 +110,26 @@ impl RenderJob<'_> {
 fn hull(ranges: impl Iterator<Item = Range<u32>>) -> Range<u32> {
     let all = ranges.filter(|range| !range.is_empty());
     all.reduce(|all, own| all.start.min(own.start)..all.end.max(own.end)).unwrap_or(0..0)
+}
+
+/// Paths that set out from the camera together, of samples of one pixel.
+#[derive(Default)]
+struct Departures {
+    samples: Vec<CameraSample>,
+    /// The numbers that choose the wavelengths.
+    u_wavelengths: Vec<f32>,
+    wavelengths: Vec<Wavelengths>,
+    /// Where the sampler is then.
+    places: Vec<(SamplePlace, Sharing)>,
+}
+
+impl Departures {
+    fn clear(&mut self) {
+        self.samples.clear();
+        self.u_wavelengths.clear();
+        self.wavelengths.clear();
+        self.places.clear();
+    }
 }
 
 /// Where the light of a path from the camera goes.
@@ -215,6 +235,7 @@ impl<'a> Tracer<'a> {
             let mut paths = 0;
             let mut sampler = Sampler::new(kind, self.seed);
             let mut wave = Wave::new(self.limits, odds);
+            let mut departures = Departures::default();
             let mut destinations = Vec::with_capacity(together as usize);
             let mut missing = Vec::with_capacity(group_size);
             let mut u_wavelengths = Vec::new();
@@ -239,16 +260,18 @@ impl<'a> Tracer<'a> {
                     for &(pixel, ref missing) in &missing {
                         let own = missing.start.max(start)..missing.end.min(indices.end);
                         paths += own.len() as u64;
-                        for index in own {
-                            let sample = first_sample + index;
-                            let of_lamps = splats.of(first_pixel + pixel, sample);
+                        let shared = |index: u32| {
                             let number = (index - start) as usize;
-                            let shared = u_wavelengths.get(number).map(|&u| (u, groups + number as u32));
-                            match self.add_path((place(pixel), sample), shared, &mut sampler, &mut wave) {
+                            u_wavelengths.get(number).map(|&u| (u, groups + number as u32))
+                        };
+                        self.prepare((place(pixel), own.clone()), shared, &mut sampler, &mut departures);
+                        self.depart(&mut departures, &mut wave, |number, through| {
+                            let of_lamps = splats.of(first_pixel + pixel, first_sample + own.start + number as u32);
+                            match through {
                                 Some(through) => destinations.push(Destination { pixel, through, of_lamps }),
                                 None => band.add(pixel, of_lamps.iter().map(Splat::light)),
                             }
-                        }
+                        });
                     }
                     groups += indices.len() as u32;
                 }
@@ -267,48 +290,67 @@ impl<'a> Tracer<'a> {
         if may_share { self.job.settings.reuse_columns_and_rows() } else { [1, 1] }
     }
 
-    /// Goes to the numbers of a sample of a pixel.
-    fn start(&self, [x, y]: [usize; 2], sample: u32, sampler: &mut Sampler) {
-        let (sequence, first_index) = self.order.place([x as u32, y as u32]);
-        sampler.start(sequence, first_index + sample);
-    }
-
     /// The number that chooses the wavelengths of a sample of a pixel.
     fn wavelength_of(&self, pixel: [usize; 2], sample: u32, sampler: &mut Sampler) -> f32 {
-        self.start(pixel, sample, sampler);
+        let (sequence, first_index) = self.order.place(pixel.map(|n| n as u32));
+        sampler.start(sequence, first_index + sample);
         sampler.skip();
         sampler.skip();
         sampler.next_1d()
     }
 
-    /// Adds the path of a sample of a pixel, column and row, to a wave. Pixels that share have the same number for the wavelengths,
-    /// and that of their group. Returns what the lens lets through of the light that arrives along the path; `None` where it
-    /// sees nothing.
-    fn add_path(
+    /// Prepares the paths of samples of a pixel, column and row. Pixels that share have the same number for the wavelengths, and
+    /// that of their group.
+    fn prepare(
         &self,
-        ([x, y], sample): ([usize; 2], u32),
-        shared: Option<(f32, u32)>,
+        (pixel, indices): ([usize; 2], Range<u32>),
+        shared: impl Fn(u32) -> Option<(f32, u32)>,
         sampler: &mut Sampler,
-        wave: &mut Wave,
-    ) -> Option<SampledSpectrum> {
+        departures: &mut Departures,
+    ) {
         let camera = self.job.camera;
-        self.start([x, y], sample, sampler);
-        let [dx, dy] = sampler.next_2d();
-        let aperture = sampler.next_2d();
-        let u_wavelengths = sampler.next_1d();
-        let (u_wavelengths, sharing) =
-            shared.map_or((u_wavelengths, Sharing::Nothing), |(u, group)| (u, Sharing::Group(group)));
-        let mut lambda = self.wavelengths.at(x, y).sample(u_wavelengths);
-        if self.has_lone_heroes {
-            lambda.terminate_secondary();
+        let first_sample = self.job.settings.samples().start;
+        let (sequence, first_index) = self.order.place(pixel.map(|n| n as u32));
+        departures.clear();
+        for index in indices {
+            sampler.start(sequence, first_index + first_sample + index);
+            let within = sampler.next_2d();
+            let aperture = if camera.has_aperture() {
+                sampler.next_2d()
+            } else {
+                sampler.skip();
+                [0.0; 2]
+            };
+            let u_wavelengths = sampler.next_1d();
+            let (u_wavelengths, sharing) =
+                shared(index).map_or((u_wavelengths, Sharing::Nothing), |(u, group)| (u, Sharing::Group(group)));
+            // A camera that stands still needs no time, and its samples stay what they are.
+            let time = if camera.moves() { sampler.next_1d() } else { 0.0 };
+            let spread = if camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
+            let pixel = DVec2::from_array(pixel.map(|n| n as f64)) + DVec2::from_array(within.map(f64::from));
+            departures.samples.push(CameraSample { pixel, aperture, time, spread });
+            departures.u_wavelengths.push(u_wavelengths);
+            departures.places.push((sampler.place(), sharing));
         }
-        let position = DVec2::new(x as f64 + f64::from(dx), y as f64 + f64::from(dy));
-        // A camera that stands still needs no time, and its samples stay what they are.
-        let time = if camera.moves() { sampler.next_1d() } else { 0.0 };
-        let spread = if camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
-        let (camera_ray, weights) = camera.generate_spectral(position, aperture, time, spread, &mut lambda)?;
-        wave.start(camera_ray.ray, lambda, sampler.place(), sharing);
-        Some(self.spectra.sample(self.transmittance, &lambda) * weights * camera_ray.weight)
+        let wavelengths = self.wavelengths.at(pixel[0], pixel[1]);
+        departures.wavelengths.extend(departures.u_wavelengths.iter().map(|&u| wavelengths.sample(u)));
+        if self.has_lone_heroes {
+            departures.wavelengths.iter_mut().for_each(Wavelengths::terminate_secondary);
+        }
+    }
+
+    /// Adds the paths that were prepared to a wave. Gives `go` the number of each with what the lens lets through of the light
+    /// that arrives along it; `None` where it sees nothing.
+    fn depart(&self, departures: &mut Departures, wave: &mut Wave, mut go: impl FnMut(usize, Option<SampledSpectrum>)) {
+        let Departures { samples, wavelengths, places, .. } = departures;
+        self.job.camera.generate_each(samples, wavelengths, |number, wavelengths, ray| {
+            let through = ray.map(|(CameraRay { ray, weight }, weights)| {
+                let (place, sharing) = places[number];
+                wave.start(ray, *wavelengths, place, sharing);
+                self.spectra.sample(self.transmittance, wavelengths) * weights * weight
+            });
+            go(number, through);
+        });
     }
 
     /// Traces the paths of a wave and adds what arrives along each, by what the lens lets through, to a pixel of the band.

@@ -3,6 +3,8 @@
 //! Camera space is that of glTF: x right, y up, the camera looks along −z, the origin is the centre of the lens. The
 //! sensor stands at z = +v, where the picture lies upside down.
 
+mod several;
+
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
 
 use super::aperture::Aperture;
@@ -14,6 +16,8 @@ use crate::Invalid;
 use crate::geometry::Ray;
 use crate::sabotage::{Fault, flip};
 use crate::spectrum::{SampledSpectrum, Wavelengths};
+
+pub use several::CameraSample;
 
 /// The grid of pixels behind the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +76,15 @@ struct Aim {
     towards: DVec3,
 }
 
+impl Aim {
+    /// Origin and unit direction in world space.
+    #[inline(always)]
+    fn in_world(&self, to_world: &DAffine3) -> (DVec3, DVec3) {
+        let direction = to_world.transform_vector3(self.towards).normalize();
+        (to_world.transform_point3(self.origin), direction)
+    }
+}
+
 /// Where a point in the world is seen through a point of the aperture.
 #[derive(Clone, Copy, Debug)]
 pub struct Connection {
@@ -83,6 +96,13 @@ pub struct Connection {
     pub weights: SampledSpectrum,
     /// Area of the picture over that of what it shows on a plane across the ray at the point, px²·m⁻².
     pub px2_per_m2: f32,
+}
+
+/// From OpenCV's camera space to that of glTF.
+#[inline(always)]
+fn turned(seen: Seen) -> Seen {
+    let turned = |d: DVec3| DVec3::new(d.x, -d.y, -d.z);
+    Seen { direction: turned(seen.direction), chief: turned(seen.chief), ..seen }
 }
 
 impl Camera {
@@ -248,7 +268,7 @@ impl Camera {
     }
 
     /// The place of a pixel position in normalised image coordinates.
-    #[inline]
+    #[inline(always)]
     fn place(&self, pixel: DVec2) -> DVec2 {
         let i = &self.intrinsics;
         let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
@@ -264,9 +284,7 @@ impl Camera {
 
     #[inline]
     fn seen_at(&self, place: DVec2) -> Option<Seen> {
-        let Seen { direction, chief, solid_angle } = self.projection.unproject(place, &self.reach)?;
-        let turned = |d: DVec3| DVec3::new(d.x, -d.y, -d.z);
-        Some(Seen { direction: turned(direction), chief: turned(chief), solid_angle })
+        self.projection.unproject(place, &self.reach).map(turned)
     }
 
     /// The ray through the centre of the lens, in world space. Its parameter t is the distance in metres that focusing
@@ -292,6 +310,11 @@ impl Camera {
         self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, 0.0)
     }
 
+    /// Whether a ray needs a sample of the aperture.
+    pub fn has_aperture(&self) -> bool {
+        self.kind == LensKind::Thin
+    }
+
     /// Whether a path needs a sample of the point spread.
     pub fn spreads_points(&self) -> bool {
         self.point_spread.is_some()
@@ -302,22 +325,20 @@ impl Camera {
         matches!(self.point_spread, Some(PointSpread::Airy | PointSpread::Measured(_)))
     }
 
-    /// The same ray through a lens with a point spread and lateral colour, at the sample `u_time` in [0, 1) of the exposure of
-    /// the pixel's row, and what each wavelength counts. Lateral colour leaves only the hero, whose direction it is.
+    /// The same ray through a lens with a point spread and lateral colour, at a time within the exposure of the pixel's row, and
+    /// what each wavelength counts. Lateral colour leaves only the hero, whose direction it is.
     #[inline]
     pub fn generate_spectral(
         &self,
-        pixel: DVec2,
-        aperture_sample: [f32; 2],
-        u_time: f32,
-        spread_sample: [f32; 2],
+        sample: &CameraSample,
         wavelengths: &mut Wavelengths,
     ) -> Option<(CameraRay, SampledSpectrum)> {
+        let &CameraSample { pixel, aperture, time, spread } = sample;
         if self.lateral_colour.is_some() {
             wavelengths.terminate_secondary();
         }
-        let (place, weights) = self.spread_place(pixel, spread_sample, wavelengths);
-        Some((self.ray(place, pixel.y.floor(), aperture_sample, u_time)?, weights))
+        let (place, weights) = self.spread_place(pixel, spread, wavelengths);
+        Some((self.ray(place, pixel.y.floor(), aperture, time)?, weights))
     }
 
     /// The place of a pixel position behind a lens with lateral colour and a point spread, at the hero's wavelength, and what
@@ -352,8 +373,7 @@ impl Camera {
         if !self.passes(aim.seen.chief, opening, aim.towards) {
             return None;
         }
-        let origin = to_world.transform_point3(aim.origin);
-        let direction = to_world.transform_vector3(aim.towards).normalize();
+        let (origin, direction) = aim.in_world(&to_world);
         let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time);
         Some(CameraRay { ray, weight: self.weight(&aim, opening) })
     }
@@ -370,13 +390,18 @@ impl Camera {
     /// Where the ray of a place goes through a point of the aperture, whatever stops are in its way.
     #[inline]
     fn aim(&self, place: DVec2, opening: DVec2) -> Option<Aim> {
-        let seen = self.seen_at(place)?;
+        Some(self.aim_at(self.seen_at(place)?, opening))
+    }
+
+    /// The same to what is seen.
+    #[inline(always)]
+    fn aim_at(&self, seen: Seen, opening: DVec2) -> Aim {
         let origin = self.in_pupil(opening, &seen);
-        Some(Aim { seen, origin, towards: self.towards(seen.chief, origin) })
+        Aim { seen, origin, towards: self.towards(seen.chief, origin) }
     }
 
     /// [`CameraRay::weight`].
-    #[inline]
+    #[inline(always)]
     fn weight(&self, aim: &Aim, opening: DVec2) -> f32 {
         let v = self.image_distance_m;
         (self.aperture.area() * self.falloff_at(&aim.seen, opening) / (v * v)) as f32
@@ -448,7 +473,7 @@ impl Camera {
     }
 
     /// From a point of the pupil to what is in focus, in units of the focus distance.
-    #[inline]
+    #[inline(always)]
     fn towards(&self, chief: DVec3, origin: DVec3) -> DVec3 {
         if self.focus_distance_m.is_finite() { chief - origin / self.focus_distance_m } else { chief }
     }
@@ -464,7 +489,7 @@ impl Camera {
 
     /// A point of the entrance pupil in camera space: across the axis, or turned about the centre on the shortest way to
     /// face the direction seen.
-    #[inline]
+    #[inline(always)]
     fn in_pupil(&self, opening: DVec2, seen: &Seen) -> DVec3 {
         if self.projection.is_flat() {
             return opening.extend(0.0);
@@ -473,7 +498,7 @@ impl Camera {
     }
 
     /// Irradiance through a point of the opening over that through the centre on the axis.
-    #[inline]
+    #[inline(always)]
     fn falloff_at(&self, seen: &Seen, opening: DVec2) -> f64 {
         match self.falloff {
             Falloff::None => 1.0,

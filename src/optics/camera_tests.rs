@@ -204,6 +204,51 @@ fn stops_leave_the_overlap_of_two_circles() {
 }
 
 #[test]
+fn rays_that_are_made_together_are_those_of_each_sample() {
+    let placed = |lens: &LensDescription| {
+        let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.2, 2.0);
+        let to_world = DAffine3::from_rotation_translation(turn, DVec3::new(3.0, -20.0, 0.7));
+        Camera::new(lens, &GRID, to_world, f64::NAN).expect("a valid lens")
+    };
+    let near = LensDescription::thin(0.004, 2.0, Focus::Distance(0.5));
+    let far = LensDescription { focus: Focus::Infinity, falloff: Falloff::None, ..near.clone() };
+    let pinhole = LensDescription { kind: LensKind::Pinhole, ..near.clone() };
+    let skewed = Intrinsics { fx: 400.0, fy: 410.0, cx: 300.0, cy: 250.0, skew: 1.5 };
+    let skewed = LensDescription { intrinsics: Some(skewed), blades: 5, ..near.clone() };
+    let narrow = LensDescription { max_angle_rad: Some(0.3), ..near.clone() };
+    let distorted = LensDescription { projection: barrel(-0.05), ..near.clone() };
+    let coloured = LensDescription {
+        lateral_colour: Some(LateralColour { points: vec![(450.0, 0.998), (650.0, 1.002)] }),
+        ..near.clone()
+    };
+    for lens in [near, far, pinhole, skewed, narrow, distorted, coloured] {
+        let camera = placed(&lens);
+        for count in [0, 1, 7, 8, 9, 40] {
+            let sample = |i: u16| {
+                let u = f32::from(i) / 40.0;
+                let pixel = DVec2::new(16.25 * f64::from(i), 12.5 * f64::from(i % 7) + 100.0);
+                CameraSample { pixel, aperture: [u, 1.0 - u], time: 0.5, spread: [0.5; 2] }
+            };
+            let samples: Vec<_> = (0..count).map(sample).collect();
+            let start = Wavelengths::new([450.0, 550.0, 600.0, 650.0], [0.01; 4]);
+            let mut wavelengths = vec![start; samples.len()];
+            let (mut numbers, mut seen) = (0.., 0);
+            camera.generate_each(&samples, &mut wavelengths, |number, found, ray| {
+                assert_eq!(Some(number), numbers.next());
+                let mut wavelengths = start;
+                let alone = camera.generate_spectral(&samples[number], &mut wavelengths);
+                assert_eq!(*found, wavelengths, "{lens:?}");
+                assert_eq!(format!("{ray:?}"), format!("{alone:?}"), "{lens:?}");
+                seen += usize::from(ray.is_some());
+            });
+            assert_eq!(numbers.start, samples.len());
+            let expected = if lens.max_angle_rad.is_some() { 1..count.max(2) } else { count..count + 1 };
+            assert!(count == 0 || count == 1 || expected.contains(&(seen as u16)), "{seen} of {count}: {lens:?}");
+        }
+    }
+}
+
+#[test]
 fn lateral_colour_moves_the_picture_of_the_hero() {
     let mut lens = LensDescription::thin(0.004, 2.0, Focus::Infinity);
     lens.lateral_colour = Some(LateralColour { points: vec![(450.0, 0.998), (650.0, 1.002)] });
@@ -211,7 +256,8 @@ fn lateral_colour_moves_the_picture_of_the_hero() {
     for (lambda, magnification) in [(400.0, 0.998), (550.0, 1.0), (600.0, 1.001)] {
         let mut wavelengths = Wavelengths::new([lambda, 500.0, 550.0, 600.0], [1.0; 4]);
         let pixel = DVec2::new(600.5, 100.5);
-        let (ray, _) = camera.generate_spectral(pixel, [0.5; 2], 0.0, [0.0; 2], &mut wavelengths).expect("light");
+        let sample = CameraSample { pixel, aperture: [0.5; 2], time: 0.0, spread: [0.0; 2] };
+        let (ray, _) = camera.generate_spectral(&sample, &mut wavelengths).expect("light");
         assert!(wavelengths.is_hero_alone());
         let expected = DVec2::new(320.0, 240.0) + (pixel - DVec2::new(320.0, 240.0)) / magnification;
         let found = camera.project_camera(ray.ray.direction.as_dvec3()).expect("in reach");
@@ -251,8 +297,8 @@ fn a_point_is_connected_to_the_pixel_whose_ray_goes_by_it() {
         ] {
             let spread = [0.4, 0.8];
             let mut wavelengths = Wavelengths::new([450.0, 550.0, 600.0, 650.0], [0.01; 4]);
-            let (ray, weights) =
-                camera.generate_spectral(pixel, aperture, 0.0, spread, &mut wavelengths).expect("in reach");
+            let sample = CameraSample { pixel, aperture, time: 0.0, spread };
+            let (ray, weights) = camera.generate_spectral(&sample, &mut wavelengths).expect("in reach");
             let mut again = Wavelengths::new([450.0, 550.0, 600.0, 650.0], [0.01; 4]);
             let point = ray.ray.at(t);
             let found = camera.connect(point, aperture, spread, &mut again).expect("it is seen");

@@ -16,7 +16,7 @@ mod projection;
 mod recording;
 mod stop;
 
-pub use camera::{Camera, CameraRay, Connection, PixelGrid};
+pub use camera::{Camera, CameraRay, CameraSample, Connection, PixelGrid};
 pub use description::{Falloff, Focus, Intrinsics, LensDescription, LensKind};
 pub use field_of_view::FieldOfView;
 pub use lateral_colour::LateralColour;

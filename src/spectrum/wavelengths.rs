@@ -106,10 +106,13 @@ pub(super) fn probabilities(importances: &[f64]) -> (Vec<f64>, f64) {
 pub struct WavelengthSampler {
     /// From short waves to long ones, each a nanometre long, and one where the last ends.
     pieces: Vec<Piece>,
-    /// For each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in. So fine
-    /// are they that most lie in one piece ([Devroye86](crate::references#devroye86) §III.2.4).
+    /// For each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in, and [`MANY`] where it goes
+    /// on beyond the next. So fine are they that most lie in one piece ([Devroye86](crate::references#devroye86) §III.2.4).
     guide: Vec<u16>,
 }
+
+/// Set in the guide for a part with more than two pieces.
+const MANY: u16 = 1 << 15;
 
 #[derive(Clone, Copy, Debug)]
 struct Piece {
@@ -144,10 +147,11 @@ impl WavelengthSampler {
             Piece { before: before[i], start_nm: LAMBDA_MIN_NM + i as f32, density, nm_per_probability: 1.0 / density }
         };
         let first = |part: usize| before.partition_point(|&b| b <= part as f32 / Self::PARTS as f32) - 1;
-        Self {
-            pieces: (0..TABLE_LEN).map(piece).collect(),
-            guide: (0..Self::PARTS).map(|part| first(part) as u16).collect(),
-        }
+        let guide = |part: usize| {
+            let (first, next) = (first(part), first(part + 1));
+            first as u16 | if next > first + 1 { MANY } else { 0 }
+        };
+        Self { pieces: (0..TABLE_LEN).map(piece).collect(), guide: (0..Self::PARTS).map(guide).collect() }
     }
 
     /// Four wavelengths from one number in [0, 1): the hero at u, the others at u + ¼, u + ½, u + ¾ (mod 1) of the
@@ -173,11 +177,14 @@ impl WavelengthSampler {
     #[inline]
     fn piece(&self, u: f32) -> usize {
         // Conversions to signed numbers cost less.
-        let mut number = usize::from(self.guide[(u * Self::PARTS as f32) as i32 as usize]);
-        // The first step is made without a branch, which would often be guessed wrong; a second one is rare.
+        let guide = self.guide[(u * Self::PARTS as f32) as i32 as usize];
+        let mut number = usize::from(guide & !MANY);
+        // The first step is made without a branch, which would often be guessed wrong; more are rare.
         number += usize::from(self.pieces[number + 1].before <= u);
-        while self.pieces[number + 1].before <= u {
-            number += 1;
+        if guide & MANY != 0 {
+            while self.pieces[number + 1].before <= u {
+                number += 1;
+            }
         }
         number
     }

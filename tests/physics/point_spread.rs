@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec2};
 use photosite::measure::slanted_edge;
-use photosite::optics::{Camera, Falloff, Focus, LensDescription, PixelGrid, PointSpread};
+use photosite::optics::{Camera, CameraSample, Falloff, Focus, LensDescription, PixelGrid, PointSpread};
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::spectrum::{LANES, Wavelengths};
 
@@ -57,7 +57,8 @@ fn a_slanted_edge_through_airys_pattern_has_the_mtf_of_diffraction() {
             let [dx, dy] = sampler.next_2d().map(f64::from);
             let spread = sampler.next_2d();
             let pixel = DVec2::new(x + dx, y + dy);
-            let ray = camera.generate_spectral(pixel, [0.5; 2], 0.0, spread, &mut { alone });
+            let sample = CameraSample { pixel, aperture: [0.5; 2], time: 0.0, spread };
+            let ray = camera.generate_spectral(&sample, &mut { alone });
             let direction = ray.expect("in reach").0.ray.direction;
             distance(camera.project_camera(direction.as_dvec3()).expect("in reach")) > 0.0
         });

@@ -111,6 +111,12 @@ impl Reach {
         Self { angle, end, radius, sure_cos: angle.cos() + 1e-9 }
     }
 
+    /// Directions whose cosine from the axis is above this are seen.
+    #[inline]
+    pub(super) fn sure_cos(&self) -> f64 {
+        self.sure_cos
+    }
+
     /// Whether a unit direction is seen. The angle itself is asked for close to the end only, as it costs much.
     #[inline]
     fn sees(&self, d: DVec3) -> bool {
@@ -269,8 +275,8 @@ impl Projection {
 
 /// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth` times as
 /// large in area as on the sensor: dΩ = cos³θ·dA.
-#[inline]
-fn through_plane(ideal: DVec2, growth: f64) -> Seen {
+#[inline(always)]
+pub(super) fn through_plane(ideal: DVec2, growth: f64) -> Seen {
     let cos = 1.0 / (1.0 + ideal.length_squared()).sqrt();
     let chief = ideal.extend(1.0);
     Seen { direction: chief * cos, chief, solid_angle: cos * cos * cos * growth }
