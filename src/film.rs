@@ -13,7 +13,8 @@ use std::ops::Range;
 use glam::Vec4;
 
 use crate::image::{Channel, Estimate, Planes};
-use crate::math::double_double::DoubleDouble;
+use crate::math::double_double::{DoubleDouble, DoubleDoubles};
+use crate::math::simd::with_widest_registers;
 use crate::spectrum::{LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
 
 /// A response function with the name of the plane that it fills.
@@ -109,12 +110,6 @@ pub struct Sums {
 }
 
 impl Sums {
-    #[inline]
-    fn add(&mut self, value: f64) {
-        self.sum.add(value);
-        self.squares.add(value * value);
-    }
-
     /// Variance of the mean of n samples, (Σ v² − (Σ v)²/n) / (n·(n − 1)); 0 where one sample tells nothing of it.
     fn variance_of_mean(&self, n: f64) -> f64 {
         if n < 2.0 {
@@ -142,7 +137,7 @@ pub struct FilmBand<'a> {
     responses: &'a FilmResponses,
     sums: &'a mut [Sums],
     counts: &'a mut [u32],
-    /// What the groups of channels get of one sample.
+    /// What the groups of channels get of each of several samples.
     scratch: Vec<Vec4>,
 }
 
@@ -271,18 +266,53 @@ impl FilmBand<'_> {
         self.counts[pixel]
     }
 
-    /// Adds one sample to a pixel: the sum of spectral irradiances, each at wavelengths of its own.
+    /// Adds samples to a pixel, each the sum of spectral irradiances at wavelengths of their own.
     #[inline]
-    pub fn add<'b>(&mut self, pixel: usize, irradiances: impl IntoIterator<Item = (SampledSpectrum, &'b Wavelengths)>) {
-        self.counts[pixel] += 1;
-        let channels = self.responses.len();
-        self.scratch.fill(Vec4::ZERO);
-        for (irradiance, wavelengths) in irradiances {
-            self.responses.respond(irradiance, wavelengths, &mut self.scratch);
+    pub fn add<'b, S>(&mut self, pixel: usize, samples: impl IntoIterator<Item = S>)
+    where
+        S: IntoIterator<Item = (SampledSpectrum, &'b Wavelengths)>,
+    {
+        let (channels, groups) = (self.responses.len(), self.responses.groups());
+        self.scratch.clear();
+        for irradiances in samples {
+            let start = self.scratch.len();
+            self.scratch.resize(start + groups, Vec4::ZERO);
+            for (irradiance, wavelengths) in irradiances {
+                self.responses.respond(irradiance, wavelengths, &mut self.scratch[start..]);
+            }
+            self.counts[pixel] += 1;
         }
-        let values = self.scratch.iter().flat_map(|four| four.to_array());
-        for (sums, value) in self.sums[pixel * channels..(pixel + 1) * channels].iter_mut().zip(values) {
-            sums.add(f64::from(value));
+        add_values(&mut self.sums[pixel * channels..(pixel + 1) * channels], groups, &self.scratch);
+    }
+}
+
+with_widest_registers! {
+    fn add_values(sums: &mut [Sums], groups: usize, values: &[Vec4]) -> () = add_values_inline
+}
+
+/// Adds values of several samples, group by group, to the sums of the channels: four channels side by side.
+#[inline(always)]
+fn add_values_inline(sums: &mut [Sums], groups: usize, values: &[Vec4]) {
+    for (group, sums) in sums.chunks_mut(4).enumerate() {
+        let mut all = [Sums::default(); 4];
+        all[..sums.len()].copy_from_slice(sums);
+        let (mut sum, mut squares) = (DoubleDoubles::default(), DoubleDoubles::default());
+        for channel in 0..4 {
+            sum.set(channel, all[channel].sum);
+            squares.set(channel, all[channel].squares);
+        }
+        for four in values.iter().skip(group).step_by(groups) {
+            let four = four.to_array();
+            let (mut terms, mut squared) = ([0.0; 4], [0.0; 4]);
+            for channel in 0..4 {
+                terms[channel] = f64::from(four[channel]);
+                squared[channel] = terms[channel] * terms[channel];
+            }
+            sum.add(terms);
+            squares.add(squared);
+        }
+        for (channel, sums) in sums.iter_mut().enumerate() {
+            *sums = Sums { sum: sum.get(channel), squares: squares.get(channel) };
         }
     }
 }
@@ -312,7 +342,7 @@ mod tests {
         for row in &mut film.bands(1) {
             for i in 0..n {
                 let w = sampler.sample((i as f32 + 0.5) / n as f32);
-                row.add(1, [(SampledSpectrum::splat(2.0), &w)]);
+                row.add(1, [[(SampledSpectrum::splat(2.0), &w)]]);
             }
         }
         let estimate = film.estimate(["Y", "absent"]);

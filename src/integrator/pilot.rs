@@ -139,7 +139,7 @@ mod tests {
         for (pixel, &wanted) in wanted.iter().enumerate() {
             for index in row.samples(pixel)..wanted {
                 let u = unit_f32(hash64(hash64(seed, pixel as u64), u64::from(index)) as u32);
-                row.add(pixel, [(SampledSpectrum::splat(if f64::from(u) < PART { 1.0 } else { 0.0 }), &wavelengths)]);
+                row.add(pixel, [[(SampledSpectrum::splat(if f64::from(u) < PART { 1.0 } else { 0.0 }), &wavelengths)]]);
             }
         }
     }
@@ -148,7 +148,7 @@ mod tests {
     fn level() -> f64 {
         let mut film = empty();
         let wavelengths = WavelengthSampler::new(&Spectrum::constant(1.0)).sample(0.5);
-        film.bands(1)[0].add(0, [(SampledSpectrum::splat(1.0), &wavelengths)]);
+        film.bands(1)[0].add(0, [[(SampledSpectrum::splat(1.0), &wavelengths)]]);
         f64::from(film.estimate(["E"]).mean.channels()[0].data[0])
     }
 

@@ -269,7 +269,7 @@ impl<'a> Tracer<'a> {
                             let of_lamps = splats.of(first_pixel + pixel, first_sample + own.start + number as u32);
                             match through {
                                 Some(through) => destinations.push(Destination { pixel, through, of_lamps }),
-                                None => band.add(pixel, of_lamps.iter().map(Splat::light)),
+                                None => band.add(pixel, [of_lamps.iter().map(Splat::light)]),
                             }
                         });
                     }
@@ -362,11 +362,15 @@ impl<'a> Tracer<'a> {
         band: &mut FilmBand<'_>,
     ) {
         wave.trace(self.job.scene, sampler);
-        for (number, Destination { pixel, through, of_lamps }) in destinations.drain(..).enumerate() {
-            let (light, wavelengths) = wave.arrived(number);
-            let of_camera = (light * through, &wavelengths);
-            band.add(pixel, of_lamps.iter().map(Splat::light).chain([of_camera]));
+        let mut numbers = 0..;
+        for samples in destinations.chunk_by(|a, b| a.pixel == b.pixel) {
+            let arrived = samples.iter().zip(&mut numbers).map(|(Destination { through, of_lamps, .. }, number)| {
+                let (light, wavelengths) = wave.arrived(number);
+                of_lamps.iter().map(Splat::light).chain([(light * *through, wavelengths)])
+            });
+            band.add(samples[0].pixel, arrived);
         }
+        destinations.clear();
         wave.clear();
     }
 }

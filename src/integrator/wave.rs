@@ -24,7 +24,7 @@ pub fn radiance(
     wave.start(ray, *wavelengths, sampler.place(), Sharing::Nothing);
     wave.trace(scene, sampler);
     let (light, remaining) = wave.arrived(0);
-    *wavelengths = remaining;
+    *wavelengths = *remaining;
     light
 }
 
@@ -190,9 +190,9 @@ impl Wave {
     }
 
     /// What has arrived along a path that was started, and with which wavelengths.
-    pub(super) fn arrived(&self, number: usize) -> (SampledSpectrum, Wavelengths) {
-        let Path { light, wavelengths, .. } = self.paths[number];
-        (light + self.branched[number] * (1.0 / self.limits.splitting as f32), wavelengths)
+    pub(super) fn arrived(&self, number: usize) -> (SampledSpectrum, &Wavelengths) {
+        let Path { light, wavelengths, .. } = &self.paths[number];
+        (*light + self.branched[number] * (1.0 / self.limits.splitting as f32), wavelengths)
     }
 
     /// Makes room for other paths.
@@ -317,7 +317,7 @@ mod tests {
                     let mut alone = Sampler::new(kind, 5);
                     let (ray, mut wavelengths) = start(&mut alone, number);
                     let light = radiance(&scene, ray, &mut wavelengths, &mut alone, limits);
-                    assert_eq!(wave.arrived(number as usize), (light, wavelengths), "{kind:?}, {limits:?}, {number}");
+                    assert_eq!(wave.arrived(number as usize), (light, &wavelengths), "{kind:?}, {limits:?}, {number}");
                     lit += u32::from(!light.is_black());
                 }
                 assert_eq!(lit > 0, max_depth > 0, "{limits:?}");

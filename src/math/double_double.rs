@@ -13,8 +13,40 @@ pub struct DoubleDouble {
     pub low: f64,
 }
 
+/// Four such numbers side by side.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DoubleDoubles {
+    high: [f64; 4],
+    low: [f64; 4],
+}
+
+impl DoubleDoubles {
+    /// One of the four.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> DoubleDouble {
+        DoubleDouble { high: self.high[lane], low: self.low[lane] }
+    }
+
+    /// Puts a number in its place.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, number: DoubleDouble) {
+        (self.high[lane], self.low[lane]) = (number.high, number.low);
+    }
+
+    /// Adds a term to each.
+    // A loop rather than a closure, which would not be inlined into a function for wide registers.
+    #[inline(always)]
+    pub fn add(&mut self, terms: [f64; 4]) {
+        for lane in 0..4 {
+            let mut number = self.get(lane);
+            number.add(terms[lane]);
+            self.set(lane, number);
+        }
+    }
+}
+
 /// a + b as its rounded value and the error of that.
-#[inline]
+#[inline(always)]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let of_b = sum - a;
@@ -29,14 +61,14 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 
 impl DoubleDouble {
     /// high + low, brought into form. Beyond the range of numbers the low part means nothing.
-    #[inline]
+    #[inline(always)]
     fn of(high: f64, low: f64) -> Self {
         let (sum, rest) = two_sum(high, low);
         if rest.is_finite() { Self { high: sum, low: rest } } else { Self { high, low: 0.0 } }
     }
 
     /// Adds one number.
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, term: f64) {
         let (sum, rest) = two_sum(self.high, term);
         *self = Self::of(sum, self.low + rest);
