@@ -151,7 +151,7 @@ mod tests {
         for (y, row) in film.bands(1).iter_mut().enumerate() {
             for i in 0..21 {
                 let light = SampledSpectrum::splat(0.1 + (i * i) as f32 / (1 + y) as f32);
-                row.add(i % 3, [(light, &sampler.sample(i as f32 / 21.0))]);
+                row.add(i % 3, [[(light, &sampler.sample(i as f32 / 21.0))]]);
             }
         }
         film
@@ -201,7 +201,7 @@ mod tests {
     fn what_is_not_finished_comes_back_with_its_counts() {
         let mut film = film();
         let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
-        film.bands(1)[1].add(2, [(SampledSpectrum::splat(0.7), &sampler.sample(0.3))]);
+        film.bands(1)[1].add(2, [[(SampledSpectrum::splat(0.7), &sampler.sample(0.3))]]);
         let mut file = Vec::new();
         for _ in 0..2 {
             write_unfinished(&film, &mut file).expect("written");

@@ -183,7 +183,7 @@ mod tests {
         for (y, row) in rows.clone().zip(&mut film.bands(1)) {
             for i in 0..13 * (y + 1) {
                 let light = SampledSpectrum::splat(0.1 + (i * i) as f32);
-                row.add(i % 3, [(light, &sampler.sample(i as f32 / 55.0))]);
+                row.add(i % 3, [[(light, &sampler.sample(i as f32 / 55.0))]]);
             }
         }
         film
