@@ -6,11 +6,11 @@
 
 Mitsuba is installed on the first run, into target/benches-venv; its LLVM variant needs LLVM 17 or later (Debian: apt
 install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same shapes, spectra,
-camera, depth, roulette and sensor. The balls of b are true spheres; with --triangles they are made of triangles. With --avx2
-Mitsuba's kernels are those of a machine without AVX-512. 256 × 256 pixels, box filter, four wavelengths a path, in the response functions of photosite's sensor, so that both estimate the same three
-numbers a pixel, electrons. "Splitting 4" is photosite with `render.splitting = 4`: as many samples, each with four paths
-from the first rough surface on; "reuse 16" and "light paths 1" are `render.reuse` and `render.light_paths`. Runs of all
-alternate. Mitsuba is warm: its kernel is compiled before the measurement. Times are those of light transport alone:
+camera, depth, roulette and sensor. The balls of b are true spheres; with --triangles they are made of triangles. With
+--avx2 Mitsuba's kernels are those of a machine without AVX-512. 256 × 256 pixels, box filter, four wavelengths a path, in
+the response functions of photosite's sensor, so that both estimate the same three numbers a pixel, electrons.
+"Splitting 4" is photosite with `render.splitting = 4`: as many samples, each with four paths from the first rough surface
+on; "reuse 16" and "light paths 1" are `render.reuse` and `render.light_paths`. Runs of all alternate. Mitsuba is warm: its kernel is compiled before the measurement. Times are those of light transport alone:
 photosite's `trace_s`, Mitsuba's time in `render`. Loading, sensor and files are left out on both sides.
 
 Definitions, for a picture x and a reference r of the same program (many samples, other seeds), each channel divided by

@@ -297,9 +297,9 @@ fn add_values_inline(sums: &mut [Sums], groups: usize, values: &[Vec4]) {
         let mut all = [Sums::default(); 4];
         all[..sums.len()].copy_from_slice(sums);
         let (mut sum, mut squares) = (DoubleDoubles::default(), DoubleDoubles::default());
-        for channel in 0..4 {
-            sum.set(channel, all[channel].sum);
-            squares.set(channel, all[channel].squares);
+        for (channel, sums) in all.iter().enumerate() {
+            sum.set(channel, sums.sum);
+            squares.set(channel, sums.squares);
         }
         for four in values.iter().skip(group).step_by(groups) {
             let four = four.to_array();

@@ -102,12 +102,13 @@ impl<L: ManyLanes> SlabPacket<L> {
         Self { origin: zero, inverse: zero, enlarged: zero, near_planes: [0; 3], beam: Beam::default() }
     }
 
+    /// Of a ray for each lane.
     #[inline(always)]
     pub(super) fn new(rays: &[Ray]) -> Self {
         let mut origins = [[0.0; MOST_LANES]; 3];
         let mut directions = [[0.0; MOST_LANES]; 3];
         for lane in 0..L::COUNT {
-            let Ray { origin, direction, .. } = rays.get(lane).unwrap_or(&rays[0]);
+            let Ray { origin, direction, .. } = rays[lane];
             for axis in 0..3 {
                 origins[axis][lane] = origin[axis];
                 directions[axis][lane] = direction[axis];

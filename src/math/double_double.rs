@@ -37,9 +37,9 @@ impl DoubleDoubles {
     // A loop rather than a closure, which would not be inlined into a function for wide registers.
     #[inline(always)]
     pub fn add(&mut self, terms: [f64; 4]) {
-        for lane in 0..4 {
+        for (lane, term) in terms.into_iter().enumerate() {
             let mut number = self.get(lane);
-            number.add(terms[lane]);
+            number.add(term);
             self.set(lane, number);
         }
     }

@@ -557,13 +557,13 @@ pub(crate) fn compact<T: Copy>(values: &[T]) -> Vec<T> {
 /// `#[inline(always)]`, so that it is compiled once more under the `avx2` target feature.
 macro_rules! with_widest_lanes {
     (
-        fn $name:ident $(<$generic:ident: $bound:path $(, const $count:ident: usize)?>)?
+        fn $name:ident $(<$generic:ident: $bound:path>)?
         ($($argument:ident: $type:ty),* $(,)?) -> $output:ty = $body:ident
     ) => {
         $crate::math::simd::on_widest_registers! {
-            fn $name $(<$generic: $bound $(, const $count: usize)?>)? ($($argument: $type),*) -> $output {
-                wide: $body::<$crate::math::simd::Avx, $($generic, $($count)?)?>($($argument),*),
-                portable: $body::<$crate::math::simd::Portable, $($generic, $($count)?)?>($($argument),*),
+            fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
+                wide: $body::<$crate::math::simd::Avx, $($generic)?>($($argument),*),
+                portable: $body::<$crate::math::simd::Portable, $($generic)?>($($argument),*),
             }
         }
     };
@@ -612,24 +612,24 @@ macro_rules! with_widest_registers {
 /// elsewhere.
 macro_rules! on_widest_registers {
     (
-        fn $name:ident $(<$generic:ident: $bound:path $(, const $count:ident: usize)?>)?
+        fn $name:ident $(<$generic:ident: $bound:path>)?
         ($($argument:ident: $type:ty),* $(,)?) -> $output:ty {
             wide: $wide:expr,
             portable: $portable:expr $(,)?
         }
     ) => {
         #[inline]
-        fn $name $(<$generic: $bound $(, const $count: usize)?>)? ($($argument: $type),*) -> $output {
+        fn $name $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
             #[cfg(target_arch = "x86_64")]
             {
                 #[target_feature(enable = "avx2")]
-                fn wide $(<$generic: $bound $(, const $count: usize)?>)? ($($argument: $type),*) -> $output {
+                fn wide $(<$generic: $bound>)? ($($argument: $type),*) -> $output {
                     $wide
                 }
                 if std::arch::is_x86_feature_detected!("avx2") {
                     #[allow(unsafe_code, reason = "the one call that the check above makes sound")]
                     // SAFETY: the processor has AVX2, as was just asked.
-                    return unsafe { wide$(::<$generic, $($count)?>)?($($argument),*) };
+                    return unsafe { wide$(::<$generic>)?($($argument),*) };
                 }
             }
             $portable

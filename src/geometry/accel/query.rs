@@ -1,7 +1,7 @@
 //! What is asked along rays, and how it is taken to the triangles: through the placements, into their groups, down to blocks.
 
 use super::packet::{ask_together, runs};
-use super::turns::{FEW, GroupFlight, MANY, PlacedFlight, take_turns};
+use super::turns::{GroupFlight, PlacedFlight, take_turns};
 use super::{Accel, Group, Placement, TopLevel, TriangleBvh};
 use crate::geometry::mesh::segment;
 use crate::geometry::triangle_block::{BLOCK_SIZE, BlockHits, ShearedRay, TriangleBlock};
@@ -57,17 +57,17 @@ impl Accel {
         }
         match self.alone() {
             Some(group) => {
-                for (run, is_close) in runs(rays) {
+                for (run, is_close) in runs(group, rays) {
                     let (rays, hits) = (&rays[run.clone()], &mut hits[run]);
                     match (is_close, self.exceeds_caches) {
                         (true, _) => closest_together(group, rays, filter, hits),
-                        (false, true) => closest_each::<F, MANY>(group, rays, filter, hits),
-                        (false, false) => closest_each::<F, FEW>(group, rays, filter, hits),
+                        (false, true) => closest_each(group, rays, filter, hits),
+                        (false, false) => closest_alone(self, rays, filter, hits),
                     }
                 }
             }
             None if self.exceeds_caches => closest_each_placed(self, rays, filter, hits),
-            None => hits.iter_mut().zip(rays).for_each(|(hit, ray)| *hit = self.closest(ray, filter)),
+            None => closest_alone(self, rays, filter, hits),
         }
     }
 
@@ -80,17 +80,17 @@ impl Accel {
         }
         match self.alone() {
             Some(group) => {
-                for (run, is_close) in runs(rays) {
+                for (run, is_close) in runs(group, rays) {
                     let (rays, occluded) = (&rays[run.clone()], &mut occluded[run]);
                     match (is_close, self.exceeds_caches) {
                         (true, _) => occluded_together(group, rays, filter, occluded),
-                        (false, true) => occluded_each::<F, MANY>(group, rays, filter, occluded),
-                        (false, false) => occluded_each::<F, FEW>(group, rays, filter, occluded),
+                        (false, true) => occluded_each(group, rays, filter, occluded),
+                        (false, false) => occluded_alone(self, rays, filter, occluded),
                     }
                 }
             }
             None if self.exceeds_caches => occluded_each_placed(self, rays, filter, occluded),
-            None => occluded.iter_mut().zip(rays).for_each(|(is, ray)| *is = self.occluded(ray, filter)),
+            None => occluded_alone(self, rays, filter, occluded),
         }
     }
 
@@ -147,6 +147,10 @@ fn closest_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> O
     accel.ask::<L, _>(ray, Closest { ray, filter, nearest: None })
 }
 
+fn closest_alone<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
+    hits.iter_mut().zip(rays).for_each(|(hit, ray)| *hit = accel.closest(ray, filter));
+}
+
 with_widest_lanes! {
     fn occluded<F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> bool = occluded_in
 }
@@ -156,22 +160,20 @@ fn occluded_in<L: Lanes, F: HitFilter>(accel: &Accel, ray: &Ray, filter: &F) -> 
     accel.ask::<L, _>(ray, Occluded { ray, filter })
 }
 
+fn occluded_alone<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, occluded: &mut [bool]) {
+    occluded.iter_mut().zip(rays).for_each(|(is_occluded, ray)| *is_occluded = accel.occluded(ray, filter));
+}
+
 // Functions of their own for rays in one group, which are slower in one function with the others.
 with_widest_lanes! {
-    fn closest_each<F: HitFilter, const IN_TURN: usize>(
-        group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>],
-    ) -> () = closest_each_in
+    fn closest_each<F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) -> () =
+        closest_each_in
 }
 
 #[inline(always)]
-fn closest_each_in<L: Lanes, F: HitFilter, const IN_TURN: usize>(
-    group: &TriangleBvh<1>,
-    rays: &[Ray],
-    filter: &F,
-    hits: &mut [Option<Hit>],
-) {
+fn closest_each_in<L: Lanes, F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
     let query = |ray| Closest { ray, filter, nearest: None };
-    take_turns::<L, GroupFlight<_>, _, IN_TURN>(group, rays, query, hits);
+    take_turns::<L, GroupFlight<_>, _>(group, rays, query, hits);
 }
 
 with_most_lanes! {
@@ -211,23 +213,17 @@ with_widest_lanes! {
 
 #[inline(always)]
 fn closest_each_placed_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, hits: &mut [Option<Hit>]) {
-    take_turns::<L, PlacedFlight<_>, _, MANY>(accel, rays, |ray| Closest { ray, filter, nearest: None }, hits);
+    take_turns::<L, PlacedFlight<_>, _>(accel, rays, |ray| Closest { ray, filter, nearest: None }, hits);
 }
 
 with_widest_lanes! {
-    fn occluded_each<F: HitFilter, const IN_TURN: usize>(
-        group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool],
-    ) -> () = occluded_each_in
+    fn occluded_each<F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool]) -> () =
+        occluded_each_in
 }
 
 #[inline(always)]
-fn occluded_each_in<L: Lanes, F: HitFilter, const IN_TURN: usize>(
-    group: &TriangleBvh<1>,
-    rays: &[Ray],
-    filter: &F,
-    occluded: &mut [bool],
-) {
-    take_turns::<L, GroupFlight<_>, _, IN_TURN>(group, rays, |ray| Occluded { ray, filter }, occluded);
+fn occluded_each_in<L: Lanes, F: HitFilter>(group: &TriangleBvh<1>, rays: &[Ray], filter: &F, occluded: &mut [bool]) {
+    take_turns::<L, GroupFlight<_>, _>(group, rays, |ray| Occluded { ray, filter }, occluded);
 }
 
 with_widest_lanes! {
@@ -237,7 +233,7 @@ with_widest_lanes! {
 
 #[inline(always)]
 fn occluded_each_placed_in<L: Lanes, F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, occluded: &mut [bool]) {
-    take_turns::<L, PlacedFlight<_>, _, MANY>(accel, rays, |ray| Occluded { ray, filter }, occluded);
+    take_turns::<L, PlacedFlight<_>, _>(accel, rays, |ray| Occluded { ray, filter }, occluded);
 }
 
 /// What is asked of the triangles along a ray.

@@ -1,8 +1,7 @@
 //! Rays that are asked for together take turns on their ways to the triangles, a node or a leaf each: while the memory brings
 //! what one of them is to visit next, the others go on. In meshes larger than the caches that makes them 1.7 to 3.7 times as
-//! fast. In small scenes rays of a camera and their shadow rays are 1.2 to 1.45 times as fast, others take up to 1.3 times as
-//! long, and a render as long as with turns for the former alone. Rays that go through placements on their way take turns in
-//! large scenes alone, where that takes 0.75 to 0.95 of the time; in small ones it would take 1.25 times as long.
+//! fast, and where they go through placements on their way, 1.05 to 1.3 times. In small scenes they would take 1.1 to 1.3 times
+//! as long.
 
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
@@ -20,10 +19,8 @@ use crate::geometry::wide_bvh::LeafVisitor;
 use crate::geometry::wide_node::SlabRay;
 use crate::math::simd::{Lanes, prefetch};
 
-/// Rays that take turns in small scenes, beside which more would not fit into the innermost cache.
-pub(super) const FEW: usize = 8;
-/// The same where little of the scene is in the caches, and rays wait longer.
-pub(super) const MANY: usize = 24;
+/// Rays that take turns.
+const IN_TURN: usize = 24;
 
 /// Whether so many blocks of triangles are far more than the caches have room for.
 #[inline]
@@ -52,7 +49,7 @@ pub(super) trait Flight<Q: TriangleQuery> {
 
 /// Asks of several rays, with a query of its own for each; so many take turns.
 #[inline(always)]
-pub(super) fn take_turns<'a, L: Lanes, F: Flight<Q>, Q: TriangleQuery, const IN_TURN: usize>(
+pub(super) fn take_turns<'a, L: Lanes, F: Flight<Q>, Q: TriangleQuery>(
     hierarchy: &F::Hierarchy,
     rays: &'a [Ray],
     query: impl Fn(&'a Ray) -> Q,
