@@ -1,5 +1,5 @@
 //! Rays per second against Embree 3 on one thread, in turn with it over the same triangles and rays: single rays, and beside
-//! them ours as renders trace them, several that take turns.
+//! them ours as renders trace them, several together.
 //!
 //!     apt install g++ libembree-dev
 //!     cargo bench --bench embree
@@ -60,7 +60,7 @@ fn compare_all(program: &Path) -> Result<(), Box<dyn Error>> {
     let sphere = |(bands, sectors)| compare("sphere from inside", Stage::sphere_from_inside(bands, sectors), program);
     let (small, large) = (sphere(LARGE_SPHERE)?, sphere(TEN_TIMES_LARGER)?);
     println!("\nTen times the triangles, times the time a ray:\n");
-    println!("| rays | ours | taking turns | Embree robust | Embree default |");
+    println!("| rays | ours | together | Embree robust | Embree default |");
     println!("|---|---|---|---|---|");
     for (kind, (small, large)) in Kind::ALL.into_iter().zip(small.iter().zip(&large)) {
         let [ours, turns, robust, default] = std::array::from_fn(|i| large[i] / small[i]);
@@ -69,7 +69,7 @@ fn compare_all(program: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints a table; returns for each kind of rays the seconds a ray takes here alone, here in turns with others, and in Embree's
+/// Prints a table; returns for each kind of rays the seconds a ray takes here alone, here together with others, and in Embree's
 /// robust and its default mode.
 fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 4]>, Box<dyn Error>> {
     let file = program.with_file_name("rays.bin");
@@ -77,7 +77,7 @@ fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 4]>, Bo
     let mut embree = Embree::start(program, &file)?;
     let triangles = stage.scene.geometry().triangles.len();
     println!("\n{name}, {triangles} triangles\n");
-    println!("| rays | ours, Mray/s | Embree robust | ratio | | taking turns | ratio | Embree default | ratio |");
+    println!("| rays | ours, Mray/s | Embree robust | ratio | | together | ratio | Embree default | ratio |");
     println!("|---|---|---|---|---|---|---|---|---|");
     let mut medians = Vec::new();
     for (set, kind) in Kind::ALL.into_iter().enumerate() {
@@ -93,7 +93,7 @@ fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 4]>, Bo
             };
             let hits = timed(Stage::trace_one_by_one, &mut seconds[0]);
             if timed(Stage::trace, &mut seconds[1]) != hits {
-                return Err(format!("{kind}: rays that take turns hit something else").into());
+                return Err(format!("{kind}: rays that are asked for together hit something else").into());
             }
             for mode in [1, 0] {
                 let answer = embree.trace(set, mode)?;
