@@ -24,10 +24,20 @@ pub struct Response {
     pub name: String,
     /// R(λ).
     pub spectrum: Spectrum,
+    /// Whether wavelengths are drawn for it only where the other responses of the picture leave room; see
+    /// [`integrator`](crate::integrator).
+    pub is_secondary: bool,
+}
+
+impl Response {
+    /// A response that wavelengths are drawn for.
+    pub fn new(name: impl Into<String>, spectrum: Spectrum) -> Self {
+        Self { name: name.into(), spectrum, is_secondary: false }
+    }
 }
 
 /// The response that averages spectral irradiance over a band between whole or half nanometres, named by its centre
-/// (`"550"`).
+/// (`"550"`). It is secondary: a picture does not get noisier because bands are stored beside it.
 pub fn band_response([low_nm, high_nm]: [f64; 2]) -> Response {
     // A table is linear between whole nanometres: half a value on either edge gives it the weight of the band alone.
     let inside = |l: f64| {
@@ -41,7 +51,7 @@ pub fn band_response([low_nm, high_nm]: [f64; 2]) -> Response {
     };
     let spectrum = Spectrum::from_fn(inside);
     let name = format!("{}", 0.5 * (low_nm + high_nm));
-    Response { name, spectrum: spectrum.scale(1.0 / spectrum.integral()) }
+    Response { is_secondary: true, ..Response::new(name, spectrum.scale(1.0 / spectrum.integral())) }
 }
 
 /// Response functions laid out for accumulation: wavelength by wavelength, all channels side by side, four at a time.
@@ -335,7 +345,7 @@ mod tests {
     #[test]
     fn the_mean_is_the_integral_and_the_variance_that_of_the_mean() {
         let response = Spectrum::from_fn(|l| (-((l - 550.0) / 80.0).powi(2)).exp());
-        let responses = [Response { name: "Y".into(), spectrum: response.clone() }];
+        let responses = [Response::new("Y", response.clone())];
         let mut film = Film::new(2, 1, FilmResponses::new(&responses));
         let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
         let n = 1000;

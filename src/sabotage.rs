@@ -66,7 +66,7 @@ mod tests {
 
     /// Mean electrons of a capture, as `photosite render` finds them.
     fn electrons(capture: &Capture) -> Picture {
-        let named = |(name, spectrum)| Response { name, spectrum };
+        let named = |(name, spectrum): (String, Spectrum)| Response::new(name, spectrum);
         let responses: Vec<Response> = capture.sensor.responses().into_iter().map(named).collect();
         let share = |r: &Response, l: f64| f64::from(r.spectrum.eval(l as f32) / r.spectrum.max());
         let importance = Spectrum::from_fn(|l| responses.iter().map(|r| share(r, l)).sum());

@@ -13,7 +13,7 @@ pub(super) const NAMES: [&str; 3] = ["ideal.X", "ideal.Y", "ideal.Z"];
 
 /// The observer's colour-matching functions as responses of the film.
 pub(super) fn responses() -> impl Iterator<Item = Response> {
-    NAMES.into_iter().zip(cie::observer()).map(|(name, bar)| Response { name: name.to_owned(), spectrum: bar.clone() })
+    NAMES.into_iter().zip(cie::observer()).map(|(name, bar)| Response::new(name, bar.clone()))
 }
 
 /// Linear planes of the colour space that the capture develops to, from the planes [`NAMES`]. `light` is that of the scene.

@@ -17,7 +17,7 @@ use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
 use photosite::optics::{Camera, Focus, LensDescription, PixelGrid, Recording};
 use photosite::raw::RawImage;
-use photosite::scene::{self, Scene};
+use photosite::scene::{self, Scene, spectral_coverage};
 use photosite::sensor::{Exposure, SensorModel};
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
@@ -130,6 +130,7 @@ pub(super) fn render(
     let filters = filters(&capture);
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
+    warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
     let truth_report = TruthReport::new(&capture.output.truth, &description);
     let scene = scene::build(description, &importance);
     let camera = place_camera(&capture, |ray| scene.closest(ray))?;
@@ -422,10 +423,16 @@ fn default_folder(input: &Path) -> PathBuf {
 
 /// The sensor's channels, then the bands of `irradiance.exr` where they are asked for.
 pub(super) fn responses(capture: &Capture) -> Vec<Response> {
-    let channels = capture.sensor.responses().into_iter().map(|(name, spectrum)| Response { name, spectrum });
+    let channels = capture.sensor.responses().into_iter().map(|(name, spectrum)| Response::new(name, spectrum));
     let bands = capture.output.irradiance.iter().flat_map(|bands| (0..bands.count).map(|band| bands.edges_nm(band)));
     let observer = capture.output.ideal.then(ideal::responses);
     channels.chain(bands.map(band_response)).chain(observer.into_iter().flatten()).collect()
+}
+
+/// What the sensor makes of light before the lens.
+fn seen_through_lens(capture: &Capture) -> Vec<Spectrum> {
+    let responses = capture.sensor.responses().into_iter();
+    responses.map(|(_, response)| response.product(&capture.lens.transmittance)).collect()
 }
 
 /// How much each wavelength matters: the sum of all responses, each scaled to a peak of 1.

@@ -129,7 +129,7 @@ mod tests {
     const PIXELS: usize = 20_000;
 
     fn empty() -> Film {
-        Film::new(PIXELS, 1, FilmResponses::new(&[Response { name: "E".into(), spectrum: Spectrum::constant(1.0) }]))
+        Film::new(PIXELS, 1, FilmResponses::new(&[Response::new("E", Spectrum::constant(1.0))]))
     }
 
     /// Brings a film to so many samples, each of which has light by chance.

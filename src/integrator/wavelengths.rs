@@ -10,8 +10,17 @@
 //!
 //! of which the [`WavelengthSampler`] spreads another 5 % evenly: what the other filters would see of the pixel's light stays
 //! right on average.
+//!
+//! Bands of spectral irradiance that are stored beside the picture ([`Response::is_secondary`](crate::film::Response)) must not
+//! make it noisier. With the density A of the picture and the density B of the bands, each of integral 1, wavelengths are then
+//! drawn by
+//!
+//! p(λ) ∝ max(A, b·B),   b = 0.2:
+//!
+//! where the sensor sees well, p is A as without bands, and at most the part b of all wavelengths goes to where it sees little.
 
 use super::RenderJob;
+use crate::film::Response;
 use crate::spectrum::{Spectrum, WavelengthSampler, importance};
 
 /// Whose wavelengths the paths of a pixel carry.
@@ -73,10 +82,31 @@ impl PixelWavelengths {
     }
 }
 
-/// How much each wavelength matters to whatever looks at the light.
+/// How much each wavelength matters to the picture, and to the bands that are stored beside it.
 pub(super) fn importance_for_all(job: &RenderJob<'_>) -> Spectrum {
-    let responses: Vec<Spectrum> = job.responses.iter().map(|response| useful(job, &response.spectrum)).collect();
-    importance(&responses)
+    let (secondary, primary): (Vec<&Response>, Vec<&Response>) =
+        job.responses.iter().partition(|response| response.is_secondary);
+    let [picture, bands] = [primary, secondary].map(|responses| {
+        let responses: Vec<Spectrum> = responses.iter().map(|response| useful(job, &response.spectrum)).collect();
+        importance(&responses)
+    });
+    with_bands(picture, &bands)
+}
+
+/// The module's b.
+const FOR_BANDS: f64 = 0.2;
+
+/// The importance of the picture, and at least the part b of that of the bands. Any unit; either may be zero everywhere.
+fn with_bands(picture: Spectrum, bands: &Spectrum) -> Spectrum {
+    let (of_picture, of_bands) = (picture.integral(), bands.integral());
+    if of_bands <= 0.0 {
+        return picture;
+    }
+    if of_picture <= 0.0 {
+        return bands.clone();
+    }
+    let scale = FOR_BANDS * of_picture / of_bands;
+    picture.map_with(bands, |picture, band| picture.max(scale * band))
 }
 
 /// Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
@@ -93,11 +123,7 @@ fn mostly(own: &Spectrum, all: &Spectrum) -> Spectrum {
     if part <= 0.0 {
         return all.clone();
     }
-    let mut all = all.values().iter();
-    own.map(|_, value| {
-        let all = f64::from(*all.next().unwrap_or(&0.0));
-        (1.0 - FOR_ALL) * value / part + FOR_ALL * all / whole
-    })
+    own.map_with(all, |own, all| (1.0 - FOR_ALL) * own / part + FOR_ALL * all / whole)
 }
 
 #[cfg(test)]
@@ -117,6 +143,24 @@ mod tests {
         // Of the band for all, 301 entries of a nanometre, 21 are within.
         assert!((within - (0.98 + 0.02 * 21.0 / 301.0)).abs() < 1e-6, "{within}");
         assert!(all.iter().zip(mixed.iter()).all(|((_, all), (_, mixed))| (all > 0.0) == (mixed > 0.0)));
+    }
+
+    #[test]
+    fn bands_take_a_fifth_of_the_wavelengths_at_most_and_none_where_the_picture_has_enough() {
+        let part_beyond = |picture: &Spectrum, bands: &Spectrum| {
+            let drawn = with_bands(picture.clone(), bands);
+            let beyond = drawn.map_with(picture, |drawn, picture| if picture > 0.0 { 0.0 } else { drawn });
+            beyond.integral() / drawn.integral()
+        };
+        // A fifth of the integral of the picture is added beyond it, so that it is 1/6 of the whole; edges of 1 nm aside.
+        let (picture, beyond) = (band(400.0, 700.0), band(800.0, 1000.0));
+        let part = part_beyond(&picture, &beyond);
+        assert!((part - 1.0 / 6.0).abs() < 2e-3, "{part}");
+        // Bands within what the picture has are drawn as often as it is.
+        assert_eq!(with_bands(picture.clone(), &band(450.0, 650.0)).values(), picture.values());
+        let dark = Spectrum::constant(0.0);
+        assert_eq!(with_bands(dark.clone(), &beyond).values(), beyond.values());
+        assert_eq!(with_bands(picture.clone(), &dark).values(), picture.values());
     }
 
     #[test]

@@ -137,7 +137,7 @@ mod tests {
     use crate::spectrum::{SampledSpectrum, Spectrum, WavelengthSampler};
 
     fn responses() -> FilmResponses {
-        let response = |name: &str, level| Response { name: name.to_owned(), spectrum: Spectrum::constant(level) };
+        let response = |name: &str, level| Response::new(name, Spectrum::constant(level));
         FilmResponses::new(&[response("A", 1.0), response("B", 0.3)])
     }
 

@@ -174,10 +174,7 @@ mod tests {
 
     /// Rows of a picture of 3 × 4 pixels, whose samples are those of their places in it.
     fn film(rows: std::ops::Range<usize>) -> Film {
-        let response = |name: &str| Response {
-            name: name.to_owned(),
-            spectrum: Spectrum::from_fn(|l| l / (300.0 + 100.0 * name.len() as f64)),
-        };
+        let response = |name: &str| Response::new(name, Spectrum::from_fn(|l| l / (300.0 + 100.0 * name.len() as f64)));
         let mut film = Film::of_rows(3, rows.clone(), FilmResponses::new(&NAMES.map(response)));
         let sampler = WavelengthSampler::new(&Spectrum::constant(1.0));
         for (y, row) in rows.clone().zip(&mut film.bands(1)) {

@@ -166,6 +166,9 @@ fn radiance_at([a, b, c, d, e, f, g, h, i, level]: &Knot, cos_theta: f32, gamma:
 }
 
 impl Sky {
+    /// First and last wavelength of the model, nm.
+    pub const KNOWN_NM: [f32; 2] = [FIRST_NM, LAST_NM];
+
     /// Puts the sky into tables; returns also ∫ L dω of all of it, W·m⁻²·nm⁻¹.
     pub fn new(conditions: &SkyConditions, spectra: &mut SpectrumTable) -> (Self, Spectrum) {
         let elevation = conditions.towards_sun.y.clamp(0.0, 1.0).asin();

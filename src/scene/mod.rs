@@ -8,6 +8,7 @@ mod build;
 pub mod description;
 mod material;
 mod shading;
+pub mod spectral_coverage;
 
 pub use build::build;
 pub(crate) use build::{emission_spectrum, nit_per_unit};

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! In: the text of a file. Out: its columns, or the line that is wrong. Comments start with `#`; one of the form
-//! `# outside: zero` or `# outside: hold` says what the values are beyond the first and last row. The line of column
-//! names may be missing. Columns are separated by commas, semicolons, tabs or blanks. Reading the file, and checking
+//! `# outside: zero`, `# outside: hold` or `# outside: blackbody 6504 K` says what the values are beyond the first and last row,
+//! see [`Outside`]. The line of column names may be missing. Columns are separated by commas, semicolons, tabs or blanks. Reading the file, and checking
 //! that a reflectance lies within 0–1, is left to the caller.
 
 use std::fmt;
@@ -117,10 +117,12 @@ impl SpectralTable {
             self.outside = match value.trim() {
                 "zero" => Outside::Zero,
                 "hold" => Outside::Hold,
-                other => {
+                other => blackbody(other).ok_or_else(|| {
                     let message = format!("\"outside: {other}\" is neither zero nor hold");
-                    return Err(CsvError::at(line, message).help("write `# outside: zero` or `# outside: hold`"));
-                }
+                    let help =
+                        "write `# outside: zero` or `# outside: hold`, or `# outside: blackbody 5003 K` of daylight";
+                    CsvError::at(line, message).help(help)
+                })?,
             };
         }
         Ok(())
@@ -234,6 +236,12 @@ pub fn parse_spectrum(text: &str, outside: Outside) -> Result<Spectrum, CsvError
     SpectralTable::parse(text, outside)?.single()
 }
 
+/// `blackbody 6504 K`, of 1000 to 100,000 K.
+fn blackbody(text: &str) -> Option<Outside> {
+    let kelvin = text.strip_prefix("blackbody ")?.strip_suffix('K')?.trim().parse().ok()?;
+    (1000..=100_000).contains(&kelvin).then_some(Outside::Blackbody(kelvin))
+}
+
 /// Fields of a row. The first of comma, semicolon and blank that occurs separates; at least one field comes back.
 fn split(row: &str) -> Vec<&str> {
     match [',', ';'].into_iter().find(|&separator| row.contains(separator)) {
@@ -281,6 +289,8 @@ mod tests {
             ("400,0,5\n", None, "2 columns of values where one is wanted"),
             ("400,1\n\n# c\n400,2\n", Some(4), "does not come after 400 nm"),
             ("# outside: never\n400,1", Some(1), "neither zero nor hold"),
+            ("# outside: blackbody hot\n400,1", Some(1), "neither zero nor hold"),
+            ("# outside: blackbody 0 K\n400,1", Some(1), "neither zero nor hold"),
             ("lambda\n400", Some(1), "single column"),
             ("-5,1\n400,1", Some(1), "not above 0"),
             ("0.4,1\n0.7,2\n", None, "outside 300–1100 nm"),

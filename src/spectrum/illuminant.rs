@@ -3,17 +3,24 @@
 //! In: a name, a colour temperature. Out: a spectrum per nm. CIE illuminants are relative and keep the scale they are
 //! published with (A and the D series are 100 at 560 nm); only [`blackbody`] is absolute. Bringing a spectrum to a
 //! luminance or an illuminance is left to the caller, see [`cie::luminous`](super::cie::luminous).
+//!
+//! The CIE tabulates daylight up to 830 nm, where silicon still sees. Beyond, it is assumed to go on as the blackbody of its
+//! correlated colour temperature T, without the bands in which water vapour absorbs:
+//!
+//! S(λ) = S(830 nm)·B(λ, T)/B(830 nm, T), 830 nm < λ ≤ 1100 nm, B by [`planck`].
+//!
+//! Fluorescent lamps and LEDs end where their tables end, at 780 or 830 nm. [`Spectrum::known_nm`] tells which is which.
 
 use std::sync::OnceLock;
 
-use super::{Spectrum, library};
+use super::{Outside, Spectrum, library};
 use crate::units::{BOLTZMANN, PLANCK, SPEED_OF_LIGHT};
 
 /// Ratio of today's second radiation constant to the one by which D50, D55, D65 and D75 were named: D65 has a correlated
 /// colour temperature of 6500 K × 1.4388/1.4380 (CIE 015:2018, 4.1.2).
 const NOMINAL_TO_CCT: f64 = 1.4388 / 1.4380;
 
-/// CIE standard illuminant D65, 300–830 nm as tabulated, 100 at 560 nm.
+/// CIE standard illuminant D65, 300–830 nm as tabulated and a blackbody of 6504 K beyond, 100 at 560 nm.
 pub fn d65() -> &'static Spectrum {
     static D65: OnceLock<Spectrum> = OnceLock::new();
     D65.get_or_init(|| library::spectrum("illuminants/d65").expect("D65 is part of the library"))
@@ -67,8 +74,8 @@ pub fn a() -> Spectrum {
     Spectrum::from_fn(|lambda| 100.0 * (560.0 / lambda).powi(5) * exponential(560.0) / exponential(lambda))
 }
 
-/// CIE daylight of a correlated colour temperature of 4000–25000 K, 300–830 nm, 100 at 560 nm (CIE 015:2018,
-/// eqs. 4.7–4.12): S = S₀ + M₁·S₁ + M₂·S₂. `None` outside that range.
+/// CIE daylight of a correlated colour temperature of 4000–25000 K, 300–830 nm and a blackbody beyond, 100 at 560 nm (CIE
+/// 015:2018, eqs. 4.7–4.12): S = S₀ + M₁·S₁ + M₂·S₂. `None` outside that range.
 pub fn daylight(cct_k: f64) -> Option<Spectrum> {
     let [x, y] = daylight_chromaticity(cct_k)?;
     let m = 0.0241 + 0.2562 * x - 0.7341 * y;
@@ -77,11 +84,10 @@ pub fn daylight(cct_k: f64) -> Option<Spectrum> {
     let m1 = rounded((-1.3515 - 1.7703 * x + 5.9114 * y) / m);
     let m2 = rounded((0.0300 - 31.4424 * x + 30.0717 * y) / m);
     let table = library::table("illuminants/d-series")?;
-    let [s0, s1, s2] = ["s0", "s1", "s2"].map(|name| table.column(name).expect("the D series has these columns"));
-    Some(Spectrum::from_fn(|lambda| {
-        let [s0, s1, s2] = [&s0, &s1, &s2].map(|s| f64::from(s.eval(lambda as f32)));
-        s0 + m1 * s1 + m2 * s2
-    }))
+    let [s0, s1, s2] = ["s0", "s1", "s2"].map(|name| table.values(name).expect("the D series has these columns"));
+    let values: Vec<f64> = s0.iter().zip(s1).zip(s2).map(|((s0, s1), s2)| s0 + m1 * s1 + m2 * s2).collect();
+    let beyond = Outside::Blackbody(cct_k.round() as u32);
+    Some(Spectrum::from_samples(table.lambda_nm(), &values, beyond).expect("the D series is sorted and finite"))
 }
 
 /// Chromaticity (x, y) of daylight of a correlated colour temperature of 4000–25000 K (CIE 015:2018, eqs. 4.7–4.9).
@@ -180,6 +186,27 @@ mod tests {
         let [[x0, _], [x1, _]] = [7000.0, 7000.001].map(|t| daylight_chromaticity(t).expect("in range"));
         assert!((x0 - x1).abs() < 1e-4);
         assert!(daylight(3999.0).is_none() && daylight(25_001.0).is_none() && daylight(f64::NAN).is_none());
+    }
+
+    #[test]
+    fn daylight_goes_on_beyond_its_tables_as_a_blackbody() {
+        for (name, cct_k) in [("D65", 6504.0), ("D50", 5003.0), ("D75", 7504.0), ("D120", 12_007.0)] {
+            let daylight = illuminant(name).expect("known");
+            assert_eq!(daylight.known_nm(), [300.0, 830.0], "{name}");
+            // Wien's form with what the −1 of Planck's law changes, c₂ = 1.438777e7 nm·K.
+            let shape = |lambda: f64| lambda.powi(-5) / (1.438_777e7 / (lambda * cct_k)).exp_m1();
+            for lambda in [831.0, 850.0, 940.0, 1064.0, 1100.0] {
+                let wanted = f64::from(daylight.eval(830.0)) * shape(lambda) / shape(830.0);
+                // Temperatures are rounded to a kelvin, values to f32.
+                assert!((f64::from(daylight.eval(lambda as f32)) / wanted - 1.0).abs() < 1e-4, "{name} at {lambda} nm");
+            }
+        }
+        // The table of D65 and what its components give have been rounded to 0.06, of 60.
+        let [tabulated, computed] = [d65().clone(), daylight(6504.0).expect("in range")].map(|s| s.eval(1000.0));
+        assert!((tabulated / computed - 1.0).abs() < 2e-3, "{tabulated} {computed}");
+        // Fluorescent lamps are not known beyond their tables.
+        let lamp = illuminant("FL2").expect("known");
+        assert_eq!([lamp.eval(1000.0), lamp.known_nm()[1]], [0.0, 780.0]);
     }
 
     #[test]

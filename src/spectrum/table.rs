@@ -1,5 +1,6 @@
 //! A function of wavelength at rest: one value every nanometre.
 
+use super::illuminant::planck;
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, SampledSpectrum, TABLE_LEN, Wavelengths};
 use crate::Invalid;
 
@@ -10,6 +11,9 @@ pub enum Outside {
     Zero,
     /// The value at the nearest measured wavelength: reflectance, refractive index.
     Hold,
+    /// A blackbody of this temperature in kelvin, scaled to the last value beyond it, and zero before the first: daylight, whose
+    /// tables end at 830 nm.
+    Blackbody(u32),
 }
 
 /// A function of wavelength, tabulated every nanometre from 300 to 1100 nm and linear in between; zero outside.
@@ -20,12 +24,17 @@ pub enum Outside {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     values: Box<[f32; TABLE_LEN]>,
+    /// See [`known_nm`](Self::known_nm).
+    known_nm: [f32; 2],
 }
 
 impl Spectrum {
+    /// The whole range of a table, nm.
+    pub const EVERYWHERE_NM: [f32; 2] = [LAMBDA_MIN_NM, LAMBDA_MAX_NM];
+
     /// The same value everywhere.
     pub fn constant(value: f32) -> Self {
-        Self { values: Box::new([value; TABLE_LEN]) }
+        Self { values: Box::new([value; TABLE_LEN]), known_nm: Self::EVERYWHERE_NM }
     }
 
     /// Tabulates `f`, a function of the wavelength in nm.
@@ -34,7 +43,7 @@ impl Spectrum {
         for (i, value) in values.iter_mut().enumerate() {
             *value = f(f64::from(LAMBDA_MIN_NM) + i as f64) as f32;
         }
-        Self { values }
+        Self { values, known_nm: Self::EVERYWHERE_NM }
     }
 
     /// Interpolates measured samples linearly. Wavelengths in nm, finite and strictly increasing; values finite.
@@ -51,7 +60,7 @@ impl Spectrum {
             return Err(Invalid::new("", message).help("sort the rows by wavelength and remove repeated ones"));
         }
         let last = values.len() - 1;
-        Ok(Self::from_fn(|lambda| {
+        let spectrum = Self::from_fn(|lambda| {
             let above = lambda_nm.partition_point(|&l| l < lambda);
             if above <= last && lambda_nm[above] == lambda {
                 return values[above];
@@ -60,11 +69,31 @@ impl Spectrum {
                 return match outside {
                     Outside::Zero => 0.0,
                     Outside::Hold => values[above.min(last)],
+                    Outside::Blackbody(_) if above == 0 => 0.0,
+                    Outside::Blackbody(temperature_k) => {
+                        let [here, end] = [lambda, lambda_nm[last]].map(|l| planck(l, f64::from(temperature_k)));
+                        values[last] * here / end
+                    }
                 };
             }
             let t = (lambda - lambda_nm[above - 1]) / (lambda_nm[above] - lambda_nm[above - 1]);
             values[above - 1] * (1.0 - t) + values[above] * t
-        }))
+        });
+        Ok(spectrum.known_within([lambda_nm[0] as f32, lambda_nm[last] as f32]))
+    }
+
+    /// First and last wavelength at which the values are those of whoever stated the spectrum, nm; beyond them a rule such as
+    /// [`Outside`] has been applied. A product is known where all its factors are; the first may exceed the last, then it is
+    /// known nowhere.
+    pub fn known_nm(&self) -> [f32; 2] {
+        self.known_nm
+    }
+
+    /// The same values, known between these wavelengths (nm) at most.
+    #[must_use]
+    pub fn known_within(self, [first, last]: [f32; 2]) -> Self {
+        let known_nm = [self.known_nm[0].max(first), self.known_nm[1].min(last)];
+        Self { known_nm, ..self }
     }
 
     /// Value at a wavelength in nm; zero outside 300–1100 nm.
@@ -104,10 +133,11 @@ impl Spectrum {
     #[must_use]
     pub fn map(&self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
         let mut i = 0;
-        Self::from_fn(|lambda| {
+        let mapped = Self::from_fn(|lambda| {
             i += 1;
             f(lambda, f64::from(self.values[i - 1]))
-        })
+        });
+        mapped.known_within(self.known_nm)
     }
 
     /// Every value times `factor`.
@@ -119,8 +149,15 @@ impl Spectrum {
     /// Product with another spectrum, entry by entry.
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {
+        self.map_with(other, |a, b| a * b)
+    }
+
+    /// `f(value, value of other)` at every entry.
+    #[must_use]
+    pub fn map_with(&self, other: &Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
         let mut others = other.values.iter();
-        self.map(|_, v| v * f64::from(*others.next().unwrap_or(&0.0)))
+        let mapped = self.map(|_, value| f(value, f64::from(*others.next().unwrap_or(&0.0))));
+        mapped.known_within(other.known_nm)
     }
 
     /// Smallest value.

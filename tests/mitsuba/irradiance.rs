@@ -47,7 +47,7 @@ fn behind_our_lens(sky: &Scene, f_number: f64, angle_deg: f64) -> f64 {
     let grid = PixelGrid { resolution: [1, 1], pitch_m: [1e-3; 2] };
     let camera = Camera::new(&lens, &grid, DAffine3::IDENTITY, f64::NAN).expect("a valid lens");
     let band = Spectrum::from_fn(|l| if (400.0..=700.0).contains(&l) { 1.0 } else { 0.0 });
-    let responses = [Response { name: "E".into(), spectrum: band.scale(1.0 / band.integral()) }];
+    let responses = [Response::new("E", band.scale(1.0 / band.integral()))];
     let job = RenderJob {
         scene: sky,
         camera: &camera,

@@ -23,7 +23,7 @@ fn electron_rates(
     samples: u32,
 ) -> Vec<(String, f64)> {
     let responses: Vec<_> =
-        sensor.responses().into_iter().map(|(name, spectrum)| Response { name, spectrum }).collect();
+        sensor.responses().into_iter().map(|(name, spectrum)| Response::new(name, spectrum)).collect();
     let grid = PixelGrid { resolution: [1, 1], pitch_m: sensor.pixel_pitch_m };
     let camera = camera(lens, &grid, to_world);
     let settings = RenderSettings { samples_per_pixel: samples, ..Default::default() };

@@ -79,7 +79,7 @@ pub(crate) fn picture(
     );
     let band = |from: f64, to: f64| Spectrum::from_fn(|l| if l >= from && l < to { 1e-3 } else { 0.0 });
     let responses = [(BANDS[0], band(400.0, 550.0)), (BANDS[1], band(550.0, 700.0))]
-        .map(|(name, spectrum)| Response { name: name.to_owned(), spectrum });
+        .map(|(name, spectrum)| Response::new(name, spectrum));
     let settings =
         RenderSettings { samples_per_pixel: 1 << 13, max_depth: 6, sampler: SamplerKind::Independent, ..settings };
     let job = RenderJob {
@@ -228,7 +228,7 @@ fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
     let camera = camera(&lens, &PixelGrid { resolution: [n; 2], pitch_m: [0.2 / f64::from(n); 2] }, up);
     let spectrum = Spectrum::from_fn(|l| if (500.0..=600.0).contains(&l) { 0.01 } else { 0.0 });
     let band = spectrum.integral();
-    let responses = [Response { name: "E".to_owned(), spectrum }];
+    let responses = [Response::new("E", spectrum)];
     let settings =
         RenderSettings { samples_per_pixel: 512, max_depth: 3, light_paths: 64.0, ..RenderSettings::default() };
     let job = RenderJob {

@@ -142,7 +142,7 @@ pub(crate) fn camera(lens: &LensDescription, grid: &PixelGrid, to_world: DAffine
 /// Spectral irradiance averaged over 400–700 nm in every pixel, W·m⁻²·nm⁻¹: one plane called "E".
 pub(crate) fn irradiance(scene: &Scene, camera: &Camera, resolution: [u32; 2], settings: &RenderSettings) -> Estimate {
     let band = Spectrum::from_fn(|l| if (400.0..=700.0).contains(&l) { 1.0 } else { 0.0 });
-    let responses = [Response { name: "E".into(), spectrum: band.scale(1.0 / band.integral()) }];
+    let responses = [Response::new("E", band.scale(1.0 / band.integral()))];
     let clear = Spectrum::constant(1.0);
     let job =
         RenderJob { scene, camera, transmittance: &clear, responses: &responses, filters: None, resolution, settings };

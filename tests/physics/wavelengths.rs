@@ -22,7 +22,7 @@ const TILE_WIDTH: usize = 3;
 /// Three narrow filters, and five that are nowhere in the tile.
 fn responses() -> Vec<Response> {
     let band = |centre: f64| Spectrum::from_fn(|l| if (l - centre).abs() <= 10.0 { 1.0 } else { 0.0 });
-    let named = |&centre: &f64| Response { name: format!("{centre}"), spectrum: band(centre) };
+    let named = |&centre: &f64| Response::new(format!("{centre}"), band(centre));
     [450.0, 550.0, 650.0, 400.0, 500.0, 600.0, 700.0, 750.0].iter().map(named).collect()
 }
 

@@ -14,7 +14,7 @@ mod table;
 
 use glam::DVec3;
 
-pub use polynomial::SigmoidPolynomial;
+pub use polynomial::{RANGE_NM, SigmoidPolynomial};
 
 use super::{Spectrum, illuminant};
 

@@ -4,8 +4,8 @@ use glam::{DVec4, Vec4};
 
 use crate::spectrum::{SampledSpectrum, Spectrum, Wavelengths};
 
-/// Range of the fit, nm; beyond it the value at the nearer end holds.
-pub(super) const RANGE_NM: [f32; 2] = [360.0, 830.0];
+/// Range of the fit, nm; beyond it the value at the nearer end holds. A colour says nothing of a reflectance there.
+pub const RANGE_NM: [f32; 2] = [360.0, 830.0];
 
 const CENTRE_NM: f32 = 0.5 * (RANGE_NM[0] + RANGE_NM[1]);
 const HALF_WIDTH_NM: f32 = 0.5 * (RANGE_NM[1] - RANGE_NM[0]);
@@ -60,7 +60,7 @@ impl SigmoidPolynomial {
 
     /// The value at every nanometre from 300 to 1100 nm.
     pub fn to_spectrum(self) -> Spectrum {
-        Spectrum::from_fn(|lambda| f64::from(self.eval(lambda as f32)))
+        Spectrum::from_fn(|lambda| f64::from(self.eval(lambda as f32))).known_within(RANGE_NM)
     }
 }
 

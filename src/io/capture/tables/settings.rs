@@ -134,7 +134,8 @@ pub(crate) struct OutputTable {
     /// The filters that raw files tell of: those of the "sensor"; a "bayer" mosaic made from blocks of pixels of one colour
     /// (Quad Bayer); or red, green and blue at every pixel, "linear", made from any mosaic of them. Left out: "sensor".
     pub(crate) raw_layout: Option<RawLayout>,
-    /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Left out: false.
+    /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Wavelengths are drawn for the picture first, and
+    /// at most a fifth of them for bands where the sensor sees little, which are noisier therefore. Left out: false.
     pub(crate) irradiance: Option<IrradianceSource>,
     /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise, mosaic
     /// or errors of colour, as ideal.exr and ideal.png. Left out: false.
