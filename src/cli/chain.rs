@@ -1,8 +1,8 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
-use photosite::develop::colour_matrix::{CameraColour, camera_colour};
+use photosite::develop::colour_matrix::{CameraColour, neutral};
 use photosite::develop::merge::Merged;
-use photosite::develop::{DevelopSettings, EncodedPicture, develop, develop_merged};
+use photosite::develop::{DevelopSettings, EncodedPicture, SensorCalibration, develop, develop_merged};
 use photosite::image::{Estimate, Planes};
 use photosite::integrator::WavelengthChoice;
 use photosite::io::capture::{
@@ -68,6 +68,7 @@ pub(super) struct Chain<'a> {
     pub(super) settings: Settings<'a>,
     optics: Optics,
     colour: Option<CameraColour>,
+    calibration: Option<SensorCalibration>,
     /// What raw files say of falloff and distortion comes from these.
     lens: Option<(&'a LensDescription, &'a Camera)>,
 }
@@ -94,26 +95,32 @@ pub(super) fn scene_light(capture: &Capture, scene: &Scene) -> Result<Spectrum> 
 
 impl<'a> Chain<'a> {
     /// The white balance is that of `light` through the lens. Where a channel does not see that light, as in the dark, it
-    /// is that of daylight, with a warning.
+    /// is that of daylight, with a warning. `stored` is what an earlier run has found of its sensor.
     pub(super) fn new(
         settings: Settings<'a>,
         optics: Optics,
         light: &Spectrum,
+        stored: Option<&SensorCalibration>,
         warnings: &mut Vec<String>,
     ) -> Result<Self> {
         let mut responses = settings.sensor.responses();
         for (_, response) in &mut responses {
             *response = response.product(&optics.transmittance);
         }
-        let colour = camera_colour(&responses, light).or_else(|invalid| {
-            let colour = camera_colour(&responses, illuminant::d65())?;
+        let in_sensor = |invalid: Invalid| settings.source.error(invalid.within("sensor"));
+        let calibration = SensorCalibration::of(&responses, stored).map_err(in_sensor)?;
+        let Some(found) = &calibration else {
+            return Ok(Self { settings, optics, colour: None, calibration: None, lens: None });
+        };
+        let white = neutral(&responses, light).or_else(|invalid| {
+            let white = neutral(&responses, illuminant::d65())?;
             if light.max() > 0.0 {
                 warnings.push(format!("{}, so the white balance is that of D65", invalid.message));
             }
-            Ok(colour)
+            Ok(white)
         });
-        let in_sensor = |invalid: Invalid| settings.source.error(invalid.within("sensor"));
-        Ok(Self { settings, optics, colour: colour.map_err(in_sensor)?, lens: None })
+        let colour = CameraColour { calibrations: found.lights().to_vec(), neutral: white.map_err(in_sensor)? };
+        Ok(Self { settings, optics, colour: Some(colour), calibration, lens: None })
     }
 
     /// The same, with a lens whose falloff and distortion raw files tell of.
@@ -287,6 +294,7 @@ impl<'a> Chain<'a> {
             read_noise_e: sensor.noise.read.0,
             as_shot_neutral: raw.metadata.as_shot_neutral.clone(),
             colour_matrix_d65: raw.metadata.colour_matrix_d65().cloned(),
+            calibration: self.calibration.clone(),
         }
     }
 }

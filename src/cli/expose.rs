@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use glam::DAffine3;
+use photosite::develop::SensorCalibration;
 use photosite::image::Estimate;
 use photosite::integrator::WavelengthChoice;
 use photosite::io::capture::{REPORT, StoredCapture, StoredReport};
@@ -44,7 +45,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     let start = Instant::now();
     let overrides = args.common.overrides();
     let stored = Stored::read(&args.input, &overrides)?;
-    let Stored { capture, light, later, recorded, gains, report } = stored;
+    let Stored { capture, light, later, recorded, gains, calibration, report } = stored;
     let mut timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let folder = output.clone().unwrap_or_else(|| default_folder(&args.input));
     refuse_own_folder(&folder, &args.input)?;
@@ -66,7 +67,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         transmittance: capture.lens.transmittance.clone(),
     };
     let placed = recorded.as_ref().and_then(|recorded| placed_lens(recorded, &report));
-    let mut chain = Chain::new((&capture).into(), optics, &white, &mut warnings)?;
+    let mut chain = Chain::new((&capture).into(), optics, &white, calibration.as_ref(), &mut warnings)?;
     if let Some((lens, camera)) = &placed {
         chain = chain.with_lens(lens, camera, &mut warnings);
     }
@@ -171,6 +172,8 @@ struct Stored {
     recorded: Option<StoredCapture>,
     /// The analogue and the digital gain that it was exposed with.
     gains: Option<[Decibels; 2]>,
+    /// What was found of its sensor.
+    calibration: Option<SensorCalibration>,
     /// What the report says of the light: [`TracedReport::KEYS`].
     report: Map<String, Value>,
 }
@@ -198,7 +201,8 @@ impl Stored {
             let light = StoredLight::read(input)?;
             let capture = StoredCapture::of_picture(input, light.resolution(), overrides)?;
             light.check(&capture)?;
-            return Ok(Self { capture, light, later: Vec::new(), recorded: None, gains: None, report: Map::new() });
+            let (later, report) = (Vec::new(), Map::new());
+            return Ok(Self { capture, light, later, recorded: None, gains: None, calibration: None, report });
         };
         let recorded = StoredCapture::of_report(&path, &report, &[])?;
         let capture = StoredCapture::of_report(&path, &report, overrides)?;
@@ -220,8 +224,10 @@ impl Stored {
         light.check(&capture)?;
         let gain = |key: &str| report.values.get("exposure").and_then(|exposure| exposure[key].as_f64()).map(Decibels);
         let gains = gain("gain_db").zip(gain("digital_gain_db")).map(|(analogue, digital)| [analogue, digital]);
+        let stored = report.values.get("sensor").and_then(|sensor| sensor.get("calibration"));
+        let calibration = stored.and_then(|stored| SensorCalibration::deserialize(stored).ok());
         let report = report.values.into_iter().filter(|(key, _)| TracedReport::KEYS.contains(&key.as_str())).collect();
-        Ok(Self { capture, light, later, recorded: Some(recorded), gains, report })
+        Ok(Self { capture, light, later, recorded: Some(recorded), gains, calibration, report })
     }
 }
 

@@ -145,7 +145,7 @@ pub(super) fn render(
         focal_length_m: Some(capture.lens.focal_length_m),
         transmittance: capture.lens.transmittance.clone(),
     };
-    let chain = Chain::new((&capture).into(), optics, &light, &mut warnings)?;
+    let chain = Chain::new((&capture).into(), optics, &light, None, &mut warnings)?;
     let chain = chain.with_lens(&capture.lens, &camera, &mut warnings);
     if !request.quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));

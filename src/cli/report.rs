@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use photosite::calibration::targets::PlacedTarget;
 use photosite::calibration::truth::{Correspondence, View};
+use photosite::develop::SensorCalibration;
 use photosite::io::capture::TruthOutput;
 use photosite::io::target_file::facts;
 use photosite::optics::{
@@ -344,6 +345,8 @@ pub(super) struct SensorReport {
     pub(super) read_noise_e: f64,
     pub(super) as_shot_neutral: Option<Vec<f64>>,
     pub(super) colour_matrix_d65: Option<Vec<[f64; 3]>>,
+    /// What the channels mean in A, D65 and D50, so that another exposure need not find it again; `null` without colours.
+    pub(super) calibration: Option<SensorCalibration>,
 }
 
 #[derive(Serialize)]

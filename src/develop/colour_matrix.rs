@@ -16,7 +16,9 @@
 //! [`SensorModel::responses`]: crate::sensor::SensorModel::responses
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 
+use super::SensorCalibration;
 use super::colour::inverse;
 use crate::Invalid;
 use crate::colour::adaptation::{D50, bradford};
@@ -46,14 +48,15 @@ impl CameraColour {
 /// Colour of a camera with these channels in a scene lit by `light` (any unit). `None` for a camera of less than three
 /// channels, which sees no colours.
 pub fn camera_colour(responses: &[(String, Spectrum)], light: &Spectrum) -> Result<Option<CameraColour>, Invalid> {
-    if responses.len() < 3 {
-        return Ok(None);
-    }
+    let Some(found) = SensorCalibration::of(responses, None)? else { return Ok(None) };
+    Ok(Some(CameraColour { calibrations: found.lights().to_vec(), neutral: neutral(responses, light)? }))
+}
+
+/// What three channels or more mean in A, D65 and D50: of the sensor and its lens alone, whatever the light of the scene.
+pub(super) fn calibrations(responses: &[(String, Spectrum)]) -> Result<Vec<ColourCalibration>, Invalid> {
     let d50 = illuminant::illuminant("D50").unwrap_or_else(|| illuminant::d65().clone());
     let lights = [(LightSource::A, &illuminant::a()), (LightSource::D65, illuminant::d65()), (LightSource::D50, &d50)];
-    let calibrations = lights.map(|(light, spectrum)| calibration(responses, light, spectrum));
-    let calibrations = calibrations.into_iter().collect::<Result<_, _>>()?;
-    Ok(Some(CameraColour { calibrations, neutral: neutral(responses, light)? }))
+    lights.into_par_iter().map(|(light, spectrum)| calibration(responses, light, spectrum)).collect()
 }
 
 /// What channels mean in one light.

@@ -22,8 +22,8 @@
 //! [`mod@merge`] makes one signal of several exposures, and [`develop_merged`] a picture of that.
 //!
 //! [`with_layout`] turns a mosaic into one that more developers know. [`colour_matrix`] computes what a raw file says
-//! about its colours from the sensor's spectral responses. Files are
-//! left to [`raw`](crate::raw) and [`io`](crate::io).
+//! about its colours from the sensor's spectral responses, and [`SensorCalibration`] keeps it. Files are left to
+//! [`raw`](crate::raw) and [`io`](crate::io).
 
 mod black_level;
 mod colour;
@@ -43,6 +43,7 @@ mod linearisation;
 pub mod merge;
 mod neighbours;
 mod noise_filter;
+mod sensor_calibration;
 mod settings;
 mod sharpening;
 mod tone;
@@ -54,4 +55,5 @@ pub use develop::{Development, develop, develop_linear, develop_merged};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;
 pub use layout::{RawLayout, with_layout};
+pub use sensor_calibration::SensorCalibration;
 pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

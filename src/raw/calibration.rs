@@ -1,7 +1,9 @@
 //! What a camera's numbers mean in the lights that it was measured in.
 
+use serde::{Deserialize, Serialize};
+
 /// A light, by EXIF's number for it ([Dng16](crate::references#dng16), CalibrationIlluminant1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LightSource(pub u16);
 
 impl LightSource {
@@ -37,7 +39,7 @@ impl LightSource {
 }
 
 /// What a camera's numbers mean in one light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColourCalibration {
     /// The light.
     pub light: LightSource,

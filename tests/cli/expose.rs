@@ -27,6 +27,34 @@ fn sums(folder: &Folder, name: &str) -> Vec<f64> {
     planes.channels().iter().map(|c| c.data.iter().map(|&e| f64::from(e)).sum()).collect()
 }
 
+/// The search for the matrices of a sensor takes longer than to expose a small picture: a number in the report that no search would
+/// find must arrive in the raw file.
+#[test]
+fn the_colours_of_a_sensor_are_not_fitted_again() {
+    let folder = room("[render]\nsamples_per_pixel = 1\n[output]\nraw = ['dng']\n");
+    folder.succeed("render capture.toml -o out");
+    let mut report = folder.report("out");
+    let calibration = &mut report["sensor"]["calibration"]["lights"][1];
+    assert_eq!(calibration["light"], 21, "D65 is EXIF's light source 21");
+    calibration["colour_matrix"][0][0] = json!(0.8125);
+    folder.add("out/capture.json", report.to_string());
+    let red = |name: &str| folder.raw(&format!("{name}/raw.dng")).metadata.colour_matrix_d65().expect("colours")[0][0];
+    assert_ne!(red("out"), 0.8125);
+    folder.succeed("expose out -o same");
+    assert_eq!(red("same"), 0.8125);
+    // Behind another filter array of the same channels, too; not where the channels are others.
+    folder.succeed("expose out -o array --set sensor.cfa=BGGR");
+    assert_eq!(red("array"), 0.8125);
+    let sharper = "--set sensor.channels.G.quantum_efficiency=0.5";
+    folder.succeed(&format!("render capture.toml -o other {sharper}"));
+    let mut other = folder.report("other");
+    let found = other["sensor"]["calibration"]["lights"].clone();
+    other["sensor"]["calibration"] = report["sensor"]["calibration"].clone();
+    folder.add("other/capture.json", other.to_string());
+    folder.succeed("expose other -o fitted");
+    assert_eq!(folder.report("fitted")["sensor"]["calibration"]["lights"], found);
+}
+
 #[rstest]
 #[case::fixed_time("")]
 #[case::automatic("auto = true")]
