@@ -14,6 +14,10 @@
 //! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the ACM on
 //! Computer Graphics and Interactive Techniques 1(2) (2018).
 //!
+//! ## Baum89
+//! D. R. Baum, H. E. Rushmeier, J. M. Winget, "Improving Radiosity Solutions Through the Use of Analytically Determined
+//! Form-Factors", Computer Graphics (SIGGRAPH) 23(3) (1989).
+//!
 //! ## Arvo86
 //! J. Arvo, "Backward Ray Tracing", Developments in Ray Tracing, SIGGRAPH Course Notes (1986).
 //!

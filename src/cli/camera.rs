@@ -10,12 +10,13 @@ use photosite::calibration::camera_files::{
 use photosite::io::capture::Capture;
 use photosite::io::output::{create_folder, write_whole};
 
-use super::render::lone_camera;
+use super::render::lone_recording_camera;
 use super::{println_out, refuse_existing};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///
-/// What a format has no words for is refused. A camera that moves stands where it does at time 0.
+/// What a format has no words for is refused. A camera that moves stands where it does halfway through its first picture, as
+/// `capture.json` says (`pose_time_s`).
 #[derive(Args)]
 pub(super) struct CameraArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
@@ -53,7 +54,7 @@ enum Format {
 
 pub(super) fn run(args: &CameraArgs) -> Result<()> {
     let capture = Capture::read(&args.input, &args.overrides)?;
-    let camera = CalibratedCamera::new(&args.name, &lone_camera(&capture)?);
+    let camera = CalibratedCamera::new(&args.name, &lone_recording_camera(&capture)?.halfway());
     let one = std::slice::from_ref(&camera);
     let text = match args.format {
         Format::Opencv => opencv(&camera),

@@ -78,6 +78,8 @@ pub(super) struct Exposed {
     pub(super) exposure: Exposure,
     /// Mean electrons with the variance that light transport leaves, e⁻ and (e⁻)².
     pub(super) electrons: Estimate,
+    /// What is to be said of an automatic exposure.
+    pub(super) warning: Option<String>,
 }
 
 /// The spectrum of all light of a scene, the largest value 1; 0 everywhere in the dark. Only the colour of the light
@@ -146,12 +148,14 @@ impl<'a> Chain<'a> {
     /// Exposes to light that frees these electrons within the time `collected`; electron rates are those of one second.
     /// `known` stands in for what an automatic exposure would find.
     pub(super) fn expose(&self, light: Estimate, collected: Seconds, known: Option<Exposure>) -> Result<Exposed> {
-        let exposure = known.map_or_else(|| self.exposure(&light.mean, collected), Ok);
+        let found = self.exposure(&light.mean, collected);
+        let warning = found.as_ref().ok().and_then(|(_, warning)| warning.clone());
+        let exposure = known.map_or_else(|| found.map(|(exposure, _)| exposure), Ok);
         // The time of an automatic exposure is known only now.
         let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
         let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
         let electrons = if exposure.time == collected { light } else { light.scaled(exposure.time.0 / collected.0) };
-        Ok(Exposed { exposure, electrons })
+        Ok(Exposed { exposure, electrons, warning })
     }
 
     /// Reads the sensor out; each frame has noise of its own.
@@ -167,7 +171,7 @@ impl<'a> Chain<'a> {
         maps: &[NoiseMap],
     ) -> Result<(RawImage, NoiseMaps)> {
         let Settings { sensor, exposure: ExposureSettings { stages, .. }, seed, .. } = self.settings;
-        let Exposed { exposure, electrons } = exposed;
+        let Exposed { exposure, electrons, .. } = exposed;
         let key = NoiseKey { seed, frame: u64::from(frame) };
         let exposed = expose_with_maps(&electrons.mean, sensor, exposure, *stages, key, maps);
         let (mut raw, maps) = exposed.map_err(|e| self.in_exposure(e))?;
@@ -209,13 +213,15 @@ impl<'a> Chain<'a> {
         developed.map(|(planes, _)| planes).map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
-    /// The exposure that the capture asks for, its time found from the light where it is automatic.
-    fn exposure(&self, light: &Planes, collected: Seconds) -> Result<Exposure, Invalid> {
+    /// The exposure that the capture asks for, its time found from the light where it is automatic, and what is to be said of
+    /// that.
+    fn exposure(&self, light: &Planes, collected: Seconds) -> Result<(Exposure, Option<String>), Invalid> {
         let Settings { sensor, exposure: wanted, .. } = self.settings;
         match wanted.time {
-            ExposureTime::Fixed(time) => Ok(wanted.at(time)),
+            ExposureTime::Fixed(time) => Ok((wanted.at(time), None)),
             // Any time serves to tell the rest.
-            ExposureTime::Auto(target) => auto_exposure(light, collected, sensor, &wanted.at(Seconds(1.0)), target),
+            ExposureTime::Auto(target) => auto_exposure(light, collected, sensor, &wanted.at(Seconds(1.0)), target)
+                .map(|found| (found.exposure, found.warning())),
         }
     }
 
@@ -225,7 +231,7 @@ impl<'a> Chain<'a> {
         if samples < 2 {
             return None;
         }
-        let exposure = self.exposure(&rates.mean, Seconds(1.0)).ok()?;
+        let (exposure, _) = self.exposure(&rates.mean, Seconds(1.0)).ok()?;
         noise_ratio(rates, self.settings.sensor, &exposure)
     }
 
@@ -233,7 +239,7 @@ impl<'a> Chain<'a> {
     /// `None` as above.
     pub(super) fn samples_needed(&self, rates: &Estimate, counts: &[u32], target: f64) -> Option<Vec<f32>> {
         let Settings { sensor, neighbours, .. } = self.settings;
-        let exposure = self.exposure(&smoothed_mean(rates, counts, sensor, neighbours), Seconds(1.0)).ok()?;
+        let (exposure, _) = self.exposure(&smoothed_mean(rates, counts, sensor, neighbours), Seconds(1.0)).ok()?;
         Some(samples_needed(rates, counts, sensor, &exposure, target, neighbours))
     }
 

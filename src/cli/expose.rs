@@ -52,7 +52,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     let mut folder = OutputFolder::claim(&folder, *force)?;
 
     let start = Instant::now();
-    let mut warnings = Vec::new();
+    let mut warnings = capture.warnings.clone();
     let white = match scene_light(&report) {
         Some(light) => light,
         None => {
@@ -104,6 +104,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     let (exposed, more) = expose(light)?;
     let mut exposure = exposed.exposure;
     warnings.extend(more);
+    warnings.extend(exposed.warning.clone());
     if !quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }

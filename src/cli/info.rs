@@ -9,7 +9,7 @@ use clap::Args;
 use photosite::image::Planes;
 use photosite::io::capture::{Capture, ExposureTime, read_sensor_file};
 use photosite::io::exr::{Attribute, read_exr};
-use photosite::optics::Focus;
+use photosite::optics::{Focus, LensKind};
 use photosite::raw::{self, RawImage};
 use photosite::scene::description::{EnvironmentDescription, LightKind, MaterialDescription, SceneDescription};
 use photosite::sensor::{Binning, SensorModel, presets};
@@ -107,10 +107,11 @@ fn of_capture(capture: &Capture) -> Map<String, Value> {
     facts.extend(map(json!({
         "camera_position_m": capture.camera_to_world.translation.to_array(),
         "lens": format!("{} mm f/{}", round(lens.focal_length_m * 1e3), round(lens.f_number)),
-        "focus": match lens.focus {
-            Focus::Distance(u) => format!("{} m", round(u)),
-            Focus::Infinity => "infinity".to_owned(),
-            Focus::Autofocus { pixel: [x, y] } => format!("on what pixel {x}, {y} sees"),
+        "focus": match (lens.kind, lens.focus) {
+            (LensKind::Pinhole, _) => "none, as everything is sharp".to_owned(),
+            (LensKind::Thin, Focus::Distance(u)) => format!("{} m", round(u)),
+            (LensKind::Thin, Focus::Infinity) => "infinity".to_owned(),
+            (LensKind::Thin, Focus::Autofocus { pixel: [x, y] }) => format!("on what pixel {x}, {y} sees"),
         },
         "sensor": sensor.name,
         "resolution_px": sensor.resolution,

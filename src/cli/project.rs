@@ -5,17 +5,19 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::{DVec2, DVec3};
+use photosite::calibration::truth::View;
 use photosite::io::capture::Capture;
 use photosite::optics::Camera;
 use photosite::{Error, Invalid, Result};
 
 use super::println_out;
-use super::render::lone_camera;
+use super::render::lone_recording_camera;
 
 /// Say where points appear in the picture of a camera, or what its pixels look at.
 ///
 /// In and out are lines of numbers with commas between them. Pixels are those of OpenCV: column and row, whole numbers at
-/// the centres. What the lens does not show is `nan,nan`. A camera that moves stands where it does at time 0.
+/// the centres. What the lens does not show is `nan,nan`. A camera that moves sees each point, and each pixel, in the middle of
+/// the exposure of its row of the first picture, as it does in ground truth.
 #[derive(Args)]
 pub(super) struct ProjectArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
@@ -37,7 +39,8 @@ pub(super) struct ProjectArgs {
 
 pub(super) fn run(args: &ProjectArgs) -> Result<()> {
     let capture = Capture::read(&args.input, &args.overrides)?;
-    let camera = lone_camera(&capture)?;
+    let camera = lone_recording_camera(&capture)?;
+    let view = View::of(&camera);
     let text = read(&args.points)?;
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or("").trim()));
     let mut out = String::new();
@@ -53,7 +56,7 @@ pub(super) fn run(args: &ProjectArgs) -> Result<()> {
             let point = DVec3::from_array(numbers(line, "0.1, -0.2, 3").map_err(in_line)?);
             let pixel = match args.camera_space {
                 true => camera.project_camera(flipped(point)),
-                false => camera.project_camera(camera.to_world().inverse().transform_point3(point)),
+                false => view.project(point),
             };
             (pixel.unwrap_or(DVec2::NAN) - 0.5).to_array().map(|x| x.to_string()).join(",")
         };
@@ -67,7 +70,7 @@ fn direction(camera: &Camera, pixel: DVec2, camera_space: bool) -> DVec3 {
     match (camera.seen(pixel), camera_space) {
         (None, _) => DVec3::NAN,
         (Some(seen), true) => flipped(seen.direction),
-        (Some(seen), false) => camera.to_world().transform_vector3(seen.direction),
+        (Some(seen), false) => camera.pose_at_row(pixel.y - 0.5).0.transform_vector3(seen.direction),
     }
 }
 

@@ -32,8 +32,8 @@ use super::kept_rows::KeptRows;
 use super::output_folder::OutputFolder;
 use super::parts::{PartReport, Parts, check_samples, makings};
 use super::report::{
-    CameraReport, LensReport, LightReport, MotionReport, NoiseReport, RenderReport, Report, TargetReport, Timings,
-    TracedReport, TruthReport,
+    CameraReport, LensReport, LightReport, NoiseReport, RenderReport, Report, TargetReport, Timings, TracedReport,
+    TruthReport,
 };
 use super::results::{Frames, write_results};
 use super::run_args::RunArgs;
@@ -131,7 +131,7 @@ pub(super) fn render(
     let description = std::mem::take(&mut capture.scene);
     let mut warnings = description.warnings.clone();
     warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
-    let truth_report = TruthReport::new(&capture.output.truth, &description);
+    let truth_report = TruthReport::new(&capture.output.truth, &description, capture.recording.as_ref());
     let scene = scene::build(description, &importance);
     let camera = place_camera(&capture, |ray| scene.closest(ray))?;
     if let (Focus::Autofocus { pixel: [x, y] }, true) = (capture.lens.focus, camera.focus_distance_m().is_infinite()) {
@@ -168,7 +168,13 @@ pub(super) fn render(
         filters: filters.as_ref(),
         strips,
     };
-    let Recorded { shot, paths } = traced.record(folder, &mut timings, request.silent)?;
+    let Recorded { shot, paths, warning } = traced.record(folder, &mut timings, request.silent)?;
+    if let Some(warning) = warning {
+        if !request.quiet {
+            eprintln!("warning: {warning}");
+        }
+        warnings.push(warning);
+    }
     let Some(Shot { exposure, first, reached }) = shot else {
         let samples = capture.render.samples_per_pixel;
         let part = PartReport::new(request, samples, makings, &responses, folder.files(), timings.trace_s);
@@ -183,15 +189,11 @@ pub(super) fn render(
         Some(recording) => camera.clone().recording(recording.clone()),
         None => camera.clone(),
     };
+    let still = first_camera.halfway();
     let report_target =
         |target: &PlacedTarget| TargetReport::new(target, &View::of(&first_camera), &scene, pixels(&capture));
     let traced = TracedReport {
-        camera: CameraReport::new(
-            &capture.lens,
-            &camera,
-            pixels(&capture),
-            capture.recording.as_ref().map(MotionReport::new),
-        ),
+        camera: CameraReport::new(&capture.lens, &still, pixels(&capture), capture.recording.as_ref()),
         lens: LensReport::new(&capture.lens, &camera),
         render: render_report(&capture, &scene, reached),
         scene_light: LightReport::new(&light),
@@ -240,6 +242,8 @@ struct Recorded {
     shot: Option<Shot>,
     /// Paths, over all light that was traced.
     paths: u64,
+    /// What is to be said of an automatic exposure, which is one for all pictures.
+    warning: Option<String>,
 }
 
 /// The last exposure and the first picture.
@@ -290,9 +294,9 @@ impl Series<'_> {
         };
         let mut recorded = frame(0, folder, timings)?;
         for number in 1..count {
-            let Recorded { shot, paths } = frame(number, folder, timings)?;
+            let Recorded { shot, paths, .. } = frame(number, folder, timings)?;
             let shot = shot.zip(recorded.shot).map(|(last, Shot { first, .. })| Shot { first, ..last });
-            recorded = Recorded { shot, paths: recorded.paths + paths };
+            recorded = Recorded { shot, paths: recorded.paths + paths, ..recorded };
         }
         Ok(recorded)
     }
@@ -361,7 +365,7 @@ impl Series<'_> {
                 }
                 folder.write_film(frames.light_number(), file)?;
                 timings.write_s += start.elapsed().as_secs_f64();
-                return Ok(Recorded { shot: None, paths: all_paths });
+                return Ok(Recorded { shot: None, paths: all_paths, warning: None });
             }
         };
         let in_folder = |reason: std::io::Error| Error::io(folder.path(), "read from", reason);
@@ -376,7 +380,7 @@ impl Series<'_> {
         let counts = settings.noise_target.map(|_| counts);
         let exposed = chain.expose(rates, Seconds(1.0), None)?;
         timings.expose_s += start.elapsed().as_secs_f64();
-        let exposure = exposed.exposure;
+        let (exposure, warning) = (exposed.exposure, exposed.warning.clone());
         let first = write_results(chain, exposed, frames, folder, timings, |folder, number| {
             if capture.output.ideal {
                 let seen = light.means(ideal::NAMES).to_planes();
@@ -396,7 +400,7 @@ impl Series<'_> {
                 None => Ok(()),
             }
         })?;
-        Ok(Recorded { shot: Some(Shot { exposure, first, reached }), paths: all_paths })
+        Ok(Recorded { shot: Some(Shot { exposure, first, reached }), paths: all_paths, warning })
     }
 }
 
@@ -533,6 +537,15 @@ pub(super) fn lone_camera(capture: &Capture) -> Result<Camera> {
     let built = OnceCell::new();
     let build = || scene::build(capture.scene.clone(), &importance_of_light(&responses(capture)));
     place_camera(capture, |ray| built.get_or_init(build).closest(ray))
+}
+
+/// The same taking the first picture of the capture.
+pub(super) fn lone_recording_camera(capture: &Capture) -> Result<Camera> {
+    let camera = lone_camera(capture)?;
+    Ok(match &capture.recording {
+        Some(recording) => camera.recording(recording.clone()),
+        None => camera,
+    })
 }
 
 fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderReport {

@@ -75,7 +75,7 @@ pub(super) struct TruthReport {
     depth_unit_mm: f64,
     /// Names of the objects, from number 1 on.
     instances: Vec<String>,
-    /// Their frames → world, row by row without the last row; of those that move at the start of the picture.
+    /// Their frames → world, row by row without the last row; of those that move at the `pose_time_s` of the camera.
     instances_to_world: Vec<[[f64; 4]; 3]>,
     /// Names of the materials, from number 1 on.
     materials: Vec<String>,
@@ -83,12 +83,13 @@ pub(super) struct TruthReport {
 
 impl TruthReport {
     /// `None` where no truth is asked for.
-    pub(super) fn new(output: &TruthOutput, scene: &SceneDescription) -> Option<Self> {
+    pub(super) fn new(output: &TruthOutput, scene: &SceneDescription, recording: Option<&Recording>) -> Option<Self> {
+        let part = recording.map_or(0.0, |recording| recording.part(recording.middle_s()));
         (!output.layers.is_empty()).then(|| Self {
             layers: output.layers.iter().map(|layer| layer.name()).collect(),
             depth_unit_mm: output.depth_unit_m * 1e3,
             instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
-            instances_to_world: scene.instances.iter().map(|instance| placement(&instance.to_world)).collect(),
+            instances_to_world: scene.instances.iter().map(|instance| placement(&instance.at(part))).collect(),
             materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
         })
     }
@@ -131,7 +132,7 @@ pub(super) struct TargetReport {
     /// The points in the world (glTF axes, metres), in the same order.
     points_world_m: Vec<[f64; 3]>,
     /// Where they appear in the picture, through the whole lens: integer coordinates at pixel centres. `null` for those behind
-    /// the camera. Of a camera that moves: in the middle of the first picture's exposure.
+    /// the camera. Where something moves: in the middle of the exposure of their rows of the first picture.
     points_px: Vec<Option<[f64; 2]>>,
     /// Whether they are within the picture, with nothing before them.
     points_visible: Vec<bool>,
@@ -179,18 +180,22 @@ pub(super) struct CameraReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     xi: Option<f64>,
     field_of_view: FieldOfViewReport,
+    /// When the camera stands as is said here, s from the start of the first picture: halfway between the start of its first
+    /// row's exposure and the end of its last one's, as ground truth and what is told of targets are of the middle of exposures.
+    /// `null` where nothing moves.
+    pose_time_s: Option<f64>,
     /// World → camera rotation, row by row: x_camera = R·x_world + t.
     rotation: [[f64; 3]; 3],
     translation_m: [f64; 3],
     /// Where the centre of the lens stands in the world (glTF axes, metres).
     position_m: [f64; 3],
-    /// How it moves; the rest is where it is at time 0. `null` for a camera that stands still.
+    /// How it moves. `null` where nothing does.
     motion: Option<MotionReport>,
 }
 
 /// Row y of frame k sees light from t = k·interval + (|y + ½ − first row| − ½)·row time on, for the exposure time.
 #[derive(Serialize)]
-pub(super) struct MotionReport {
+struct MotionReport {
     #[serde(flatten)]
     path: PathReport,
     exposure_s: f64,
@@ -205,7 +210,7 @@ pub(super) struct MotionReport {
 enum PathReport {
     /// The scene moves, not the camera.
     Still {},
-    /// position + velocity·t, and turned about the camera's own glTF axes.
+    /// position + velocity·(t − pose_time_s), and turned about the camera's own glTF axes.
     Steady { velocity_m_per_s: [f64; 3], angular_velocity_deg_per_s: [f64; 3] },
     /// Between two poses, position linear in t, rotation on the shortest way.
     Poses { poses: Vec<PoseReport> },
@@ -220,7 +225,7 @@ struct PoseReport {
 }
 
 impl MotionReport {
-    pub(super) fn new(recording: &Recording) -> Self {
+    fn new(recording: &Recording) -> Self {
         let path = match &recording.motion {
             None => PathReport::Still {},
             Some(CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s }) => PathReport::Steady {
@@ -266,11 +271,12 @@ impl FieldOfViewReport {
 }
 
 impl CameraReport {
+    /// `camera` stands still, where it does halfway through the recording.
     pub(super) fn new(
         lens: &LensDescription,
         camera: &Camera,
         resolution_px: [u32; 2],
-        motion: Option<MotionReport>,
+        recording: Option<&Recording>,
     ) -> Self {
         let Intrinsics { fx, fy, cx, cy, skew } = camera.intrinsics();
         let DAffine3 { matrix3, translation } = camera.to_world();
@@ -292,10 +298,11 @@ impl CameraReport {
                 | Projection::Equirectangular => None,
             },
             field_of_view: FieldOfViewReport::new(&camera.field_of_view()),
+            pose_time_s: recording.map(Recording::middle_s),
             rotation: rows(rotation),
             translation_m: (DVec3::ZERO - rotation * translation).to_array(),
             position_m: translation.to_array(),
-            motion,
+            motion: recording.map(MotionReport::new),
         }
     }
 }

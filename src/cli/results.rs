@@ -119,5 +119,6 @@ fn shot(exposed: &Exposed, time: Seconds) -> Exposed {
     let mean = exposed.electrons.mean.clone().scaled(time.0 / exposed.exposure.time.0);
     // No picture needs the variance.
     let variance = Planes::zeros::<&str>(mean.width(), mean.height(), []);
-    Exposed { exposure: Exposure { time, ..exposed.exposure }, electrons: Estimate { mean, variance } }
+    let electrons = Estimate { mean, variance };
+    Exposed { exposure: Exposure { time, ..exposed.exposure }, electrons, warning: None }
 }

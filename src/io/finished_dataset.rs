@@ -95,6 +95,9 @@ struct CameraBlock {
     projection: String,
     distortion: Vec<f64>,
     xi: Option<f64>,
+    /// Earlier reports have the pose at time 0.
+    #[serde(default)]
+    pose_time_s: Option<f64>,
     rotation: [[f64; 3]; 3],
     position_m: [f64; 3],
     motion: Option<MotionBlock>,
@@ -154,12 +157,15 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
     let [[fx, skew, cx], [_, fy, cy], _] = block.camera_matrix;
     // glTF's camera looks along −z with y up.
     let axes = matrix(&block.rotation).transpose() * DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
-    let start = DAffine3::from_mat3_translation(axes, DVec3::from_array(block.position_m));
-    let recording = block.motion.map(MotionBlock::recording);
-    let middle = |recording: &Recording| recording.time_s(f64::from(block.resolution_px[1] - 1) / 2.0, 0.5);
-    let time_s = recording.as_ref().map_or(0.0, middle);
-    let motion = recording.as_ref().and_then(|recording| recording.motion.as_ref());
-    let pose = |time_s: f64| motion.map_or(start, |motion| motion.pose(&start, time_s));
+    let told = DAffine3::from_mat3_translation(axes, DVec3::from_array(block.position_m));
+    let told_s = block.pose_time_s.unwrap_or(0.0);
+    let recording = block.motion.map(|motion| motion.recording(block.resolution_px[1]));
+    let time_s = recording.as_ref().map_or(0.0, Recording::middle_s);
+    let pose = |time_s: f64| match recording.as_ref().and_then(|recording| recording.motion.as_ref()) {
+        None => told,
+        Some(motion @ CameraMotion::Steady { .. }) => motion.pose(&told, time_s - told_s),
+        Some(motion @ CameraMotion::Poses(_)) => motion.pose(&told, time_s),
+    };
     // Short against any change of a velocity, and long against the last bits of a position.
     const STEP_S: f64 = 1e-4;
     let velocity = (pose(time_s + STEP_S).translation - pose(time_s).translation) / STEP_S;
@@ -177,7 +183,7 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
             resolution: block.resolution_px,
             to_world: pose(time_s),
         },
-        start,
+        start: pose(0.0),
         velocity_m_per_s: velocity,
         is_rectified: matches!(projection, Projection::BrownConrady(_)) && !keeps_distortion,
         is_skewed: recording.is_some_and(|recording| recording.row_time_s != 0.0),
@@ -196,7 +202,8 @@ fn matrix(rows: &[[f64; 3]; 3]) -> DMat3 {
 }
 
 impl MotionBlock {
-    fn recording(self) -> Recording {
+    /// Of a picture of so many rows.
+    fn recording(self, rows: u32) -> Recording {
         let steady =
             self.velocity_m_per_s.zip(self.angular_velocity_deg_per_s).map(|(velocity, turn)| CameraMotion::Steady {
                 velocity_m_per_s: DVec3::from_array(velocity),
@@ -208,7 +215,7 @@ impl MotionBlock {
             rotation: DQuat::from_array(pose.rotation_xyzw),
         };
         let poses = self.poses.map(|poses| CameraMotion::Poses(poses.into_iter().map(pose).collect()));
-        Recording {
+        let unknown = Recording {
             motion: steady.or(poses),
             start_s: 0.0,
             exposure_s: self.exposure_s,
@@ -216,7 +223,10 @@ impl MotionBlock {
             first_row: self.first_row,
             duration_s: 0.0,
             frame_interval_s: self.frame_interval_s,
-        }
+        };
+        // The last row is at one of the edges.
+        let end = |row: u32| unknown.time_s(f64::from(row), 1.0);
+        Recording { duration_s: end(0).max(end(rows.saturating_sub(1))), ..unknown }
     }
 }
 

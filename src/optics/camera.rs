@@ -45,6 +45,10 @@ pub struct Camera {
     projection: Projection,
     reach: Reach,
     falloff: Falloff,
+    /// Irradiance on the axis over the mean radiance over the aperture, sr.
+    on_axis_sr: f64,
+    /// What a sample of the aperture counts before the falloff, sr.
+    sample_sr: f64,
     /// Distance lens → sensor over the diameter of the aperture.
     working_f_number: f64,
     point_spread: Option<PointSpread>,
@@ -107,7 +111,8 @@ fn turned(seen: Seen) -> Seen {
 
 impl Camera {
     /// Places a lens. `autofocus_distance_m` is what [`Focus::Autofocus`] found along the axis (infinite for nothing)
-    /// and not looked at for other kinds of focus.
+    /// and not looked at for other kinds of focus. A pinhole has no focus: whatever the lens is said to be focused on, its
+    /// picture lies one focal length behind it.
     pub fn new(
         lens: &LensDescription,
         grid: &PixelGrid,
@@ -116,11 +121,11 @@ impl Camera {
     ) -> Result<Self, Invalid> {
         lens.validate()?;
         let f = lens.focal_length_m;
-        let u = match lens.focus {
-            Focus::Distance(u) => u,
-            Focus::Infinity => f64::INFINITY,
-            Focus::Autofocus { .. } if autofocus_distance_m > f => autofocus_distance_m,
-            Focus::Autofocus { .. } => {
+        let u = match (lens.kind, lens.focus) {
+            (LensKind::Pinhole, _) | (LensKind::Thin, Focus::Infinity) => f64::INFINITY,
+            (LensKind::Thin, Focus::Distance(u)) => u,
+            (LensKind::Thin, Focus::Autofocus { .. }) if autofocus_distance_m > f => autofocus_distance_m,
+            (LensKind::Thin, Focus::Autofocus { .. }) => {
                 // As precise as intersections are.
                 let distance = autofocus_distance_m as f32;
                 let message = format!("what is there is {distance} m away, within the focal length of {f} m");
@@ -138,18 +143,28 @@ impl Camera {
             cy: height / 2.0,
             skew: 0.0,
         });
+        let aperture = Aperture::new(f / lens.f_number / 2.0, lens.blades, lens.blade_rotation_deg);
+        let reach = lens.projection.reach(lens.max_angle_rad);
+        let middle = lens.projection.unproject(DVec2::ZERO, &reach).map_or(1.0, |seen| seen.solid_angle);
         Ok(Self {
             to_world,
             kind: lens.kind,
-            aperture: Aperture::new(f / lens.f_number / 2.0, lens.blades, lens.blade_rotation_deg),
+            aperture,
             focus_distance_m: u,
             image_distance_m: v,
             resolution: grid.resolution,
             pitch_m: grid.pitch_m,
             intrinsics,
             projection: lens.projection,
-            reach: lens.projection.reach(lens.max_angle_rad),
+            reach,
             falloff: lens.falloff,
+            on_axis_sr: aperture.projected_solid_angle(v) * middle,
+            sample_sr: match (lens.kind, lens.falloff) {
+                (LensKind::Thin, Falloff::Cos4) => aperture.area() / (v * v),
+                // One ray stands for all of the aperture, as seen from the axis.
+                (LensKind::Pinhole, Falloff::Cos4) => aperture.projected_solid_angle(v),
+                (LensKind::Thin | LensKind::Pinhole, Falloff::None) => aperture.projected_solid_angle(v) * middle,
+            },
             working_f_number: v * lens.f_number / f,
             point_spread: lens.point_spread.clone(),
             lateral_colour: lens.lateral_colour.clone(),
@@ -193,12 +208,23 @@ impl Camera {
         self.pose(row, 0.5)
     }
 
+    /// The camera as it stands, still, at [`Recording::middle_s`]: where it is where one pose is to stand for the picture.
+    pub fn halfway(&self) -> Self {
+        let Some(recording) = &self.recording else { return self.clone() };
+        let (to_world, time) = self.pose_at(recording, recording.middle_s());
+        Self { to_world, time, recording: None, ..self.clone() }
+    }
+
     /// Where the camera is at the sample u in [0, 1) of the exposure of a row, and which part of the picture's time has gone
     /// by.
     #[inline]
     fn pose(&self, row: f64, u: f32) -> (DAffine3, f32) {
         let Some(recording) = &self.recording else { return (self.to_world, self.time) };
-        let time_s = recording.time_s(row, u);
+        self.pose_at(recording, recording.time_s(row, u))
+    }
+
+    #[inline]
+    fn pose_at(&self, recording: &Recording, time_s: f64) -> (DAffine3, f32) {
         let pose = recording.motion.as_ref().map_or(self.to_world, |motion| motion.pose(&self.to_world, time_s));
         (pose, recording.part(time_s))
     }
@@ -213,7 +239,15 @@ impl Camera {
         self.intrinsics
     }
 
-    /// Distance lens → plane of focus, m.
+    /// The projected solid angle Ω that the light on the axis fills, sr: of even radiance L its irradiance is Ω·L, τ aside.
+    ///
+    /// Ω = π·sin²θ' for a round aperture, tan θ' = D/2v, whatever the kind of lens; for one with blades, the same integral
+    /// over the polygon. A projection that does not show the axis at the scale of v has its own dΩ/dA_s there as a factor.
+    pub fn on_axis_sr(&self) -> f64 {
+        self.on_axis_sr
+    }
+
+    /// Distance lens → plane of focus, m; infinite for a pinhole.
     pub fn focus_distance_m(&self) -> f64 {
         self.focus_distance_m
     }
@@ -304,7 +338,9 @@ impl Camera {
     /// A lens that can see more than a half-space has an entrance pupil that faces each direction, so that the cosine
     /// is 1, and behind it the cone of light that it has on the axis.
     ///
-    /// Without falloff a sample weighs A/v² everywhere.
+    /// The only ray of a pinhole stands for all of the aperture as the axis sees it: it weighs Ω·cos⁴α at the field angle α, with
+    /// the Ω of [`Self::on_axis_sr`]. Without falloff a sample of either weighs Ω everywhere, so that one f-number has one
+    /// exposure on the axis.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
         self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, 0.0)
@@ -403,8 +439,7 @@ impl Camera {
     /// [`CameraRay::weight`].
     #[inline(always)]
     fn weight(&self, aim: &Aim, opening: DVec2) -> f32 {
-        let v = self.image_distance_m;
-        (self.aperture.area() * self.falloff_at(&aim.seen, opening) / (v * v)) as f32
+        (self.sample_sr * self.falloff_at(&aim.seen, opening)) as f32
     }
 
     /// The pixel position whose ray goes by a point in world space, of the same samples as [`Self::generate_spectral`] takes:
@@ -534,8 +569,7 @@ impl Camera {
             };
             (0..cells * cells).map(through).sum()
         };
-        let on_axis = Seen { direction: DVec3::NEG_Z, chief: DVec3::NEG_Z, solid_angle: 1.0 };
-        Some(mean(&self.seen(pixel)?) / mean(&on_axis))
+        Some(mean(&self.seen(pixel)?) / mean(&self.seen_at(DVec2::ZERO)?))
     }
 
     /// Where a world point appears: continuous pixel coordinates of its sharp picture through the whole lens model, on the

@@ -163,6 +163,51 @@ fn the_light_of_a_picture_is_that_of_what_it_shows() {
     }
 }
 
+#[test]
+fn illumination_is_told_relative_to_the_axis() {
+    let mirror = Projection::Omnidirectional { xi: 1.1, distortion: BrownConrady::default() };
+    for (projection, sr_per_area) in
+        [(Projection::Perspective, 1.0), (barrel(-0.1), 1.0), (FISHEYE, 1.0), (mirror, 2.1 * 2.1)]
+    {
+        for (kind, falloff) in [LensKind::Thin, LensKind::Pinhole]
+            .into_iter()
+            .flat_map(|kind| [Falloff::Cos4, Falloff::None].map(|falloff| (kind, falloff)))
+        {
+            let mut lens = LensDescription::thin(0.004, 1.4, Focus::Infinity);
+            (lens.kind, lens.falloff, lens.projection, lens.blades) = (kind, falloff, projection, 6);
+            lens.intrinsics = Some(Intrinsics { fx: 400.0, fy: 410.0, cx: 300.0, cy: 250.0, skew: 0.0 });
+            let camera = camera(&lens);
+            let axis = DVec2::new(300.0, 250.0);
+            let relative = camera.relative_illumination(axis).expect("light");
+            assert!((relative - 1.0).abs() < 1e-12, "{projection:?} {kind:?} {falloff:?}: {relative}");
+            // The mean weight on the axis is the projected solid angle; near the middle of a mirror's picture a radian is
+            // 1/(1 + ξ) of a focal length.
+            let n: u16 = 200;
+            let at = |i: u16| (f32::from(i) + 0.5) / f32::from(n);
+            let weight = |i: u16, j: u16| f64::from(camera.generate(axis, [at(i), at(j)]).expect("light").weight);
+            let mean = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| weight(i, j)).sum::<f64>()
+                / f64::from(u32::from(n) * u32::from(n));
+            let expected = camera.on_axis_sr();
+            assert!((mean / expected - 1.0).abs() < 1e-4, "{projection:?} {kind:?} {falloff:?}: {mean} {expected}");
+            let perspective = LensDescription { projection: Projection::Perspective, ..lens };
+            let ratio = expected / self::camera(&perspective).on_axis_sr();
+            assert!((ratio / sr_per_area - 1.0).abs() < 1e-12, "{projection:?}: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn a_pinhole_has_no_focus() {
+    for focus in [Focus::Infinity, Focus::Distance(0.5), Focus::Distance(0.001), Focus::Autofocus { pixel: [3.0, 4.0] }]
+    {
+        let lens = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.004, 2.0, focus) };
+        let camera = camera(&lens);
+        assert_eq!(camera.image_distance_m(), 0.004);
+        assert_eq!([camera.intrinsics().fx, camera.intrinsics().fy], [0.004 / 5e-6, 0.004 / 6e-6]);
+        assert!(camera.focus_distance_m().is_infinite());
+    }
+}
+
 /// Area common to two circles whose centres are `d` apart.
 fn overlap(a: f64, b: f64, d: f64) -> f64 {
     if d >= a + b {

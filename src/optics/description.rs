@@ -11,11 +11,11 @@ pub struct LensDescription {
     pub kind: LensKind,
     /// Focal length f, m, above 0.
     pub focal_length_m: f64,
-    /// f-number N = f/D, above 0. For a pinhole it sets the exposure only.
+    /// f-number N = f/D, above 0. For a pinhole it sets the exposure only, to that of a thin lens on its axis.
     pub f_number: f64,
-    /// What is sharp.
+    /// What is sharp. Not looked at for a pinhole, behind which everything is.
     pub focus: Focus,
-    /// Aperture blades: 0 for a disk, else at least 3.
+    /// Aperture blades: 0 for a disk of diameter D, else at least 3, the corners of a polygon within it.
     pub blades: u32,
     /// Rotation of the blades, degrees.
     pub blade_rotation_deg: f64,
@@ -40,7 +40,7 @@ pub struct LensDescription {
 /// Lens models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LensKind {
-    /// Everything is sharp; exposure as through an aperture D = f/N.
+    /// v = f, and everything is sharp; exposure on the axis as through an aperture D = f/N.
     Pinhole,
     /// 1/f = 1/u + 1/v, with depth of field.
     Thin,
@@ -65,7 +65,8 @@ pub enum Focus {
 pub enum Falloff {
     /// The natural cos⁴θ of each aperture point, for a rectilinear lens; what keeps the étendue for any other.
     Cos4,
-    /// As on the axis everywhere: E = τ·π/4·(D/v)²·(mean radiance over the aperture).
+    /// As on the axis everywhere: E = τ·Ω·(mean radiance over the aperture), with the Ω of
+    /// [`Camera::on_axis_sr`](super::Camera::on_axis_sr), π·sin²θ' of a round aperture, tan θ' = D/2v. Stops still cut off theirs.
     None,
 }
 
@@ -116,7 +117,7 @@ impl LensDescription {
         };
         positive("focal_length_mm", self.focal_length_m * 1e3, " mm", "16.0")?;
         positive("f_number", self.f_number, "", "2.8")?;
-        if let Focus::Distance(u) = self.focus
+        if let (Focus::Distance(u), LensKind::Thin) = (self.focus, self.kind)
             && !(u.is_finite() && u > self.focal_length_m)
         {
             let message = format!("{u} m does not lie beyond the focal length of {} m", self.focal_length_m);

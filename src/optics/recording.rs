@@ -36,6 +36,13 @@ impl Recording {
         self.start_s + before * self.row_time_s + f64::from(u) * self.exposure_s
     }
 
+    /// The time, s, halfway between the start of the first row's exposure and the end of the last one's: the time of the
+    /// picture where it has but one. With a global shutter it is the middle of the exposure, with rows one after the other
+    /// that of the middle row.
+    pub fn middle_s(&self) -> f64 {
+        self.start_s + 0.5 * self.duration_s
+    }
+
     /// Which part of the picture's duration has gone by at a time, 0 to 1.
     #[inline]
     pub fn part(&self, time_s: f64) -> f32 {
@@ -58,6 +65,8 @@ mod tests {
         let top = Recording { motion, start_s, exposure_s, row_time_s, first_row, duration_s, frame_interval_s };
         assert_eq!([top.time_s(0.0, 0.0), top.time_s(2.0, 0.5)], [1.0, 1.75]);
         assert_eq!(top.later(3).time_s(2.0, 0.5), 7.75);
+        // Of five rows, that of the middle one.
+        assert_eq!([top.middle_s(), top.later(3).middle_s()], [top.time_s(2.0, 0.5), 7.75]);
         assert_eq!([1.0, 1.75, 2.5, 9.0].map(|time_s| top.part(time_s)), [0.0, 0.5, 1.0, 1.0]);
         let middle = Recording { first_row: 2.0, ..top };
         assert_eq!([0.0, 1.0, 2.0, 3.0].map(|row| middle.time_s(row, 0.0)), [1.25, 1.0, 1.0, 1.25]);

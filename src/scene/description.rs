@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 
 use crate::Invalid;
+use crate::geometry::Motion;
 use crate::light::{Profile, SkyConditions};
 use crate::spectrum::{Dispersion, Spectrum};
 use crate::texture::{Bitmap, SamplerSettings, UvTransform};
@@ -89,6 +90,17 @@ pub struct InstanceDescription {
     pub to_world: DAffine3,
     /// The same at the evenly spaced times that follow in the time of the picture, where it moves.
     pub later: Vec<DAffine3>,
+}
+
+impl InstanceDescription {
+    /// Mesh space → world when this part of the picture's time, 0 to 1, has gone by.
+    pub fn at(&self, time: f32) -> DAffine3 {
+        if self.later.iter().all(|place| *place == self.to_world) {
+            return self.to_world;
+        }
+        let places: Vec<DAffine3> = [&self.to_world].into_iter().chain(&self.later).copied().collect();
+        Motion::new(&places).to_world(time)
+    }
 }
 
 /// A colour or spectrum that scales a texture or stands alone.

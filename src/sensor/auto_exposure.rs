@@ -1,4 +1,5 @@
-//! Automatic exposure: the time that a picture needs, and the gain where that time is too long.
+//! Automatic exposure: the time that a picture needs, the gain where that time is too long, and what is to be said where both
+//! end.
 
 use crate::Invalid;
 use crate::image::Planes;
@@ -39,6 +40,70 @@ impl Default for Metering {
     }
 }
 
+/// Times that automatic exposure finds beyond these, s, are worth a warning: hardly a shutter is as short, and a scene whose
+/// pictures take longer is most likely darker than meant.
+const USUAL_TIMES_S: [f64; 2] = [1e-6, 10.0];
+
+/// What automatic exposure has found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AutoExposed {
+    /// The exposure.
+    pub exposure: Exposure,
+    /// What ended the time before the picture was as bright as it is to be; `None` where nothing did.
+    pub limit: Option<TimeLimit>,
+    /// Part of the brightness aimed at, up to 1, that gains bring the picture to at that end.
+    pub brightness: f64,
+}
+
+/// What ends the time of an automatic exposure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeLimit {
+    /// [`AutoExposure::max_time`].
+    Stated,
+    /// The time from one line to the next of pixels that scan.
+    Line,
+}
+
+impl AutoExposed {
+    /// What a user is to know of it: a limit that was reached, or a time that is hardly meant, and what to do. Keys are those of
+    /// the capture file.
+    pub fn warning(&self) -> Option<String> {
+        let Exposure { time: Seconds(time_s), gain, digital_gain, .. } = self.exposure;
+        let key = match self.limit {
+            Some(TimeLimit::Stated) => "exposure.max_time_s",
+            Some(TimeLimit::Line) => "sensor.shutter.row_time_us",
+            None => {
+                let [short_s, long_s] = USUAL_TIMES_S;
+                return if time_s > long_s {
+                    let help = "light the scene more, open the lens (lens.f_number), or write exposure.max_time_s, beyond which the \
+                                gain rises";
+                    Some(format!("automatic exposure takes {time_s:.3} s, as there is little light: {help}"))
+                } else if time_s < short_s {
+                    let help = "check the levels of the lights, or close the lens (lens.f_number)";
+                    Some(format!("automatic exposure takes {time_s:.3e} s, shorter than shutters are: {help}"))
+                } else {
+                    None
+                };
+            }
+        };
+        let gain_db = gain.0 + digital_gain.0;
+        let reached = format!(
+            "automatic exposure has reached its longest time, {time_s} s ({key}), at a gain of {gain_db:.2} dB"
+        );
+        // Rounding of gains aside, this is all.
+        if self.brightness > 1.0 - 1e-6 {
+            return Some(format!(
+                "{reached}, which makes up for the rest with more noise: light the scene more, or raise {key}"
+            ));
+        }
+        Some(format!(
+            "{reached}, and the picture has {:.3} % of the brightness aimed at: light the scene more, or raise {key}, \
+             exposure.max_gain_db or a gain that is stated",
+            100.0 * self.brightness
+        ))
+    }
+}
+
 /// The exposure of a picture of mean electrons (e⁻, a plane for each of the sensor's channels) that are collected within the
 /// time `collected`: for electron rates, one second. All but its time and, with automatic gain control, its gains are
 /// those of `wanted`.
@@ -56,7 +121,7 @@ pub fn auto_exposure(
     sensor: &SensorModel,
     wanted: &Exposure,
     target: AutoExposure,
-) -> Result<Exposure, Invalid> {
+) -> Result<AutoExposed, Invalid> {
     if sensor.logarithmic.is_some() {
         let message = format!("sensor {} is logarithmic and saturates at no time in particular", sensor.name);
         return Err(Invalid::new("auto", message).help("write the time over which its pixels average, time_s = 0.01"));
@@ -70,18 +135,24 @@ pub fn auto_exposure(
     let time = per_capacity * sensor.saturation_capacity(wanted).0;
     // Pixels that scan see the next line after one line time.
     let line_time = sensor.shutter.scans().then(|| sensor.shutter.row_time());
-    let limits = [target.max_time, line_time].into_iter().flatten();
-    let Some(limit) = limits.filter(|limit| limit.0 < time).min_by(|a, b| a.0.total_cmp(&b.0)) else {
-        return Ok(Exposure { time: Seconds(time), ..*wanted });
+    let limits = [(target.max_time, TimeLimit::Stated), (line_time, TimeLimit::Line)];
+    let limits = limits.into_iter().filter_map(|(limit, what)| limit.map(|limit| (limit, what)));
+    let Some((limit, what)) = limits.filter(|(limit, _)| limit.0 < time).min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0))
+    else {
+        return Ok(AutoExposed { exposure: Exposure { time: Seconds(time), ..*wanted }, limit: None, brightness: 1.0 });
     };
-    let limited = Exposure { time: limit, ..*wanted };
-    let Some(max_gain) = target.max_gain else { return Ok(limited) };
+    let limited = |exposure: Exposure| {
+        let brightness = limit.0 / per_capacity / sensor.saturation_capacity(&exposure).0;
+        AutoExposed { exposure, limit: Some(what), brightness: brightness.min(1.0) }
+    };
+    let at_limit = Exposure { time: limit, ..*wanted };
+    let Some(max_gain) = target.max_gain else { return Ok(limited(at_limit)) };
     let [gain, digital_gain] = sensor.gains_for_capacity(Electrons(limit.0 / per_capacity), wanted.window.binning);
     let [_, most] = sensor.converter.gain_range;
     // Never below where it started: lower gains would not help a picture that is too dark.
     let gain = Decibels(gain.0.max(wanted.gain.0).min(max_gain.0.min(most.0)));
     let digital_gain = Decibels(digital_gain.0.max(wanted.digital_gain.0).min((max_gain.0 - gain.0).max(0.0)));
-    Ok(Exposure { gain, digital_gain, ..limited })
+    Ok(limited(Exposure { gain, digital_gain, ..at_limit }))
 }
 
 /// The rate that so many pixels exceed, e⁻/s.

@@ -55,7 +55,7 @@ mod shutter;
 mod stage;
 mod telegraph;
 
-pub use auto_exposure::{AutoExposure, Metering, auto_exposure};
+pub use auto_exposure::{AutoExposed, AutoExposure, Metering, TimeLimit, auto_exposure};
 pub use band_light::{BandRates, electron_rates};
 pub use binning::{Binning, BinningMethod};
 pub use ccd::{Ccd, Overscan};

@@ -305,3 +305,97 @@ fn pictures_of_something_else_are_refused() {
     folder.add("radiance.exr", write(&radiance));
     folder.fail("expose radiance.exr", 1, &["radiance.exr", "emissiveUnits"]);
 }
+
+/// A grey wall under an even sky, exposed automatically.
+fn wall(lux: f64, exposure: &str) -> Folder {
+    let capture = format!(
+        "[scene]\ngeometry = ['wall.obj']\nenvironment = {{ illuminant = 'D65', illuminance_lux = {lux} }}\n\
+         [materials.wall]\ntype = 'diffuse'\nreflectance = 0.5\n[camera]\nposition_m = [0, 0, 2]\nlook_at_m = [0, 0, 0]\n\
+         [lens]\ntype = 'pinhole'\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [8, 8]\n[exposure]\n{exposure}\n\
+         [render]\nsamples_per_pixel = 16\n"
+    );
+    let obj = "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nusemtl wall\nf 1 2 3 4\n";
+    Folder::new([("wall.obj", obj.into()), ("capture.toml", capture.into())])
+}
+
+#[rstest]
+#[case::time_in_its_place(
+    "time_s = 0.01",
+    "--set exposure.auto=true",
+    "--set exposure.auto=true takes the place of exposure.time_s"
+)]
+#[case::limit_in_its_place("time_s = 0.01", "--set exposure.max_time_s=9", "takes the place of exposure.time_s")]
+#[case::limits_lost("max_time_s = 9", "--set exposure.time_s=0.01", "takes the place of exposure.max_time_s")]
+#[case::gain_lost("gain_db = 3", "--set exposure.iso=1000", "takes the place of exposure.gain_db")]
+#[case::two_arguments(
+    "",
+    "--set exposure.auto=true --set exposure.time_s=0.01",
+    "exposure.time_s=0.01 takes the place of exposure.auto"
+)]
+#[case::a_time_for_none("auto = true", "--set exposure.time_s=0.01", "")]
+#[case::another_time("time_s = 0.01", "--set exposure.time_s=0.02", "")]
+fn keys_that_an_argument_makes_void_are_named(#[case] exposure: &str, #[case] arguments: &str, #[case] warning: &str) {
+    let folder = wall(500.0, exposure);
+    for command in [format!("render capture.toml -o out {arguments}"), format!("expose plain -o again {arguments}")] {
+        if command.starts_with("expose") {
+            folder.succeed("render capture.toml -o plain --quiet");
+        }
+        let outcome = folder.succeed(&command);
+        let name = command.split(' ').nth(3).expect("a folder");
+        let warnings = folder.report(name)["warnings"].clone();
+        let warnings = warnings.as_array().expect("a list");
+        if warning.is_empty() {
+            assert!(warnings.is_empty(), "{warnings:?}");
+        } else {
+            assert!(warnings.len() == 1 && outcome.text().contains(warning), "{command}: {}", outcome.stderr);
+        }
+    }
+}
+
+#[test]
+fn both_keys_in_a_file_are_an_error() {
+    let folder = wall(500.0, "time_s = 0.01\nauto = true");
+    folder.fail("render capture.toml -o out", 1, &["exposure.auto: cannot go with time_s", "keep one of them"]);
+}
+
+#[test]
+fn automatic_exposure_says_where_it_ends() {
+    let time = |folder: &Folder, name: &str| folder.report(name)["exposure"]["time_s"].as_f64().expect("a time");
+    let warnings = |folder: &Folder, name: &str| folder.report(name)["warnings"].as_array().expect("a list").len();
+    let folder = wall(500.0, "");
+    folder.succeed("render capture.toml -o out");
+    let free = time(&folder, "out");
+    assert!((1e-6..10.0).contains(&free) && warnings(&folder, "out") == 0, "{free}");
+    // Of a time that is a fifth, gain makes up for all; of a thousandth, for 24 dB or whatever the sensor has.
+    let gain_db = "--set exposure.gain_db=0";
+    let limited = |part: f64, more: &str| {
+        let limit = free * part;
+        let outcome =
+            folder.succeed(&format!("expose out -o limited --force --set exposure.max_time_s={limit:e} {more}"));
+        assert!((time(&folder, "limited") / limit - 1.0).abs() < 1e-12 && warnings(&folder, "limited") == 1);
+        outcome.text()
+    };
+    let said = limited(0.2, "");
+    assert!(said.contains("(exposure.max_time_s), at a gain of 13.98 dB, which makes up for the rest"), "{said}");
+    // Nothing but the time counts where the gain is stated: a fifth of the brightness.
+    let said = limited(0.2, gain_db);
+    assert!(said.contains("at a gain of 0.00 dB, and the picture has 20.000 % of the brightness aimed at"), "{said}");
+    assert!(said.contains("raise exposure.max_time_s"), "{said}");
+    // 10 dB are √10.
+    let said = limited(0.01, "--set exposure.max_gain_db=10");
+    assert!(said.contains("at a gain of 10.00 dB, and the picture has 3.162 % of the brightness"), "{said}");
+
+    // Times are in inverse proportion to light, but for the dark current.
+    for (lux, words) in [
+        (500.0 * free / 60.0, ["there is little light", "exposure.max_time_s"]),
+        (500.0 * free * 1e7, ["shorter than shutters are", "lens.f_number"]),
+    ] {
+        let folder = wall(lux, "");
+        let outcome = folder.succeed("render capture.toml -o out");
+        let said = outcome.text();
+        assert!(words.iter().all(|words| said.contains(words)) && warnings(&folder, "out") == 1, "{said}");
+        assert!(!(1e-6..=10.0).contains(&time(&folder, "out")), "{}", time(&folder, "out"));
+        // Again from the stored light.
+        assert!(folder.succeed("expose out -o again").text().contains(words[0]));
+    }
+}

@@ -151,3 +151,38 @@ fn calibrations_come_with_the_data_set_where_lenses_keep() {
     let zoomed = made(&format!("{SET}[[vary]]\nkey = 'lens.focal_length_mm'\nsweep = [5, 6]\n"), "");
     assert!(!zoomed.path("out/calibration").exists());
 }
+
+/// Reports have the pose of the middle of the picture; earlier ones had that of its start, without saying when it is.
+#[test]
+fn data_sets_whose_poses_are_of_the_start_are_laid_out_as_before() {
+    let poses = "[poses.trajectory]\nframe_rate_hz = 10\nposes = [\n\
+        { time_s = 0, position_m = [-0.1, 0, 0.6], look_at_m = [0, 0, 0] },\n\
+        { time_s = 1, position_m = [0.3, 0.2, 0.6], look_at_m = [0.1, 0, 0] },\n]\n";
+    let set = SET.split("[poses").next().expect("the rig").to_owned() + poses;
+    let folder = made(&set, "");
+    folder.succeed("layout out --format euroc -o new --quiet");
+    for (camera, frame) in ["left", "right"].into_iter().flat_map(|camera| (0..3).map(move |frame| (camera, frame))) {
+        let name = format!("out/{camera}/{frame:06}");
+        let mut report = folder.report(&name);
+        let block = report["camera"].as_object_mut().expect("a table");
+        let time = block.shift_remove("pose_time_s").and_then(|time| time.as_f64()).expect("a time");
+        let numbers = |value: &serde_json::Value| -> Vec<f64> {
+            value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+        };
+        // Between poses the camera goes straight; the poses say how it turns.
+        let first = numbers(&block["motion"]["poses"][0]["position_m"]);
+        let second = numbers(&block["motion"]["poses"][1]["position_m"]);
+        let of = |i: usize| block["motion"]["poses"][i]["time_s"].as_f64().expect("a time");
+        let part = (0.0 - of(0)) / (of(1) - of(0));
+        assert!(time > 0.0, "{time}");
+        let start: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a + (b - a) * part).collect();
+        block["position_m"] = serde_json::json!(start);
+        folder.add(&format!("{name}/capture.json"), serde_json::to_vec(&report).expect("JSON"));
+    }
+    folder.succeed("layout out --format euroc -o old --quiet");
+    let states = |name: &str| {
+        let path = folder.path(name).join("mav0/state_groundtruth_estimate0/data.csv");
+        std::fs::read_to_string(path).expect("states")
+    };
+    assert_eq!(states("new"), states("old"));
+}

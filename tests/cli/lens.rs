@@ -1,5 +1,6 @@
 //! Lenses on the command line: `photosite project`, what `info` says of them, and what is refused.
 
+use photosite::image::Planes;
 use rstest::rstest;
 use serde_json::Value;
 
@@ -98,4 +99,126 @@ fn sweeps_change_focus_and_focal_length_on_the_command_line() {
     }
     // What the file says of focus gives way.
     column("--set lens.autofocus_px=centre");
+}
+
+/// Mean electrons of all pixels under an even sky.
+fn under_even_sky(lens: &str) -> f64 {
+    let folder = Folder::new([
+        ("away.obj", b"v 0 0 9\nv 1 0 9\nv 0 1 9\nusemtl black\nf 1 2 3\n".to_vec()),
+        (
+            "capture.toml",
+            format!(
+                "[scene]\ngeometry = ['away.obj']\nenvironment = {{ illuminant = 'D65', illuminance_lux = 500 }}\n\
+                 [camera]\nposition_m = [0, 0, 0]\nlook_at_m = [0, 0, -1]\n[lens]\nfocal_length_mm = 50\n\
+                 focus_distance_m = 'infinity'\n{lens}\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [8, 8]\n\
+                 [exposure]\ntime_s = 1e-5\n[render]\nsamples_per_pixel = 1024\n"
+            )
+            .into(),
+        ),
+    ]);
+    folder.succeed("render capture.toml -o out --quiet");
+    let electrons = folder.electrons("out").mean;
+    electrons.channels()[0].data.iter().map(|&e| f64::from(e)).sum::<f64>() / 64.0
+}
+
+#[test]
+fn lens_pinhole_and_no_falloff_count_the_same_electrons() {
+    let of = |f_number: f64| {
+        ["", "falloff = 'none'", "type = 'pinhole'", "type = 'pinhole'\nfalloff = 'none'"]
+            .map(|kind| under_even_sky(&format!("f_number = {f_number}\n{kind}")))
+    };
+    let [fast, slow] = [1.4, 8.0].map(of);
+    // 65 536 samples, 262 144 wavelengths of a response that varies by its own size: 2e-3/√… with Sobol's points far below
+    // 5e-4. The field of 8 pixels of 6 µm at 50 mm is too small for any falloff.
+    for (found, first) in
+        [(fast, fast[0]), (slow, slow[0])].into_iter().flat_map(|(all, first)| all.map(|e| (e, first)))
+    {
+        assert!((found / first - 1.0).abs() < 2e-3, "{found} {first}");
+    }
+    // sin²θ' with tan θ' = 1/2N.
+    let share = |f_number: f64| (0.5 / f_number).atan().sin().powi(2);
+    let (found, expected) = (fast[0] / slow[0], share(1.4) / share(8.0));
+    assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+}
+
+#[rstest]
+#[case::distance("focus_distance_m = 2", "lens.focus_distance_m has no effect: a pinhole has no focus")]
+#[case::autofocus("autofocus_px = 'centre'", "lens.autofocus_px has no effect: a pinhole has no focus")]
+#[case::infinity("focus_distance_m = 'infinity'", "")]
+#[case::nothing("", "")]
+fn a_pinhole_has_no_focus(#[case] focus: &str, #[case] warning: &str) {
+    let folder = Folder::new([
+        ("wall.obj", b"v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nusemtl wall\nf 1 2 3 4\n".to_vec()),
+        (
+            "capture.toml",
+            format!(
+                "[scene]\ngeometry = ['wall.obj']\nenvironment = {{ illuminant = 'D65', illuminance_lux = 500 }}\n\
+                 [materials.wall]\ntype = 'diffuse'\nreflectance = 0.5\n[camera]\nposition_m = [0, 0, 0.2]\n\
+                 look_at_m = [0, 0, 0]\n[lens]\ntype = 'pinhole'\nfocal_length_mm = 16\n{focus}\n\
+                 [sensor]\nresolution_px = [16, 12]\npixel_pitch_um = [4, 5]\n[exposure]\ntime_s = 0.01\n\
+                 [render]\nsamples_per_pixel = 1\n"
+            )
+            .into(),
+        ),
+    ]);
+    let outcome = folder.succeed("render capture.toml -o out");
+    let report = folder.report("out");
+    let warnings = report["warnings"].as_array().expect("a list");
+    if warning.is_empty() {
+        assert!(warnings.is_empty(), "{warnings:?}");
+    } else {
+        assert!(outcome.text().contains(warning) && warnings.len() == 1, "{}", outcome.stderr);
+    }
+    // f over the pixel's sides.
+    let matrix = &report["camera"]["camera_matrix"];
+    let [fx, fy] = [0, 1].map(|i| matrix[i][i].as_f64().expect("a number"));
+    assert!((fx - 16e-3 / 4e-6).abs() < 1e-9 && (fy - 16e-3 / 5e-6).abs() < 1e-9, "{matrix}");
+    assert_eq!(report["lens"]["image_distance_mm"], 16.0);
+}
+
+/// Where the light of a picture is in the mean, px.
+fn centroid(planes: &Planes) -> [f64; 2] {
+    let (data, width) = (&planes.channels()[0].data, planes.width());
+    let sum: f64 = data.iter().map(|&e| f64::from(e)).sum();
+    let moment = |at: &dyn Fn(usize) -> usize| {
+        data.iter().enumerate().map(|(i, &e)| f64::from(e) * at(i) as f64).sum::<f64>() / sum
+    };
+    [moment(&|i| i % width), moment(&|i| i / width)]
+}
+
+#[rstest]
+// Cells of 4 µm on pixels of 4 µm, and where their light is from the middle: to the right and down.
+#[case::odd("0, 0, 0, 0, 1\n0, 0, 1, 0, 0\n0, 0, 0, 0, 0\n", [1.0, -0.5])]
+#[case::even("1, 3\n", [0.25, 0.0])]
+#[case::symmetric("1, 2, 1\n2, 4, 2\n1, 2, 1\n", [0.0, 0.0])]
+fn a_kernel_shifts_a_point_of_light_as_it_stands_in_its_file(#[case] kernel: &str, #[case] shift: [f64; 2]) {
+    // A lamp of some 4 × 4 pixels, which Sobol's points hit in 4096 · 16 samples.
+    let lamp = "v -0.002 -0.0021 0\nv 0.0021 -0.0021 0\nv 0.0021 0.002 0\nv -0.002 0.002 0\nusemtl lamp\nf 1 2 3 4\n";
+    let capture = "[scene]\ngeometry = ['lamp.obj']\n[materials.lamp]\ntype = 'diffuse'\nreflectance = 0.0\n\
+        emission = { illuminant = 'D65', luminance_nit = 1000 }\n[camera]\nposition_m = [0, 0, 1]\nlook_at_m = [0, 0, 0]\n\
+        [lens]\ntype = 'pinhole'\nfocal_length_mm = 4\n[sensor]\npreset = 'sony-imx249-mono'\n\
+        resolution_px = [16, 16]\npixel_pitch_um = [4, 4]\n[exposure]\ntime_s = 0.01\n\
+        [render]\nsamples_per_pixel = 1024\nmax_depth = 1\n";
+    let folder = Folder::new([("lamp.obj", lamp.into()), ("capture.toml", capture.into()), ("psf.csv", kernel.into())]);
+    let found = |out: &str, more: &str| {
+        let outcome = folder.succeed(&format!("render capture.toml -o {out} {more}"));
+        (centroid(&folder.electrons(out).mean), outcome)
+    };
+    let psf =
+        |origin: &str| format!("--set lens.psf={{kind='kernel',pitch_um=4,kernels=[{{file='psf.csv'}}]{origin}}}");
+    let (sharp, _) = found("sharp", "");
+    let shifted = shift != [0.0, 0.0];
+    for (out, origin, expected) in
+        [("given", "", shift), ("centre", ",origin='centre'", shift), ("centroid", ",origin='centroid'", [0.0; 2])]
+    {
+        let (seen, outcome) = found(out, &psf(origin));
+        for axis in 0..2 {
+            // Each edge of the lamp, 5 px long with the kernel, is known to 1/√1024 of a pixel at each of its pixels at worst:
+            // 0.03·√5 of 16 px of light at an arm of 3 px, 0.013 px; stratified points do better.
+            let moved = seen[axis] - sharp[axis];
+            assert!((moved - expected[axis]).abs() < 0.03, "{out}, axis {axis}: {moved}, not {}", expected[axis]);
+        }
+        let says = outcome.text().contains("lens.psf: the light of kernels[0] is") && outcome.text().contains("origin");
+        assert_eq!(says, shifted && origin.is_empty(), "{out}: {}", outcome.stderr);
+    }
 }

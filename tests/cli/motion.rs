@@ -1,7 +1,10 @@
 //! Cameras that move while they record, and line cameras.
 
+use glam::{DMat3, DVec3};
+use photosite::io::exr::read_exr;
 use photosite::math::statistics::Moments;
 use rstest::rstest;
+use serde_json::Value;
 
 use crate::folder::Folder;
 use crate::room::room;
@@ -151,4 +154,127 @@ fn impossible_motions_are_refused(#[case] more: &str, #[case] message: &str, #[c
     let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl wall\nf 1 2 3\n";
     let folder = Folder::new([("room.obj", obj.into()), ("capture.toml", format!("{scene}{more}\n").into())]);
     folder.fail("render capture.toml", 1, &["capture.toml", message, help]);
+}
+
+/// A board that a fast camera comes nearer to, and turns.
+fn passing(shutter: &str) -> Folder {
+    let capture = format!(
+        "[scene]\nenvironment = {{ illuminant = 'D65', illuminance_lux = 500 }}\n[[targets]]\ntype = 'chessboard'\n\
+         name = 'board'\nsquares = [9, 6]\nsquare_mm = 30\n[camera]\nposition_m = [0.02, -0.03, 0.6]\nlook_at_m = [0, 0, 0]\n\
+         motion = {{ velocity_m_per_s = [3, 1, -8], angular_velocity_deg_per_s = [0, 40, 300] }}\n\
+         [lens]\nfocal_length_mm = 6\nfocus_distance_m = 'infinity'\n[sensor]\npreset = 'sony-imx249-mono'\n\
+         resolution_px = [64, 48]\npixel_pitch_um = [100, 100]\n{shutter}[exposure]\ntime_s = 0.004\n\
+         [render]\nsamples_per_pixel = 1\nmax_depth = 1\n[output]\ntruth = ['depth', 'position']\n"
+    );
+    Folder::new([("capture.toml", capture.into())])
+}
+
+/// What of a report is needed to project: rotation, translation, and the matrix, rows first.
+fn pose(report: &Value) -> (DMat3, DVec3, DMat3) {
+    let camera = &report["camera"];
+    let numbers = |value: &Value| -> Vec<f64> {
+        value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+    };
+    let matrix = |value: &Value| {
+        let rows = value.as_array().expect("rows").iter().flat_map(numbers).collect::<Vec<f64>>();
+        DMat3::from_cols_slice(&rows).transpose()
+    };
+    let rotation = matrix(&camera["rotation"]);
+    (rotation, DVec3::from_slice(&numbers(&camera["translation_m"])), matrix(&camera["camera_matrix"]))
+}
+
+/// Column and row, and the depth.
+fn seen((rotation, translation, matrix): &(DMat3, DVec3, DMat3), world: DVec3) -> [f64; 3] {
+    let p = *rotation * world + *translation;
+    let pixel = *matrix * (p / p.z);
+    [pixel.x, pixel.y, p.z]
+}
+
+fn points(report: &Value) -> Vec<(DVec3, [f64; 2])> {
+    let target = &report["targets"][0];
+    let numbers = |value: &Value| -> Vec<f64> {
+        value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+    };
+    let lists = |key: &str| target[key].as_array().expect("a list").iter().map(numbers).collect::<Vec<_>>();
+    let both = lists("points_world_m").into_iter().zip(lists("points_px"));
+    both.map(|(world, px)| (DVec3::from_slice(&world), [px[0], px[1]])).collect()
+}
+
+/// Where `photosite project` puts points.
+fn projected(folder: &Folder, points: &[(DVec3, [f64; 2])]) -> Vec<[f64; 2]> {
+    let lines = points.iter().map(|(p, _)| format!("{}, {}, {}\n", p.x, p.y, p.z));
+    folder.add("points.csv", lines.collect::<String>());
+    let answer = folder.succeed("project capture.toml --points points.csv").stdout;
+    let numbers = |line: &str| -> Vec<f64> { line.split(',').map(|x| x.parse().expect("a number")).collect() };
+    answer.lines().map(numbers).map(|px| [px[0], px[1]]).collect()
+}
+
+#[test]
+fn pose_truth_and_targets_of_a_moving_camera_are_of_the_middle_of_the_exposure() {
+    let folder = passing("");
+    folder.succeed("render capture.toml -o out --quiet");
+    let report = folder.report("out");
+    assert_eq!(report["camera"]["pose_time_s"], 0.002);
+    let place = report["camera"]["position_m"].as_array().expect("three numbers");
+    for (axis, (start, velocity)) in [(0.02, 3.0), (-0.03, 1.0), (0.6, -8.0)].into_iter().enumerate() {
+        let expected = start + velocity * 0.002;
+        assert!((place[axis].as_f64().expect("a number") - expected).abs() < 1e-12, "{place:?}");
+    }
+    let pose = pose(&report);
+    // Both sides calculate in double precision, from numbers that are written with all digits.
+    let points = points(&report);
+    assert_eq!(points.len(), 40);
+    for ((world, px), by_command) in points.iter().zip(projected(&folder, &points)) {
+        let [column, row, _] = seen(&pose, *world);
+        assert!((column - px[0]).abs() < 1e-8 && (row - px[1]).abs() < 1e-8, "{column}, {row}: {px:?}");
+        assert!((by_command[0] - px[0]).abs() < 1e-8 && (by_command[1] - px[1]).abs() < 1e-8, "{by_command:?}: {px:?}");
+    }
+    let file = std::fs::File::open(folder.path("out/truth.exr")).expect("truth.exr");
+    let truth = read_exr(std::io::BufReader::new(file)).expect("a picture").planes;
+    let plane = |name: &str| truth.plane(name).unwrap_or_else(|| panic!("no {name}"));
+    let mut told = 0;
+    for i in 0..64 * 48 {
+        let [x, y, z] = ["position.X", "position.Y", "position.Z"].map(|name| f64::from(plane(name)[i]));
+        if x.is_nan() {
+            continue;
+        }
+        let [column, row, depth] = seen(&pose, DVec3::new(x, y, z));
+        // f32 positions and rays over 0.6 m, at 60 px a radian: some 1e-6 · 60/0.6.
+        let (x, y) = ((i % 64) as f64, (i / 64) as f64);
+        assert!((column - x).abs() < 2e-4 && (row - y).abs() < 2e-4, "{column}, {row}: pixel {x}, {y}");
+        assert!((depth - f64::from(plane("depth")[i])).abs() < 2e-6, "{depth}: {}", plane("depth")[i]);
+        told += 1;
+    }
+    assert!(told > 500, "the board fills {told} pixels");
+    // What other tools are told is that pose, too.
+    let ours = folder.succeed("camera capture.toml --format colmap -o model").stderr;
+    let images = std::fs::read_to_string(folder.path("model/images.txt")).unwrap_or_else(|e| panic!("{e}: {ours}"));
+    let line = images.lines().find(|line| !line.starts_with('#')).expect("a picture");
+    let numbers: Vec<f64> = line.split(' ').skip(5).take(3).map(|x| x.parse().expect("a number")).collect();
+    assert!((DVec3::from_slice(&numbers) - pose.1).length() < 1e-12, "{line}");
+}
+
+#[test]
+fn rows_that_follow_each_other_have_their_pose_at_the_middle_one() {
+    let folder = passing("shutter = { kind = 'rolling', row_time_us = 50 }\n");
+    folder.succeed("render capture.toml -o out --quiet");
+    let report = folder.report("out");
+    // 47 rows later the last one starts.
+    let middle = (47.0 * 50e-6 + 0.004) / 2.0;
+    let told = report["camera"]["pose_time_s"].as_f64().expect("a time");
+    assert!((told - middle).abs() < 1e-15, "{told}");
+    let (at_middle, points) = (pose(&report), points(&report));
+    for ((world, px), by_command) in points.iter().zip(projected(&folder, &points)) {
+        assert!((by_command[0] - px[0]).abs() < 1e-8 && (by_command[1] - px[1]).abs() < 1e-8, "{by_command:?}: {px:?}");
+        // Every point is seen when its row is: the camera is later by 50 µs a row, by the motion that the report tells.
+        let later = (px[1] - 23.5) * 50e-6;
+        let (rotation, _, matrix) = at_middle;
+        let position = rotation.transpose() * (DVec3::ZERO - at_middle.1) + DVec3::new(3.0, 1.0, -8.0) * later;
+        // Axes of OpenCV: y and z are turned about.
+        let turn = DVec3::new(0.0, -40.0, -300.0) * (std::f64::consts::PI / 180.0) * later;
+        let turned = DMat3::from_axis_angle(turn.try_normalize().unwrap_or(DVec3::X), turn.length());
+        let rotation = turned.transpose() * rotation;
+        let [column, row, _] = seen(&(rotation, DVec3::ZERO - rotation * position, matrix), *world);
+        assert!((column - px[0]).abs() < 1e-8 && (row - px[1]).abs() < 1e-8, "{column}, {row}: {px:?}");
+    }
 }

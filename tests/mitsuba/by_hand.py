@@ -53,12 +53,12 @@ def illuminant_a():
 
 
 def film(preset, columns, rows, pitch_um, f_number, focal_length, image_distance, seconds):
-    """A film that counts electrons: QE·λ/(hc) · filter · pixel area · π/4·(D/v)² · time, without falloff."""
+    """A film that counts electrons: QE·λ/(hc) · filter · pixel area · π·sin²θ' · time, tan θ' = D/2v, without falloff."""
     path = ROOT / "assets" / "sensors" / f"{preset}.toml"
     sensor = tomllib.loads(path.read_text(encoding="utf-8"))
     filter_ = at(path.parent / sensor["filter"]["transmittance"]["file"]) if "filter" in sensor else 1.0
     per_joule = GRID * 1e-9 / (PLANCK * LIGHT_SPEED) * sensor["fill_factor"] * filter_
-    aperture = math.pi / 4 * (focal_length / f_number / image_distance) ** 2
+    aperture = math.pi * math.sin(math.atan(focal_length / f_number / 2 / image_distance)) ** 2
     factor = per_joule * (pitch_um * 1e-6) ** 2 * aperture * seconds
     responses = {
         name: regular(at(path.parent / channel["quantum_efficiency"]["file"]) * factor)

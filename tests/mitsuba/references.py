@@ -10,7 +10,9 @@ mitsuba.py in that folder says otherwise: a function load(mitsuba, folder, expor
 has the channels of the capture's sensor and counts electrons, or a list of scenes that have some of the channels each. It
 describes the scene by hand, or calls export(), which returns the path of the exported one, to change that.
 
-Beside the capture are stored reference.exr, the picture with its variances, and reference.json, where it comes from.
+Beside the capture are stored reference.exr, the picture with its variances, and reference.json, where it comes from. A
+`scale` there is what a picture was multiplied by later, its variances by the square: the f-number's share of the light,
+which is a constant factor of the picture, was π/4·(D/v)² when it was rendered and has been π·sin²θ' since (tan θ' = D/2v).
 Needs Python 3.11, `pip install -r requirements.txt`, LLVM 17 or later (Debian: apt install libllvm19) and
 `cargo build --release`.
 """

@@ -2,7 +2,9 @@
 
 use photosite::image::Planes;
 use photosite::math::statistics::Moments;
-use photosite::sensor::{AutoExposure, Exposure, Metering, NoiseKey, Stage, Stages, auto_exposure, expose, presets};
+use photosite::sensor::{
+    AutoExposure, Exposure, Metering, NoiseKey, Stage, Stages, TimeLimit, auto_exposure, expose, presets,
+};
 use photosite::spectrum::Spectrum;
 use photosite::units::{Decibels, Electrons, Seconds};
 
@@ -43,7 +45,7 @@ fn auto_exposure_brings_the_bright_pixels_to_the_level() {
         let target = AutoExposure { metering, ..AutoExposure::default() };
         let [least, most] = sensor.converter.gain_range;
         let wanted = Exposure { gain: Decibels(6.0f64.clamp(least.0, most.0)), ..EXPOSURE };
-        let exposure = auto_exposure(&rates, Seconds(1.0), &sensor, &wanted, target).expect("there is light");
+        let exposure = auto_exposure(&rates, Seconds(1.0), &sensor, &wanted, target).expect("there is light").exposure;
         let raw = expose(&rates.scaled(exposure.time.0), &sensor, &exposure, Stages::NONE, NoiseKey::default())
             .expect("valid");
         let numbers = raw.cropped().data;
@@ -61,9 +63,15 @@ fn auto_exposure_brings_the_bright_pixels_to_the_level() {
 fn sensors_that_scan_are_exposed_for_a_line_time_at_most() {
     let sensor = presets::model("generic-line-scan").expect("a preset");
     let rates = flat(&sensor, 64, 4, 10.0);
-    let found =
-        auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, AutoExposure::default()).expect("there is light");
+    let found = auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, AutoExposure::default())
+        .expect("there is light")
+        .exposure;
     assert_eq!(found.time, sensor.shutter.row_time());
+    let said =
+        auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, AutoExposure::default()).expect("there is light");
+    assert_eq!(said.limit, Some(TimeLimit::Line));
+    // 10 e⁻/s in a line time, and the dark current, are next to nothing of what saturates.
+    assert!(said.brightness < 1e-3 && said.warning().is_some_and(|text| text.contains("sensor.shutter.row_time_us")));
     found.validate(&sensor).expect("what the sensor can do");
 }
 
@@ -90,7 +98,8 @@ fn metering_the_mean_counts_saturated_pixels_as_saturated() {
     }
     for level in [0.1001, 0.18, 0.5, 0.9] {
         let target = AutoExposure { metering: Metering::Mean(level), ..AutoExposure::default() };
-        let exposure = auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, target).expect("there is light");
+        let exposure =
+            auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, target).expect("there is light").exposure;
         let light = rates.clone().scaled(exposure.time.0);
         let raw = expose(&light, &sensor, &exposure, Stages::only(&[Stage::FullWell]), NoiseKey::default());
         let mean = raw.expect("valid").data.iter().map(|&dn| f64::from(dn) - 1000.0).sum::<f64>() / 2000.0;
@@ -113,7 +122,7 @@ fn gain_rises_where_time_may_not() {
     let target = AutoExposure { metering: Metering::Mean(0.5), max_time: None, max_gain: Some(Decibels(40.0)) };
     let found = |max_time: f64, target: AutoExposure| {
         let target = AutoExposure { max_time: Some(Seconds(max_time)), ..target };
-        auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, target).expect("there is light")
+        auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, target).expect("there is light").exposure
     };
     let free = found(100.0, target);
     assert!((free.time.0 - 30.0).abs() < 1e-9 && free.gain == Decibels(0.0));

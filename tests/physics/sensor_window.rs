@@ -143,7 +143,7 @@ fn exposure_and_speed_know_of_bins() {
         [(BinningMethod::Charge, 64_535.0 / 4.0), (BinningMethod::Sum, 64_535.0 / 4.0), (BinningMethod::Mean, 60_000.0)]
     {
         let wanted = Exposure { window: binned([2, 2], method), ..EXPOSURE };
-        let found = auto_exposure(&light, Seconds(1.0), &sensor, &wanted, target).expect("light");
+        let found = auto_exposure(&light, Seconds(1.0), &sensor, &wanted, target).expect("light").exposure;
         // 1000 e⁻/s fill half of what a pixel may hold.
         assert!((found.time.0 / (0.5 * capacity / 1000.0) - 1.0).abs() < 1e-12, "{method:?}: {:?}", found.time);
         let speed = |exposure: &Exposure| sensor.iso(exposure).expect("linear");

@@ -116,14 +116,6 @@ impl Built {
         objects: &[SceneObject],
         models: &mut Vec<Model>,
     ) -> Result<Self, Invalid> {
-        let found = SceneObject::of_instances(description.instances.iter().map(|i| (i.name.clone(), i.to_world)));
-        let is_same = |(a, b): (&SceneObject, &SceneObject)| {
-            a.name == b.name && a.numbers == b.numbers && a.to_world.abs_diff_eq(b.to_world, 1e-9)
-        };
-        if found.len() != objects.len() || !found.iter().zip(objects).all(is_same) {
-            let message = "the geometry that the captures name is not that of the pictures any more";
-            return Err(Invalid::new("", message).help("put the files back, or make the data set again"));
-        }
         let moves = |i: &crate::scene::description::InstanceDescription| {
             !i.later.is_empty() || !description.meshes[i.mesh].later_shapes.is_empty()
         };
@@ -131,6 +123,14 @@ impl Built {
             let message =
                 format!("{} moves while the picture is taken, and BOP files have one pose for it", instance.name);
             return Err(Invalid::new("scene.animation", message).help("make a data set without animation"));
+        }
+        let found = SceneObject::of_instances(description.instances.iter().map(|i| (i.name.clone(), i.to_world)));
+        let is_same = |(a, b): (&SceneObject, &SceneObject)| {
+            a.name == b.name && a.numbers == b.numbers && a.to_world.abs_diff_eq(b.to_world, 1e-9)
+        };
+        if found.len() != objects.len() || !found.iter().zip(objects).all(is_same) {
+            let message = "the geometry that the captures name is not that of the pictures any more";
+            return Err(Invalid::new("", message).help("put the files back, or make the data set again"));
         }
         if let Some(instance) = description.instances.iter().find(|i| description.meshes[i.mesh].is_sphere) {
             let message = format!("{:?} is a sphere, and BOP files have models of triangles", instance.name);

@@ -6,26 +6,57 @@ use glam::DVec2;
 
 use super::colour::Finder;
 use super::settings::positive_number;
-use super::tables::{LateralColourTable, PointSpreadTable, StopTable};
+use super::tables::{KernelOrigin, LateralColourTable, PointSpreadTable, StopTable};
 use crate::Invalid;
+use crate::io::warnings::Warnings;
 use crate::optics::{Kernel, KernelField, LateralColour, PointSpread, Stop};
 
-pub(super) fn point_spread(finder: &Finder<'_>, table: &PointSpreadTable) -> Result<PointSpread, Invalid> {
+/// Kernels that shift the picture by more than this, px, are worth a warning: corners are found as well as that.
+const SEEN_SHIFT_PX: f64 = 0.05;
+
+pub(super) fn point_spread(
+    finder: &Finder<'_>,
+    table: &PointSpreadTable,
+    pixel_pitch_m: [f64; 2],
+    warnings: &mut Warnings,
+) -> Result<PointSpread, Invalid> {
     match table {
         PointSpreadTable::Gaussian { sigma_um } => {
             Ok(PointSpread::Gaussian { sigma_m: positive_number("sigma_um", *sigma_um, "1.5")? * 1e-6 })
         }
         PointSpreadTable::Airy => Ok(PointSpread::Airy),
-        PointSpreadTable::Kernel { pitch_um, kernels } => {
+        PointSpreadTable::Kernel { pitch_um, kernels: tables, origin } => {
             let pitch_m = positive_number("pitch_um", *pitch_um, "0.5")? * 1e-6;
-            let kernels = kernels.iter().enumerate().map(|(i, kernel)| {
+            let kernels = tables.iter().enumerate().map(|(i, kernel)| {
                 let measured = measured(finder, &kernel.file, pitch_m);
                 let measured = measured.map_err(|invalid| invalid.within(&format!("kernels[{i}]")))?;
-                Ok((DVec2::from_array(kernel.at), measured))
+                let placed = match origin {
+                    None | Some(KernelOrigin::Centre) => measured,
+                    Some(KernelOrigin::Centroid) => measured.about_centroid(),
+                };
+                Ok((DVec2::from_array(kernel.at), placed))
             });
-            Ok(PointSpread::Measured(Arc::new(KernelField::new(kernels.collect::<Result<_, Invalid>>()?)?)))
+            let kernels = kernels.collect::<Result<Vec<_>, Invalid>>()?;
+            if origin.is_none() {
+                shift_warning(&kernels, pixel_pitch_m).into_iter().for_each(|warning| warnings.once(warning));
+            }
+            Ok(PointSpread::Measured(Arc::new(KernelField::new(kernels)?)))
         }
     }
+}
+
+/// What is to be said of kernels whose light is not about their middle, by the one that shifts the picture most.
+fn shift_warning(kernels: &[(DVec2, Kernel)], pixel_pitch_m: [f64; 2]) -> Option<String> {
+    let shifts = kernels.iter().map(|(_, kernel)| kernel.centroid_m() / DVec2::from_array(pixel_pitch_m));
+    let (number, shift) = shifts.enumerate().max_by(|(_, a), (_, b)| a.length().total_cmp(&b.length()))?;
+    let [right, down] = shift.to_array();
+    (shift.length() > SEEN_SHIFT_PX).then(|| {
+        format!(
+            "lens.psf: the light of kernels[{number}] is {right:.2} px to the right of its middle and {down:.2} px below it in \
+             the mean, and shifts the picture by as much against ground truth; write origin = \"centroid\" for a picture \
+             that stays in its place, or origin = \"centre\" if this is meant"
+        )
+    })
 }
 
 /// A kernel from a CSV file.

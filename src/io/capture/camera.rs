@@ -5,9 +5,10 @@ use glam::DAffine3;
 use super::colour::Finder;
 use super::framing::{bounding_sphere, frame};
 use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens};
-use super::tables::{CameraTable, LensTable};
+use super::tables::{CameraTable, CaptureFile};
 use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
+use crate::io::warnings::Warnings;
 use crate::optics::{CameraMotion, Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, looking};
 use crate::sensor::SensorModel;
@@ -15,13 +16,13 @@ use crate::sensor::SensorModel;
 /// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens. `focus_on_scene` focuses a lens
 /// that the file does not focus on the middle of the scene, rather than on what is in the middle of the picture.
 pub(super) fn place_camera(
-    camera: &CameraTable,
+    CaptureFile { camera, lens, .. }: &CaptureFile,
     motion: Option<&CameraMotion>,
-    lens: &LensTable,
     finder: &Finder<'_>,
     scene: &SceneDescription,
     sensor: &SensorModel,
     focus_on_scene: bool,
+    warnings: &mut Warnings,
 ) -> Result<(DAffine3, LensDescription), Invalid> {
     let pose = match motion {
         // Poses stand for themselves.
@@ -52,7 +53,7 @@ pub(super) fn place_camera(
     };
     // What lies behind the camera or within its focal length cannot be focused on.
     let default_focus = focus_distance.filter(|u| *u > 1.05 * focal_length_m).map(Focus::Distance);
-    let lens = describe_lens(finder, lens, sensor, pose.vertical_fov_rad, default_focus);
+    let lens = describe_lens(finder, lens, sensor, pose.vertical_fov_rad, default_focus, warnings);
     Ok((pose.to_world, lens.map_err(|invalid| invalid.within("lens"))?))
 }
 

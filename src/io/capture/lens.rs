@@ -7,6 +7,7 @@ use super::colour::Finder;
 use super::projection::projection;
 use super::tables::{AutofocusTable, FalloffName, FocusDistance, IntrinsicsTable, LensTable, LensType};
 use crate::Invalid;
+use crate::io::warnings::Warnings;
 use crate::optics::{Falloff, Focus, Intrinsics, LensDescription, LensKind, Projection};
 use crate::sensor::SensorModel;
 
@@ -23,7 +24,12 @@ pub(super) fn describe_lens(
     sensor: &SensorModel,
     vertical_fov_rad: Option<f64>,
     default_focus: Option<Focus>,
+    warnings: &mut Warnings,
 ) -> Result<LensDescription, Invalid> {
+    let kind = match table.kind {
+        None | Some(LensType::Thin) => LensKind::Thin,
+        Some(LensType::Pinhole) => LensKind::Pinhole,
+    };
     let size_px = sensor.pixel_array().map(|n| n as f64);
     let focus = match (&table.focus_distance_m, &table.autofocus_px) {
         (Some(_), Some(_)) => {
@@ -33,6 +39,23 @@ pub(super) fn describe_lens(
         (None, Some(pixel)) => autofocus(pixel, size_px)?,
         (None, None) => default_focus.unwrap_or(Focus::Autofocus { pixel: size_px.map(|n| n / 2.0) }),
     };
+    let focus = match kind {
+        LensKind::Thin => focus,
+        LensKind::Pinhole => {
+            let key = if table.focus_distance_m.is_some() { "focus_distance_m" } else { "autofocus_px" };
+            let is_given = table.focus_distance_m.is_some() || table.autofocus_px.is_some();
+            if is_given && focus != Focus::Infinity {
+                warnings.once(format!(
+                    "lens.{key} has no effect: a pinhole has no focus, and its picture lies one focal length behind it; remove \
+                     the key, or write type = \"thin\""
+                ));
+            }
+            Focus::Infinity
+        }
+    };
+    if table.blade_rotation_deg.is_some_and(|turn| turn != 0.0) && table.blades.unwrap_or(0) == 0 {
+        warnings.once("lens.blade_rotation_deg has no effect: the aperture is round; write blades, too");
+    }
     let projection = projection(table)?;
     let intrinsics = match (table.intrinsics, table.focal_length_mm, projection) {
         (Some(table), ..) => Some(intrinsics(table)?),
@@ -49,10 +72,7 @@ pub(super) fn describe_lens(
         (None, None, None) => DEFAULT_FOCAL_LENGTH_M,
     };
     let lens = LensDescription {
-        kind: match table.kind {
-            None | Some(LensType::Thin) => LensKind::Thin,
-            Some(LensType::Pinhole) => LensKind::Pinhole,
-        },
+        kind,
         focal_length_m,
         f_number: table.f_number.unwrap_or(DEFAULT_F_NUMBER),
         focus,
@@ -70,7 +90,7 @@ pub(super) fn describe_lens(
         point_spread: table
             .psf
             .as_ref()
-            .map(|psf| point_spread(finder, psf))
+            .map(|psf| point_spread(finder, psf, sensor.pixel_pitch_m, warnings))
             .transpose()
             .map_err(|e| e.within("psf"))?,
         lateral_colour: table

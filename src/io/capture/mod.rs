@@ -57,6 +57,7 @@ use glam::DAffine3;
 use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
+use crate::io::warnings::Warnings;
 use crate::optics::{LensDescription, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::{SensorModel, presets};
@@ -169,8 +170,10 @@ impl Capture {
         let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
         let focus_on_scene = is_scene_file(source.path());
         let motion = motion::motion(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
+        let mut warnings = Warnings::default();
+        source.displaced().iter().for_each(|message| warnings.once(message));
         let (camera_to_world, lens) =
-            place_camera(&file.camera, motion.as_ref(), &file.lens, &finder, &geometry.scene, &sensor, focus_on_scene)?;
+            place_camera(file, motion.as_ref(), &finder, &geometry.scene, &sensor, focus_on_scene, &mut warnings)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
         let scene_moves = file.scene.animation.is_some();
         let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
@@ -195,6 +198,8 @@ impl Capture {
             let invalid = Invalid::new("light_paths", "cannot go with a sensor that scans line by line");
             return Err(invalid.help("remove it, or sensor.shutter").within("render"));
         }
+        let mut scene = geometry.with_tables(file, folder)?;
+        scene.warnings.extend(warnings.into_messages());
         Ok(Self {
             recording,
             scene_moves,
@@ -202,7 +207,7 @@ impl Capture {
             render,
             develop: develop::checked(&file.develop)?,
             output: settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?,
-            scene: geometry.with_tables(file, folder)?,
+            scene,
             targets,
             camera_to_world,
             lens,

@@ -10,7 +10,16 @@ use crate::{Error, Result};
 pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
     let (key, value) = argument.split_once('=').unwrap_or((argument, ""));
     if let Some((table, key)) = key.trim().split_once('.') {
-        alternatives(table, key, value.trim()).iter().for_each(|other| source.remove(table, other));
+        let mut lost = Vec::new();
+        for other in alternatives(table, key, value.trim()) {
+            let Some(node) = source.remove(table, other) else { continue };
+            // Poses and focus of a file give way to those of data sets and sweeps all the time, and a time that is given
+            // means that none is found.
+            if table == "exposure" && (*other != "auto" || source.is_of_argument(&node)) {
+                lost.push(format!("{table}.{other}"));
+            }
+        }
+        source.note_displaced(argument, &lost);
     }
     set_in(source, "", "lens.f_number=4", argument)
 }

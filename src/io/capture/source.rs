@@ -22,6 +22,8 @@ pub struct CaptureSource {
     path: PathBuf,
     texts: Vec<Text>,
     root: Node,
+    /// What is to be said of keys that `--set` has put others in the place of.
+    displaced: Vec<String>,
 }
 
 /// A text and where it begins in the imagined long one.
@@ -44,7 +46,8 @@ enum Origin {
 impl CaptureSource {
     /// A source without values: a scene file stands in for the capture file.
     pub(super) fn of_scene_file(path: &Path) -> Self {
-        Self { path: path.to_owned(), texts: Vec::new(), root: Node { span: 0..0, value: Value::Table(Table::new()) } }
+        let root = Node { span: 0..0, value: Value::Table(Table::new()) };
+        Self { path: path.to_owned(), texts: Vec::new(), root, displaced: Vec::new() }
     }
 
     /// From the text of a capture file.
@@ -58,7 +61,7 @@ impl CaptureSource {
     pub(super) fn of_report(path: &Path, text: String, capture: &serde_json::Value) -> Self {
         let root = from_json(capture, &(0..0));
         let texts = vec![Text { origin: Origin::Report(path.to_owned()), start: 0, text }];
-        Self { path: path.to_owned(), texts, root }
+        Self { path: path.to_owned(), texts, root, displaced: Vec::new() }
     }
 
     /// The capture file, or the scene file that was given in its place.
@@ -85,12 +88,28 @@ impl CaptureSource {
     }
 
     /// Takes a key out of a table at the top of the tree, if it is there.
-    pub(super) fn remove(&mut self, table: &str, key: &str) {
-        if let Value::Table(tables) = &mut self.root.value
-            && let Some(entry) = tables.get_mut(table)
-        {
-            entry.node.remove(key);
+    pub(super) fn remove(&mut self, table: &str, key: &str) -> Option<Node> {
+        let Value::Table(tables) = &mut self.root.value else { return None };
+        tables.get_mut(table)?.node.remove(key)
+    }
+
+    /// Whether a value was given by `--set`.
+    pub(super) fn is_of_argument(&self, node: &Node) -> bool {
+        let text = self.texts.iter().rev().find(|text| text.start <= node.span.start);
+        text.is_some_and(|text| matches!(text.origin, Origin::Argument(_)))
+    }
+
+    /// Keeps for a warning that a `--set` argument has taken the place of other keys.
+    pub(super) fn note_displaced(&mut self, argument: &str, keys: &[String]) {
+        if !keys.is_empty() {
+            let keys = list(keys.iter().map(|key| &**key));
+            self.displaced.push(format!("--set {argument} takes the place of {keys}, which cannot hold beside it"));
         }
+    }
+
+    /// What [`Self::note_displaced`] has kept.
+    pub(super) fn displaced(&self) -> &[String] {
+        &self.displaced
     }
 
     fn add(&mut self, origin: Origin, text: String) -> Result<Node> {

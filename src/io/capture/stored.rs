@@ -16,6 +16,7 @@ use super::tables::{LensTable, MergedSensor, SECTIONS};
 use super::tree::from_json;
 use super::{ExposureSettings, OutputSettings, develop, keys_of, overrides, read_text, settings};
 use crate::develop::DevelopSettings;
+use crate::io::warnings::Warnings;
 use crate::optics::{Focus, LensDescription};
 use crate::sensor::SensorModel;
 use crate::{Error, Invalid, Result};
@@ -35,6 +36,8 @@ pub struct StoredCapture {
     pub seed: u64,
     /// The lens that the stored light has passed. What a glTF camera or autofocus decided of it is not known here.
     pub lens: LensDescription,
+    /// What is to be said of the exposure.
+    pub warnings: Vec<String>,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
 }
@@ -121,7 +124,9 @@ impl StoredCapture {
             move |invalid: Invalid| source.error(invalid.within(table))
         };
         let sensor = sensor_model(&sensor).map_err(at("sensor"))?;
-        let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity)).map_err(at("lens"))?;
+        // What is to be said of the lens was said when light was traced.
+        let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity), &mut Warnings::default());
+        let lens = lens.map_err(at("lens"))?;
         Ok(Self {
             exposure: settings::exposure(&exposure, &sensor).map_err(at("exposure"))?,
             output: settings::output(&output, &sensor).map_err(at("output"))?,
@@ -129,6 +134,7 @@ impl StoredCapture {
             seed: render.map_err(at("render"))?.seed,
             sensor,
             lens,
+            warnings: source.displaced().to_vec(),
             source: source.clone(),
         })
     }

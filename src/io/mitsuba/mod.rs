@@ -5,12 +5,13 @@
 //! no exact counterpart for is refused by name, or approximated and listed.
 //!
 //! The picture that Mitsuba's `specfilm` gives for it is that of `electrons.exr`: mean photo-electrons in every channel.
-//! With a falloff of none, E = τ·π/4·(D/v)²·L̄, so that each channel's response to radiance is
+//! With a falloff of none, E = τ·Ω·L̄, so that each channel's response to radiance is
 //!
-//! R(λ)·τ(λ)·π/4·(D/v)²·t, in e⁻ per W·m⁻²·sr⁻¹·nm⁻¹ and nm,
+//! R(λ)·τ(λ)·Ω·t, in e⁻ per W·m⁻²·sr⁻¹·nm⁻¹ and nm,
 //!
 //! with R the sensor's response to irradiance ([`SensorModel::responses`](crate::sensor::SensorModel::responses)), the
-//! transmittance τ, the aperture's diameter D, the distance v from the lens to the sensor and the exposure time t.
+//! transmittance τ, the projected solid angle Ω of the aperture ([`Camera::on_axis_sr`]: π·sin²θ', tan θ' = D/2v) and the exposure
+//! time t.
 //!
 //! | here | in Mitsuba | module |
 //! |---|---|---|

@@ -1,7 +1,5 @@
 //! Camera, film and integrator.
 
-use std::f64::consts::FRAC_PI_4;
-
 use glam::{DAffine3, DMat4, DVec3};
 
 use super::{Element, Output};
@@ -23,8 +21,7 @@ pub(super) fn responses(capture: &Capture, camera: &Camera, out: &mut Output) ->
             1.0
         }
     };
-    let aperture = lens.focal_length_m / lens.f_number / camera.image_distance_m();
-    let factor = FRAC_PI_4 * aperture * aperture * time;
+    let factor = camera.on_axis_sr() * time;
     let to_radiance = |response: Spectrum| response.product(&lens.transmittance).scale(factor);
     capture.sensor.responses().into_iter().map(|(name, response)| (name, to_radiance(response))).collect()
 }

@@ -5,25 +5,28 @@ use glam::DVec2;
 use crate::Invalid;
 use crate::math::distribution::PiecewiseConstant2D;
 
-/// A picture of a point, even within each of its cells, centred on its centroid.
+/// A picture of a point, even within each of its cells. Its origin lies where the lens puts the point.
 #[derive(Clone, Debug)]
 pub struct Kernel {
     distribution: PiecewiseConstant2D,
+    /// How many columns.
+    width: usize,
     /// Width and height, m.
     size_m: DVec2,
-    /// Where its light is in the mean, in parts of its size.
-    centroid: DVec2,
+    /// In parts of its size, from the first column and the first row on.
+    origin: DVec2,
     values: Vec<f32>,
 }
 
 impl PartialEq for Kernel {
     fn eq(&self, other: &Self) -> bool {
-        self.values == other.values && self.size_m == other.size_m
+        (&self.values, self.size_m, self.origin) == (&other.values, other.size_m, other.origin)
     }
 }
 
 impl Kernel {
-    /// From rows of values of cells `pitch_m` apart; only their ratios count.
+    /// From rows of values of cells `pitch_m` apart; only their ratios count. Its origin is the middle of its rows and columns:
+    /// the centre of a cell where their number is odd, and where it is even the edge between two.
     pub fn new(rows: &[Vec<f32>], pitch_m: f64) -> Result<Self, Invalid> {
         let width = rows.first().map_or(0, Vec::len);
         let values: Vec<f32> = rows.iter().flatten().copied().collect();
@@ -33,22 +36,36 @@ impl Kernel {
             let message = "is no picture of a point";
             return Err(Invalid::new("", message).help("write rows of equally many numbers, 0 or more, not all 0"));
         }
-        let size = DVec2::new(width as f64, rows.len() as f64);
-        let centre = |i: usize| DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-        let moment: DVec2 = values.iter().enumerate().map(|(i, &v)| centre(i) * f64::from(v)).sum();
         Ok(Self {
             distribution: PiecewiseConstant2D::new(&values, width),
-            size_m: size * pitch_m,
-            centroid: moment / sum / size,
+            width,
+            size_m: DVec2::new(width as f64, rows.len() as f64) * pitch_m,
+            origin: DVec2::splat(0.5),
             values,
         })
+    }
+
+    /// The same with its origin where its light is in the mean, so that it shifts no picture.
+    #[must_use]
+    pub fn about_centroid(self) -> Self {
+        let origin = self.origin + self.centroid_m() / self.size_m;
+        Self { origin, ..self }
+    }
+
+    /// Where its light is in the mean, from its origin to the right and down, m: by as much it shifts the picture.
+    pub fn centroid_m(&self) -> DVec2 {
+        let size = DVec2::new(self.width as f64, (self.values.len() / self.width) as f64);
+        let centre = |i: usize| DVec2::new((i % self.width) as f64 + 0.5, (i / self.width) as f64 + 0.5);
+        let sum: f64 = self.values.iter().copied().map(f64::from).sum();
+        let moment: DVec2 = self.values.iter().enumerate().map(|(i, &v)| centre(i) * f64::from(v)).sum();
+        (moment / sum / size - self.origin) * self.size_m
     }
 
     /// An offset from which light comes, m. A point spreads to the right where a pixel gathers from the left.
     #[inline]
     pub(super) fn sample(&self, u: [f32; 2]) -> DVec2 {
         let ([x, y], _) = self.distribution.sample(u);
-        (self.centroid - DVec2::new(f64::from(x), f64::from(y))) * self.size_m
+        (self.origin - DVec2::new(f64::from(x), f64::from(y))) * self.size_m
     }
 }
 

@@ -106,8 +106,8 @@ fn gaussians_and_measured_kernels_have_their_transforms() {
         assert!((found[0] - expected).abs() < 1.0 / f64::from(N), "{f}: {} {expected}", found[0]);
     }
     // Two cells of 2 µm with light 1 : 3 along x, and one with all of it elsewhere.
-    let cells = Kernel::new(&[vec![1.0, 3.0]], 2e-6).expect("light");
-    let sharp = Kernel::new(&[vec![0.0, 0.0], vec![0.0, 1.0]], 1e-12).expect("light");
+    let cells = Kernel::new(&[vec![1.0, 3.0]], 2e-6).expect("light").about_centroid();
+    let sharp = Kernel::new(&[vec![0.0, 0.0], vec![0.0, 1.0]], 1e-12).expect("light").about_centroid();
     let field = KernelField::new(vec![(DVec2::ZERO, cells), (DVec2::ONE, sharp)]).expect("two kernels");
     let spread = PointSpread::Measured(Arc::new(field));
     let mut mean = DVec2::ZERO;
@@ -122,4 +122,31 @@ fn gaussians_and_measured_kernels_have_their_transforms() {
     }
     assert!(mean.length() < 1e-9, "{mean}");
     assert!(Kernel::new(&[vec![1.0], vec![1.0, 2.0]], 1e-6).is_err() && Kernel::new(&[vec![0.0]], 1e-6).is_err());
+}
+
+#[test]
+fn the_middle_of_a_kernel_stays_in_its_place() {
+    // Rows of values, and where their light is from the middle, in cells: to the right and down.
+    for (rows, centroid) in [
+        (vec![vec![0.0, 0.0, 1.0], vec![0.0; 3], vec![0.0; 3]], [1.0, -1.0]),
+        (vec![vec![1.0, 2.0, 1.0], vec![2.0, 4.0, 2.0], vec![1.0, 2.0, 1.0]], [0.0, 0.0]),
+        // With an even number, the middle is between two cells.
+        (vec![vec![1.0, 3.0]], [0.25, 0.0]),
+        (vec![vec![0.0, 0.0], vec![0.0, 0.0], vec![0.0, 0.0], vec![2.0, 2.0]], [0.0, 1.5]),
+    ] {
+        let pitch_m = 3e-6;
+        let kernel = Kernel::new(&rows, pitch_m).expect("light");
+        let expected = DVec2::from_array(centroid) * pitch_m;
+        assert!((kernel.centroid_m() - expected).length() < 1e-18, "{rows:?}: {}", kernel.centroid_m());
+        let moved = kernel.clone().about_centroid();
+        assert!(moved.centroid_m().length() < 1e-18 && (moved == kernel) == (centroid == [0.0, 0.0]));
+        for (kernel, expected) in [(kernel, expected), (moved, DVec2::ZERO)] {
+            let at = |i: u32| (i as f32 + 0.5) / N as f32;
+            let all = (0..N * N).map(|i| kernel.sample([at(i % N), at(i / N)]));
+            // A pixel gathers light from where it would be without: the other way. Of each cell the samples are even to a
+            // part in N.
+            let mean = all.sum::<DVec2>() / f64::from(N * N);
+            assert!((mean + expected).length() < 2.0 * pitch_m / f64::from(N), "{rows:?}: {mean} {expected}");
+        }
+    }
 }

@@ -58,12 +58,12 @@ pub(crate) struct LensTable {
     pub(crate) kind: Option<LensType>,
     /// Focal length, mm. Left out: what the field of view of a glTF camera or the intrinsics ask for, else 16.
     pub(crate) focal_length_mm: Option<f64>,
-    /// Focal length over the diameter of the aperture. Left out: 8.
+    /// Focal length over the diameter of the aperture, or of the circle through the corners of one with blades. Left out: 8.
     pub(crate) f_number: Option<f64>,
-    /// Distance from the lens to what is sharp, along the axis, m; or "infinity".
+    /// Distance from the lens to what is sharp, along the axis, m; or "infinity". Nothing to a pinhole.
     pub(crate) focus_distance_m: Option<FocusDistance>,
     /// Focuses on what is seen at a pixel: column and row from the top-left corner, or "centre". Left out, as is the
-    /// distance: "centre".
+    /// distance: "centre". Nothing to a pinhole.
     pub(crate) autofocus_px: Option<AutofocusTable>,
     /// Aperture blades; 0 is a round aperture. Left out: 0.
     pub(crate) blades: Option<u32>,
@@ -101,7 +101,8 @@ pub(crate) struct LensTable {
 pub(crate) enum LensType {
     /// With depth of field.
     Thin,
-    /// Everything is sharp; the f-number sets the exposure only.
+    /// Everything is sharp, and the picture lies one focal length behind it, without focus; the f-number sets the exposure only,
+    /// to that of a thin lens on the axis.
     Pinhole,
 }
 
@@ -131,7 +132,8 @@ pub(crate) enum AutofocusTable {
 pub(crate) enum FalloffName {
     /// By the natural cos⁴ of each point of the aperture, for a rectilinear lens; by the étendue for any other.
     Cos4,
-    /// As bright everywhere as on the axis.
+    /// As bright everywhere as on the axis of a thin lens of this f-number: π·sin²θ' times the mean radiance over a round
+    /// aperture, where tan θ' is its radius over the distance from the lens to the sensor.
     None,
 }
 
@@ -200,7 +202,20 @@ pub(crate) enum PointSpreadTable {
         pitch_um: f64,
         /// At least one; the nearest counts.
         kernels: Vec<KernelTable>,
+        /// What of a kernel lies where the lens puts the point. Left out: "centre".
+        origin: Option<KernelOrigin>,
     },
+}
+
+/// What of a kernel lies where the lens puts the point.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum KernelOrigin {
+    /// The middle of its rows and columns: the centre of a value where their number is odd, and where it is even half-way
+    /// between two. Light that is not about it shifts the picture, against ground truth as well.
+    Centre,
+    /// Its light in the mean, so that it shifts nothing.
+    Centroid,
 }
 
 /// A measured picture of a point.

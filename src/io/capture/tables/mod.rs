@@ -23,7 +23,7 @@ pub(super) use camera::{
     PoseTable,
 };
 pub(super) use camera::{
-    DistortionModel, FalloffName, LateralColourTable, PointSpreadTable, ProjectionName, StopTable,
+    DistortionModel, FalloffName, KernelOrigin, LateralColourTable, PointSpreadTable, ProjectionName, StopTable,
 };
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
 pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable};
