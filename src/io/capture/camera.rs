@@ -86,7 +86,7 @@ fn pose(table: &CameraTable, cameras: &[CameraDescription]) -> Result<Option<Pos
                 let help = if cameras.is_empty() {
                     "it has no cameras; write position_m and look_at_m instead".to_owned()
                 } else {
-                    format!("its cameras are {}", list(names()))
+                    format!("its cameras are {}", list(name, names()))
                 };
                 Err(Invalid::new("gltf_camera", message).help(help))
             }

@@ -41,7 +41,7 @@ fn refuse_other_tables(argument: &str) -> Result<()> {
         (format!("--set {argument}: the key stands in the table [develop]"), format!("write --set develop.{argument}"))
     } else {
         let suggestion = did_you_mean(key, keys.iter().map(String::as_str));
-        let help = format!("the keys are develop. and one of {}", list(keys.iter().map(String::as_str)));
+        let help = format!("the keys are develop. and one of {}", list(key, keys.iter().map(String::as_str)));
         (format!("--set {argument}: unknown key `{key}`{suggestion}"), help)
     };
     Err(Error::Usage { message, help: Some(help) })

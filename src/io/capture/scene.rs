@@ -182,7 +182,8 @@ impl ReadScene {
                     let help = match known[..] {
                         [] => format!("describe it in a table [materials.{}]", table.material),
                         _ => {
-                            format!("describe it in a table [materials.{}]; there are {}", table.material, list(known))
+                            let known = list(&table.material, known);
+                            format!("describe it in a table [materials.{}]; there are {known}", table.material)
                         }
                     };
                     return Err(
@@ -268,7 +269,7 @@ fn check_name(key: &str, kind: &str, name: Option<&str>, known: &[String]) -> Re
     let message = format!("the geometry has no {kind} {name:?}{}", did_you_mean(name, names()));
     let help = match known {
         [] => "its files have none; remove the key".to_owned(),
-        _ => format!("its {key}s are {}", list(names())),
+        _ => format!("its {key}s are {}", list(name, names())),
     };
     Err(Invalid::new(format!("scene.{key}"), message).help(help))
 }

@@ -145,7 +145,8 @@ fn is_path(name: &str) -> bool {
 
 fn unknown_preset(name: &str) -> Invalid {
     let message = format!("photosite has no sensor {name:?}{}", did_you_mean(name, presets::names()));
-    let help = format!("known are {}; a file is written with its ending, \"{name}.toml\"", list(presets::names()));
+    let help =
+        format!("known are {}; a file is written with its ending, \"{name}.toml\"", list(name, presets::names()));
     Invalid::new("sensor.preset", message).help(help)
 }
 

@@ -152,7 +152,7 @@ impl CaptureSource {
                 if !error.message.contains(';') {
                     error.message += &did_you_mean(key, elsewhere.iter().copied());
                 }
-                error.help = error.help.map(|help| format!("{help}; and {}", list(elsewhere.iter().copied())));
+                error.help = error.help.map(|help| format!("{help}; and {}", list(key, elsewhere.iter().copied())));
             }
             self.type_error(path, error)
         })
