@@ -30,7 +30,8 @@ pub struct AdcDescription {
     pub conversion_gain_dn_per_e: f64,
     /// Digital number of no charge.
     pub black_level_dn: u32,
-    /// Smallest and largest gain that an exposure may ask for, dB.
+    /// Smallest and largest gain that an exposure may ask for, dB. Left out: 0 dB alone.
+    #[serde(default)]
     pub gain_db_range: [f64; 2],
     /// Nonlinearity of the amplifiers: a charge q passes as q·(1 + c₁·q/F + c₂·(q/F)² + …), with the full well F and these
     /// c₁, c₂ … in percent. Left out: linear.
