@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::{DeserializeOwned, DeserializeSeed};
 
+use super::overrides::shown;
 use super::reader::{ReadError, Reader};
 use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
 use crate::io::json;
@@ -194,7 +195,7 @@ impl CaptureSource {
         match &text.origin {
             Origin::File(path) => invalid.in_text(path, &text.text, start..end),
             Origin::Report(path) => json::located(invalid.within("capture"), path, text.text.as_bytes()),
-            Origin::Argument(argument) => invalid.in_file(format!("--set {argument}").as_ref()),
+            Origin::Argument(argument) => invalid.in_file(shown(argument).as_ref()),
         }
     }
 }
