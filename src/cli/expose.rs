@@ -51,7 +51,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     let mut folder = OutputFolder::claim(&folder, *force)?;
 
     let start = Instant::now();
-    let mut warnings = Vec::new();
+    let mut warnings = capture.warnings.clone();
     let white = match scene_light(&report) {
         Some(light) => light,
         None => {

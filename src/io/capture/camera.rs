@@ -4,16 +4,15 @@ use glam::DAffine3;
 
 use super::colour::Finder;
 use super::framing::{bounding_sphere, frame};
-use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens};
-use super::tables::{CameraTable, LensTable};
+use super::lens::{DEFAULT_FOCAL_LENGTH_M, ON_SCENE, describe_lens};
+use super::tables::{CameraTable, FocusDistance, LensTable};
 use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
 use crate::optics::{CameraMotion, Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, looking};
 use crate::sensor::SensorModel;
 
-/// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens. `focus_on_scene` focuses a lens
-/// that the file does not focus on the middle of the scene, rather than on what is in the middle of the picture.
+/// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens.
 pub(super) fn place_camera(
     camera: &CameraTable,
     motion: Option<&CameraMotion>,
@@ -21,7 +20,6 @@ pub(super) fn place_camera(
     finder: &Finder<'_>,
     scene: &SceneDescription,
     sensor: &SensorModel,
-    focus_on_scene: bool,
 ) -> Result<(DAffine3, LensDescription), Invalid> {
     let pose = match motion {
         // Poses stand for themselves.
@@ -34,6 +32,7 @@ pub(super) fn place_camera(
     };
     let focal_length_m = lens.focal_length_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm / 1e3);
     let sphere = bounding_sphere(scene);
+    let focus_on_scene = matches!(&lens.focus_distance_m, Some(FocusDistance::Name(name)) if name == ON_SCENE);
     let (pose, focus_distance) = match (pose, sphere) {
         // The distance of the middle of the scene along the axis.
         (Some(pose), Some(sphere)) if focus_on_scene => {

@@ -13,8 +13,8 @@ use crate::{Error, Invalid, Result};
 /// those of a capture file (`develop.demosaic`).
 pub fn read_develop_settings(capture: Option<&Path>, overrides: &[String]) -> Result<(DevelopSettings, CaptureSource)> {
     let mut source = match capture {
-        Some(path) => CaptureSource::parse(path, super::read_text(path)?)?,
-        None => CaptureSource::of_scene_file("--set".as_ref()),
+        Some(path) => super::read_source(path)?,
+        None => CaptureSource::empty("--set".as_ref()),
     };
     for argument in overrides {
         refuse_other_tables(argument)?;
