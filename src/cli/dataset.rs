@@ -69,9 +69,8 @@ pub(super) fn run(args: &DatasetArgs) -> Result<()> {
     }
     let frames = set.frames(numbers)?;
     // Keys that there are not show now, as do poses that cannot be had.
-    if let Some(frame) = frames.values().next() {
-        let keys = |overrides: &Vec<String>| Capture::read(&set.capture_path, &set.with_arguments(overrides));
-        frame.iter().try_for_each(|overrides| keys(overrides).map(|_| ()))?;
+    if let Some((number, frame)) = frames.first_key_value() {
+        set.cameras().zip(frame).try_for_each(|(camera, changes)| set.capture(camera, *number, changes).map(|_| ()))?;
     }
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
     let path = args.output.as_deref().unwrap_or(&default);
@@ -134,6 +133,12 @@ impl DataSet {
         overrides.iter().chain(&self.arguments).cloned().collect()
     }
 
+    /// The capture of a camera in a frame. What is wrong with a change is wrong with the key that asks for it.
+    fn capture(&self, camera: &str, number: u32, changes: &[String]) -> Result<Capture> {
+        let capture = Capture::read(&self.capture_path, &self.with_arguments(changes));
+        capture.map_err(|error| self.file.error_of_change(error, camera, Some(number), changes))
+    }
+
     /// Makes all pictures of the frames that are not there, with the light that a camera has in a frame, and returns how many
     /// those were.
     pub(super) fn make(
@@ -149,8 +154,9 @@ impl DataSet {
         let todo: Vec<_> = pictures.filter(|&(number, camera, _)| !folder.is_done(camera, number)).collect();
         let progress = Progress::over_images(todo.len() as u64, talk.quiet || talk.json);
         for (made, &(number, camera, overrides)) in todo.iter().enumerate() {
-            let overrides = self.with_arguments(overrides);
-            let capture = Capture::read(&self.capture_path, &overrides)?;
+            let capture = self.capture(camera, number, overrides)?;
+            let changes = overrides;
+            let overrides = self.with_arguments(changes);
             let light = light(camera, number)?;
             let partial = folder.begin(camera, number)?;
             let mut results = OutputFolder::claim(&partial, true)?;
@@ -168,7 +174,8 @@ impl DataSet {
                 silent: true,
                 is_timed: false,
             };
-            render(capture, &request, &mut results, Timings::default())?;
+            let rendered = render(capture, &request, &mut results, Timings::default());
+            rendered.map_err(|error| self.file.error_of_change(error, camera, Some(number), changes))?;
             drop(results);
             folder.finish(camera, number)?;
             progress.advance(1);
@@ -218,9 +225,14 @@ fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result
     let mut captures = Vec::new();
     for place in rig {
         let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
-        let capture = Capture::read(capture_path, &set)?;
-        check(&capture)?;
-        let camera = lone_camera(&capture)?;
+        let read = || {
+            let capture = Capture::read(capture_path, &set)?;
+            check(&capture)?;
+            let camera = lone_camera(&capture)?;
+            Ok((camera, capture))
+        };
+        let read = read().map_err(|error| file.error_of_change(error, &place.name, None, &place.set));
+        let (camera, capture) = read?;
         cameras.push(RigCamera { place, camera });
         captures.push(capture);
     }

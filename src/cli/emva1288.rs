@@ -106,12 +106,13 @@ const THERMAL_STEPS: u32 = 10;
 const MOST_VALUES: f64 = 10_000.0;
 
 pub(super) fn run(args: &Emva1288Args) -> Result<()> {
-    let sensor = read_named_sensor(&args.sensor, &args.overrides)?;
+    let (sensor, warnings) = read_named_sensor(&args.sensor, &args.overrides)?;
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("emva1288-{}", sensor.name)));
     let size = image_size(&sensor, args.size)?;
     let work = works(args, &sensor)?;
     refuse_output(&output, args.force)?;
     if !args.quiet {
+        warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
         for key in effects_left_out(&sensor) {
             eprintln!("warning: {key} is in the images, but not in the figures that are expected of them");
         }

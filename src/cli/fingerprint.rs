@@ -8,16 +8,12 @@ use photosite::{Error, Result};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
-/// The keys of a capture, with paths relative to its own folder. The hashes of all files that they name, and that of a scene
-/// file which stands for a capture, are added to `hashes`.
+/// The keys of a capture, with paths relative to its own folder. The hashes of all files that they name are added to
+/// `hashes`.
 pub(super) fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>) -> Result<Value> {
-    let path = capture.source.path();
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let folder = capture.source.path().parent().unwrap_or(Path::new(""));
     let values = capture.to_json(folder)?;
     add_files(&values, folder, hashes)?;
-    if capture.source.text().is_empty() {
-        add_file(&path.file_name().unwrap_or_default().to_string_lossy(), path, hashes)?;
-    }
     Ok(values)
 }
 

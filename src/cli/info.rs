@@ -23,7 +23,7 @@ use super::{print_json, println_out, rounded};
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
 pub(super) struct InfoArgs {
-    /// A .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a sensor preset.
+    /// A .toml, capture.json, .gltf, .glb, .obj, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a sensor preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -49,7 +49,7 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
             Some(sensor) => Ok(of_sensor(&sensor)),
             None => Ok(of_capture(&Capture::read(path, &[])?)),
         },
-        "gltf" | "glb" | "obj" => Ok(of_capture(&Capture::read(path, &[])?)),
+        "gltf" | "glb" | "obj" | "json" => Ok(of_capture(&Capture::read(path, &[])?)),
         "exr" => {
             let picture = read_exr(open(path)?).map_err(|invalid| invalid.in_file(path))?;
             let mut facts = of_planes(&picture.planes);
@@ -66,7 +66,7 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
         "dng" => Ok(of_raw(&raw::read(path)?.linear())),
         "tif" | "tiff" | "pgm" | "ppm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
         _ => {
-            let help = "give a .toml, .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or a name that `photosite sensors` lists";
+            let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or a name that `photosite sensors` lists";
             Err(Invalid::new("", "is of no kind that photosite knows").help(help).in_file(path))
         }
     }

@@ -16,7 +16,7 @@ fn folder(capture: String) -> Folder {
 
 #[rstest]
 #[case::syntax("[lens]\nf_number = = 2", 5, "is not valid TOML", "extra `=`")]
-#[case::table("[lense]\nf_number = 2", 4, "lense: unknown key `lense`; did you mean `lens`?", "are scene, lights")]
+#[case::table("[lense]\nf_number = 2", 4, "lense: unknown key `lense`; did you mean `lens`?", "are lens, sensor")]
 #[case::key("[lens]\nf_numbre = 2", 5, "unknown key `f_numbre` in [lens]; did you mean `f_number`?", "the keys here")]
 #[case::kind("[lens]\nf_number = 'wide'", 5, "lens.f_number: expected a number, found string \"wide\"", "")]
 #[case::f_number("[lens]\nf_number = 0", 5, "lens.f_number: must be above 0, got 0", "for example f_number = 2.8")]
@@ -30,7 +30,7 @@ fn folder(capture: String) -> Folder {
     "[sensor]\npreset = 'sony-imx294-mono'",
     5,
     "no sensor \"sony-imx294-mono\"; did you mean `sony-imx249-mono`?",
-    "known are andor-zyla-55"
+    "known are sony-imx249-mono, sony-imx250-mono"
 )]
 #[case::quantum_efficiency(
     "[sensor.channels.R]\nquantum_efficiency = 1.3",

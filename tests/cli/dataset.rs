@@ -254,3 +254,37 @@ fn errors_name_file_key_and_line(#[case] dataset: &str, #[case] message: &str) {
     assert!(outcome.text().contains(message), "{message:?} is missing in: {}", outcome.stderr);
     assert!(!folder.path("out").exists(), "nothing is left behind");
 }
+
+/// Errors of what a data set file asks for name its key, the frame and the camera, in a few lines.
+#[rstest]
+#[case::variation(
+    "frames = 2\nseed = 1\n[[vary]]\nkey = 'exposure.gain_db'\nuniform = [90, 91]\n",
+    &["set.toml:4: vary[0]: in frame 0: exposure.gain_db: 90.", "dB is not among the gains"]
+)]
+#[case::misspelt("[[vary]]\nkey = 'lens.f_numbr'\nuniform = [2, 4]\n", &["set.toml:2: vary[0]", "did you mean `f_number`?"])]
+#[case::change("set = ['render.samples_per_pixel=2', 'exposure.gain_db=90']\n", &["set.toml:2: set[1]: exposure.gain_db: 90 dB"])]
+#[case::no_value("set = ['exposure.gain_db']\n", &["set.toml:2: set[0]: there is no value"])]
+#[case::camera(
+    "[[cameras]]\nname = 'left'\n[[cameras]]\nname = 'right'\nset = ['exposure.gain_db=90']\n",
+    &["set.toml:6: cameras[1].set[0]: of camera right: exposure.gain_db: 90 dB"]
+)]
+#[case::trajectory(
+    "set = ['exposure.auto=true']\n[poses.trajectory]\nframe_rate_hz = 10\nposes = [\n\
+     { time_s = 0, position_m = [0, 0, 0.6], look_at_m = [0, 0, 0] },\n\
+     { time_s = 1, position_m = [0.1, 0, 0.6], look_at_m = [0, 0, 0] }]\n",
+    &["set.toml:3: poses.trajectory: in frame 0: camera.motion: needs an exposure time"]
+)]
+fn errors_of_changes_name_what_asks_for_them(#[case] dataset: &str, #[case] wanted: &[&str]) {
+    let outcome = folder(dataset).fail("dataset set.toml", 1, wanted);
+    assert!(outcome.stderr.len() < 1000 && !outcome.stderr.contains("--set"), "{}", outcome.stderr);
+}
+
+/// What the command line says is its own.
+#[test]
+fn errors_of_arguments_name_them() {
+    let long = format!("lens.psf.kernel=[{}]", "0.125,".repeat(200));
+    let outcome =
+        folder("").fail(&format!("dataset set.toml --set {long}"), 1, &["--set lens.psf.kernel=[0.125,", "…"]);
+    assert!(outcome.stderr.len() < 1500, "{}", outcome.stderr);
+    folder("").fail("dataset set.toml --set exposure.gain_db=90", 1, &["--set exposure.gain_db=90: exposure.gain_db"]);
+}

@@ -32,6 +32,7 @@ mod report;
 mod room;
 mod same_bytes;
 mod seeds;
+mod stored_sensors;
 mod strips;
 mod targets;
 mod wavelengths;

@@ -6,6 +6,7 @@
 //! the description and its number alone, so that any of them can be made by anyone, in any order.
 
 mod description;
+mod origin;
 mod plan;
 mod poses;
 mod variation;

@@ -4,8 +4,8 @@ use glam::DAffine3;
 
 use super::colour::Finder;
 use super::framing::{bounding_sphere, frame};
-use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens};
-use super::tables::{CameraTable, CaptureFile};
+use super::lens::{DEFAULT_FOCAL_LENGTH_M, ON_SCENE, describe_lens};
+use super::tables::{CameraTable, CaptureFile, FocusDistance};
 use crate::Invalid;
 use crate::io::suggest::{did_you_mean, list};
 use crate::io::warnings::Warnings;
@@ -13,15 +13,13 @@ use crate::optics::{CameraMotion, Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, looking};
 use crate::sensor::SensorModel;
 
-/// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens. `focus_on_scene` focuses a lens
-/// that the file does not focus on the middle of the scene, rather than on what is in the middle of the picture.
+/// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens.
 pub(super) fn place_camera(
     CaptureFile { camera, lens, .. }: &CaptureFile,
     motion: Option<&CameraMotion>,
     finder: &Finder<'_>,
     scene: &SceneDescription,
     sensor: &SensorModel,
-    focus_on_scene: bool,
     warnings: &mut Warnings,
 ) -> Result<(DAffine3, LensDescription), Invalid> {
     let pose = match motion {
@@ -35,6 +33,7 @@ pub(super) fn place_camera(
     };
     let focal_length_m = lens.focal_length_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm / 1e3);
     let sphere = bounding_sphere(scene);
+    let focus_on_scene = matches!(&lens.focus_distance_m, Some(FocusDistance::Name(name)) if name == ON_SCENE);
     let (pose, focus_distance) = match (pose, sphere) {
         // The distance of the middle of the scene along the axis.
         (Some(pose), Some(sphere)) if focus_on_scene => {
@@ -87,7 +86,7 @@ fn pose(table: &CameraTable, cameras: &[CameraDescription]) -> Result<Option<Pos
                 let help = if cameras.is_empty() {
                     "it has no cameras; write position_m and look_at_m instead".to_owned()
                 } else {
-                    format!("its cameras are {}", list(names()))
+                    format!("its cameras are {}", list(name, names()))
                 };
                 Err(Invalid::new("gltf_camera", message).help(help))
             }

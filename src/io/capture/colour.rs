@@ -167,7 +167,7 @@ impl<'a> Finder<'a> {
             let names: Vec<String> = illuminant::names().collect();
             let names = names.iter().map(String::as_str);
             Invalid::new("illuminant", format!("there is no illuminant {name:?}{}", did_you_mean(name, names.clone())))
-                .help(format!("known are {}, daylight as D40–D250 and blackbodies as 3000K", list(names)))
+                .help(format!("known are {}, daylight as D40–D250 and blackbodies as 3000K", list(name, names)))
         })?;
         // Of the named lights, blackbodies alone are physical; all others are tables relative to 560 nm.
         let is_absolute = name.to_ascii_lowercase().ends_with('k');
@@ -183,7 +183,7 @@ fn in_csv(path: &Path, invalid: Invalid) -> Invalid {
 fn unknown_spectrum<N: Iterator<Item = &'static str>>(name: &str, names: impl Fn() -> N) -> Invalid {
     let message = format!("photosite has no spectrum called {name:?} of this kind{}", did_you_mean(name, names()));
     Invalid::new("", message)
-        .help(format!("known are {}; a file is written as {{ file = \"{name}.csv\" }}", list(names())))
+        .help(format!("known are {}; a file is written as {{ file = \"{name}.csv\" }}", list(name, names())))
 }
 
 /// Colours 0–1.

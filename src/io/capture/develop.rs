@@ -13,8 +13,8 @@ use crate::{Error, Invalid, Result};
 /// those of a capture file (`develop.demosaic`).
 pub fn read_develop_settings(capture: Option<&Path>, overrides: &[String]) -> Result<(DevelopSettings, CaptureSource)> {
     let mut source = match capture {
-        Some(path) => CaptureSource::parse(path, super::read_text(path)?)?,
-        None => CaptureSource::of_scene_file("--set".as_ref()),
+        Some(path) => super::read_source(path)?,
+        None => CaptureSource::empty("--set".as_ref()),
     };
     for argument in overrides {
         refuse_other_tables(argument)?;
@@ -41,7 +41,7 @@ fn refuse_other_tables(argument: &str) -> Result<()> {
         (format!("--set {argument}: the key stands in the table [develop]"), format!("write --set develop.{argument}"))
     } else {
         let suggestion = did_you_mean(key, keys.iter().map(String::as_str));
-        let help = format!("the keys are develop. and one of {}", list(keys.iter().map(String::as_str)));
+        let help = format!("the keys are develop. and one of {}", list(key, keys.iter().map(String::as_str)));
         (format!("--set {argument}: unknown key `{key}`{suggestion}"), help)
     };
     Err(Error::Usage { message, help: Some(help) })

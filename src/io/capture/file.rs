@@ -40,7 +40,7 @@ pub(super) fn refuse_unknown_sections(source: &CaptureSource) -> Result<()> {
     match source.sections().find(|(key, _)| !SECTIONS.contains(key)) {
         Some((key, _)) => {
             let message = format!("unknown key `{key}`{}", did_you_mean(key, SECTIONS));
-            let help = format!("the tables of a capture file are {}", list(SECTIONS));
+            let help = format!("the tables of a capture file are {}", list(key, SECTIONS));
             Err(source.error(Invalid::new(key, message).help(help)))
         }
         None => Ok(()),
@@ -134,7 +134,7 @@ pub(super) fn target(source: &CaptureSource, path: &str, node: &Node) -> Result<
     let kind = kind.ok_or_else(|| {
         let names = TargetKind::ALL.iter().map(|kind| kind.name());
         let invalid = Invalid::new(path, "the key `type` is missing");
-        source.error(invalid.help(format!("write type = \"chessboard\", or one of {}", list(names))))
+        source.error(invalid.help(format!("write type = \"chessboard\", or one of {}", list("", names))))
     })?;
     let mut placement = description.clone();
     if let (Value::Table(place), Value::Table(own)) = (&mut placement.value, &mut description.value) {

@@ -13,11 +13,13 @@ use crate::sensor::SensorModel;
 
 /// Focal length where nothing asks for another, m.
 pub(super) const DEFAULT_FOCAL_LENGTH_M: f64 = 0.016;
+/// The focus distance that is that of the middle of the geometry.
+pub(super) const ON_SCENE: &str = "scene";
 /// f-number where nothing asks for another.
 pub(super) const DEFAULT_F_NUMBER: f64 = 8.0;
 
 /// Describes a lens. `vertical_fov_rad` is that of a glTF camera, if one is used: without a focal length of the table's
-/// own, it decides. `default_focus` holds where the table says nothing of focus.
+/// own, it decides. `default_focus` holds where the table says nothing of focus, or to focus on the scene.
 pub(super) fn describe_lens(
     finder: &Finder<'_>,
     table: &LensTable,
@@ -31,13 +33,15 @@ pub(super) fn describe_lens(
         Some(LensType::Pinhole) => LensKind::Pinhole,
     };
     let size_px = sensor.pixel_array().map(|n| n as f64);
+    let unstated = || default_focus.unwrap_or(Focus::Autofocus { pixel: size_px.map(|n| n / 2.0) });
     let focus = match (&table.focus_distance_m, &table.autofocus_px) {
         (Some(_), Some(_)) => {
             return Err(Invalid::new("autofocus_px", "cannot go with focus_distance_m").help("keep one of them"));
         }
+        (Some(FocusDistance::Name(name)), None) if name == ON_SCENE => unstated(),
         (Some(distance), None) => focus_distance(distance)?,
         (None, Some(pixel)) => autofocus(pixel, size_px)?,
-        (None, None) => default_focus.unwrap_or(Focus::Autofocus { pixel: size_px.map(|n| n / 2.0) }),
+        (None, None) => unstated(),
     };
     let focus = match kind {
         LensKind::Thin => focus,
@@ -124,7 +128,7 @@ fn focus_distance(distance: &FocusDistance) -> Result<Focus, Invalid> {
         FocusDistance::Metres(u) => Ok(Focus::Distance(*u)),
         FocusDistance::Name(name) if name == "infinity" => Ok(Focus::Infinity),
         FocusDistance::Name(name) => Err(Invalid::new("focus_distance_m", format!("unknown distance {name:?}"))
-            .help("write a number of metres, or \"infinity\"")),
+            .help("write a number of metres, \"infinity\" or \"scene\"")),
     }
 }
 

@@ -188,7 +188,7 @@ fn named<'a, T>(
             let help = if names.is_empty() {
                 format!("it has no {kind}s")
             } else {
-                format!("its {kind}s are {}", list(names.iter().copied()))
+                format!("its {kind}s are {}", list(name, names.iter().copied()))
             };
             Err(Invalid::new(key, message).help(help))
         }

@@ -45,7 +45,7 @@ fn unknown_material(path: String, name: &str, materials: &[MaterialDescription])
     let message = format!("the geometry has no material {name:?}{}", did_you_mean(name, names()));
     let help = match materials {
         [] => "the capture has no geometry".to_owned(),
-        _ => format!("its materials are {}", list(names())),
+        _ => format!("its materials are {}", list(name, names())),
     };
     Invalid::new(path, message).help(help)
 }
@@ -124,7 +124,7 @@ fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectru
             Some(metal) => Ok((metal.eta, metal.k)),
             None => {
                 let message = format!("photosite has no metal {name:?}{}", did_you_mean(name, library::conductors()));
-                let help = format!("known are {}; or give {{ file = \"n-k.csv\" }}", list(library::conductors()));
+                let help = format!("known are {}; or give {{ file = \"n-k.csv\" }}", list(name, library::conductors()));
                 Err(Invalid::new("", message).help(help))
             }
         },
@@ -175,7 +175,8 @@ fn index(
         }
         (Some(name), None) => library::glass(name).ok_or_else(|| {
             let message = format!("photosite has no glass {name:?}{}", did_you_mean(name, library::glasses()));
-            Invalid::new("glass", message).help(format!("known are {}; or give an index", list(library::glasses())))
+            Invalid::new("glass", message)
+                .help(format!("known are {}; or give an index", list(name, library::glasses())))
         }),
         (None, Some(index)) => dispersion(finder, index, abbe_number).map_err(|e| e.within("index")),
     }

@@ -24,6 +24,7 @@
 mod aberrations;
 mod camera;
 mod colour;
+mod converter_bits;
 mod dataset;
 mod develop;
 mod file;
@@ -60,14 +61,14 @@ use crate::integrator::RenderSettings;
 use crate::io::warnings::Warnings;
 use crate::optics::{LensDescription, Recording};
 use crate::scene::description::SceneDescription;
-use crate::sensor::{SensorModel, presets};
+use crate::sensor::SensorModel;
 use crate::{Error, Invalid, Result};
 
 use camera::place_camera;
 use colour::Finder;
 use relocate::relocate;
 use scene::ReadScene;
-use sensor::sensor_model;
+use sensor::{close_sensor, sensor_model};
 use tables::CaptureFile;
 use target::place_targets;
 
@@ -120,28 +121,21 @@ impl Capture {
 
     /// The same for the picture of that number, in whose time an animated scene has gone on.
     pub fn read_frame(path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
-        let is_report = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-        let mut source = if is_scene_file(path) {
-            CaptureSource::of_scene_file(path)
-        } else if is_report {
-            StoredReport::read(path)?.source(path)
-        } else {
-            let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-            let source = CaptureSource::parse(path, read_text(path)?);
-            // Syntax errors help nobody who gave a file of another kind.
-            if is_toml { source? } else { source.map_err(|_| unknown_kind(path))? }
-        };
+        let mut source = read_source(path)?;
         for argument in overrides {
             overrides::set(&mut source, argument)?;
         }
+        if is_scene_file(path) {
+            focus_on_scene(&mut source);
+        }
         let folder = path.parent().unwrap_or(Path::new(""));
-        let file = CaptureFile::read(&mut source, folder)?;
+        let mut file = CaptureFile::read(&mut source, folder)?;
         let moment = motion::moment(&file, frame).map_err(|invalid| source.error(invalid))?;
-        let mut geometry = if is_scene_file(path) {
-            ReadScene::of_scene_file(&source, &file.scene, moment.as_ref(), path)?
-        } else {
-            ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?
-        };
+        let mut geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
+        if is_scene_file(path) {
+            geometry.surround(&mut source)?;
+            file.scene = source.read("scene")?.unwrap_or_default();
+        }
         let placed = || -> Result<Self, Invalid> {
             let targets = place_targets(&file.targets)?;
             geometry.add_spheres(&file.scene.spheres, &file.materials)?;
@@ -151,8 +145,8 @@ impl Capture {
         placed().map_err(|invalid| source.error(invalid))
     }
 
-    /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. A sensor file of the
-    /// user's own is taken up without its name. Paths become relative to `folder`, where this is going to be kept.
+    /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. They stand for
+    /// themselves: the sensor is whole and names no preset. Paths become relative to `folder`, where this is going to be kept.
     pub fn to_json(&self, folder: &Path) -> Result<serde_json::Value> {
         keys_of(&self.source, &self.sensor.name, folder)
     }
@@ -168,12 +162,11 @@ impl Capture {
     ) -> Result<Self, Invalid> {
         let finder = Finder::new(folder, Vec::new());
         let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
-        let focus_on_scene = is_scene_file(source.path());
         let motion = motion::motion(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
         let mut warnings = Warnings::default();
         source.displaced().iter().for_each(|message| warnings.once(message));
         let (camera_to_world, lens) =
-            place_camera(file, motion.as_ref(), &finder, &geometry.scene, &sensor, focus_on_scene, &mut warnings)?;
+            place_camera(file, motion.as_ref(), &finder, &geometry.scene, &sensor, &mut warnings)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
         let scene_moves = file.scene.animation.is_some();
         let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
@@ -200,6 +193,7 @@ impl Capture {
         }
         let mut scene = geometry.with_tables(file, folder)?;
         scene.warnings.extend(warnings.into_messages());
+        scene.warnings.extend_from_slice(&file.sensor.warnings);
         Ok(Self {
             recording,
             scene_moves,
@@ -220,15 +214,37 @@ impl Capture {
 /// All keys of a capture, with paths relative to the folder `to`.
 fn keys_of(source: &CaptureSource, sensor: &str, to: &Path) -> Result<serde_json::Value> {
     let mut keys: serde_json::Value = source.read_whole()?;
-    if presets::names().any(|name| name == sensor) {
-        keys["sensor"]["preset"] = sensor.into();
-    }
+    close_sensor(&mut keys["sensor"], sensor);
     for (section, value) in keys.as_object_mut().into_iter().flatten() {
         // Curves of the sensor, which may come from a file of its own, are relative to the current folder already.
         let from = if section == "sensor" { None } else { source.path().parent() };
         relocate(value, from.unwrap_or(Path::new("")), to);
     }
     Ok(keys)
+}
+
+/// What a path holds: a capture file, a report of one that was rendered, or a scene file that stands for one.
+fn read_source(path: &Path) -> Result<CaptureSource> {
+    if is_scene_file(path) {
+        fs::metadata(path).map_err(|reason| Error::io(path, "read", reason))?;
+        return Ok(CaptureSource::of_scene_file(path));
+    }
+    let is_of_kind = |kind: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(kind));
+    if is_of_kind("json") {
+        return Ok(StoredReport::read(path)?.source(path));
+    }
+    let source = CaptureSource::parse(path, read_text(path)?);
+    // Syntax errors help nobody who gave a file of another kind.
+    if is_of_kind("toml") { source } else { source.map_err(|_| unknown_kind(path)) }
+}
+
+/// Focuses the lens on the middle of a scene that stands for a capture, unless something says otherwise.
+fn focus_on_scene(source: &mut CaptureSource) {
+    let is_said = ["lens.focus_distance_m", "lens.autofocus_px"].iter().any(|key| source.has(key));
+    let is_pinhole = source.get("lens.type").and_then(tree::Node::as_str) == Some("pinhole");
+    if !is_said && !is_pinhole {
+        source.set_default("lens", "focus_distance_m", &lens::ON_SCENE.into());
+    }
 }
 
 /// Whether a path names a file of geometry rather than a capture file.
@@ -239,7 +255,8 @@ fn is_scene_file(path: &Path) -> bool {
 
 fn read_text(path: &Path) -> Result<String> {
     if path.is_dir() {
-        let help = format!("give the capture file in it, for example {}", path.join("capture.toml").display());
+        let name = if path.join(REPORT).exists() { REPORT } else { "capture.toml" };
+        let help = format!("give the capture file in it, for example {}", path.join(name).display());
         return Err(Invalid::new("", "is a folder").help(help).in_file(path));
     }
     let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;

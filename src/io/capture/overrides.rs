@@ -84,14 +84,17 @@ pub(super) fn set_target(source: &mut CaptureSource, argument: &str) -> Result<(
 }
 
 fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &str) -> Result<()> {
-    let wrong = |message: String| Error::Usage { message, help: Some(format!("for example --set {example}")) };
+    let wrong = |what: String| {
+        let message = format!("{}: {what}", shown(argument));
+        Error::Usage { message, help: Some(format!("for example --set {example}")) }
+    };
     let Some((key, value)) = argument.split_once('=') else {
-        return Err(wrong(format!("--set {argument}: there is no value")));
+        return Err(wrong("there is no value".to_owned()));
     };
     let (key, value) = (key.trim(), value.trim());
     // A key may not smuggle in a document of its own.
     if key.is_empty() || key.contains(['\n', '\r', '=', '#', '[', ']']) {
-        return Err(wrong(format!("--set {argument}: {key:?} is no key")));
+        return Err(wrong(format!("{key:?} is no key")));
     }
     let is_toml = DeValue::parse(value).is_ok() && !value.contains(['\n', '\r']);
     let toml = if is_toml {
@@ -99,9 +102,18 @@ fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &st
     } else if is_bare_word(value) {
         format!("{prefix}{key} = {value:?}")
     } else {
-        return Err(wrong(format!("--set {argument}: {value:?} is neither a TOML value nor a word")));
+        return Err(wrong(format!("{value:?} is neither a TOML value nor a word")));
     };
     source.set(argument, toml)
+}
+
+/// An argument as messages name it. What is longer than a line is cut: its key is what tells it from others.
+pub(super) fn shown(argument: &str) -> String {
+    const LONGEST: usize = 80;
+    match argument.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("--set {}…", &argument[..end]),
+        None => format!("--set {argument}"),
+    }
 }
 
 /// Words, names and paths, that need no quotes to be told from TOML.

@@ -70,7 +70,7 @@ impl serde::de::Error for ReadError {
         error.unknown_key = Some(field.to_owned());
         error.help = Some(match expected {
             [] => "no keys belong here".to_owned(),
-            _ => format!("the keys here are {}", list(expected.iter().copied())),
+            _ => format!("the keys here are {}", list(field, expected.iter().copied())),
         });
         error
     }

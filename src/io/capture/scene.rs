@@ -1,10 +1,10 @@
 //! `[scene]`: reading geometry and laying the tables of a capture file over it.
 
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use serde_json::json;
 
 use super::colour::Finder;
 use super::light::{describe_environment, describe_lights};
@@ -19,10 +19,8 @@ use crate::io::obj::MissingNormals;
 use crate::io::suggest::{did_you_mean, list};
 use crate::io::warnings::Warnings;
 use crate::scene::description::{
-    Colour, EnvironmentDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
-    SceneDescription, TexturedColour,
+    Colour, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription, TexturedColour,
 };
-use crate::spectrum::illuminant;
 use crate::{Invalid, Result};
 
 /// Illuminance of the surroundings of scenes that have no light, lux: a bright room.
@@ -62,27 +60,17 @@ impl ReadScene {
         Ok(read)
     }
 
-    /// Reads a scene file that stands for a capture file. It gets surroundings unless it has lights of its own.
-    pub(super) fn of_scene_file(
-        source: &CaptureSource,
-        table: &SceneTable,
-        moment: Option<&Moment>,
-        path: &Path,
-    ) -> Result<Self> {
-        let mut read = Self::default();
-        read.add(source, table, moment, path, 0)?;
-        read.check_names(table).map_err(|invalid| source.error(invalid))?;
-        if read.scene.meshes.is_empty() {
+    /// Gives a scene that stands for a capture its surroundings, unless its files have lights of their own.
+    pub(super) fn surround(&self, source: &mut CaptureSource) -> Result<()> {
+        if self.scene.meshes.is_empty() {
             let help = "give a scene with geometry, or a capture file";
-            return Err(Invalid::new("", "has no triangles").help(help).in_file(path));
+            return Err(Invalid::new("", "has no triangles").help(help).in_file(source.path()));
         }
-        if read.scene.lights.is_empty() {
-            read.scene.environment = Some(EnvironmentDescription::Constant {
-                colour: Colour::Spectrum(illuminant::d65().clone()),
-                luminance_nit: Some(DEFAULT_ILLUMINANCE_LUX / PI),
-            });
+        if self.scene.lights.is_empty() {
+            let daylight = json!({ "illuminant": "D65", "illuminance_lux": DEFAULT_ILLUMINANCE_LUX });
+            source.set_default("scene", "environment", &daylight);
         }
-        Ok(read)
+        Ok(())
     }
 
     /// Reads a file of geometry and adds what it holds.
@@ -182,7 +170,8 @@ impl ReadScene {
                     let help = match known[..] {
                         [] => format!("describe it in a table [materials.{}]", table.material),
                         _ => {
-                            format!("describe it in a table [materials.{}]; there are {}", table.material, list(known))
+                            let known = list(&table.material, known);
+                            format!("describe it in a table [materials.{}]; there are {known}", table.material)
                         }
                     };
                     return Err(
@@ -268,7 +257,7 @@ fn check_name(key: &str, kind: &str, name: Option<&str>, known: &[String]) -> Re
     let message = format!("the geometry has no {kind} {name:?}{}", did_you_mean(name, names()));
     let help = match known {
         [] => "its files have none; remove the key".to_owned(),
-        _ => format!("its {key}s are {}", list(names())),
+        _ => format!("its {key}s are {}", list(name, names())),
     };
     Err(Invalid::new(format!("scene.{key}"), message).help(help))
 }

@@ -1,13 +1,19 @@
 //! `[sensor]`: a preset or sensor file, with the keys of the table laid over it.
+//!
+//! A preset is taken as a whole, without some of its keys (`without`), or not at all (`preset = "none"`). The sensor that a
+//! report holds is whole; changes are laid over it as over a preset.
 
 use std::path::Path;
 
+use serde_json::json;
+
 use super::colour::Finder;
+use super::converter_bits::follow_bits;
 use super::overrides;
 use super::read_text;
 use super::source::CaptureSource;
 use super::tables::MergedSensor;
-use super::tree::{Node, Value, parse};
+use super::tree::{Node, Table, Value, parse};
 use crate::io::suggest::{did_you_mean, list};
 use crate::sensor::{SensorModel, presets};
 use crate::spectrum::Outside;
@@ -20,6 +26,12 @@ pub(super) fn sensor_model(sensor: &MergedSensor) -> Result<SensorModel, Invalid
     SensorModel::new(&sensor.name, &sensor.description, |spectrum| finder.spectrum(spectrum, Outside::Zero))
 }
 
+/// The preset of sensors that begin from nothing.
+const NOTHING: &str = "none";
+
+/// What a sensor is called that begins from nothing and has no name.
+pub(super) const UNNAMED: &str = "sensor";
+
 /// Reads the sensor and puts the merged table in the place of `[sensor]`, so that errors of its keys find their line.
 /// Paths of curves are relative to `folder` no more, but can be used as they are.
 pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<MergedSensor> {
@@ -29,28 +41,25 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
             let help = format!("write [sensor] with preset = {:?}", presets::DEFAULT);
             return Err(source.error(Invalid::new("sensor", "expected a table").help(help)));
         }
-        None => Node { span: 0..0, value: Value::Table(Default::default()) },
+        None => empty_table(),
     };
-    let preset = changes.remove("preset");
-    let name = match preset.as_ref().map(|node| node.as_str().ok_or(node)) {
-        None => presets::DEFAULT.to_owned(),
-        Some(Ok(name)) => name.to_owned(),
-        Some(Err(_)) => {
-            let help = format!("for example preset = {:?}", presets::DEFAULT);
-            return Err(source.error(Invalid::new("sensor.preset", "expected the name of a sensor").help(help)));
-        }
-    };
-    let mut merged = base(source, folder, &name, preset.as_ref().unwrap_or(&changes))?;
+    let (preset, without) = (changes.remove("preset"), changes.remove("without"));
+    let (mut merged, name) = base(source, folder, preset.as_ref(), &changes)?;
+    if let Some(without) = without {
+        take_away(source, &mut merged, &name, &without)?;
+    }
     anchor_files(&mut changes, folder);
+    let warnings = follow_bits(&mut merged, &changes);
     let changed = |key| changes.as_table().is_some_and(|table| table.contains_key(key));
     for [key, other] in ALTERNATIVES.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
         if changed(key) && !changed(other) {
             merged.remove(other);
         }
     }
-    for [table, kind] in KINDS {
-        if said(&changes, table, kind).is_some_and(|new| said(&merged, table, kind) != Some(new)) {
-            merged.remove(table);
+    for (key, tables) in KINDS {
+        let said = |sensor: &Node| sensor.at(key).and_then(Node::as_str).map(str::to_owned);
+        if said(&changes).is_some_and(|new| said(&merged) != Some(new)) {
+            tables.iter().for_each(|table| drop(merged.remove(table)));
         }
     }
     merged.lay_over(changes);
@@ -61,29 +70,49 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     source.replace("sensor", merged);
 
     let description = source.read("sensor")?.ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
-    let name = Path::new(&name).file_stem().map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
-    Ok(MergedSensor { name, description })
+    Ok(MergedSensor { name, description, warnings })
+}
+
+/// Makes a sensor of which all keys are there stand for itself: read again, nothing else comes in.
+pub(super) fn close_sensor(sensor: &mut serde_json::Value, name: &str) {
+    let head = json!({ "preset": NOTHING, "name": name });
+    if let (serde_json::Value::Object(keys), serde_json::Value::Object(mut closed)) = (sensor, head) {
+        let keys_but_the_head = std::mem::take(keys).into_iter().filter(|(key, _)| !closed.contains_key(key));
+        let rest: Vec<_> = keys_but_the_head.collect();
+        closed.extend(rest);
+        *keys = closed;
+    }
 }
 
 /// Keys of a sensor that say the same thing in two ways: one of them in a capture file takes the place of the other.
 const ALTERNATIVES: [[&str; 2]; 1] = [["pixel_pitch_um", "format"]];
 
-/// Tables with the key that says what the others mean: where a capture file changes that, none of the preset's stay.
-const KINDS: [[&str; 2]; 2] = [["shutter", "kind"], ["spad", "counting"]];
+/// Keys that say what whole tables mean: where a capture file changes one, the preset's own tables do not stay.
+const KINDS: [(&[&str], &[&str]); 3] =
+    [(&["kind"], &["ccd", "spad"]), (&["shutter", "kind"], &["shutter"]), (&["spad", "counting"], &["spad"])];
 
-/// The text at a key of a table of the sensor.
-fn said<'a>(sensor: &'a Node, table: &str, key: &str) -> Option<&'a str> {
-    sensor.as_table()?.get(table)?.node.as_table()?.get(key)?.node.as_str()
+/// Takes the keys of a list away from a preset.
+fn take_away(source: &CaptureSource, base: &mut Node, name: &str, without: &Node) -> Result<()> {
+    let keys: Vec<String> = source.read_node("sensor.without", without)?;
+    for (i, key) in keys.iter().enumerate() {
+        let path: Vec<&str> = key.split('.').map(str::trim).collect();
+        let taken = path.split_last().and_then(|(last, tables)| base.at_mut(tables)?.remove(last));
+        if taken.is_none() {
+            let there = base.paths();
+            let there = || there.iter().map(String::as_str);
+            let message = format!("sensor {name} has no {key:?} to take away{}", did_you_mean(key, there()));
+            let help = match list(key, there()) {
+                keys if keys.is_empty() => "there is nothing in it; remove the key".to_owned(),
+                keys => format!("it has {keys}"),
+            };
+            return Err(source.error(Invalid::new(format!("sensor.without[{i}]"), message).help(help)));
+        }
+    }
+    Ok(())
 }
 
-/// Reads a sensor of which all keys are there, whatever preset they come from.
-pub(super) fn read_whole_sensor(source: &mut CaptureSource, name: &str) -> Result<MergedSensor> {
-    let mut table =
-        source.get("sensor").cloned().unwrap_or(Node { span: 0..0, value: Value::Table(Default::default()) });
-    table.remove("preset");
-    source.replace("sensor", table);
-    let description = source.read("sensor")?.ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
-    Ok(MergedSensor { name: name.to_owned(), description })
+fn empty_table() -> Node {
+    Node { span: 0..0, value: Value::Table(Table::new()) }
 }
 
 /// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.
@@ -100,25 +129,60 @@ pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
 }
 
 /// A sensor by the name of a preset or the path of a sensor file, with the `key=value` of every `--set` laid over its
-/// keys.
-pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<SensorModel> {
+/// keys; and what is to be said of them.
+pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<(SensorModel, Vec<String>)> {
     if is_path(name) {
         std::fs::metadata(name).map_err(|reason| Error::io(Path::new(name), "read", reason))?;
     } else if presets::table(name).is_none() {
         let Invalid { message, help, .. } = unknown_preset(name);
         return Err(Error::Usage { message, help });
     }
-    let mut source = CaptureSource::of_scene_file(Path::new(name));
+    let mut source = CaptureSource::empty(Path::new(name));
     source.set("", format!("sensor.preset = {}", toml::Value::from(name)))?;
     for argument in overrides {
         overrides::set_below(&mut source, "sensor", argument)?;
     }
     let merged = read_sensor(&mut source, Path::new(""))?;
-    sensor_model(&merged).map_err(|invalid| source.error(invalid.within("sensor")))
+    let sensor = sensor_model(&merged).map_err(|invalid| source.error(invalid.within("sensor")))?;
+    Ok((sensor, merged.warnings))
 }
 
-/// The table of a preset or of a sensor file. Values of a preset are placed where it is named.
-fn base(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) -> Result<Node> {
+/// What the changes are laid over, and its name: the sensor that a report holds, else the default, unless a preset is named.
+fn base(source: &mut CaptureSource, folder: &Path, preset: Option<&Node>, changes: &Node) -> Result<(Node, String)> {
+    let name = match preset.map(|node| node.as_str().ok_or(node)) {
+        None => None,
+        Some(Ok(name)) => Some(name.to_owned()),
+        Some(Err(_)) => {
+            let help = format!("for example preset = {:?}", presets::DEFAULT);
+            return Err(source.error(Invalid::new("sensor.preset", "expected the name of a sensor").help(help)));
+        }
+    };
+    let stored = source.stored_sensor().cloned();
+    match (name, stored) {
+        (None, None) => named(source, folder, presets::DEFAULT, preset.unwrap_or(changes)),
+        (None, Some(mut stored)) => {
+            anchor_files(&mut stored, source.path().parent().unwrap_or(Path::new("")));
+            let name = stored.at(&["name"]).and_then(Node::as_str).unwrap_or(UNNAMED).to_owned();
+            Ok((stored, name))
+        }
+        (Some(name), None) => named(source, folder, &name, preset.unwrap_or(changes)),
+        (Some(name), Some(mut stored)) => {
+            let (mut other, name) = named(source, folder, &name, preset.unwrap_or(changes))?;
+            // Stored light has its number of pixels, and so has all that is said of places in the picture.
+            if let Some(resolution) = stored.remove("resolution_px") {
+                other.remove("resolution_px");
+                other.insert_new("resolution_px", resolution);
+            }
+            Ok((other, name))
+        }
+    }
+}
+
+/// The table of a preset or of a sensor file, and its name. Values of a preset are placed where it is named.
+fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) -> Result<(Node, String)> {
+    if name == NOTHING {
+        return Ok((empty_table(), UNNAMED.to_owned()));
+    }
     if is_path(name) {
         let path = folder.join(name);
         let text = std::fs::read_to_string(&path).map_err(|reason| {
@@ -128,14 +192,14 @@ fn base(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) -> 
         })?;
         let mut node = source.add_file(&path, text)?;
         anchor_files(&mut node, path.parent().unwrap_or(Path::new("")));
-        return Ok(node);
+        return Ok((node, path.file_stem().unwrap_or_default().to_string_lossy().into_owned()));
     }
     let table = presets::table(name).ok_or_else(|| source.error(unknown_preset(name)))?;
     // A preset is known to be good; what can be wrong is what a capture file makes of it.
     let mut node =
         parse(&table.to_string(), 0).map_err(|(_, message)| source.error(Invalid::new("sensor.preset", message)))?;
     node.place_at(&place.span);
-    Ok(node)
+    Ok((node, name.to_owned()))
 }
 
 /// Whether a sensor is named by a file, not as a preset.
@@ -145,7 +209,8 @@ fn is_path(name: &str) -> bool {
 
 fn unknown_preset(name: &str) -> Invalid {
     let message = format!("photosite has no sensor {name:?}{}", did_you_mean(name, presets::names()));
-    let help = format!("known are {}; a file is written with its ending, \"{name}.toml\"", list(presets::names()));
+    let help =
+        format!("known are {}; a file is written with its ending, \"{name}.toml\"", list(name, presets::names()));
     Invalid::new("sensor.preset", message).help(help)
 }
 

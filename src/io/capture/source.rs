@@ -3,12 +3,15 @@
 //! The texts (the file, a sensor file, every `--set`) lie one after the other in an imagined long text, and a span is a
 //! range of that. So values of several texts can be laid over each other, and an error about any of them still points
 //! to the right line of the right file, or to the argument.
+//!
+//! The sensor of a report stands beside the tree: it is complete, and what the tree says of the sensor changes it.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::de::{DeserializeOwned, DeserializeSeed};
 
+use super::overrides::shown;
 use super::reader::{ReadError, Reader};
 use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
 use crate::io::json;
@@ -24,6 +27,8 @@ pub struct CaptureSource {
     root: Node,
     /// What is to be said of keys that `--set` has put others in the place of.
     displaced: Vec<String>,
+    /// The whole sensor that a report holds.
+    stored_sensor: Option<Node>,
 }
 
 /// A text and where it begins in the imagined long one.
@@ -37,6 +42,8 @@ struct Text {
 #[derive(Clone, Debug)]
 enum Origin {
     File(PathBuf),
+    /// No text: values that stand for what nobody wrote.
+    Nothing,
     /// A report (`capture.json`), which holds the values at its key `capture`.
     Report(PathBuf),
     /// `--set` and what was written after it.
@@ -44,24 +51,44 @@ enum Origin {
 }
 
 impl CaptureSource {
-    /// A source without values: a scene file stands in for the capture file.
-    pub(super) fn of_scene_file(path: &Path) -> Self {
+    /// A source without values, for errors of the file at `path`.
+    pub(super) fn empty(path: &Path) -> Self {
+        let texts = vec![Text { origin: Origin::Nothing, start: 0, text: String::new() }];
         let root = Node { span: 0..0, value: Value::Table(Table::new()) };
-        Self { path: path.to_owned(), texts: Vec::new(), root, displaced: Vec::new() }
+        Self { path: path.to_owned(), texts, root, stored_sensor: None, displaced: Vec::new() }
+    }
+
+    /// A scene file that stands in for the capture file: its geometry.
+    pub(super) fn of_scene_file(path: &Path) -> Self {
+        let mut source = Self::empty(path);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        source.root = from_json(&serde_json::json!({ "scene": { "geometry": [name] } }), &(0..0));
+        source
     }
 
     /// From the text of a capture file.
     pub(super) fn parse(path: &Path, text: String) -> Result<Self> {
-        let mut source = Self::of_scene_file(path);
+        let mut source = Self::empty(path);
         source.root = source.add_file(path, text)?;
         Ok(source)
     }
 
-    /// From the values that a report holds, whose text is given for messages.
-    pub(super) fn of_report(path: &Path, text: String, capture: &serde_json::Value) -> Self {
-        let root = from_json(capture, &(0..0));
+    /// From the values that a report holds, whose text is given for messages. The sensor in it is whole, whatever preset it
+    /// names; it is called `sensor` unless it says otherwise.
+    pub(super) fn of_report(path: &Path, text: String, capture: &serde_json::Value, sensor: &str) -> Self {
+        let mut root = from_json(capture, &(0..0));
+        let stored_sensor = root.remove("sensor").map(|mut node| {
+            node.remove("preset");
+            node.insert_new("name", from_json(&sensor.into(), &(0..0)));
+            node
+        });
         let texts = vec![Text { origin: Origin::Report(path.to_owned()), start: 0, text }];
-        Self { path: path.to_owned(), texts, root, displaced: Vec::new() }
+        Self { path: path.to_owned(), texts, root, stored_sensor, displaced: Vec::new() }
+    }
+
+    /// The whole sensor that a report holds.
+    pub(super) fn stored_sensor(&self) -> Option<&Node> {
+        self.stored_sensor.as_ref()
     }
 
     /// The capture file, or the scene file that was given in its place.
@@ -71,8 +98,8 @@ impl CaptureSource {
 
     /// The text of the capture file; empty where a scene file was given.
     pub fn text(&self) -> &str {
-        let file = self.texts.first().filter(|text| matches!(&text.origin, Origin::File(path) if *path == self.path));
-        file.map_or("", |text| &text.text)
+        let is_file = |text: &&Text| matches!(&text.origin, Origin::File(path) if *path == self.path);
+        self.texts.iter().find(is_file).map_or("", |text| &text.text)
     }
 
     /// Adds a TOML file to the texts and returns its values.
@@ -110,6 +137,18 @@ impl CaptureSource {
     /// What [`Self::note_displaced`] has kept.
     pub(super) fn displaced(&self) -> &[String] {
         &self.displaced
+    }
+
+    /// Gives a key of a table at the top of the tree a value, unless it has one.
+    pub(super) fn set_default(&mut self, table: &str, key: &str, value: &serde_json::Value) {
+        if self.get(table).is_none() {
+            self.replace(table, from_json(&serde_json::json!({}), &(0..0)));
+        }
+        if let Value::Table(tables) = &mut self.root.value
+            && let Some(entry) = tables.get_mut(table)
+        {
+            entry.node.insert_new(key, from_json(value, &(0..0)));
+        }
     }
 
     fn add(&mut self, origin: Origin, text: String) -> Result<Node> {
@@ -171,7 +210,7 @@ impl CaptureSource {
                 if !error.message.contains(';') {
                     error.message += &did_you_mean(key, elsewhere.iter().copied());
                 }
-                error.help = error.help.map(|help| format!("{help}; and {}", list(elsewhere.iter().copied())));
+                error.help = error.help.map(|help| format!("{help}; and {}", list(key, elsewhere.iter().copied())));
             }
             self.type_error(path, error)
         })
@@ -213,7 +252,8 @@ impl CaptureSource {
         match &text.origin {
             Origin::File(path) => invalid.in_text(path, &text.text, start..end),
             Origin::Report(path) => json::located(invalid.within("capture"), path, text.text.as_bytes()),
-            Origin::Argument(argument) => invalid.in_file(format!("--set {argument}").as_ref()),
+            Origin::Nothing => invalid.in_file(&self.path),
+            Origin::Argument(argument) => invalid.in_file(shown(argument).as_ref()),
         }
     }
 }

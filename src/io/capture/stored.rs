@@ -10,10 +10,9 @@ use serde_json::{Map, Value, json};
 use super::colour::Finder;
 use super::file::refuse_unknown_sections;
 use super::lens::describe_lens;
-use super::sensor::{anchor_files, read_sensor, read_whole_sensor, sensor_model};
+use super::sensor::{UNNAMED, read_sensor, sensor_model};
 use super::source::CaptureSource;
-use super::tables::{LensTable, MergedSensor, SECTIONS};
-use super::tree::from_json;
+use super::tables::{LensTable, SECTIONS};
 use super::{ExposureSettings, OutputSettings, develop, keys_of, overrides, read_text, settings};
 use crate::develop::DevelopSettings;
 use crate::io::warnings::Warnings;
@@ -36,7 +35,7 @@ pub struct StoredCapture {
     pub seed: u64,
     /// The lens that the stored light has passed. What a glTF camera or autofocus decided of it is not known here.
     pub lens: LensDescription,
-    /// What is to be said of the exposure.
+    /// What is to be said of it.
     pub warnings: Vec<String>,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
@@ -58,7 +57,7 @@ impl StoredReport {
     pub fn read(path: &Path) -> Result<Self> {
         let text = read_text(path)?;
         let no_report = |message: String| {
-            let invalid = Invalid::new("", message).help("give a folder that photosite render filled");
+            let invalid = Invalid::new("", message).help("give what photosite render wrote");
             Err(invalid.in_file(path))
         };
         match serde_json::from_str(&text) {
@@ -74,46 +73,32 @@ impl StoredReport {
 impl StoredReport {
     /// The values of the capture that was rendered, of a report at this path.
     pub(super) fn source(&self, path: &Path) -> CaptureSource {
-        CaptureSource::of_report(path, self.text.clone(), &self.values["capture"])
+        let name = self.values.get("sensor").and_then(|sensor| sensor["name"].as_str()).unwrap_or(UNNAMED);
+        CaptureSource::of_report(path, self.text.clone(), &self.values["capture"], name)
     }
 }
 
 impl StoredCapture {
     /// What a report at `path` says, with the `key=value` of every `--set` laid over it.
     pub fn of_report(path: &Path, report: &StoredReport, arguments: &[String]) -> Result<Self> {
+        check(path, arguments)?;
         let mut source = report.source(path);
-        let changes = changes(path, arguments)?;
-        if changes.get("sensor.preset").is_some() {
-            // Of another sensor, only the number of pixels is given by the light.
-            let resolution = report.values["capture"]["sensor"]["resolution_px"].clone();
-            source.replace("sensor", from_json(&json!({ "resolution_px": resolution }), &(0..0)));
-            lay_over(&mut source, arguments)?;
-            return Self::assemble(source, |source| read_sensor(source, Path::new("")));
-        }
-        if let Some(mut sensor) = source.get("sensor").cloned() {
-            anchor_files(&mut sensor, path.parent().unwrap_or(Path::new("")));
-            source.replace("sensor", sensor);
-        }
         lay_over(&mut source, arguments)?;
-        let name = report.values.get("sensor").and_then(|sensor| sensor["name"].as_str()).unwrap_or("sensor");
-        Self::assemble(source, |source| read_whole_sensor(source, name))
+        Self::assemble(source)
     }
 
     /// What holds where nothing is known of a stored picture but its size, with the `key=value` of every `--set`.
     pub fn of_picture(path: &Path, resolution_px: [usize; 2], arguments: &[String]) -> Result<Self> {
-        changes(path, arguments)?;
-        let capture = json!({ "sensor": { "resolution_px": resolution_px } });
-        let mut source = CaptureSource::of_report(path, String::new(), &capture);
+        check(path, arguments)?;
+        let mut source = CaptureSource::empty(path);
+        source.set_default("sensor", "resolution_px", &json!(resolution_px));
         lay_over(&mut source, arguments)?;
-        Self::assemble(source, |source| read_sensor(source, Path::new("")))
+        Self::assemble(source)
     }
 
-    fn assemble(
-        mut source: CaptureSource,
-        read_sensor: impl FnOnce(&mut CaptureSource) -> Result<MergedSensor>,
-    ) -> Result<Self> {
+    fn assemble(mut source: CaptureSource) -> Result<Self> {
         refuse_unknown_sections(&source)?;
-        let sensor = read_sensor(&mut source)?;
+        let merged = read_sensor(&mut source, Path::new(""))?;
         let lens: LensTable = source.read("lens")?.unwrap_or_default();
         let render = settings::render(&source.read("render")?.unwrap_or_default());
         let (exposure, output) =
@@ -123,7 +108,7 @@ impl StoredCapture {
             let source = &source;
             move |invalid: Invalid| source.error(invalid.within(table))
         };
-        let sensor = sensor_model(&sensor).map_err(at("sensor"))?;
+        let sensor = sensor_model(&merged).map_err(at("sensor"))?;
         // What is to be said of the lens was said when light was traced.
         let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity), &mut Warnings::default());
         let lens = lens.map_err(at("lens"))?;
@@ -134,7 +119,7 @@ impl StoredCapture {
             seed: render.map_err(at("render"))?.seed,
             sensor,
             lens,
-            warnings: source.displaced().to_vec(),
+            warnings: source.displaced().iter().chain(&merged.warnings).cloned().collect(),
             source: source.clone(),
         })
     }
@@ -149,23 +134,22 @@ fn lay_over(source: &mut CaptureSource, arguments: &[String]) -> Result<()> {
     arguments.iter().try_for_each(|argument| overrides::set(source, argument))
 }
 
-/// The tree of the arguments alone. Those that light transport has already used are refused.
-fn changes(path: &Path, arguments: &[String]) -> Result<CaptureSource> {
-    let mut changes = CaptureSource::of_scene_file(path);
+/// Refuses arguments that light transport has already used.
+fn check(path: &Path, arguments: &[String]) -> Result<()> {
     for argument in arguments {
-        let mut one = CaptureSource::of_scene_file(path);
+        let mut one = CaptureSource::empty(path);
         overrides::set(&mut one, argument)?;
         let is_open = ["sensor", "exposure", "develop", "output"].iter().any(|table| one.get(table).is_some())
             || one.get("render.seed").is_some();
         // An unknown table gets its own message later.
         let is_known = SECTIONS.iter().any(|section| one.get(section).is_some());
         if is_known && !is_open {
+            let shown = overrides::shown(argument);
             return Err(Error::Usage {
-                message: format!("--set {argument}: the light is traced already, and this cannot change it any more"),
+                message: format!("{shown}: the light is traced already, and this cannot change it any more"),
                 help: Some("set keys of sensor, exposure, develop or output, or render again".to_owned()),
             });
         }
-        overrides::set(&mut changes, argument)?;
     }
-    Ok(changes)
+    Ok(())
 }

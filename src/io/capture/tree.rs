@@ -49,6 +49,49 @@ impl Node {
         if let Value::Table(table) = &mut self.value { table.remove(key).map(|entry| entry.node) } else { None }
     }
 
+    /// Puts a value into the table that the node is, unless there is one of that key.
+    pub(super) fn insert_new(&mut self, key: &str, node: Self) {
+        if let Value::Table(table) = &mut self.value {
+            table.entry(key.to_owned()).or_insert(Entry { key_span: node.span.clone(), node });
+        }
+    }
+
+    /// The value at a path of keys through tables.
+    pub(super) fn at(&self, path: &[&str]) -> Option<&Self> {
+        path.iter().try_fold(self, |node, key| Some(&node.as_table()?.get(*key)?.node))
+    }
+
+    /// The same, to be changed.
+    pub(super) fn at_mut(&mut self, path: &[&str]) -> Option<&mut Self> {
+        path.iter().try_fold(self, |node, key| match &mut node.value {
+            Value::Table(table) => table.get_mut(*key).map(|entry| &mut entry.node),
+            Value::String(_)
+            | Value::Integer(_)
+            | Value::Float(_)
+            | Value::Boolean(_)
+            | Value::Datetime(_)
+            | Value::Array(_) => None,
+        })
+    }
+
+    /// The number that the node is.
+    pub(super) fn as_number(&self) -> Option<f64> {
+        match self.value {
+            Value::Integer(i) => Some(i as f64),
+            Value::Float(x) => Some(x),
+            Value::String(_) | Value::Boolean(_) | Value::Datetime(_) | Value::Array(_) | Value::Table(_) => None,
+        }
+    }
+
+    /// The paths of all keys within this node, tables before what they hold.
+    pub(super) fn paths(&self) -> Vec<String> {
+        let within = |(key, entry): (&String, &Entry)| {
+            let inner = entry.node.paths().into_iter().map(|path| join(key, &path));
+            std::iter::once(key.clone()).chain(inner).collect::<Vec<_>>()
+        };
+        self.as_table().into_iter().flatten().flat_map(within).collect()
+    }
+
     /// The string that the node is.
     pub(super) fn as_str(&self) -> Option<&str> {
         if let Value::String(text) = &self.value { Some(text) } else { None }

@@ -73,7 +73,7 @@ pub enum CountingMode {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DualGainDescription {
-    /// Bits of each of the two converters, 8–16.
+    /// Bits of each of the two converters, 8–16. What a preset states in their numbers follows as with adc.bits.
     pub bits: u32,
     /// Number of no charge at each of the two.
     pub black_level_dn: u32,
@@ -81,6 +81,7 @@ pub struct DualGainDescription {
     pub high_gain_dn_per_e: f64,
     /// System gain of the one that takes large signals, DN per electron.
     pub low_gain_dn_per_e: f64,
-    /// Temporal dark noise of the latter, standard deviation in e⁻.
+    /// Temporal dark noise of the latter, standard deviation in e⁻. Left out: none.
+    #[serde(default)]
     pub low_gain_read_noise_e: f64,
 }

@@ -23,6 +23,8 @@ pub use shutter::{RowOrder, ShutterDescription, ShutterKind};
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensorDescription {
+    /// What it is called: raw files have it as the model of their camera. Left out: the name of its preset or file.
+    pub name: Option<String>,
     /// What this sensor is, in a sentence.
     #[serde(default)]
     pub description: String,
@@ -68,7 +70,8 @@ pub struct SensorDescription {
     /// Where electrons that belong to a pixel are collected: parts of a whole, in rows around that pixel, such as
     /// [[0, 0.01, 0], [0.01, 0.96, 0.01], [0, 0.01, 0]]. Left out: each pixel keeps its own.
     pub crosstalk: Option<Vec<Vec<f64>>>,
-    /// Noise sources.
+    /// Noise sources. Left out: none.
+    #[serde(default)]
     pub noise: NoiseDescription,
     /// Pixels that do not work as the others.
     #[serde(default)]

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Noise sources, all at a gain of 0 dB and referred to electrons. What is left out is not there.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct NoiseDescription {
     /// Temporal dark noise of the read-out, standard deviation in e⁻.
     pub read_noise_e: f64,
@@ -14,52 +14,40 @@ pub struct NoiseDescription {
     pub read_noise_degrees_of_freedom: Option<f64>,
     /// Dark current at the reference temperature, mean of all pixels without the hot ones, e⁻/s per pixel.
     pub dark_current_e_per_s: f64,
-    /// Temperature at which the dark current is as stated, °C.
-    pub dark_current_reference_c: f64,
+    /// Temperature at which the dark current is as stated, that of hot pixels too, °C; needed where there is any.
+    pub dark_current_reference_c: Option<f64>,
     /// How the dark current rises with temperature. Left out: "doubling".
-    #[serde(default)]
     pub dark_current_law: DarkCurrentLawName,
-    /// Rise of temperature that doubles the dark current, K; needed where that is the law.
+    /// Rise of temperature that doubles the dark current, K; needed where that is the law and there is any.
     pub dark_current_doubling_k: Option<f64>,
     /// Band gap for the law "arrhenius", eV. Left out: that of silicon, which shrinks with temperature.
     pub dark_current_band_gap_ev: Option<f64>,
     /// Dark current non-uniformity: spatial standard deviation of the dark current in percent of its mean. Pixels follow a
     /// log-normal distribution.
-    #[serde(default)]
     pub dark_current_nonuniformity_percent: f64,
     /// Photo response non-uniformity: spatial standard deviation of the response in percent of its mean.
     pub prnu_percent: f64,
     /// The part of it that the pixels of a row share, %; it comes on top.
-    #[serde(default)]
     pub prnu_row_percent: f64,
     /// The part of it that the pixels of a column share, %; it comes on top.
-    #[serde(default)]
     pub prnu_column_percent: f64,
     /// Dark signal non-uniformity: spatial standard deviation of the dark signal, e⁻.
     pub dsnu_e: f64,
     /// The part of it that the pixels of a row share, e⁻; it comes on top.
-    #[serde(default)]
     pub dsnu_row_e: f64,
     /// The part of it that the pixels of a column share, e⁻; it comes on top.
-    #[serde(default)]
     pub dsnu_column_e: f64,
     /// Temporal noise that the pixels of a row share, standard deviation in e⁻.
-    #[serde(default)]
     pub row_noise_e: f64,
     /// Temporal noise that the pixels of a column share, standard deviation in e⁻.
-    #[serde(default)]
     pub column_noise_e: f64,
     /// Noise of resetting the sense node (kTC).
-    #[serde(default)]
     pub reset: ResetDescription,
     /// Noise whose power falls with frequency (1/f).
-    #[serde(default)]
     pub flicker: FlickerDescription,
     /// Pixels that jump between two levels (random telegraph signal).
-    #[serde(default)]
     pub telegraph: TelegraphDescription,
     /// Pixels of a million that arrive as 0 or the largest number, new ones in every picture (salt and pepper).
-    #[serde(default)]
     pub transmission_errors_per_million: f64,
 }
 

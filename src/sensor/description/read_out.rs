@@ -24,13 +24,17 @@ pub struct ChargeDescription {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdcDescription {
-    /// Bits of the converter, 8–16.
+    /// Bits of the converter, 8–16. Where a capture gives a preset other bits, what the preset states in digital numbers of this
+    /// converter follows by the factor 2^(new − old), so that it takes the same charge, unless the capture states it too:
+    /// conversion gain, black level, offsets of columns, inl_dn and knee points (but not dnl_dn, which is of a single
+    /// step, nor the numbers of single-photon detectors, which are counts).
     pub bits: u32,
     /// System gain K at 0 dB, DN per electron.
     pub conversion_gain_dn_per_e: f64,
     /// Digital number of no charge.
     pub black_level_dn: u32,
-    /// Smallest and largest gain that an exposure may ask for, dB.
+    /// Smallest and largest gain that an exposure may ask for, dB. Left out: 0 dB alone.
+    #[serde(default)]
     pub gain_db_range: [f64; 2],
     /// Nonlinearity of the amplifiers: a charge q passes as q·(1 + c₁·q/F + c₂·(q/F)² + …), with the full well F and these
     /// c₁, c₂ … in percent. Left out: linear.

@@ -97,7 +97,8 @@ impl SensorModel {
         }
         if let Some(surplus) = d.channels.keys().find(|name| !cfa.channels().contains(name)) {
             let message = format!("the colour filter array {:?} has no channel {surplus:?}", d.cfa);
-            let help = format!("its channels are {}", cfa.channels().join(", "));
+            let channels = cfa.channels().join(", ");
+            let help = format!("its channels are {channels}; of a preset, write without = [\"channels.{surplus}\"]");
             return Err(Invalid::new(format!("channels.{surplus}"), message).help(help));
         }
         let quantum_efficiency = cfa
@@ -119,7 +120,7 @@ impl SensorModel {
         let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
         let logarithmic = logarithmic(d, &converter)?;
         Ok(Self {
-            name: name.to_owned(),
+            name: own_name(d)?.unwrap_or(name).to_owned(),
             description: d.description.clone(),
             source: d.source.clone(),
             architecture,
@@ -191,6 +192,17 @@ impl SensorModel {
             })
         };
         self.cfa.channels().iter().cloned().zip(self.efficiencies().into_iter().map(response)).collect()
+    }
+}
+
+/// The name that a description gives.
+fn own_name(d: &SensorDescription) -> Result<Option<&str>, Invalid> {
+    match d.name.as_deref() {
+        Some(name) if name.trim().is_empty() || name.contains(char::is_control) => {
+            let help = "for example name = \"my camera\", or leave it out";
+            Err(Invalid::new("name", format!("{name:?} is no name")).help(help))
+        }
+        name => Ok(name),
     }
 }
 
@@ -471,6 +483,46 @@ mod tests {
             let error = model(&TOML.replacen(from, &to, 1)).expect_err(&to);
             assert_eq!(error.key, key, "{error}");
         }
+    }
+
+    /// A sensor of which nothing is said but what there must be.
+    const BARE: &str = r#"
+        resolution_px = [64, 48]
+        pixel_pitch_um = [5.0, 4.0]
+        cfa = "mono"
+        channels.Y.quantum_efficiency = 0.6
+        charge.full_well_e = 10000.0
+        adc = { bits = 12, conversion_gain_dn_per_e = 0.4, black_level_dn = 64 }
+    "#;
+
+    #[test]
+    fn what_is_left_out_is_not_there() {
+        let bare = model(BARE).expect("valid");
+        assert_eq!(bare.noise, Noise::NONE);
+        assert_eq!(bare.converter.gain_range.map(|gain| gain.0), [0.0, 0.0]);
+        assert_eq!(model(&format!("{BARE}noise = {{}}")).expect("valid"), bare);
+        // Any one key can stand alone.
+        let read = model(&format!("{BARE}noise.read_noise_e = 3")).expect("valid");
+        assert_eq!(read.noise, Noise { read: Electrons(3.0), ..Noise::NONE });
+        let prnu = model(&format!("{BARE}noise.prnu_percent = 1")).expect("valid");
+        assert_eq!(prnu.noise, Noise { prnu: FixedPattern::of_pixels(0.01), ..Noise::NONE });
+    }
+
+    #[test]
+    fn dark_current_needs_a_temperature_and_a_law() {
+        let key = |noise: &str| model(&format!("{BARE}{noise}")).expect_err(noise).key;
+        assert_eq!(key("noise.dark_current_e_per_s = 2"), "noise.dark_current_reference_c");
+        let celsius = "noise.dark_current_reference_c = 20";
+        assert_eq!(key(&format!("noise.dark_current_e_per_s = 2\n{celsius}")), "noise.dark_current_doubling_k");
+        let hot = "defects = { hot_per_million = 10, hot_dark_current_e_per_s = 100 }";
+        assert_eq!(key(hot), "noise.dark_current_reference_c");
+        model(&format!("{BARE}{hot}\n{celsius}\nnoise.dark_current_law = 'arrhenius'")).expect("valid");
+    }
+
+    #[test]
+    fn a_sensor_can_have_a_name_of_its_own() {
+        assert_eq!(model(&format!("name = 'mine'\n{BARE}")).expect("valid").name, "mine");
+        assert_eq!(model(&format!("name = ' '\n{BARE}")).expect_err("blank").key, "name");
     }
 
     #[test]

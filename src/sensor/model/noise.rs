@@ -168,16 +168,14 @@ impl Noise {
     pub(super) fn new(d: &NoiseDescription, defects: &DefectsDescription) -> Result<Self, Invalid> {
         Ok(Self {
             defects: Defects::new(defects).map_err(|e| e.within("defects"))?,
-            ..Self::without_defects(d).map_err(|e| e.within("noise"))?
+            ..Self::without_defects(d, defects).map_err(|e| e.within("noise"))?
         })
     }
 
-    fn without_defects(d: &NoiseDescription) -> Result<Self, Invalid> {
-        finite("dark_current_reference_c", d.dark_current_reference_c)?;
-        if d.dark_current_reference_c <= -crate::units::ZERO_CELSIUS {
-            let message = format!("{} °C lies below absolute zero", d.dark_current_reference_c);
-            return Err(Invalid::new("dark_current_reference_c", message).help("for example 25.0"));
-        }
+    fn without_defects(d: &NoiseDescription, defects: &DefectsDescription) -> Result<Self, Invalid> {
+        let hot_pixels = defects.hot_per_million != 0.0 && defects.hot_dark_current_e_per_s != 0.0;
+        let has_dark_current = d.dark_current_e_per_s != 0.0 || hot_pixels;
+        let reference = reference(d.dark_current_reference_c, has_dark_current)?;
         if let Some(freedom) = d.read_noise_degrees_of_freedom.filter(|&n| !(n > 2.0 && n.is_finite())) {
             return Err(Invalid::new("read_noise_degrees_of_freedom", format!("must be above 2, got {freedom}"))
                 .help("at 2 and below the distribution has no standard deviation; 3 to 10 give heavy tails"));
@@ -186,8 +184,8 @@ impl Noise {
             read: electrons("read_noise_e", d.read_noise_e)?,
             read_degrees_of_freedom: d.read_noise_degrees_of_freedom,
             dark_current_e_per_s: not_negative("dark_current_e_per_s", d.dark_current_e_per_s)?,
-            dark_current_reference: Celsius(d.dark_current_reference_c),
-            dark_current_law: DarkCurrentLaw::new(d)?,
+            dark_current_reference: reference,
+            dark_current_law: DarkCurrentLaw::new(d, has_dark_current)?,
             dark_current_nonuniformity: ratio(
                 "dark_current_nonuniformity_percent",
                 d.dark_current_nonuniformity_percent,
@@ -213,8 +211,22 @@ impl Noise {
     }
 }
 
+/// The temperature of the dark current; without any, it makes no difference.
+fn reference(stated_c: Option<f64>, has_dark_current: bool) -> Result<Celsius, Invalid> {
+    const KEY: &str = "dark_current_reference_c";
+    let refuse = |message: String| Err(Invalid::new(KEY, message).help("for example dark_current_reference_c = 25.0"));
+    match stated_c {
+        Some(celsius) if finite(KEY, celsius)? <= -crate::units::ZERO_CELSIUS => {
+            refuse(format!("{celsius} °C lies below absolute zero"))
+        }
+        Some(celsius) => Ok(Celsius(celsius)),
+        None if has_dark_current => refuse("is missing, and there is dark current".to_owned()),
+        None => Ok(Noise::NONE.dark_current_reference),
+    }
+}
+
 impl DarkCurrentLaw {
-    fn new(d: &NoiseDescription) -> Result<Self, Invalid> {
+    fn new(d: &NoiseDescription, has_dark_current: bool) -> Result<Self, Invalid> {
         let [doubling, band_gap] = [
             ("dark_current_doubling_k", d.dark_current_doubling_k, "8.0"),
             ("dark_current_band_gap_ev", d.dark_current_band_gap_ev, "1.12"),
@@ -223,6 +235,7 @@ impl DarkCurrentLaw {
         match d.dark_current_law {
             DarkCurrentLawName::Doubling => match doubling? {
                 Some(interval_k) => Ok(Self::Doubling { interval_k }),
+                None if !has_dark_current => Ok(Noise::NONE.dark_current_law),
                 None => Err(Invalid::new("dark_current_doubling_k", "is missing")
                     .help("for example dark_current_doubling_k = 8.0, or dark_current_law = \"arrhenius\"")),
             },

@@ -60,7 +60,8 @@ pub(crate) struct LensTable {
     pub(crate) focal_length_mm: Option<f64>,
     /// Focal length over the diameter of the aperture, or of the circle through the corners of one with blades. Left out: 8.
     pub(crate) f_number: Option<f64>,
-    /// Distance from the lens to what is sharp, along the axis, m; or "infinity". Nothing to a pinhole.
+    /// Distance from the lens to what is sharp, along the axis, m; "infinity"; or "scene", that of the middle of the geometry
+    /// (of the picture where that cannot be focused on). Nothing to a pinhole.
     pub(crate) focus_distance_m: Option<FocusDistance>,
     /// Focuses on what is seen at a pixel: column and row from the top-left corner, or "centre". Left out, as is the
     /// distance: "centre". Nothing to a pinhole.

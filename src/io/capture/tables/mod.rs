@@ -63,7 +63,7 @@ pub(crate) struct CaptureFile {
     /// The lens.
     #[schemars(with = "Option<LensTable>")]
     pub(crate) lens: LensTable,
-    /// The sensor: a preset, and any keys that shall differ from it.
+    /// The sensor: a preset, and any keys that shall differ from it. That of `capture.json` is whole, without a preset.
     #[schemars(with = "Option<SensorTable>")]
     pub(crate) sensor: MergedSensor,
     /// How long, at what gain and temperature. Without it, the time is chosen automatically.
@@ -90,6 +90,8 @@ pub(crate) struct MergedSensor {
     /// Of the preset or file.
     pub(crate) name: String,
     pub(crate) description: SensorDescription,
+    /// What is to be said of the changes.
+    pub(crate) warnings: Vec<String>,
 }
 
 /// A preset with changes.
@@ -98,8 +100,11 @@ pub(crate) struct MergedSensor {
 #[expect(dead_code, reason = "the shape of a table, for the JSON Schema; it is merged before it is read")]
 struct SensorTable {
     /// Name of a sensor that ships with photosite (`photosite sensors` lists them), or the path of a sensor file,
-    /// relative to this file. Left out: "generic-cmos-color".
+    /// relative to this file; "none" begins from nothing. Left out: "generic-cmos-color".
     preset: Option<String>,
+    /// Keys and tables of the preset that this sensor does not have, such as ["filter", "channels.G", "noise.prnu_percent"].
+    /// They are taken away before the keys here are laid over the preset.
+    without: Option<Vec<String>>,
     #[schemars(flatten)]
     changes: SensorDescription,
 }

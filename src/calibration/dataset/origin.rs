@@ -1,0 +1,77 @@
+//! Which key of a data set file asks for a change to the capture.
+
+use super::DatasetDescription;
+
+impl DatasetDescription {
+    /// The key that asks for a change (`key=value`) to the capture of the camera of that number in the rig. `None` for changes
+    /// that every data set makes.
+    pub fn key_of(&self, camera: usize, change: &str) -> Option<String> {
+        let key = change.split_once('=').map_or(change, |(key, _)| key).trim();
+        let of_rig = self.cameras.get(camera);
+        let among = |set: &[String]| set.iter().rposition(|other| other == change);
+        if let Some(i) = of_rig.and_then(|camera| among(&camera.set)) {
+            return Some(format!("cameras[{camera}].set[{i}]"));
+        }
+        if let Some(i) = among(&self.set) {
+            return Some(format!("set[{i}]"));
+        }
+        if let Some(i) = self.vary.iter().rposition(|variation| variation.key.trim() == key) {
+            return Some(format!("vary[{i}]"));
+        }
+        match key {
+            "output.truth_partner" => of_rig?.disparity_to.as_ref().map(|_| format!("cameras[{camera}].disparity_to")),
+            "render.seed" => self.seed.map(|_| "seed".to_owned()),
+            "camera.position_m" | "camera.look_at_m" | "camera.up" | "camera.motion" | "exposure.frame_interval_s" => {
+                self.key_of_pose().or_else(|| of_rig.map(|_| format!("cameras[{camera}]")))
+            }
+            _ => None,
+        }
+    }
+
+    /// The key that says where the rig is.
+    fn key_of_pose(&self) -> Option<String> {
+        let poses = self.poses.as_ref()?;
+        let kinds = [
+            ("list", poses.list.is_some()),
+            ("grid", poses.grid.is_some()),
+            ("random", poses.random.is_some()),
+            ("trajectory", poses.trajectory.is_some()),
+        ];
+        let kind = kinds.into_iter().find(|(_, is_given)| *is_given);
+        Some(kind.map_or_else(|| "poses".to_owned(), |(kind, _)| format!("poses.{kind}")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn every_change_leads_to_its_key() {
+        let description: DatasetDescription = serde_json::from_value(json!({
+            "capture": "a.toml",
+            "seed": 3,
+            "set": ["a.b=1", "a.c=2"],
+            "cameras": [{ "name": "left" }, { "name": "right", "disparity_to": "left", "set": ["a.c=2"] }],
+            "poses": { "trajectory": { "frame_rate_hz": 10, "poses": [] } },
+            "vary": [{ "key": "a.d", "uniform": [0, 1] }],
+        }))
+        .expect("a description");
+        for (camera, change, key) in [
+            (0, "a.c=2", Some("set[1]")),
+            (1, "a.c=2", Some("cameras[1].set[0]")),
+            (1, "a.d=0.25", Some("vary[0]")),
+            (0, "camera.motion={ poses = [] }", Some("poses.trajectory")),
+            (0, "exposure.frame_interval_s=0.1", Some("poses.trajectory")),
+            (1, "output.truth_partner={ up = [0, 1, 0] }", Some("cameras[1].disparity_to")),
+            (0, "render.seed=17", Some("seed")),
+            (0, "develop.distortion=false", None),
+        ] {
+            assert_eq!(description.key_of(camera, change).as_deref(), key, "{change}");
+        }
+        let standing = DatasetDescription { poses: None, ..description };
+        assert_eq!(standing.key_of(1, "camera.position_m=[0, 0, 0]").as_deref(), Some("cameras[1]"));
+    }
+}
