@@ -129,7 +129,7 @@ impl CaptureSource {
     /// Keeps for a warning that a `--set` argument has taken the place of other keys.
     pub(super) fn note_displaced(&mut self, argument: &str, keys: &[String]) {
         if !keys.is_empty() {
-            let keys = list(keys.iter().map(|key| &**key));
+            let keys = keys.join(", ");
             self.displaced.push(format!("--set {argument} takes the place of {keys}, which cannot hold beside it"));
         }
     }
