@@ -8,6 +8,7 @@ use photosite::develop::EncodedPicture;
 use photosite::io::developed::write_png;
 use photosite::io::output::write_whole;
 use photosite::io::picture_file::read_picture_file;
+use photosite::raw::Pixels;
 use photosite::validation::{Comparison, FalseColour, Limits, Picture, Settings, compare, failures, false_colour};
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
@@ -25,6 +26,9 @@ pub(super) struct CompareArgs {
     a: PathBuf,
     /// The reference, of the same size and unit.
     b: PathBuf,
+    /// Compare the masked pixels of raw files, too, not only those that see light.
+    #[arg(long)]
+    masked: bool,
     /// Compare these channels only, for example R,G; of a mosaic raw, R, G or B.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     channels: Option<Vec<String>>,
@@ -104,7 +108,8 @@ pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {
     if let Some(path) = &args.picture {
         refuse_picture(path, args.force)?;
     }
-    let (a, b) = (read_picture_file(&args.a)?, read_picture_file(&args.b)?);
+    let pixels = if args.masked { Pixels::All } else { Pixels::Active };
+    let (a, b) = (read_picture_file(&args.a, pixels)?, read_picture_file(&args.b, pixels)?);
     let settings = Settings {
         channels: args.channels.clone(),
         alpha: args.alpha,

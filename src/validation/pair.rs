@@ -124,7 +124,13 @@ fn refuse_strangers(a: &Picture, b: &Picture) -> Result<(), Invalid> {
     if size(a) != size(b) {
         let [[wa, ha], [wb, hb]] = [size(a), size(b)];
         let message = format!("{} has {wa} × {ha} pixels, {} has {wb} × {hb}", a.name, b.name);
-        return Err(Invalid::new("", message).help("only pictures of the same size can be compared"));
+        let help = match [a, b].into_iter().find_map(|picture| Some((&picture.name, picture.active_area?))) {
+            Some((name, area)) => {
+                format!("of {name} the active area is looked at, {area}; --masked looks at its masked pixels, too")
+            }
+            None => "only pictures of the same size can be compared".to_owned(),
+        };
+        return Err(Invalid::new("", message).help(help));
     }
     if let (Some(unit_a), Some(unit_b)) = (&a.unit, &b.unit)
         && unit_a != unit_b
@@ -176,7 +182,7 @@ mod tests {
     use rstest::rstest;
 
     use super::*;
-    use crate::raw::RawImage;
+    use crate::raw::{Pixels, RawImage};
     use crate::validation::picture::tests::picture;
 
     fn names(pairs: &[Pair<'_>]) -> Vec<String> {
@@ -197,7 +203,7 @@ mod tests {
             white_level_dn: 4095,
             ..RawImage::default()
         };
-        Picture::from_raw(format!("{cfa}.dng"), raw)
+        Picture::from_raw(format!("{cfa}.dng"), raw, Pixels::Active)
     }
 
     #[test]

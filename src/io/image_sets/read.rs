@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::characterisation::{Descriptor, Light, PairStatistics, Series, SpatialStack, TemporalPoint};
 use crate::io::picture_file::read_picture_file;
+use crate::raw::Pixels;
 use crate::{Error, Invalid, Result};
 
 /// Statistics of an image set.
@@ -88,7 +89,7 @@ impl ImageReader<'_> {
 
     fn image(&self, name: &str) -> Result<Vec<u16>> {
         let path = self.folder.join(name);
-        let picture = read_picture_file(&path)?;
+        let picture = read_picture_file(&path, Pixels::Active)?;
         let Descriptor { width, height, .. } = *self.descriptor;
         let planes = &picture.mean;
         if [planes.width(), planes.height()] != [width, height] {
