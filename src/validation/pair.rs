@@ -1,10 +1,26 @@
 //! Which numbers of two pictures face each other.
 
+use serde::Serialize;
+
 use crate::Invalid;
 use crate::raw::Cfa;
 
 use super::picture::{MOSAIC, Picture};
 use super::z_scores::z_score;
+
+/// Of which of two pictures a and b the variance is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VarianceOf {
+    /// Of neither.
+    None,
+    /// Of a alone.
+    A,
+    /// Of b alone.
+    B,
+    /// Of both: their difference has a variance.
+    Both,
+}
 
 /// One channel on both sides.
 pub(super) struct Pair<'a> {
@@ -54,12 +70,22 @@ impl Pair<'_> {
         self.a(i) - self.b(i)
     }
 
-    /// Whether the variance of at least one side is known; the other side then counts as exact.
-    pub(super) fn has_variance(&self) -> bool {
-        self.variance_a.is_some() || self.variance_b.is_some()
+    /// Whose variance is known.
+    pub(super) fn variance_of(&self) -> VarianceOf {
+        match (self.variance_a, self.variance_b) {
+            (None, None) => VarianceOf::None,
+            (Some(_), None) => VarianceOf::A,
+            (None, Some(_)) => VarianceOf::B,
+            (Some(_), Some(_)) => VarianceOf::Both,
+        }
     }
 
-    /// var a + var b; what is not known counts as 0.
+    /// Whether the difference has a variance: it takes those of both sides.
+    pub(super) fn has_variance(&self) -> bool {
+        self.variance_of() == VarianceOf::Both
+    }
+
+    /// var a + var b, where both are known.
     pub(super) fn variance(&self, i: usize) -> f64 {
         [self.variance_a, self.variance_b].into_iter().flatten().map(|v| f64::from(v[i])).sum()
     }
