@@ -81,7 +81,7 @@ fn masked(folder: &Folder, cfa: &str) {
             return 64 + (x % 2) as u16;
         }
         // By squares of 2 × 2 pixels in turns, each of which has a pixel of every place of a Bayer tile.
-        let swing = if ((x - area.x) / 2 + (y - area.y) / 2) % 2 == 0 { 950 } else { 1050 };
+        let swing = if ((x - area.x) / 2 + (y - area.y) / 2).is_multiple_of(2) { 950 } else { 1050 };
         swing + 100 * sample as u16
     };
     let raw = RawImage {

@@ -88,8 +88,8 @@ def judge_masked(photosite, path):
         numbers, letters = visible[place], colours[place]
         if abs(plane["mean"] - numbers.mean()) > 1e-6 or abs(plane["uniform"]["sigma"] - numbers.std(ddof=1)) > 1e-6:
             yield f"{path}: {plane['name']} is {plane['mean']}, {plane['uniform']['sigma']}; {numbers.mean()}, {numbers.std(ddof=1)} by LibRaw"
-        # Its second green is a colour of its own.
-        if numpy.unique(letters).size != 1 or (side > 1 and "RGBG"[letters[0, 0]] != plane["name"][0]):
+        # It takes tiles of four columns for Bayer's, and its second green is a colour of its own.
+        if side <= 2 and (numpy.unique(letters).size != 1 or (side > 1 and "RGBG"[letters[0, 0]] != plane["name"][0])):
             yield f"{path}: {plane['name']} are LibRaw's colours {numpy.unique(letters)}"
 
 
