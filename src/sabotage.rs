@@ -38,6 +38,7 @@ mod tests {
     use crate::io::capture::{Capture, ExposureTime};
     use crate::io::picture_file::read_picture_file;
     use crate::optics::{Camera, PixelGrid};
+    use crate::raw::Pixels;
     use crate::scene;
     use crate::spectrum::Spectrum;
     use crate::validation::{Comparison, Picture, Settings, compare};
@@ -59,7 +60,7 @@ mod tests {
             let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mitsuba/scenes").join(name);
             let capture = Capture::read(&folder.join("capture.toml"), &[]).expect("a capture");
             let electrons = electrons(&capture);
-            let reference = read_picture_file(&folder.join("reference.exr")).expect("a reference");
+            let reference = read_picture_file(&folder.join("reference.exr"), Pixels::Active).expect("a reference");
             compare(&electrons, &reference, &Settings::default()).expect("pictures of one kind")
         })
     }
@@ -89,7 +90,15 @@ mod tests {
         let ExposureTime::Fixed(time) = capture.exposure.time else { panic!("an exposure time is given") };
         let estimate = film.estimate(responses.iter().map(|r| r.name.as_str())).scaled(time.0);
         let (name, unit) = ("ours".to_owned(), Some("e-".to_owned()));
-        Picture { name, mean: estimate.mean, variance: estimate.variance, unit, full_scale: None, mosaic: None }
+        Picture {
+            name,
+            mean: estimate.mean,
+            variance: estimate.variance,
+            unit,
+            full_scale: None,
+            mosaic: None,
+            active_area: None,
+        }
     }
 
     #[rstest]

@@ -9,7 +9,8 @@
 //! d 20000000               dark images follow: exposure time in ns
 //! ```
 //!
-//! Lines that begin with `#` say nothing. Two images after a `b` or `d` are a pair for temporal noise, more are a stack
+//! Lines that begin with `#` and empty lines say nothing, and lines may end as Windows ends them. An exposure time of 0 stands
+//! for one that is not known, as in sets of one exposure time and light that varies: `b 000.00 000.35`. Two images after a `b` or `d` are a pair for temporal noise, more are a stack
 //! for spatial non-uniformity.
 
 use std::fmt;
@@ -33,7 +34,7 @@ pub struct Descriptor {
 /// Images taken with the same exposure time of the same light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Exposure time, ns.
+    /// Exposure time, ns; 0 where it is not known.
     pub exposure_ns: f64,
     /// What fell on the pixels.
     pub light: Light,
@@ -46,7 +47,7 @@ pub struct Series {
 pub enum Light {
     /// None.
     Dark,
-    /// So many photons on the area of each pixel during the exposure, above 0.
+    /// So many photons on the area of each pixel during the exposure, not negative.
     Bright {
         /// μ_p.
         photons: f64,
@@ -80,6 +81,8 @@ impl Descriptor {
     pub fn parse(text: &str) -> Result<Self, (usize, Invalid)> {
         let mut found = Self { bits: 0, width: 0, height: 0, series: Vec::new() };
         let mut last_line = 1;
+        // Some programs of Windows begin with a byte order mark.
+        let text = text.trim_start_matches('\u{feff}');
         for (i, line) in text.lines().enumerate().map(|(i, line)| (i, line.trim())) {
             if !line.is_empty() && !line.starts_with('#') {
                 last_line = i + 1;
@@ -109,21 +112,23 @@ impl Descriptor {
         // Some programs write decimal commas.
         let numbers: Option<Vec<f64>> =
             rest.split_whitespace().map(|word| word.replace(',', ".").parse().ok()).collect();
-        let is_time = |ns: f64| ns.is_finite() && ns > 0.0;
+        let is_amount = |x: f64| x.is_finite() && x >= 0.0;
         match (key, numbers.as_deref()) {
             ("v", _) => {}
             ("n", Some(&[bits, width, height])) if [bits, width, height].iter().all(|n| (1.0..=1e6).contains(n)) => {
                 (self.bits, self.width, self.height) = (bits as u32, width as usize, height as usize);
             }
             ("n", _) => return wrong("write bits, columns and rows: n 12 512 512"),
-            ("b", Some(&[exposure_ns, photons])) if is_time(exposure_ns) && photons.is_finite() && photons > 0.0 => {
+            ("b", Some(&[exposure_ns, photons])) if is_amount(exposure_ns) && is_amount(photons) => {
                 self.series.push(Series { exposure_ns, light: Light::Bright { photons }, images: Vec::new() });
             }
-            ("b", _) => return wrong("write exposure time in ns and photons, both above 0: b 1000000 250.0"),
-            ("d", Some(&[exposure_ns])) if is_time(exposure_ns) => {
+            ("b", _) => {
+                return wrong("write exposure time in ns, 0 where it is not known, and photons: b 1000000 250.0");
+            }
+            ("d", Some(&[exposure_ns])) if is_amount(exposure_ns) => {
                 self.series.push(Series { exposure_ns, light: Light::Dark, images: Vec::new() });
             }
-            ("d", _) => return wrong("write the exposure time in ns, above 0: d 1000000"),
+            ("d", _) => return wrong("write the exposure time in ns, 0 where it is not known: d 1000000"),
             ("i", _) if !rest.is_empty() => match self.series.last_mut() {
                 Some(series) => series.images.push(rest.replace('\\', "/")),
                 None => return wrong("say first of what it was taken: b 1000000 250.0 or d 1000000"),
@@ -177,6 +182,19 @@ mod tests {
     }
 
     #[test]
+    fn descriptors_of_other_programs_are_read() {
+        // As Windows writes it, with exposure times that nobody noted.
+        let text = "\u{feff}# \u{fffd}m of µ\r\n\r\nv 3.0\r\n  \r\nn  12\t640 480\r\nb 000.00 000.35\r\ni images\\a 1.tif\r\ni                     images\\sub\\b.tif \r\n\r\n#d 5\r\nd 0\r\ni c.tif\r\ni d.tif";
+        let images = |names: [&str; 2]| names.map(str::to_owned).to_vec();
+        let bright = Light::Bright { photons: 0.35 };
+        let series = vec![
+            Series { exposure_ns: 0.0, light: bright, images: images(["images/a 1.tif", "images/sub/b.tif"]) },
+            Series { exposure_ns: 0.0, light: Light::Dark, images: images(["c.tif", "d.tif"]) },
+        ];
+        assert_eq!(Descriptor::parse(text), Ok(Descriptor { bits: 12, width: 640, height: 480, series }));
+    }
+
+    #[test]
     fn what_cannot_be_read_is_refused_with_its_line() {
         let good = "# camera 7\nv 4.0\nn 8 4 4\nb 100 2,5\ni a\ni b\nd 100\ni c\ni d\n";
         assert_eq!(Descriptor::parse(good).expect("good").series[0].light, Light::Bright { photons: 2.5 });
@@ -185,7 +203,8 @@ mod tests {
             ("b 100 2,5", "b 100", 4, "b"),
             ("b 100 2,5", "b 100 -1", 4, "b"),
             ("b 100 2,5", "i a", 4, "i"),
-            ("d 100", "d 0", 7, "d"),
+            ("d 100", "d -1", 7, "d"),
+            ("d 100", "d inf", 7, "d"),
             ("i c", "x c", 8, "x"),
             ("i d\n", "", 8, "i"),
             ("n 8 4 4", "", 9, ""),

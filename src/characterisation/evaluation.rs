@@ -1,5 +1,7 @@
 //! From statistics of images to the figures of the standard.
 
+use serde::Serialize;
+
 use crate::Invalid;
 use crate::units::Seconds;
 
@@ -10,7 +12,7 @@ use super::spatial::SpatialVariances;
 /// A bright pair and the dark pair of the same exposure time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TemporalPoint {
-    /// Exposure time.
+    /// Exposure time; 0 where it is not known.
     pub time: Seconds,
     /// μ_p, photons per pixel.
     pub photons: f64,
@@ -53,6 +55,49 @@ pub struct Evaluation {
     pub dark_current: Option<DarkCurrentFit>,
     /// Spatial variances of the dark and the bright stack.
     pub spatial: Option<[SpatialVariances; 2]>,
+}
+
+/// What an image set does not tell.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct NotMeasured {
+    /// The figure.
+    pub figure: &'static str,
+    /// Why it is missing.
+    pub reason: &'static str,
+}
+
+impl Evaluation {
+    /// The figures that the set does not tell, by name.
+    pub fn not_measured(&self) -> Vec<NotMeasured> {
+        let mut missing = Vec::new();
+        let mut tell = |figure, reason| missing.push(NotMeasured { figure, reason });
+        if self.dark_current.is_none() {
+            let is_unknown = self.points.iter().all(|point| point.time.0 == 0.0);
+            let reason = if is_unknown {
+                "the exposure times are not known: the descriptor states 0"
+            } else {
+                "the images have fewer than three exposure times"
+            };
+            tell("dark current", reason);
+            tell("dark noise at no exposure time (that of the shortest stands for it)", reason);
+        }
+        if self.linearity.is_none() {
+            tell("linearity error", "fewer than two pairs lie between 5 and 95 % of saturation");
+        }
+        if self.spatial.is_none() {
+            tell("DSNU and PRNU", "there is no dark and bright stack of more than two images");
+        } else {
+            let Figures { dsnu_e, prnu_percent, .. } = self.figures;
+            let parts = |f: SpatialFigures| [f.total, f.row, f.column, f.pixel];
+            let dsnu = ["DSNU", "DSNU of rows", "DSNU of columns", "DSNU of pixels"];
+            let prnu = ["PRNU", "PRNU of rows", "PRNU of columns", "PRNU of pixels"];
+            let figures = dsnu.into_iter().zip(parts(dsnu_e)).chain(prnu.into_iter().zip(parts(prnu_percent)));
+            for (name, _) in figures.filter(|(_, figure)| figure.is_none()) {
+                tell(name, "temporal noise hides it");
+            }
+        }
+        missing
+    }
 }
 
 /// How far the response is from a line.
@@ -278,6 +323,44 @@ mod tests {
         assert!(f.linearity_error_min_percent.expect("points") > -1e-9);
         // 70 % of the signal of point 45 (from 0 at 44) is that of point 31.5.
         assert_eq!((found.saturation, found.last_fitted), (44, 30));
+    }
+
+    #[test]
+    fn without_exposure_times_the_dark_current_alone_is_missing() {
+        let known = evaluate(exact_points(), None).expect("a set");
+        assert_eq!(known.not_measured().iter().map(|n| n.figure).collect::<Vec<_>>(), ["DSNU and PRNU"]);
+        // One exposure time, that of the first point, and light that varies.
+        let at = |time: f64| {
+            let points = exact_points().into_iter().map(|p| {
+                let dark = 64.0 + GAIN * CURRENT * 0.01;
+                let dark_variance = GAIN * GAIN * (READ * READ + CURRENT * 0.01) + 1.0 / 12.0;
+                TemporalPoint {
+                    time: Seconds(time),
+                    mean: p.mean - p.dark_mean + dark,
+                    variance: if p.variance < 1.0 { p.variance } else { p.variance - p.dark_variance + dark_variance },
+                    dark_mean: dark,
+                    dark_variance,
+                    ..p
+                }
+            });
+            evaluate(points.collect(), None).expect("a set")
+        };
+        let (unknown, one) = (at(0.0), at(0.01));
+        assert_eq!(unknown.figures, one.figures, "no figure takes 0 for a time");
+        let f = unknown.figures;
+        let dark_noise = (READ * READ + CURRENT * 0.01f64).sqrt();
+        for (value, expected) in [
+            (f.system_gain_dn_per_e, GAIN),
+            (f.quantum_efficiency, EFFICIENCY),
+            (f.dark_noise_e, dark_noise),
+            (f.saturation_p, 440.0 * 45.0),
+        ] {
+            assert_relative_eq!(value, expected, max_relative = 1e-9);
+        }
+        assert_eq!((f.dark_current_mean_e_per_s, f.dark_current_variance_e_per_s), (None, None));
+        let reason = |e: &Evaluation| e.not_measured()[..2].iter().map(|n| n.reason).collect::<Vec<_>>();
+        assert_eq!(reason(&unknown), ["the exposure times are not known: the descriptor states 0"; 2]);
+        assert_eq!(reason(&one), ["the images have fewer than three exposure times"; 2]);
     }
 
     #[test]

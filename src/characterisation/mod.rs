@@ -32,7 +32,7 @@ mod spectrogram;
 
 pub use descriptor::{Descriptor, Light, Series};
 pub use evaluation::{
-    DarkCurrentFit, Evaluation, Linearity, TemporalPoint, doubling_temperature, evaluate, responsivity,
+    DarkCurrentFit, Evaluation, Linearity, NotMeasured, TemporalPoint, doubling_temperature, evaluate, responsivity,
 };
 pub use expected::{effects_left_out, expected_figures, quantum_efficiency};
 pub use figures::{Decibel, Figures, Row, SpatialFigures};

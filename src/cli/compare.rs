@@ -8,7 +8,10 @@ use photosite::develop::EncodedPicture;
 use photosite::io::developed::write_png;
 use photosite::io::output::write_whole;
 use photosite::io::picture_file::read_picture_file;
-use photosite::validation::{Comparison, FalseColour, Limits, Picture, Settings, compare, failures, false_colour};
+use photosite::raw::Pixels;
+use photosite::validation::{
+    ChannelDifference, Comparison, FalseColour, Limits, Picture, Settings, VarianceOf, compare, failures, false_colour,
+};
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
@@ -19,12 +22,36 @@ use super::{print_json, println_out, refuse_existing};
 ///
 /// A and B are EXR, PNG, TIFF or raw files (DNG, PGM, NPY); B counts as the reference. Exit status 1: noise does not
 /// explain the differences, a limit is passed, or pixels are not finite.
+///
+/// Noise explains a difference only where the variances of both pictures are known: channels of which one is missing are not
+/// tested, and that is said. photosite writes the variance of the mean of X as channel variance.X of electrons.exr. Of a
+/// picture by Mitsuba 3 there are three ways to it: render.py, which photosite export-mitsuba writes beside scene.xml, renders
+/// batches of different seeds and writes their mean with its variance; variances from elsewhere, such as the spread of runs of
+/// any program, are given by --variance-b; and --samples-b makes them of the second moments m2_X of Mitsuba's integrator moment.
+/// Say --variance-b 0 where B is exact. A variance of fewer than 64 batches or samples is too uncertain for the verdict.
 #[derive(Args)]
 pub(super) struct CompareArgs {
     /// A picture. In an EXR file the channel variance.X is the variance of X.
     a: PathBuf,
     /// The reference, of the same size and unit.
     b: PathBuf,
+    /// Variance of A, of the mean of each pixel: a number for all, 0 where A is exact, or an EXR file whose channel variance.X,
+    /// or else X, is that of X [default: what its file says].
+    #[arg(long, value_name = "X|FILE", allow_hyphen_values = true)]
+    variance_a: Option<String>,
+    /// Variance of B, likewise.
+    #[arg(long, value_name = "X|FILE", allow_hyphen_values = true)]
+    variance_b: Option<String>,
+    /// Samples a pixel whose second moments m2_X stand beside X in A, as of Mitsuba's integrator moment with a box filter and
+    /// 32-bit floats: variance (m2 − m²)/(N − 1).
+    #[arg(long, value_name = "N", conflicts_with = "variance_a", value_parser = clap::value_parser!(u64).range(2..))]
+    samples_a: Option<u64>,
+    /// The same of B.
+    #[arg(long, value_name = "N", conflicts_with = "variance_b", value_parser = clap::value_parser!(u64).range(2..))]
+    samples_b: Option<u64>,
+    /// Compare the masked pixels of raw files, too, not only those that see light.
+    #[arg(long)]
+    masked: bool,
     /// Compare these channels only, for example R,G; of a mosaic raw, R, G or B.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     channels: Option<Vec<String>>,
@@ -78,6 +105,8 @@ pub(super) struct Report {
     pub(super) outcome: &'static str,
     /// Why the pictures differ.
     pub(super) failures: Vec<String>,
+    /// What noise cannot be asked about.
+    pub(super) untested: Vec<Untested>,
     pub(super) picture: Option<PictureReport>,
 }
 
@@ -89,6 +118,14 @@ pub(super) struct FileReport {
     pub(super) unit: Option<String>,
     pub(super) channels: Vec<String>,
     pub(super) variances: bool,
+}
+
+/// Channels that cannot be tested against noise.
+#[derive(Serialize)]
+pub(super) struct Untested {
+    pub(super) channels: Vec<String>,
+    pub(super) missing: String,
+    pub(super) help: String,
 }
 
 /// The picture that was written.
@@ -104,7 +141,8 @@ pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {
     if let Some(path) = &args.picture {
         refuse_picture(path, args.force)?;
     }
-    let (a, b) = (read_picture_file(&args.a)?, read_picture_file(&args.b)?);
+    let a = read(&args.a, args.variance_a.as_deref(), args.samples_a, args.masked)?;
+    let b = read(&args.b, args.variance_b.as_deref(), args.samples_b, args.masked)?;
     let settings = Settings {
         channels: args.channels.clone(),
         alpha: args.alpha,
@@ -118,12 +156,12 @@ pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {
         relative_mse: args.max_relative_mse,
     };
     // What can be wrong from here on is that the two files, or the channels asked for, do not fit together.
-    let unfit = |Invalid { message, help, .. }| Error::Usage { message, help };
     let comparison = compare(&a, &b, &settings).map_err(unfit)?;
     let picture = match &args.picture {
         Some(path) => Some(write_picture(path, false_colour(&a, &b, &settings, args.range).map_err(unfit)?)?),
         None => None,
     };
+    let untested = untested(&comparison, &a, &b);
     let failures = failures(&comparison, &limits);
     let judged = comparison.verdict.is_some() || !limits.is_empty() || !failures.is_empty();
     let report = Report {
@@ -138,6 +176,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {
             "differ"
         },
         failures,
+        untested,
         picture,
     };
     if args.json {
@@ -146,6 +185,49 @@ pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {
         println_out(&text(&report))?;
     }
     Ok(if report.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What is wrong with the command line where two files do not fit together.
+fn unfit(Invalid { message, help, .. }: Invalid) -> Error {
+    Error::Usage { message, help }
+}
+
+/// A picture with the variances that its file or the command line says.
+fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool) -> Result<Picture> {
+    let pixels = if masked { Pixels::All } else { Pixels::Active };
+    let picture = read_picture_file(path, pixels)?;
+    if let Some(samples) = samples {
+        return picture.with_second_moments(samples).map_err(unfit);
+    }
+    let Some(text) = variance else { return Ok(picture) };
+    match text.parse::<f64>() {
+        Ok(variance) if variance.is_finite() && variance >= 0.0 => Ok(picture.with_constant_variance(variance)),
+        Ok(_) => Err(Error::Usage {
+            message: format!("{text} is no variance"),
+            help: Some("write a number of at least 0, or the name of an EXR file".to_owned()),
+        }),
+        Err(_) => picture.with_variances_from(&read_picture_file(Path::new(text), pixels)?).map_err(unfit),
+    }
+}
+
+/// Which channels noise is not asked about, though the variance of one picture is known or could be, and how to give it.
+fn untested(comparison: &Comparison, a: &Picture, b: &Picture) -> Vec<Untested> {
+    let of = |(letter, other, picture): (&str, VarianceOf, &Picture)| {
+        let has_moment = |name: &str| picture.has_second_moment(name);
+        let is_missing = |c: &&ChannelDifference| {
+            c.variance_of == other || c.variance_of == VarianceOf::None && has_moment(&c.channel)
+        };
+        let channels: Vec<String> = comparison.channels.iter().filter(is_missing).map(|c| c.channel.clone()).collect();
+        let option = letter.to_lowercase();
+        let help = if channels.iter().any(|name| has_moment(name)) {
+            format!("say of how many samples a pixel its second moments are, with --samples-{option} N")
+        } else {
+            format!("give it with --variance-{option} FILE, or say --variance-{option} 0 where {letter} is exact")
+        };
+        let missing = format!("the variance of {letter} is unknown");
+        (!channels.is_empty()).then_some(Untested { channels, missing, help })
+    };
+    [("A", VarianceOf::B, a), ("B", VarianceOf::A, b)].into_iter().filter_map(of).collect()
 }
 
 fn file_report(picture: &Picture) -> FileReport {

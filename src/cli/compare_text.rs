@@ -2,7 +2,7 @@
 
 use photosite::validation::{ChannelDifference, Comparison, PixelDifference, Verdict, ZScores};
 
-use super::compare::{FileReport, Report};
+use super::compare::{FileReport, Report, Untested};
 
 /// The report as text.
 pub(super) fn text(report: &Report) -> String {
@@ -130,14 +130,23 @@ fn worst(pixels: &[PixelDifference]) -> String {
 
 fn outcome(report: &Report) -> String {
     if report.outcome == "not judged" {
-        return "not judged: no variances are known and no limit was set".to_owned();
+        let [Untested { missing, help, .. }, ..] = &report.untested[..] else {
+            return "not judged: no variances are known and no limit was set".to_owned();
+        };
+        return format!(
+            "not judged: {missing}, so that noise cannot be told from a difference, and no limit was set\n  {help}, or set \
+             a limit such as --max-rmse"
+        );
     }
     let mut text = report.outcome.to_owned();
     if let Some(Verdict { alpha, tests, z_bound, agree: true, .. }) = &report.comparison.verdict {
         text +=
             &format!("\n  noise explains all pixels and means: |z| ≤ {z_bound:.2} (Šidák, α = {alpha}, {tests} tests)");
     }
-    report.failures.iter().fold(text, |text, failure| text + "\n  " + failure)
+    let untested =
+        |u: &Untested| format!("not tested against noise: {}, since {}; {}", u.channels.join(", "), u.missing, u.help);
+    let lines = report.failures.iter().cloned().chain(report.untested.iter().map(untested));
+    lines.fold(text, |text, line| text + "\n  " + &line)
 }
 
 /// Columns as wide as they need to be: names to the left, numbers to the right.

@@ -4,28 +4,30 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::Result;
-use photosite::develop::{DevelopSettings, Development, develop_linear, encode};
+use photosite::develop::{DevelopSettings, Development, RawDescription, develop_linear, encode};
 use photosite::io::developed::{PictureFormat, write_encoded, write_linear};
 use photosite::io::output::write_whole;
 use photosite::io::raw_file::read_raw;
+use photosite::raw::{RawImage, RawMetadata};
+use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
 use super::develop_args::CommonDevelopArgs;
 use super::{print_json, rounded};
 
-/// Develop a raw file to a picture: PNG, TIFF, JPEG, PPM or EXR.
+/// Develop a raw file to a picture: PNG, TIFF, JPEG, PGM, PPM or EXR.
 ///
 /// The steps are those of the table [develop] of capture files: white_balance, demosaic, highlights, noise_filter,
 /// colour_space, exposure_ev, tone_curve, sharpening, bits, dither and more; `photosite schema` describes them all. EXR
-/// pictures hold linear light. Raw files other than DNG do not say all of themselves: TIFF, PGM and NPY files become grey, or
-/// RGB, unless told by develop.raw what their filters are, for example with --set develop.raw.cfa=RGGB --set
+/// pictures hold linear light. Raw files other than DNG do not say all of themselves: the numbers of TIFF, PBM, PGM, PPM and
+/// NPY files are taken to be in proportion to light, from 0 to the largest that the file can hold, and become grey, or RGB,
+/// unless told by develop.raw what their filters and levels are, for example with --set develop.raw.cfa=RGGB --set
 /// develop.raw.black_level_dn=64 --set develop.raw.white_level_dn=4095.
 #[derive(Args)]
 pub(super) struct DevelopArgs {
-    /// A raw file: DNG, 16-bit TIFF, PGM, PPM, NPY, or an EXR file of digital numbers.
+    /// A raw file: DNG, TIFF of 8 or 16 bits, PBM, PGM, PPM (binary or text), NPY, or an EXR file of digital numbers.
     raw: PathBuf,
-    /// The picture: .png, .tiff, .jpg, .ppm or .exr [default: the raw file's name with .png, in the current folder].
+    /// The picture: .png, .tiff, .jpg, .ppm, .pgm (grey alone) or .exr [default: the raw file's name with .png, in the current folder].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -42,6 +44,8 @@ struct Report<'a> {
     settings: &'a DevelopSettings,
     #[serde(flatten)]
     development: Development,
+    /// What is taken to hold of a file that says nothing of itself.
+    assumed: Option<String>,
     timings: Timings,
 }
 
@@ -68,7 +72,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
 
     let start = Instant::now();
     // What is wrong now lies between the settings and the raw file; either is named by its key.
-    let failed = |invalid: photosite::Invalid| {
+    let failed = |invalid: Invalid| {
         if source.has(&format!("develop.{}", invalid.key)) {
             source.error(invalid.within("develop"))
         } else {
@@ -76,6 +80,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         }
     };
     let (planes, development) = develop_linear(&raw, &settings).map_err(failed)?;
+    format.check_picture(&planes).map_err(|Invalid { message, help, .. }| Error::Usage { message, help })?;
     let resolution_px = [planes.width(), planes.height()];
     let mut develop_s = start.elapsed().as_secs_f64();
     let write_s = if format == PictureFormat::Exr {
@@ -97,6 +102,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         resolution_px,
         settings: &settings,
         development,
+        assumed: assumed(&args.raw, &raw, &settings),
         timings: Timings { load_s, develop_s, write_s },
     };
     if args.common.json {
@@ -106,6 +112,19 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         summarise(&report);
     }
     Ok(())
+}
+
+/// What is taken to hold of files of numbers alone that nothing was told of.
+fn assumed(path: &Path, raw: &RawImage, settings: &DevelopSettings) -> Option<String> {
+    let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    if is_exr || raw.metadata != RawMetadata::default() || settings.raw != RawDescription::default() {
+        return None;
+    }
+    let kind = if raw.cfa.is_mono() { "a monochrome sensor" } else { "a sensor with R, G and B at every pixel" };
+    let (file, white) = (path.display(), raw.white_level_dn);
+    Some(format!(
+        "{file} holds numbers alone: taken for those of {kind}, linear from 0 to {white}; develop.raw says otherwise"
+    ))
 }
 
 fn summarise(report: &Report<'_>) {
@@ -119,4 +138,5 @@ fn summarise(report: &Report<'_>) {
         rounded(report.timings.develop_s, 3),
         report.picture
     );
+    report.assumed.iter().for_each(|what| eprintln!("warning: {what}"));
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite::characterisation::report::{ChannelReport, Report, SpectralPoint, ThermalPoint};
-use photosite::characterisation::{Figures, doubling_temperature, evaluate, responsivity};
+use photosite::characterisation::{Figures, NotMeasured, doubling_temperature, evaluate, responsivity};
 use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
 use photosite::io::output::write_whole;
 use photosite::{Invalid, Result};
@@ -15,6 +15,10 @@ use super::progress::Progress;
 use super::{print_json, println_out, refuse_existing, rounded};
 
 /// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
+///
+/// A descriptor names the images and says what they are of: "n 12 640 480" for bits, columns and rows, "b 20000000 1234.5" for
+/// exposure time in ns and photons a pixel before bright images, "d 20000000" before dark ones, "i images\a.tif" for each. Where
+/// exposure times are not known and stated as 0, what needs them is left out and named.
 #[derive(Args)]
 pub(super) struct Emva1288ReportArgs {
     /// A folder that photosite emva1288 filled, or a descriptor of images of any camera (.txt).
@@ -38,6 +42,8 @@ pub(super) struct Emva1288ReportArgs {
 struct Measured<'a> {
     channel: &'a str,
     measured: Figures,
+    /// What the images do not tell, and why.
+    not_measured: Vec<NotMeasured>,
     expected: Option<Figures>,
     wavelengths: &'a [SpectralPoint],
     temperatures: &'a [ThermalPoint],
@@ -66,6 +72,7 @@ fn measured(channel: &ChannelReport) -> Measured<'_> {
     Measured {
         channel: &channel.title,
         measured: channel.evaluation.figures,
+        not_measured: channel.evaluation.not_measured(),
         expected: channel.expected,
         wavelengths: &channel.spectral,
         temperatures: &channel.thermal,

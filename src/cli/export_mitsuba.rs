@@ -1,6 +1,6 @@
 //! `photosite export-mitsuba`: a capture as a scene of Mitsuba 3.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite::io::capture::Capture;
@@ -13,11 +13,14 @@ use super::render::lone_camera;
 /// Describe a capture to Mitsuba 3, an independent renderer.
 ///
 /// Mitsuba's picture of scene.xml is then that of electrons.exr. What it has no exact counterpart for is refused by name.
+///
+/// With pip install mitsuba, python DIR/render.py DIR/scene.xml mitsuba.exr renders it in independent batches and writes the
+/// variance of each pixel, too, so that photosite compare electrons.exr mitsuba.exr tells noise from a difference.
 #[derive(Args)]
 pub(super) struct ExportMitsubaArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
     input: PathBuf,
-    /// Folder for scene.xml and the files that it names, created where missing.
+    /// Folder for scene.xml, the files that it names, and render.py, created where missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Change a key of the capture file, for example --set lens.falloff=none.
@@ -34,6 +37,9 @@ pub(super) struct ExportMitsubaArgs {
     force: bool,
 }
 
+/// Renders the scene in Mitsuba with the variance of every pixel.
+const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
+
 pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
     if args.output.join("scene.xml").exists() && !args.force {
         return Err(Error::Usage {
@@ -46,15 +52,21 @@ pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
     warnings.for_each(|warning| eprintln!("warning: {warning}"));
     let camera = lone_camera(&capture)?;
     let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;
+    write_whole_in(&args.output, "render.py", RENDER)?;
     // The scene itself comes last: where it is, all that it names is there too.
     for (name, bytes) in scene.files.iter().rev() {
-        let path = args.output.join(name);
-        create_folder(path.parent().unwrap_or(&args.output))?;
-        write_whole(&path, |to| to.write_all(bytes))?;
+        write_whole_in(&args.output, name, bytes)?;
     }
     if !args.quiet {
         scene.approximations.iter().for_each(|what| eprintln!("approximated: {what}"));
-        eprintln!("wrote {} files to {}", scene.files.len(), args.output.display());
+        eprintln!("wrote {} files to {}", scene.files.len() + 1, args.output.display());
     }
     Ok(())
+}
+
+/// Writes a file below a folder, which is made where it is missing.
+fn write_whole_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
+    let path = folder.join(name);
+    create_folder(path.parent().unwrap_or(folder))?;
+    write_whole(&path, |to| to.write_all(bytes))
 }

@@ -59,7 +59,9 @@ pub(super) fn measured_text(report: &Report) -> String {
                 line.deviation(),
             ]);
         }
-        format!("{}\n{}", channel.title, aligned(&lines))
+        let missing = channel.evaluation.not_measured().into_iter();
+        let missing: String = missing.map(|n| format!("\nnot measured: {}; {}", n.figure, n.reason)).collect();
+        format!("{}\n{}{missing}", channel.title, aligned(&lines))
     };
     report.channels.iter().map(channel).collect::<Vec<_>>().join("\n\n")
 }

@@ -64,9 +64,10 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
             Ok(facts)
         }
         "dng" => Ok(of_raw(&raw::read(path)?.linear())),
-        "tif" | "tiff" | "pgm" | "ppm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
+        "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
         _ => {
-            let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .dng, .tiff, .pgm, .npy or .exr file, or a name that `photosite sensors` lists";
+            let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .dng, .tiff, .pbm, .pgm, .ppm, .npy or .exr file, or \
+                        a name that `photosite sensors` lists";
             Err(Invalid::new("", "is of no kind that photosite knows").help(help).in_file(path))
         }
     }
@@ -189,7 +190,7 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
     }))
 }
 
-/// All that TIFF, PGM and NPY files know.
+/// All that TIFF, PBM, PGM, PPM and NPY files know.
 fn of_numbers(raw: &RawImage) -> Map<String, Value> {
     let sum: f64 = raw.data.iter().map(|&dn| f64::from(dn)).sum();
     map(json!({
@@ -201,10 +202,13 @@ fn of_numbers(raw: &RawImage) -> Map<String, Value> {
 }
 
 fn of_raw(raw: &RawImage) -> Map<String, Value> {
-    let mut facts = of_numbers(raw);
+    // Masked pixels say nothing of the picture.
+    let active = raw.cropped();
+    let mut facts = of_numbers(&active);
     facts.extend(map(json!({
+        "resolution_px": [raw.width, raw.height],
         "active_area_px": raw.active_area.map(|area| [area.x, area.y, area.width, area.height]),
-        "saturated_pixels": raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count(),
+        "saturated_pixels": active.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count(),
         "cfa": raw.cfa.to_string(),
         "bits": raw.bits,
         "black_level_dn": raw.black_level_dn.mean(),

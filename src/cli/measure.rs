@@ -11,6 +11,7 @@ use photosite::io::capture::Capture;
 use photosite::io::linear_picture::read_linear_picture;
 use photosite::io::picture_file::read_picture_file;
 use photosite::measure::{CheckerReport, EdgeResponse, Histogram, checker, histogram, slanted_edge, ssim};
+use photosite::raw::Pixels;
 use photosite::scene::description::{Colour, MaterialDescription, MaterialModel};
 use photosite::scene::{self, Scene};
 use photosite::spectrum::{Spectrum, cie, library};
@@ -69,11 +70,15 @@ enum Measure {
 
 #[derive(Args)]
 struct PictureArgs {
-    /// A picture: .png, .tiff, .jpg, .ppm or .exr; or the numbers of a raw file: .dng, .pgm or .npy.
+    /// A picture: .png, .tiff, .jpg, .ppm or .exr; or the numbers of a raw file: .dng, .pgm, .pbm or .npy.
     picture: PathBuf,
     /// Codes are in proportion to light, whatever the file says [default: what its profile says, else sRGB].
     #[arg(long)]
     linear: bool,
+    /// Look at the masked pixels of raw files, too. Without, those that see light alone count (DNG, raw EXR), and columns and
+    /// rows are counted from their corner.
+    #[arg(long)]
+    masked: bool,
     /// Print JSON instead of text.
     #[arg(long)]
     json: bool,
@@ -81,12 +86,20 @@ struct PictureArgs {
 
 impl PictureArgs {
     fn read(&self) -> Result<Picture> {
-        read_picture_file(&self.picture)
+        self.read_other(&self.picture)
+    }
+
+    fn read_other(&self, path: &Path) -> Result<Picture> {
+        read_picture_file(path, self.pixels())
+    }
+
+    fn pixels(&self) -> Pixels {
+        if self.masked { Pixels::All } else { Pixels::Active }
     }
 
     /// Planes of linear light, white at 1 where the file has codes; colours are sRGB.
     fn read_linear(&self, path: &Path) -> Result<Planes> {
-        read_linear_picture(path, self.linear)
+        read_linear_picture(path, self.linear, self.pixels())
     }
 
     fn print<T: Serialize>(&self, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {
@@ -276,10 +289,14 @@ struct ChannelSimilarity {
 }
 
 fn similarity(args: &PictureArgs, b_path: &Path) -> Result<Similarity> {
-    let (a, b) = (args.read()?, read_picture_file(b_path)?);
+    let (a, b) = (args.read()?, args.read_other(b_path)?);
     let size = [b.mean.width(), b.mean.height()];
     if [a.mean.width(), a.mean.height()] != size || a.full_scale != b.full_scale {
-        let message = "the two pictures have different sizes or bits".to_owned();
+        let [of_a, of_b] = [&a, &b].map(|p| {
+            let full_scale = p.full_scale.map_or_else(String::new, |top| format!(" up to {top}"));
+            format!("{} × {} numbers{full_scale}", p.mean.width(), p.mean.height())
+        });
+        let message = format!("the two pictures have different sizes or bits: {of_a}, {of_b}");
         return Err(Error::Usage { message, help: Some("compare pictures of one size and kind".to_owned()) });
     }
     let mut channels = Vec::new();

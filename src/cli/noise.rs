@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use photosite::characterisation::noise::{Knowledge, NoiseEstimate, Patch, Variance, estimate};
 use photosite::io::picture_file::read_picture_file;
-use photosite::raw::Cfa;
+use photosite::raw::{Area, Cfa, Pixels};
 use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
@@ -15,15 +15,19 @@ use super::{print_json, println_out, rounded};
 /// Estimate the noise of a picture, or of several of the same scene.
 ///
 /// From several pictures: what changes from one to the next, and the fixed pattern under it. From one: what an even patch
-/// spreads, what a plane leaves of a patch with linear shading. Colours of a mosaic are looked at one by one.
+/// spreads, what a plane leaves of a patch with linear shading. Colours of a mosaic are looked at one by one. Of raw files that
+/// say which pixels see light (DNG, raw EXR) these alone are looked at.
 #[derive(Args)]
 pub(super) struct NoiseArgs {
     /// EXR, PNG, TIFF or raw files (DNG, PGM, NPY); several are taken to show the same scene.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Look at this part only: left, top, width and height in pixels.
+    /// Look at this part only: left, top, width and height in pixels, counted from the corner of the pixels that see light.
     #[arg(long, value_name = "X,Y,W,H", value_parser = rectangle)]
     patch: Option<[usize; 4]>,
+    /// Look at the masked pixels of raw files, too; --patch counts from the corner of the file.
+    #[arg(long)]
+    masked: bool,
     /// Standard deviation that every pixel should have: the χ² of the plane is told.
     #[arg(long, value_name = "X", value_parser = positive)]
     sigma: Option<f64>,
@@ -42,8 +46,10 @@ pub(super) struct NoiseArgs {
 #[derive(Serialize)]
 struct Report {
     files: Vec<String>,
-    /// Left, top, width, height.
+    /// Left, top, width, height, in the active area where there is one.
     patch_px: [usize; 4],
+    /// The pixels of the file that are looked at, where masked ones are left out: left, top, width, height.
+    active_area_px: Option<[usize; 4]>,
     unit: Option<String>,
     planes: Vec<PlaneReport>,
 }
@@ -66,7 +72,8 @@ struct Input {
 }
 
 pub(super) fn run(args: &NoiseArgs) -> Result<()> {
-    let inputs: Vec<Input> = args.files.iter().map(|path| read(path)).collect::<Result<_>>()?;
+    let pixels = if args.masked { Pixels::All } else { Pixels::Active };
+    let inputs: Vec<Input> = args.files.iter().map(|path| read(path, pixels)).collect::<Result<_>>()?;
     let size = |input: &Input| [input.picture.mean.width(), input.picture.mean.height()];
     let names = |input: &Input| input.picture.mean.channels().iter().map(|c| c.name.clone()).collect::<Vec<_>>();
     let first = &inputs[0];
@@ -81,9 +88,10 @@ pub(super) fn run(args: &NoiseArgs) -> Result<()> {
     let [width, height] = size(first);
     let patch = args.patch.unwrap_or([0, 0, width, height]);
     let [x, y, w, h] = patch;
+    let whole = if first.picture.active_area.is_some() { "active area" } else { "picture" };
     if x.checked_add(w).is_none_or(|end| end > width) || y.checked_add(h).is_none_or(|end| end > height) {
         return Err(Error::Usage {
-            message: format!("the patch {x},{y},{w},{h} reaches beyond the {width} × {height} pixels of the picture"),
+            message: format!("the patch {x},{y},{w},{h} reaches beyond the {width} × {height} pixels of the {whole}"),
             help: Some("write left, top, width and height, for example --patch 100,100,64,64".to_owned()),
         });
     }
@@ -112,13 +120,14 @@ pub(super) fn run(args: &NoiseArgs) -> Result<()> {
         planes.push(PlaneReport { name, estimate });
     }
     let files = args.files.iter().map(|path| path.display().to_string()).collect();
-    let report = Report { files, patch_px: patch, unit: first.picture.unit.clone(), planes };
+    let active_area_px = first.picture.active_area.map(|Area { x, y, width, height }| [x, y, width, height]);
+    let report = Report { files, patch_px: patch, active_area_px, unit: first.picture.unit.clone(), planes };
     if args.json { print_json(&report) } else { println_out(&text(&report)) }
 }
 
-fn read(path: &Path) -> Result<Input> {
+fn read(path: &Path, pixels: Pixels) -> Result<Input> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("dng")) {
-        let picture = read_picture_file(path)?;
+        let picture = read_picture_file(path, pixels)?;
         let (white, step) = (picture.full_scale, picture.full_scale.map(|_| 1.0));
         return Ok(Input { picture, black: None, white, step });
     }
@@ -127,7 +136,7 @@ fn read(path: &Path) -> Result<Input> {
         black: Some(f64::from(raw.black_level_dn.mean())),
         white: Some(f64::from(raw.white_level_dn)),
         step: Some(1.0),
-        picture: Picture::from_raw(path.display().to_string(), raw),
+        picture: Picture::from_raw(path.display().to_string(), raw, pixels),
     })
 }
 
@@ -222,7 +231,8 @@ fn text(report: &Report) -> String {
         let body: Vec<String> = lines.iter().map(|(name, value)| format!("  {name:width$}  {value}")).collect();
         format!("{name}: {} × {} pixels of {} picture(s)\n{}", e.size[0], e.size[1], e.pictures, body.join("\n"))
     };
-    report.planes.iter().map(of_plane).collect::<Vec<_>>().join("\n\n")
+    let area = report.active_area_px.map(|[x, y, w, h]| format!("active area: {w} × {h} pixels at {x}, {y}"));
+    area.into_iter().chain(report.planes.iter().map(of_plane)).collect::<Vec<_>>().join("\n\n")
 }
 
 fn rectangle(text: &str) -> Result<[usize; 4], String> {

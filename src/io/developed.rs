@@ -1,4 +1,4 @@
-//! Developed pictures as files, in the format that the file's name says. Every format but PPM says in an ICC profile, and
+//! Developed pictures as files, in the format that the file's name says. Every format but PGM and PPM says in an ICC profile, and
 //! EXR in its chromaticities, what its colours are.
 //!
 //! | extension | holds |
@@ -6,6 +6,7 @@
 //! | `.png` | 8 or 16 bits |
 //! | `.tif`, `.tiff` | 8 or 16 bits, uncompressed |
 //! | `.jpg`, `.jpeg` | 8 bits, quality 95 |
+//! | `.pgm` | 8 or 16 bits of grey, P5 |
 //! | `.ppm` | 8 or 16 bits, P6, or P5 for grey |
 //! | `.exr` | linear 32-bit floats |
 
@@ -36,6 +37,8 @@ pub enum PictureFormat {
     Tiff,
     /// JPEG.
     Jpeg,
+    /// Portable greymap.
+    Pgm,
     /// Portable pixmap, or greymap.
     Ppm,
     /// OpenEXR.
@@ -50,11 +53,12 @@ impl PictureFormat {
             "png" => Ok(Self::Png),
             "tif" | "tiff" => Ok(Self::Tiff),
             "jpg" | "jpeg" => Ok(Self::Jpeg),
+            "pgm" => Ok(Self::Pgm),
             "ppm" => Ok(Self::Ppm),
             "exr" => Ok(Self::Exr),
             _ => Err(Error::Usage {
                 message: format!("{} is no name of a picture that photosite can write", path.display()),
-                help: Some("give a name that ends with .png, .tiff, .jpg, .ppm or .exr".to_owned()),
+                help: Some("give a name that ends with .png, .tiff, .jpg, .pgm, .ppm or .exr".to_owned()),
             }),
         }
     }
@@ -73,6 +77,16 @@ impl PictureFormat {
         if self == Self::Exr && settings.sharpening != 0.0 {
             let message = "sharpening works on what is shown, not on the linear light of an EXR file";
             return Err(Invalid::new("sharpening", message).help("write a .png or .tiff file"));
+        }
+        Ok(())
+    }
+
+    /// Refuses a picture that the format cannot hold.
+    pub fn check_picture(self, planes: &Planes) -> Result<(), Invalid> {
+        if self == Self::Pgm && planes.channels().len() != 1 {
+            let names: Vec<&str> = planes.channels().iter().map(|c| &c.name[..]).collect();
+            let message = format!("a PGM file holds grey, the picture has {}", names.join(", "));
+            return Err(Invalid::new("", message).help("write a .ppm, .png or .tiff file"));
         }
         Ok(())
     }
@@ -136,7 +150,8 @@ pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut d
         PictureFormat::Png => write_png(picture, to),
         PictureFormat::Tiff => encode_with(TiffEncoder::new(to), picture),
         PictureFormat::Jpeg => encode_with(JpegEncoder::new_with_quality(to, 95), picture),
-        PictureFormat::Ppm => write_ppm(picture, to),
+        PictureFormat::Pgm if picture.components != 1 => Err(io::Error::other("a PGM file holds no colours")),
+        PictureFormat::Pgm | PictureFormat::Ppm => write_ppm(picture, to),
         PictureFormat::Exr => Err(io::Error::other("an EXR file holds linear values, not codes")),
     }
 }
@@ -235,6 +250,13 @@ mod tests {
                 }
             }
         }
+        let mut grey = Cursor::new(Vec::new());
+        write_encoded(&picture(1, 16), PictureFormat::Pgm, &mut grey).expect("written");
+        assert!(grey.get_ref().starts_with(b"P5\n5 4\n65535\n"));
+        assert!(write_encoded(&picture(3, 8), PictureFormat::Pgm, &mut grey).is_err());
+        let refused = PictureFormat::Pgm.check_picture(&Planes::zeros(5, 4, ["R", "G", "B"]));
+        assert!(refused.expect_err("colours").message.ends_with("the picture has R, G, B"));
+        assert_eq!(PictureFormat::Pgm.check_picture(&Planes::zeros(5, 4, ["Y"])), Ok(()));
         let mut jpeg = Cursor::new(Vec::new());
         write_encoded(&picture(3, 8), PictureFormat::Jpeg, &mut jpeg).expect("written");
         assert_eq!(image::load_from_memory(jpeg.get_ref()).expect("a picture").width(), 5);

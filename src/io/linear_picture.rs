@@ -25,6 +25,7 @@ use super::picture_file::read_picture_file;
 use crate::colour::adaptation::D50;
 use crate::colour::{ColourSpace, Transfer};
 use crate::image::{Channel, Planes};
+use crate::raw::Pixels;
 use crate::spectrum::{cie, rgb};
 use crate::{Error, Invalid, Result};
 
@@ -46,8 +47,8 @@ impl Meaning {
 
 /// Reads a picture as linear light: R, G and B of sRGB, or grey, white at 1 where the file has codes. `is_linear` says that
 /// codes are in proportion to light, whatever the file says of them. Digital numbers and quantities stay as they are.
-pub fn read_linear_picture(path: &Path, is_linear: bool) -> Result<Planes> {
-    let picture = read_picture_file(path)?;
+pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Result<Planes> {
+    let picture = read_picture_file(path, pixels)?;
     let in_file = |invalid: Invalid| invalid.in_file(path);
     let stated = meaning(path)?;
     let is_raw = picture.unit.as_deref() == Some("DN") && stated.is_none();
@@ -239,7 +240,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let expected = planes(ColourSpace::Srgb);
         let check = |path: &Path, tolerance: f32| {
-            let found = read_linear_picture(path, false).expect("read");
+            let found = read_linear_picture(path, false, Pixels::Active).expect("read");
             for channel in expected.channels() {
                 let found = found.plane(&channel.name).expect("R, G and B");
                 let largest = channel.data.iter().zip(found).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
@@ -284,11 +285,15 @@ mod tests {
         for (format, name) in [(PictureFormat::Jpeg, "a.jpg"), (PictureFormat::Ppm, "a.ppm")] {
             let path = folder.path().join(name);
             write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");
-            let found = read_linear_picture(&path, false).expect("read");
+            let found = read_linear_picture(&path, false, Pixels::Active).expect("read");
             let rgb = DVec3::from_array([180.0f32, 90.0, 60.0].map(|code| transfer.decode(code / 255.0).into()));
             let expected = match format {
                 PictureFormat::Jpeg => ColourSpace::Srgb.from_xyz(colour_space.white()) * colour_space.to_xyz() * rgb,
-                PictureFormat::Png | PictureFormat::Tiff | PictureFormat::Ppm | PictureFormat::Exr => rgb,
+                PictureFormat::Png
+                | PictureFormat::Tiff
+                | PictureFormat::Pgm
+                | PictureFormat::Ppm
+                | PictureFormat::Exr => rgb,
             };
             for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
                 // Three codes of JPEG, of up to 2/255/2.4 each in linear light, through a matrix.

@@ -3,8 +3,10 @@
 //! | file | channels | unit |
 //! |---|---|---|
 //! | EXR | as they are named; `variance.X` is the variance of `X`; of spectral pictures the bands, named by their wavelengths in nm, without the preview | attribute `unit` or `emissiveUnits` |
-//! | DNG, NPY, PGM, raw EXR, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic; `R`, `G`, `B` where every pixel has all of them | DN |
+//! | DNG, NPY, PBM, PGM, raw EXR, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic; `R`, `G`, `B` where every pixel has all of them | DN |
 //! | other PNG and TIFF, JPEG, PPM | `Y`, `R`, `G`, `B`, alpha `A` | codes, as they are encoded |
+//!
+//! DNG and raw EXR files say which pixels see light: unless asked for, the masked ones are left out.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -17,32 +19,50 @@ use tiff::decoder::{Decoder, DecodingResult};
 use super::electrons::VARIANCE;
 use super::exr::{ExrPicture, read_exr};
 use super::picture::decode;
+use super::raw_exr::stated_active_area;
 use super::spectral_exr;
 use crate::image::{Channel, Planes};
-use crate::raw;
+use crate::raw::{self, Area, Pixels, read_pixels};
 use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
 
 /// Reads a picture by the kind that the file's name says.
-pub fn read_picture_file(path: &Path) -> Result<Picture> {
+pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let name = path.display().to_string();
     let read: fn(&mut BufReader<File>, String) -> Result<Picture, Invalid> = match extension.as_str() {
-        "dng" | "npy" | "pgm" => return Ok(Picture::from_raw(name, raw::read(path)?.linear().into_owned())),
-        "exr" => |file, name| of_exr(read_exr(file)?, name),
+        "dng" | "npy" | "pbm" | "pgm" => {
+            return Ok(Picture::from_raw(name, raw::read(path)?.linear().into_owned(), pixels));
+        }
+        "exr" if pixels == Pixels::All => |file, name| of_exr(read_exr(file)?, name),
+        "exr" => |file, name| of_active_area(read_exr(file)?, name),
         "tif" | "tiff" => of_tiff,
         "png" => |file, name| of_codes(file, name, "PNG"),
         "jpg" | "jpeg" => |file, name| of_codes(file, name, "JPEG"),
-        "ppm" => |file, name| of_codes(file, name, "PPM"),
+        "ppm" | "pnm" => of_pnm,
         _ => {
             return Err(Error::Usage {
                 message: format!("{} is no picture of a kind that photosite knows", path.display()),
-                help: Some("give a .exr, .png, .tiff, .jpg, .ppm, .dng, .pgm or .npy file".to_owned()),
+                help: Some("give a .exr, .png, .tiff, .jpg, .ppm, .dng, .pgm, .pbm or .npy file".to_owned()),
             });
         }
     };
     let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
     read(&mut BufReader::new(file), name).map_err(|invalid| invalid.in_file(path))
+}
+
+/// A raw EXR file without its masked pixels; of other EXR files all.
+fn of_active_area(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
+    let active_area = stated_active_area(&picture)?;
+    let whole = of_exr(picture, name)?;
+    let Some(Area { x, y, width, height }) = active_area else { return Ok(whole) };
+    let row_length = whole.mean.width();
+    let part = |channel: Channel| {
+        let rows = channel.data.chunks(row_length).skip(y).take(height);
+        Channel { data: rows.flat_map(|row| &row[x..x + width]).copied().collect(), ..channel }
+    };
+    let part = |planes: Planes| Planes::new(width, height, planes.into_channels().into_iter().map(part).collect());
+    Ok(Picture { mean: part(whole.mean)?, variance: part(whole.variance)?, active_area, ..whole })
 }
 
 fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
@@ -61,7 +81,8 @@ fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
         mean.sort_by_key(|c| ["R", "G", "B"].iter().position(|name| c.name == *name).unwrap_or(3));
     }
     let planes = |channels| Planes::new(planes.width(), planes.height(), channels);
-    Ok(Picture { name, mean: planes(mean)?, variance: planes(variance)?, unit, full_scale: None, mosaic: None })
+    let (mean, variance) = (planes(mean)?, planes(variance)?);
+    Ok(Picture { name, mean, variance, unit, full_scale: None, mosaic: None, active_area: None })
 }
 
 fn of_codes(file: &mut BufReader<File>, name: String, kind: &str) -> Result<Picture, Invalid> {
@@ -80,6 +101,12 @@ fn of_codes(file: &mut BufReader<File>, name: String, kind: &str) -> Result<Pict
     }
 }
 
+fn of_pnm(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {
+    let raw = raw::read_pnm(file)?;
+    let numbers = raw.data.iter().copied().map(f32::from);
+    interleaved(name, [raw.width, raw.height], raw.cfa.samples_per_pixel(), numbers, Some(raw.white_level_dn))
+}
+
 fn of_tiff(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {
     let bad = |error: TiffError| unreadable("TIFF", &error);
     let mut decoder = Decoder::new(file).map_err(bad)?;
@@ -95,7 +122,7 @@ fn of_tiff(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid>
         return Err(refused());
     }
     let components = usize::from(colours.num_samples());
-    match decoder.read_image().map_err(bad)? {
+    match read_pixels(&mut decoder).map_err(bad)? {
         DecodingResult::U8(v) => {
             interleaved(name, size, components, v.into_iter().map(f32::from), Some(u8::MAX.into()))
         }
@@ -143,6 +170,7 @@ fn interleaved(
         unit: maximum.map(|m| if is_mosaic { "DN".to_owned() } else { format!("codes up to {m}") }),
         full_scale: maximum.map(f64::from),
         mosaic: None,
+        active_area: None,
     })
 }
 
@@ -167,7 +195,7 @@ mod tests {
     fn read(extension: &str, bytes: &[u8]) -> Result<Picture> {
         let mut file = tempfile::Builder::new().suffix(&format!(".{extension}")).tempfile().expect("a temporary file");
         file.write_all(bytes).expect("written");
-        read_picture_file(file.path())
+        read_picture_file(file.path(), Pixels::Active)
     }
 
     fn channels(planes: &Planes) -> Vec<(&str, &[f32])> {
@@ -294,6 +322,6 @@ mod tests {
             );
         }
         assert!(matches!(read("docx", b""), Err(Error::Usage { .. })));
-        assert!(matches!(read_picture_file(Path::new("nowhere.exr")), Err(Error::Io { .. })));
+        assert!(matches!(read_picture_file(Path::new("nowhere.exr"), Pixels::Active), Err(Error::Io { .. })));
     }
 }

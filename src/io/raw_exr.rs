@@ -1,34 +1,62 @@
 //! Raw pictures as OpenEXR: the digital numbers as 32-bit floats, which hold those of 16 bits exactly.
 //!
 //! The planes are those that [`read_picture_file`](super::picture_file::read_picture_file) makes of any raw file: `raw`, or
-//! one for each channel where every pixel has all. Attributes: `unit` "DN", `cfa`, `blackLevel` (the mean), `whiteLevel`.
+//! one for each channel where every pixel has all. Attributes: `unit` "DN", `cfa`, `blackLevel` (the mean), `whiteLevel`,
+//! and where there are masked pixels `activeArea`: column, row, width and height of those that see light.
 
 use std::io::{self, BufRead, Seek, Write};
 
-use super::exr::{Attribute, read_exr, write_exr};
+use super::exr::{Attribute, ExrPicture, read_exr, write_exr};
 use crate::Invalid;
-use crate::raw::{BlackLevel, Cfa, RawImage};
+use crate::raw::{Area, BlackLevel, Cfa, Pixels, RawImage};
 use crate::validation::Picture;
+
+/// Name of the attribute.
+const ACTIVE_AREA: &str = "activeArea";
 
 /// Writes an EXR file. The picture must have pixels.
 pub fn write_raw_exr<W: Write + Seek>(raw: &RawImage, to: W) -> io::Result<()> {
-    let attributes = [
+    let mut attributes = vec![
         ("unit", Attribute::Text("DN".to_owned())),
         ("cfa", Attribute::Text(raw.cfa.to_string())),
         ("blackLevel", Attribute::Number(raw.black_level_dn.mean().into())),
         ("whiteLevel", Attribute::Number(raw.white_level_dn.into())),
     ];
-    write_exr(&Picture::from_raw(String::new(), raw.clone()).mean, &attributes, to)
+    if let Some(Area { x, y, width, height }) = raw.active_area {
+        attributes.push((ACTIVE_AREA, Attribute::Text(format!("{x} {y} {width} {height}"))));
+    }
+    write_exr(&Picture::from_raw(String::new(), raw.clone(), Pixels::All).mean, &attributes, to)
+}
+
+/// The pixels that see light, where the file says so.
+pub(super) fn stated_active_area(picture: &ExrPicture) -> Result<Option<Area>, Invalid> {
+    let Some(text) = picture.text(ACTIVE_AREA) else { return Ok(None) };
+    let numbers: Option<Vec<usize>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+    let fits = |first: usize, length: usize, side: usize| {
+        length > 0 && first.checked_add(length).is_some_and(|end| end <= side)
+    };
+    match numbers.as_deref() {
+        Some(&[x, y, width, height])
+            if fits(x, width, picture.planes.width()) && fits(y, height, picture.planes.height()) =>
+        {
+            Ok(Some(Area { x, y, width, height }))
+        }
+        _ => {
+            let message = format!("{text:?} is no part of the picture");
+            Err(Invalid::new(ACTIVE_AREA, message).help("it says column, row, width and height: 8 4 640 480"))
+        }
+    }
 }
 
 /// Reads what [`write_raw_exr`] writes. Numbers are rounded to whole ones.
 pub fn read_raw_exr<R: BufRead + Seek>(from: R) -> Result<RawImage, Invalid> {
     let picture = read_exr(from)?;
     let (Some("DN"), Some(cfa)) = (picture.text("unit"), picture.text("cfa")) else {
-        let help = "give a raw.exr that photosite wrote, or a DNG, 16-bit TIFF, PGM, PPM or NPY file";
+        let help = "give a raw.exr that photosite wrote, or a DNG, TIFF, PGM, PPM or NPY file";
         return Err(Invalid::new("", "is no raw picture: it has no attributes unit = \"DN\" and cfa").help(help));
     };
     let cfa = Cfa::parse(cfa)?;
+    let active_area = stated_active_area(&picture)?;
     let planes = &picture.planes;
     let names = if cfa.is_full() { cfa.channels() } else { &["raw".to_owned()] };
     let channels: Option<Vec<&[f32]>> = names.iter().map(|name| planes.plane(name)).collect();
@@ -53,6 +81,7 @@ pub fn read_raw_exr<R: BufRead + Seek>(from: R) -> Result<RawImage, Invalid> {
         height,
         data: values.map(|dn| dn as u16).collect(),
         cfa,
+        active_area,
         bits: (u16::BITS - (white as u16).leading_zeros()).max(8),
         black_level_dn: BlackLevel::uniform(black as f32),
         white_level_dn: white as u16,
@@ -68,7 +97,10 @@ mod tests {
 
     #[test]
     fn raw_pictures_come_back() {
-        for cfa in ["GRBG", "mono", "x-trans", "full:RGB"] {
+        let masked = Area { x: 1, y: 2, width: 5, height: 3 };
+        for (cfa, active_area) in
+            [("GRBG", None), ("mono", None), ("x-trans", Some(masked)), ("full:RGB", Some(masked))]
+        {
             let cfa = Cfa::parse(cfa).expect("known");
             let data = (0..7 * 5 * cfa.samples_per_pixel()).map(|i| (i * 37 % 4096) as u16).collect();
             let (black_level_dn, white_level_dn) = (64.into(), 4095);
@@ -77,6 +109,7 @@ mod tests {
                 height: 5,
                 data,
                 cfa,
+                active_area,
                 bits: 12,
                 black_level_dn,
                 white_level_dn,
@@ -99,7 +132,8 @@ mod tests {
             vec![dn.clone()],
             vec![dn.clone(), cfa("RGBGR")],
             vec![dn.clone(), cfa("full:RGB")],
-            vec![dn, cfa("mono"), ("whiteLevel", Attribute::Number(f64::NAN))],
+            vec![dn.clone(), cfa("mono"), ("whiteLevel", Attribute::Number(f64::NAN))],
+            vec![dn, cfa("mono"), (ACTIVE_AREA, Attribute::Text("1 0 2 2".to_owned()))],
         ] {
             let mut file = Cursor::new(Vec::new());
             write_exr(&planes, &attributes, &mut file).expect("written");

@@ -20,3 +20,12 @@ impl fmt::Display for Area {
         write!(f, "{} × {} at {}, {}", self.width, self.height, self.x, self.y)
     }
 }
+
+/// Which pixels of a raw picture are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pixels {
+    /// Those that see light.
+    Active,
+    /// The masked ones, too.
+    All,
+}

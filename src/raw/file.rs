@@ -5,11 +5,11 @@ use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use super::dng::is_dng;
-use super::{RawImage, read_dng, read_npy, read_pgm, read_tiff};
+use super::{RawImage, read_dng, read_npy, read_pnm, read_tiff};
 use crate::{Error, Invalid, Result};
 
-/// Reads a DNG, TIFF, PGM, PPM or NPY file. Only DNG says more than the numbers: of the others, grey ones are taken for
-/// those of a monochrome sensor.
+/// Reads a DNG, TIFF, PBM, PGM, PPM or NPY file. Only DNG says more than the numbers: of the others, grey ones are taken
+/// for those of a monochrome sensor.
 pub fn read(path: &Path) -> Result<RawImage> {
     let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
     read_any(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
@@ -26,10 +26,10 @@ fn read_any<R: Read + Seek>(mut from: BufReader<R>) -> std::result::Result<RawIm
             from.rewind().map_err(io)?;
             if is_dng { read_dng(from) } else { read_tiff(from) }
         }
-        [b'P', b'5' | b'6', ..] => read_pgm(from),
+        [b'P', b'1'..=b'6', ..] => read_pnm(from),
         b"\x93NUM" => read_npy(from),
         _ => Err(Invalid::new("", "is no raw file of a kind that photosite knows")
-            .help("give a DNG, 16-bit TIFF, PGM, PPM or NPY file, or a raw.exr that photosite wrote")),
+            .help("give a DNG, TIFF, PBM, PGM, PPM or NPY file, or a raw.exr that photosite wrote")),
     }
 }
 
@@ -55,7 +55,10 @@ mod tests {
             write_tiff(&raw, Cursor::new(&mut tiff)).expect("written");
             write_pgm(&raw, &mut pgm).expect("written");
             write_npy(&raw, &mut npy).expect("written");
-            for (kind, file) in [("DNG", dng), ("TIFF", tiff), ("PGM", pgm), ("NPY", npy)] {
+            let text = [&b"P2\n4 3 60000\n"[..], &b"3000 7 ".repeat(6)].concat();
+            let bits = b"P1\n4 3\n010011000111".to_vec();
+            let kinds = [("DNG", dng), ("TIFF", tiff), ("PGM", pgm), ("NPY", npy), ("text", text), ("bits", bits)];
+            for (kind, file) in kinds {
                 for _ in 0..3000 {
                     let mut file = file.clone();
                     for _ in 0..random.random_range(1..6) {

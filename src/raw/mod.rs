@@ -12,12 +12,12 @@ mod file;
 mod lens;
 mod lossless_jpeg;
 mod npy;
-mod pgm;
+mod pnm;
 mod rational;
 mod thumbnail;
 mod tiff;
 
-pub use area::Area;
+pub use area::{Area, Pixels};
 pub use black_level::BlackLevel;
 pub use calibration::{ColourCalibration, LightSource};
 pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
@@ -26,7 +26,8 @@ pub use file::read;
 pub use lens::{GainMap, Warp};
 pub(crate) use npy::with_short_header;
 pub use npy::{read_npy, write_npy};
-pub use pgm::{read_pgm, write_pgm};
+pub use pnm::{read_pnm, write_pgm};
+pub(crate) use tiff::read_pixels;
 pub use tiff::{read_tiff, write_tiff};
 
 use std::borrow::Cow;

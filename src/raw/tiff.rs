@@ -1,5 +1,5 @@
-//! 16-bit TIFF, grey for a mosaic and RGB where every pixel has three channels: the digital numbers as they are, nothing
-//! else.
+//! TIFF, grey for a mosaic and RGB where every pixel has three channels: the digital numbers as they are, nothing else.
+//! Written with 16 bits, read with 8 or 16.
 
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
@@ -9,7 +9,7 @@ use tiff::encoder::{
     colortype::{Gray16, RGB16},
 };
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfiguration, Tag};
-use tiff::{TiffError, TiffResult};
+use tiff::{ColorType, TiffError, TiffResult};
 
 use super::{Cfa, MAX_SIDE, RawImage};
 use crate::Invalid;
@@ -48,10 +48,14 @@ fn write<W: Write + Seek>(raw: &RawImage, to: W) -> TiffResult<()> {
     }
 }
 
-/// Reads a 16-bit TIFF file of grey as the numbers of a monochrome sensor, and of three components as RGB: nothing in it
-/// says more.
+/// Reads a TIFF file of grey as the numbers of a monochrome sensor, and of three components as RGB, unscaled: nothing in it
+/// says more. The largest number of its 8 or 16 bits is the white level.
 pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
-    let unreadable = |error: TiffError| Invalid::new("", format!("cannot read it as TIFF: {error}"));
+    let unreadable = |error: TiffError| {
+        let invalid = Invalid::new("", format!("cannot read it as TIFF: {error}"));
+        let is_cut = matches!(&error, TiffError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof);
+        if is_cut { invalid.help("the file is cut short or damaged") } else { invalid }
+    };
     let length = from.seek(SeekFrom::End(0)).and_then(|length| from.rewind().map(|()| length));
     let length = length.map_err(|error| unreadable(error.into()))?;
     let mut decoder = Decoder::new(from).map_err(unreadable)?;
@@ -60,37 +64,142 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
         return Err(Invalid::new("ImageWidth", format!("{width} × {height} pixels are not a picture")));
     }
+    let colours = decoder.colortype().map_err(unreadable)?;
+    let (bits, samples) = (colours.bit_depth(), usize::from(colours.num_samples()));
+    let cfa = match (colours, samples) {
+        (ColorType::Gray(_) | ColorType::Multiband { .. }, 1) => Cfa::mono(),
+        (ColorType::RGB(_) | ColorType::Multiband { .. }, 3) => Cfa::full(["R", "G", "B"])?,
+        (_, _) => {
+            let message = format!("the file holds {samples} numbers a pixel, of the kind {colours:?}");
+            return Err(Invalid::new("SamplesPerPixel", message).help("photosite reads grey and RGB"));
+        }
+    };
+    if ![8, 16].contains(&bits) {
+        let message = format!("the file holds numbers of {bits} bits");
+        return Err(Invalid::new("BitsPerSample", message).help("photosite reads 8 and 16 bits"));
+    }
     // Memory is taken for numbers that the bytes which are there can hold, whatever a damaged file states.
     let compression = decoder.find_tag_unsigned::<u16>(Tag::Compression).map_err(unreadable)?;
     let inflation = if compression.is_none_or(|c| c == CompressionMethod::None.to_u16()) { 1 } else { MOST_INFLATION };
-    let samples = decoder.colortype().map_err(unreadable)?.num_samples();
     let most = usize::try_from(length).unwrap_or(usize::MAX).saturating_mul(inflation);
-    if 2 * width * height * usize::from(samples) > most {
+    if usize::from(bits / 8) * width * height * samples > most {
         let message = format!("{length} bytes cannot hold {width} × {height} pixels");
         return Err(Invalid::new("StripByteCounts", message).help("the file is cut short or damaged"));
     }
     let mut limits = Limits::default();
     limits.decoding_buffer_size = limits.decoding_buffer_size.max(most);
-    let mut decoder = decoder.with_limits(limits);
-    let DecodingResult::U16(data) = decoder.read_image().map_err(unreadable)? else {
-        return Err(Invalid::new("BitsPerSample", "the file does not hold 16-bit numbers"));
-    };
-    let cfa = match data.len() / (width * height) {
-        1 => Cfa::mono(),
-        3 => Cfa::full(["R", "G", "B"])?,
-        other => {
-            let message = format!("the file holds {other} numbers a pixel");
-            return Err(Invalid::new("SamplesPerPixel", message).help("photosite reads grey and RGB"));
+    let (data, maximum) = match read_pixels(&mut decoder.with_limits(limits)).map_err(unreadable)? {
+        DecodingResult::U8(data) => (data.into_iter().map(u16::from).collect(), u16::from(u8::MAX)),
+        DecodingResult::U16(data) => (data, u16::MAX),
+        DecodingResult::U32(_)
+        | DecodingResult::U64(_)
+        | DecodingResult::F16(_)
+        | DecodingResult::F32(_)
+        | DecodingResult::F64(_)
+        | DecodingResult::I8(_)
+        | DecodingResult::I16(_)
+        | DecodingResult::I32(_)
+        | DecodingResult::I64(_) => {
+            let message = "the file holds numbers with a sign or a fraction";
+            return Err(Invalid::new("SampleFormat", message).help("photosite reads whole numbers from 0 up"));
         }
     };
-    if data.len() != width * height * cfa.samples_per_pixel() {
+    if data.len() != width * height * samples {
         return Err(Invalid::new("StripByteCounts", "the file does not hold all pixels"));
     }
-    Ok(RawImage::bare(width, height, data, cfa, u16::MAX))
+    Ok(RawImage::bare(width, height, data, cfa, maximum))
+}
+
+/// The numbers of a picture pixel by pixel, those of files that hold one plane after the other included.
+pub(crate) fn read_pixels<R: Read + Seek>(decoder: &mut Decoder<R>) -> TiffResult<DecodingResult> {
+    let samples = usize::from(decoder.colortype()?.num_samples());
+    let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
+    if samples < 2 || planar != Some(PlanarConfiguration::Planar.to_u16()) {
+        return decoder.read_image();
+    }
+    let mut planes = DecodingResult::U8(Vec::new());
+    decoder.read_image_to_buffer(&mut planes)?;
+    Ok(match planes {
+        DecodingResult::U8(v) => DecodingResult::U8(interleaved(&v, samples)),
+        DecodingResult::U16(v) => DecodingResult::U16(interleaved(&v, samples)),
+        DecodingResult::F32(v) => DecodingResult::F32(interleaved(&v, samples)),
+        DecodingResult::F64(v) => DecodingResult::F64(interleaved(&v, samples)),
+        // No caller takes these.
+        other @ (DecodingResult::U32(_)
+        | DecodingResult::U64(_)
+        | DecodingResult::F16(_)
+        | DecodingResult::I8(_)
+        | DecodingResult::I16(_)
+        | DecodingResult::I32(_)
+        | DecodingResult::I64(_)) => other,
+    })
+}
+
+/// Planes side by side; those that memory did not suffice for are missing.
+fn interleaved<T: Copy>(planes: &[T], samples: usize) -> Vec<T> {
+    let pixels = planes.len() / samples;
+    (0..pixels * samples).map(|i| planes[i % samples * pixels + i / samples]).collect()
 }
 
 /// What went wrong below the TIFF library, or what it found fault with.
 pub(super) fn io_error(error: TiffError) -> io::Error {
     let TiffError::IoError(error) = error else { return io::Error::other(error) };
     error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A TIFF file of one strip, tag by tag.
+    fn file(tags: &[(u16, u16, u32)], pixels: &[u8]) -> Vec<u8> {
+        let directory = 8u32;
+        let strip = directory + 2 + 12 * (tags.len() as u32 + 2) + 4;
+        let mut entries = tags.to_vec();
+        entries.extend([(273, 4, strip), (279, 4, pixels.len() as u32)]);
+        entries.sort_unstable();
+        let mut bytes = [&b"II*\0"[..], &directory.to_le_bytes(), &(entries.len() as u16).to_le_bytes()].concat();
+        for (tag, kind, value) in entries {
+            bytes.extend(
+                [&tag.to_le_bytes()[..], &kind.to_le_bytes(), &1u32.to_le_bytes(), &value.to_le_bytes()].concat(),
+            );
+        }
+        [&bytes, &0u32.to_le_bytes()[..], pixels].concat()
+    }
+
+    /// Width, height, bits, compression, photometric interpretation, numbers a pixel, rows of a strip.
+    fn tags(width: u32, height: u32, bits: u32, interpretation: u32, samples: u32) -> Vec<(u16, u16, u32)> {
+        let rest = [(258, 3, bits), (259, 3, 1), (262, 3, interpretation), (277, 3, samples), (278, 3, height)];
+        [&[(256, 3, width), (257, 3, height)][..], &rest].concat()
+    }
+
+    fn read(file: &[u8]) -> Result<RawImage, Invalid> {
+        read_tiff(io::Cursor::new(file))
+    }
+
+    #[test]
+    fn eight_bits_stay_as_they_are() {
+        let grey = read(&file(&tags(3, 2, 8, 1, 1), &[0, 1, 2, 128, 254, 255])).expect("grey");
+        assert_eq!((grey.width, grey.height, grey.data), (3, 2, vec![0, 1, 2, 128, 254, 255]));
+        assert_eq!((grey.bits, grey.white_level_dn, grey.cfa), (8, 255, Cfa::mono()));
+        let colour = read(&file(&tags(2, 1, 8, 2, 3), &[1, 2, 3, 4, 5, 6])).expect("RGB");
+        assert_eq!((colour.data, colour.cfa.channels().len()), (vec![1, 2, 3, 4, 5, 6], 3));
+    }
+
+    #[test]
+    fn what_is_no_raw_picture_is_refused_by_what_it_is() {
+        let float = [&tags(1, 1, 16, 1, 1)[..], &[(339, 3, 3)]].concat();
+        for (file, key) in [
+            (file(&tags(300, 200, 8, 1, 1), &[0, 1, 2]), "StripByteCounts"),
+            (file(&tags(3, 2, 8, 1, 1), &[0, 1, 2]), ""),
+            (file(&tags(8, 1, 1, 1, 1), &[0xaa]), "BitsPerSample"),
+            (file(&tags(2, 1, 12, 1, 1), &[1, 2, 3]), "BitsPerSample"),
+            (file(&tags(1, 1, 8, 5, 4), &[1, 2, 3, 4]), "SamplesPerPixel"),
+            (file(&tags(1, 1, 8, 1, 2), &[1, 2]), "SamplesPerPixel"),
+            (file(&float, &[1, 2]), "SampleFormat"),
+        ] {
+            let error = read(&file).expect_err(key);
+            assert_eq!((error.key.as_str(), error.help.is_some()), (key, true), "{error}");
+        }
+    }
 }

@@ -6,7 +6,7 @@ use crate::Invalid;
 use crate::math::normal;
 use crate::math::statistics::sidak_p_value;
 
-use super::pair::{Pair, once, pairs};
+use super::pair::{Pair, VarianceOf, once, pairs};
 use super::picture::Picture;
 use super::z_scores::ZScores;
 
@@ -41,9 +41,9 @@ pub struct Comparison {
     /// Channel by channel.
     pub channels: Vec<ChannelDifference>,
     /// The pixels that differ most, the worst first: those that are no numbers, then by |z|, or by |a − b| where no
-    /// variances are known.
+    /// channel has the variances of both.
     pub worst: Vec<PixelDifference>,
-    /// Whether noise explains the differences; `None` where no variances are known.
+    /// Whether noise explains the differences; `None` where no channel has the variances of both pictures.
     pub verdict: Option<Verdict>,
 }
 
@@ -76,7 +76,9 @@ pub struct ChannelDifference {
     pub peak: f64,
     /// Peak signal-to-noise ratio 20·log₁₀(peak/RMSE), dB; infinite for equal pictures.
     pub psnr_db: f64,
-    /// Where variances are known.
+    /// Of which picture the variance is known.
+    pub variance_of: VarianceOf,
+    /// Where the variances of both are known.
     pub z_scores: Option<ZScores>,
 }
 
@@ -160,6 +162,7 @@ fn channel_difference(pair: &Pair<'_>, full_scale: Option<f64>, settings: &Setti
         mae: mean(&|i| pair.difference(i).abs()),
         peak,
         psnr_db: 20.0 * (peak / rmse).log10(),
+        variance_of: pair.variance_of(),
         z_scores: pair
             .has_variance()
             .then(|| ZScores::new(pair.finite_pixels().map(|i| (pair.difference(i), pair.variance(i))))),
@@ -235,9 +238,9 @@ mod tests {
         compare(a, b, &Settings::default()).expect("comparable")
     }
 
-    /// One channel of constant variance 1 on the side of `a`, b being all 100.
+    /// One channel of constant variance 1 on the side of `a`, b being exactly 100.
     fn against_100(width: usize, height: usize, a: &[f32]) -> Comparison {
-        let b = picture(width, height, &[("Y", &vec![100.0; a.len()])]);
+        let b = picture(width, height, &[("Y", &vec![100.0; a.len()])]).with_constant_variance(0.0);
         compared(&picture(width, height, &[("Y", a)]).with_variances(&[("Y", &vec![1.0; a.len()])]), &b)
     }
 
@@ -289,7 +292,8 @@ mod tests {
             let compared = |scale: f32| {
                 let a = picture(4, 3, &[("Y", &plane(|v| v.0, scale))]);
                 let b = picture(4, 3, &[("Y", &plane(|v| v.1, scale))]);
-                compared(&a.with_variances(&[("Y", &plane(|v| v.2, scale * scale))]), &b)
+                let a = a.with_variances(&[("Y", &plane(|v| v.2, scale * scale))]);
+                compared(&a, &b.with_constant_variance(0.0))
             };
             // Powers of two scale without rounding, but logarithms and squares of ε may round.
             let ([unit, scaled], s) = ([compared(1.0), compared(scale)], f64::from(scale));
@@ -337,7 +341,7 @@ mod tests {
         let a = picture(1, 1, &[("Y", &[5.0])]).with_variances(&[("Y", &[9.0])]);
         let b = picture(1, 1, &[("Y", &[0.0])]).with_variances(&[("Y", &[16.0])]);
         assert_eq!(compared(&a, &b).worst[0].z, Some(1.0));
-        let exact = picture(1, 1, &[("Y", &[0.0])]);
+        let exact = picture(1, 1, &[("Y", &[0.0])]).with_constant_variance(0.0);
         assert_eq!(compared(&exact, &b).worst, [], "0 of 4");
         assert_eq!(compared(&b, &a).worst[0].z, Some(-1.0));
     }
@@ -365,7 +369,8 @@ mod tests {
     fn pixels_that_are_no_numbers_are_counted_and_come_first() {
         let a = picture(2, 2, &[("Y", &[1.0, f32::NAN, 3.0, 4.0])]);
         let b = picture(2, 2, &[("Y", &[f32::INFINITY, 2.0, 3.0, 8.0])]);
-        let found = compared(&a.clone().with_variances(&[("Y", &[1.0, 1.0, -1.0, 1.0])]), &b);
+        let noisy = a.clone().with_variances(&[("Y", &[1.0, 1.0, -1.0, 1.0])]);
+        let found = compared(&noisy, &b.clone().with_constant_variance(0.0));
         let c = &found.channels[0];
         assert_eq!((c.pixels, c.non_finite, c.mean_difference, c.rmse), (4, 3, -4.0, 4.0));
         assert_eq!(c.z_scores.as_ref().map(|z| z.tests), Some(1));
@@ -378,17 +383,40 @@ mod tests {
         let a = picture(2, 1, &[("Y", &[1.0, 2.0])]).with_variances(&[("Y", &[0.0, 0.0])]);
         let verdict = |b: &Picture| compared(&a, b).verdict.expect("variances are known");
         assert!(verdict(&a).agree);
-        let found = verdict(&picture(2, 1, &[("Y", &[1.0, 2.0 + f32::EPSILON * 2.0])]));
+        let other = picture(2, 1, &[("Y", &[1.0, 2.0 + f32::EPSILON * 2.0])]);
+        let found = verdict(&other.with_constant_variance(0.0));
         assert_eq!((found.agree, found.pixels_past_bound), (false, 1));
     }
 
     #[test]
     fn channels_without_variances_are_compared_but_not_tested() {
         let a = picture(1, 1, &[("R", &[1.0]), ("G", &[90.0])]).with_variances(&[("R", &[1.0])]);
-        let b = picture(1, 1, &[("R", &[1.5]), ("G", &[1.0])]);
+        let b = picture(1, 1, &[("R", &[1.5]), ("G", &[1.0])]).with_constant_variance(0.0);
         let found = compared(&a, &b);
+        assert_eq!(found.channels.iter().map(|c| c.variance_of).collect::<Vec<_>>(), [VarianceOf::Both, VarianceOf::B]);
         assert_eq!(found.channels.iter().map(|c| c.z_scores.is_some()).collect::<Vec<_>>(), [true, false]);
         assert_eq!(found.verdict.expect("variances are known").tests, 2);
         assert_eq!(found.worst.iter().map(|p| &p.channel[..]).collect::<Vec<_>>(), ["R"]);
+    }
+
+    #[test]
+    fn a_variance_that_is_not_known_is_not_0() {
+        // Both with noise of variance 1, of which one alone is known: reckoned with that one, z would spread by √2 and
+        // among 4000 numbers lie beyond the bound.
+        let mut random = Philox::new(3, 0);
+        let mut noise = || (0..4000).map(|_| random.sample::<f32, _>(StandardNormal)).collect::<Vec<_>>();
+        let mut noisy = || picture(80, 50, &[("Y", &noise())]);
+        let (a, b) = (noisy().with_constant_variance(1.0), noisy());
+        for (found, known) in [(compared(&a, &b), VarianceOf::A), (compared(&b, &a), VarianceOf::B)] {
+            let channel = &found.channels[0];
+            assert_eq!((channel.variance_of, &channel.z_scores, &found.verdict), (known, &None, &None));
+            assert!(found.worst.iter().all(|pixel| pixel.z.is_none() && (pixel.a - pixel.b).abs() > 3.0));
+        }
+        assert!(!compared(&a, &b.clone().with_constant_variance(0.0)).verdict.expect("both are known").agree);
+        let both = compared(&a, &b.with_constant_variance(1.0));
+        assert!(both.verdict.expect("both are known").agree);
+        // A spread of n numbers errs by 1/√(2n); 4 of that.
+        let spread = both.channels[0].z_scores.as_ref().expect("both are known").spread;
+        assert!((spread - 1.0).abs() < 4.0 / 8000f64.sqrt(), "{spread}");
     }
 }

@@ -31,7 +31,7 @@ const GAP: usize = 4;
 /// What the colours show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// z-scores (a − b)/√(var a + var b), where variances are known for all channels.
+    /// z-scores (a − b)/√(var a + var b), where the variances of both are known for all channels.
     ZScores,
     /// (a − b)/√(b² + ε·(mean of b)²), whose square the relative mean squared error is the mean of.
     RelativeDifference,
@@ -142,7 +142,7 @@ mod tests {
     fn z_scores_are_shown_where_variances_are_known() {
         let a = picture(3, 1, &[("R", &[1.0, 9.0, 5.0]), ("G", &[5.0, 5.0, f32::NAN])]);
         let a = a.with_variances(&[("R", &[1.0, 1.0, 0.0]), ("G", &[0.0, 1.0, 1.0])]);
-        let b = picture(3, 1, &[("R", &[5.0, 5.0, 5.0]), ("G", &[4.0, 5.0, 5.0])]);
+        let b = picture(3, 1, &[("R", &[5.0, 5.0, 5.0]), ("G", &[4.0, 5.0, 5.0])]).with_constant_variance(0.0);
         let shown = false_colour(&a, &b, &Settings::default(), None).expect("comparable");
         assert_eq!((shown.shown, shown.range, shown.width, shown.height), (Shown::ZScores, 4.0, 3 + 4 + 3, 1));
         let gap = [NOTHING; 4];

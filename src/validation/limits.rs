@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn noise_that_explains_nothing_is_told() {
         let a = picture(1, 1, &[("Y", &[9.0])]).with_variances(&[("Y", &[1.0])]);
-        let b = picture(1, 1, &[("Y", &[0.0])]);
+        let b = picture(1, 1, &[("Y", &[0.0])]).with_constant_variance(0.0);
         let failed = failures(&compare(&a, &b, &Settings::default()).expect("comparable"), &Limits::default());
         assert!(failed[0].starts_with("noise does not explain 1 pixel: |z| > 2.81"), "{failed:?}");
         assert!(failed[1].starts_with("noise does not explain the mean of Y: |z| > 2.81"), "{failed:?}");

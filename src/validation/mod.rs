@@ -1,7 +1,7 @@
 //! Whether two pictures show the same thing: how far they lie apart, and whether noise explains it.
 //!
 //! In: two [`Picture`]s of one size, the second of which counts as the reference; where they are Monte Carlo estimates,
-//! with the variance of every pixel. Out: a [`Comparison`] of numbers per channel with z-scores ([`ZScores`]) and a
+//! with the variance of every pixel (of both: a difference has none without). Out: a [`Comparison`] of numbers per channel with z-scores ([`ZScores`]) and a
 //! [`Verdict`], what of it is past the [`Limits`] that a user sets, and a [`FalseColour`] picture of the differences.
 //!
 //! Files are left to [`io::picture_file`](crate::io::picture_file) and [`io::developed`](crate::io::developed).
@@ -11,10 +11,12 @@ mod false_colour;
 mod limits;
 mod pair;
 mod picture;
+mod variance;
 mod z_scores;
 
 pub use compare::{ChannelDifference, Comparison, PixelDifference, Settings, Verdict, compare};
 pub use false_colour::{FalseColour, Shown, false_colour};
 pub use limits::{Limits, failures};
+pub use pair::VarianceOf;
 pub use picture::{MOSAIC, Picture};
 pub use z_scores::{Tail, ZScores};

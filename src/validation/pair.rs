@@ -1,10 +1,26 @@
 //! Which numbers of two pictures face each other.
 
+use serde::Serialize;
+
 use crate::Invalid;
 use crate::raw::Cfa;
 
 use super::picture::{MOSAIC, Picture};
 use super::z_scores::z_score;
+
+/// Of which of two pictures a and b the variance is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VarianceOf {
+    /// Of neither.
+    None,
+    /// Of a alone.
+    A,
+    /// Of b alone.
+    B,
+    /// Of both: their difference has a variance.
+    Both,
+}
 
 /// One channel on both sides.
 pub(super) struct Pair<'a> {
@@ -54,12 +70,22 @@ impl Pair<'_> {
         self.a(i) - self.b(i)
     }
 
-    /// Whether the variance of at least one side is known; the other side then counts as exact.
-    pub(super) fn has_variance(&self) -> bool {
-        self.variance_a.is_some() || self.variance_b.is_some()
+    /// Whose variance is known.
+    pub(super) fn variance_of(&self) -> VarianceOf {
+        match (self.variance_a, self.variance_b) {
+            (None, None) => VarianceOf::None,
+            (Some(_), None) => VarianceOf::A,
+            (None, Some(_)) => VarianceOf::B,
+            (Some(_), Some(_)) => VarianceOf::Both,
+        }
     }
 
-    /// var a + var b; what is not known counts as 0.
+    /// Whether the difference has a variance: it takes those of both sides.
+    pub(super) fn has_variance(&self) -> bool {
+        self.variance_of() == VarianceOf::Both
+    }
+
+    /// var a + var b, where both are known.
     pub(super) fn variance(&self, i: usize) -> f64 {
         [self.variance_a, self.variance_b].into_iter().flatten().map(|v| f64::from(v[i])).sum()
     }
@@ -124,7 +150,13 @@ fn refuse_strangers(a: &Picture, b: &Picture) -> Result<(), Invalid> {
     if size(a) != size(b) {
         let [[wa, ha], [wb, hb]] = [size(a), size(b)];
         let message = format!("{} has {wa} × {ha} pixels, {} has {wb} × {hb}", a.name, b.name);
-        return Err(Invalid::new("", message).help("only pictures of the same size can be compared"));
+        let help = match [a, b].into_iter().find_map(|picture| Some((&picture.name, picture.active_area?))) {
+            Some((name, area)) => {
+                format!("of {name} the active area is looked at, {area}; --masked looks at its masked pixels, too")
+            }
+            None => "only pictures of the same size can be compared".to_owned(),
+        };
+        return Err(Invalid::new("", message).help(help));
     }
     if let (Some(unit_a), Some(unit_b)) = (&a.unit, &b.unit)
         && unit_a != unit_b
@@ -176,7 +208,7 @@ mod tests {
     use rstest::rstest;
 
     use super::*;
-    use crate::raw::RawImage;
+    use crate::raw::{Pixels, RawImage};
     use crate::validation::picture::tests::picture;
 
     fn names(pairs: &[Pair<'_>]) -> Vec<String> {
@@ -197,7 +229,7 @@ mod tests {
             white_level_dn: 4095,
             ..RawImage::default()
         };
-        Picture::from_raw(format!("{cfa}.dng"), raw)
+        Picture::from_raw(format!("{cfa}.dng"), raw, Pixels::Active)
     }
 
     #[test]

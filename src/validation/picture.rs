@@ -1,7 +1,7 @@
 //! Pictures as comparison sees them.
 
 use crate::image::Planes;
-use crate::raw::{Cfa, RawImage};
+use crate::raw::{Area, Cfa, Pixels, RawImage};
 
 /// What the plane of a raw picture is called.
 pub const MOSAIC: &str = "raw";
@@ -21,12 +21,19 @@ pub struct Picture {
     pub full_scale: Option<f64>,
     /// Which channel each pixel of the only plane belongs to, where it is the mosaic of a colour sensor.
     pub mosaic: Option<Cfa>,
+    /// The part of its file that it shows, where the masked pixels around are left out.
+    pub active_area: Option<Area>,
 }
 
 impl Picture {
     /// A raw picture: the digital numbers as they are, black level included. A mosaic is one plane, [`MOSAIC`]; a picture
     /// that has all channels at every pixel is a plane of each.
-    pub fn from_raw(name: String, raw: RawImage) -> Self {
+    pub fn from_raw(name: String, raw: RawImage, pixels: Pixels) -> Self {
+        let active_area = raw.active_area.filter(|_| pixels == Pixels::Active);
+        let raw = match active_area {
+            Some(area) => raw.part(area),
+            None => raw,
+        };
         let samples = raw.cfa.samples_per_pixel();
         let names = if raw.cfa.is_full() { raw.cfa.channels() } else { &[MOSAIC.to_owned()] };
         let mut mean = Planes::zeros(raw.width, raw.height, names);
@@ -40,6 +47,7 @@ impl Picture {
             unit: Some("DN".to_owned()),
             full_scale: Some(f64::from(raw.white_level_dn)),
             mosaic: (!raw.cfa.is_mono() && !raw.cfa.is_full()).then_some(raw.cfa),
+            active_area,
         }
     }
 }
@@ -63,6 +71,7 @@ pub(super) mod tests {
             unit: None,
             full_scale: None,
             mosaic: None,
+            active_area: None,
         }
     }
 

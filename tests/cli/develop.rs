@@ -81,7 +81,8 @@ fn what_goes_wrong_is_told() {
     folder.add("torn.dng", &bytes(&folder, "out/raw.dng")[..2000]);
     folder.add("notes.txt", b"no raw file");
     for (arguments, status, wanted) in [
-        ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .ppm or .exr"][..]),
+        ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .pgm, .ppm or .exr"][..]),
+        ("out/raw.dng -o p.pgm", 2, &["a PGM file holds grey, the picture has R, G, B", ".ppm"]),
         ("out/raw.dng -o out/image.png", 2, &["exists already", "--force"]),
         ("out/raw.dng -o nowhere/p.png", 1, &["nowhere: is no folder to write to"]),
         ("missing.dng", 1, &["missing.dng", "cannot read"]),
@@ -100,6 +101,77 @@ fn what_goes_wrong_is_told() {
             1,
             &["patch_px", "32 × 24"],
         ),
+    ] {
+        folder.fail(&format!("develop {arguments}"), status, wanted);
+    }
+}
+
+/// A TIFF file of one strip of numbers of 8 bits.
+fn tiff8(width: u8, height: u8, samples: u8, numbers: &[u8]) -> Vec<u8> {
+    let interpretation = if samples == 3 { 2 } else { 1 };
+    let entry = |tag: u16, value: u8| [&tag.to_le_bytes()[..], &[4, 0, 1, 0, 0, 0, value, 0, 0, 0]].concat();
+    let strip = 8 + 2 + 9 * 12 + 4;
+    let entries = [
+        (256, width),
+        (257, height),
+        (258, 8),
+        (259, 1),
+        (262, interpretation),
+        (273, strip),
+        (277, samples),
+        (278, height),
+        (279, numbers.len() as u8),
+    ];
+    let entries: Vec<u8> = entries.into_iter().flat_map(|(tag, value)| entry(tag, value)).collect();
+    [&b"II*\0\x08\0\0\0\x09\0"[..], &entries, &[0; 4], numbers].concat()
+}
+
+#[test]
+fn files_of_numbers_of_every_kind_become_linear_light() {
+    let folder = Folder::new([]);
+    let grey = [0, 51, 102, 153, 204, 255];
+    let colour: Vec<u8> = (0..18).map(|i| 15 * i).collect();
+    let words = |numbers: &[u8]| numbers.iter().map(u8::to_string).collect::<Vec<_>>().join("\n");
+    for (name, file, white, numbers) in [
+        ("grey.tif", tiff8(3, 2, 1, &grey), 255.0, &grey[..]),
+        ("colour.tiff", tiff8(3, 2, 3, &colour), 255.0, &colour),
+        ("binary.pgm", [b"P5\n3 2\n255\n", &grey[..]].concat(), 255.0, &grey),
+        ("text.pgm", format!("P2\n# 3 columns\n3 2\n300\n{}\n", words(&grey)).into_bytes(), 300.0, &grey),
+        ("binary.ppm", [b"P6 3 2 255\n", &colour[..]].concat(), 255.0, &colour),
+        ("text.ppm", format!("P3 3 2 1000 {}", words(&colour)).into_bytes(), 1000.0, &colour),
+        ("text.pbm", b"P1\n3 2\n101\n110\n".to_vec(), 1.0, &[0, 1, 0, 0, 0, 1]),
+        ("binary.pbm", b"P4 3 2\n\xa0\xc0".to_vec(), 1.0, &[0, 1, 0, 0, 0, 1]),
+    ] {
+        folder.add(name, file);
+        folder.succeed(&format!("develop {name} -o linear.exr --force -q"));
+        let file = std::fs::File::open(folder.path("linear.exr")).expect("written");
+        let picture = photosite::io::exr::read_exr(std::io::BufReader::new(file)).expect("EXR").planes;
+        let names = if numbers.len() == 6 { vec!["Y"] } else { vec!["R", "G", "B"] };
+        for (i, channel) in names.iter().enumerate() {
+            let expected: Vec<f64> =
+                numbers.iter().skip(i).step_by(names.len()).map(|&number| f64::from(number) / white).collect();
+            let found = picture.plane(channel).unwrap_or_else(|| panic!("{name}: {channel}"));
+            // 32-bit floats on both sides.
+            let off = expected.iter().zip(found).map(|(a, b)| (a - f64::from(*b)).abs()).fold(0.0, f64::max);
+            assert!(found.len() == 6 && off < 1e-6, "{name} {channel}: {found:?} instead of {expected:?}");
+        }
+        folder.succeed(&format!("info {name}"));
+        let said = folder.succeed(&format!("develop {name} -o shown.ppm --force")).stderr;
+        assert!(said.contains(&format!("{name} holds numbers alone")) && said.contains("develop.raw"), "{said}");
+        let told = folder.succeed(&format!("develop {name} -o shown.ppm --force --set develop.raw.black_level_dn=0"));
+        assert!(!told.stderr.contains("numbers alone"), "{}", told.stderr);
+    }
+    // Grey goes into a PGM file: P5, its largest number 255 or 65535.
+    folder.succeed("develop grey.tif -o shown.pgm -q --set develop.tone_curve=linear");
+    assert_eq!(bytes(&folder, "shown.pgm"), [b"P5\n3 2\n255\n", &grey[..]].concat());
+    folder.succeed("develop grey.tif -o deep.pgm -q --set develop.tone_curve=linear --set develop.bits=16");
+    assert!(bytes(&folder, "deep.pgm").starts_with(b"P5\n3 2\n65535\n\0\0\x33\x33"));
+    folder.add("cut.tif", &tiff8(3, 2, 1, &grey)[..100]);
+    folder.add("cut.pgm", b"P2 3 2 255 1 2 3 4 5");
+    for (arguments, status, wanted) in [
+        ("colour.tiff -o p.pgm", 2, &["a PGM file holds grey", ".ppm"][..]),
+        ("cut.tif", 1, &["cut.tif", "cut short"]),
+        ("cut.pgm", 1, &["cut.pgm", "number 6 of 6", "cut short"]),
     ] {
         folder.fail(&format!("develop {arguments}"), status, wanted);
     }

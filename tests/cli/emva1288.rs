@@ -48,6 +48,63 @@ fn image_sets_are_taken_and_measured() {
 }
 
 #[test]
+fn sets_without_exposure_times_are_measured_but_for_what_needs_them() {
+    let folder = Folder::new([]);
+    folder.succeed("emva1288 sony-imx249-mono --size 48x32 --steps 8 --spatial 4 -o sets -q");
+    let descriptor = std::fs::read_to_string(folder.path("sets/Y/emva1288.txt")).expect("a descriptor");
+    // One dark pair, and every time the same, as a set has it whose light varies.
+    let with_time = |time: &str| {
+        let mut series: Vec<Vec<&str>> = Vec::new();
+        for line in descriptor.lines() {
+            match series.last_mut() {
+                Some(last) if line.starts_with("i ") => last.push(line),
+                _ => series.push(vec![line]),
+            }
+        }
+        let is_dark_pair = |series: &[&str]| series[0].starts_with("d ") && series.len() == 3;
+        let first = series.iter().position(|series| is_dark_pair(series));
+        let kept = series.into_iter().enumerate().filter(|(i, series)| Some(*i) == first || !is_dark_pair(series));
+        let lines: Vec<String> = kept
+            .flat_map(|(_, series)| {
+                let head = match series[0].split(' ').collect::<Vec<_>>()[..] {
+                    ["d", _] => format!("d {time}"),
+                    ["b", _, photons] => format!("b {time} {photons}"),
+                    _ => series[0].to_owned(),
+                };
+                std::iter::once(head).chain(series[1..].iter().map(|line| (*line).to_owned())).collect::<Vec<_>>()
+            })
+            .collect();
+        assert_eq!(lines.iter().filter(|line| line.starts_with("d ")).count(), 2, "{lines:?}");
+        lines
+    };
+    folder.add("sets/Y/timed.txt", with_time("5000000").join("\n"));
+    let untimed = format!("\u{feff}# by another program\r\n\r\n{}\r\n", with_time("000.00").join("\r\n \r\n"));
+    assert!(untimed.contains("i images\\"), "{untimed}");
+    folder.add("sets/Y/untimed.txt", untimed);
+    let report =
+        |name: &str| json(&folder.succeed(&format!("emva1288-report sets/Y/{name} --json --force")).stdout)[0].clone();
+    let (timed, untimed) = (report("timed.txt"), report("untimed.txt"));
+    assert_eq!(untimed["measured"], timed["measured"], "no figure takes 0 for a time");
+    let measured = &untimed["measured"];
+    // 1536 pixels a pair: K errs by about √(2/1536)·√Σi⁴/Σi² of its 5 points, 2 %; 5 times that.
+    let gain = measured["system_gain_dn_per_e"].as_f64().expect("a number");
+    assert!((gain / 0.1245 - 1.0).abs() < 0.1, "{gain}");
+    for figure in ["dark_current_mean_e_per_s", "dark_current_variance_e_per_s"] {
+        assert_eq!(measured[figure], Value::Null);
+    }
+    for figure in ["total", "pixel"] {
+        assert!(measured["prnu_percent"][figure].is_number() && measured["dsnu_e"][figure].is_number(), "{measured}");
+    }
+    let missing = &untimed["not_measured"][0];
+    let reason = "the exposure times are not known: the descriptor states 0";
+    assert_eq!((&missing["figure"], &missing["reason"]), (&json!("dark current"), &json!(reason)));
+    let text = folder.succeed("emva1288-report sets/Y/untimed.txt --force").stdout;
+    assert!(text.contains(&format!("not measured: dark current; {reason}")), "{text}");
+    let page = std::fs::read_to_string(folder.path("sets/Y/report.html")).expect("the page");
+    assert!(page.contains("Not measured: dark current;"), "{page}");
+}
+
+#[test]
 fn every_format_holds_the_same_numbers_whatever_the_threads() {
     let folder = Folder::new([]);
     for (format, threads) in [("tiff", "1"), ("dng", "3"), ("png", "2")] {

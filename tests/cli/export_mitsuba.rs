@@ -62,7 +62,7 @@ fn parsed(text: &str) -> (BTreeSet<String>, BTreeSet<String>) {
 fn a_scene_names_the_files_that_lie_beside_it() {
     let folder = triangle();
     let outcome = folder.succeed("export-mitsuba capture.toml -o out");
-    assert!(outcome.text().contains("wrote 2 files to out"), "{}", outcome.stderr);
+    assert!(outcome.text().contains("wrote 3 files to out"), "{}", outcome.stderr);
     let text = std::fs::read_to_string(folder.path("out/scene.xml")).expect("scene.xml");
     let (objects, files) = parsed(&text);
     for kind in ["path", "thinlens", "specfilm", "box", "twosided", "diffuse", "constant", "ply"] {

@@ -1,5 +1,8 @@
 //! `photosite noise`: what it says of pictures whose noise is known.
 
+use photosite::io::output::write_whole;
+use photosite::io::raw_exr::write_raw_exr;
+use photosite::raw::{Area, Cfa, RawImage, write_dng, write_npy};
 use rstest::rstest;
 use serde_json::Value;
 
@@ -62,4 +65,79 @@ fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, 
         flats(&folder);
     }
     folder.fail(arguments, status, &[message]);
+}
+
+/// A raw picture of 45 × 34 pixels, of which 36 × 26 from column 5, row 3, see light. Half of the pixels of each channel lie 50
+/// DN above 1000 and the others as much below; masked pixels show 64 or 65.
+fn masked(folder: &Folder, cfa: &str) {
+    let area = Area { x: 5, y: 3, width: 36, height: 26 };
+    let cfa = Cfa::parse(cfa).expect("a layout");
+    let (width, height, samples) = (45, 34, cfa.samples_per_pixel());
+    let number = |i: usize| {
+        let (pixel, sample) = (i / samples, i % samples);
+        let (x, y) = (pixel % width, pixel / width);
+        let sees_light = (area.x..area.x + area.width).contains(&x) && (area.y..area.y + area.height).contains(&y);
+        if !sees_light {
+            return 64 + (x % 2) as u16;
+        }
+        // By squares of 2 × 2 pixels in turns, each of which has a pixel of every place of a Bayer tile.
+        let swing = if ((x - area.x) / 2 + (y - area.y) / 2).is_multiple_of(2) { 950 } else { 1050 };
+        swing + 100 * sample as u16
+    };
+    let raw = RawImage {
+        width,
+        height,
+        data: (0..width * height * samples).map(number).collect(),
+        cfa,
+        active_area: Some(area),
+        bits: 12,
+        black_level_dn: 64.into(),
+        white_level_dn: 4095,
+        ..RawImage::default()
+    };
+    write_whole(&folder.path("masked.dng"), |to| write_dng(&raw, to)).expect("written");
+    write_whole(&folder.path("masked.exr"), |to| write_raw_exr(&raw, to)).expect("written");
+    write_whole(&folder.path("masked.npy"), |to| write_npy(&raw, to)).expect("written");
+}
+
+#[rstest]
+#[case::mono("mono", 1)]
+#[case::bayer("RGGB", 4)]
+#[case::three_chips("full:RGB", 3)]
+fn masked_pixels_are_left_out_unless_asked_for(#[case] cfa: &str, #[case] planes_of_cfa: usize) {
+    let folder = Folder::new([]);
+    masked(&folder, cfa);
+    let number = |value: &Value| value.as_f64().expect("a number");
+    for file in ["masked.dng", "masked.exr"] {
+        let report: Value =
+            serde_json::from_str(&folder.succeed(&format!("noise {file} --json")).stdout).expect("JSON");
+        assert_eq!(report["active_area_px"], serde_json::json!([5, 3, 36, 26]));
+        let found = report["planes"].as_array().expect("planes");
+        if file.ends_with("dng") {
+            assert_eq!(found.len(), planes_of_cfa);
+        }
+        for (i, plane) in found.iter().enumerate() {
+            let (mean, sigma) = (number(&plane["mean"]), number(&plane["uniform"]["sigma"]));
+            let level = if cfa.starts_with("full") { 1000.0 + 100.0 * i as f64 } else { 1000.0 };
+            // A deviation of 50 everywhere, of so many pixels.
+            let n = number(&plane["size"][0]) * number(&plane["size"][1]);
+            let expected = 50.0 * (n / (n - 1.0)).sqrt();
+            assert!(mean == level && (sigma / expected - 1.0).abs() < 1e-9, "{file}: {mean} {sigma}");
+        }
+        let histograms: Value =
+            serde_json::from_str(&folder.succeed(&format!("measure histogram {file} --json")).stdout).expect("JSON");
+        assert_eq!((number(&histograms[0]["mean"]), number(&histograms[0]["standard_deviation"])), (1000.0, 50.0));
+        // Patches count from the first pixel that sees light, and with --masked from the corner of the file.
+        let mean = |arguments: &str| number(&planes(&folder, &format!("{file} {arguments}"))[0]["mean"]);
+        assert_eq!(mean("--patch 0,0,4,4"), 1000.0);
+        assert!([64.0, 64.5].contains(&mean("--masked --patch 0,0,4,34")));
+        folder.fail(&format!("noise {file} --patch 30,0,8,8"), 2, &["beyond the 36 × 26 pixels of the active area"]);
+        folder.succeed(&format!("noise {file} --patch 30,0,8,8 --masked"));
+    }
+    let whole: Value =
+        serde_json::from_str(&folder.succeed("measure histogram masked.dng --masked --json").stdout).expect("JSON");
+    assert!(number(&whole[0]["standard_deviation"]) > 300.0, "with the masked pixels");
+    folder.succeed("compare masked.dng masked.exr --max-rmse 0");
+    folder.fail("compare masked.dng masked.npy", 2, &["36 × 26 pixels", "36 × 26 at 5, 3", "--masked"]);
+    folder.succeed("compare masked.dng masked.npy --masked --max-rmse 0");
 }

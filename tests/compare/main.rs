@@ -8,6 +8,7 @@ use photosite::develop::EncodedPicture;
 use photosite::image::{Channel, Estimate, Planes};
 use photosite::io::developed::write_png;
 use photosite::io::electrons::write_electrons;
+use photosite::io::exr::{Attribute, write_exr};
 use photosite::io::output::write_whole;
 use photosite::raw::{Cfa, RawImage, write_dng, write_npy};
 use photosite::units::Seconds;
@@ -41,6 +42,18 @@ impl Folder {
         variance.channels_mut().iter_mut().for_each(|c| c.data.fill(4.0));
         let electrons = Estimate { mean, variance };
         write_whole(&self.path(name), |to| write_electrons(&electrons, Seconds(1.0), to)).expect("written");
+        name.to_owned()
+    }
+
+    /// An EXR file of electrons as other programs write it: means, or whatever else its channels are called.
+    fn exr(&self, name: &str, channels: &[(&str, f32)], noise: f32) -> String {
+        let plane = |&(name, level): &(&str, f32)| Channel {
+            name: name.to_owned(),
+            data: (0..WIDTH * HEIGHT).map(|pixel| level + if pixel % 3 == 0 { 2.0 * noise } else { -noise }).collect(),
+        };
+        let planes = Planes::new(WIDTH, HEIGHT, channels.iter().map(plane).collect()).expect("right sizes");
+        let unit = [("unit", Attribute::Text("e-".to_owned()))];
+        write_whole(&self.path(name), |to| write_exr(&planes, &unit, to)).expect("written");
         name.to_owned()
     }
 
@@ -135,6 +148,89 @@ fn one_pixel_that_noise_does_not_explain_makes_pictures_differ() {
     assert_eq!(report["worst"].as_array().map(Vec::len), Some(1));
     assert_eq!(report["verdict"]["pixels_past_bound"], 1);
     assert_eq!(report["failures"].as_array().map(Vec::len), Some(1));
+}
+
+/// Differences of 14 and 7: seven standard deviations of the first picture alone, 1.4 of both.
+#[test]
+fn a_variance_that_only_one_side_has_judges_nothing() {
+    let folder = Folder::new();
+    let a = folder.electrons("a.exr", &["R", "G"], |_, _| 100.0);
+    let b = folder.exr("b.exr", &[("R", 100.0), ("G", 100.0)], 7.0);
+    for (files, letter) in [([&a[..], &b], "B"), ([&b, &a], "A")] {
+        let (status, text) = folder.said(&files);
+        assert!(status == 0 && text.contains(&format!("not judged: the variance of {letter} is unknown")), "{text}");
+        assert!(
+            !text.contains("z-scores") && text.contains(&format!("--variance-{}", letter.to_lowercase())),
+            "{text}"
+        );
+        let (status, report) = folder.json(&files);
+        assert_eq!((status, &report["outcome"], &report["verdict"]), (0, &Value::from("not judged"), &Value::Null));
+        assert_eq!(report["untested"][0]["channels"], serde_json::json!(["R", "G"]));
+        let known = if letter == "B" { "a" } else { "b" };
+        assert_eq!(
+            (&report["channels"][0]["variance_of"], &report["channels"][0]["z_scores"]),
+            (&Value::from(known), &Value::Null)
+        );
+    }
+    // Limits judge all the same: 67 pixels differ by 14 and 133 by 7, an RMSE of 9.912.
+    assert_eq!(folder.said(&[&a, &b, "--max-rmse", "9.95", "--quiet"]).0, 0);
+    let (status, text) = folder.said(&[&a, &b, "--max-rmse", "9.85"]);
+    assert!(
+        status == 1 && text.contains("not tested against noise: R, G, since the variance of B is unknown"),
+        "{text}"
+    );
+    // An exact B differs, one with noise of its own does not.
+    assert_eq!(folder.said(&[&a, &b, "--variance-b", "0", "--quiet"]).0, 1);
+    assert_eq!(folder.said(&[&a, &b, "--variance-b", "98", "--quiet"]).0, 0);
+    let variances = folder.exr("variances.exr", &[("R", 98.0), ("G", 98.0)], 0.0);
+    let (status, report) = folder.json(&[&a, &b, "--variance-b", &variances]);
+    assert_eq!((status, &report["outcome"]), (0, &Value::from("agree")));
+    // A variance of 4 + 98, and differences of a mean square of 98.245 about their mean: √(98.244·200/199/102).
+    let spread = report["channels"][0]["z_scores"]["spread"].as_f64().expect("known");
+    assert!((spread / (98.244f64 * 200.0 / 199.0 / 102.0).sqrt() - 1.0).abs() < 1e-4, "{spread}");
+    // One channel's variance is missing: the other is judged.
+    let red = folder.exr("red.exr", &[("variance.R", 98.0)], 0.0);
+    let (status, report) = folder.json(&[&a, &b, "--variance-b", &red]);
+    assert_eq!(
+        (status, &report["outcome"], &report["verdict"]["tests"]),
+        (0, &Value::from("agree"), &Value::from(201))
+    );
+    assert_eq!(report["untested"][0]["channels"], serde_json::json!(["G"]));
+    for (arguments, complaint) in [
+        (["--variance-b", "-1"], "-1 is no variance"),
+        (["--variance-b", "nowhere.exr"], "cannot read"),
+        (["--variance-b", "grey.exr"], "holds no variances for the channels of b.exr"),
+        (["--samples-b", "64"], "b.exr holds no second moments"),
+        (["--samples-b", "1"], "is not in 2.."),
+    ] {
+        folder.exr("grey.exr", &[("Y", 1.0)], 0.0);
+        let (status, said) = folder.complaint(&[&[&a[..], &b], &arguments[..]].concat());
+        assert!((1..=2).contains(&status) && said.contains(complaint), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
+fn second_moments_give_variances() {
+    let folder = Folder::new();
+    // The mean of 50 samples with the variance 98 has 98/49: m2 = 98 + 100.1².
+    let moments = [("nested.Y", 100.1), ("m2_nested.Y", 98.0 + 100.1 * 100.1)];
+    let a = folder.exr("a.exr", &moments, 0.0);
+    let b = folder.exr(
+        "b.exr",
+        &[moments[0], moments[1]].map(|(name, x)| (name, x + if name == "nested.Y" { 1.0 } else { 200.0 + 1.0 + 0.2 })),
+        0.0,
+    );
+    let (status, text) = folder.said(&[&a, &b]);
+    assert!(status == 0 && text.contains("not judged"), "{text}");
+    let (_, report) = folder.json(&[&a, &b, "--samples-a", "50", "--samples-b", "50"]);
+    let channel = &report["channels"][0];
+    assert_eq!((&channel["channel"], &channel["variance_of"]), (&Value::from("nested.Y"), &Value::from("both")));
+    assert_eq!(report["channels"].as_array().map(Vec::len), Some(1));
+    // A difference of −1 with the variance 2·98/49 everywhere. m2 is about 10 000 and rounded to 1e-3.
+    let z = report["worst"][0]["z"].as_f64().expect("known");
+    assert!((z + 0.5).abs() < 1e-4, "{z}");
+    let (_, report) = folder.json(&[&a, &b, "--samples-a", "50", "--channels", "nested.Y"]);
+    assert!(report["untested"][0]["help"].as_str().expect("help").contains("--samples-b"), "{report}");
 }
 
 #[rstest]

@@ -8,11 +8,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use photosite::characterisation::Descriptor;
 use photosite::io::capture::Capture;
 use photosite::io::gltf::{self, Choice, Moment};
 use photosite::io::obj::{self, MissingNormals};
 use photosite::math::hash::hash64;
-use photosite::raw::{Cfa, DngCompression, RawImage, read_dng, write_compressed_dng};
+use photosite::raw::{Cfa, DngCompression, RawImage, read_dng, read_pnm, read_tiff, write_compressed_dng, write_tiff};
 
 /// No reader may take longer for a file of a few kilobytes, on a busy machine.
 const SLOWEST: Duration = Duration::from_secs(20);
@@ -216,5 +217,48 @@ fn dng_files() {
     assert!(files.len() > 4);
     survive("DNG", &files, |_, bytes| {
         let _ = read_dng(Cursor::new(bytes));
+    });
+}
+
+#[test]
+fn files_of_numbers() {
+    let numbers: Vec<u16> = (0..37 * 23 * 3u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 16) as u16).collect();
+    let raw = RawImage { width: 37, height: 23, data: numbers[..37 * 23].to_vec(), ..RawImage::default() };
+    let mut tiff = Cursor::new(Vec::new());
+    write_tiff(&raw, &mut tiff).expect("written");
+    // The same file with half as many bits.
+    let mut narrow = tiff.get_ref().clone();
+    let bits = narrow.windows(12).position(|entry| entry[..8] == [2, 1, 3, 0, 1, 0, 0, 0]).expect("BitsPerSample");
+    narrow[bits + 8] = 8;
+    assert_eq!(read_tiff(Cursor::new(&narrow)).expect("8 bits").bits, 8);
+    let mut files = vec![("16-bit TIFF".to_owned(), tiff.into_inner()), ("8-bit TIFF".to_owned(), narrow)];
+    let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_be_bytes()).collect();
+    let words = numbers.iter().map(u16::to_string).collect::<Vec<_>>().join(" ");
+    let bits = words.replace(|c: char| c.is_ascii_digit() && c != '1', "0");
+    for (kind, pixels) in [
+        ("P1\n37 23\n", bits.as_bytes()),
+        ("P2\n# grey\n37 23\n65535\n", words.as_bytes()),
+        ("P3\n37 23\n65535\n", words.as_bytes()),
+        ("P4\n37 23\n", &bytes),
+        ("P5\n37 23\n255\n", &bytes),
+        ("P6\n37 23\n4095\n", &bytes),
+    ] {
+        let file = [kind.as_bytes(), pixels].concat();
+        read_pnm(&file[..]).expect(kind);
+        files.push((kind[..2].to_owned(), file));
+    }
+    survive("numbers", &files, |name, bytes| {
+        let read = if name.ends_with("TIFF") { read_tiff(Cursor::new(bytes)) } else { read_pnm(bytes) };
+        if let Ok(raw) = read {
+            raw.validate().expect("whole");
+        }
+    });
+}
+
+#[test]
+fn descriptors_of_image_sets() {
+    let good = b"\xef\xbb\xbf# public\r\nv 4.0\r\nn 12 640 480\r\nb 000.00 000.35\r\ni a\\b.tif\r\ni c.tif\r\nd 0\r\ni d\r\ni e\r\n";
+    survive("descriptor", &[("descriptor".to_owned(), good.to_vec())], |_, bytes| {
+        let _ = Descriptor::parse(&String::from_utf8_lossy(bytes));
     });
 }

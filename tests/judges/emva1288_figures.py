@@ -2,10 +2,14 @@
 """Lets the EMVA 1288 tool recover what was put into a sensor, from the image sets of `photosite emva1288`.
 
     emva1288_figures.py FOLDER [REPORT.json]
+    emva1288_figures.py --without-times PHOTOSITE FOLDER
 
 FOLDER holds emva1288.json and the sets of each channel, as TIFF, PNG or DNG (read by LibRaw). REPORT.json is what
 `photosite emva1288-report FOLDER --json` printed: its figures must be the tool's to numerical precision. Exit status 0
 where all is well, 1 otherwise.
+
+With --without-times the first channel's set is evaluated as public ones are given whose exposure times nobody noted: every
+time is 0 and one dark pair stands for all. PHOTOSITE, the program, and the tool must find the same.
 
 Every figure is printed with its deviation from what was put in, the limit, and the standard error that the number of
 pixels and images leaves. A limit below four standard errors is an error too: no camera could keep it.
@@ -28,6 +32,7 @@ Needs: pip install -r requirements-emva1288.txt.
 
 import json
 import logging
+import subprocess
 import sys
 import warnings
 from pathlib import Path
@@ -255,11 +260,50 @@ def judge_channel(judge, folder, channel, report):
             judge.same("doubling temperature", 1 / slope, report["doubling_temperature_k"][1])
 
 
+def without_times(text):
+    """A descriptor whose times are 0, with the first of its dark pairs, and its lines ended as Windows does."""
+    series = []
+    for line in text.splitlines():
+        if line[0] in "bd":
+            series.append([line])
+        elif line[0] == "i":
+            series[-1].append(line)
+    lines = [line for line in text.splitlines() if line[0] in "vn"]
+    has_dark_pair = False
+    for head, *images in series:
+        kind, _, *photons = head.split()
+        is_dark_pair = kind == "d" and len(images) == 2
+        if not (is_dark_pair and has_dark_pair):
+            lines += [" ".join([kind, "000.00", *photons]), *images]
+        has_dark_pair |= is_dark_pair
+    return "# exposure times: not noted\r\n\r\n" + "\r\n".join(lines) + "\r\n"
+
+
+def judge_without_times(judge, photosite, folder):
+    channel = json.loads((folder / "emva1288.json").read_text())["channels"][0]
+    path = (folder / channel["descriptor"]).with_name("without-times.txt")
+    path.write_text(without_times((folder / channel["descriptor"]).read_text()), newline="")
+    command = [photosite, "emva1288-report", path, "-o", path.with_suffix(".html"), "--force", "--json"]
+    report = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)[0]
+    _, result = load_set(path)
+    compare_measured(judge, result, report["measured"])
+    print(f"without times: K {result.K:.6g}, QE {result.QE:.4g} %, sigma_d {result.sigma_d:.4g} e-, by both")
+    missing = [entry["figure"] for entry in report["not_measured"]]
+    if "dark current" not in missing or report["measured"]["dark_current_mean_e_per_s"] is not None:
+        judge.complaints.append(f"without times: not measured are {missing}")
+
+
 def main():
-    if len(sys.argv) not in (2, 3):
-        sys.exit(__doc__)
     # Parts of a pattern that are not there have negative variances now and then.
     warnings.simplefilter("ignore", RuntimeWarning)
+    if sys.argv[1:2] == ["--without-times"] and len(sys.argv) == 4:
+        judge = Judge()
+        judge_without_times(judge, sys.argv[2], Path(sys.argv[3]))
+        for complaint in judge.complaints:
+            print(complaint, file=sys.stderr)
+        sys.exit(1 if judge.complaints else 0)
+    if len(sys.argv) not in (2, 3):
+        sys.exit(__doc__)
     folder = Path(sys.argv[1])
     contents = json.loads((folder / "emva1288.json").read_text())
     report = json.loads(Path(sys.argv[2]).read_text()) if len(sys.argv) == 3 else None

@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
 """Measures pictures by `photosite measure` and by programs that nobody here wrote.
 
-    measures.py PHOTOSITE PICTURE REFERENCE
+    measures.py PHOTOSITE PICTURE REFERENCE [MASKED.dng ...]
 
-PHOTOSITE is the program; PICTURE and REFERENCE are two PNG files of 8 bits that differ.
+PHOTOSITE is the program; PICTURE and REFERENCE are two PNG files of 8 bits that differ; MASKED.dng are raw files with masked
+pixels.
 
 - PSNR and SSIM of each channel as scikit-image has them, the colour differences as colour-science does.
+- Histograms and noise of raw files with masked pixels: of those that LibRaw says see light (rawpy's raw_image_visible), and
+  with --masked of all.
+- Numbers of TIFF, PBM, PGM and PPM files that Pillow and tifffile wrote, by what `photosite develop` makes of them.
 - The transfer function of slanted edges, which are made here and blurred by a Gaussian, by quickMTF (C. Asplund's sfr),
   and by its own formula.
 
@@ -22,6 +26,7 @@ import warnings
 from pathlib import Path
 
 import numpy
+import rawpy
 import scipy.special
 import skimage.metrics
 import tifffile
@@ -62,6 +67,65 @@ def judge_likeness(photosite, a, b):
         yield f"mean delta E 2000 is {found['mean_delta_e_2000']}, {difference} by colour-science"
 
 
+def judge_masked(photosite, path):
+    with rawpy.imread(str(path)) as raw:
+        visible, whole = raw.raw_image_visible.astype(float), raw.raw_image.astype(float)
+        colours = raw.raw_colors_visible.copy()
+    if visible.shape == whole.shape:
+        yield f"{path}: LibRaw sees no masked pixels"
+    for numbers, option in [(visible, []), (whole, ["--masked"])]:
+        found = measured(photosite, "histogram", path, *option)[0]
+        print(f"{path.parent.name} {option}: mean {found['mean']:.6f}, sigma {found['standard_deviation']:.6f}; {numbers.mean():.6f}, {numbers.std():.6f} by LibRaw")
+        # The same whole numbers, summed in double precision.
+        if abs(found["mean"] - numbers.mean()) > 1e-6 or abs(found["standard_deviation"] - numbers.std()) > 1e-6:
+            yield f"{path} {option}: mean and sigma {found['mean']}, {found['standard_deviation']}; {numbers.mean()}, {numbers.std()} by LibRaw"
+    command = [photosite, "noise", path, "--lags", "0", "--patch", "12,8,60,40", "--json"]
+    planes = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)["planes"]
+    side = round(len(planes) ** 0.5)
+    for i, plane in enumerate(planes):
+        # Places of the tile, counted from the corner of what sees light.
+        place = (slice(8 + i // side, 48, side), slice(12 + i % side, 72, side))
+        numbers, letters = visible[place], colours[place]
+        if abs(plane["mean"] - numbers.mean()) > 1e-6 or abs(plane["uniform"]["sigma"] - numbers.std(ddof=1)) > 1e-6:
+            yield f"{path}: {plane['name']} is {plane['mean']}, {plane['uniform']['sigma']}; {numbers.mean()}, {numbers.std(ddof=1)} by LibRaw"
+        # It takes tiles of four columns for Bayer's, and its second green is a colour of its own.
+        if side <= 2 and (numpy.unique(letters).size != 1 or (side > 1 and "RGBG"[letters[0, 0]] != plane["name"][0])):
+            yield f"{path}: {plane['name']} are LibRaw's colours {numpy.unique(letters)}"
+
+
+def judge_numbers(photosite, scratch):
+    random = numpy.random.default_rng(5)
+    grey, colour = random.integers(0, 256, (13, 21), numpy.uint8), random.integers(0, 256, (13, 21, 3), numpy.uint8)
+    deep = random.integers(0, 65536, (13, 21, 3), numpy.uint16)
+    bits = random.integers(0, 2, (13, 21)).astype(bool)
+    words = lambda array: " ".join(map(str, array.ravel()))
+    files = {}
+    for name, array, white in [("grey.tif", grey, 255), ("colour.tif", colour, 255), ("deep.tif", deep, 65535)]:
+        tifffile.imwrite(scratch / name, array, photometric="minisblack" if array.ndim == 2 else "rgb")
+        files[name] = array / white
+    tifffile.imwrite(scratch / "planes.tif", colour.transpose(2, 0, 1), photometric="rgb", planarconfig="separate")
+    Image.fromarray(colour).save(scratch / "lzw.tif", compression="tiff_lzw")
+    Image.fromarray(colour).save(scratch / "deflate.tif", compression="tiff_adobe_deflate")
+    files |= {"planes.tif": colour / 255, "lzw.tif": colour / 255, "deflate.tif": colour / 255}
+    Image.fromarray(grey).save(scratch / "grey.pgm")
+    Image.fromarray(colour).save(scratch / "colour.ppm")
+    Image.fromarray(bits).save(scratch / "bits.pbm")
+    (scratch / "text.pgm").write_text(f"P2\n# grey\n21 13\n255\n{words(grey)}\n")
+    (scratch / "text.ppm").write_text(f"P3 21 13 65535\n{words(deep)}")
+    (scratch / "text.pbm").write_text(f"P1 21 13\n{words(1 - bits.astype(int))}")
+    files |= {"grey.pgm": grey / 255, "colour.ppm": colour / 255, "bits.pbm": bits, "text.pgm": grey / 255, "text.ppm": deep / 65535, "text.pbm": bits}
+    for name, expected in files.items():
+        linear = ["--set", "develop.tone_curve=linear", "--set", "develop.bits=16"]
+        command = [photosite, "develop", scratch / name, "-o", scratch / "linear.tiff", "--force", "--quiet", *linear]
+        subprocess.run(command, check=True)
+        found = tifffile.imread(scratch / "linear.tiff")
+        off = numpy.abs(found / 65535 - expected).max()
+        print(f"{name}: linear light off by {off:.1e}")
+        # Rounded to 16 bits, and that of 32-bit floats.
+        if found.shape != expected.shape or off > 0.51 / 65535:
+            yield f"{name} is off by {off}"
+
+
 def edge(angle, sigma, width=96, height=120, points=16):
     """A Gaussian edge, averaged over the area of each pixel."""
     part = (numpy.arange(points) + 0.5) / points - 0.5
@@ -98,11 +162,13 @@ def judge_edges(photosite, scratch):
 
 
 def main():
-    if len(sys.argv) != 4:
+    if len(sys.argv) < 4:
         sys.exit(__doc__)
-    photosite, a, b = sys.argv[1:]
+    photosite, a, b, *masked = sys.argv[1:]
     with tempfile.TemporaryDirectory() as scratch:
-        complaints = [*judge_likeness(photosite, a, b), *judge_edges(photosite, Path(scratch))]
+        complaints = [*judge_likeness(photosite, a, b), *judge_edges(photosite, Path(scratch)), *judge_numbers(photosite, Path(scratch))]
+    for path in map(Path, masked):
+        complaints += judge_masked(photosite, path)
     for complaint in complaints:
         print(complaint, file=sys.stderr)
     sys.exit(1 if complaints else 0)

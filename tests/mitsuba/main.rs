@@ -9,6 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 use photosite::io::picture_file::read_picture_file;
+use photosite::raw::Pixels;
 use photosite::validation::{Comparison, Settings, compare};
 use rstest::rstest;
 
@@ -26,7 +27,7 @@ fn against_reference(capture: &Path) -> Comparison {
         .output()
         .expect("the command starts");
     assert!(render.status.success(), "{}", String::from_utf8_lossy(&render.stderr));
-    let read = |path: &Path| read_picture_file(path).unwrap_or_else(|error| panic!("{error}"));
+    let read = |path: &Path| read_picture_file(path, Pixels::Active).unwrap_or_else(|error| panic!("{error}"));
     let reference = capture.with_file_name("reference.exr");
     compare(&read(&out.path().join("electrons.exr")), &read(&reference), &Settings::default())
         .unwrap_or_else(|error| panic!("{error}"))

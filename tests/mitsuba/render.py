@@ -8,6 +8,8 @@ The samples are rendered in K independent batches of N/K each; with x_k the pict
     mean     = Σ x_k / K
     variance = Σ (x_k − mean)² / (K·(K − 1)), of the mean.
 
+A variance from few batches is uncertain itself, and z-scores by it have longer tails than normal ones: take at least 64.
+
 PICTURE.exr holds a channel for each response of the scene's film and one called "variance.…" for each, as photosite's
 electrons.exr does, so that `photosite compare` reads both.
 """
@@ -20,14 +22,21 @@ from pathlib import Path
 import numpy as np
 
 VARIANT = "llvm_ad_spectral"
+# Needs no LLVM, and takes longer.
+SLOW_VARIANT = "scalar_spectral"
+
+
+def find_llvm():
+    """The path of a library of LLVM that is new enough, where one is stated or lies where Debian puts it."""
+    found = sorted(glob.glob("/usr/lib/*/libLLVM.so.19*") + glob.glob("/usr/lib/llvm-19/lib/libLLVM*.so*"))
+    return os.environ.get("DRJIT_LIBLLVM_PATH") or next(iter(found), None)
 
 
 def load_mitsuba(variant=VARIANT):
     """The module, set to a variant. Its LLVM is found by the loader's names or by those of Debian."""
-    if "llvm" in variant and "DRJIT_LIBLLVM_PATH" not in os.environ:
-        found = sorted(glob.glob("/usr/lib/*/libLLVM.so.19*") + glob.glob("/usr/lib/llvm-19/lib/libLLVM*.so*"))
-        if found:
-            os.environ["DRJIT_LIBLLVM_PATH"] = found[0]
+    llvm = find_llvm()
+    if "llvm" in variant and llvm:
+        os.environ["DRJIT_LIBLLVM_PATH"] = llvm
     import mitsuba
 
     mitsuba.set_variant(variant)
@@ -67,8 +76,11 @@ def main():
     parser.add_argument("--samples", type=int, default=16384, help="a pixel (default: %(default)s)")
     parser.add_argument("--batches", type=int, default=128, help="(default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--variant", default=VARIANT, help="(default: %(default)s)")
+    variant = VARIANT if find_llvm() else SLOW_VARIANT
+    parser.add_argument("--variant", default=variant, help=f"(default: {VARIANT} where LLVM 19 is found, else {SLOW_VARIANT})")
     options = parser.parse_args()
+    if options.batches < 2:
+        parser.error("one batch has no variance: --batches 2 at least, 64 for z-scores")
     mitsuba = load_mitsuba(options.variant)
     scene = mitsuba.load_file(str(options.scene))
     write(mitsuba, options.picture, *render(mitsuba, scene, options.samples, options.batches, options.seed))

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::characterisation::{Evaluation, Figures, Row, SpatialStack};
+use crate::characterisation::{Evaluation, Figures, NotMeasured, Row, SpatialStack};
 
 use super::curves::{self, Plot, digits};
 
@@ -99,6 +99,9 @@ impl Report {
         for channel in &self.channels {
             let _ = writeln!(html, "<h2>{}</h2>", escaped(&channel.title));
             html += &channel.table();
+            for NotMeasured { figure, reason } in channel.evaluation.not_measured() {
+                let _ = writeln!(html, "<p>Not measured: {}; {}.</p>", escaped(figure), escaped(reason));
+            }
             html += "<div class=\"plots\">\n";
             for Plot { title, caption, chart } in channel.plots() {
                 let _ = writeln!(

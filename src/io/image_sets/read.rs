@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::characterisation::{Descriptor, Light, PairStatistics, Series, SpatialStack, TemporalPoint};
 use crate::io::picture_file::read_picture_file;
+use crate::raw::Pixels;
 use crate::{Error, Invalid, Result};
 
 /// Statistics of an image set.
@@ -17,9 +18,12 @@ pub struct MeasuredSet {
     pub stacks: Option<[SpatialStack; 2]>,
 }
 
-/// Reads a descriptor and the images that it names. `read_image` is called after each.
+/// Reads a descriptor and the images that it names. `taken` is called after each. Several dark pairs of one exposure time count
+/// as their mean.
 pub fn read_set(path: &Path, taken: &dyn Fn()) -> Result<MeasuredSet> {
-    let text = std::fs::read_to_string(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = std::fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    // Comments may be in any encoding.
+    let text = String::from_utf8_lossy(&bytes);
     let descriptor = Descriptor::parse(&text).map_err(|(line, invalid)| invalid.at_line(path, line))?;
     let reader = ImageReader { folder: path.parent().unwrap_or(Path::new("")), descriptor: &descriptor, taken };
     let unfit = |message: String| Invalid::new("", message).in_file(path);
@@ -44,16 +48,20 @@ pub fn read_set(path: &Path, taken: &dyn Fn()) -> Result<MeasuredSet> {
         }
     }
     let point = |(series, bright): &(&Series, PairStatistics)| {
-        let Some((_, dark)) = dark_pairs.iter().find(|(time, _)| *time == series.exposure_ns) else {
+        let darks: Vec<&PairStatistics> =
+            dark_pairs.iter().filter(|(time, _)| *time == series.exposure_ns).map(|(_, pair)| pair).collect();
+        if darks.is_empty() {
             return Err(unfit(format!("there is no dark pair with the exposure time of {} ns", series.exposure_ns)));
-        };
+        }
+        let of_darks =
+            |value: fn(&PairStatistics) -> f64| darks.iter().map(|pair| value(pair)).sum::<f64>() / darks.len() as f64;
         Ok(TemporalPoint {
             time: series.time(),
             photons: series.light.photons(),
             mean: bright.mean,
             variance: bright.variance,
-            dark_mean: dark.mean,
-            dark_variance: dark.variance,
+            dark_mean: of_darks(|pair| pair.mean),
+            dark_variance: of_darks(|pair| pair.variance),
         })
     };
     let points = bright_pairs.iter().map(point).collect::<Result<_>>()?;
@@ -88,7 +96,7 @@ impl ImageReader<'_> {
 
     fn image(&self, name: &str) -> Result<Vec<u16>> {
         let path = self.folder.join(name);
-        let picture = read_picture_file(&path)?;
+        let picture = read_picture_file(&path, Pixels::Active)?;
         let Descriptor { width, height, .. } = *self.descriptor;
         let planes = &picture.mean;
         if [planes.width(), planes.height()] != [width, height] {
