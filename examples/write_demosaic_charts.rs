@@ -115,7 +115,9 @@ fn write(chart: &Chart, phase: &str, folder: &std::path::Path) -> photosite::Res
     let encoding = settings.encoding();
     let codes = Codes::U16(rgb.clone());
     let (colour_space, transfer) = (encoding.colour_space, encoding.transfer);
-    picture("truth", &EncodedPicture { width: *width, height: *height, components: 3, codes, colour_space, transfer })?;
+    let (width, height) = (*width, *height);
+    let truth = EncodedPicture { width, height, components: 3, codes, colour_space, transfer, pixel_aspect: 1.0 };
+    picture("truth", &truth)?;
     for (name, demosaic) in METHODS {
         let developed = develop(&raw, &DevelopSettings { demosaic, ..settings.clone() });
         picture(name, &developed.map_err(|invalid| invalid.in_file(folder))?)?;

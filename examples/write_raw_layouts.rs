@@ -7,9 +7,10 @@
 use std::path::{Path, PathBuf};
 
 use photosite::io::output::{create_folder, write_whole};
+use photosite::projection::{BrownConrady, Intrinsics, Projection};
 use photosite::raw::{
-    Area, BlackLevel, Cfa, ColourCalibration, DngCompression, GainMap, LightSource, RawImage, RawMetadata, Warp,
-    write_compressed_dng, write_npy, write_pgm, write_tiff,
+    Area, BlackLevel, Cfa, ColourCalibration, Distortion, DngCompression, GainMap, LensModel, LightSource, RawImage,
+    RawMetadata, write_compressed_dng, write_npy, write_pgm, write_tiff,
 };
 
 const LAYOUTS: [&str; 11] =
@@ -88,9 +89,16 @@ fn masked(raw: RawImage) -> Result<RawImage, photosite::Invalid> {
             *dn = black_level_dn.at(x, y) as u16;
         }
     }
+    let intrinsics = Intrinsics { fx: 400.0, fy: 400.0, cx: 160.0, cy: 100.0, skew: 0.0 };
+    let projection = if raw.cfa.is_mono() {
+        Projection::KannalaBrandt { k: [0.05, -0.01, 0.0, 0.0] }
+    } else {
+        let k = [-0.1, 0.02, 0.0, 0.0, 0.0, 0.0];
+        Projection::BrownConrady(BrownConrady { k, p: [1e-3, 0.0], ..BrownConrady::default() })
+    };
     let metadata = RawMetadata {
         gain_map: Some(GainMap::new(3, 3, vec![1.5, 1.25, 1.5, 1.25, 1.0, 1.25, 1.5, 1.25, 1.5])?),
-        warp: Some(Warp::brown_conrady([-0.1, 0.02, 0.0], [1e-3, 0.0], 400.0, [160.0, 100.0], [316, 200])),
+        distortion: Some(Distortion::Lens(LensModel { intrinsics, projection, max_angle_rad: None })),
         ..raw.metadata
     };
     Ok(RawImage { data, active_area: Some(area), black_level_dn, metadata, ..raw })

@@ -16,7 +16,7 @@
 //!
 //! [`units`], [`math`] → [`spectrum`], [`image`] → [`colour`]; → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
 //! [`optics`], [`film`], [`sampler`] → [`integrator`]. [`sensor`], [`raw`] and [`develop`] see only units, math,
-//! spectrum and image: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
+//! spectrum, image and, of lenses, [`projection`]: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
 //! these edges. [`calibration`] draws targets and asks a scene what is really there at each pixel. [`validation`]
 //! compares pictures and sees units, math, image and raw; [`measure`] takes
 //! figures from pictures; [`characterisation`] takes and evaluates
@@ -49,6 +49,7 @@ pub mod light;
 pub mod math;
 pub mod measure;
 pub mod optics;
+pub mod projection;
 pub mod raw;
 pub mod references;
 mod sabotage;

@@ -10,13 +10,15 @@ use photosite::calibration::camera_files::{
 use photosite::io::capture::Capture;
 use photosite::io::output::{create_folder, write_whole};
 
+use super::lens_corrections::LensSeen;
 use super::render::lone_recording_camera;
 use super::{println_out, refuse_existing};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///
-/// What a format has no words for is refused. A camera that moves stands where it does halfway through its first picture, as
-/// `capture.json` says (`pose_time_s`).
+/// It is that of the raw picture, with the distortion of the lens, which image.png keeps with develop.distortion = false and
+/// develop.square_pixels = false alone. What a format has no words for is refused. A camera that moves stands where it does
+/// halfway through its first picture, as `capture.json` says (`pose_time_s`).
 #[derive(Args)]
 pub(super) struct CameraArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
@@ -54,7 +56,15 @@ enum Format {
 
 pub(super) fn run(args: &CameraArgs) -> Result<()> {
     let capture = Capture::read(&args.input, &args.overrides)?;
-    let camera = CalibratedCamera::new(&args.name, &lone_recording_camera(&capture)?.halfway());
+    let placed = lone_recording_camera(&capture)?.halfway();
+    let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.window);
+    if let Some(done) = seen.resampled(&capture.develop) {
+        eprintln!(
+            "warning: image.png is {}, and this is the camera of the raw picture; that of image.png is in capture.json, or write {}",
+            done.what, done.keys
+        );
+    }
+    let camera = CalibratedCamera::new(&args.name, &placed);
     let one = std::slice::from_ref(&camera);
     let text = match args.format {
         Format::Opencv => opencv(&camera),

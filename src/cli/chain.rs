@@ -2,25 +2,23 @@
 
 use photosite::develop::colour_matrix::{CameraColour, neutral};
 use photosite::develop::merge::Merged;
-use photosite::develop::{DevelopSettings, EncodedPicture, SensorCalibration, develop, develop_merged};
+use photosite::develop::{DevelopSettings, EncodedPicture, Resampling, SensorCalibration, develop, develop_merged};
 use photosite::image::{Estimate, Planes};
 use photosite::integrator::WavelengthChoice;
-use photosite::io::capture::{
-    Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, RawFormat, StoredCapture,
-};
+use photosite::io::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
 use photosite::optics::{Camera, LensDescription};
 use photosite::raw::RawImage;
 use photosite::scene::Scene;
 use photosite::sensor::{
-    Exposure, Neighbours, NoiseKey, NoiseMap, NoiseMaps, SensorModel, auto_exposure, expose_with_maps, noise_ratio,
-    samples_needed, smoothed_mean,
+    Exposure, Neighbours, NoiseKey, NoiseMap, NoiseMaps, SensorModel, Window, auto_exposure, expose_with_maps,
+    noise_ratio, samples_needed, smoothed_mean,
 };
 use photosite::spectrum::{Spectrum, illuminant};
 use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
 
-use super::lens_corrections;
-use super::report::{ExposureReport, NoiseReport, SensorReport};
+use super::lens_corrections::LensSeen;
+use super::report::{ExposureReport, ImageReport, NoiseReport, SensorReport};
 
 /// What the chain needs of a capture.
 #[derive(Clone, Copy)]
@@ -127,17 +125,21 @@ impl<'a> Chain<'a> {
 
     /// The same, with a lens whose falloff and distortion raw files tell of.
     pub(super) fn with_lens(self, lens: &'a LensDescription, camera: &'a Camera, warnings: &mut Vec<String>) -> Self {
-        if self.settings.output.raw.contains(&RawFormat::Dng) {
-            warnings.extend(lens_corrections::warning(lens, camera, &self.settings.exposure.window));
-        }
-        let Settings { output, exposure, develop, .. } = self.settings;
-        let is_rectified = develop.distortion && lens_corrections::tells_distortion(lens, camera, &exposure.window);
-        if is_rectified && !output.truth.layers.is_empty() {
-            let message = "image.png is freed of the distortion of the lens, which ground truth keeps; write \
-                           develop.distortion = false, and both show things in the same places";
-            warnings.push(message.to_owned());
-        }
+        let Settings { sensor, output, exposure, develop, .. } = self.settings;
+        warnings.extend(LensSeen::new(lens, camera, sensor, &exposure.window).warnings(develop, output));
         Self { lens: Some((lens, camera)), ..self }
+    }
+
+    /// What the developed picture is a picture of, where the lens is known.
+    pub(super) fn image_report(&self) -> Option<ImageReport> {
+        let Settings { sensor, exposure, develop, .. } = self.settings;
+        self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.window).image_report(develop))
+    }
+
+    /// How the grid of the whole sensor becomes that of the ideal picture, where it does not stay.
+    pub(super) fn ideal_resampling(&self) -> Option<Resampling> {
+        let (lens, camera) = self.lens?;
+        LensSeen::new(lens, camera, self.settings.sensor, &Window::WHOLE).resampling(self.settings.develop)
     }
 
     /// Names of the sensor's channels, of which films and stored rows have the electron rates (e⁻/s).
@@ -182,7 +184,7 @@ impl<'a> Chain<'a> {
         }
         raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
         if let Some((lens, camera)) = self.lens {
-            lens_corrections::add(lens, camera, &exposure.window, &mut raw);
+            LensSeen::new(lens, camera, sensor, &exposure.window).tell(&mut raw.metadata);
         }
         Ok((raw, maps))
     }
@@ -207,10 +209,12 @@ impl<'a> Chain<'a> {
         developed.map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
-    /// Develops the light of a bracket to linear planes.
-    pub(super) fn develop_merged(&self, merged: Merged) -> Result<Planes> {
+    /// Develops the light of a bracket to linear planes, whose pixels have the aspect that comes with them.
+    pub(super) fn develop_merged(&self, merged: Merged) -> Result<(Planes, f64)> {
         let developed = develop_merged(merged, self.settings.develop);
-        developed.map(|(planes, _)| planes).map_err(|invalid| self.settings.source.error(invalid.within("develop")))
+        developed
+            .map(|(planes, development)| (planes, development.pixel_aspect))
+            .map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
     /// The exposure that the capture asks for, its time found from the light where it is automatic, and what is to be said of

@@ -186,7 +186,10 @@ impl DataSet {
 
     /// Writes what is said of the pictures together.
     pub(super) fn finish(&self, folder: &DatasetFolder, made: usize, talk: Talk) -> Result<()> {
-        let present = folder.write_index(&self.file, &self.identity, &self.plan)?;
+        let (present, left_out) = folder.write_index(&self.file, &self.identity, &self.plan)?;
+        if !talk.quiet {
+            left_out.iter().for_each(|why| eprintln!("warning: calibration/ is without {}", why.replace('`', "")));
+        }
         self.tell(folder, [made, present], "pictures", talk)
     }
 

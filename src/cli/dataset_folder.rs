@@ -8,7 +8,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf, absolute};
 
-use photosite::calibration::camera_files::{CalibratedCamera, kalibr, opencv, ros};
+use photosite::calibration::camera_files::{CalibratedCamera, StereoPair, kalibr, opencv, opencv_pair, ros, ros_pair};
 use photosite::calibration::dataset::{CALIBRATION_FOLDER, Plan};
 use photosite::io::capture::{Capture, DatasetFile, REPORT};
 use photosite::io::finished_dataset::{MANIFEST, read_present};
@@ -193,8 +193,14 @@ impl DatasetFolder {
         fs::rename(&from, &to).map_err(|reason| Error::io(&to, "rename the finished folder to", reason))
     }
 
-    /// Writes the manifest and the card of what is there, and returns how many pictures that are.
-    pub(super) fn write_index(&self, file: &DatasetFile, identity: &Value, plan: &Plan) -> Result<usize> {
+    /// Writes the manifest and the card of what is there, and returns how many pictures that are, and which files of the cameras are
+    /// left out, with the reasons.
+    pub(super) fn write_index(
+        &self,
+        file: &DatasetFile,
+        identity: &Value,
+        plan: &Plan,
+    ) -> Result<(usize, Vec<String>)> {
         let mut lines = Vec::new();
         for number in 0..plan.frames() {
             for camera in plan.cameras().iter().filter(|camera| self.is_done(&camera.place.name, number)) {
@@ -202,40 +208,40 @@ impl DatasetFolder {
             }
         }
         write_whole(&self.path.join(MANIFEST), |to| lines.iter().try_for_each(|line| writeln!(to, "{line}")))?;
-        if !lines.is_empty() {
-            self.write_calibration()?;
-        }
-        let card = card(file, identity, plan, lines.len());
+        let left_out = if lines.is_empty() { Vec::new() } else { self.write_calibration()? };
+        let card = card(file, identity, plan, lines.len(), &left_out);
         write_whole(&self.path.join(CARD), |to| to.write_all(card.as_bytes()))?;
-        Ok(lines.len())
+        Ok((lines.len(), left_out))
     }
 
-    /// Writes what calibrations of the cameras shall find, as far as the formats have words for their lenses. Of lenses that
-    /// differ from frame to frame only the pictures' own reports can tell.
-    fn write_calibration(&self) -> Result<()> {
+    /// Writes what calibrations of the cameras shall find, as far as the formats have words for their lenses, and returns why
+    /// what is not there is not. Of lenses that differ from frame to frame only the pictures' own reports can tell.
+    fn write_calibration(&self) -> Result<Vec<String>> {
         let set = read_present(&self.path)?;
-        let rig = set.rig().unwrap_or_default();
-        let beside: Vec<CalibratedCamera> = beside_the_first(&rig).collect();
-        let mut files = vec![("camchain.yaml".to_owned(), (!rig.is_empty()).then(|| kalibr(&rig)))];
-        for (i, name) in set.cameras.iter().enumerate() {
-            files.push((format!("opencv/{name}.yaml"), beside.get(i).map(opencv)));
-            files.push((format!("ros/{name}.yaml"), rig.get(i).map(ros)));
+        let folder = self.path.join(CALIBRATION_FOLDER);
+        // What was true of fewer frames is not left behind.
+        for name in calibration_names(&set.cameras) {
+            let path = folder.join(name);
+            if path.exists() {
+                fs::remove_file(&path).map_err(|reason| Error::io(&path, "remove the earlier file", reason))?;
+            }
         }
-        for (name, text) in files {
-            let path = self.path.join(CALIBRATION_FOLDER).join(name);
+        let rig = match set.rig() {
+            Ok(rig) => rig,
+            Err(invalid) => return Ok(vec![format!("all of its files: {}", invalid.message)]),
+        };
+        let mut left_out = Vec::new();
+        for (name, text) in calibration_files(&rig) {
+            let path = folder.join(&name);
             match text {
-                Some(Ok(text)) => {
+                Ok(text) => {
                     create_folder(path.parent().unwrap_or(&self.path))?;
                     write_whole(&path, |to| to.write_all(text.as_bytes()))?;
                 }
-                // What was true of fewer frames is not left behind.
-                Some(Err(_)) | None if path.exists() => {
-                    fs::remove_file(&path).map_err(|reason| Error::io(&path, "remove the earlier file", reason))?;
-                }
-                Some(Err(_)) | None => {}
+                Err(invalid) => left_out.push(format!("`{name}`: {}", invalid.message)),
             }
         }
-        Ok(())
+        Ok(left_out)
     }
 
     /// What the manifest says of a picture.
@@ -268,6 +274,42 @@ impl DatasetFolder {
     }
 }
 
+/// The files of a rig by their names. OpenCV's and ROS's pairs are those of the first camera with each other one; ROS files of rigs of more
+/// than two cameras lie in a folder for each pair, in which the first camera is turned for that one.
+fn calibration_files(rig: &[CalibratedCamera]) -> Vec<(String, Result<String, Invalid>)> {
+    let mut files = vec![("camchain.yaml".to_owned(), kalibr(rig))];
+    files.extend(beside_the_first(rig).map(|camera| (format!("opencv/{}.yaml", camera.name), opencv(&camera))));
+    let Some((first, others)) = rig.split_first() else { return files };
+    if others.is_empty() {
+        files.push((format!("ros/{}.yaml", first.name), ros(first)));
+    }
+    for other in others {
+        let pair_name = format!("{}-{}", first.name, other.name);
+        let folder = if others.len() > 1 { format!("ros/{pair_name}") } else { "ros".to_owned() };
+        let pair = StereoPair::new(first, other);
+        let pair = pair.as_ref().map_err(Invalid::clone);
+        files.push((format!("opencv/stereo/{pair_name}.yaml"), pair.clone().and_then(opencv_pair)));
+        let names = [first, other].map(|camera| format!("{folder}/{}.yaml", camera.name));
+        match pair.and_then(ros_pair) {
+            Ok(texts) => files.extend(names.into_iter().zip(texts.map(Ok))),
+            Err(invalid) => files.extend(names.map(|name| (name, Err(invalid.clone())))),
+        }
+    }
+    files
+}
+
+/// The names of all files that [`calibration_files`] may give for cameras of these names.
+fn calibration_names(cameras: &[String]) -> Vec<String> {
+    let mut names = vec!["camchain.yaml".to_owned()];
+    let Some(first) = cameras.first() else { return names };
+    for camera in cameras {
+        names.extend(["opencv", "ros"].map(|folder| format!("{folder}/{camera}.yaml")));
+        names.push(format!("opencv/stereo/{first}-{camera}.yaml"));
+        names.extend([first, camera].map(|of_pair| format!("ros/{first}-{camera}/{of_pair}.yaml")));
+    }
+    names
+}
+
 /// The cameras in a world whose axes are OpenCV's of the first: its own pose is the identity.
 fn beside_the_first(rig: &[CalibratedCamera]) -> impl Iterator<Item = CalibratedCamera> {
     let to_first = rig.first().map(CalibratedCamera::from_world).unwrap_or_default();
@@ -275,7 +317,7 @@ fn beside_the_first(rig: &[CalibratedCamera]) -> impl Iterator<Item = Calibrated
 }
 
 /// What a reader who finds the folder has to know.
-fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize) -> String {
+fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_out: &[String]) -> String {
     let cameras: Vec<String> = plan
         .cameras()
         .iter()
@@ -285,6 +327,7 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize) -> St
         })
         .collect();
     let varied: Vec<String> = file.description.vary.iter().map(|v| format!("- `{}`", v.key)).collect();
+    let left_out: String = left_out.iter().map(|why| format!("  - not there, {why}\n")).collect();
     let varied = if varied.is_empty() { "Nothing but poses and noise.".to_owned() } else { varied.join("\n") };
     format!(
         "# Synthetic pictures\n\n\
@@ -298,8 +341,9 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize) -> St
          `capture.json` everything that is needed to use and to repeat the picture.\n\
          - `manifest.jsonl`: a line for each picture: pose (world → camera, OpenCV's axes: x right, y down, z forward), \
          camera matrix (integer coordinates at pixel centres), exposure, changes to the capture.\n\
-         - `calibration/`: the cameras for OpenCV (poses: first camera → camera), ROS and Kalibr, as far as these know such lenses; \
-         not there where a lens differs from frame to frame.\n\
+         - `calibration/`: the cameras for OpenCV, ROS and Kalibr, as far as these know such lenses. The first camera is the \
+         reference: poses of `opencv/CAMERA.yaml` lead from it; `opencv/stereo/FIRST-CAMERA.yaml` holds a pair (R, T, R1, R2, P1, P2, Q) and \
+         `ros/` the same with Tx = -fx·b in P, for the raw picture and for `image.png` where that keeps its distortion.\n{left_out}\
          - `dataset.json`: what the data set was made from, with hashes of the files.\n\n\
          `photosite layout` arranges all this as COLMAP, EuRoC, Kalibr, BOP or COCO have it.\n\n\
          Lengths are metres, the world is that of glTF (y up). Fingerprint: `{fingerprint}`.\n",

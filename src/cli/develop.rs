@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::develop::{DevelopSettings, Development, RawDescription, develop_linear, encode};
+use photosite::develop::{DevelopSettings, Development, EncodedPicture, RawDescription, develop_linear, encode};
 use photosite::io::developed::{PictureFormat, write_encoded, write_linear};
 use photosite::io::output::write_whole;
 use photosite::io::raw_file::read_raw;
@@ -22,7 +22,8 @@ use super::{print_json, rounded};
 /// pictures hold linear light. Raw files other than DNG do not say all of themselves: the numbers of TIFF, PBM, PGM, PPM and
 /// NPY files are taken to be in proportion to light, from 0 to the largest that the file can hold, and become grey, or RGB,
 /// unless told by develop.raw what their filters and levels are, for example with --set develop.raw.cfa=RGGB --set
-/// develop.raw.black_level_dn=64 --set develop.raw.white_level_dn=4095.
+/// develop.raw.black_level_dn=64 --set develop.raw.white_level_dn=4095; they keep the distortion of their lens and the shape of
+/// their pixels, of which they say nothing.
 #[derive(Args)]
 pub(super) struct DevelopArgs {
     /// A raw file: DNG, TIFF of 8 or 16 bits, PBM, PGM, PPM (binary or text), NPY, or an EXR file of digital numbers.
@@ -85,11 +86,12 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
     let mut develop_s = start.elapsed().as_secs_f64();
     let write_s = if format == PictureFormat::Exr {
         let start = Instant::now();
-        write_whole(&path, |to| write_linear(&planes, settings.colour_space, to))?;
+        write_whole(&path, |to| write_linear(&planes, settings.colour_space, development.pixel_aspect, to))?;
         start.elapsed().as_secs_f64()
     } else {
         let start = Instant::now();
-        let picture = encode(planes, &settings.encoding());
+        let encoded = encode(planes, &settings.encoding());
+        let picture = EncodedPicture { pixel_aspect: development.pixel_aspect, ..encoded };
         develop_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         write_whole(&path, |to| write_encoded(&picture, format, to))?;

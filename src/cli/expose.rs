@@ -130,6 +130,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         seed: capture.seed,
         traced: report,
         sensor: chain.sensor_report(&exposure, &first),
+        image: chain.image_report(),
         exposure: chain.exposure_report(&exposure),
         files: folder.files(),
         warnings,

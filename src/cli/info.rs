@@ -58,6 +58,7 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
                     Attribute::Text(text) => json!(text),
                     Attribute::Number(number) => json!(number),
                     Attribute::Chromaticities(points) => json!(points),
+                    Attribute::PixelAspect(aspect) => json!(aspect),
                 };
                 facts.insert(name.clone(), value);
             }
@@ -220,7 +221,7 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
             let largest = map.gains().iter().copied().fold(0.0, f32::max);
             format!("gains up to {}, {} × {} points", round(largest.into()), map.columns(), map.rows())
         }),
-        "distortion_correction": raw.metadata.warp.is_some(),
+        "distortion_correction": raw.metadata.distortion.is_some(),
         "iso": raw.metadata.iso,
         "f_number": raw.metadata.f_number,
         "focal_length_mm": raw.metadata.focal_length_m.map(|m| round(m * 1e3)),

@@ -6,19 +6,23 @@ use clap::{Args, Subcommand};
 use glam::{DVec2, DVec3};
 use photosite::colour::adaptation::bradford;
 use photosite::colour::{ColourSpace, cielab, difference};
+use photosite::develop::Resampling;
 use photosite::image::{Channel, Planes};
 use photosite::io::capture::Capture;
 use photosite::io::linear_picture::read_linear_picture;
 use photosite::io::picture_file::read_picture_file;
 use photosite::measure::{CheckerReport, EdgeResponse, Histogram, checker, histogram, slanted_edge, ssim};
+use photosite::optics::Camera;
 use photosite::raw::Pixels;
 use photosite::scene::description::{Colour, MaterialDescription, MaterialModel};
 use photosite::scene::{self, Scene};
+use photosite::sensor::Window;
 use photosite::spectrum::{Spectrum, cie, library};
 use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
+use super::lens_corrections::LensSeen;
 use super::render::{pixels, place_camera};
 use super::{print_json, println_out};
 
@@ -186,23 +190,16 @@ const MARGIN: usize = 3;
 
 fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result<CheckerReport> {
     let mut capture = Capture::read(path, &[])?;
-    let [width, height] = pixels(&capture).map(|n| n as usize);
-    if [picture.width(), picture.height()] != [width, height] {
-        let message = format!(
-            "the picture has {} × {} pixels, the capture {width} × {height}",
-            picture.width(),
-            picture.height()
-        );
-        let help = "give the capture that the picture was rendered from";
-        return Err(Invalid::new("", message).help(help).in_file(picture_path));
-    }
+    let size = [picture.width(), picture.height()];
     let description = std::mem::take(&mut capture.scene);
     let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
     let spectra: Vec<Spectrum> = names.iter().filter_map(|name| library::spectrum(name)).collect();
     let patch_of_material: Vec<Option<usize>> =
         description.materials.iter().map(|material| patch_of(material, &spectra)).collect();
     let scene = scene::build(description, &Spectrum::constant(1.0));
-    let seen = shown_patches(&capture, &scene, &patch_of_material)?;
+    let camera = place_camera(&capture, |ray| scene.closest(ray))?;
+    let grid = Grid::of_picture(&capture, &camera, size).map_err(|invalid| invalid.in_file(picture_path))?;
+    let seen = shown_patches(&grid, &camera, &scene, &patch_of_material);
     if seen.iter().all(Option::is_none) {
         let help = "the chart's materials must have reflectances \"colour-checker/01-dark-skin\" and so on";
         let message = "its camera sees no patch of a colour checker";
@@ -227,13 +224,47 @@ fn patch_of(material: &MaterialDescription, spectra: &[Spectrum]) -> Option<usiz
     None
 }
 
+/// Which places of the sensor the pixels of a picture show.
+struct Grid {
+    size: [usize; 2],
+    /// `None` for those of the sensor itself.
+    resampling: Option<Resampling>,
+}
+
+impl Grid {
+    /// That of a picture which was developed as the capture says; of a picture of the sensor's size that such a one has not, that of
+    /// the sensor.
+    fn of_picture(capture: &Capture, camera: &Camera, size: [usize; 2]) -> Result<Self, Invalid> {
+        let sensor = pixels(capture).map(|n| n as usize);
+        let seen = LensSeen::new(&capture.lens, camera, &capture.sensor, &Window::WHOLE);
+        let resampling = seen.resampling(&capture.develop);
+        let developed = resampling.as_ref().map_or(sensor, Resampling::size_px);
+        if size == developed || size == sensor {
+            return Ok(Self { size, resampling: resampling.filter(|_| size == developed) });
+        }
+        let [[width, height], [columns, rows]] = [size, developed];
+        let message = format!("the picture has {width} × {height} pixels, the capture {columns} × {rows}");
+        Err(Invalid::new("", message).help("give the capture that the picture was rendered from"))
+    }
+
+    /// The place that the centre of a pixel shows.
+    fn source(&self, [x, y]: [usize; 2]) -> Option<DVec2> {
+        let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        self.resampling.as_ref().map_or(Some(centre), |resampling| resampling.source_px(centre))
+    }
+}
+
 /// For every pixel the patch that it shows, with all of its surroundings.
-fn shown_patches(capture: &Capture, scene: &Scene, patch_of_material: &[Option<usize>]) -> Result<Vec<Option<usize>>> {
-    let camera = place_camera(capture, |ray| scene.closest(ray))?;
-    let [width, height] = pixels(capture).map(|n| n as usize);
+fn shown_patches(
+    grid: &Grid,
+    camera: &Camera,
+    scene: &Scene,
+    patch_of_material: &[Option<usize>],
+) -> Vec<Option<usize>> {
+    let [width, height] = grid.size;
     let patch = |i: usize| {
-        let centre = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
-        let hit = scene.closest(&camera.chief_ray(centre)?)?;
+        let place = grid.source([i % width, i / width])?;
+        let hit = scene.closest(&camera.chief_ray(place)?)?;
         patch_of_material.get(scene.point(&hit, 0.0).material as usize).copied().flatten()
     };
     let shown: Vec<Option<usize>> = (0..width * height).map(patch).collect();
@@ -245,7 +276,7 @@ fn shown_patches(capture: &Capture, scene: &Scene, patch_of_material: &[Option<u
             || (y - MARGIN..=y + MARGIN).all(|y| (x - MARGIN..=x + MARGIN).all(|x| shown[y * width + x] == shown[i]));
         shown[i].filter(|_| inside && same())
     };
-    Ok((0..width * height).map(whole).collect())
+    (0..width * height).map(whole).collect()
 }
 
 fn checker_text(report: &CheckerReport) -> String {

@@ -83,7 +83,9 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
         develop_merged(merged, &settings).map_err(|invalid| source.error(invalid.within("develop")))?;
     let merge_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    write_whole(&args.output, |to| write_hdr(&planes, settings.colour_space, Seconds(longest_s), to))?;
+    write_whole(&args.output, |to| {
+        write_hdr(&planes, settings.colour_space, development.pixel_aspect, Seconds(longest_s), to)
+    })?;
     if !args.common.quiet {
         warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }

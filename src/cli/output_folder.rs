@@ -215,8 +215,14 @@ impl OutputFolder {
     }
 
     /// The light of a bracket, in which 1 saturates the longest exposure.
-    pub(super) fn write_hdr(&mut self, light: &Planes, space: ColourSpace, longest: Seconds) -> Result<()> {
-        self.write("hdr.exr", |to| write_hdr(light, space, longest, to))
+    pub(super) fn write_hdr(
+        &mut self,
+        light: &Planes,
+        space: ColourSpace,
+        pixel_aspect: f64,
+        longest: Seconds,
+    ) -> Result<()> {
+        self.write("hdr.exr", |to| write_hdr(light, space, pixel_aspect, longest, to))
     }
 
     /// The picture of an ideal observer: linear, and as it is shown. Codes cannot hold X, Y and Z.
@@ -224,13 +230,16 @@ impl OutputFolder {
         &mut self,
         number: Option<u32>,
         picture: Planes,
+        pixel_aspect: f64,
         settings: &DevelopSettings,
     ) -> Result<()> {
-        self.write(&named("ideal", number, "exr"), |to| write_linear(&picture, settings.colour_space, to))?;
+        self.write(&named("ideal", number, "exr"), |to| {
+            write_linear(&picture, settings.colour_space, pixel_aspect, to)
+        })?;
         if settings.colour_space == ColourSpace::Xyz {
             return Ok(());
         }
-        let encoded = encode(picture, &settings.encoding());
+        let encoded = EncodedPicture { pixel_aspect, ..encode(picture, &settings.encoding()) };
         self.write(&named("ideal", number, "png"), |to| write_png(&encoded, to))
     }
 

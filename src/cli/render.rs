@@ -210,6 +210,7 @@ pub(super) fn render(
         seed: capture.render.seed,
         traced: traced.into_map(),
         sensor: chain.sensor_report(&exposure, &first),
+        image: chain.image_report(),
         exposure: chain.exposure_report(&exposure),
         files: folder.files(),
         warnings,
@@ -386,7 +387,13 @@ impl Series<'_> {
                 let seen = light.means(ideal::NAMES).to_planes();
                 let seen = seen.map_err(|reason| Error::io(folder.path(), "read from", reason))?;
                 let picture = ideal::picture(seen, capture, self.light, &exposure)?;
-                folder.write_ideal(number, picture, &capture.develop)?;
+                let picture = match chain.ideal_resampling() {
+                    Some(resampling) => resampling.apply(picture),
+                    None => picture,
+                };
+                let [x, y] = capture.sensor.pixel_pitch_m;
+                let aspect = if capture.develop.square_pixels { 1.0 } else { x / y };
+                folder.write_ideal(number, picture, aspect, &capture.develop)?;
             }
             if !capture.output.truth.layers.is_empty() {
                 let planes = truth(&truth_job, &capture.output.truth.layers);

@@ -29,6 +29,8 @@ pub(super) struct Report {
     #[serde(flatten)]
     pub(super) traced: Map<String, Value>,
     pub(super) sensor: SensorReport,
+    /// `null` where nothing is known of the lens.
+    pub(super) image: Option<ImageReport>,
     pub(super) exposure: ExposureReport,
     /// File names in the output folder.
     pub(super) files: Vec<String>,
@@ -270,6 +272,60 @@ impl FieldOfViewReport {
     }
 }
 
+/// The camera that `image.png` is a picture of, in the same conventions: that of `camera`, where the distortion of the lens is left in,
+/// pixels keep their shape, and all of the sensor is read out pixel by pixel; else the one that a developer makes of it. It stands
+/// where that one stands.
+#[derive(Serialize)]
+pub(super) struct ImageReport {
+    pub(super) resolution_px: [usize; 2],
+    /// Width of a pixel over its height.
+    pub(super) pixel_aspect: f64,
+    camera_matrix: [[f64; 3]; 3],
+    projection: &'static str,
+    distortion: Vec<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    xi: Option<f64>,
+    /// Whether it shows things in other places than the raw picture does.
+    is_resampled: bool,
+}
+
+impl ImageReport {
+    pub(super) fn new(
+        resolution_px: [usize; 2],
+        pixel_aspect: f64,
+        intrinsics: &Intrinsics,
+        projection: &Projection,
+        is_resampled: bool,
+    ) -> Self {
+        Self {
+            resolution_px,
+            pixel_aspect,
+            camera_matrix: camera_matrix(intrinsics),
+            projection: projection.name(),
+            distortion: projection.coefficients(),
+            xi: mirror_parameter(projection),
+            is_resampled,
+        }
+    }
+}
+
+/// Row by row, with pixel centres at whole numbers.
+fn camera_matrix(&Intrinsics { fx, fy, cx, cy, skew }: &Intrinsics) -> [[f64; 3]; 3] {
+    [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]]
+}
+
+fn mirror_parameter(projection: &Projection) -> Option<f64> {
+    match *projection {
+        Projection::Omnidirectional { xi, .. } => Some(xi),
+        Projection::Perspective
+        | Projection::BrownConrady(_)
+        | Projection::Polynomial { .. }
+        | Projection::Division { .. }
+        | Projection::KannalaBrandt { .. }
+        | Projection::Equirectangular => None,
+    }
+}
+
 impl CameraReport {
     /// `camera` stands still, where it does halfway through the recording.
     pub(super) fn new(
@@ -278,25 +334,16 @@ impl CameraReport {
         resolution_px: [u32; 2],
         recording: Option<&Recording>,
     ) -> Self {
-        let Intrinsics { fx, fy, cx, cy, skew } = camera.intrinsics();
         let DAffine3 { matrix3, translation } = camera.to_world();
         // glTF's camera looks along −z with y up.
         let flip = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
         let rotation = flip * matrix3.transpose();
         Self {
             resolution_px,
-            camera_matrix: [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]],
+            camera_matrix: camera_matrix(&camera.intrinsics()),
             projection: lens.projection.name(),
             distortion: lens.projection.coefficients(),
-            xi: match lens.projection {
-                Projection::Omnidirectional { xi, .. } => Some(xi),
-                Projection::Perspective
-                | Projection::BrownConrady(_)
-                | Projection::Polynomial { .. }
-                | Projection::Division { .. }
-                | Projection::KannalaBrandt { .. }
-                | Projection::Equirectangular => None,
-            },
+            xi: mirror_parameter(&lens.projection),
             field_of_view: FieldOfViewReport::new(&camera.field_of_view()),
             pose_time_s: recording.map(Recording::middle_s),
             rotation: rows(rotation),

@@ -98,10 +98,10 @@ pub(super) fn write_results(
         let start = Instant::now();
         let merged = merge(&kept).map_err(|invalid| chain.in_exposure(invalid))?;
         let longest = Seconds(merged.times_s[1]);
-        let light = chain.develop_merged(merged)?;
+        let (light, pixel_aspect) = chain.develop_merged(merged)?;
         timings.develop_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        folder.write_hdr(&light, chain.settings.develop.colour_space, longest)?;
+        folder.write_hdr(&light, chain.settings.develop.colour_space, pixel_aspect, longest)?;
         timings.write_s += start.elapsed().as_secs_f64();
     }
     let start = Instant::now();

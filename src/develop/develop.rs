@@ -12,10 +12,10 @@ use super::description::RawDescription;
 use super::encode::{EncodedPicture, encode};
 use super::merge::Merged;
 use super::neighbours::densest;
+use super::resampling::Resampling;
 use super::settings::{Demosaic, DevelopSettings};
 use super::{
-    black_level, colour, defects, demosaic, distortion, highlights, lens_falloff, linearisation, noise_filter, tone,
-    white_balance,
+    black_level, colour, defects, demosaic, highlights, lens_falloff, linearisation, noise_filter, tone, white_balance,
 };
 
 /// What was found out on the way.
@@ -31,11 +31,14 @@ pub struct Development {
     pub temperature_k: Option<f64>,
     /// Its tint.
     pub tint: Option<f64>,
+    /// Width of a pixel of the picture over its height.
+    pub pixel_aspect: f64,
 }
 
 /// Develops to a picture for display; grey for a monochrome sensor.
 pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPicture, Invalid> {
-    Ok(encode(develop_linear(raw, settings)?.0, &settings.encoding()))
+    let (picture, Development { pixel_aspect, .. }) = develop_linear(raw, settings)?;
+    Ok(EncodedPicture { pixel_aspect, ..encode(picture, &settings.encoding()) })
 }
 
 /// Develops to linear planes of the colour space, `R`, `G` and `B` (`X`, `Y` and `Z`), or `Y` for a monochrome sensor. 1 is
@@ -87,8 +90,8 @@ fn develop_signal(
     drop(signal);
     highlights::recover(&mut picture, &neutral, settings.highlights);
     noise_filter::apply(&mut picture, settings, &raw.metadata.noise_profile, &neutral);
-    if settings.distortion {
-        picture = distortion::correct(picture, raw.metadata.warp.as_ref());
+    if let Some(resampling) = Resampling::new(&raw.metadata, size, settings) {
+        picture = resampling.apply(picture);
     }
     let mut picture = to_colour_space(picture, raw, &neutral, settings)?;
     tone::apply(&mut picture, settings.tone_curve);
@@ -99,6 +102,7 @@ fn develop_signal(
         demosaic: if raw.cfa.is_mosaic() { Some(demosaic::method_for(&raw.cfa, settings.demosaic)?) } else { None },
         temperature_k: light.map(|(kelvin, _)| kelvin),
         tint: light.map(|(_, tint)| tint),
+        pixel_aspect: settings.pixel_aspect(&raw.metadata),
         neutral,
     };
     Ok((picture, development))
@@ -124,7 +128,7 @@ fn to_colour_space(
     if camera.channels().len() != 3 {
         let densest = densest(&raw.cfa);
         let data = std::mem::take(&mut camera.channels_mut()[densest].data);
-        camera = Planes::new(raw.width, raw.height, vec![Channel { name: "Y".to_owned(), data }])?;
+        camera = Planes::new(camera.width(), camera.height(), vec![Channel { name: "Y".to_owned(), data }])?;
     }
     Ok(if factor == 1.0 { camera } else { camera.scaled(factor) })
 }

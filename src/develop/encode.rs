@@ -22,6 +22,8 @@ pub struct EncodedPicture {
     pub colour_space: ColourSpace,
     /// What the codes mean.
     pub transfer: Transfer,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f64,
 }
 
 /// Codes of a picture, white at their largest.
@@ -37,7 +39,7 @@ impl EncodedPicture {
     /// An sRGB picture of 8 bits.
     pub fn srgb8(width: usize, height: usize, components: usize, codes: Vec<u8>) -> Self {
         let (colour_space, transfer) = (ColourSpace::Srgb, Transfer::Srgb);
-        Self { width, height, components, codes: Codes::U8(codes), colour_space, transfer }
+        Self { width, height, components, codes: Codes::U8(codes), colour_space, transfer, pixel_aspect: 1.0 }
     }
 }
 
@@ -74,7 +76,7 @@ impl Default for Encoding {
 
 /// Encodes linear planes, 1 or 3 of them with white at 1: each value becomes the nearest code after the transfer function,
 /// clipped to 0–1 first; not-a-number becomes black. With dithering, a value between two codes becomes either, in
-/// proportion to its nearness, by a pattern that is always the same.
+/// proportion to its nearness, by a pattern that is always the same. Pixels are square.
 pub fn encode(mut linear: Planes, encoding: &Encoding) -> EncodedPicture {
     let curve = Curve::new(encoding.transfer);
     let encoded = encoding.sharpening != 0.0;
@@ -97,6 +99,7 @@ pub fn encode(mut linear: Planes, encoding: &Encoding) -> EncodedPicture {
         codes,
         colour_space: encoding.colour_space,
         transfer: encoding.transfer,
+        pixel_aspect: 1.0,
     }
 }
 

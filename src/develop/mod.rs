@@ -15,7 +15,7 @@
 //! | demosaicking | `demosaic/`, one file a method |
 //! | highlights | `highlights.rs`; clipping comes before demosaicking, so that edges are not coloured |
 //! | noise | `noise_filter/`, one file a filter |
-//! | distortion | `distortion.rs`; after demosaicking, since a mosaic cannot be moved |
+//! | distortion, square pixels | `resampling.rs`; after demosaicking, since a mosaic cannot be moved |
 //! | colour matrix, colour space, exposure | `colour.rs` |
 //! | tone, encoding, sharpening, dithering | `tone.rs`, `encode.rs`, `sharpening.rs` |
 //!
@@ -33,7 +33,6 @@ mod demosaic;
 mod description;
 #[expect(clippy::module_inception, reason = "the step that all others are steps of")]
 mod develop;
-mod distortion;
 mod encode;
 mod highlights;
 mod ideal;
@@ -43,6 +42,7 @@ mod linearisation;
 pub mod merge;
 mod neighbours;
 mod noise_filter;
+mod resampling;
 mod sensor_calibration;
 mod settings;
 mod sharpening;
@@ -55,5 +55,6 @@ pub use develop::{Development, develop, develop_linear, develop_merged};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;
 pub use layout::{RawLayout, with_layout};
+pub use resampling::Resampling;
 pub use sensor_calibration::SensorCalibration;
 pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};

@@ -7,6 +7,7 @@ use super::description::RawDescription;
 use super::encode::Encoding;
 use crate::Invalid;
 use crate::colour::{ColourSpace, Transfer, temperature};
+use crate::raw::RawMetadata;
 
 /// How raw pictures are developed, step by step in this order.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -43,8 +44,13 @@ pub struct DevelopSettings {
     /// How much noise bilateral and non-local-means take for noise, in standard deviations of what the raw file states or,
     /// where it says nothing, the picture shows. Left out: 1.
     pub noise_strength: Option<f64>,
-    /// Undoes the lens's distortion, where the raw file has its coefficients. Left out: true.
+    /// Undoes the lens's distortion: the picture is that of a pinhole of the camera's matrix, an omnidirectional lens's over 1 + ξ. Known of
+    /// DNG files alone. Lenses whose picture reaches 90° from the axis, and panoramas, keep theirs. Left out: true.
     pub distortion: bool,
+    /// Gives the picture square pixels of the finer pitch, ⌊columns·p_x/p + ½⌋ × ⌊rows·p_y/p + ½⌋ of them with
+    /// p = min(p_x, p_y); false keeps the grid of the sensor, and PNG, TIFF, JPEG and EXR files state the shape of its pixels.
+    /// Known of DNG files alone. Left out: true.
+    pub square_pixels: bool,
     /// Turns the camera's channels into colours by its colour matrix. Left out: true.
     pub colour_matrix: bool,
     /// Colour space of the picture. Left out: "srgb".
@@ -188,6 +194,7 @@ impl Default for DevelopSettings {
             noise_radius_px: None,
             noise_strength: None,
             distortion: true,
+            square_pixels: true,
             colour_matrix: true,
             colour_space: ColourSpace::default(),
             exposure_ev: 0.0,
@@ -288,6 +295,11 @@ impl DevelopSettings {
     /// Standard deviation of the unsharp mask, pixels.
     fn sharpening_radius_px(&self) -> f64 {
         self.sharpening_radius_px.unwrap_or(1.0)
+    }
+
+    /// Width over height of the pixels of a picture that is developed from such a raw file.
+    pub fn pixel_aspect(&self, metadata: &RawMetadata) -> f64 {
+        if self.square_pixels { 1.0 } else { metadata.pixel_aspect() }
     }
 
     /// How linear values become the codes of a picture.

@@ -1,5 +1,6 @@
-//! Developed pictures as files, in the format that the file's name says. Every format but PGM and PPM says in an ICC profile, and
-//! EXR in its chromaticities, what its colours are.
+//! Developed pictures as files, in the format that the file's name says. Every format but PGM and PPM says in an ICC profile,
+//! and EXR in its chromaticities, what its colours are; and what shape its pixels have, where they are not square: PNG in pHYs,
+//! TIFF in its resolutions, JPEG in its densities, EXR in pixelAspectRatio.
 //!
 //! | extension | holds |
 //! |---|---|
@@ -10,14 +11,16 @@
 //! | `.ppm` | 8 or 16 bits, P6, or P5 for grey |
 //! | `.exr` | linear 32-bit floats |
 
-use std::borrow::Cow;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
-use image::codecs::jpeg::JpegEncoder;
-use image::codecs::tiff::TiffEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageError};
+use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
+use image::{ExtendedColorType, ImageEncoder as _, ImageError};
 use rayon::prelude::*;
+use tiff::encoder::colortype::{ColorType, Gray8, Gray16, RGB8, RGB16};
+use tiff::encoder::{ImageEncoder, Rational, TiffEncoder, TiffKindStandard, TiffValue};
+use tiff::tags::{ResolutionUnit, Tag};
+use tiff::{TiffError, TiffResult};
 
 use super::exr::{Attribute, write_exr};
 use super::icc::icc_profile;
@@ -97,14 +100,16 @@ impl PictureFormat {
 /// Its colours are told twice: by the ICC profile, and by code points (cICP) where there are such, which screens of more
 /// than sRGB go by ([Png3](crate::references#png3)).
 pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
-    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
-    let mut info = png::Info::with_size(side(picture.width)?, side(picture.height)?);
+    let [width, height] = sides(picture)?;
+    let mut info = png::Info::with_size(width, height);
     info.color_type = if picture.components == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
     info.icc_profile = Some(icc_profile(picture)?.into());
     info.bit_depth = match picture.codes {
         Codes::U8(_) => png::BitDepth::Eight,
         Codes::U16(_) => png::BitDepth::Sixteen,
     };
+    info.pixel_dims =
+        not_square(picture).map(|[xppu, yppu]| png::PixelDimensions { xppu, yppu, unit: png::Unit::Unspecified });
     let mut encoder = png::Encoder::with_info(to, info)?;
     // Noise does not compress: more effort gains a few percent and takes several times as long.
     encoder.set_compression(png::Compression::Fast);
@@ -118,6 +123,11 @@ pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
         Codes::U16(codes) => writer.write_image_data(&big_endian(codes))?,
     }
     Ok(writer.finish()?)
+}
+
+/// Columns and rows of pixels along equal lengths; `None` of square ones.
+fn not_square(picture: &EncodedPicture) -> Option<[u32; 2]> {
+    (picture.pixel_aspect != 1.0).then(|| [(1e6 / picture.pixel_aspect).round() as u32, 1_000_000])
 }
 
 /// Primaries and transfer function as H.273 numbers them; `None` where it has no number for one of them.
@@ -148,52 +158,103 @@ fn big_endian(codes: &[u16]) -> Vec<u8> {
 pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut dyn Sink) -> io::Result<()> {
     match format {
         PictureFormat::Png => write_png(picture, to),
-        PictureFormat::Tiff => encode_with(TiffEncoder::new(to), picture),
-        PictureFormat::Jpeg => encode_with(JpegEncoder::new_with_quality(to, 95), picture),
+        PictureFormat::Tiff => write_tiff(picture, to),
+        PictureFormat::Jpeg => write_jpeg(picture, to),
         PictureFormat::Pgm if picture.components != 1 => Err(io::Error::other("a PGM file holds no colours")),
         PictureFormat::Pgm | PictureFormat::Ppm => write_ppm(picture, to),
         PictureFormat::Exr => Err(io::Error::other("an EXR file holds linear values, not codes")),
     }
 }
 
-/// Writes linear planes as EXR, with the chromaticities of their colour space.
-pub fn write_linear<W: Write + Seek>(planes: &Planes, space: ColourSpace, to: W) -> io::Result<()> {
-    write_exr(planes, &colour_attributes(planes, space), to)
+/// Writes linear planes as EXR, with the chromaticities of their colour space; the pixels are `aspect` times as wide as high.
+pub fn write_linear<W: Write + Seek>(planes: &Planes, space: ColourSpace, aspect: f64, to: W) -> io::Result<()> {
+    write_exr(planes, &attributes(planes, space, aspect), to)
 }
 
 /// Writes the linear planes of a bracket as EXR, with the exposure time that a value of 1 saturates in the attribute
 /// `exposureTime`.
-pub fn write_hdr<W: Write + Seek>(planes: &Planes, space: ColourSpace, time: Seconds, to: W) -> io::Result<()> {
-    let mut attributes = colour_attributes(planes, space);
+pub fn write_hdr<W: Write + Seek>(
+    planes: &Planes,
+    space: ColourSpace,
+    aspect: f64,
+    time: Seconds,
+    to: W,
+) -> io::Result<()> {
+    let mut attributes = attributes(planes, space, aspect);
     attributes.push(("exposureTime", Attribute::Number(time.0)));
     write_exr(planes, &attributes, to)
 }
 
-/// What tells readers of the colour space: the name, and for colour the standard attribute.
-fn colour_attributes(planes: &Planes, space: ColourSpace) -> Vec<(&'static str, Attribute)> {
+/// What tells readers of the colour space: the name, and for colour the standard attribute; and of the shape of pixels.
+fn attributes(planes: &Planes, space: ColourSpace, aspect: f64) -> Vec<(&'static str, Attribute)> {
     let mut attributes = vec![("colorSpace", Attribute::Text(space.name().to_owned()))];
     if planes.channels().len() == 3 {
         attributes.push(("chromaticities", Attribute::Chromaticities(space.chromaticities())));
     }
+    attributes.push(("pixelAspectRatio", Attribute::PixelAspect(aspect)));
     attributes
 }
 
-fn encode_with(mut encoder: impl ImageEncoder, picture: &EncodedPicture) -> io::Result<()> {
+fn write_jpeg(picture: &EncodedPicture, to: &mut dyn Sink) -> io::Result<()> {
+    let Codes::U8(codes) = &picture.codes else { return Err(io::Error::other("a JPEG file has 8 bits")) };
+    let mut encoder = JpegEncoder::new_with_quality(to, 95);
+    if let Some([x, y]) = not_square(picture) {
+        // As near as 16 bits come.
+        let density = [x, y].map(|n| (f64::from(n) * (65_535.0 / f64::from(x.max(y)))).round() as u16);
+        encoder.set_pixel_density(PixelDensity {
+            density: (density[0], density[1]),
+            unit: PixelDensityUnit::PixelAspectRatio,
+        });
+    }
     encoder.set_icc_profile(icc_profile(picture)?).map_err(io::Error::other)?;
-    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
-    let (width, height) = (side(picture.width)?, side(picture.height)?);
-    let grey = picture.components == 1;
-    let (bytes, colour): (Cow<'_, [u8]>, _) = match &picture.codes {
-        Codes::U8(codes) => (codes.into(), if grey { ExtendedColorType::L8 } else { ExtendedColorType::Rgb8 }),
-        Codes::U16(codes) => {
-            let bytes: Vec<u8> = codes.iter().flat_map(|code| code.to_ne_bytes()).collect();
-            (bytes.into(), if grey { ExtendedColorType::L16 } else { ExtendedColorType::Rgb16 })
-        }
-    };
-    encoder.write_image(&bytes, width, height, colour).map_err(|error| {
+    let [width, height] = sides(picture)?;
+    let colour = if picture.components == 1 { ExtendedColorType::L8 } else { ExtendedColorType::Rgb8 };
+    encoder.write_image(codes, width, height, colour).map_err(|error| {
         let ImageError::IoError(error) = error else { return io::Error::other(error) };
         error
     })
+}
+
+fn write_tiff(picture: &EncodedPicture, to: &mut dyn Sink) -> io::Result<()> {
+    let [width, height] = sides(picture)?;
+    let mut file = TiffEncoder::new(to).map_err(tiff_error)?;
+    match (&picture.codes, picture.components) {
+        (Codes::U8(codes), 1) => write_tiff_picture::<_, Gray8>(file.new_image(width, height), picture, codes),
+        (Codes::U8(codes), _) => write_tiff_picture::<_, RGB8>(file.new_image(width, height), picture, codes),
+        (Codes::U16(codes), 1) => write_tiff_picture::<_, Gray16>(file.new_image(width, height), picture, codes),
+        (Codes::U16(codes), _) => write_tiff_picture::<_, RGB16>(file.new_image(width, height), picture, codes),
+    }
+    .map_err(tiff_error)
+}
+
+fn write_tiff_picture<W: Write + Seek, C: ColorType>(
+    image: TiffResult<ImageEncoder<'_, W, C, TiffKindStandard>>,
+    picture: &EncodedPicture,
+    codes: &[C::Inner],
+) -> TiffResult<()>
+where
+    [C::Inner]: TiffValue,
+{
+    let mut image = image?;
+    if let Some([x, y]) = not_square(picture) {
+        image.resolution_unit(ResolutionUnit::None);
+        image.x_resolution(Rational { n: x, d: 1_000_000 });
+        image.y_resolution(Rational { n: y, d: 1_000_000 });
+    }
+    image.encoder().write_tag(Tag::IccProfile, &icc_profile(picture)?[..])?;
+    image.write_data(codes)
+}
+
+fn tiff_error(error: TiffError) -> io::Error {
+    match error {
+        TiffError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+fn sides(picture: &EncodedPicture) -> io::Result<[u32; 2]> {
+    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
+    Ok([side(picture.width)?, side(picture.height)?])
 }
 
 fn write_ppm<W: Write>(picture: &EncodedPicture, mut to: W) -> io::Result<()> {
@@ -226,7 +287,7 @@ mod tests {
             Codes::U16((0..n).map(|i| (i * 4099) as u16).collect())
         };
         let (colour_space, transfer) = (ColourSpace::DisplayP3, Transfer::Srgb);
-        EncodedPicture { width: 5, height: 4, components, codes, colour_space, transfer }
+        EncodedPicture { width: 5, height: 4, components, codes, colour_space, transfer, pixel_aspect: 1.0 }
     }
 
     #[test]

@@ -29,10 +29,11 @@ pub fn read_dataset(folder: &Path) -> Result<PictureSet> {
         let help = "give the command that makes the data set again: it goes on where it stopped";
         return Err(Invalid::new("", message).help(help).in_file(&folder.join(MANIFEST)));
     }
-    if let Some(shot) = set.shots.iter().find(|shot| shot.is_rectified) {
-        let message = "the picture was developed without the distortion that its camera and its ground truth have";
-        let invalid = Invalid::new("capture.develop.distortion", message);
-        let help = "make the data set without setting develop.distortion";
+    if let Some(shot) = set.shots.iter().find(|shot| shot.is_resampled) {
+        let message = "the picture was developed without the distortion, or the shape of pixels, that its camera and its ground \
+                       truth have";
+        let invalid = Invalid::new("capture.develop", message);
+        let help = "make the data set without setting develop.distortion and develop.square_pixels";
         return Err(invalid.help(help).in_file(&folder.join(&shot.folder).join(REPORT)));
     }
     Ok(set)
@@ -85,7 +86,13 @@ struct Report {
     camera: CameraBlock,
     targets: Vec<TargetBlock>,
     truth: Option<TruthBlock>,
+    image: Option<ImageBlock>,
     capture: Value,
+}
+
+#[derive(Deserialize)]
+struct ImageBlock {
+    is_resampled: bool,
 }
 
 #[derive(Deserialize)]
@@ -170,7 +177,12 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
     const STEP_S: f64 = 1e-4;
     let velocity = (pose(time_s + STEP_S).translation - pose(time_s).translation) / STEP_S;
     let since_start_s = line.time_s.unwrap_or(f64::from(line.frame)) + time_s;
-    let keeps_distortion = report.capture["develop"]["distortion"] == Value::Bool(false);
+    // Reports that say nothing of it are of a time when this lens's distortion alone was undone.
+    let undid_distortion = || {
+        matches!(projection, Projection::BrownConrady(_))
+            && report.capture["develop"]["distortion"] != Value::Bool(false)
+    };
+    let is_resampled = report.image.map_or_else(undid_distortion, |image| image.is_resampled);
     Ok(Shot {
         folder: line.folder,
         frame: line.frame,
@@ -185,7 +197,7 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
         },
         start: pose(0.0),
         velocity_m_per_s: velocity,
-        is_rectified: matches!(projection, Projection::BrownConrady(_)) && !keeps_distortion,
+        is_resampled,
         is_skewed: recording.is_some_and(|recording| recording.row_time_s != 0.0),
         targets: report
             .targets

@@ -143,7 +143,7 @@ fn of_exr(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
     } else {
         let points = picture.attributes.iter().find_map(|(_, value)| match value {
             Attribute::Chromaticities(points) => Some(*points),
-            Attribute::Text(_) | Attribute::Number(_) => None,
+            Attribute::Text(_) | Attribute::Number(_) | Attribute::PixelAspect(_) => None,
         });
         points.map_or(DMat3::IDENTITY, of_chromaticities)
     };
@@ -249,7 +249,7 @@ mod tests {
         };
         for space in ColourSpace::ALL {
             let path = folder.path().join(format!("{space:?}.exr"));
-            write_whole(&path, |to| write_linear(&planes(space), space, to)).expect("written");
+            write_whole(&path, |to| write_linear(&planes(space), space, 1.0, to)).expect("written");
             // Chromaticities are 32-bit floats.
             check(&path, 1e-5);
             for transfer in [Transfer::Linear, Transfer::Srgb, Transfer::Gamma(2.2), Transfer::Gamma(1.8)] {
@@ -281,7 +281,8 @@ mod tests {
         let (colour_space, transfer) = (ColourSpace::DisplayP3, Transfer::Srgb);
         // JPEG halves the resolution of colours: one colour for all pixels.
         let codes = Codes::U8([180, 90, 60].repeat(64));
-        let picture = EncodedPicture { width: 8, height: 8, components: 3, codes, colour_space, transfer };
+        let picture =
+            EncodedPicture { width: 8, height: 8, components: 3, codes, colour_space, transfer, pixel_aspect: 1.0 };
         for (format, name) in [(PictureFormat::Jpeg, "a.jpg"), (PictureFormat::Ppm, "a.ppm")] {
             let path = folder.path().join(name);
             write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");

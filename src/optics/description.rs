@@ -1,6 +1,6 @@
 //! A lens as a user describes it, checked.
 
-use super::{LateralColour, PointSpread, Projection, Stop};
+use super::{Intrinsics, LateralColour, PointSpread, Projection, Stop};
 use crate::Invalid;
 use crate::spectrum::Spectrum;
 
@@ -68,21 +68,6 @@ pub enum Falloff {
     /// As on the axis everywhere: E = τ·Ω·(mean radiance over the aperture), with the Ω of
     /// [`Camera::on_axis_sr`](super::Camera::on_axis_sr), π·sin²θ' of a round aperture, tan θ' = D/2v. Stops still cut off theirs.
     None,
-}
-
-/// A pinhole matrix in pixels. The principal point is in photosite's continuous coordinates (pixel centres at +0.5).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Intrinsics {
-    /// Focal length in pixel widths.
-    pub fx: f64,
-    /// Focal length in pixel heights.
-    pub fy: f64,
-    /// Principal point, columns from the left edge.
-    pub cx: f64,
-    /// Principal point, rows from the top edge.
-    pub cy: f64,
-    /// Skew, pixels.
-    pub skew: f64,
 }
 
 impl LensDescription {

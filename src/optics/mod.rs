@@ -12,16 +12,15 @@ mod field_of_view;
 mod lateral_colour;
 mod motion;
 mod point_spread;
-mod projection;
 mod recording;
 mod stop;
 
+pub use crate::projection::{BrownConrady, Intrinsics, Projection, Reach, ReachEnd, Seen};
 pub use camera::{Camera, CameraRay, CameraSample, Connection, PixelGrid};
-pub use description::{Falloff, Focus, Intrinsics, LensDescription, LensKind};
+pub use description::{Falloff, Focus, LensDescription, LensKind};
 pub use field_of_view::FieldOfView;
 pub use lateral_colour::LateralColour;
 pub use motion::{CameraMotion, TimedPose};
 pub use point_spread::{Kernel, KernelField, PointSpread};
-pub use projection::{BrownConrady, Projection, Reach, ReachEnd, Seen};
 pub use recording::Recording;
 pub use stop::Stop;

@@ -7,28 +7,32 @@ mod area;
 mod black_level;
 mod calibration;
 mod cfa;
+mod distortion;
 mod dng;
 mod file;
-mod lens;
+mod gain_map;
 mod lossless_jpeg;
 mod npy;
 mod pnm;
 mod rational;
 mod thumbnail;
 mod tiff;
+mod warp;
 
 pub use area::{Area, Pixels};
 pub use black_level::BlackLevel;
 pub use calibration::{ColourCalibration, LightSource};
 pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
+pub use distortion::{Distortion, LensModel, Undistortion};
 pub use dng::{DngCompression, dng_can_hold, read_dng, write_compressed_dng, write_dng};
 pub use file::read;
-pub use lens::{GainMap, Warp};
+pub use gain_map::GainMap;
 pub(crate) use npy::with_short_header;
 pub use npy::{read_npy, write_npy};
 pub use pnm::{read_pnm, write_pgm};
 pub(crate) use tiff::read_pixels;
 pub use tiff::{read_tiff, write_tiff};
+pub use warp::{Warp, WarpKind};
 
 use std::borrow::Cow;
 
@@ -180,8 +184,10 @@ fn linearise(data: &mut [u16], table: &[u16]) {
 pub struct RawMetadata {
     /// Sensor preset or name.
     pub camera_model: String,
-    /// Pixel pitch along x and y, m; pixels are taken for square where it is not known.
+    /// Pixel pitch along x and y, m.
     pub pixel_pitch_m: Option<[f64; 2]>,
+    /// Width of a pixel over its height, where a file says another than its pitch does, which EXIF may round.
+    pub stated_pixel_aspect: Option<f64>,
     /// Exposure time, s.
     pub exposure_time_s: f64,
     /// Saturation-based ISO speed, where it is known.
@@ -203,11 +209,20 @@ pub struct RawMetadata {
     pub baseline_exposure_ev: f64,
     /// Gains that undo the lens's falloff, where it is known.
     pub gain_map: Option<GainMap>,
-    /// Where the lens's distortion puts pixels, where it is known.
-    pub warp: Option<Warp>,
+    /// The lens's distortion, where it is known.
+    pub distortion: Option<Distortion>,
 }
 
 impl RawMetadata {
+    /// Width of a pixel over its height; pixels are taken for square where nothing is known of them.
+    pub fn pixel_aspect(&self) -> f64 {
+        let aspect = self.stated_pixel_aspect.or(self.pixel_pitch_m.map(|[x, y]| x / y)).unwrap_or(1.0);
+        // What no pixel can be is damage.
+        let aspect = if (0.01..=100.0).contains(&aspect) { aspect } else { 1.0 };
+        // No pixel is known as well as that, and a file that rounds a pitch must not make another picture.
+        (aspect * 1e12).round() / 1e12
+    }
+
     /// XYZ → camera for colours under D65, where it is known.
     pub fn colour_matrix_d65(&self) -> Option<&Vec<[f64; 3]>> {
         let of_d65 = self.calibrations.iter().find(|calibration| calibration.light == LightSource::D65);

@@ -15,8 +15,40 @@ pub(super) struct Thumbnail {
     pub(super) rgb: Vec<u8>,
 }
 
-/// A picture of a raw picture that has pixels, of so many pixels at most along its longer side.
+/// A picture of a raw picture that has pixels, of so many square pixels at most along its longer side.
 pub(super) fn thumbnail(raw: &RawImage, longest_side: usize) -> Thumbnail {
+    let aspect = raw.metadata.pixel_aspect();
+    let scale = [aspect.max(1.0), (1.0 / aspect).max(1.0)];
+    let blocks = of_blocks(raw, ((longest_side as f64 / scale[0].max(scale[1])) as usize).max(1));
+    if scale == [1.0; 2] { blocks } else { stretched(&blocks, scale) }
+}
+
+/// The same picture with so many times as many pixels across and down, straight lines between those that were there.
+fn stretched(from: &Thumbnail, scale: [f64; 2]) -> Thumbnail {
+    let size = [from.width, from.height];
+    let [width, height] = [0, 1].map(|axis| ((size[axis] as f64 * scale[axis]).round() as usize).max(1));
+    // The pixel before a place and the one behind it, and how far it is on the way to that.
+    let between = |i: usize, axis: usize| {
+        let place = ((i as f64 + 0.5) / scale[axis] - 0.5).clamp(0.0, size[axis] as f64 - 1.0);
+        (place as usize, (place as usize + 1).min(size[axis] - 1), place.fract())
+    };
+    let mut rgb = Vec::with_capacity(3 * width * height);
+    for y in 0..height {
+        let (top, bottom, down) = between(y, 1);
+        for x in 0..width {
+            let (left, right, across) = between(x, 0);
+            for c in 0..3 {
+                let code = |x: usize, y: usize| f64::from(from.rgb[3 * (y * from.width + x) + c]);
+                let row = |y: usize| code(left, y) + (code(right, y) - code(left, y)) * across;
+                rgb.push((row(top) + (row(bottom) - row(top)) * down).round() as u8);
+            }
+        }
+    }
+    Thumbnail { width, height, rgb }
+}
+
+/// Its pixels are means of blocks as wide as high in pixels of the raw picture.
+fn of_blocks(raw: &RawImage, longest_side: usize) -> Thumbnail {
     let (tile_width, tile_height) = raw.cfa.tile_size();
     let tile = if raw.cfa.is_full() { 1 } else { tile_width.max(tile_height) };
     // Blocks of whole tiles, so that each holds every channel; the edge pixels that are left over are not shown.
@@ -109,6 +141,25 @@ fn camera_to_srgb(metadata: &RawMetadata) -> Option<DMat3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn wide_pixels_are_shown_square() {
+        // A ramp of columns, 16.6 × 12.4.
+        let metadata = RawMetadata { pixel_pitch_m: Some([16.6e-6, 12.4e-6]), ..RawMetadata::default() };
+        let data = (0..60 * 40).map(|i| (i % 60) * 1000).collect();
+        let raw = RawImage { width: 60, height: 40, data, metadata, ..RawImage::default() };
+        let shown = thumbnail(&raw, 1024);
+        assert_eq!((shown.width, shown.height, shown.rgb.len()), (80, 40, 3 * 80 * 40));
+        let square = thumbnail(&RawImage { metadata: RawMetadata::default(), ..raw.clone() }, 1024);
+        for x in 0..80 {
+            // Where it lies on the ramp, between the codes of its neighbours.
+            let place = ((x as f64 + 0.5) * 12.4 / 16.6 - 0.5).clamp(0.0, 59.0);
+            let code = |i: usize| f64::from(square.rgb[3 * i.min(59)]);
+            let wanted = code(place as usize) + (code(place as usize + 1) - code(place as usize)) * place.fract();
+            assert!((f64::from(shown.rgb[3 * x]) - wanted).abs() <= 0.5 + 1e-9, "{x}");
+        }
+        assert!(thumbnail(&raw, 30).width <= 30);
+    }
     use crate::raw::Cfa;
 
     fn grey(width: usize, height: usize, cfa: &str) -> RawImage {

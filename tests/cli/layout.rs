@@ -118,8 +118,18 @@ fn pictures_show_things_where_ground_truth_has_them() {
     let file = |name: &str| std::fs::read(folder.path(name)).expect("a file");
     assert!(file("as-taken.png") == file("out/left/000001/image.png"));
     let folder = made(SET, &format!("{distortion} --set develop.distortion=true"));
-    let wanted = ["capture.develop.distortion", "was developed without the distortion", "000000/capture.json"];
+    let wanted = ["capture.develop", "was developed without the distortion", "000000/capture.json"];
     folder.fail("layout out --format colmap -o laid", 1, &wanted);
+    // Of a lens for which DNG has no words as well, and of pixels that are not square.
+    for change in [
+        "--set lens.distortion={model='division',k=[-0.1]} --set develop.distortion=true",
+        "--set sensor.pixel_pitch_um=[200,150] --set develop.square_pixels=true",
+    ] {
+        let folder = made(SET, change);
+        folder.fail("layout out --format colmap -o laid", 1, &wanted);
+    }
+    let folder = made(SET, "--set sensor.pixel_pitch_um=[200,150]");
+    folder.succeed("layout out --format colmap -o laid");
     let folder = made(SET, "--set exposure.binning=[2,2]");
     folder.fail(
         "layout out --format colmap -o laid",

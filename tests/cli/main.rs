@@ -33,6 +33,7 @@ mod room;
 mod same_bytes;
 mod seeds;
 mod stored_sensors;
+mod straight_pictures;
 mod strips;
 mod targets;
 mod wavelengths;

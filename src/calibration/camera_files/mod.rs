@@ -4,15 +4,19 @@
 //! | format | lenses | coordinates of pixels | pose |
 //! |---|---|---|---|
 //! | OpenCV YAML | all of OpenCV's | centres at whole numbers | world → camera |
-//! | ROS `camera_info` | `plumb_bob`, `rational_polynomial`, `equidistant` | centres at whole numbers | none |
+//! | ROS `camera_info` | `plumb_bob`, `rational_polynomial`, `equidistant` | centres at whole numbers | of a pair, rectification and Tx |
 //! | Kalibr `camchain.yaml` | pinhole or omni with radtan, pinhole with equidistant | centres at whole numbers | from camera to camera |
 //! | COLMAP `cameras.txt`, `images.txt`, `points3D.txt` | PINHOLE, OPENCV, FULL_OPENCV, OPENCV_FISHEYE | centres at halves | world → camera |
 //! | EuRoC `sensor.yaml` | pinhole with radial-tangential or equidistant | centres at whole numbers | sensor → body |
+//!
+//! Of a rig, Kalibr has the way from each camera to the next; ROS and OpenCV have pairs, each of the rig's first camera, the reference,
+//! with another one ([`StereoPair`]).
 
 mod colmap;
 mod euroc;
 mod kalibr;
 mod opencv;
+mod rectification;
 mod ros;
 pub(super) mod yaml;
 
@@ -24,8 +28,9 @@ use glam::{DAffine3, DMat3, DVec3};
 pub use colmap::{ColmapImage, ColmapPoint, colmap_cameras, colmap_images, colmap_points};
 pub use euroc::euroc;
 pub use kalibr::kalibr;
-pub use opencv::opencv;
-pub use ros::ros;
+pub use opencv::{opencv, opencv_pair};
+pub use rectification::StereoPair;
+pub use ros::{ros, ros_pair};
 
 use crate::Invalid;
 use crate::optics::{BrownConrady, Camera, Intrinsics, Projection};
@@ -110,6 +115,11 @@ fn four(projection: &Projection) -> Option<[f64; 4]> {
         | Projection::KannalaBrandt { .. }
         | Projection::Equirectangular => None,
     }
+}
+
+/// A matrix row by row. Adding zero makes zeros of negative ones.
+fn by_rows(matrix: &DMat3) -> [f64; 9] {
+    matrix.transpose().to_cols_array().map(|x| x + 0.0)
 }
 
 /// The matrix of a pose, row by row.

@@ -1,7 +1,7 @@
 //! OpenCV's FileStorage as YAML, with the keys that its calibration samples write.
 
-use super::CalibratedCamera;
 use super::yaml::{list, number, quoted};
+use super::{CalibratedCamera, StereoPair, by_rows};
 use crate::Invalid;
 use crate::optics::Projection;
 
@@ -21,7 +21,7 @@ pub fn opencv(camera: &CalibratedCamera) -> Result<String, Invalid> {
     }
     let [width, height] = camera.resolution;
     let pose = camera.from_world();
-    let rotation = pose.matrix3.transpose().to_cols_array().map(|x| x + 0.0);
+    let rotation = by_rows(&pose.matrix3);
     let coefficients = camera.projection.coefficients();
     let xi = xi.map_or(String::new(), |xi| format!("xi: {}\n", number(xi)));
     Ok(format!(
@@ -31,6 +31,55 @@ pub fn opencv(camera: &CalibratedCamera) -> Result<String, Invalid> {
         matrix("distortion_coefficients", 1, &coefficients),
         matrix("rotation", 3, &rotation),
         matrix("translation_m", 3, &pose.translation.to_array()),
+    ))
+}
+
+/// A pair as `stereoCalibrate` and `stereoRectify` give it, under the names of OpenCV's sample: matrices and coefficients of both
+/// cameras (M1, D1, M2, D2), R and T from the first to the second, R1, R2, P1, P2 and Q. `distortion_model` is that of both.
+pub fn opencv_pair(pair: &StereoPair<'_>) -> Result<String, Invalid> {
+    let [first, second] = pair.cameras;
+    let model = |camera: &CalibratedCamera| match camera.projection {
+        Projection::Perspective | Projection::BrownConrady(_) => Ok("calib3d"),
+        Projection::KannalaBrandt { .. } => Ok("fisheye"),
+        Projection::Polynomial { .. }
+        | Projection::Division { .. }
+        | Projection::Equirectangular
+        | Projection::Omnidirectional { .. } => {
+            Err(camera.no_model("OpenCV's stereo", "take brown-conrady or kannala-brandt"))
+        }
+    };
+    let models = [model(first)?, model(second)?];
+    if models[0] != models[1] || first.resolution != second.resolution {
+        let message = format!(
+            "OpenCV's stereo files are of two cameras of one kind and size, and {} and {} differ",
+            first.name, second.name
+        );
+        return Err(Invalid::new("cameras", message).help("give both the same projection and resolution_px"));
+    }
+    pair.cameras.iter().try_for_each(|camera| camera.without_skew("OpenCV"))?;
+    let [width, height] = first.resolution;
+    let [p1, p2] = pair.projections();
+    let matrices: String = [
+        ("M1", 3, first.matrix().to_vec()),
+        ("D1", 1, first.projection.coefficients()),
+        ("M2", 3, second.matrix().to_vec()),
+        ("D2", 1, second.projection.coefficients()),
+        ("R", 3, by_rows(&pair.from_first.matrix3).to_vec()),
+        ("T", 3, pair.from_first.translation.to_array().to_vec()),
+        ("R1", 3, by_rows(&pair.rotations[0]).to_vec()),
+        ("R2", 3, by_rows(&pair.rotations[1]).to_vec()),
+        ("P1", 3, p1.to_vec()),
+        ("P2", 3, p2.to_vec()),
+        ("Q", 4, pair.disparity_to_depth().to_vec()),
+    ]
+    .into_iter()
+    .map(|(key, rows, values)| matrix(key, rows, &values.iter().map(|x| x + 0.0).collect::<Vec<_>>()))
+    .collect();
+    Ok(format!(
+        "%YAML:1.0\n---\ncamera_names: [ {}, {} ]\nimage_width: {width}\nimage_height: {height}\ndistortion_model: {}\n{matrices}",
+        quoted(&first.name),
+        quoted(&second.name),
+        models[0],
     ))
 }
 

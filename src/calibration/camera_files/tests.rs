@@ -47,6 +47,28 @@ fn formats_refuse_what_they_have_no_words_for() {
 }
 
 #[test]
+fn pairs_are_told_of_lenses_that_their_formats_know() {
+    let fisheye = Projection::KannalaBrandt { k: [0.1, 0.0, 0.0, 0.0] };
+    let mirror = Projection::Omnidirectional { xi: 1.1, distortion: BrownConrady::default() };
+    for (lenses, can) in [
+        ([Projection::Perspective, brown_conrady(0.1, 0.0)], [true, true]),
+        ([brown_conrady(0.1, 0.2); 2], [false, true]),
+        ([fisheye; 2], [true, true]),
+        ([fisheye, Projection::Perspective], [true, false]),
+        ([mirror; 2], [false, false]),
+        ([Projection::Division { lambda: -0.1 }; 2], [false, false]),
+    ] {
+        let [first, mut second] = lenses.map(|projection| {
+            let intrinsics = Intrinsics { fx: 1000.0, fy: 1000.0, cx: 320.5, cy: 240.0, skew: 0.0 };
+            CalibratedCamera { intrinsics, ..camera(projection) }
+        });
+        second.to_world.translation.x = 0.1;
+        let pair = StereoPair::new(&first, &second).expect("side by side");
+        assert_eq!([ros_pair(&pair).is_ok(), opencv_pair(&pair).is_ok()], can, "{lenses:?}");
+    }
+}
+
+#[test]
 fn numbers_are_whole_and_never_in_exponents() {
     let text = kalibr(&[camera(Projection::Perspective)]).expect("a pinhole");
     assert!(text.contains("intrinsics: [1000.0, 0.0000001, 320.0, 239.5]"), "{text}");

@@ -15,7 +15,7 @@ pub struct DatasetDescription {
     /// Seed of everything that is random. Left out: 0.
     pub seed: Option<u32>,
     /// Changes to keys of the capture, for all frames, as `--set` has them: "render.samples_per_pixel=64". Unless one of them
-    /// says otherwise, `develop.distortion` is false.
+    /// says otherwise, `develop.distortion` and `develop.square_pixels` are false.
     #[serde(default)]
     pub set: Vec<String>,
     /// The cameras of a rig. Left out: one, called "camera".

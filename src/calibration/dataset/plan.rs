@@ -15,9 +15,9 @@ use crate::scene::description::looking;
 /// The folder beside those of the cameras that is kept for what is known of all of them; no camera is called so.
 pub const CALIBRATION_FOLDER: &str = "calibration";
 
-/// What is set in all frames before anything else: pictures keep the distortion of the lens, so that they show things where
-/// ground truth has them.
-const AS_TAKEN: &str = "develop.distortion=false";
+/// What is set in all frames before anything else: pictures keep the distortion of the lens and the grid of the sensor, so that
+/// they show things where ground truth has them.
+const AS_TAKEN: [&str; 2] = ["develop.distortion=false", "develop.square_pixels=false"];
 
 /// What a description says of a camera of the rig.
 #[derive(Clone, Debug)]
@@ -141,7 +141,7 @@ impl Plan {
 impl DatasetDescription {
     /// The cameras of the rig and their places; names are checked.
     pub fn rig(&self) -> Result<Vec<RigPlace>, Invalid> {
-        let set_in_all = || std::iter::once(AS_TAKEN.to_owned()).chain(self.set.iter().cloned());
+        let set_in_all = || AS_TAKEN.into_iter().map(str::to_owned).chain(self.set.iter().cloned());
         if self.cameras.is_empty() {
             let (name, set) = ("camera".to_owned(), set_in_all().collect());
             return Ok(vec![RigPlace { name, in_rig: DAffine3::IDENTITY, partner: None, set }]);

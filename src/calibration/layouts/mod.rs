@@ -84,8 +84,9 @@ pub struct Shot {
     pub start: DAffine3,
     /// Velocity of the centre of the lens in the world, m/s.
     pub velocity_m_per_s: DVec3,
-    /// Whether distortion is taken out of the developed picture, which then does not show what the camera saw.
-    pub is_rectified: bool,
+    /// Whether the developed picture shows things in other places than the camera saw them, without its distortion or with square
+    /// pixels.
+    pub is_resampled: bool,
     /// Whether rows are taken one after the other while something moves.
     pub is_skewed: bool,
     /// Calibration targets in the scene.

@@ -80,7 +80,7 @@ fn shot(frame: u32, camera: usize) -> Shot {
         },
         start: DAffine3::IDENTITY,
         velocity_m_per_s: DVec3::ZERO,
-        is_rectified: false,
+        is_resampled: false,
         is_skewed: false,
         targets: Vec::new(),
         objects: Vec::new(),

@@ -33,6 +33,8 @@ pub enum Attribute {
     Number(f64),
     /// CIE x and y of red, green, blue and white: the standard attribute `chromaticities`.
     Chromaticities([[f64; 2]; 4]),
+    /// Width of a pixel over its height: the standard attribute `pixelAspectRatio`.
+    PixelAspect(f64),
 }
 
 /// What an EXR file holds.
@@ -49,7 +51,9 @@ impl ExrPicture {
     pub fn text(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find_map(|(n, value)| match value {
             Attribute::Text(text) if n == name => Some(&text[..]),
-            Attribute::Text(_) | Attribute::Number(_) | Attribute::Chromaticities(_) => None,
+            Attribute::Text(_) | Attribute::Number(_) | Attribute::Chromaticities(_) | Attribute::PixelAspect(_) => {
+                None
+            }
         })
     }
 
@@ -57,7 +61,9 @@ impl ExrPicture {
     pub fn number(&self, name: &str) -> Option<f64> {
         self.attributes.iter().find_map(|(n, value)| match value {
             Attribute::Number(number) if n == name => Some(*number),
-            Attribute::Number(_) | Attribute::Text(_) | Attribute::Chromaticities(_) => None,
+            Attribute::Number(_) | Attribute::Text(_) | Attribute::Chromaticities(_) | Attribute::PixelAspect(_) => {
+                None
+            }
         })
     }
 }
@@ -101,7 +107,7 @@ pub fn write_planes<'a, W: Write + Seek>(
         sampling: Vec2(1, 1),
     };
     let channels = AnyChannels::sort(planes.into_iter().map(channel).collect());
-    let mut chromaticities = None;
+    let (mut chromaticities, mut pixel_aspect) = (None, 1.0);
     let mut other = HashMap::new();
     for (name, value) in attributes {
         let value = match value {
@@ -110,6 +116,10 @@ pub fn write_planes<'a, W: Write + Seek>(
             Attribute::Chromaticities(points) => {
                 let [red, green, blue, white] = points.map(|[x, y]| Vec2(x as f32, y as f32));
                 chromaticities = Some(Chromaticities { red, green, blue, white });
+                continue;
+            }
+            Attribute::PixelAspect(aspect) => {
+                pixel_aspect = *aspect as f32;
                 continue;
             }
         };
@@ -124,6 +134,7 @@ pub fn write_planes<'a, W: Write + Seek>(
     let mut to = SortedHeader::new(to);
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = chromaticities;
+    image.attributes.pixel_aspect = pixel_aspect;
     let written = image.write().to_buffered(&mut to).map_err(io_error);
     let failure = failure.lock().expect("nobody panics while holding it").take();
     failure.map_or(written, Err)?;

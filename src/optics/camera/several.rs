@@ -6,7 +6,7 @@ use glam::{DVec2, Vec3};
 use super::{Camera, CameraRay, turned};
 use crate::geometry::Ray;
 use crate::math::simd::with_widest_registers;
-use crate::optics::projection::{Projection, through_plane};
+use crate::projection::{Projection, through_plane};
 use crate::spectrum::{SampledSpectrum, Wavelengths};
 
 /// What a ray of the camera is made from.

@@ -31,7 +31,7 @@ use tiff::{Directory, TiffResult};
 
 use super::rational::{rational, srational};
 use super::tiff::io_error;
-use super::{Area, Cfa, RawImage, thumbnail};
+use super::{Area, Cfa, Distortion, RawImage, Warp, thumbnail};
 use crate::Invalid;
 
 pub use numbers::DngCompression;
@@ -112,7 +112,8 @@ fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd:
     ifd.write_tag(tag::DNG_BACKWARD_VERSION, &[1u8, needed, 0, 0][..])?;
     write_text(ifd, tag::UNIQUE_CAMERA_MODEL, &format!("photosite {}", metadata.camera_model))?;
     ifd.write_tag(tag::BASELINE_EXPOSURE, srational(metadata.baseline_exposure_ev))?;
-    let packet = xmp::packet(metadata);
+    let Area { width, height, .. } = raw.active();
+    let packet = xmp::packet(metadata, [width, height]);
     ifd.write_tag(tag::XMP, packet.as_bytes())?;
     pad(ifd, packet.len())?;
     colour::write(metadata, ifd)
@@ -133,9 +134,9 @@ fn write_layout<W: Write + Seek>(raw: &RawImage, codes: &[u8], ifd: &mut Ifd<'_,
         pad(ifd, codes.len())?;
         ifd.write_tag(tag::CFA_LAYOUT, 1u16)?;
     }
-    let pitch = raw.metadata.pixel_pitch_m.unwrap_or([1.0; 2]);
-    let smaller = pitch[0].min(pitch[1]);
-    ifd.write_tag(tag::DEFAULT_SCALE, &pitch.map(|side| rational(side / smaller))[..])?;
+    // The longer side of a pixel is stretched.
+    let aspect = raw.metadata.pixel_aspect();
+    ifd.write_tag(tag::DEFAULT_SCALE, &[aspect.max(1.0), (1.0 / aspect).max(1.0)].map(rational)[..])?;
     let size = [u32::try_from(width)?, u32::try_from(height)?];
     ifd.write_tag(tag::DEFAULT_CROP_ORIGIN, &[0u32, 0][..])?;
     ifd.write_tag(tag::DEFAULT_CROP_SIZE, &size[..])?;
@@ -196,7 +197,12 @@ fn write_lens<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
         let tile = if raw.cfa.is_bayer() { [2, 2] } else { [1, 1] };
         write_undefined(ifd, tag::OPCODE_LIST_2, &opcodes::gain_map(map, [width, height], tile))?;
     }
-    if let Some(warp) = &raw.metadata.warp {
+    let warp = match raw.metadata.distortion {
+        Some(Distortion::Lens(lens)) => Warp::of_lens(&lens, [width, height], raw.metadata.pixel_aspect()),
+        Some(Distortion::Warp(warp)) => Some(warp),
+        None => None,
+    };
+    if let Some(warp) = &warp {
         write_undefined(ifd, tag::OPCODE_LIST_3, &opcodes::warp(warp))?;
     }
     Ok(())

@@ -1,8 +1,9 @@
 //! Opcode lists: what a developer shall do about the lens ([Dng16](crate::references#dng16), chapter 7).
 
-use crate::raw::{GainMap, Warp};
+use crate::raw::{GainMap, Warp, WarpKind};
 
 const WARP_RECTILINEAR: u32 = 1;
+const WARP_FISHEYE: u32 = 2;
 const GAIN_MAP: u32 = 9;
 /// The version of DNG that these opcodes came with.
 const SINCE: [u8; 4] = [1, 3, 0, 0];
@@ -32,9 +33,13 @@ pub(super) fn gain_map(map: &GainMap, [width, height]: [usize; 2], [columns, row
 /// OpcodeList3 with a correction of distortion.
 pub(super) fn warp(warp: &Warp) -> Vec<u8> {
     let mut to = 1u32.to_be_bytes().to_vec();
-    let numbers = warp.radial.iter().chain(&warp.tangential).chain(&warp.centre);
+    let (id, tangential) = match warp.kind {
+        WarpKind::Rectilinear => (WARP_RECTILINEAR, &warp.tangential[..]),
+        WarpKind::Fisheye => (WARP_FISHEYE, &[][..]),
+    };
+    let numbers = warp.radial.iter().chain(tangential).chain(&warp.centre);
     to.extend(numbers.flat_map(|x| x.to_be_bytes()));
-    list(std::iter::once((WARP_RECTILINEAR, to)))
+    list(std::iter::once((id, to)))
 }
 
 fn list(opcodes: impl ExactSizeIterator<Item = (u32, Vec<u8>)>) -> Vec<u8> {
@@ -74,6 +79,14 @@ fn float(from: &mut &[u8]) -> Option<f64> {
     from.split_off(..8)?.first_chunk().map(|&bytes| f64::from_be_bytes(bytes))
 }
 
+fn numbers<const N: usize>(from: &mut &[u8]) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for x in &mut numbers {
+        *x = float(from).filter(|x| x.is_finite())?;
+    }
+    Some(numbers)
+}
+
 /// The gain map of OpcodeList2, where there is one for all pixels of the active area.
 pub(super) fn read_gain_map(list: &[u8], [width, height]: [usize; 2]) -> Option<GainMap> {
     let maps: Vec<_> = opcodes(list).into_iter().filter(|(id, _)| *id == GAIN_MAP).collect();
@@ -106,16 +119,18 @@ pub(super) fn read_gain_map(list: &[u8], [width, height]: [usize; 2]) -> Option<
 
 /// The correction of OpcodeList3, where it is one for all colours.
 pub(super) fn read_warp(list: &[u8]) -> Option<Warp> {
-    let (_, mut from) = opcodes(list).into_iter().find(|(id, _)| *id == WARP_RECTILINEAR)?;
+    let kind = |id: u32| match id {
+        WARP_RECTILINEAR => Some(WarpKind::Rectilinear),
+        WARP_FISHEYE => Some(WarpKind::Fisheye),
+        _ => None,
+    };
+    let (kind, mut from) = opcodes(list).into_iter().find_map(|(id, from)| Some((kind(id)?, from)))?;
     if unsigned(&mut from)? != 1 {
         return None;
     }
-    let mut numbers = [0.0; 8];
-    for x in &mut numbers {
-        *x = float(&mut from).filter(|x| x.is_finite())?;
-    }
-    let [k0, k1, k2, k3, t0, t1, x, y] = numbers;
-    Some(Warp { radial: [k0, k1, k2, k3], tangential: [t0, t1], centre: [x, y] })
+    let radial = numbers(&mut from)?;
+    let tangential = if kind == WarpKind::Rectilinear { numbers(&mut from)? } else { [0.0; 2] };
+    Some(Warp { kind, radial, tangential, centre: numbers(&mut from)? })
 }
 
 #[cfg(test)]
@@ -131,9 +146,12 @@ mod tests {
             assert_eq!(read_gain_map(&list, [64, 47]), None, "not of the whole picture");
             assert!((0..list.len()).all(|length| read_gain_map(&list[..length], [64, 48]).is_none()));
         }
-        let warp_of = Warp { radial: [1.0, -0.1, 0.02, 0.0], tangential: [1e-3, -2e-3], centre: [0.5, 0.49] };
-        let list = warp(&warp_of);
-        assert_eq!(read_warp(&list), Some(warp_of));
-        assert!((0..list.len()).all(|length| read_warp(&list[..length]).is_none()));
+        let radial = [1.0, -0.1, 0.02, 0.0];
+        for (kind, tangential) in [(WarpKind::Rectilinear, [1e-3, -2e-3]), (WarpKind::Fisheye, [0.0; 2])] {
+            let warp_of = Warp { kind, radial, tangential, centre: [0.5, 0.49] };
+            let list = warp(&warp_of);
+            assert_eq!(read_warp(&list), Some(warp_of));
+            assert!((0..list.len()).all(|length| read_warp(&list[..length]).is_none()));
+        }
     }
 }

@@ -11,9 +11,9 @@ use tiff::tags::Tag;
 use tiff::{Directory, TiffError};
 
 use super::openable::{Openable, open};
-use super::{colour, filters, opcodes, read_numbers, tag};
+use super::{colour, filters, opcodes, read_numbers, tag, xmp};
 use crate::Invalid;
-use crate::raw::{Area, BlackLevel, Cfa, MAX_SIDE, RawImage, RawMetadata, bits_for};
+use crate::raw::{Area, BlackLevel, Cfa, Distortion, MAX_SIDE, RawImage, RawMetadata, bits_for};
 
 /// Reads a DNG file.
 pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
@@ -236,11 +236,31 @@ impl<R: Read + Seek> Tags<R> {
             noise_profile: noise.as_chunks::<2>().0.to_vec(),
             baseline_exposure_ev: self.number(main, tag::BASELINE_EXPOSURE)?.filter(|ev| ev.is_finite()).unwrap_or(0.0),
             gain_map: opcodes::read_gain_map(&self.bytes(picture, tag::OPCODE_LIST_2)?, size),
-            warp: opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?),
+            distortion: self.distortion(main, picture, size)?,
             ..RawMetadata::default()
         };
+        let [across, down] = self.array(picture, tag::DEFAULT_SCALE)?.unwrap_or([1.0; 2]);
+        let aspect = across / down;
+        // What a few roundings leave of equal numbers.
+        let differs = (aspect / metadata.pixel_aspect() - 1.0).abs() > 1e-6;
+        metadata.stated_pixel_aspect = differs.then_some(aspect);
         colour::read(self, main, &mut metadata)?;
         Ok(metadata)
+    }
+
+    /// The model of the lens where our own packet has it, else what the opcodes say.
+    fn distortion(
+        &mut self,
+        main: &Directory,
+        picture: &Directory,
+        size: [usize; 2],
+    ) -> Result<Option<Distortion>, Invalid> {
+        // A packet that is no list of bytes has nothing to say.
+        let packet = self.bytes(main, tag::XMP).unwrap_or_default();
+        if let Some(lens) = xmp::read_lens(&packet, size) {
+            return Ok(Some(Distortion::Lens(lens)));
+        }
+        Ok(opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?).map(Distortion::Warp))
     }
 
     /// The speed, which has a number of its own where 16 bits are too few.

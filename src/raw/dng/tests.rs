@@ -3,7 +3,9 @@ use std::io::Cursor;
 use proptest::prelude::*;
 
 use super::*;
-use crate::raw::{BlackLevel, ColourCalibration, GainMap, LightSource, RawMetadata, Warp, write_tiff};
+use crate::raw::{
+    BlackLevel, ColourCalibration, Distortion, GainMap, LightSource, RawMetadata, Warp, WarpKind, write_tiff,
+};
 
 const COMPRESSIONS: [DngCompression; 4] =
     [DngCompression::None, DngCompression::Packed, DngCompression::LosslessJpeg, DngCompression::Deflate];
@@ -42,11 +44,13 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
             noise_profile: vec![[1e-4, 2e-7]; channels],
             baseline_exposure_ev: 0.75,
             gain_map: colour.then(|| GainMap::new(3, 2, vec![1.5, 1.25, 1.5, 1.75, 1.0, 1.5]).expect("6 gains")),
-            warp: colour.then_some(Warp {
+            stated_pixel_aspect: (!colour).then_some(1.5),
+            distortion: colour.then_some(Distortion::Warp(Warp {
+                kind: WarpKind::Rectilinear,
                 radial: [1.0, -0.1, 0.02, 0.0],
                 tangential: [1e-3, 0.0],
                 centre: [0.5, 0.49],
-            }),
+            })),
         },
         cfa,
         ..RawImage::default()

@@ -20,6 +20,7 @@
 mod brown_conrady;
 mod division;
 mod equirectangular;
+mod intrinsics;
 mod kannala_brandt;
 mod omnidirectional;
 mod polynomial;
@@ -33,6 +34,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DVec2, DVec3};
 
 pub use brown_conrady::BrownConrady;
+pub use intrinsics::Intrinsics;
 
 /// The largest angle from the axis that a flat picture is followed to, rad: 89.99°, where it is 5730 focal lengths wide.
 const FLAT_ANGLE: f64 = FRAC_PI_2 * (1.0 - 0.01 / 90.0);
@@ -113,7 +115,7 @@ impl Reach {
 
     /// Directions whose cosine from the axis is above this are seen.
     #[inline]
-    pub(super) fn sure_cos(&self) -> f64 {
+    pub(crate) fn sure_cos(&self) -> f64 {
         self.sure_cos
     }
 
@@ -191,6 +193,20 @@ impl Projection {
             ("equirectangular", None) => Some(Self::Equirectangular),
             ("omnidirectional", Some(xi)) => Some(Self::Omnidirectional { xi, distortion }),
             _ => None,
+        }
+    }
+
+    /// How large the middle of the picture is, as a part of what a pinhole of the same matrix would show there: 1 but for an
+    /// omnidirectional lens, whose ξ moves the pinhole away.
+    pub fn magnification(&self) -> f64 {
+        match self {
+            Self::Perspective
+            | Self::BrownConrady(_)
+            | Self::Polynomial { .. }
+            | Self::Division { .. }
+            | Self::KannalaBrandt { .. }
+            | Self::Equirectangular => 1.0,
+            Self::Omnidirectional { xi, .. } => 1.0 / (1.0 + xi),
         }
     }
 
@@ -276,7 +292,7 @@ impl Projection {
 /// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth` times as
 /// large in area as on the sensor: dΩ = cos³θ·dA.
 #[inline(always)]
-pub(super) fn through_plane(ideal: DVec2, growth: f64) -> Seen {
+pub(crate) fn through_plane(ideal: DVec2, growth: f64) -> Seen {
     let cos = 1.0 / (1.0 + ideal.length_squared()).sqrt();
     let chief = ideal.extend(1.0);
     Seen { direction: chief * cos, chief, solid_angle: cos * cos * cos * growth }

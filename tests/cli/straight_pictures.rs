@@ -1,0 +1,164 @@
+//! Pictures without distortion and with square pixels: what the report says they are pictures of, that the raw file develops to the
+//! same, and what is said where they cannot be had.
+
+use glam::{DMat3, DVec3};
+use rstest::rstest;
+use serde_json::Value;
+
+use crate::folder::Folder;
+use crate::report::vector;
+
+/// A lamp of a few pixels in the dark, before a camera that looks along −z from 3 m.
+fn lamp(place: [f64; 2], capture: &str) -> Folder {
+    let corner = |x: f64, y: f64| format!("v {} {} 0\n", place[0] + x, place[1] + y);
+    let corners = [corner(-0.05, -0.05), corner(0.05, -0.05), corner(0.05, 0.05), corner(-0.05, 0.05)].concat();
+    Folder::new([
+        ("lamp.obj", format!("mtllib lamp.mtl\n{corners}usemtl lamp\nf 1 2 3 4\n").into()),
+        ("lamp.mtl", b"newmtl lamp\nKe 2 2 2\n".to_vec()),
+        (
+            "capture.toml",
+            format!(
+                "[scene]\ngeometry = ['lamp.obj']\n[camera]\nposition_m = [0, 0, 3]\nlook_at_m = [0, 0, 0]\n[render]\n\
+                 samples_per_pixel = 64\n[develop]\ntone_curve = 'linear'\nbits = 16\n{capture}"
+            )
+            .into(),
+        ),
+    ])
+}
+
+/// The centre of what is bright in a picture.
+fn centroid(folder: &Folder, picture: &str) -> [f64; 2] {
+    let picture = image::open(folder.path(picture)).expect("a picture").to_luma16();
+    let brightest = picture.pixels().map(|code| code.0[0]).max().expect("pixels");
+    let (mut sum, mut at) = (0.0, [0.0; 2]);
+    // Noise of the dark has no place.
+    for (x, y, code) in picture.enumerate_pixels().filter(|(_, _, code)| code.0[0] > brightest / 20) {
+        let code = f64::from(code.0[0]);
+        sum += code;
+        at = [at[0] + code * f64::from(x), at[1] + code * f64::from(y)];
+    }
+    at.map(|at| at / sum)
+}
+
+fn picture_size(folder: &Folder, picture: &str) -> [u32; 2] {
+    let picture = image::open(folder.path(picture)).expect("a picture");
+    [picture.width(), picture.height()]
+}
+
+#[rstest]
+#[case::square_pixels("", "pixel_pitch_um = [100, 100]", [64, 48])]
+#[case::wide_pixels("", "pixel_pitch_um = [150, 100]", [96, 48])]
+#[case::high_pixels("distortion = { model = 'division', k = [-0.4] }", "pixel_pitch_um = [100, 150]", [64, 72])]
+#[case::polynomial("distortion = { model = 'polynomial', k = [0.3, 0.1] }", "pixel_pitch_um = [100, 100]", [64, 48])]
+#[case::fisheye("distortion = { model = 'kannala-brandt', k = [0.1] }", "pixel_pitch_um = [100, 100]", [64, 48])]
+#[case::rational(
+    "distortion = { model = 'brown-conrady', k = [-0.2, 0.1, 0, 0.2], s = [0.01] }",
+    "pixel_pitch_um = [100, 100]",
+    [64, 48]
+)]
+fn a_lamp_is_where_the_camera_of_the_picture_shows_it(
+    #[case] lens: &str,
+    #[case] pitch: &str,
+    #[case] size: [u32; 2],
+    #[values([0.7, 0.5], [-0.8, -0.3])] place: [f64; 2],
+) {
+    let capture = format!(
+        "[lens]\ntype = 'pinhole'\nfocal_length_mm = 8\nf_number = 8\nfocus_distance_m = 'infinity'\n{lens}\n[sensor]\n\
+         preset = 'sony-imx249-mono'\nresolution_px = [64, 48]\n{pitch}\n[exposure]\ntime_s = 0.01\n"
+    );
+    let folder = lamp(place, &capture);
+    folder.succeed("render capture.toml -o out");
+    assert_eq!(picture_size(&folder, "out/image.png"), size);
+    let report = folder.report("out");
+    let image = &report["image"];
+    assert_eq!(image["resolution_px"], serde_json::json!(size));
+    let rows: [[f64; 3]; 3] = serde_json::from_value(image["camera_matrix"].clone()).expect("nine numbers");
+    let rotation: [[f64; 3]; 3] = serde_json::from_value(report["camera"]["rotation"].clone()).expect("nine numbers");
+    let matrix = |rows: [[f64; 3]; 3]| DMat3::from_cols_array_2d(&rows).transpose();
+    let in_camera = matrix(rotation) * DVec3::new(place[0], place[1], 0.0) + vector(&report["camera"]["translation_m"]);
+    let seen = matrix(rows) * (in_camera / in_camera.z);
+    let found = centroid(&folder, "out/image.png");
+    // The lamp is about 2.7 px wide; noise below its half and the bend over its width leave less than a tenth of a pixel.
+    let off = (found[0] - seen.x).abs().max((found[1] - seen.y).abs());
+    assert!(off < 0.15, "at {found:?}, not {seen}");
+    // Its model is in the raw file.
+    folder.succeed("develop out/raw.dng -o again.png --capture capture.toml");
+    assert!(
+        std::fs::read(folder.path("again.png")).expect("a file")
+            == std::fs::read(folder.path("out/image.png")).expect("a file")
+    );
+    // As it was taken, it is where the sensor saw it.
+    folder.succeed("develop out/raw.dng -o taken.png --capture capture.toml --set develop.distortion=false --set develop.square_pixels=false");
+    assert_eq!(picture_size(&folder, "taken.png"), [64, 48]);
+}
+
+const WIDE: &str = "[lens]\nfocal_length_mm = 8\nf_number = 8\nfocus_distance_m = 'infinity'\n[sensor]\npreset = 'textbook-ccd'\n\
+                    resolution_px = [64, 48]\npixel_pitch_um = [150, 100]\n[exposure]\ntime_s = 0.01\n";
+
+#[test]
+fn the_grid_of_the_sensor_is_kept_where_it_is_asked_for_and_told_of() {
+    let folder = lamp([0.2, 0.1], WIDE);
+    folder.succeed("render capture.toml -o out --set develop.square_pixels=false");
+    assert_eq!(picture_size(&folder, "out/image.png"), [64, 48]);
+    let png = |name: &str| {
+        let file = std::io::BufReader::new(std::fs::File::open(folder.path(name)).expect("a file"));
+        png::Decoder::new(file).read_info().expect("a picture").info().pixel_dims
+    };
+    let told = png("out/image.png").expect("the shape of its pixels");
+    // Width over height is the inverse of how many there are along equal lengths.
+    assert!((f64::from(told.yppu) / f64::from(told.xppu) - 1.5).abs() < 1e-5, "{told:?}");
+    assert_eq!(folder.report("out")["image"]["pixel_aspect"], 1.5);
+    let keep = "--set develop.square_pixels=false";
+    folder.succeed(&format!("develop out/raw.dng -o kept.exr {keep}"));
+    let header = exr::meta::MetaData::read_from_file(folder.path("kept.exr"), false).expect("an EXR file");
+    assert_eq!(header.headers[0].shared_attributes.pixel_aspect, 1.5);
+    folder.succeed(&format!("develop out/raw.dng -o kept.tiff {keep} --set develop.bits=8"));
+    let mut tiff = tiff::decoder::Decoder::new(std::fs::File::open(folder.path("kept.tiff")).expect("a file"))
+        .expect("a TIFF file");
+    let mut resolution = |tag| match tiff.get_tag(tag).expect("a resolution") {
+        tiff::decoder::ifd::Value::Rational(n, d) => f64::from(n) / f64::from(d),
+        other => panic!("{other:?}"),
+    };
+    let [x, y] = [tiff::tags::Tag::XResolution, tiff::tags::Tag::YResolution].map(&mut resolution);
+    assert!((y / x - 1.5).abs() < 1e-5, "{x} {y}");
+    folder.succeed("develop out/raw.dng -o square.png");
+    assert_eq!((picture_size(&folder, "square.png"), png("square.png").is_none()), ([96, 48], true));
+}
+
+#[rstest]
+#[case::truth("--set output.truth=['depth']", &["brought to square pixels", "develop.square_pixels = false"])]
+#[case::both(
+    "--set output.truth=['depth'] --set lens.distortion={model='division',k=[-0.1]}",
+    &["freed of the distortion of the lens and brought to square pixels", "develop.distortion = false and develop.square_pixels = false"]
+)]
+#[case::no_dng("--set output.raw=['tiff']", &["which photosite develop cannot do with these raw files"])]
+#[case::fisheye(
+    "--set lens.projection='fisheye' --set lens.focal_length_mm=2",
+    &["image.png keeps the distortion of the kannala-brandt lens", "reaches 90°"]
+)]
+#[case::skew(
+    "--set lens.intrinsics={fx=90,fy=135,cx=32,cy=24,skew=30} --set lens.distortion={model='brown-conrady',k=[-0.3]}",
+    &["of the brown-conrady lens, raw.dng tells photosite alone"]
+)]
+fn what_is_not_as_expected_is_said_once(#[case] arguments: &str, #[case] wanted: &[&str]) {
+    let folder = lamp([0.2, 0.1], &WIDE.replace("[sensor]", "max_angle_deg = 100\n[sensor]"));
+    let folder_without = lamp([0.2, 0.1], WIDE);
+    let folder = if arguments.contains("fisheye") { folder } else { folder_without };
+    let outcome = folder.succeed(&format!("render capture.toml -o out --set render.samples_per_pixel=1 {arguments}"));
+    let text = outcome.text();
+    for words in wanted {
+        assert_eq!(text.matches(words).count(), 1, "{words:?} in: {}", outcome.stderr);
+    }
+    let report = folder.report("out");
+    let warnings: Vec<&str> = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    assert!(warnings.iter().any(|warning| warning.contains(wanted[0])), "{warnings:?}");
+}
+
+#[test]
+fn cameras_of_the_raw_picture_are_told_from_those_of_the_developed_one() {
+    let folder = lamp([0.2, 0.1], WIDE);
+    let outcome = folder.succeed("camera capture.toml --format colmap");
+    assert!(outcome.text().contains("image.png is brought to square pixels"), "{}", outcome.stderr);
+    let outcome = folder.succeed("camera capture.toml --format colmap --set develop.square_pixels=false");
+    assert_eq!(outcome.stderr, "");
+}
