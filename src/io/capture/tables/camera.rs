@@ -21,7 +21,8 @@ pub(crate) struct CameraTable {
     pub(crate) motion: Option<MotionTable>,
 }
 
-/// A motion at constant velocities, from the pose of [camera] at the start of the first picture on; or poses.
+/// A motion at constant velocities, from the pose of [camera] at the start of the first picture on; or poses. capture.json and
+/// what is made of it have the pose halfway through the first picture, pose_time_s after its start.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MotionTable {

@@ -142,7 +142,7 @@ pub(crate) struct OutputTable {
     pub(crate) ideal: Option<bool>,
     /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position" (world, m),
     /// "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture), "disparity" (px from truth_partner).
-    /// Left out: false.
+    /// Where something moves, in the middle of the exposure of each row. Left out: false.
     pub(crate) truth: Option<TruthSource>,
     /// Formats of that: "exr" for one file truth.exr; "npy" or "png" (16 bits) for one file a layer. Left out: ["exr"].
     pub(crate) truth_formats: Option<Vec<TruthFormat>>,
