@@ -81,7 +81,10 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         );
     }
     // What is asked for again as it was takes what automatic exposure found then, to the last bit.
-    let same = recorded.is_some_and(|r| r.sensor == capture.sensor && r.exposure.is_like(&capture.exposure));
+    let same = recorded.is_some_and(|r| {
+        let specimen = SensorModel { serial: capture.sensor.serial, ..r.sensor };
+        specimen == capture.sensor && r.exposure.is_like(&capture.exposure)
+    });
     let known_gains = gains.filter(|_| same);
     let expose = |light: StoredLight| -> Result<(Exposed, Vec<String>)> {
         match light {

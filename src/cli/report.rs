@@ -329,6 +329,8 @@ impl LensReport {
 #[derive(Serialize)]
 pub(super) struct SensorReport {
     pub(super) name: String,
+    /// Fixed pattern belongs to it.
+    pub(super) serial: u64,
     pub(super) resolution_px: [usize; 2],
     pub(super) pixel_pitch_um: [f64; 2],
     pub(super) channels: Vec<String>,

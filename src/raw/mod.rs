@@ -179,6 +179,8 @@ fn linearise(data: &mut [u16], table: &[u16]) {
 pub struct RawMetadata {
     /// Sensor preset or name.
     pub camera_model: String,
+    /// Serial number of the camera; empty where it is not known.
+    pub camera_serial: String,
     /// Pixel pitch along x and y, m; pixels are taken for square where it is not known.
     pub pixel_pitch_m: Option<[f64; 2]>,
     /// Exposure time, s.

@@ -81,9 +81,10 @@ impl StoredCapture {
         let mut source = report.source(path);
         let changes = changes(path, arguments)?;
         if changes.get("sensor.preset").is_some() {
-            // Of another sensor, only the number of pixels is given by the light.
+            // Of another sensor, only the number of pixels is given by the light; cameras of a rig stay different specimens.
             let resolution = report.values["capture"]["sensor"]["resolution_px"].clone();
-            source.replace("sensor", from_json(&json!({ "resolution_px": resolution }), &(0..0)));
+            let serial = report.values["capture"]["sensor"]["serial"].as_u64().unwrap_or(0);
+            source.replace("sensor", from_json(&json!({ "resolution_px": resolution, "serial": serial }), &(0..0)));
             lay_over(&mut source, arguments)?;
             return Self::assemble(source, |source| read_sensor(source, Path::new("")));
         }
