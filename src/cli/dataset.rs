@@ -156,10 +156,7 @@ impl DataSet {
             let mut results = OutputFolder::claim(&partial, true)?;
             let request = Request {
                 input: &self.capture_path,
-                named: match &light {
-                    Light::Merged(parts) => parts.first().input.clone(),
-                    Light::Traced | Light::Part(_) => self.capture_path.display().to_string(),
-                },
+                named: self.file.description.capture.clone(),
                 overrides,
                 light,
                 film_memory: self.film_memory,

@@ -6,11 +6,11 @@
 
 use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf, absolute};
+use std::path::{Path, PathBuf};
 
 use photosite::calibration::camera_files::{CalibratedCamera, kalibr, opencv, ros};
 use photosite::calibration::dataset::{CALIBRATION_FOLDER, Plan};
-use photosite::io::capture::{Capture, DatasetFile, REPORT};
+use photosite::io::capture::{Capture, DatasetFile, REPORT, real_path};
 use photosite::io::finished_dataset::{MANIFEST, read_present};
 use photosite::io::output::{create_folder, remove_unfinished, write_whole};
 use photosite::{Error, Invalid, Result};
@@ -52,8 +52,7 @@ pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[St
 /// The same for a folder that holds a part of every picture, made from the data set file `input`.
 pub(super) fn part_identity(identity: &Value, samples: &Range<u32>, input: &Path) -> Value {
     let mut identity = identity.clone();
-    let path = absolute(input).unwrap_or_else(|_| input.to_owned());
-    identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": path });
+    identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": real_path(input) });
     identity
 }
 

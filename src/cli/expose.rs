@@ -7,7 +7,7 @@ use clap::Args;
 use glam::DAffine3;
 use photosite::image::Estimate;
 use photosite::integrator::WavelengthChoice;
-use photosite::io::capture::{REPORT, StoredCapture, StoredReport};
+use photosite::io::capture::{REPORT, StoredCapture, StoredReport, relative_path};
 use photosite::optics::{Camera, Focus, LensDescription};
 use photosite::sensor::{Exposure, SensorModel, electron_rates};
 use photosite::spectrum::{Spectrum, illuminant};
@@ -125,7 +125,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
 
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
-        input: args.input.display().to_string(),
+        input: relative_path(&args.input, folder.path()),
         overrides,
         capture: capture.to_json(folder.path())?,
         seed: capture.seed,

@@ -12,7 +12,7 @@ use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::film::{Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::{FilterTile, WavelengthChoice};
-use photosite::io::capture::{Capture, REPORT, TruthOutput};
+use photosite::io::capture::{Capture, REPORT, TruthOutput, relative_path};
 use photosite::io::truth::{TruthFormat, fits_png};
 use photosite::math::hash::hash64;
 use photosite::optics::{Camera, Focus, LensDescription, PixelGrid, Recording};
@@ -67,7 +67,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let mut folder = OutputFolder::claim(&output.clone().unwrap_or_else(|| default_folder(&args.input)), *force)?;
     let request = Request {
         input: &args.input,
-        named: args.input.display().to_string(),
+        named: relative_path(&args.input, folder.path()),
         overrides,
         light: args.samples.clone().map_or(Light::Traced, Light::Part),
         film_memory: args.film_memory,
@@ -92,7 +92,7 @@ pub(super) enum Light {
 /// What of a render does not stand in its capture.
 pub(super) struct Request<'a> {
     pub(super) input: &'a Path,
-    /// The same as it was given.
+    /// The same as reports call it: as it reads from their folder, or from the data set file.
     pub(super) named: String,
     pub(super) overrides: Vec<String>,
     pub(super) light: Light,

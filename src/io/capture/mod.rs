@@ -72,6 +72,7 @@ use target::place_targets;
 
 pub use dataset::DatasetFile;
 pub use develop::read_develop_settings;
+pub use relocate::{real_path, relative_path};
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{
