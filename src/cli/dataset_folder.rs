@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use photosite::calibration::camera_files::{CalibratedCamera, kalibr, opencv, ros};
 use photosite::calibration::dataset::{CALIBRATION_FOLDER, Plan};
+use photosite::calibration::truth::TruthLayer;
 use photosite::io::capture::{Capture, DatasetFile, REPORT, real_path};
 use photosite::io::finished_dataset::{MANIFEST, read_present};
 use photosite::io::output::{create_folder, remove_unfinished, write_whole};
@@ -28,11 +29,14 @@ const OF_PART: &str = "part";
 const CARD: &str = "README.md";
 
 /// Everything that decides what the pictures are: version, description, captures, and the files that these name. How many
-/// frames there are decides nothing of any of them, unless a key goes from one value to another over all.
+/// frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow tells of the
+/// next one.
 pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[String]) -> Result<Value> {
     let mut description = file.values.clone();
     let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some());
-    if let (false, Value::Object(keys)) = (sweeps, &mut description) {
+    // Flow of the last frame leads nowhere.
+    let flows = captures.iter().any(|capture| capture.output.truth.layers.contains(&TruthLayer::Flow));
+    if let (false, Value::Object(keys)) = (sweeps || flows, &mut description) {
         keys.remove("frames");
     }
     let mut named = Map::new();

@@ -32,6 +32,8 @@ mod report;
 mod room;
 mod same_bytes;
 mod seeds;
+mod specimens;
 mod strips;
 mod targets;
+mod truth;
 mod wavelengths;
