@@ -292,6 +292,7 @@ impl<'a> Chain<'a> {
         let sensor = self.settings.sensor;
         SensorReport {
             name: sensor.name.clone(),
+            serial: sensor.serial,
             resolution_px: [raw.active().width, raw.active().height],
             pixel_pitch_um: raw.metadata.pixel_pitch_m.unwrap_or(sensor.pixel_pitch_m).map(|m| (m * 1e9).round() / 1e3),
             channels: sensor.cfa.channels().to_vec(),

@@ -8,7 +8,9 @@ use clap::Args;
 use glam::DVec2;
 use photosite::calibration::dataset::{Plan, RigCamera, Subject};
 use photosite::calibration::targets::PlacedTarget;
+use photosite::calibration::truth::TruthLayer;
 use photosite::io::capture::{Capture, DatasetFile};
+use photosite::sensor::SensorModel;
 use photosite::{Error, Invalid, Result};
 use serde_json::{Value, json};
 
@@ -114,11 +116,11 @@ impl DataSet {
         Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), film_memory, identity })
     }
 
-    /// The changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here rather
-    /// than after an hour.
+    /// All changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here rather than
+    /// after an hour.
     pub(super) fn frames(&self, numbers: Range<u32>) -> Result<BTreeMap<u32, Vec<Vec<String>>>> {
         let frame = |number| {
-            let frame = self.plan.frame(number).map_err(|invalid| self.file.error(invalid))?;
+            let frame = self.plan.frame(number, &self.arguments).map_err(|invalid| self.file.error(invalid))?;
             Ok((number, frame))
         };
         numbers.map(frame).collect()
@@ -129,14 +131,16 @@ impl DataSet {
         self.plan.cameras().iter().map(|camera| &*camera.place.name)
     }
 
-    fn with_arguments(&self, overrides: &[String]) -> Vec<String> {
-        overrides.iter().chain(&self.arguments).cloned().collect()
+    /// The capture of a camera in a frame. What is wrong with a change is wrong with the key that asks for it.
+    fn capture(&self, camera: &str, number: u32, overrides: &[String]) -> Result<Capture> {
+        let capture = Capture::read(&self.capture_path, overrides);
+        capture.map_err(|error| self.error_of_change(error, camera, number, overrides))
     }
 
-    /// The capture of a camera in a frame. What is wrong with a change is wrong with the key that asks for it.
-    fn capture(&self, camera: &str, number: u32, changes: &[String]) -> Result<Capture> {
-        let capture = Capture::read(&self.capture_path, &self.with_arguments(changes));
-        capture.map_err(|error| self.file.error_of_change(error, camera, Some(number), changes))
+    fn error_of_change(&self, error: Error, camera: &str, number: u32, overrides: &[String]) -> Error {
+        let is_of_file = |change: &&String| !self.arguments.contains(change);
+        let changes: Vec<String> = overrides.iter().filter(is_of_file).cloned().collect();
+        self.file.error_of_change(error, camera, Some(number), &changes)
     }
 
     /// Makes all pictures of the frames that are not there, with the light that a camera has in a frame, and returns how many
@@ -155,18 +159,13 @@ impl DataSet {
         let progress = Progress::over_images(todo.len() as u64, talk.quiet || talk.json);
         for (made, &(number, camera, overrides)) in todo.iter().enumerate() {
             let capture = self.capture(camera, number, overrides)?;
-            let changes = overrides;
-            let overrides = self.with_arguments(changes);
             let light = light(camera, number)?;
             let partial = folder.begin(camera, number)?;
             let mut results = OutputFolder::claim(&partial, true)?;
             let request = Request {
                 input: &self.capture_path,
-                named: match &light {
-                    Light::Merged(parts) => parts.first().input.clone(),
-                    Light::Traced | Light::Part(_) => self.capture_path.display().to_string(),
-                },
-                overrides,
+                named: self.file.description.capture.clone(),
+                overrides: overrides.clone(),
                 light,
                 film_memory: self.film_memory,
                 // What is to be said of the scene is said once.
@@ -175,7 +174,7 @@ impl DataSet {
                 is_timed: false,
             };
             let rendered = render(capture, &request, &mut results, Timings::default());
-            rendered.map_err(|error| self.file.error_of_change(error, camera, Some(number), changes))?;
+            rendered.map_err(|error| self.error_of_change(error, camera, number, overrides))?;
             drop(results);
             folder.finish(camera, number)?;
             progress.advance(1);
@@ -236,13 +235,31 @@ fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result
         };
         let read = read().map_err(|error| file.error_of_change(error, &place.name, None, &place.set));
         let (camera, capture) = read?;
-        cameras.push(RigCamera { place, camera });
+        // Cameras of a rig that are not told otherwise are specimens of their own.
+        let serial = capture.sensor.serial.saturating_add(if place.is_numbered { 0 } else { captures.len() as u64 });
+        let seed = capture.render.seed;
+        // A variation may ask for flow in some frames.
+        let varies_truth = description.vary.iter().any(|variation| variation.key.trim().starts_with("output"));
+        let flows = varies_truth || capture.output.truth.layers.contains(&TruthLayer::Flow);
+        cameras.push(RigCamera { place, camera, serial, seed, flows });
         captures.push(capture);
+    }
+    for (index, camera) in cameras.iter().enumerate() {
+        if let Some(other) = cameras[..index].iter().find(|other| other.serial == camera.serial) {
+            let (name, number) = (&other.place.name, camera.serial);
+            let message = format!("has the serial number {number} of {name}, and so the same fixed pattern");
+            let invalid = Invalid::new(format!("cameras[{index}]"), message);
+            return Err(file.error(invalid.help("give each a sensor.serial of its own in its `set`")));
+        }
     }
     for (index, camera) in cameras.iter().enumerate() {
         let Some(partner) = camera.place.partner else { continue };
         let (own, other) = (&captures[index], &captures[partner]);
-        if own.lens != other.lens || own.sensor.resolution != other.sensor.resolution {
+        let geometry = |capture: &Capture| {
+            let SensorModel { resolution, pixel_pitch_m, shutter, .. } = capture.sensor;
+            (resolution, pixel_pitch_m, shutter)
+        };
+        if own.lens != other.lens || geometry(own) != geometry(other) {
             let message = "disparity is that of two cameras of one kind, and lens or sensor of the other differ";
             let key = format!("cameras[{index}].disparity_to");
             return Err(file.error(Invalid::new(key, message).help("remove it, or give both the same `set`")));

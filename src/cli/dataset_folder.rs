@@ -6,11 +6,12 @@
 
 use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf, absolute};
+use std::path::{Path, PathBuf};
 
 use photosite::calibration::camera_files::{CalibratedCamera, StereoPair, kalibr, opencv, opencv_pair, ros, ros_pair};
 use photosite::calibration::dataset::{CALIBRATION_FOLDER, Plan};
-use photosite::io::capture::{Capture, DatasetFile, REPORT};
+use photosite::calibration::truth::TruthLayer;
+use photosite::io::capture::{Capture, DatasetFile, REPORT, real_path};
 use photosite::io::finished_dataset::{MANIFEST, read_present};
 use photosite::io::output::{create_folder, remove_unfinished, write_whole};
 use photosite::{Error, Invalid, Result};
@@ -28,11 +29,14 @@ const OF_PART: &str = "part";
 const CARD: &str = "README.md";
 
 /// Everything that decides what the pictures are: version, description, captures, and the files that these name. How many
-/// frames there are decides nothing of any of them, unless a key goes from one value to another over all.
+/// frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow tells of the
+/// next one.
 pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[String]) -> Result<Value> {
     let mut description = file.values.clone();
     let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some());
-    if let (false, Value::Object(keys)) = (sweeps, &mut description) {
+    // Flow of the last frame leads nowhere.
+    let flows = captures.iter().any(|capture| capture.output.truth.layers.contains(&TruthLayer::Flow));
+    if let (false, Value::Object(keys)) = (sweeps || flows, &mut description) {
         keys.remove("frames");
     }
     let mut named = Map::new();
@@ -52,8 +56,7 @@ pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[St
 /// The same for a folder that holds a part of every picture, made from the data set file `input`.
 pub(super) fn part_identity(identity: &Value, samples: &Range<u32>, input: &Path) -> Value {
     let mut identity = identity.clone();
-    let path = absolute(input).unwrap_or_else(|_| input.to_owned());
-    identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": path });
+    identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": real_path(input) });
     identity
 }
 

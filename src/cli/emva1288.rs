@@ -63,7 +63,7 @@ pub(super) struct Emva1288Args {
     /// Columns and rows of the images, WIDTHxHEIGHT [default: 512x512, or what the sensor has].
     #[arg(long, value_name = "PX", value_parser = size)]
     size: Option<[usize; 2]>,
-    /// Seed of the noise: another one is another camera of the same make.
+    /// Seed of temporal noise; another camera of the same make is --set serial=N.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// File format of the images.

@@ -8,7 +8,7 @@ use glam::DAffine3;
 use photosite::develop::SensorCalibration;
 use photosite::image::Estimate;
 use photosite::integrator::WavelengthChoice;
-use photosite::io::capture::{REPORT, StoredCapture, StoredReport};
+use photosite::io::capture::{REPORT, StoredCapture, StoredReport, relative_path};
 use photosite::optics::{Camera, Focus, LensDescription};
 use photosite::sensor::{Exposure, SensorModel, electron_rates};
 use photosite::spectrum::{Spectrum, illuminant};
@@ -82,7 +82,10 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
         );
     }
     // What is asked for again as it was takes what automatic exposure found then, to the last bit.
-    let same = recorded.is_some_and(|r| r.sensor == capture.sensor && r.exposure.is_like(&capture.exposure));
+    let same = recorded.is_some_and(|r| {
+        let specimen = SensorModel { serial: capture.sensor.serial, ..r.sensor };
+        specimen == capture.sensor && r.exposure.is_like(&capture.exposure)
+    });
     let known_gains = gains.filter(|_| same);
     let expose = |light: StoredLight| -> Result<(Exposed, Vec<String>)> {
         match light {
@@ -124,7 +127,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
 
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
-        input: args.input.display().to_string(),
+        input: relative_path(&args.input, folder.path()),
         overrides,
         capture: capture.to_json(folder.path())?,
         seed: capture.seed,

@@ -215,6 +215,7 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
         "black_level_dn": raw.black_level_dn.mean(),
         "white_level_dn": raw.white_level_dn,
         "camera_model": raw.metadata.camera_model,
+        "camera_serial": raw.metadata.camera_serial,
         "pixel_pitch_um": raw.metadata.pixel_pitch_m.map(|pitch| pitch.map(|m| round(m * 1e6))),
         "exposure_time_s": raw.metadata.exposure_time_s,
         "falloff_correction": raw.metadata.gain_map.as_ref().map(|map| {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use photosite::io::capture::Capture;
+use photosite::io::capture::{Capture, relative_path};
 use photosite::{Error, Result};
 
 use super::dataset::{DataSet, Talk};
@@ -60,9 +60,10 @@ fn merge_pictures(args: &MergeArgs) -> Result<()> {
     let (input, overrides) = (args.input.clone().unwrap_or_else(|| part.path.clone()), part.overrides.clone());
     let capture = Capture::read(&input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
+    let mut folder = OutputFolder::claim(&args.output, args.force)?;
     let request = Request {
         input: &input,
-        named: part.input.clone(),
+        named: relative_path(&input, folder.path()),
         overrides,
         is_timed: parts.trace_s().is_some(),
         light: Light::Merged(parts),
@@ -70,7 +71,6 @@ fn merge_pictures(args: &MergeArgs) -> Result<()> {
         quiet: args.quiet,
         silent: args.quiet || args.json,
     };
-    let mut folder = OutputFolder::claim(&args.output, args.force)?;
     let rendered = render(capture, &request, &mut folder, timings)?;
     finish(&rendered, &folder, args.quiet, args.json)
 }

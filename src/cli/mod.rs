@@ -29,6 +29,7 @@ mod measure;
 mod merge;
 mod merge_hdr;
 mod noise;
+mod other_pictures;
 mod output_folder;
 mod parts;
 mod pretty_json;

@@ -6,10 +6,10 @@
 use std::fs::File;
 use std::io::BufReader;
 use std::ops::Range;
-use std::path::{Path, PathBuf, absolute};
+use std::path::{Path, PathBuf};
 
 use photosite::film::{Film, FilmResponses, Response};
-use photosite::io::capture::{Capture, REPORT};
+use photosite::io::capture::{Capture, REPORT, real_path};
 use photosite::io::film_file::FilmReader;
 use photosite::io::light_rows::LightRows;
 use photosite::{Error, Invalid, Result};
@@ -29,7 +29,7 @@ pub(super) struct PartReport {
     pub(super) samples: [u32; 2],
     /// Of the whole render.
     pub(super) samples_per_pixel: u32,
-    /// What was rendered, as it was given, and where it is.
+    /// What was rendered, as it reads from the picture's folder or the data set file, and where it is.
     pub(super) input: String,
     pub(super) path: PathBuf,
     pub(super) overrides: Vec<String>,
@@ -73,7 +73,7 @@ impl PartReport {
             samples,
             samples_per_pixel,
             input: request.named.clone(),
-            path: absolute(request.input).unwrap_or_else(|_| request.input.to_owned()),
+            path: real_path(request.input),
             overrides: request.overrides.clone(),
             trace_s: request.is_timed.then_some(trace_s),
             files,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::{DVec2, DVec3};
-use photosite::calibration::truth::View;
+use photosite::calibration::truth::project;
 use photosite::io::capture::Capture;
 use photosite::optics::Camera;
 use photosite::{Error, Invalid, Result};
@@ -41,7 +41,6 @@ pub(super) struct ProjectArgs {
 pub(super) fn run(args: &ProjectArgs) -> Result<()> {
     let capture = Capture::read(&args.input, &args.overrides)?;
     let camera = lone_recording_camera(&capture)?;
-    let view = View::of(&camera);
     let text = read(&args.points)?;
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or("").trim()));
     let mut out = String::new();
@@ -57,7 +56,7 @@ pub(super) fn run(args: &ProjectArgs) -> Result<()> {
             let point = DVec3::from_array(numbers(line, "0.1, -0.2, 3").map_err(in_line)?);
             let pixel = match args.camera_space {
                 true => camera.project_camera(flipped(point)),
-                false => view.project(point),
+                false => project(&camera, point),
             };
             (pixel.unwrap_or(DVec2::NAN) - 0.5).to_array().map(|x| x.to_string()).join(",")
         };

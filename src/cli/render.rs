@@ -12,10 +12,10 @@ use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::film::{Response, band_response};
 use photosite::geometry::{Hit, Ray};
 use photosite::integrator::{FilterTile, WavelengthChoice};
-use photosite::io::capture::{Capture, REPORT, TruthOutput};
-use photosite::io::truth::{TruthFormat, fits_png};
+use photosite::io::capture::{Capture, NextPicture, REPORT, TruthOutput, relative_path};
+use photosite::io::truth::{TruthFormat, fits_png, lost_in_png};
 use photosite::math::hash::hash64;
-use photosite::optics::{Camera, Focus, LensDescription, PixelGrid, Recording};
+use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
 use photosite::raw::RawImage;
 use photosite::scene::{self, Scene, spectral_coverage};
 use photosite::sensor::{Exposure, SensorModel};
@@ -29,6 +29,7 @@ use super::checkpoint::Checkpoints;
 use super::film_memory::{FilmMemory, Strips};
 use super::ideal;
 use super::kept_rows::KeptRows;
+use super::other_pictures::{ChangedPicture, Common, Moment, partner_camera};
 use super::output_folder::OutputFolder;
 use super::parts::{PartReport, Parts, check_samples, makings};
 use super::report::{
@@ -67,7 +68,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let mut folder = OutputFolder::claim(&output.clone().unwrap_or_else(|| default_folder(&args.input)), *force)?;
     let request = Request {
         input: &args.input,
-        named: args.input.display().to_string(),
+        named: relative_path(&args.input, folder.path()),
         overrides,
         light: args.samples.clone().map_or(Light::Traced, Light::Part),
         film_memory: args.film_memory,
@@ -92,7 +93,7 @@ pub(super) enum Light {
 /// What of a render does not stand in its capture.
 pub(super) struct Request<'a> {
     pub(super) input: &'a Path,
-    /// The same as it was given.
+    /// The same as reports call it: as it reads from their folder, or from the data set file.
     pub(super) named: String,
     pub(super) overrides: Vec<String>,
     pub(super) light: Light,
@@ -132,6 +133,8 @@ pub(super) fn render(
     let mut warnings = description.warnings.clone();
     warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
     let truth_report = TruthReport::new(&capture.output.truth, &description, capture.recording.as_ref());
+    let flows = capture.output.truth.layers.contains(&TruthLayer::Flow);
+    let common = flows.then(|| Common { surfaces: description.surfaces(), importance: &importance });
     let scene = scene::build(description, &importance);
     let camera = place_camera(&capture, |ray| scene.closest(ray))?;
     if let (Focus::Autofocus { pixel: [x, y] }, true) = (capture.lens.focus, camera.focus_distance_m().is_infinite()) {
@@ -152,6 +155,10 @@ pub(super) fn render(
     }
     timings.build_s = start.elapsed().as_secs_f64();
 
+    let changed =
+        common.as_ref().map(|common| ChangedPicture::read(request.input, &request.overrides, &capture, &scene, common));
+    let place = capture.output.truth.partner.filter(|_| capture.output.truth.layers.contains(&TruthLayer::Disparity));
+    let partner = place.map(|place| Ok((partner_camera(&capture, &camera, place, &scene)?, place)));
     let makings = makings(&capture)?;
     let traced = Series {
         input: request.input,
@@ -167,14 +174,13 @@ pub(super) fn render(
         importance: &importance,
         filters: filters.as_ref(),
         strips,
+        common,
+        changed: changed.transpose()?.flatten(),
+        partner: partner.transpose()?,
+        quiet: request.quiet,
     };
-    let Recorded { shot, paths, warning } = traced.record(folder, &mut timings, request.silent)?;
-    if let Some(warning) = warning {
-        if !request.quiet {
-            eprintln!("warning: {warning}");
-        }
-        warnings.push(warning);
-    }
+    let Recorded { shot, paths, warnings: more } = traced.record(folder, &mut timings, request.silent)?;
+    warnings.extend(more);
     let Some(Shot { exposure, first, reached }) = shot else {
         let samples = capture.render.samples_per_pixel;
         let part = PartReport::new(request, samples, makings, &responses, folder.files(), timings.trace_s);
@@ -191,7 +197,7 @@ pub(super) fn render(
     };
     let still = first_camera.halfway();
     let report_target =
-        |target: &PlacedTarget| TargetReport::new(target, &View::of(&first_camera), &scene, pixels(&capture));
+        |target: &PlacedTarget| TargetReport::new(target, &View::of(&scene, &first_camera, pixels(&capture)));
     let traced = TracedReport {
         camera: CameraReport::new(&capture.lens, &still, pixels(&capture), capture.recording.as_ref()),
         lens: LensReport::new(&capture.lens, &camera),
@@ -235,6 +241,14 @@ struct Series<'a> {
     importance: &'a Spectrum,
     filters: Option<&'a FilterTile>,
     strips: Strips,
+    /// Where flow is asked for.
+    common: Option<Common<'a>>,
+    /// The next picture, if it is that of a changed capture and flow is asked for.
+    changed: Option<ChangedPicture>,
+    /// The camera of the partner where this one stands, and partner → camera, if disparity is asked for.
+    partner: Option<(Camera, DAffine3)>,
+    /// Whether warnings are kept from the user.
+    quiet: bool,
 }
 
 /// What has become of a series.
@@ -243,8 +257,8 @@ struct Recorded {
     shot: Option<Shot>,
     /// Paths, over all light that was traced.
     paths: u64,
-    /// What is to be said of an automatic exposure, which is one for all pictures.
-    warning: Option<String>,
+    /// What turned out on the way, each once.
+    warnings: Vec<String>,
 }
 
 /// The last exposure and the first picture.
@@ -266,47 +280,85 @@ impl Series<'_> {
     fn record(&self, folder: &mut OutputFolder, timings: &mut Timings, silent: bool) -> Result<Recorded> {
         let count = self.capture.exposure.frames;
         let Some(recording) = &self.capture.recording else {
-            let still = [self.camera, self.camera];
-            return self.picture(self.scene, still, Frames::All(count), folder, timings, silent);
+            let next = self.next(self.scene, View::of(self.scene, self.camera, pixels(self.capture)));
+            return self.picture(self.scene, self.camera, next, Frames::All(count), folder, timings, silent);
         };
-        let frame = |number: u32, folder: &mut OutputFolder, timings: &mut Timings| {
-            let frames = Frames::One { number, of: count };
-            let recordings = |first: &Recording, next: &Recording| {
-                [first, next].map(|recording| self.camera.clone().recording(recording.clone()))
+        let mut all = Recorded { shot: None, paths: 0, warnings: Vec::new() };
+        let mut now = Moment { recording: recording.clone(), scene: None };
+        for number in 0..count {
+            // Only flow looks ahead.
+            let mut next = match &self.common {
+                Some(common) if self.capture.scene_moves => {
+                    Some(self.moment(number + 1, |capture| common.build(capture), timings)?)
+                }
+                Some(_) | None => None,
             };
-            if !self.capture.scene_moves {
-                let [camera, next] = recordings(&recording.later(number), &recording.later(number + 1));
-                return self.picture(self.scene, [&camera, &next], frames, folder, timings, silent);
+            let later = now.recording.later(1);
+            let [camera, next_camera] = [&now.recording, next.as_ref().map_or(&later, |next| &next.recording)]
+                .map(|recording| self.camera.clone().recording(recording.clone()));
+            let scene = now.scene.as_ref().unwrap_or(self.scene);
+            let next_scene = next.as_ref().and_then(|next| next.scene.as_ref()).unwrap_or(scene);
+            let view = self.next(scene, View::of(next_scene, &next_camera, pixels(self.capture)));
+            let frames = Frames::One { number, of: count };
+            let recorded = self.picture(scene, &camera, view, frames, folder, timings, silent)?;
+            let first = all.shot.map(|Shot { first, .. }| first);
+            all.shot = recorded.shot.map(|last| Shot { first: first.unwrap_or(last.first), ..last });
+            all.paths += recorded.paths;
+            for warning in recorded.warnings {
+                if !all.warnings.contains(&warning) {
+                    all.warnings.push(warning);
+                }
             }
-            let start = Instant::now();
-            let read = |number| Capture::read_frame(self.input, self.overrides, number);
-            let recording_of = |capture: &Capture| capture.recording.clone().unwrap_or_else(|| recording.later(number));
-            let moved = if number == 0 { None } else { Some(read(number)?) };
-            let now = moved.as_ref().map_or_else(|| recording.clone(), recording_of);
-            // Only what is known of pixels beside the picture looks ahead.
-            let looks_ahead = !self.capture.output.truth.layers.is_empty();
-            let next = if looks_ahead { recording_of(&read(number + 1)?) } else { now.later(1) };
-            timings.load_s += start.elapsed().as_secs_f64();
-            let start = Instant::now();
-            let scene = moved.map(|moved| scene::build(moved.scene, self.importance));
-            timings.build_s += start.elapsed().as_secs_f64();
-            let [camera, next] = recordings(&now, &next);
-            self.picture(scene.as_ref().unwrap_or(self.scene), [&camera, &next], frames, folder, timings, silent)
-        };
-        let mut recorded = frame(0, folder, timings)?;
-        for number in 1..count {
-            let Recorded { shot, paths, .. } = frame(number, folder, timings)?;
-            let shot = shot.zip(recorded.shot).map(|(last, Shot { first, .. })| Shot { first, ..last });
-            recorded = Recorded { shot, paths: recorded.paths + paths, ..recorded };
+            if number + 1 == count {
+                break;
+            }
+            if next.is_none() && self.capture.scene_moves {
+                // Two scenes need twice the memory.
+                now.scene = None;
+                let build =
+                    |capture: &mut Capture| Ok(scene::build(std::mem::take(&mut capture.scene), self.importance));
+                next = Some(self.moment(number + 1, build, timings)?);
+            }
+            now = next.unwrap_or(Moment { recording: later, scene: None });
         }
-        Ok(recorded)
+        Ok(all)
     }
 
-    /// One picture, with the camera of it and that of the next one.
+    /// The picture of that number of an animated scene.
+    fn moment(
+        &self,
+        number: u32,
+        build: impl Fn(&mut Capture) -> Result<Scene>,
+        timings: &mut Timings,
+    ) -> Result<Moment> {
+        let start = Instant::now();
+        let mut capture = Capture::read_frame(self.input, self.overrides, number)?;
+        timings.load_s += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let scene = Some(build(&mut capture)?);
+        timings.build_s += start.elapsed().as_secs_f64();
+        let still = || self.capture.recording.as_ref().map(|recording| recording.later(number));
+        let recording = capture.recording.clone().or_else(still);
+        let recording = recording.expect("what is animated is recorded");
+        Ok(Moment { recording, scene })
+    }
+
+    /// The picture that flow leads to from one of `scene`, after which `of_series` comes.
+    fn next<'b>(&'b self, scene: &'b Scene, of_series: View<'b>) -> Option<View<'b>> {
+        match &self.capture.output.truth.next {
+            NextPicture::OfSeries => Some(of_series),
+            NextPicture::Changed(_) => self.changed.as_ref().map(|changed| changed.view(scene)),
+            NextPicture::None => None,
+        }
+    }
+
+    /// One picture, with the view of the next one.
+    #[expect(clippy::too_many_arguments, reason = "a picture, where it goes, and what is told of it")]
     fn picture(
         &self,
         scene: &Scene,
-        [camera, next]: [&Camera; 2],
+        camera: &Camera,
+        next: Option<View<'_>>,
         frames: Frames,
         folder: &mut OutputFolder,
         timings: &mut Timings,
@@ -321,10 +373,15 @@ impl Series<'_> {
         if let Light::Part(samples) = self.source {
             settings.part = Some(samples.clone());
         }
-        let partner = capture.output.truth.partner.unwrap_or(DAffine3::IDENTITY);
-        let truth_job = TruthJob { scene, camera, next, partner, resolution: pixels(capture) };
-        check_depths(&truth_job, &capture.output.truth)
+        let resolution = pixels(capture);
+        let partner = self.partner.as_ref().map(|(partner, place)| (partner.clone().moving_as(camera), *place));
+        let partner = partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution });
+        let truth_job = TruthJob { view: View::of(scene, camera, resolution), next, partner };
+        let mut warnings = check_png(&truth_job, &capture.output.truth)
             .map_err(|invalid| capture.source.error(invalid.within("output")))?;
+        if !self.quiet {
+            warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        }
         let start = Instant::now();
         let traced = match self.source {
             Light::Merged(parts) => {
@@ -366,7 +423,7 @@ impl Series<'_> {
                 }
                 folder.write_film(frames.light_number(), file)?;
                 timings.write_s += start.elapsed().as_secs_f64();
-                return Ok(Recorded { shot: None, paths: all_paths, warning: None });
+                return Ok(Recorded { shot: None, paths: all_paths, warnings });
             }
         };
         let in_folder = |reason: std::io::Error| Error::io(folder.path(), "read from", reason);
@@ -381,7 +438,14 @@ impl Series<'_> {
         let counts = settings.noise_target.map(|_| counts);
         let exposed = chain.expose(rates, Seconds(1.0), None)?;
         timings.expose_s += start.elapsed().as_secs_f64();
-        let (exposure, warning) = (exposed.exposure, exposed.warning.clone());
+        let exposure = exposed.exposure;
+        // An automatic exposure is one for all pictures.
+        if let Some(warning) = exposed.warning.clone().filter(|_| frames.numbers().0.start == 0) {
+            if !self.quiet {
+                eprintln!("warning: {warning}");
+            }
+            warnings.push(warning);
+        }
         let first = write_results(chain, exposed, frames, folder, timings, |folder, number| {
             if capture.output.ideal {
                 let seen = light.means(ideal::NAMES).to_planes();
@@ -407,18 +471,26 @@ impl Series<'_> {
                 None => Ok(()),
             }
         })?;
-        Ok(Recorded { shot: Some(Shot { exposure, first, reached }), paths: all_paths, warning })
+        Ok(Recorded { shot: Some(Shot { exposure, first, reached }), paths: all_paths, warnings })
     }
 }
 
-/// Finds depths that no PNG file can hold before light is traced, which may take an hour.
-fn check_depths(job: &TruthJob<'_>, output: &TruthOutput) -> Result<(), Invalid> {
+/// Finds truth that no PNG file can hold before light is traced, which may take an hour; returns what is to be said of what they
+/// leave out.
+fn check_png(job: &TruthJob<'_>, output: &TruthOutput) -> Result<Vec<String>, Invalid> {
     if !output.formats.contains(&TruthFormat::Png) {
-        return Ok(());
+        return Ok(Vec::new());
     }
-    let is_depth = |layer: &TruthLayer| matches!(layer, TruthLayer::Depth | TruthLayer::Distance);
-    let depths: Vec<TruthLayer> = output.layers.iter().copied().filter(is_depth).collect();
-    if depths.is_empty() { Ok(()) } else { fits_png(&truth(job, &depths), output.depth_unit_m) }
+    let is_bounded = |layer: &TruthLayer| {
+        matches!(layer, TruthLayer::Depth | TruthLayer::Distance | TruthLayer::Flow | TruthLayer::Disparity)
+    };
+    let bounded: Vec<TruthLayer> = output.layers.iter().copied().filter(is_bounded).collect();
+    if bounded.is_empty() {
+        return Ok(Vec::new());
+    }
+    let planes = truth(job, &bounded);
+    fits_png(&planes, output.depth_unit_m)?;
+    Ok(lost_in_png(&planes))
 }
 
 /// `scenes/cornell-box/capture.toml` → `cornell-box`, `scenes/checker/capture-a.toml` → `checker-a`, `helmet.glb` →
@@ -514,8 +586,17 @@ pub(super) fn camera_of(
 
 /// Puts the lens in its place, focused on what autofocus finds: `closest` is asked for it then only.
 pub(super) fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<Hit>) -> Result<Camera> {
+    place_camera_at(capture, capture.camera_to_world, closest)
+}
+
+/// The same in another place.
+pub(super) fn place_camera_at(
+    capture: &Capture,
+    to_world: DAffine3,
+    closest: impl Fn(&Ray) -> Option<Hit>,
+) -> Result<Camera> {
     let place = |lens: &_, distance| {
-        let camera = camera_of(lens, &capture.sensor, capture.camera_to_world, distance);
+        let camera = camera_of(lens, &capture.sensor, to_world, distance);
         camera.map_err(|invalid| capture.source.error(invalid.within("lens")))
     };
     let covered = |camera: Camera| match camera.check_coverage() {

@@ -2,14 +2,13 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use photosite::calibration::targets::PlacedTarget;
-use photosite::calibration::truth::{Correspondence, View};
+use photosite::calibration::truth::{Correspondence, TruthLayer, View};
 use photosite::develop::SensorCalibration;
-use photosite::io::capture::TruthOutput;
+use photosite::io::capture::{NextPicture, TruthOutput};
 use photosite::io::target_file::facts;
 use photosite::optics::{
     Camera, CameraMotion, FieldOfView, Intrinsics, LensDescription, LensKind, Projection, Recording,
 };
-use photosite::scene::Scene;
 use photosite::scene::description::SceneDescription;
 use photosite::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
 use serde::{Deserialize, Serialize};
@@ -81,6 +80,9 @@ pub(super) struct TruthReport {
     instances_to_world: Vec<[[f64; 4]; 3]>,
     /// Names of the materials, from number 1 on.
     materials: Vec<String>,
+    /// Whether there is a next picture, which flow leads to; without, no flow is valid. Left out without flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    has_next: Option<bool>,
 }
 
 impl TruthReport {
@@ -93,6 +95,7 @@ impl TruthReport {
             instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
             instances_to_world: scene.instances.iter().map(|instance| placement(&instance.at(part))).collect(),
             materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
+            has_next: output.layers.contains(&TruthLayer::Flow).then(|| output.next != NextPicture::None),
         })
     }
 }
@@ -141,8 +144,8 @@ pub(super) struct TargetReport {
 }
 
 impl TargetReport {
-    pub(super) fn new(placed: &PlacedTarget, view: &View<'_>, scene: &Scene, size: [u32; 2]) -> Self {
-        let found: Vec<_> = placed.points().map(|(_, point)| view.landmark(scene, point, size)).collect();
+    pub(super) fn new(placed: &PlacedTarget, view: &View<'_>) -> Self {
+        let found: Vec<_> = placed.points().map(|(_, point)| view.landmark(point)).collect();
         let px = |place: &Correspondence| (place.pixel - DVec2::splat(0.5)).to_array();
         Self {
             points_px: found.iter().map(|place| place.as_ref().map(px)).collect(),
@@ -384,6 +387,8 @@ impl LensReport {
 #[derive(Serialize)]
 pub(super) struct SensorReport {
     pub(super) name: String,
+    /// Fixed pattern belongs to it.
+    pub(super) serial: u64,
     pub(super) resolution_px: [usize; 2],
     pub(super) pixel_pitch_um: [f64; 2],
     pub(super) channels: Vec<String>,

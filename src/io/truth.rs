@@ -7,8 +7,8 @@
 //! | normal, shading-normal | −1 … 1, zeros for nothing | `float32` | (n + 1)/2 · 65535, zeros for nothing |
 //! | albedo | linear sRGB | `float32` | 65535 for white, linear, kept within |
 //! | instance, material | 0 for nothing | `uint32` | 0 for nothing |
-//! | flow | x, y, visible | `float32` | 64·x + 2¹⁵, 64·y + 2¹⁵, visible (KITTI's) |
-//! | disparity | x, y, visible | `float32` | 256·x where it is visible, 0 elsewhere (KITTI's) |
+//! | flow | x, y, visible | `float32` | 64·x + 2¹⁵, 64·y + 2¹⁵, visible (KITTI's); zeros beyond ±512 px |
+//! | disparity | x, y, visible | `float32` | 256·x where it is visible, at least 1; 0 elsewhere (KITTI's) |
 
 use std::io::{self, Seek, Write};
 
@@ -52,7 +52,8 @@ impl TruthFormat {
     }
 }
 
-/// Whether all depths and distances fit into 16 bits of `depth_unit_m`.
+/// Whether all depths and distances fit into 16 bits of `depth_unit_m`, and all disparities into those of KITTI's, which are along
+/// x alone.
 pub fn fits_png(truth: &Planes, depth_unit_m: f64) -> Result<(), Invalid> {
     for layer in [TruthLayer::Depth, TruthLayer::Distance] {
         let finite = truth.plane(layer.name()).into_iter().flatten().filter(|m| m.is_finite());
@@ -65,7 +66,55 @@ pub fn fits_png(truth: &Planes, depth_unit_m: f64) -> Result<(), Invalid> {
             return Err(Invalid::new("truth_depth_unit_mm", message).help(help));
         }
     }
+    // Half a step more, as numbers are rounded; rows that lie less than half a pixel apart are the same.
+    let held = -0.5 / DISPARITY_STEPS..=(LARGEST + 0.5) / DISPARITY_STEPS;
+    let is_held = |[x, y]: &[f64; 2]| held.contains(x) && y.abs() <= x.abs().max(0.5);
+    let wrong = visible(truth, TruthLayer::Disparity).find(|way| !is_held(way));
+    if let Some([x, y]) = wrong {
+        let most = LARGEST / DISPARITY_STEPS;
+        let message = format!(
+            "a disparity of {x:.1}, {y:.1} px is none that PNG files hold, which are those along x from 0 to {most:.1} px"
+        );
+        let help = "write \"exr\" or \"npy\", or put the cameras side by side, looking the same way";
+        return Err(Invalid::new("truth_formats", message).help(help));
+    }
     Ok(())
+}
+
+/// Steps of a PNG file's disparity in a pixel, and of its flow.
+const DISPARITY_STEPS: f64 = 256.0;
+const FLOW_STEPS: f64 = 64.0;
+
+/// x and y of the ways to another picture that are visible there, px.
+fn visible(truth: &Planes, layer: TruthLayer) -> impl Iterator<Item = [f64; 2]> {
+    let planes: Vec<&[f32]> = layer.channels().iter().filter_map(|name| truth.plane(name)).collect();
+    let count = planes.first().map_or(0, |plane| plane.len());
+    let at = move |i: usize| [0, 1, 2].map(|c| f64::from(planes[c][i]));
+    (0..count).map(at).filter(|[.., visible]| *visible > 0.0).map(|[x, y, _]| [x, y])
+}
+
+/// What is to be said of ways that PNG files tell half, or not at all.
+pub fn lost_in_png(truth: &Planes) -> Vec<String> {
+    let mut lost = Vec::new();
+    let aside = visible(truth, TruthLayer::Disparity).map(|[_, y]| y.abs()).fold(0.0, f64::max);
+    if aside > 0.5 {
+        lost.push(format!(
+            "PNG files hold disparity along x alone, and here it reaches {aside:.1} px along y: \"exr\" and \"npy\" hold both"
+        ));
+    }
+    let beyond = visible(truth, TruthLayer::Flow).filter(|&[x, y]| flow_code(x).and(flow_code(y)).is_none()).count();
+    if beyond > 0 {
+        lost.push(format!(
+            "flow beyond ±512 px is marked as invalid in PNG files, here in {beyond} pixels: \"exr\" and \"npy\" hold it"
+        ));
+    }
+    lost
+}
+
+/// The number that stands for flow along an axis, if there is one.
+fn flow_code(px: f64) -> Option<u16> {
+    let code = (px * FLOW_STEPS).round() + 32768.0;
+    (1.0..=LARGEST).contains(&code).then_some(code as u16)
 }
 
 /// Writes all layers as one OpenEXR file.
@@ -137,16 +186,12 @@ fn codes(layer: TruthLayer, values: [f64; 3], depth_unit_m: f64) -> io::Result<[
         TruthLayer::Normal | TruthLayer::ShadingNormal if values == [0.0; 3] => Ok([0; 3]),
         TruthLayer::Normal | TruthLayer::ShadingNormal => Ok(values.map(|n| code((n + 1.0) / 2.0 * LARGEST))),
         TruthLayer::Albedo => Ok(values.map(|part| code(part * LARGEST))),
-        TruthLayer::Flow => {
-            let [x, y] = [0, 1].map(|axis| (values[axis] * 64.0).round() + 32768.0);
-            let fits = [x, y].iter().all(|code| (1.0..=LARGEST).contains(code));
-            Ok(if fits { [x as u16, y as u16, code(values[2])] } else { [0; 3] })
-        }
-        TruthLayer::Disparity => {
-            let units = (values[0] * 256.0).round();
-            let fits = values[2] > 0.0 && (1.0..=LARGEST).contains(&units);
-            Ok([if fits { units as u16 } else { 0 }, 0, 0])
-        }
+        TruthLayer::Flow => Ok(match (flow_code(values[0]), flow_code(values[1])) {
+            (Some(x), Some(y)) => [x, y, code(values[2])],
+            (None, _) | (_, None) => [0; 3],
+        }),
+        TruthLayer::Disparity if values[2] > 0.0 => Ok([code(values[0] * DISPARITY_STEPS).max(1), 0, 0]),
+        TruthLayer::Disparity => Ok([0; 3]),
         TruthLayer::Position | TruthLayer::Uv => Err(io::Error::other("PNG files have no room for it")),
     }
 }
@@ -154,6 +199,7 @@ fn codes(layer: TruthLayer, values: [f64; 3], depth_unit_m: f64) -> io::Result<[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Channel;
 
     #[test]
     fn depths_are_whole_units_and_nothing_is_zero() {
@@ -172,5 +218,30 @@ mod tests {
         assert_eq!(flow(0.0, -1.0, 1.0), Some([32768, 32704, 1]));
         assert_eq!(flow(511.0, 2.0, 0.0), Some([65472, 32896, 0]));
         assert_eq!(flow(600.0, 2.0, 1.0), Some([0; 3]));
+    }
+
+    fn disparities(values: &[[f32; 3]]) -> Planes {
+        let plane = |c: usize| Channel {
+            name: TruthLayer::Disparity.channels()[c].to_owned(),
+            data: values.iter().map(|value| value[c]).collect(),
+        };
+        Planes::new(values.len(), 1, [0, 1, 2].map(plane).to_vec()).expect("planes")
+    }
+
+    #[test]
+    fn disparities_are_those_of_kitti_or_refused() {
+        // The development kit: d = I/256, 0 where there is none.
+        let code = |x, visible| codes(TruthLayer::Disparity, [x, 0.0, visible], 1e-3).map(|[code, ..]| code).ok();
+        assert_eq!(code(12.5, 1.0), Some(3200));
+        assert_eq!(code(12.5, 0.0), Some(0));
+        assert_eq!(code(1e-4, 1.0), Some(1), "far away, but there");
+        let fits = |values: &[[f32; 3]]| fits_png(&disparities(values), 1e-3);
+        assert!(fits(&[[0.0, 0.0, 1.0], [255.9, 0.4, 1.0], [-9.0, 0.0, 0.0], [300.0, 300.0, 0.0]]).is_ok());
+        for wrong in [[-0.1, 0.0, 1.0], [256.1, 0.0, 1.0], [0.0, 3.0, 1.0], [2.0, -3.0, 1.0]] {
+            assert_eq!(fits(&[wrong]).expect_err("refused").key, "truth_formats", "{wrong:?}");
+        }
+        assert!(lost_in_png(&disparities(&[[9.0, 0.4, 1.0], [9.0, 2.0, 0.0]])).is_empty());
+        let lost = lost_in_png(&disparities(&[[9.0, 0.4, 1.0], [9.0, -2.25, 1.0]]));
+        assert!(lost.len() == 1 && lost[0].contains("2.2 px along y"), "{lost:?}");
     }
 }

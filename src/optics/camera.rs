@@ -181,6 +181,12 @@ impl Camera {
         Self { recording: Some(recording), ..self }
     }
 
+    /// The same camera moving as another does.
+    #[must_use]
+    pub fn moving_as(self, other: &Self) -> Self {
+        Self { recording: other.recording.clone(), ..self }
+    }
+
     /// The same camera with a single row of pixels, which sees every line of the picture. Its grid has one row.
     #[must_use]
     pub fn scanning(self) -> Self {

@@ -184,6 +184,8 @@ fn linearise(data: &mut [u16], table: &[u16]) {
 pub struct RawMetadata {
     /// Sensor preset or name.
     pub camera_model: String,
+    /// Serial number of the camera; empty where it is not known.
+    pub camera_serial: String,
     /// Pixel pitch along x and y, m.
     pub pixel_pitch_m: Option<[f64; 2]>,
     /// Width of a pixel over its height, where a file says another than its pitch does, which EXIF may round.

@@ -432,7 +432,8 @@ fn place(
     };
     let laid_out = |wanted| instances.iter().enumerate().filter(move |(_, instance)| layout(instance) == wanted);
     let mut geometry = Geometry::default();
-    let mut table = InstanceTable::default();
+    let surfaces = vec![[u32::MAX; 2]; instances.len()];
+    let mut table = InstanceTable { surfaces, ..InstanceTable::default() };
     let (mut groups, mut placements) = (Vec::new(), Vec::new());
     let (mut emitters, mut light_count) = (Vec::new(), 0);
     let mut add = |geometry: &mut Geometry, table: &mut InstanceTable, index: usize| {
@@ -449,6 +450,8 @@ fn place(
     };
     for (index, _) in laid_out(Layout::World) {
         add(&mut geometry, &mut table, index);
+        // All of these have the first placement.
+        table.surfaces[index] = [geometry.meshes.len() as u32 - 1, 0];
     }
     let world_end = geometry.triangles.len() as u32;
     if world_end > 0 {
@@ -459,6 +462,7 @@ fn place(
     for (index, instance) in laid_out(Layout::Deforming) {
         let range = add(&mut geometry, &mut table, index);
         deform(&mut geometry, &meshes[instance.mesh], instance);
+        table.surfaces[index] = [geometry.meshes.len() as u32 - 1, placements.len() as u32];
         placements.push(Placement { group: groups.len() as u32, place: Place::World });
         table.of_placement.push(None);
         groups.push(range);
@@ -474,6 +478,8 @@ fn place(
                 Some(places) => Place::Moving(Box::new(Motion::new(&places))),
                 None => Place::Still(Transform::new(&i.to_world)),
             };
+            // No other is added to the geometry until all instances of this mesh are placed.
+            table.surfaces[number] = [geometry.meshes.len() as u32 - 1, placements.len() as u32];
             placements.push(Placement { group, place });
             table.of_placement.push(Some(number as u32));
         }

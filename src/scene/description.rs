@@ -11,6 +11,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use crate::Invalid;
 use crate::geometry::Motion;
 use crate::light::{Profile, SkyConditions};
+use crate::math::hash::hash64;
 use crate::spectrum::{Dispersion, Spectrum};
 use crate::texture::{Bitmap, SamplerSettings, UvTransform};
 
@@ -33,6 +34,22 @@ pub struct SceneDescription {
     pub cameras: Vec<CameraDescription>,
     /// Things worth telling the user that are no errors, each once.
     pub warnings: Vec<String>,
+}
+
+impl SceneDescription {
+    /// What tells surfaces apart, hashed: names, instances of meshes and their triangles, whatever their place and shape. Scenes
+    /// that have it in common show the same surfaces, which may have moved.
+    pub fn surfaces(&self) -> u64 {
+        let text =
+            |hash: u64, text: &str| text.bytes().fold(hash64(hash, text.len() as u64), |h, b| hash64(h, b.into()));
+        let corners =
+            |hash: u64, [a, b, c]: &[u32; 3]| hash64(hash, u64::from(*a) << 42 ^ u64::from(*b) << 21 ^ u64::from(*c));
+        let of_meshes = self.meshes.iter().fold(self.meshes.len() as u64, |hash, mesh| {
+            let named = hash64(text(hash, &mesh.name), u64::from(mesh.is_sphere));
+            mesh.triangles.iter().fold(hash64(named, mesh.triangles.len() as u64), corners)
+        });
+        self.instances.iter().fold(of_meshes, |hash, instance| hash64(text(hash, &instance.name), instance.mesh as u64))
+    }
 }
 
 /// An indexed triangle mesh in its own space.

@@ -20,7 +20,7 @@ pub(crate) use shading::EDGE_ON;
 pub use shading::Shading;
 
 use crate::bsdf::Phong;
-use crate::geometry::{Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Ray, SurfacePoint};
+use crate::geometry::{self, Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Ray, SurfacePoint};
 use crate::light::{Choice, Emission, LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
 use crate::math::hash::{hash64, unit_f32};
 use crate::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
@@ -54,6 +54,8 @@ struct InstanceTable {
     of_mesh: Vec<u32>,
     /// Of the placements: `None` for the one in world space.
     of_placement: Vec<Option<u32>>,
+    /// The mesh of the geometry that each instance has, and its placement.
+    surfaces: Vec<[u32; 2]>,
 }
 
 impl Scene {
@@ -159,6 +161,26 @@ impl Scene {
     pub fn instance(&self, hit: &Hit) -> u32 {
         let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
         self.instances.of_placement[hit.placement as usize].unwrap_or_else(|| self.instances.of_mesh[mesh as usize])
+    }
+
+    /// The same point of the same surface in another scene, whose description has the same
+    /// [surfaces](description::SceneDescription::surfaces): it may stand elsewhere there and have another shape. `None` where
+    /// there is none.
+    pub fn hit_in(&self, hit: &Hit, other: &Self) -> Option<Hit> {
+        if std::ptr::eq(self, other) {
+            return Some(*hit);
+        }
+        let own = self.geometry.triangles[hit.triangle as usize];
+        let number = hit.triangle - self.geometry.meshes[own.mesh as usize].first_triangle;
+        let &[mesh, placement] = other.instances.surfaces.get(self.instance(hit) as usize)?;
+        let range = other.geometry.meshes.get(mesh as usize).filter(|range| number < range.triangle_count)?;
+        let triangle = range.first_triangle + number;
+        // Corners of meshes that a mirror put into the world are in the other order.
+        let second = |triangle: geometry::Triangle| triangle.corners[1].wrapping_sub(triangle.corners[0]);
+        let is_turned = second(own) != second(other.geometry.triangles[triangle as usize]);
+        let [b1, b2] = hit.barycentric;
+        let barycentric = if is_turned { [b2, b1] } else { [b1, b2] };
+        Some(Hit { t: hit.t, barycentric, triangle, placement })
     }
 
     /// Radiance that a surface point emits towards the unit direction `wo`.

@@ -47,11 +47,19 @@ impl Frame<'_> {
         self.stages.has(stage).then(|| self.key.temporal(stage))
     }
 
-    /// Random numbers that stay from frame to frame, unless the stage is switched off.
+    /// Random numbers that belong to the sensor, unless the stage is switched off.
     pub(super) fn fixed(&self, stage: Stage) -> Option<Streams> {
-        let streams = || self.key.fixed(stage);
-        let scans = self.sensor.shutter.scans();
-        self.stages.has(stage).then(|| if scans { streams().of_one_row() } else { streams() })
+        self.stages.has(stage).then(|| self.of_pixels(Streams::fixed(self.sensor.serial, stage)))
+    }
+
+    /// Random numbers of noise that goes on in time from frame to frame.
+    pub(super) fn in_time(&self, stage: Stage) -> Streams {
+        self.of_pixels(self.key.in_time(stage))
+    }
+
+    /// All lines of a scanning sensor are seen by the same pixels.
+    fn of_pixels(&self, streams: Streams) -> Streams {
+        if self.sensor.shutter.scans() { streams.of_one_row() } else { streams }
     }
 }
 
@@ -208,6 +216,7 @@ pub fn expose_with_maps(
         linearisation: linearisation.map(|linearisation| linearisation.table),
         metadata: RawMetadata {
             camera_model: sensor.name.clone(),
+            camera_serial: sensor.serial.to_string(),
             exposure_time_s: exposure.time.0,
             iso: sensor.iso(exposure).map(|iso| iso.round() as u32),
             pixel_pitch_m: Some([0, 1].map(|axis| sensor.pixel_pitch_m[axis] * binning.factor[axis] as f64)),

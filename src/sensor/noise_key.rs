@@ -1,6 +1,6 @@
-//! Where the sensor's random numbers come from: one stream for every (seed, frame, stage, pixel), so that the noise of a
-//! pixel does not depend on threads, on the order of pixels, on the size of the picture, or on whether other stages are
-//! switched on.
+//! Where the sensor's random numbers come from: one stream for every (seed, frame, stage, pixel), and for what marks the
+//! sensor itself for every (serial number, stage, pixel), so that the noise of a pixel does not depend on threads, on the order
+//! of pixels, on the size of the picture, or on whether other stages are switched on.
 
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -11,12 +11,13 @@ use crate::math::philox::Philox;
 use super::charge_plane::Row;
 use super::stage::Stage;
 
-/// What the noise of one picture is keyed by.
+/// What the temporal noise of one picture is keyed by. Fixed patterns belong to the sensor, by its
+/// [serial number](super::SensorModel::serial), and stay whatever this is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoiseKey {
-    /// Stands for the individual camera: fixed patterns depend on it alone.
+    /// Another seed is another take.
     pub seed: u64,
-    /// Number of the picture in a series: temporal noise differs from frame to frame.
+    /// Number of the picture in a series.
     pub frame: u64,
 }
 
@@ -26,13 +27,17 @@ const SENSOR: u64 = 0x7365_6e73_6f72;
 impl NoiseKey {
     /// Streams of a stage whose noise differs from frame to frame.
     pub(super) fn temporal(self, stage: Stage) -> Streams {
-        Streams { key: hash64(self.fixed(stage).key, hash64(1, self.frame)), row_mask: usize::MAX }
+        Streams { key: hash64(of_stage(self.seed, stage), hash64(1, self.frame)), row_mask: usize::MAX }
     }
 
-    /// Streams of a stage that marks the sensor: the same in every frame.
-    pub(super) fn fixed(self, stage: Stage) -> Streams {
-        Streams { key: hash64(hash64(SENSOR, self.seed), stage as u64), row_mask: usize::MAX }
+    /// Streams of a stage whose noise goes on in time from one frame of a series to the next.
+    pub(super) fn in_time(self, stage: Stage) -> Streams {
+        Streams { key: of_stage(self.seed, stage), row_mask: usize::MAX }
     }
+}
+
+fn of_stage(number: u64, stage: Stage) -> u64 {
+    hash64(hash64(SENSOR, number), stage as u64)
 }
 
 /// The random numbers of one stage, a stream for each pixel, row or column.
@@ -44,6 +49,11 @@ pub(super) struct Streams {
 }
 
 impl Streams {
+    /// Streams of a stage that marks the sensor of this serial number: the same in every picture that it takes.
+    pub(super) fn fixed(serial: u64, stage: Stage) -> Self {
+        Self { key: of_stage(serial, stage), row_mask: usize::MAX }
+    }
+
     /// Streams for another need of the same stage, such as the part of a pattern that a row shares.
     pub(super) fn part(self, number: u64) -> Self {
         Self { key: hash64(self.key, hash64(2, number)), ..self }
@@ -146,7 +156,7 @@ mod tests {
 
     #[test]
     fn pixels_are_chosen_with_their_probability_and_independently_of_the_width() {
-        let streams = NoiseKey { seed: 3, frame: 0 }.fixed(Stage::DeadPixels);
+        let streams = Streams::fixed(3, Stage::DeadPixels);
         for probability in [0.0, 1e-3, 0.3, 1.0] {
             let (width, rows) = (1000, 500);
             let count: usize = (0..rows).map(|y| streams.chosen(probability, y, width).count()).sum();
@@ -161,17 +171,18 @@ mod tests {
     }
 
     #[test]
-    fn fixed_patterns_ignore_the_frame_and_temporal_noise_does_not() {
+    fn temporal_noise_differs_by_seed_and_frame_and_fixed_patterns_by_serial_number() {
         let first = |streams: Streams| streams.pixel(3, 5).next_u64();
-        let (a, b) = (NoiseKey { seed: 7, frame: 0 }, NoiseKey { seed: 7, frame: 1 });
         let stage = Stage::DarkOffset;
-        assert_eq!(first(a.fixed(stage)), first(b.fixed(stage)));
-        assert_ne!(first(a.temporal(stage)), first(b.temporal(stage)));
-        assert_ne!(first(a.temporal(stage)), first(a.fixed(stage)));
-        assert_ne!(first(a.fixed(stage)), first(NoiseKey { seed: 8, frame: 0 }.fixed(stage)));
-        assert_ne!(first(a.fixed(stage)), first(a.fixed(Stage::PhotoResponse)));
-        assert_ne!(first(a.fixed(stage)), first(a.fixed(stage).part(0)));
-        assert_ne!(first(a.fixed(stage).part(1)), first(a.fixed(stage).part(0)));
-        assert_ne!(first(a.fixed(stage)), a.fixed(stage).pixel(5, 3).next_u64());
+        let temporal = |seed, frame| first(NoiseKey { seed, frame }.temporal(stage));
+        assert_ne!(temporal(7, 0), temporal(7, 1));
+        assert_ne!(temporal(7, 0), temporal(8, 0));
+        let fixed = Streams::fixed(7, stage);
+        assert_ne!(temporal(7, 0), first(fixed), "the same number serves both and makes nothing alike");
+        assert_ne!(first(fixed), first(Streams::fixed(8, stage)));
+        assert_ne!(first(fixed), first(Streams::fixed(7, Stage::PhotoResponse)));
+        assert_ne!(first(fixed), first(fixed.part(0)));
+        assert_ne!(first(fixed.part(1)), first(fixed.part(0)));
+        assert_ne!(first(fixed), fixed.pixel(5, 3).next_u64());
     }
 }

@@ -26,7 +26,10 @@ pub(super) struct Telegraph {
     time: Seconds,
     shutter: Shutter,
     rows: usize,
-    streams: Streams,
+    /// Which pixels have a trap, and how large its signal is: they belong to the sensor.
+    traps: Streams,
+    /// When it fills and empties.
+    events: Streams,
 }
 
 /// Parts of the streams.
@@ -36,9 +39,10 @@ const EVENTS: u64 = 1;
 impl Telegraph {
     pub(super) fn new(frame: &Frame<'_>) -> Option<Self> {
         let signal = frame.sensor.noise.telegraph;
-        let streams = frame.fixed(Stage::Telegraph).filter(|_| signal.pixels > 0.0 && signal.amplitude.0 > 0.0)?;
+        let traps = frame.fixed(Stage::Telegraph).filter(|_| signal.pixels > 0.0 && signal.amplitude.0 > 0.0)?;
+        let events = frame.in_time(Stage::Telegraph).part(EVENTS);
         let time = frame.exposure.read_out_time(frame.sensor, frame.key.frame);
-        Some(Self { signal, time, shutter: frame.sensor.shutter, rows: frame.size[1], streams })
+        Some(Self { signal, time, shutter: frame.sensor.shutter, rows: frame.size[1], traps, events })
     }
 
     /// Whether a pixel is on its high level.
@@ -46,7 +50,7 @@ impl Telegraph {
         let Signal { high, low, .. } = self.signal;
         // Time in units of the mean distance of two draws, cut into pieces of one unit.
         let now = (self.time.0 + self.shutter.delay(y, self.rows).0) * (1.0 / high.0 + 1.0 / low.0);
-        let events = self.streams.part(EVENTS).part_of_pixel(x, y);
+        let events = self.events.part_of_pixel(x, y);
         let mut piece = now.floor();
         let mut until = now - piece;
         loop {
@@ -70,8 +74,8 @@ impl RowStage for Telegraph {
     /// Mean-free: a pixel of amplitude A is A·(1 − duty) above its mean on the high level, A·duty below it on the low one.
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
-        for x in self.streams.chosen(self.signal.pixels, row.y, row.values.len()) {
-            let relative: f64 = self.streams.part(AMPLITUDES).pixel(x, row.y).sample(Exp1);
+        for x in self.traps.chosen(self.signal.pixels, row.y, row.values.len()) {
+            let relative: f64 = self.traps.part(AMPLITUDES).pixel(x, row.y).sample(Exp1);
             let state = if self.is_high(x, row.y) { 1.0 } else { 0.0 };
             row.values[x] += (self.signal.amplitude.0 * relative * (state - self.signal.duty())) as f32;
         }

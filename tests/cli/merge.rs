@@ -66,7 +66,7 @@ fn a_scene_without_a_capture_file_and_changed_keys_are_merged() {
     render_parts(&folder, input);
     folder.succeed("merge part0 part1 part2 -o merged");
     assert_same(&folder, "whole", "merged");
-    assert_eq!(folder.report("merged")["input"], "sails.gltf");
+    assert_eq!(folder.report("merged")["input"], "../sails.gltf", "from the folder of the report");
     // The file of the scene is hashed although no capture names it.
     let scene = fs::read_to_string(folder.path("sails.gltf")).expect("a scene");
     folder.add("sails.gltf", scene.replace("0.1,", "0.2,"));

@@ -102,7 +102,7 @@ fn hot_pixels_are_always_the_same_and_exponentially_hot() {
 }
 
 #[test]
-fn dead_and_stuck_pixels_are_where_the_seed_puts_them() {
+fn dead_and_stuck_pixels_are_where_the_serial_number_puts_them() {
     let mut sensor = quiet_sensor();
     sensor.noise.defects = Defects { dead: 0.01, stuck: 0.02, ..Defects::default() };
     let dead = |frame| charge(&picture(&sensor, 3000.0, &[Stage::DeadPixels], frame));

@@ -3,9 +3,10 @@
 use photosite::math::statistics::Moments;
 use photosite::raw::RawImage;
 use photosite::sensor::{
-    DarkCurrentLaw, Exposure, FixedPattern, NoiseKey, SensorModel, Shutter, Stage, Stages, expose, presets,
+    DarkCurrentLaw, Exposure, FixedPattern, NoiseKey, SensorModel, Shutter, Stage, Stages, Telegraph, expose, presets,
 };
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
+use rstest::rstest;
 
 use crate::sensor_cases::{EXPOSURE, flat, noisy_sensor, noisy_sensor_with, quiet_sensor, without};
 
@@ -111,7 +112,7 @@ fn fixed_patterns_stay_from_frame_to_frame_and_temporal_noise_does_not() {
     sensor.noise.read = Electrons(5.0);
     let fixed = Stages::only(&[Stage::PhotoResponse, Stage::DarkOffset]);
     assert_eq!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 1, 9).data);
-    assert_ne!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 2, 0).data);
+    assert_eq!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 2, 0).data);
     for stages in [Stages::only(&[Stage::ShotNoise]), Stages::only(&[Stage::ReadNoise])] {
         let (a, b) = (picture(&sensor, 5000.0, stages, 1, 0), picture(&sensor, 5000.0, stages, 1, 1));
         // The correlation of N independent pairs has the standard deviation 1/√N; 5 σ.
@@ -121,6 +122,94 @@ fn fixed_patterns_stay_from_frame_to_frame_and_temporal_noise_does_not() {
         let correlation = covariance / (ma.variance() * mb.variance()).sqrt();
         assert!(correlation.abs() < 5.0 / PIXELS.sqrt(), "{correlation}");
     }
+}
+
+/// What is added to or multiplied with the signal of each pixel, for ever: all of it belongs to the serial number.
+#[rstest]
+#[case::global(false)]
+#[case::scanning(true)]
+fn fixed_patterns_belong_to_the_serial_number(#[case] scans: bool) {
+    const STAGES: [Stage; 6] = [
+        Stage::PhotoResponse,
+        Stage::DeadPixels,
+        Stage::DarkOffset,
+        Stage::ColumnAmplifiers,
+        Stage::ConverterNonlinearity,
+        Stage::StuckPixels,
+    ];
+    let mut sensor = noisy_sensor();
+    if scans {
+        sensor.shutter = Shutter::Scanning { line_time: EXPOSURE.time };
+    }
+    let of = |serial, stage, seed, frame| {
+        picture(&SensorModel { serial, ..sensor.clone() }, 1500.0, Stages::only(&[stage]), seed, frame)
+    };
+    for stage in STAGES {
+        let pattern = of(3, stage, 1, 0);
+        assert_eq!(pattern.data, of(3, stage, 2, 7).data, "{stage:?}: neither seed nor frame changes it");
+        let other = of(4, stage, 1, 0);
+        assert_ne!(pattern.data, other.data, "{stage:?}");
+        // A line camera has one row of pixels, so that there are SIDE numbers in place of SIDE²; of columns, in all. The correlation
+        // of N independent pairs has the standard deviation 1/√N; 5 σ. Converters bend the same way, and no pixel is alike.
+        if stage != Stage::ConverterNonlinearity {
+            let (a, b) = (moments(&pattern), moments(&other));
+            let product = |(&x, &y): (&u16, &u16)| (f64::from(x) - a.mean()) * (f64::from(y) - b.mean());
+            let covariance = pattern.data.iter().zip(&other.data).map(product).sum::<f64>() / PIXELS;
+            let correlation = covariance / (a.variance() * b.variance()).sqrt();
+            assert!(correlation.abs() < 5.0 / (SIDE as f64).sqrt(), "{stage:?}: {correlation}");
+        }
+    }
+    // Dark current is new in each picture, but not where there is more of it: means over many frames are alike.
+    for stage in [Stage::DarkCurrentNonuniformity, Stage::HotPixels] {
+        let mean = |serial, seed| {
+            let stages = Stages::only(&[Stage::DarkCurrent, stage]);
+            let mut sum = vec![0.0; SIDE * SIDE];
+            for frame in 0..8 {
+                let raw = picture(&SensorModel { serial, ..sensor.clone() }, 0.0, stages, seed, frame);
+                sum.iter_mut().zip(&raw.data).for_each(|(sum, &dn)| *sum += f64::from(dn));
+            }
+            sum
+        };
+        let (one, again, other) = (mean(3, 1), mean(3, 2), mean(4, 1));
+        let correlation = |a: &[f64], b: &[f64]| {
+            let moments = |v: &[f64]| v.iter().copied().collect::<Moments>();
+            let (ma, mb) = (moments(a), moments(b));
+            let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - ma.mean()) * (b - mb.mean())).sum();
+            sum / PIXELS / (ma.variance() * mb.variance()).sqrt()
+        };
+        // 400 e⁻ that differ by 30 %, or 300 e⁻ in 2 % of the pixels, over the shot noise of 8 frames: the pattern is
+        // (120 e⁻)² of (120² + 400/8) (e⁻)², 0.997 of all, or 0.02·2·300² of that + 400/8, 0.986.
+        assert!(correlation(&one, &again) > 0.97, "{stage:?}: {}", correlation(&one, &again));
+        assert!(correlation(&one, &other).abs() < 5.0 / (SIDE as f64).sqrt(), "{stage:?}");
+    }
+}
+
+/// A trap belongs to the pixel; when it fills and empties is new with another seed.
+#[test]
+fn telegraph_signals_of_another_take_come_from_the_same_pixels() {
+    let mut sensor = quiet_sensor();
+    sensor.noise.telegraph =
+        Telegraph { pixels: 0.1, amplitude: Electrons(500.0), high: Seconds(1.0), low: Seconds(1.0) };
+    let of = |serial, seed| {
+        let raw = picture(&SensorModel { serial, ..sensor.clone() }, 0.0, Stages::only(&[Stage::Telegraph]), seed, 0);
+        raw.data.iter().map(|&dn| f64::from(dn) - 1000.0).collect::<Vec<_>>()
+    };
+    let (one, again, other) = (of(3, 1), of(3, 2), of(4, 1));
+    // Large enough for two rounded numbers of the same height to be told from those of another.
+    let shows = |v: &f64| v.abs() > 10.0;
+    let count = |values: &[f64]| values.iter().filter(|v| shows(v)).count() as f64;
+    let both = |a: &[f64], b: &[f64]| -> Vec<(f64, f64)> {
+        a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| shows(a) && shows(b)).collect()
+    };
+    let alike = both(&one, &again).len() as f64;
+    // Rounding may put one of two on the other side of the limit: 1 DN of the mean of 250 DN at a density of 1/250 per DN.
+    assert!(alike >= 0.99 * count(&one), "{alike} of {}", count(&one));
+    assert!(both(&one, &again).iter().all(|(a, b)| (a.abs() - b.abs()).abs() <= 1.0), "up or down");
+    let same = both(&one, &again).iter().filter(|(a, b)| a * b > 0.0).count() as f64 / count(&one);
+    // Each second, by chance: 5 σ of a binomial distribution.
+    assert!((same - 0.5).abs() < 2.5 / count(&one).sqrt(), "{same}");
+    let alike = both(&one, &other).len() as f64 / count(&one);
+    assert!((alike - 0.1).abs() < 5.0 * (0.09 / count(&one)).sqrt(), "{alike}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Ground truth against closed forms: planes, moving cameras, hidden surfaces, reflectances.
 
 use glam::{DAffine3, DVec2, DVec3, Vec3};
-use photosite::calibration::truth::{TruthJob, TruthLayer, truth};
+use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::colour::ColourSpace;
 use photosite::image::Planes;
 use photosite::optics::{Camera, CameraMotion, Focus, LensDescription, LensKind, PixelGrid, Recording};
@@ -29,9 +29,14 @@ fn direction(x: usize, y: usize) -> DVec3 {
     DVec3::new((x as f64 + 0.5 - width / 2.0) / FX, -(y as f64 + 0.5 - height / 2.0) / FX, -1.0)
 }
 
+/// With flow to a picture of another scene.
+fn ask_of([scene, later]: [&Scene; 2], [camera, next]: [&Camera; 2], layers: &[TruthLayer]) -> Planes {
+    let [view, next] = [(scene, camera), (later, next)].map(|(scene, camera)| View::of(scene, camera, RESOLUTION));
+    truth(&TruthJob { view, next: Some(next), partner: None }, layers)
+}
+
 fn ask(scene: &Scene, camera: &Camera, next: &Camera, layers: &[TruthLayer]) -> Planes {
-    let job = TruthJob { scene, camera, next, partner: DAffine3::IDENTITY, resolution: RESOLUTION };
-    truth(&job, layers)
+    ask_of([scene, scene], [camera, next], layers)
 }
 
 fn pixels() -> impl Iterator<Item = (usize, usize, usize)> {
@@ -115,21 +120,100 @@ fn flow_is_that_of_a_passing_wall(
     }
 }
 
+/// d = fx·b/z, positive for both cameras of a pair: the left one finds the point d to the left in the other picture, the right
+/// one d to the right.
 #[rstest]
-fn disparity_is_that_of_a_parallel_pair(#[values(0.0, 1e-3)] row_time_s: f64) {
+fn disparity_is_that_of_a_parallel_pair(
+    #[values(0.0, 1e-3)] row_time_s: f64,
+    #[values(DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y)] towards_partner: DVec3,
+) {
     let baseline = 0.12;
     // Both stand on the same base: where it moves, and rows are exposed one after the other, a point is still in the same
-    // row of both.
-    let camera = moving(DVec3::new(0.3, 0.4, 0.0), row_time_s, 2);
-    let partner = DAffine3::from_translation(DVec3::X * baseline);
-    let job = TruthJob { scene: &wall().build(), camera: &camera, next: &camera, partner, resolution: RESOLUTION };
+    // row of both, if they stand side by side.
+    let level = towards_partner.y == 0.0;
+    let camera = moving(DVec3::new(0.3, 0.4, 0.0), if level { row_time_s } else { 0.0 }, 2);
+    let place = DAffine3::from_translation(towards_partner * baseline);
+    let (scene, resolution) = (wall().build(), RESOLUTION);
+    let view = View::of(&scene, &camera, resolution);
+    let partner = View { place, ..view };
+    let job = TruthJob { view, next: None, partner: Some(partner) };
     let planes = truth(&job, &[TruthLayer::Disparity, TruthLayer::Depth]);
     for (i, x, y) in pixels() {
-        let expected = FX * baseline / value(&planes, "depth", i);
+        let d = FX * baseline / value(&planes, "depth", i);
         let found = [value(&planes, "disparity.X", i), value(&planes, "disparity.Y", i)];
-        assert!((found[0] - expected).abs() < ROUNDING_PX && found[1].abs() < ROUNDING_PX, "{x}, {y}: {found:?}");
-        assert_eq!(value(&planes, "disparity.visible", i) == 1.0, x as f64 + 0.5 >= expected, "{x}, {y}");
+        let expected = if level { [d, 0.0] } else { [0.0, d] };
+        let error = [0, 1].map(|axis| (found[axis] - expected[axis]).abs());
+        assert!(error.iter().all(|error| *error < ROUNDING_PX), "{x}, {y}: {found:?}");
+        // To the right things lie farther to the left, above they lie farther down.
+        let to = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - DVec2::new(towards_partner.x, -towards_partner.y) * d;
+        let inside = to.cmpge(DVec2::ZERO).all() && to.cmplt(DVec2::from_array(RESOLUTION.map(f64::from))).all();
+        assert_eq!(value(&planes, "disparity.visible", i) == 1.0, inside, "{x}, {y}");
     }
+}
+
+#[test]
+fn nothing_is_visible_in_a_picture_that_there_is_not() {
+    let (scene, camera) = (wall().build(), pinhole(DAffine3::IDENTITY));
+    let job = TruthJob { view: View::of(&scene, &camera, RESOLUTION), next: None, partner: None };
+    let planes = truth(&job, &[TruthLayer::Flow, TruthLayer::Disparity]);
+    assert!(planes.channels().iter().all(|channel| channel.data.iter().all(|&value| value == 0.0)));
+}
+
+/// Before a wall that stays, a tile that is elsewhere in the next picture: as one of two of a mesh, alone in the world, mirrored,
+/// or on its way while the picture is taken, each of which is kept in another way.
+#[rstest]
+fn flow_follows_what_moves(
+    #[values(false, true)] twice: bool,
+    #[values(1.0, -1.0)] mirror: f64,
+    #[values(0.0, 0.02)] on_its_way: f64,
+) {
+    let scene = |to: DVec3, later: f64| {
+        let place = |x: f64| {
+            let mirrored = DAffine3::from_scale(DVec3::new(mirror, 1.0, 1.0));
+            DAffine3::from_translation(to + DVec3::X * x) * mirrored
+        };
+        let tile = wall().diffuse(square(Vec3::ZERO, Vec3::X, Vec3::Y, 0.2), 0.5, 0.0);
+        let tile = if later == 0.0 { tile.moving(&[place(0.0)]) } else { tile.moving(&[place(-later), place(later)]) };
+        let aside = DAffine3::from_translation(DVec3::new(0.0, 0.45, -1.5));
+        (if twice { tile.again(aside) } else { tile }).build()
+    };
+    let (from, to) = (DVec3::new(-0.1, 0.0, -1.0), DVec3::new(0.05, 0.1, -1.25));
+    // Still in one picture, and in the middle of its way when the exposure of the other is half over.
+    let [now, later] = [scene(from, 0.0), scene(to, on_its_way)];
+    let still = pinhole(DAffine3::IDENTITY);
+    let next = Recording {
+        motion: None,
+        start_s: 0.0,
+        exposure_s: 0.01,
+        row_time_s: 0.0,
+        first_row: 0.0,
+        duration_s: 0.01,
+        frame_interval_s: 0.1,
+    };
+    let next = still.clone().recording(next);
+    let layers = [TruthLayer::Flow, TruthLayer::Instance, TruthLayer::Position];
+    let planes = ask_of([&now, &later], [&still, &next], &layers);
+    let project = |p: DVec3| DVec2::new(p.x, -p.y) * FX / -p.z;
+    let mut on_tile = 0;
+    for (i, x, y) in pixels() {
+        let p = vector(&planes, "position", i);
+        let moved = if value(&planes, "instance", i) == 2.0 { to - from } else { DVec3::ZERO };
+        on_tile += usize::from(moved != DVec3::ZERO);
+        let expected = project(p + moved) - project(p);
+        let flow = DVec2::new(value(&planes, "flow.X", i), value(&planes, "flow.Y", i));
+        // Positions are single precision in both pictures.
+        assert!((flow - expected).length() < 2.0 * ROUNDING_PX, "{x}, {y}: {flow}, not {expected}");
+        if moved == DVec3::ZERO && p.z == -2.0 {
+            // Seen from the camera, the wall at p is behind the moved tile where the way passes it.
+            let pass = p * (to.z / p.z) - to;
+            let margin = pass.abs().max_element() - 0.2;
+            if margin.abs() > 1e-3 && !twice {
+                assert_eq!(value(&planes, "flow.visible", i) == 1.0, margin > 0.0, "{x}, {y}");
+            }
+        }
+    }
+    // 0.4·80 px across at 1 m.
+    assert!((31 * 31..=33 * 33).contains(&on_tile), "{on_tile}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::{DAffine3, DVec3};
 
 use super::poses::{Poses, Way};
-use super::variation::{Variation, number};
+use super::variation::{Variation, number, toml};
 use super::{DatasetDescription, Subject};
 use crate::Invalid;
 use crate::math::hash::hash64;
@@ -30,6 +30,8 @@ pub struct RigPlace {
     pub partner: Option<usize>,
     /// Changes to the capture for this camera, in all frames.
     pub set: Vec<String>,
+    /// Whether its own changes name its serial number.
+    pub is_numbered: bool,
 }
 
 /// A camera of the rig.
@@ -39,6 +41,12 @@ pub struct RigCamera {
     pub place: RigPlace,
     /// The camera, wherever it stands, as the capture makes it.
     pub camera: Camera,
+    /// Serial number of its sensor.
+    pub serial: u64,
+    /// The seed that its capture states.
+    pub seed: u64,
+    /// Whether flow of ground truth is asked of it.
+    pub flows: bool,
 }
 
 /// Everything that frames are made from.
@@ -76,6 +84,9 @@ impl Plan {
         let variation = |(i, d): (usize, &super::VariationDescription)| {
             Variation::new(d).map_err(|invalid| invalid.within(&format!("vary[{i}]")))
         };
+        let variations: Vec<Variation> =
+            description.vary.iter().enumerate().map(variation).collect::<Result<_, _>>()?;
+        check_variations(&variations, &cameras)?;
         let frames = match (description.frames, poses.count()) {
             (Some(0), _) => return Err(Invalid::new("frames", "must be at least 1, got 0")),
             (Some(frames), _) => frames,
@@ -87,7 +98,7 @@ impl Plan {
                 && cameras.iter().all(|c| c.place.in_rig == DAffine3::IDENTITY),
             cameras,
             poses,
-            variations: description.vary.iter().enumerate().map(variation).collect::<Result<_, _>>()?,
+            variations,
             frames,
         })
     }
@@ -107,8 +118,44 @@ impl Plan {
         self.poses.time_s(number)
     }
 
-    /// A frame: for each camera of the rig, the changes to the capture as `--set` has them.
-    pub fn frame(&self, number: u32) -> Result<Vec<Vec<String>>, Invalid> {
+    /// A frame: for each camera of the rig, all changes to the capture as `--set` has them. Those of `arguments` come after what
+    /// the description says, and before what makes the picture one of its own: serial number, seed, the next frame.
+    pub fn frame(&self, number: u32, arguments: &[String]) -> Result<Vec<Vec<String>>, Invalid> {
+        let now = self.described(number)?;
+        let flows = self.cameras.iter().any(|camera| camera.flows);
+        let next = if flows && number + 1 < self.frames { Some(self.described(number + 1)?) } else { None };
+        let of_camera = |(index, described): (usize, Vec<String>)| {
+            let camera = &self.cameras[index];
+            let after = next.as_ref().map(|next| changes(&described, &next[index], arguments));
+            let mut set: Vec<String> = described.into_iter().chain(arguments.iter().cloned()).collect();
+            if camera.flows {
+                set.push(format!(
+                    "output.truth_next={}",
+                    after.map_or("false".to_owned(), |changes| toml(&changes.into()))
+                ));
+            }
+            // A camera alone is the specimen that its capture says.
+            let is_alone = self.cameras.len() == 1;
+            let varies = self.variations.iter().any(|variation| variation.key() == SERIAL);
+            if !is_alone && (!varies || arguments.iter().any(|argument| names_serial(argument))) {
+                set.push(format!("{SERIAL}={}", camera.serial));
+            }
+            set.push(format!("{SEED}={}", self.seed_of(index, number)));
+            set
+        };
+        Ok(now.into_iter().enumerate().map(of_camera).collect())
+    }
+
+    /// Light and temporal noise of their own for each picture, in as many bits as a JSON number holds. What the capture states
+    /// makes other ones.
+    fn seed_of(&self, camera: usize, number: u32) -> u64 {
+        let seed = hash64(self.seed_for(Purpose::Light, camera), u64::from(number));
+        let stated = self.cameras[camera].seed;
+        (if stated == 0 { seed } else { hash64(seed, stated) }) >> 11
+    }
+
+    /// What the description says of a frame: the same keys in the same order in each.
+    fn described(&self, number: u32) -> Result<Vec<Vec<String>>, Invalid> {
         let poses_seed = self.seed_for(Purpose::Poses, 0);
         let rig = self.poses.pose(poses_seed, number, &self.cameras).map_err(|e| e.within("poses"))?;
         let of_camera = |(index, camera): (usize, &RigCamera)| {
@@ -125,9 +172,6 @@ impl Plan {
             for (i, variation) in self.variations.iter().enumerate() {
                 set.push(variation.set(self.seed_for(Purpose::Variation, i), number, self.frames, index));
             }
-            // Light and sensor noise of their own, in as many bits as a JSON number holds.
-            let seed = hash64(self.seed_for(Purpose::Light, index), u64::from(number)) >> 11;
-            set.push(format!("render.seed={seed}"));
             set
         };
         Ok(self.cameras.iter().enumerate().map(of_camera).collect())
@@ -138,13 +182,71 @@ impl Plan {
     }
 }
 
+/// The key of the number that fixed pattern belongs to.
+const SERIAL: &str = "sensor.serial";
+/// That of light and temporal noise.
+const SEED: &str = "render.seed";
+
+/// Refuses keys that cannot be varied so.
+fn check_variations(variations: &[Variation], cameras: &[RigCamera]) -> Result<(), Invalid> {
+    let is_pair = cameras.iter().any(|camera| camera.place.partner.is_some());
+    for (i, variation) in variations.iter().enumerate() {
+        let refuse = |key: &str, message: &str, help: &str| {
+            Err(Invalid::new(format!("vary[{i}].{key}"), format!("{}: {message}", variation.key())).help(help))
+        };
+        if variation.key() == SEED {
+            let message = "every picture has a seed of its own, made from the data set's";
+            return refuse("key", message, "remove it; for other noise write seed = 1, without a table");
+        }
+        if variation.key() == SERIAL && cameras.len() > 1 && !variation.is_per_camera() {
+            return refuse("per_camera", "all cameras of the rig would be one specimen", "add per_camera = true");
+        }
+        let decides_geometry =
+            ["lens.", "sensor.resolution_px", "sensor.pixel_pitch_um", "sensor.format", "sensor.preset"];
+        let parts_pair = decides_geometry.iter().any(|key| variation.key().starts_with(key));
+        if is_pair && variation.is_per_camera() && parts_pair {
+            let message = "disparity is that of two cameras of one kind, and these would differ";
+            return refuse("per_camera", message, "remove per_camera, or disparity_to of the cameras");
+        }
+    }
+    Ok(())
+}
+
+/// The changes that make a capture that of another frame, as far as flow goes: what differs of `next` from `now`, and those of
+/// the arguments, which come after, that speak of the same tables.
+fn changes(now: &[String], next: &[String], arguments: &[String]) -> Vec<String> {
+    let table = |argument: &String| argument.split(['.', '=']).next().unwrap_or_default().trim().to_owned();
+    let is_in_view = |argument: &&String| {
+        let aside = ["lights.", "render.", "develop.", "output.", "scene.environment"];
+        !aside.iter().any(|key| argument.trim_start().starts_with(key))
+    };
+    let differing = now.iter().zip(next).filter(|(now, next)| now != next).map(|(_, next)| next);
+    let differing: Vec<&String> = differing.filter(is_in_view).collect();
+    let tables: BTreeSet<String> = differing.iter().map(|change| table(change)).collect();
+    let after = arguments.iter().filter(is_in_view).filter(|argument| tables.contains(&table(argument)));
+    differing.into_iter().chain(after).cloned().collect()
+}
+
+/// Whether a `key=value` names the serial number, by itself or in the table of the sensor.
+fn names_serial(argument: &str) -> bool {
+    let Some((key, value)) = argument.split_once('=') else { return false };
+    match key.trim() {
+        SERIAL => true,
+        "sensor" => {
+            format!("sensor = {value}").parse::<toml::Table>().is_ok_and(|t| t["sensor"].get("serial").is_some())
+        }
+        _ => false,
+    }
+}
+
 impl DatasetDescription {
     /// The cameras of the rig and their places; names are checked.
     pub fn rig(&self) -> Result<Vec<RigPlace>, Invalid> {
         let set_in_all = || AS_TAKEN.into_iter().map(str::to_owned).chain(self.set.iter().cloned());
         if self.cameras.is_empty() {
             let (name, set) = ("camera".to_owned(), set_in_all().collect());
-            return Ok(vec![RigPlace { name, in_rig: DAffine3::IDENTITY, partner: None, set }]);
+            let place = RigPlace { name, in_rig: DAffine3::IDENTITY, partner: None, set, is_numbered: true };
+            return Ok(vec![place]);
         }
         let mut names = BTreeSet::new();
         let mut rig = Vec::new();
@@ -170,11 +272,22 @@ impl DatasetDescription {
                     .ok_or_else(|| at(Invalid::new("disparity_to", format!("the rig has no other camera {name:?}"))))
             });
             let set = set_in_all().chain(d.set.iter().cloned()).collect();
-            rig.push(RigPlace { name: d.name.clone(), in_rig, partner: partner.transpose()?, set });
+            rig.push(RigPlace {
+                name: d.name.clone(),
+                in_rig,
+                partner: partner.transpose()?,
+                set,
+                is_numbered: d.set.iter().any(|argument| names_serial(argument)),
+            });
         }
         let places: Vec<DAffine3> = rig.iter().map(|place| place.in_rig).collect();
+        let has_pair = rig.iter().any(|place| place.partner.is_some());
         for place in &mut rig {
-            let Some(partner) = place.partner else { continue };
+            let Some(partner) = place.partner else {
+                // Of those that the others are asked for, disparity is not.
+                place.set.extend(has_pair.then(|| "output.truth_partner=false".to_owned()));
+                continue;
+            };
             let keys =
                 pose_keys(&(place.in_rig.inverse() * places[partner])).map(|(key, value)| format!("{key} = {value}"));
             place.set.push(format!("output.truth_partner={{ {} }}", keys.join(", ")));

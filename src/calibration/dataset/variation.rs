@@ -66,6 +66,16 @@ impl Variation {
         }
     }
 
+    /// The key that varies.
+    pub(super) fn key(&self) -> &str {
+        self.key.trim()
+    }
+
+    /// Whether each camera has a value of its own.
+    pub(super) fn is_per_camera(&self) -> bool {
+        self.per_camera
+    }
+
     /// `key=value` in a frame of so many, for a camera. `seed` is this variation's own.
     pub(super) fn set(&self, seed: u64, frame: u32, frames: u32, camera: usize) -> String {
         let who = if self.per_camera { camera as u64 + 1 } else { 0 };
@@ -93,7 +103,7 @@ pub(super) fn number(x: f64) -> String {
 }
 
 /// A value as TOML writes it in a line.
-fn toml(value: &Value) -> String {
+pub(super) fn toml(value: &Value) -> String {
     match value {
         // Null cannot come from TOML.
         Value::Null => "false".to_owned(),

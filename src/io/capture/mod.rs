@@ -67,6 +67,7 @@ use crate::{Error, Invalid, Result};
 use camera::place_camera;
 use colour::Finder;
 use relocate::relocate;
+pub use relocate::{real_path, relative_path};
 use scene::ReadScene;
 use sensor::{close_sensor, sensor_model};
 use tables::CaptureFile;
@@ -77,7 +78,8 @@ pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{
-    Bracket, ExposureSettings, ExposureTime, NoiseOutput, OutputSettings, RawFormat, SpectralBands, TruthOutput,
+    Bracket, ExposureSettings, ExposureTime, NextPicture, NoiseOutput, OutputSettings, RawFormat, SpectralBands,
+    TruthOutput,
 };
 pub use source::CaptureSource;
 pub use stored::{REPORT, StoredCapture, StoredReport};
@@ -181,6 +183,12 @@ impl Capture {
             let of_file = motion::motion_of_file(&file.camera, &geometry.scene.cameras, &recording);
             Recording { motion: recording.motion.clone().or(of_file), ..recording }
         });
+        let output = settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?;
+        if output.truth.next != NextPicture::OfSeries && exposure.frames != 1 {
+            let invalid =
+                Invalid::new("truth_next", "cannot go with exposure.frames: pictures of a series are the next");
+            return Err(invalid.help("remove it, or exposure.frames").within("output"));
+        }
         let render = settings::render(&file.render).map_err(|invalid| invalid.within("render"))?;
         let still_only = [("light_paths", render.light_paths > 0.0), ("reuse", render.reuse > 1)];
         if let (true, Some((key, _))) = (moves, still_only.into_iter().find(|(_, is_set)| *is_set)) {
@@ -200,7 +208,7 @@ impl Capture {
             exposure,
             render,
             develop: develop::checked(&file.develop)?,
-            output: settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?,
+            output,
             scene,
             targets,
             camera_to_world,

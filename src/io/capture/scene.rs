@@ -240,6 +240,8 @@ impl ReadScene {
         if !shines(&self.scene) {
             self.scene.warnings.push("nothing in the scene gives light, so the picture will be black".to_owned());
         }
+        // Warnings stand in reports, which do not depend on how the path to the capture was typed.
+        self.scene.warnings.iter_mut().for_each(|warning| *warning = seen_from(folder, warning));
         Ok(self.scene)
     }
 }
@@ -293,4 +295,31 @@ fn unit_length(table: &SceneTable) -> Result<f64, Invalid> {
 fn shines(scene: &SceneDescription) -> bool {
     let shining_mesh = scene.meshes.iter().any(|mesh| scene.materials[mesh.material].emission.is_some());
     scene.environment.is_some() || !scene.lights.is_empty() || shining_mesh
+}
+/// A text with paths into a folder as they read from there.
+fn seen_from(folder: &Path, text: &str) -> String {
+    // With a separator at its end.
+    let typed = folder.join("").display().to_string();
+    let (mut seen, mut from) = (String::new(), 0);
+    for (i, _) in text.match_indices(&typed).filter(|_| !typed.is_empty()) {
+        if i == 0 || text[..i].ends_with(' ') {
+            seen.push_str(&text[from..i]);
+            from = i + typed.len();
+        }
+    }
+    seen + &text[from..]
+}
+
+#[cfg(test)]
+mod folder_tests {
+    use super::*;
+
+    #[test]
+    fn paths_in_warnings_read_from_the_folder_of_the_capture() {
+        let warning = "in/room.obj: line 1: the library in/my parts/a.mtl is missing; begin/end, /in/x";
+        let seen = "room.obj: line 1: the library my parts/a.mtl is missing; begin/end, /in/x";
+        assert_eq!(seen_from(Path::new("in"), warning), seen);
+        assert_eq!(seen_from(Path::new(""), warning), warning);
+        assert_eq!(seen_from(Path::new("/a b/c"), "/a b/c/d.hdr: 3 values"), "d.hdr: 3 values");
+    }
 }

@@ -168,10 +168,13 @@ fn base(source: &mut CaptureSource, folder: &Path, preset: Option<&Node>, change
         (Some(name), None) => named(source, folder, &name, preset.unwrap_or(changes)),
         (Some(name), Some(mut stored)) => {
             let (mut other, name) = named(source, folder, &name, preset.unwrap_or(changes))?;
-            // Stored light has its number of pixels, and so has all that is said of places in the picture.
-            if let Some(resolution) = stored.remove("resolution_px") {
-                other.remove("resolution_px");
-                other.insert_new("resolution_px", resolution);
+            // Stored light has its number of pixels, and so has all that is said of places in the picture; cameras of a rig stay
+            // different specimens.
+            for key in ["resolution_px", "serial"] {
+                if let Some(value) = stored.remove(key) {
+                    other.remove(key);
+                    other.insert_new(key, value);
+                }
             }
             Ok((other, name))
         }

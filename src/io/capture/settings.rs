@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::tables::{
-    ExposureTable, IrradianceSource, NoiseSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
-    WavelengthsName,
+    ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
+    SamplerName, TruthSource, WavelengthsName,
 };
 use crate::Invalid;
 use crate::calibration::truth::TruthLayer;
@@ -137,6 +137,19 @@ pub struct TruthOutput {
     pub depth_unit_m: f64,
     /// Partner → camera of a stereo pair, m.
     pub partner: Option<DAffine3>,
+    /// Which picture flow leads to.
+    pub next: NextPicture,
+}
+
+/// The picture that flow leads to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NextPicture {
+    /// That of the same series, in which what moves has moved on.
+    OfSeries,
+    /// That of the capture with these changes, as `--set` has them.
+    Changed(Vec<String>),
+    /// There is none.
+    None,
 }
 
 /// Which noise maps are written, and how.
@@ -457,7 +470,7 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
 }
 
 fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
-    let layers = match &table.truth {
+    let mut layers = match &table.truth {
         None | Some(TruthSource::Flag(false)) => Vec::new(),
         Some(TruthSource::Flag(true)) => {
             // Without a partner there is no disparity to tell.
@@ -466,21 +479,43 @@ fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
         }
         Some(TruthSource::Layers(layers)) => without_repetition(layers),
     };
+    let is_asked = !layers.is_empty();
+    let place = match table.truth_partner {
+        None => None,
+        Some(PartnerSource::Place(place)) => Some(place),
+        Some(PartnerSource::Flag(false)) => {
+            layers.retain(|layer| *layer != TruthLayer::Disparity);
+            None
+        }
+        Some(PartnerSource::Flag(true)) => {
+            let invalid = Invalid::new("truth_partner", "does not say where the other camera is");
+            return Err(invalid.help("for example truth_partner = { position_m = [0.1, 0, 0] }"));
+        }
+    };
+    let next = match &table.truth_next {
+        None => NextPicture::OfSeries,
+        Some(NextSource::Flag(false)) => NextPicture::None,
+        Some(NextSource::Changes(changes)) => NextPicture::Changed(changes.clone()),
+        Some(NextSource::Flag(true)) => {
+            let invalid = Invalid::new("truth_next", "does not say what the next picture is");
+            return Err(invalid.help("for example truth_next = [\"camera.position_m=[0.1, 0, 1]\"]"));
+        }
+    };
     let others = [
         ("truth_formats", table.truth_formats.is_some()),
         ("truth_depth_unit_mm", table.truth_depth_unit_mm.is_some()),
     ];
-    if let (true, Some((key, _))) = (layers.is_empty(), others.iter().find(|(_, is_given)| *is_given)) {
+    if let (false, Some((key, _))) = (is_asked, others.iter().find(|(_, is_given)| *is_given)) {
         return Err(
             Invalid::new(*key, "has no meaning without layers").help("write truth = [\"depth\"] or the like, too")
         );
     }
-    if layers.contains(&TruthLayer::Disparity) && table.truth_partner.is_none() {
+    if layers.contains(&TruthLayer::Disparity) && place.is_none() {
         let message = "\"disparity\" is that of a pair of cameras, and the other one is missing";
         return Err(Invalid::new("truth", message)
             .help("add truth_partner = { position_m = [0.1, 0, 0] }; to a camera of a data set, disparity_to"));
     }
-    let partner = table.truth_partner.map(|table| partner(&table).map_err(|e| e.within("truth_partner")));
+    let partner = place.map(|table| partner(&table).map_err(|e| e.within("truth_partner")));
     let formats = without_repetition(table.truth_formats.as_deref().unwrap_or(&[TruthFormat::Exr]));
     for format in &formats {
         // All layers are those that the format holds.
@@ -490,7 +525,7 @@ fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
     }
     let unit_mm = table.truth_depth_unit_mm.map(|mm| positive_number("truth_depth_unit_mm", mm, "0.1"));
     let depth_unit_m = unit_mm.transpose()?.unwrap_or(1.0) * 1e-3;
-    Ok(TruthOutput { layers, formats, depth_unit_m, partner: partner.transpose()? })
+    Ok(TruthOutput { layers, formats, depth_unit_m, partner: partner.transpose()?, next })
 }
 
 fn noise(table: &OutputTable) -> Result<NoiseOutput, Invalid> {

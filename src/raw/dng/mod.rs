@@ -111,6 +111,9 @@ fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd:
     ifd.write_tag(tag::DNG_VERSION, &[1u8, 7, 0, 0][..])?;
     ifd.write_tag(tag::DNG_BACKWARD_VERSION, &[1u8, needed, 0, 0][..])?;
     write_text(ifd, tag::UNIQUE_CAMERA_MODEL, &format!("photosite {}", metadata.camera_model))?;
+    if !metadata.camera_serial.is_empty() {
+        write_text(ifd, tag::CAMERA_SERIAL_NUMBER, &metadata.camera_serial)?;
+    }
     ifd.write_tag(tag::BASELINE_EXPOSURE, srational(metadata.baseline_exposure_ev))?;
     let Area { width, height, .. } = raw.active();
     let packet = xmp::packet(metadata, [width, height]);
@@ -227,6 +230,9 @@ fn write_exif<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
         ifd.write_tag(tag::FOCAL_PLANE_X_RESOLUTION, rational(0.01 / x))?;
         ifd.write_tag(tag::FOCAL_PLANE_Y_RESOLUTION, rational(0.01 / y))?;
         ifd.write_tag(tag::FOCAL_PLANE_RESOLUTION_UNIT, tag::PER_CENTIMETRE)?;
+    }
+    if !metadata.camera_serial.is_empty() {
+        write_text(ifd, tag::BODY_SERIAL_NUMBER, &metadata.camera_serial)?;
     }
     Ok(())
 }

@@ -221,13 +221,15 @@ impl<R: Read + Seek> Tags<R> {
             }
             None => Directory::empty(),
         };
-        let camera_model = match self.value(main, Tag::Model)? {
-            Some(text) => text.into_string().map_err(unreadable)?,
-            None => String::new(),
+        let camera_model = self.text(main, Tag::Model)?;
+        let camera_serial = match self.text(main, tag::CAMERA_SERIAL_NUMBER)? {
+            none if none.is_empty() => self.text(&exif, tag::BODY_SERIAL_NUMBER)?,
+            serial => serial,
         };
         let noise = self.numbers(picture, tag::NOISE_PROFILE)?;
         let mut metadata = RawMetadata {
             camera_model,
+            camera_serial,
             pixel_pitch_m: self.pixel_pitch(&exif)?,
             exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
             iso: self.iso(&exif)?,
@@ -261,6 +263,14 @@ impl<R: Read + Seek> Tags<R> {
             return Ok(Some(Distortion::Lens(lens)));
         }
         Ok(opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?).map(Distortion::Warp))
+    }
+
+    /// A text; empty where there is none.
+    fn text(&mut self, directory: &Directory, tag: Tag) -> Result<String, Invalid> {
+        match self.value(directory, tag)? {
+            Some(text) => text.into_string().map_err(unreadable),
+            None => Ok(String::new()),
+        }
     }
 
     /// The speed, which has a number of its own where 16 bits are too few.

@@ -29,6 +29,7 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
         white_level_dn: 4095,
         metadata: RawMetadata {
             camera_model: "a camera".to_owned(),
+            camera_serial: "41".to_owned(),
             pixel_pitch_m: Some([5e-6, 2.5e-6]),
             exposure_time_s: 0.01,
             iso: Some(if colour { 100 } else { 102_400 }),

@@ -34,6 +34,11 @@ pub struct SensorDescription {
     /// Technology of the pixels.
     #[serde(default)]
     pub kind: SensorKind,
+    /// Serial number: which specimen of this sensor it is. Fixed pattern (PRNU, DSNU, defects, columns) belongs to it, whatever the seed
+    /// and the frame; another number is another camera of the same make. In the rig of a data set, cameras that are not told otherwise
+    /// count on from it.
+    #[serde(default)]
+    pub serial: u64,
     /// How a CCD moves its charge.
     pub ccd: Option<CcdDescription>,
     /// How single photons are counted.

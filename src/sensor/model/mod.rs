@@ -34,6 +34,8 @@ pub struct SensorModel {
     pub description: String,
     /// Where its numbers come from.
     pub source: String,
+    /// Serial number: the fixed pattern of the sensor is a function of it alone.
+    pub serial: u64,
     /// Technology of the pixels.
     pub architecture: Architecture,
     /// When each row sees light.
@@ -123,6 +125,7 @@ impl SensorModel {
             name: own_name(d)?.unwrap_or(name).to_owned(),
             description: d.description.clone(),
             source: d.source.clone(),
+            serial: d.serial,
             architecture,
             shutter,
             resolution: d.resolution_px.map(|n| n as usize),

@@ -34,8 +34,8 @@ pub(super) use material::{
 };
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable, SphereTable};
 pub(super) use settings::{
-    ExposureTable, IrradianceSource, NoiseSource, OutputTable, PartnerTable, RenderTable, SamplerName, TruthSource,
-    WavelengthsName,
+    ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
+    SamplerName, TruthSource, WavelengthsName,
 };
 pub(super) use target::{PlacementTable, TargetTable};
 

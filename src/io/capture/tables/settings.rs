@@ -141,15 +141,20 @@ pub(crate) struct OutputTable {
     /// or errors of colour, as ideal.exr and ideal.png. Left out: false.
     pub(crate) ideal: Option<bool>,
     /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position" (world, m),
-    /// "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture), "disparity" (px from truth_partner).
-    /// Where something moves, in the middle of the exposure of each row. Left out: false.
+    /// "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture), "disparity" (px,
+    /// left picture less right one). Where something moves, in the middle of the exposure of each row. Left out: false.
     pub(crate) truth: Option<TruthSource>,
     /// Formats of that: "exr" for one file truth.exr; "npy" or "png" (16 bits) for one file a layer. Left out: ["exr"].
     pub(crate) truth_formats: Option<Vec<TruthFormat>>,
     /// Millimetres that one step of a depth or distance in a PNG file stands for. Left out: 1.
     pub(crate) truth_depth_unit_mm: Option<f64>,
-    /// Where the other camera of a stereo pair is, one of the same kind, for "disparity".
-    pub(crate) truth_partner: Option<PartnerTable>,
+    /// Where the other camera of a stereo pair is, one of the same kind, for "disparity"; false where there is none, so that it is
+    /// left out.
+    pub(crate) truth_partner: Option<PartnerSource>,
+    /// What makes the next picture, which "flow" leads to: changes to keys of this capture, as `--set` has them, such as
+    /// ["camera.position_m=[0.1, 0, 1]"]; or false where there is none, so that no flow is valid. Left out: time alone, in which
+    /// camera and scene move on.
+    pub(crate) truth_next: Option<NextSource>,
     /// What each effect of the sensor has added to every number of the raw picture: true for all maps, or a list such as
     /// "photon_shot_noise_e", "dark_current_e", "prnu_e", "dsnu_e", "read_noise_e", "quantisation_dn", "saturated"; e for e⁻, dn for
     /// DN. Left out: false.
@@ -175,6 +180,26 @@ pub(crate) struct PartnerTable {
     pub(crate) look_at_m: Option<[f64; 3]>,
     /// What is up in its picture. Left out: [0, 1, 0].
     pub(crate) up: Option<[f64; 3]>,
+}
+
+/// false, or where the other camera is.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected false, or a table such as { position_m = [0.1, 0, 0] }")]
+pub(crate) enum PartnerSource {
+    /// There is none.
+    Flag(bool),
+    /// Where it is.
+    Place(PartnerTable),
+}
+
+/// false, or changes to keys of the capture.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected false, or a list such as [\"camera.position_m=[0.1, 0, 1]\"]")]
+pub(crate) enum NextSource {
+    /// There is no next picture.
+    Flag(bool),
+    /// `key=value` for each.
+    Changes(Vec<String>),
 }
 
 /// true, false, or a list of layers.
