@@ -4,6 +4,7 @@
 //! modules that read files turn it into an [`Error`], which adds the file and the line.
 
 use std::fmt;
+use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -154,6 +155,19 @@ pub enum Error {
         #[help]
         help: Option<String>,
     },
+    /// What another try may cure: a folder that another process fills, a file that was there and is gone.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Temporary(Box<Error>),
+    /// The work was asked to stop, and did.
+    #[error("{message}")]
+    Cancelled {
+        /// Who asked.
+        message: String,
+        /// How it goes on.
+        #[help]
+        help: Option<String>,
+    },
 }
 
 impl Error {
@@ -165,5 +179,67 @@ impl Error {
     /// A refused read or write.
     pub fn io(path: &Path, action: &'static str, reason: std::io::Error) -> Self {
         Self::Io { path: path.to_owned(), action, reason }
+    }
+
+    /// The same error where another try may cure it.
+    #[must_use]
+    pub fn temporary(self) -> Self {
+        if self.is_temporary() { self } else { Self::Temporary(Box::new(self)) }
+    }
+
+    /// The error of work that has begun: a file that is not there now was there then.
+    #[must_use]
+    pub fn since_begun(self) -> Self {
+        let is_gone = matches!(&self, Self::Io { reason, .. } if reason.kind() == ErrorKind::NotFound);
+        if is_gone { self.temporary() } else { self }
+    }
+
+    /// Whether another try may cure it, later or on another machine.
+    pub fn is_temporary(&self) -> bool {
+        match self {
+            Self::Temporary(_) => true,
+            Self::Io { reason, .. } => may_pass(reason),
+            Self::Input(_) | Self::Usage { .. } | Self::Cancelled { .. } => false,
+        }
+    }
+}
+
+/// Whether what the operating system gives as its reason may have passed by the next try: disks get space, servers come back.
+fn may_pass(reason: &std::io::Error) -> bool {
+    /// "Input/output error", which std has no kind for: of this disk, or of a server that went away.
+    const EIO: i32 = 5;
+    matches!(
+        reason.kind(),
+        ErrorKind::StorageFull
+            | ErrorKind::QuotaExceeded
+            | ErrorKind::StaleNetworkFileHandle
+            | ErrorKind::ResourceBusy
+            | ErrorKind::TimedOut
+            | ErrorKind::NetworkDown
+            | ErrorKind::NetworkUnreachable
+            | ErrorKind::HostUnreachable
+            | ErrorKind::NotConnected
+    ) || cfg!(unix) && reason.raw_os_error() == Some(EIO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The numbers are those of Linux; names in errno(3).
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn another_try_may_cure_full_disks_and_lost_servers_but_no_missing_or_forbidden_file() {
+        let of = |number| Error::io(Path::new("raw.dng"), "write", std::io::Error::from_raw_os_error(number));
+        // ENOSPC, EDQUOT, ESTALE, EIO, ETIMEDOUT, EBUSY.
+        for number in [28, 122, 116, 5, 110, 16] {
+            assert!(of(number).is_temporary(), "{}", of(number));
+        }
+        // ENOENT, EACCES, EROFS, EISDIR.
+        for number in [2, 13, 30, 21] {
+            assert!(!of(number).is_temporary(), "{}", of(number));
+        }
+        assert!(of(2).since_begun().is_temporary() && !of(13).since_begun().is_temporary());
+        assert_eq!(of(2).since_begun().to_string(), of(2).to_string());
     }
 }

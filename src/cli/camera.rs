@@ -8,11 +8,12 @@ use photosite::calibration::camera_files::{
     CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
 };
 use photosite::io::capture::Capture;
-use photosite::io::output::{create_folder, write_whole};
+use photosite::io::lock::Lock;
+use photosite::io::output::create_folder;
 
 use super::lens_corrections::LensSeen;
 use super::render::lone_recording_camera;
-use super::{println_out, refuse_existing};
+use super::{println_out, refuse_existing, write_result};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///
@@ -81,17 +82,18 @@ pub(super) fn run(args: &CameraArgs) -> Result<()> {
             let files =
                 [("cameras.txt", text), ("images.txt", colmap_images(&[image])), ("points3D.txt", colmap_points(&[]))];
             create_folder(folder)?;
+            let _lock = Lock::of_folder(folder)?;
             files.iter().try_for_each(|(name, _)| refuse_existing(&folder.join(name), args.force))?;
-            files.iter().try_for_each(|(name, text)| write(&folder.join(name), text))
+            files.iter().try_for_each(|(name, text)| write(&folder.join(name), args.force, text))
         }
         (Format::Opencv | Format::Ros | Format::Kalibr | Format::Euroc, Some(file)) => {
             refuse_existing(file, args.force)?;
-            write(file, &text)
+            write(file, args.force, &text)
         }
         (_, None) => println_out(text.trim_end()),
     }
 }
 
-fn write(path: &Path, text: &str) -> Result<()> {
-    write_whole(path, |to| to.write_all(text.as_bytes()))
+fn write(path: &Path, force: bool, text: &str) -> Result<()> {
+    write_result(path, force, |to| to.write_all(text.as_bytes()))
 }

@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use photosite::film::Film;
-use photosite::io::film_file::{add_unfinished, write_unfinished};
+use photosite::integrator::Pilot;
+use photosite::io::film_file::{add_unfinished, read_samples, write_samples, write_unfinished};
 use photosite::io::output::{Sink, write_whole};
 use photosite::{Error, Invalid, Result};
 use serde::{Deserialize, Serialize};
@@ -38,6 +39,9 @@ struct Header {
     elapsed_s: f64,
     /// Whether the film of a pilot follows that of the picture.
     has_pilot: bool,
+    /// Whether what the pilot wants follows it; earlier versions left it out.
+    #[serde(default)]
+    has_wanted: bool,
     /// Whether it is of a part of a render, of which the sums are kept of rows that are done.
     is_part: bool,
     /// The first sample of every pixel, and the one after the last.
@@ -58,6 +62,8 @@ pub(super) struct Checkpoints<'a> {
     force: bool,
     makings: &'a Map<String, Value>,
     due: Due,
+    /// The file of the rows that are done, to be synced before a checkpoint tells of them.
+    rows: Option<File>,
 }
 
 /// What a checkpoint holds.
@@ -75,19 +81,26 @@ pub(super) struct SavedFilms {
     path: PathBuf,
     from: BufReader<File>,
     has_pilot: bool,
+    has_wanted: bool,
 }
 
 impl SavedFilms {
     /// Fills empty films with them.
-    pub(super) fn fill(mut self, film: &mut Film, pilot: Option<&mut Film>) -> Result<()> {
-        let path = &self.path;
+    pub(super) fn fill(mut self, film: &mut Film, pilot: Option<&mut Pilot>) -> Result<()> {
+        let (path, from) = (&self.path, &mut self.from);
         if self.has_pilot != pilot.is_some() {
             return Err(damaged(path, &"it has not the films that this render has"));
         }
-        let mut read =
-            |film: &mut Film| add_unfinished(film, &mut self.from).map_err(|invalid| damaged(path, &invalid.message));
-        read(film)?;
-        pilot.map_or(Ok(()), read)
+        let read = || -> Result<(), Invalid> {
+            add_unfinished(film, &mut *from)?;
+            let Some(pilot) = pilot else { return Ok(()) };
+            add_unfinished(&mut pilot.film, &mut *from)?;
+            if self.has_wanted {
+                pilot.wanted = read_samples([film.width(), film.height()], &mut *from)?;
+            }
+            Ok(())
+        };
+        read().map_err(|invalid| damaged(path, &invalid.message))
     }
 }
 
@@ -107,7 +120,8 @@ impl<'a> Checkpoints<'a> {
     ) -> Self {
         let [path, rows_path] = [FILM, ROWS].map(|kind| folder.path().join(named(STEM, number, kind)));
         let samples = [samples.start, samples.end];
-        Self { path, rows_path, is_part, samples, force: folder.is_forced(), makings, due: Due::every(interval) }
+        let (force, due) = (folder.is_forced(), Due::every(interval));
+        Self { path, rows_path, is_part, samples, force, makings, due, rows: None }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -156,13 +170,22 @@ impl<'a> Checkpoints<'a> {
             }
             None => {}
         }
-        let films = has_films.then(|| SavedFilms { path: path.clone(), from, has_pilot: header.has_pilot });
+        let films = has_films.then(|| {
+            let Header { has_pilot, has_wanted, .. } = header;
+            SavedFilms { path: path.clone(), from, has_pilot, has_wanted }
+        });
         let elapsed = Duration::try_from_secs_f64(header.elapsed_s).map_err(|error| damaged(path, &error))?;
         Ok(Some(Resumed { first_row, elapsed, films }))
     }
 
     /// The file of the rows that are done, of which there are so many bytes.
-    pub(super) fn open_rows(&self, bytes: u64) -> Result<File> {
+    pub(super) fn open_rows(&mut self, bytes: u64) -> Result<File> {
+        let file = self.rows_file(bytes)?;
+        self.rows = Some(file.try_clone().map_err(|reason| Error::io(&self.rows_path, "write", reason))?);
+        Ok(file)
+    }
+
+    fn rows_file(&self, bytes: u64) -> Result<File> {
         let path = &self.rows_path;
         if bytes == 0 {
             let file = File::options().read(true).write(true).create(true).truncate(true).open(path);
@@ -178,18 +201,28 @@ impl<'a> Checkpoints<'a> {
     }
 
     /// Writes one of films under way if it is time for it.
-    pub(super) fn keep(&mut self, film: &Film, pilot: Option<&Film>, elapsed: Duration) -> Result<()> {
+    pub(super) fn keep(&mut self, film: &Film, pilot: Option<&Pilot>, elapsed: Duration) -> Result<()> {
         if !self.due.is_now() {
             return Ok(());
         }
         let start = Instant::now();
+        self.keep_now(film, pilot, elapsed)?;
+        self.due.done_since(start);
+        Ok(())
+    }
+
+    /// Writes one at once, if any are to be written at all.
+    pub(super) fn keep_now(&mut self, film: &Film, pilot: Option<&Pilot>, elapsed: Duration) -> Result<()> {
+        if self.due.is_never() {
+            return Ok(());
+        }
         let Range { start: first, end } = film.picture_rows();
         self.write([first, end], pilot.is_some(), elapsed, |mut to| {
             write_unfinished(film, &mut to)?;
-            pilot.map_or(Ok(()), |pilot| write_unfinished(pilot, &mut to))
-        })?;
-        self.due.done_since(start);
-        Ok(())
+            let Some(pilot) = pilot else { return Ok(()) };
+            write_unfinished(&pilot.film, &mut to)?;
+            write_samples([film.width(), film.height()], &pilot.wanted, &mut to)
+        })
     }
 
     /// Tells that all rows before this one are in the file of those that are done.
@@ -204,9 +237,13 @@ impl<'a> Checkpoints<'a> {
         elapsed: Duration,
         films: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
     ) -> Result<()> {
+        if let Some(rows) = &self.rows {
+            rows.sync_data().map_err(|reason| Error::io(&self.rows_path, "write", reason))?;
+        }
         let header = Header {
             elapsed_s: elapsed.as_secs_f64(),
             has_pilot,
+            has_wanted: has_pilot,
             is_part: self.is_part,
             samples: self.samples,
             rows,

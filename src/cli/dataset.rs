@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
 
 use clap::Args;
 use glam::DVec2;
@@ -14,7 +16,7 @@ use photosite::sensor::SensorModel;
 use photosite::{Error, Invalid, Result};
 use serde_json::{Value, json};
 
-use super::dataset_folder::{DatasetFolder, identity, part_identity};
+use super::dataset_folder::{DatasetFolder, NewPicture, Turn, identity, part_identity};
 use super::film_memory::FilmMemory;
 use super::output_folder::OutputFolder;
 use super::parts::check_samples;
@@ -23,11 +25,16 @@ use super::render::{Light, Request, lone_camera, render};
 use super::report::Timings;
 use super::{parse_range, print_json, start_threads};
 
+/// Between two looks at what other processes make, at first and after a while.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
+const LONGEST_PAUSE: Duration = Duration::from_secs(2);
+
 /// Render a data set: a capture from many poses, under many conditions, by one camera or a rig.
 ///
 /// Each frame is a folder as `photosite render` makes it, DIR/CAMERA/NUMBER. A data set that was broken off goes on where it
-/// stopped when the same command is given again. Several machines can share the work, each with frames of its own
-/// (--frames) in the same folder, or each with samples of its own (--samples) in a folder of its own.
+/// stopped when the same command is given again. Several processes and machines can share the work: by the same command in
+/// the same folder, where each picture is made by one of them, with frames of their own (--frames) if they like, or each
+/// with samples of its own (--samples) in a folder of its own.
 #[derive(Args)]
 pub(super) struct DatasetArgs {
     /// A data set file (.toml), which names a capture file and says what differs from frame to frame.
@@ -155,32 +162,68 @@ impl DataSet {
         let pictures = frames.iter().flat_map(|(number, frame)| {
             self.cameras().zip(frame).map(move |(camera, overrides)| (*number, camera, overrides))
         });
-        let todo: Vec<_> = pictures.filter(|&(number, camera, _)| !folder.is_done(camera, number)).collect();
+        let mut todo: Vec<_> = pictures.filter(|&(number, camera, _)| !folder.is_done(camera, number)).collect();
         let progress = Progress::over_images(todo.len() as u64, talk.quiet || talk.json);
-        for (made, &(number, camera, overrides)) in todo.iter().enumerate() {
-            let capture = self.capture(camera, number, overrides)?;
-            let light = light(camera, number)?;
-            let partial = folder.begin(camera, number)?;
-            let mut results = OutputFolder::claim(&partial, true)?;
-            let request = Request {
-                input: &self.capture_path,
-                named: self.file.description.capture.clone(),
-                overrides: overrides.clone(),
-                light,
-                film_memory: self.film_memory,
+        let (mut made, mut is_first) = (0, true);
+        let mut pause = SHORTEST_PAUSE;
+        while !todo.is_empty() {
+            // What other processes make is looked at again in the end: they may die.
+            let mut theirs = Vec::new();
+            for (number, camera, overrides) in todo {
+                let picture = match folder.begin(camera, number)? {
+                    Turn::Ours(picture) => picture,
+                    Turn::Theirs => {
+                        theirs.push((number, camera, overrides));
+                        continue;
+                    }
+                    Turn::Done => {
+                        progress.advance(1);
+                        continue;
+                    }
+                };
+                let light = light(camera, number)?;
                 // What is to be said of the scene is said once.
-                quiet: talk.quiet || made > 0,
-                silent: true,
-                is_timed: false,
-            };
-            let rendered = render(capture, &request, &mut results, Timings::default());
-            rendered.map_err(|error| self.error_of_change(error, camera, number, overrides))?;
-            drop(results);
-            folder.finish(camera, number)?;
-            progress.advance(1);
+                let quiet = talk.quiet || !std::mem::take(&mut is_first);
+                self.picture((number, camera), overrides, light, &picture, quiet).map_err(Error::since_begun)?;
+                made += usize::from(picture.finish()?);
+                progress.advance(1);
+            }
+            todo = theirs;
+            if !todo.is_empty() {
+                if pause == SHORTEST_PAUSE && !talk.quiet {
+                    eprintln!("other processes are making {} pictures, which are waited for", todo.len());
+                }
+                sleep(pause);
+                pause = LONGEST_PAUSE.min(pause * 2);
+            }
         }
         progress.finish();
-        Ok(todo.len())
+        Ok(made)
+    }
+
+    /// Makes one picture, but for its name.
+    fn picture(
+        &self,
+        (number, camera): (u32, &str),
+        overrides: &[String],
+        light: Light,
+        picture: &NewPicture,
+        quiet: bool,
+    ) -> Result<()> {
+        let capture = self.capture(camera, number, overrides)?;
+        let mut results = OutputFolder::own(picture.path());
+        let request = Request {
+            input: &self.capture_path,
+            named: self.file.description.capture.clone(),
+            overrides: overrides.to_vec(),
+            light,
+            film_memory: self.film_memory,
+            quiet,
+            silent: true,
+            is_timed: false,
+        };
+        let rendered = render(capture, &request, &mut results, Timings::default());
+        rendered.map(|_| ()).map_err(|error| self.error_of_change(error, camera, number, overrides))
     }
 
     /// Writes what is said of the pictures together.

@@ -1,9 +1,14 @@
 //! The folder of a data set: which pictures are there, and what they are pictures of.
 //!
-//! DIR/CAMERA/NUMBER holds the files of one picture. It is made as `.NUMBER.partial` beside and renamed when it is complete,
-//! so that whatever stands under its number is whole. `dataset.json` says what the folder is for, `manifest.jsonl` what is in
-//! it, a line a picture.
+//! DIR/CAMERA/NUMBER holds the files of one picture. It is made beside as `.NUMBER.XXXXXX.partial` and renamed when it is
+//! complete, so that whatever stands under its number is whole. `dataset.json` says what the folder is for, `manifest.jsonl`
+//! what is in it, a line a picture.
+//!
+//! Several processes may fill it. Each picture has a lock, `.NUMBER.lock`, so that they make different ones, and know what a dead
+//! one has left; what concerns the whole has the lock of the folder. Nothing is lost where the file system knows no locks:
+//! each process makes a picture under a name of its own, the first to finish gives it its number, and the other drops its own.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -13,12 +18,15 @@ use photosite::calibration::dataset::{CALIBRATION_FOLDER, Plan};
 use photosite::calibration::truth::TruthLayer;
 use photosite::io::capture::{Capture, DatasetFile, REPORT, real_path};
 use photosite::io::finished_dataset::{MANIFEST, read_present};
-use photosite::io::output::{create_folder, remove_unfinished, write_whole};
+use photosite::io::lock::Lock;
+use photosite::io::output::{create_folder, remove_leftovers, write_new, write_whole};
+use photosite::io::unfinished::{UnfinishedFolder, unfinished_folders};
 use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
 use super::checkpoint;
 use super::fingerprint::{difference, fingerprinted, keys_and_files};
+use super::output_folder::PART;
 use super::pretty_json::pretty_json;
 
 /// What the folder is for.
@@ -141,28 +149,33 @@ impl DatasetFolder {
         }
         create_folder(path)?;
         let marker = path.join(IDENTITY);
-        if marker.exists() {
-            let earlier = read_identity(&marker)?;
-            if earlier["fingerprint"] != identity["fingerprint"] {
-                let difference = difference(&earlier, identity);
-                return refuse(format!("{} holds another data set: {difference}", path.display()));
-            }
-            let samples = |identity: &Value| identity[OF_PART]["samples"].clone();
-            if samples(&earlier) != samples(identity) {
-                let range = samples(&earlier);
-                let held = if range.is_null() {
-                    "the whole of this data set".to_owned()
-                } else {
-                    format!("the samples {}..{} of each pixel", range[0], range[1])
-                };
-                return refuse(format!("{} holds {held}", path.display()));
-            }
-        } else {
-            let mut entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
-            if entries.next().is_some() {
+        // Whoever begins at the same time takes part.
+        let lock = Lock::wait_for_folder(path)?;
+        if lock.is_proven() {
+            remove_leftovers(path);
+        }
+        if !marker.exists() {
+            let entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
+            let mut names = entries.flatten().map(|entry| entry.file_name());
+            if names.any(|name| !name.to_string_lossy().starts_with(".photosite")) && !marker.exists() {
                 return refuse(format!("{} is not empty, and holds no data set", path.display()));
             }
-            write_whole(&marker, |to| writeln!(to, "{}", pretty_json(identity)))?;
+            write_new(&marker, |to| writeln!(to, "{}", pretty_json(identity)))?;
+        }
+        let earlier = read_identity(&marker)?;
+        if earlier["fingerprint"] != identity["fingerprint"] {
+            let difference = difference(&earlier, identity);
+            return refuse(format!("{} holds another data set: {difference}", path.display()));
+        }
+        let samples = |identity: &Value| identity[OF_PART]["samples"].clone();
+        if samples(&earlier) != samples(identity) {
+            let range = samples(&earlier);
+            let held = if range.is_null() {
+                "the whole of this data set".to_owned()
+            } else {
+                format!("the samples {}..{} of each pixel", range[0], range[1])
+            };
+            return refuse(format!("{} holds {held}", path.display()));
         }
         for camera in plan.cameras() {
             create_folder(&path.join(&camera.place.name))?;
@@ -179,31 +192,41 @@ impl DatasetFolder {
         self.picture(camera, number).exists()
     }
 
-    /// A folder for a picture that is being made. What an earlier attempt left of it is removed, unless that goes on from
-    /// a checkpoint.
-    pub(super) fn begin(&self, camera: &str, number: u32) -> Result<PathBuf> {
-        let partial = self.partial(camera, number);
-        if !checkpoint::are_in(&partial) {
-            remove_unfinished(&partial)?;
+    /// Begins a picture, or finds out who has it.
+    pub(super) fn begin(&self, camera: &str, number: u32) -> Result<Turn> {
+        let path = self.picture(camera, number);
+        if path.exists() {
+            return Ok(Turn::Done);
         }
-        create_folder(&partial)?;
-        Ok(partial)
-    }
-
-    /// Gives a complete picture its name.
-    pub(super) fn finish(&self, camera: &str, number: u32) -> Result<()> {
-        let (from, to) = (self.partial(camera, number), self.picture(camera, number));
-        fs::rename(&from, &to).map_err(|reason| Error::io(&to, "rename the finished folder to", reason))
+        let Some(lock) = Lock::try_take(&self.lock(camera, number))? else { return Ok(Turn::Theirs) };
+        // Another process may have finished it before it let go of the lock.
+        if path.exists() {
+            return Ok(Turn::Done);
+        }
+        // Before there is one of this process.
+        let left = if lock.is_proven() { unfinished_folders(&path) } else { Vec::new() };
+        let folder = UnfinishedFolder::beside(&path, checkpoint::are_in)?;
+        for older in left {
+            if !checkpoint::are_in(folder.path()) && checkpoint::are_in(&older) && folder.take_over(&older) {
+                remove_leftovers(folder.path());
+            } else {
+                // Nothing depends on it.
+                let _ = fs::remove_dir_all(&older);
+            }
+        }
+        Ok(Turn::Ours(NewPicture { folder, _lock: lock }))
     }
 
     /// Writes the manifest and the card of what is there, and returns how many pictures that are, and which files of the cameras are
-    /// left out, with the reasons.
+    /// left out, with the reasons. Of processes that end at the same time the last to write knows of the pictures of all.
     pub(super) fn write_index(
         &self,
         file: &DatasetFile,
         identity: &Value,
         plan: &Plan,
     ) -> Result<(usize, Vec<String>)> {
+        let _lock = Lock::wait_for_folder(&self.path)?;
+        self.sweep(plan)?;
         let mut lines = Vec::new();
         for number in 0..plan.frames() {
             for camera in plan.cameras().iter().filter(|camera| self.is_done(&camera.place.name, number)) {
@@ -272,8 +295,76 @@ impl DatasetFolder {
         picture(&self.path, camera, number)
     }
 
-    fn partial(&self, camera: &str, number: u32) -> PathBuf {
-        self.path.join(camera).join(format!(".{number:06}.partial"))
+    fn lock(&self, camera: &str, number: u32) -> PathBuf {
+        self.path.join(camera).join(format!(".{number:06}.lock"))
+    }
+
+    /// Removes what dead processes have left beside pictures that are done.
+    fn sweep(&self, plan: &Plan) -> Result<()> {
+        for camera in plan.cameras().iter().map(|camera| &*camera.place.name) {
+            let folder = self.path.join(camera);
+            let entries = fs::read_dir(&folder).map_err(|reason| Error::io(&folder, "read", reason))?;
+            let number = |name: &str| name.strip_prefix('.')?.split('.').next()?.parse().ok();
+            let numbers = entries.flatten().filter_map(|entry| number(&entry.file_name().to_string_lossy()));
+            for number in numbers.collect::<BTreeSet<u32>>() {
+                // The lock leaves with its file.
+                let lock = Lock::try_take(&self.lock(camera, number))?;
+                let path = self.picture(camera, number);
+                if lock.is_some_and(|lock| lock.is_proven() && path.exists()) {
+                    // Nothing depends on it.
+                    unfinished_folders(&path).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whose a picture is to make.
+pub(super) enum Turn {
+    /// It is there.
+    Done,
+    /// Another process is at it.
+    Theirs,
+    /// Nobody else makes it.
+    Ours(NewPicture),
+}
+
+/// A picture that is being made. One that is given up goes, unless there is a checkpoint to go on from.
+pub(super) struct NewPicture {
+    // Put away before the lock is let go of.
+    folder: UnfinishedFolder,
+    _lock: Lock,
+}
+
+impl NewPicture {
+    /// The folder for its files.
+    pub(super) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Gives the complete picture its number: whether this process was the one to do so.
+    pub(super) fn finish(self) -> Result<bool> {
+        check_complete(self.folder.path())?;
+        self.folder.finish()
+    }
+}
+
+/// Refuses a picture that lacks a file which its report names.
+fn check_complete(folder: &Path) -> Result<()> {
+    let is_gone = |path: &Path| {
+        let invalid = Invalid::new("", "was written, and is gone");
+        invalid.help("give the command again, which makes the picture anew").in_file(path).temporary()
+    };
+    let report = [REPORT, PART].map(|name| folder.join(name)).into_iter().find(|path| path.exists());
+    let Some(report) = report else { return Err(is_gone(&folder.join(REPORT))) };
+    let text = fs::read(&report).map_err(|reason| Error::io(&report, "read", reason).since_begun())?;
+    let report: Value =
+        serde_json::from_slice(&text).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(&report))?;
+    let mut names = report["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    match names.find(|name| !folder.join(name).exists()) {
+        Some(name) => Err(is_gone(&folder.join(name))),
+        None => Ok(()),
     }
 }
 
@@ -358,4 +449,95 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_
         cameras = cameras.join("\n"),
         fingerprint = identity["fingerprint"].as_str().unwrap_or_default(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder() -> (tempfile::TempDir, DatasetFolder) {
+        let root = tempfile::tempdir().expect("a folder");
+        fs::create_dir(root.path().join("left")).expect("made");
+        let folder = DatasetFolder { path: root.path().to_owned() };
+        (root, folder)
+    }
+
+    fn fill(picture: &Path) {
+        fs::write(picture.join("raw.dng"), "raw").expect("written");
+        fs::write(picture.join(REPORT), r#"{"files": ["raw.dng"]}"#).expect("written");
+    }
+
+    fn ours(folder: &DatasetFolder) -> NewPicture {
+        match folder.begin("left", 7).expect("no failure") {
+            Turn::Ours(picture) => picture,
+            Turn::Done | Turn::Theirs => panic!("nobody else is there"),
+        }
+    }
+
+    fn names(root: &tempfile::TempDir) -> Vec<String> {
+        let entries = fs::read_dir(root.path().join("left")).expect("a folder");
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn a_picture_that_somebody_makes_is_left_to_them() {
+        let (root, folder) = folder();
+        let picture = ours(&folder);
+        assert!(matches!(folder.begin("left", 7).expect("no failure"), Turn::Theirs));
+        assert!(matches!(folder.begin("left", 8).expect("no failure"), Turn::Ours(_)));
+        fill(picture.path());
+        assert!(picture.finish().expect("finished"));
+        assert!(matches!(folder.begin("left", 7).expect("no failure"), Turn::Done));
+        assert_eq!(names(&root), ["000007"]);
+    }
+
+    /// As on a file system without locks, where nothing tells two processes of each other: the lock is taken away.
+    #[test]
+    fn without_locks_one_of_two_makes_the_picture_and_no_file_is_lost() {
+        let (root, folder) = folder();
+        let first = ours(&folder);
+        fs::write(first.path().join("electrons.exr"), "electrons").expect("written");
+        fs::rename(folder.lock("left", 7), root.path().join("lock")).expect("taken away");
+        let unproven = UnfinishedFolder::beside(&folder.picture("left", 7), checkpoint::are_in).expect("begun");
+        fill(unproven.path());
+        fill(first.path());
+        assert_eq!(fs::read_dir(first.path()).expect("a folder").count(), 3);
+        assert!(first.finish().expect("finished"));
+        assert!(!unproven.finish().expect("dropped"));
+        assert_eq!(fs::read_dir(folder.picture("left", 7)).expect("a folder").count(), 3);
+        assert_eq!(names(&root), ["000007"]);
+    }
+
+    #[test]
+    fn a_picture_that_lost_a_file_does_not_get_its_number() {
+        let (root, folder) = folder();
+        for lost in ["raw.dng", REPORT] {
+            let picture = ours(&folder);
+            fill(picture.path());
+            fs::remove_file(picture.path().join(lost)).expect("removed");
+            let error = picture.finish().expect_err("incomplete");
+            assert!(error.is_temporary() && error.to_string().contains(lost), "{error}");
+        }
+        assert_eq!(names(&root), [""; 0]);
+    }
+
+    /// Of dead processes, and of versions that had one name for all.
+    #[test]
+    fn what_a_dead_process_has_left_is_gone_on_from_or_removed() {
+        let (root, folder) = folder();
+        for (name, file) in [(".000007.partial", "raw.dng"), (".000007.a1b2c3.partial", "checkpoint.film")] {
+            let left = root.path().join("left").join(name);
+            fs::create_dir(&left).expect("made");
+            for file in [file, ".photosite-a1b2c3.partial"] {
+                fs::write(left.join(file), "left").expect("written");
+            }
+        }
+        let picture = ours(&folder);
+        assert_eq!(fs::read(picture.path().join("checkpoint.film")).expect("taken over"), b"left");
+        assert_eq!(fs::read_dir(picture.path()).expect("a folder").count(), 1, "and nothing else of it");
+        assert_eq!(unfinished_folders(&folder.picture("left", 7)), [picture.path()]);
+        let kept = picture.path().to_owned();
+        drop(picture);
+        assert!(kept.exists(), "there is a checkpoint to go on from");
+    }
 }

@@ -6,7 +6,6 @@ use std::time::Instant;
 use clap::Args;
 use photosite::develop::{DevelopSettings, Development, EncodedPicture, RawDescription, develop_linear, encode};
 use photosite::io::developed::{PictureFormat, write_encoded, write_linear};
-use photosite::io::output::write_whole;
 use photosite::io::raw_file::read_raw;
 use photosite::raw::{RawImage, RawMetadata};
 use photosite::{Error, Invalid, Result};
@@ -86,7 +85,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
     let mut develop_s = start.elapsed().as_secs_f64();
     let write_s = if format == PictureFormat::Exr {
         let start = Instant::now();
-        write_whole(&path, |to| write_linear(&planes, settings.colour_space, development.pixel_aspect, to))?;
+        args.common.write(&path, |to| write_linear(&planes, settings.colour_space, development.pixel_aspect, to))?;
         start.elapsed().as_secs_f64()
     } else {
         let start = Instant::now();
@@ -94,7 +93,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         let picture = EncodedPicture { pixel_aspect: development.pixel_aspect, ..encoded };
         develop_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        write_whole(&path, |to| write_encoded(&picture, format, to))?;
+        args.common.write(&path, |to| write_encoded(&picture, format, to))?;
         start.elapsed().as_secs_f64()
     };
     let report = Report {

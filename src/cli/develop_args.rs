@@ -6,8 +6,9 @@ use clap::Args;
 use photosite::Result;
 use photosite::develop::DevelopSettings;
 use photosite::io::capture::{CaptureSource, read_develop_settings};
+use photosite::io::output::Sink;
 
-use super::{refuse_existing, start_threads};
+use super::{refuse_existing, start_threads, write_result};
 
 #[derive(Args)]
 pub(super) struct CommonDevelopArgs {
@@ -45,5 +46,10 @@ impl CommonDevelopArgs {
     /// Refuses to overwrite a picture unasked.
     pub(super) fn check_output(&self, path: &Path) -> Result<()> {
         refuse_existing(path, self.force)
+    }
+
+    /// Writes the output, if it is still not there or may be overwritten.
+    pub(super) fn write(&self, path: &Path, write: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>) -> Result<()> {
+        write_result(path, self.force, write)
     }
 }

@@ -17,6 +17,10 @@ impl Due {
         Self { interval, at: interval.and_then(|interval| Instant::now().checked_add(interval)) }
     }
 
+    pub(super) fn is_never(&self) -> bool {
+        self.interval.is_none()
+    }
+
     pub(super) fn is_now(&self) -> bool {
         self.at.is_some_and(|at| Instant::now() >= at)
     }

@@ -10,7 +10,9 @@ use photosite::characterisation::{
 };
 use photosite::io::capture::read_named_sensor;
 use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageFormat, ImageSets, SetWriter, SpectralSet, ThermalSet};
-use photosite::io::output::write_whole;
+use photosite::io::lock::Lock;
+use photosite::io::output::{create_folder, write_unsynced};
+use photosite::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use photosite::sensor::SensorModel;
 use photosite::units::{Celsius, Decibels, Seconds};
 use photosite::{Error, Invalid, Result};
@@ -118,10 +120,15 @@ pub(super) fn run(args: &Emva1288Args) -> Result<()> {
         }
     }
 
-    let parent = output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::create_dir_all(parent).map_err(|reason| Error::io(parent, "create the folder", reason))?;
-    let folder = tempfile::Builder::new().prefix(".emva1288-").tempdir_in(parent);
-    let folder = folder.map_err(|reason| Error::io(parent, "write into", reason))?;
+    create_folder(output.parent().unwrap_or(Path::new("")))?;
+    let lock = Lock::beside(&output)?;
+    // Another process may have finished in the meantime.
+    refuse_output(&output, args.force)?;
+    if lock.is_proven() {
+        // Of dead processes; nothing depends on it.
+        unfinished_folders(&output).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
+    }
+    let folder = UnfinishedFolder::beside(&output, |_| false)?;
     let images = work.iter().map(Work::images).sum();
     let progress = Progress::over_images(images, args.quiet || args.json);
     let mut camera = Camera {
@@ -143,11 +150,11 @@ pub(super) fn run(args: &Emva1288Args) -> Result<()> {
         gain_db: args.gain_db,
         channels,
     };
-    write_whole(&folder.path().join(CONTENTS), |to| {
+    write_unsynced(&folder.path().join(CONTENTS), |to| {
         serde_json::to_writer_pretty(&mut *to, &sets)?;
         writeln!(to)
     })?;
-    move_into_place(folder, &output)?;
+    move_into_place(folder, &output, args.force)?;
     if args.json {
         print_json(&sets)
     } else if args.quiet {
@@ -361,22 +368,29 @@ fn refuse_output(output: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
-/// Gives the finished folder its name, in the place of an older one.
-fn move_into_place(folder: tempfile::TempDir, output: &Path) -> Result<()> {
-    if output.exists() {
-        fs::remove_dir_all(output).map_err(|reason| Error::io(output, "replace", reason))?;
+/// Gives the finished folder its name, in the place of an older one if that may be replaced.
+fn move_into_place(folder: UnfinishedFolder, output: &Path, force: bool) -> Result<()> {
+    if force && is_filled(output) {
+        // Out of the way in one step, so that it is never there in part.
+        let older = UnfinishedFolder::beside(output, |_| false)?;
+        if !older.take_over(output) {
+            let message = "cannot be replaced";
+            return Err(Invalid::new("", message).help("choose another folder with -o").in_file(output));
+        }
+        return give_name(folder, output).inspect_err(|_| {
+            // As it was, as far as that is possible.
+            let _ = fs::rename(older.path(), output);
+        });
     }
-    #[cfg(unix)]
-    {
-        // Temporary folders are private; image sets are not.
-        use std::os::unix::fs::PermissionsExt;
-        fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755))
-            .map_err(|reason| Error::io(output, "create", reason))?;
+    give_name(folder, output)
+}
+
+fn give_name(folder: UnfinishedFolder, output: &Path) -> Result<()> {
+    if folder.finish()? {
+        return Ok(());
     }
-    fs::rename(folder.path(), output).map_err(|reason| Error::io(output, "create", reason))?;
-    // It is no temporary folder any more.
-    let _ = folder.keep();
-    Ok(())
+    let message = format!("{} was filled by another process", output.display());
+    Err(Error::Usage { message, help: Some("choose another folder with -o".to_owned()) })
 }
 
 fn positive(text: &str) -> Result<f64, String> {

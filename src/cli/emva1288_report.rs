@@ -6,13 +6,12 @@ use clap::Args;
 use photosite::characterisation::report::{ChannelReport, Report, SpectralPoint, ThermalPoint};
 use photosite::characterisation::{Figures, NotMeasured, doubling_temperature, evaluate, responsivity};
 use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
-use photosite::io::output::write_whole;
 use photosite::{Invalid, Result};
 use serde::Serialize;
 
 use super::figures_text::measured_text;
 use super::progress::Progress;
-use super::{print_json, println_out, refuse_existing, rounded};
+use super::{print_json, println_out, refuse_existing, rounded, write_result};
 
 /// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
 ///
@@ -57,7 +56,7 @@ pub(super) fn run(args: &Emva1288ReportArgs) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| folder.join("report.html"));
     refuse_existing(&output, args.force)?;
     let report = if is_folder { of_folder(folder, args.quiet || args.json)? } else { of_descriptor(&args.input)? };
-    write_whole(&output, |to| to.write_all(report.html().as_bytes()))?;
+    write_result(&output, args.force, |to| to.write_all(report.html().as_bytes()))?;
     if args.json {
         print_json(&report.channels.iter().map(measured).collect::<Vec<_>>())
     } else if args.quiet {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite::io::capture::Capture;
+use photosite::io::lock::Lock;
 use photosite::io::mitsuba::export;
 use photosite::io::output::{create_folder, write_whole};
 use photosite::{Error, Result};
@@ -41,17 +42,15 @@ pub(super) struct ExportMitsubaArgs {
 const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
 
 pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
-    if args.output.join("scene.xml").exists() && !args.force {
-        return Err(Error::Usage {
-            message: format!("{} holds a scene already", args.output.display()),
-            help: Some("add --force to overwrite it, or choose another folder with -o".to_owned()),
-        });
-    }
+    refuse_scene(&args.output, args.force)?;
     let capture = Capture::read(&args.input, &args.overrides)?;
     let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
     warnings.for_each(|warning| eprintln!("warning: {warning}"));
     let camera = lone_camera(&capture)?;
     let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;
+    let _lock = Lock::of_folder(&args.output)?;
+    // Another process may have finished in the meantime.
+    refuse_scene(&args.output, args.force)?;
     write_whole_in(&args.output, "render.py", RENDER)?;
     // The scene itself comes last: where it is, all that it names is there too.
     for (name, bytes) in scene.files.iter().rev() {
@@ -69,4 +68,14 @@ fn write_whole_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
     let path = folder.join(name);
     create_folder(path.parent().unwrap_or(folder))?;
     write_whole(&path, |to| to.write_all(bytes))
+}
+
+fn refuse_scene(folder: &Path, force: bool) -> Result<()> {
+    if force || !folder.join("scene.xml").exists() {
+        return Ok(());
+    }
+    Err(Error::Usage {
+        message: format!("{} holds a scene already", folder.display()),
+        help: Some("add --force to overwrite it, or choose another folder with -o".to_owned()),
+    })
 }

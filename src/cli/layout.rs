@@ -59,10 +59,10 @@ impl Format {
 }
 
 pub(super) fn run(args: &LayoutArgs) -> Result<()> {
-    let mut folder = LayoutFolder::begin(&args.output, &args.dataset)?;
     let set = read_dataset(&args.dataset)?;
+    let mut folder = LayoutFolder::begin(&args.output, &args.dataset)?;
     args.format.layout().write(&set, &mut folder)?;
-    folder.finish()?;
+    folder.finish(&args.output)?;
     let pictures = set.shots.len();
     if args.json {
         return print_json(&json!({ "folder": args.output, "pictures": pictures, "cameras": set.cameras.len() }));

@@ -1,4 +1,4 @@
-//! The folder of a layout. It is made as `.NAME.partial` beside and renamed when it is complete.
+//! The folder of a layout. It is made beside and renamed when it is complete.
 
 use std::fs::{self, File};
 use std::io::BufReader;
@@ -10,8 +10,10 @@ use photosite::calibration::truth::TruthLayer;
 use photosite::image::Planes;
 use photosite::io::capture::{Capture, REPORT, StoredReport};
 use photosite::io::exr::read_exr;
-use photosite::io::output::{create_folder, remove_unfinished, write_whole};
+use photosite::io::lock::Lock;
+use photosite::io::output::{create_folder, write_unsynced};
 use photosite::io::plain_png::{is_grey, picture_size, read_grey, write_grey8, write_grey16};
+use photosite::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use photosite::scene::description::SceneDescription;
 use photosite::{Error, Invalid, Result};
 use serde_json::Value;
@@ -23,10 +25,8 @@ const TRUTH: &str = "truth.exr";
 
 /// A folder that is being filled. One that is given up is removed.
 pub(super) struct LayoutFolder {
-    /// Where it will be.
-    path: PathBuf,
-    /// Where it is, while it is not complete.
-    partial: Option<PathBuf>,
+    folder: UnfinishedFolder,
+    _lock: Lock,
     dataset: PathBuf,
     /// The scene that was read last, with the keys that it was read from.
     scene: Option<(Vec<Value>, Arc<SceneDescription>)>,
@@ -42,34 +42,37 @@ impl LayoutFolder {
         if path.is_file() {
             return refuse(format!("{} is a file, where a folder is needed", path.display()));
         }
-        if path.is_dir() {
-            let mut entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
-            if entries.next().is_some() {
-                return refuse(format!("{} is not empty", path.display()));
-            }
-        }
-        let Some(name) = path.file_name() else {
+        if path.file_name().is_none() {
             return refuse(format!("{} is no name for a new folder", path.display()));
-        };
-        let partial = path.with_file_name(format!(".{}.partial", name.to_string_lossy()));
-        remove_unfinished(&partial)?;
-        Ok(Self { path: path.to_owned(), partial: Some(partial), dataset: dataset.to_owned(), scene: None })
+        }
+        create_folder(path.parent().unwrap_or(Path::new("")))?;
+        let lock = Lock::beside(path)?;
+        if is_filled(path) {
+            return refuse(format!("{} is not empty", path.display()));
+        }
+        if lock.is_proven() {
+            // Of dead processes; nothing depends on it.
+            unfinished_folders(path).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
+        }
+        let folder = UnfinishedFolder::beside(path, |_| false)?;
+        Ok(Self { folder, _lock: lock, dataset: dataset.to_owned(), scene: None })
     }
 
     /// Gives the complete folder its name.
-    pub(super) fn finish(mut self) -> Result<()> {
-        let Some(partial) = self.partial.take() else { return Ok(()) };
-        let renamed = if self.path.is_dir() { fs::remove_dir(&self.path) } else { Ok(()) };
-        renamed
-            .and_then(|()| fs::rename(&partial, &self.path))
-            .map_err(|reason| Error::io(&self.path, "rename the finished folder to", reason))
+    pub(super) fn finish(self, path: &Path) -> Result<()> {
+        if self.folder.finish()? {
+            return Ok(());
+        }
+        let help = "choose a new folder with -o".to_owned();
+        let message = format!("{} was filled by another process", path.display());
+        Err(Error::Usage { message, help: Some(help) })
     }
 
     /// A file of the layout, whose folder is made.
     fn place(&self, name: &str) -> Result<PathBuf> {
-        let path = self.partial.as_ref().unwrap_or(&self.path).join(name);
+        let path = self.folder.path().join(name);
         if let Some(folder) = path.parent() {
-            create_folder(folder)?;
+            fs::create_dir_all(folder).map_err(|reason| Error::io(folder, "create the folder", reason))?;
         }
         Ok(path)
     }
@@ -96,18 +99,9 @@ impl LayoutFolder {
     }
 }
 
-impl Drop for LayoutFolder {
-    /// Nothing is left of a layout that has failed. Nothing depends on that, so failures are let pass.
-    fn drop(&mut self) {
-        if let Some(partial) = &self.partial {
-            let _ = fs::remove_dir_all(partial);
-        }
-    }
-}
-
 impl LayoutFiles for LayoutFolder {
     fn write_text(&mut self, path: &str, text: &str) -> Result<()> {
-        write_whole(&self.place(path)?, |to| to.write_all(text.as_bytes()))
+        write_unsynced(&self.place(path)?, |to| to.write_all(text.as_bytes()))
     }
 
     fn copy_picture(&mut self, path: &str, shot: &Shot) -> Result<()> {
@@ -117,7 +111,7 @@ impl LayoutFiles for LayoutFolder {
 
     fn write_grey_picture(&mut self, path: &str, shot: &Shot) -> Result<()> {
         let grey = read_grey(&self.picture(shot)?)?;
-        write_whole(&self.place(path)?, |to| write_grey8(grey.size, &grey.values, to))
+        write_unsynced(&self.place(path)?, |to| write_grey8(grey.size, &grey.values, to))
     }
 
     fn is_grey(&mut self, shot: &Shot) -> Result<bool> {
@@ -126,11 +120,11 @@ impl LayoutFiles for LayoutFolder {
 
     fn write_mask(&mut self, path: &str, size: [u32; 2], inside: &[bool]) -> Result<()> {
         let values: Vec<u8> = inside.iter().map(|&inside| if inside { 255 } else { 0 }).collect();
-        write_whole(&self.place(path)?, |to| write_grey8(size, &values, to))
+        write_unsynced(&self.place(path)?, |to| write_grey8(size, &values, to))
     }
 
     fn write_grey16(&mut self, path: &str, size: [u32; 2], values: &[u16]) -> Result<()> {
-        write_whole(&self.place(path)?, |to| write_grey16(size, values, to))
+        write_unsynced(&self.place(path)?, |to| write_grey16(size, values, to))
     }
 
     fn truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<Planes> {

@@ -7,7 +7,6 @@ use clap::Args;
 use photosite::develop::merge::merge;
 use photosite::develop::{DevelopSettings, Development, develop_merged};
 use photosite::io::developed::{PictureFormat, write_hdr};
-use photosite::io::output::write_whole;
 use photosite::io::raw_file::read_raw;
 use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
@@ -83,7 +82,7 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
         develop_merged(merged, &settings).map_err(|invalid| source.error(invalid.within("develop")))?;
     let merge_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    write_whole(&args.output, |to| {
+    args.common.write(&args.output, |to| {
         write_hdr(&planes, settings.colour_space, development.pixel_aspect, Seconds(longest_s), to)
     })?;
     if !args.common.quiet {

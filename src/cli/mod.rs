@@ -41,6 +41,7 @@ mod results;
 mod run_args;
 mod schema;
 mod sensors;
+mod signals;
 mod stored_light;
 mod target;
 mod trace;
@@ -52,10 +53,17 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use photosite::Error;
+use photosite::io::output::{Sink, write_new, write_whole};
+
+/// What scripts and schedulers go by.
+const EXIT_STATUS: &str = "\
+Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 75 failed, but another try may succeed (disk full, a server or
+a file went away, another process writes to the same place); 129, 130, 143 ended by SIGHUP, SIGINT, SIGTERM, after which a
+render goes on from its checkpoint when the same command is given again.";
 
 /// Renders glTF and OBJ scenes as a camera would record them: photons, electrons, raw files.
 #[derive(Parser)]
-#[command(version, about, max_term_width = 100)]
+#[command(version, about, max_term_width = 100, after_help = EXIT_STATUS)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -86,9 +94,10 @@ enum Command {
     Target(target::TargetArgs),
 }
 
-/// Runs the command line of this process. Exit status 0: done, 1: failed (or pictures differ), 2: wrong usage.
+/// Runs the command line of this process, with the exit status that [`EXIT_STATUS`] tells of.
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
+    signals::listen();
     // Colours, arrows and short lines are for people; a log file gets plain text, to be searched line by line.
     let fancy = std::io::stderr().is_terminal();
     let handler = move |_: &_| -> Box<dyn miette::ReportHandler> {
@@ -122,13 +131,21 @@ pub(crate) fn run() -> ExitCode {
     match outcome {
         Ok(()) => done,
         Err(error) => {
-            let code = match error {
-                Error::Usage { .. } => 2,
-                Error::Input(_) | Error::Io { .. } => 1,
-            };
+            let status = status(&error);
             eprintln!("{:?}", miette::Report::new(error));
-            ExitCode::from(code)
+            ExitCode::from(status)
         }
+    }
+}
+
+fn status(error: &Error) -> u8 {
+    /// EX_TEMPFAIL of sysexits.h.
+    const ANOTHER_TRY: u8 = 75;
+    match error {
+        Error::Cancelled { .. } => signals::status(),
+        Error::Usage { .. } => 2,
+        Error::Input(_) | Error::Io { .. } | Error::Temporary(_) if error.is_temporary() => ANOTHER_TRY,
+        Error::Input(_) | Error::Io { .. } | Error::Temporary(_) => 1,
     }
 }
 
@@ -161,11 +178,27 @@ fn rounded(x: f64, digits: i32) -> f64 {
 
 /// Refuses to overwrite a file unasked.
 fn refuse_existing(path: &Path, force: bool) -> photosite::Result<()> {
-    if force || !path.exists() {
-        return Ok(());
-    }
+    if force || !path.exists() { Ok(()) } else { Err(exists_already(path)) }
+}
+
+fn exists_already(path: &Path) -> Error {
     let message = format!("{} exists already", path.display());
-    Err(Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".to_owned()) })
+    Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".to_owned()) }
+}
+
+/// Writes a file whole. One that another process has put there in the meantime is not overwritten unasked, either.
+fn write_result(
+    path: &Path,
+    force: bool,
+    write: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
+) -> photosite::Result<()> {
+    if force {
+        write_whole(path, write)
+    } else if write_new(path, write)? {
+        Ok(())
+    } else {
+        Err(exists_already(path))
+    }
 }
 
 /// Prints an object as JSON on standard output.

@@ -1,5 +1,6 @@
 //! The folder that a render fills.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::fs::File;
 use std::io::{ErrorKind, Result as IoResult, Seek};
@@ -10,12 +11,14 @@ use photosite::colour::ColourSpace;
 use photosite::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
 use photosite::image::Planes;
 use photosite::io::capture::{NoiseOutput, OutputSettings, REPORT, RawFormat, SpectralBands, TruthOutput};
+use photosite::io::cleanup::Cleanup;
 use photosite::io::developed::{write_hdr, write_linear, write_png};
 use photosite::io::electrons::write_electrons;
 use photosite::io::film_file::write_samples;
 use photosite::io::light_rows::{LightRows, Store};
+use photosite::io::lock::Lock;
 use photosite::io::noise_maps::{NoiseFormat, write_noise_exr, write_noise_npy};
-use photosite::io::output::{Sink, write_whole};
+use photosite::io::output::{Sink, Stamp, remove_leftovers, write_stamped, write_unsynced};
 use photosite::io::raw_exr::write_raw_exr;
 use photosite::io::spectral_exr::write_irradiance;
 use photosite::io::truth::{TruthFormat, write_truth_exr, write_truth_npy, write_truth_png};
@@ -23,6 +26,7 @@ use photosite::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write
 use photosite::sensor::{NoiseMap, NoiseMaps};
 use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
+use serde::Serialize;
 use serde_json::Value;
 
 use super::chain::Exposed;
@@ -57,36 +61,55 @@ const PREVIEW: &str = "preview.png";
 /// A folder for results. One that is given up before there are any is left as it was found.
 pub(super) struct OutputFolder {
     path: PathBuf,
-    /// What of its path was made for this render, itself first.
-    created: Vec<PathBuf>,
     force: bool,
     written: Vec<String>,
+    /// What tells the files that were written from any that another process writes.
+    stamps: BTreeMap<String, Stamp>,
+    /// Keeps other processes out, of a folder that they know. Let go of before the folder is given up.
+    _lock: Option<Lock>,
+    _cleanup: Cleanup,
 }
 
 impl OutputFolder {
     /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given, or a
-    /// render was broken off there.
+    /// render was broken off there; one that another process is writing to is refused in any case.
     pub(super) fn claim(path: &Path, force: bool) -> Result<Self> {
-        let in_the_way = results().find(|name| path.join(name).exists());
-        if let Some(name) = in_the_way.filter(|_| !force && !checkpoint::are_in(path)) {
-            return Err(Error::Usage {
-                message: match name.as_str() {
-                    REPORT => format!("{} holds the results of an earlier render", path.display()),
-                    PART => format!("{} holds a part of a render", path.display()),
-                    _ => format!("{} holds a file {name} already", path.display()),
-                },
-                help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
-            });
-        }
+        refuse_results(path, force)?;
         if let Some(file) = path.ancestors().find(|part| part.is_file()) {
             return Err(unusable(file, "is a file, where a folder is needed for the results"));
         }
-        let created = path.ancestors().take_while(|part| !part.exists()).map(Path::to_owned).collect();
+        let created: Vec<_> = path.ancestors().take_while(|part| !part.exists()).map(Path::to_owned).collect();
+        let mut folder = Self::inside(path, force, created);
         fs::create_dir_all(path).map_err(|reason| unusable(path, format!("cannot create the folder: {reason}")))?;
         // Whether files can be made here shows now rather than after an hour of tracing.
         tempfile::tempfile_in(path)
             .map_err(|reason| unusable(path, format!("cannot write into the folder: {reason}")))?;
-        Ok(Self { path: path.to_owned(), created, force, written: Vec::new() })
+        let lock = Lock::of_folder(path)?;
+        // Another process may have finished in the meantime.
+        refuse_results(path, force)?;
+        if lock.is_proven() {
+            remove_leftovers(path);
+        }
+        folder._lock = Some(lock);
+        Ok(folder)
+    }
+
+    /// A folder that no other process knows.
+    pub(super) fn own(path: &Path) -> Self {
+        Self::inside(path, true, Vec::new())
+    }
+
+    /// With what of its path was made for this render, itself first.
+    fn inside(path: &Path, force: bool, created: Vec<PathBuf>) -> Self {
+        let preview = path.join(PREVIEW);
+        // Takes away what only a render under way needs.
+        let cleanup = Cleanup::new(move || {
+            let _ = fs::remove_file(&preview);
+            // Only folders without files can be removed so.
+            created.iter().try_for_each(fs::remove_dir).unwrap_or_default();
+        });
+        let (written, stamps) = (Vec::new(), BTreeMap::new());
+        Self { path: path.to_owned(), force, written, stamps, _lock: None, _cleanup: cleanup }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -209,9 +232,8 @@ impl OutputFolder {
     }
 
     /// The last file of a part.
-    pub(super) fn write_part(&self, part: &PartReport) -> Result<()> {
-        write_whole(&self.path.join(PART), |to| writeln!(to, "{}", pretty_json(part)))?;
-        checkpoint::remove(&self.path)
+    pub(super) fn write_part(&mut self, part: &PartReport) -> Result<()> {
+        self.write_last(PART, part)
     }
 
     /// The light of a bracket, in which 1 saturates the longest exposure.
@@ -249,29 +271,63 @@ impl OutputFolder {
 
     /// The picture as far as it has come.
     pub(super) fn write_preview(&self, picture: &EncodedPicture) -> Result<()> {
-        write_whole(&self.path.join(PREVIEW), |to| write_png(picture, to))
+        write_unsynced(&self.path.join(PREVIEW), |to| write_png(picture, to))
     }
 
     /// The last file: what the others are.
-    pub(super) fn write_report(&self, report: &Report) -> Result<()> {
-        write_whole(&self.path.join(REPORT), |to| writeln!(to, "{}", pretty_json(report)))?;
+    pub(super) fn write_report(&mut self, report: &Report) -> Result<()> {
+        self.write_last(REPORT, report)
+    }
+
+    /// The file that names the others, and is there only if all are.
+    fn write_last(&mut self, name: &str, content: &impl Serialize) -> Result<()> {
+        self.check_written()?;
+        self.stamp(name, |to| writeln!(to, "{}", pretty_json(content)))?;
         checkpoint::remove(&self.path)
     }
 
+    /// Refuses to vouch for files that are gone, or are not those that were written here: where the file system knows no
+    /// locks, another process may be writing to the folder.
+    fn check_written(&self) -> Result<()> {
+        let Some((name, _)) = self.stamps.iter().find(|(name, stamp)| !stamp.is_of(&self.path.join(name))) else {
+            return Ok(());
+        };
+        let path = self.path.join(name);
+        let what = if path.exists() { "was replaced by another process" } else { "was removed by another process" };
+        let help = "give each process a folder of its own with -o";
+        Err(Invalid::new("", what).help(help).in_file(&path).temporary())
+    }
+
     fn write(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {
-        write_whole(&self.path.join(name), write)?;
+        self.stamp(name, write)?;
         self.written.push(name.to_owned());
         Ok(())
     }
+
+    fn stamp(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {
+        let stamp = write_stamped(&self.path.join(name), write).map_err(|error| self.since_claimed(error))?;
+        self.stamps.insert(name.to_owned(), stamp);
+        Ok(())
+    }
+
+    /// What has failed since the folder was claimed: if it is gone, it was there then.
+    pub(super) fn since_claimed(&self, error: Error) -> Error {
+        if self.path.is_dir() { error } else { error.temporary() }
+    }
 }
 
-impl Drop for OutputFolder {
-    /// Takes away what only a render under way needs. Nothing depends on that, so failures are let pass.
-    fn drop(&mut self) {
-        let _ = fs::remove_file(self.path.join(PREVIEW));
-        // Only folders without files can be removed so.
-        self.created.iter().try_for_each(fs::remove_dir).unwrap_or_default();
-    }
+/// Refuses a folder with files that a render may leave, which are somebody's.
+fn refuse_results(path: &Path, force: bool) -> Result<()> {
+    let in_the_way = results().find(|name| path.join(name).exists());
+    let Some(name) = in_the_way.filter(|_| !force && !checkpoint::are_in(path)) else { return Ok(()) };
+    Err(Error::Usage {
+        message: match name.as_str() {
+            REPORT => format!("{} holds the results of an earlier render", path.display()),
+            PART => format!("{} holds a part of a render", path.display()),
+            _ => format!("{} holds a file {name} already", path.display()),
+        },
+        help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
+    })
 }
 
 /// `raw.dng`, or with a number `raw-0007.dng`.

@@ -179,7 +179,9 @@ pub(super) fn render(
         partner: partner.transpose()?,
         quiet: request.quiet,
     };
-    let Recorded { shot, paths, warnings: more } = traced.record(folder, &mut timings, request.silent)?;
+    let recorded = traced.record(folder, &mut timings, request.silent);
+    let recorded = recorded.map_err(|error| folder.since_claimed(error.since_begun()))?;
+    let Recorded { shot, paths, warnings: more } = recorded;
     warnings.extend(more);
     let Some(Shot { exposure, first, reached }) = shot else {
         let samples = capture.render.samples_per_pixel;

@@ -7,6 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use photosite::Result;
 use photosite::calibration::targets::TargetKind;
 use photosite::io::capture::read_target;
+use photosite::io::lock::Lock;
 use photosite::io::target_file::{target_files, write_target};
 
 use super::{println_out, refuse_existing};
@@ -47,6 +48,9 @@ fn kinds() -> impl TypedValueParser<Value = TargetKind> {
 pub(super) fn run(args: &TargetArgs) -> Result<()> {
     target_files(&args.output)?.iter().try_for_each(|path| refuse_existing(path, args.force))?;
     let (description, target) = read_target(args.kind, &args.overrides)?;
+    // Some are two files that belong together.
+    let _lock = Lock::beside(&args.output)?;
+    target_files(&args.output)?.iter().try_for_each(|path| refuse_existing(path, args.force))?;
     write_target(&args.output, &description, &target)?;
     if args.quiet {
         return Ok(());

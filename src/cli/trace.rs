@@ -7,7 +7,9 @@ use std::time::{Duration, Instant};
 use photosite::Result;
 use photosite::film::{Film, FilmResponses, Response};
 use photosite::image::{Estimate, Planes};
-use photosite::integrator::{FilterTile, Listener, RenderJob, RenderSettings, Step, render_on, render_with_pilot};
+use photosite::integrator::{
+    FilterTile, Listener, Pilot, RenderJob, RenderSettings, Step, render_on, render_with_pilot,
+};
 use photosite::io::capture::Capture;
 use photosite::io::film_file::film_bytes;
 use photosite::io::light_rows::{LightRows, Store};
@@ -23,6 +25,7 @@ use super::kept_rows::KeptRows;
 use super::output_folder::OutputFolder;
 use super::progress::Progress;
 use super::render::pixels;
+use super::signals::{Patience, stop, stopped};
 
 /// What tracing reads.
 pub(super) struct Trace<'a> {
@@ -53,8 +56,8 @@ pub(super) struct Traced {
 }
 
 /// Traces until the samples, the time or the noise that was asked for is reached, from the last checkpoint on, one strip
-/// after the other.
-pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Traced> {
+/// after the other. A signal ends it with a checkpoint.
+pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Checkpoints<'_>) -> Result<Traced> {
     let start = Instant::now();
     let settings = t.settings;
     let job = RenderJob {
@@ -79,7 +82,7 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
         resumed.unwrap_or(Resumed { first_row: 0, elapsed: Duration::ZERO, films: None });
     // A picture that is one strip needs no file.
     let is_filed = t.is_part || t.strips.are_several() || first_row > 0;
-    let mut rows = kept_rows(t, &checkpoints, first_row, is_filed)?;
+    let mut rows = kept_rows(t, &mut checkpoints, first_row, is_filed)?;
     let (mut paths, mut pilot_paths) = (per_row * first_row as u64, 0);
     let progress = Progress::new(asked_for, t.silent);
     let beside = Mutex::new(Beside::new(t, checkpoints, is_filed));
@@ -93,18 +96,20 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
     if saved.is_none() {
         tell_start(paths, 0);
     }
+    let patience = Patience::begin();
     for strip in t.strips.from(first_row) {
         let mut film = Film::of_rows(width, strip.clone(), responses.clone());
-        let mut pilot = settings.noise_target.map(|_| Film::of_rows(width, strip.clone(), of_sensor.clone()));
+        let mut pilot =
+            settings.noise_target.map(|_| Pilot::new(Film::of_rows(width, strip.clone(), of_sensor.clone())));
         if let Some(saved) = saved.take() {
             saved.fill(&mut film, pilot.as_mut())?;
-            tell_start(paths + film.total(), pilot.as_ref().map_or(0, Film::total));
+            tell_start(paths + film.total(), pilot.as_ref().map_or(0, |pilot| pilot.film.total()));
         }
         let before = start.elapsed();
         let step = |step: Step<'_>| match step {
             Step::Band { paths } => {
                 progress.advance(paths);
-                ControlFlow::Continue(())
+                stop()
             }
             Step::Pass { film, pilot, elapsed, planned_paths } => {
                 let elapsed = earlier + before + elapsed;
@@ -112,12 +117,14 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
                 let of_strip = per_row * strip.len() as u64;
                 let planned = asked_for - of_strip + planned_paths.unwrap_or(of_strip);
                 let traced = paths + film.total();
-                let done = traced + pilot.map_or(0, Film::total);
+                let done = traced + pilot.map_or(0, |pilot| pilot.film.total());
                 let samples = traced as f64 / (width * height) as f64;
                 progress.pass(samples, expected_paths(settings, done, elapsed, planned));
                 if settings.time_limit.is_some_and(|limit| elapsed >= limit) {
                     return ControlFlow::Break(());
                 }
+                // What is done is kept below.
+                stop()?;
                 beside.lock().expect("nobody panics while holding it").keep(film, pilot, elapsed)
             }
         };
@@ -127,17 +134,28 @@ pub(super) fn trace(t: &Trace<'_>, checkpoints: Checkpoints<'_>) -> Result<Trace
             progress.finish();
             return Err(error);
         }
+        if stop().is_break() {
+            progress.finish();
+            return Err(beside.stop(&film, pilot.as_ref(), earlier + start.elapsed()));
+        }
         rows.write(&film, t.folder)?;
         beside.finish(&film, earlier + start.elapsed())?;
+        if stop().is_break() && !is_filed {
+            progress.finish();
+            return Err(beside.stop(&film, pilot.as_ref(), earlier + start.elapsed()));
+        }
         paths += film.total();
-        pilot_paths += pilot.as_ref().map_or(0, Film::total);
+        pilot_paths += pilot.as_ref().map_or(0, |pilot| pilot.film.total());
     }
     progress.finish();
+    if patience.end().is_break() {
+        return Err(beside.into_inner().expect("nobody panics while holding it").stopped());
+    }
     Ok(Traced { rows, paths, pilot_paths, earlier })
 }
 
 /// Gives a film its samples; one that has a pilot has all rows.
-fn fill(t: &Trace<'_>, job: &RenderJob<'_>, film: &mut Film, pilot: Option<&mut Film>, step: &Listener<'_>) {
+fn fill(t: &Trace<'_>, job: &RenderJob<'_>, film: &mut Film, pilot: Option<&mut Pilot>, step: &Listener<'_>) {
     match (t.settings.noise_target, pilot) {
         (Some(target), Some(pilot)) => {
             let chain = t.chain;
@@ -149,7 +167,7 @@ fn fill(t: &Trace<'_>, job: &RenderJob<'_>, film: &mut Film, pilot: Option<&mut 
 }
 
 /// Where the rows go, those that a checkpoint has included.
-fn kept_rows(t: &Trace<'_>, checkpoints: &Checkpoints<'_>, first_row: usize, is_filed: bool) -> Result<KeptRows> {
+fn kept_rows(t: &Trace<'_>, checkpoints: &mut Checkpoints<'_>, first_row: usize, is_filed: bool) -> Result<KeptRows> {
     let [width, height] = pixels(t.capture).map(|n| n as usize);
     let channels = t.responses.len();
     if t.is_part {
@@ -192,7 +210,7 @@ impl<'a> Beside<'a> {
     }
 
     /// Writes what it is time for. What goes wrong is kept, and ends the render.
-    fn keep(&mut self, film: &Film, pilot: Option<&Film>, elapsed: Duration) -> ControlFlow<()> {
+    fn keep(&mut self, film: &Film, pilot: Option<&Pilot>, elapsed: Duration) -> ControlFlow<()> {
         let written = self.checkpoints.keep(film, pilot, elapsed).and_then(|()| self.show(film));
         match written {
             Ok(()) => ControlFlow::Continue(()),
@@ -201,6 +219,23 @@ impl<'a> Beside<'a> {
                 ControlFlow::Break(())
             }
         }
+    }
+
+    /// Keeps a film that a signal has broken off, and tells of it.
+    fn stop(&mut self, film: &Film, pilot: Option<&Pilot>, elapsed: Duration) -> photosite::Error {
+        match self.checkpoints.keep_now(film, pilot, elapsed) {
+            Ok(()) => self.stopped(),
+            Err(error) => error,
+        }
+    }
+
+    fn stopped(&self) -> photosite::Error {
+        let path = self.checkpoints.path();
+        stopped(if path.exists() {
+            format!("give the same command again, and it goes on from {}", path.display())
+        } else {
+            "nothing is kept of it, since output.checkpoint_interval_s is 0".to_owned()
+        })
     }
 
     /// The rows of a film are kept.

@@ -15,7 +15,7 @@ mod wave;
 mod wavelengths;
 
 pub use path::PathLimits;
-pub use pilot::render_with_pilot;
+pub use pilot::{Pilot, render_with_pilot};
 pub use render::{Listener, RenderJob, Step, render, render_on};
 pub use settings::RenderSettings;
 pub use wave::radiance;

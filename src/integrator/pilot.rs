@@ -42,14 +42,32 @@ const LARGEST_STEP: u32 = 1024;
 /// Tells the random numbers of the pilot from those of the picture.
 const PILOT_SEED: u64 = 0x70_696c_6f74;
 
-/// Renders until each pixel has the samples that it needs, at most those of the settings, or `step` breaks off after a
-/// pass. Both films are empty, or those that `step` was told of when another such render was broken off: the picture becomes
-/// what that would have given. `needed` says how many samples each pixel needs, row by row, as far as a film of the pilot
+/// The samples that tell how many a picture needs.
+#[derive(Clone)]
+pub struct Pilot {
+    /// What they have found.
+    pub film: Film,
+    /// How many each pixel shall have before they are looked at again. A pass that is broken off leaves some with fewer, and
+    /// looked at then, they would not tell what they tell in a render that is left alone.
+    pub wanted: Vec<u32>,
+}
+
+impl Pilot {
+    /// Without samples: the film is empty.
+    pub fn new(film: Film) -> Self {
+        let wanted = vec![0; film.counts().len()];
+        Self { film, wanted }
+    }
+}
+
+/// Renders until each pixel has the samples that it needs, at most those of the settings, or `step` breaks off. Film and
+/// pilot are empty, or those that `step` was told of when another such render was broken off: the picture becomes what that
+/// would have given. `needed` says how many samples each pixel needs, row by row, as far as a film of the pilot
 /// tells; `None` where that cannot be told, and all pixels get as many as they may.
 pub fn render_with_pilot(
     job: &RenderJob<'_>,
     film: &mut Film,
-    pilot: &mut Film,
+    pilot: &mut Pilot,
     needed: &dyn Fn(&Film) -> Option<Vec<f32>>,
     step: &Listener<'_>,
 ) {
@@ -60,7 +78,7 @@ pub fn render_with_pilot(
 fn trace(
     job: &RenderJob<'_>,
     film: &mut Film,
-    pilot: &mut Film,
+    pilot: &mut Pilot,
     needed: &dyn Fn(&Film) -> Option<Vec<f32>>,
     step: &Listener<'_>,
 ) -> ControlFlow<()> {
@@ -72,46 +90,51 @@ fn trace(
         return ControlFlow::Continue(());
     }
     let scout = Tracer::new(job, hash64(seed, PILOT_SEED), step);
-    let counts = find_counts(pilot, [least, most], needed, |pilot, wanted| {
-        scout.pass(pilot, &|pixel| wanted[pixel]);
-        tracer.tell(film, Some(pilot), None)
+    let counts = find_counts(pilot, [least, most], needed, |pilot| {
+        let Pilot { film: known, wanted } = &mut *pilot;
+        let passed = scout.pass(known, &|pixel| wanted[pixel]);
+        tracer.tell(film, Some(pilot), None)?;
+        passed
     })?;
-    let planned = pilot.total() + counts.iter().map(|&count| u64::from(count)).sum::<u64>();
+    let planned = pilot.film.total() + counts.iter().map(|&count| u64::from(count)).sum::<u64>();
     let mut level = least;
     while counts.iter().any(|&count| count > level) {
         let unfinished = counts.iter().filter(|&&count| count > level).count() as u64;
         let step = u64::from(LARGEST_PASS) * job.pixels() / unfinished;
         level = level.saturating_add((step as u32).min(LARGEST_STEP)).min(most);
-        tracer.pass(film, &|pixel| counts[pixel].min(level));
+        let passed = tracer.pass(film, &|pixel| counts[pixel].min(level));
         tracer.tell(film, Some(pilot), Some(planned))?;
+        passed?;
     }
     ControlFlow::Continue(())
 }
 
-/// How many samples each pixel needs, within limits, as found from a pilot that `pass` brings to as many as it is told.
+/// How many samples each pixel needs, within limits, as found from a pilot that `pass` brings to as many as it wants.
 fn find_counts(
-    pilot: &mut Film,
+    pilot: &mut Pilot,
     [least, most]: [u32; 2],
     needed: &dyn Fn(&Film) -> Option<Vec<f32>>,
-    mut pass: impl FnMut(&mut Film, &[u32]) -> ControlFlow<()>,
+    mut pass: impl FnMut(&mut Pilot) -> ControlFlow<()>,
 ) -> ControlFlow<(), Vec<u32>> {
-    let mut wanted = vec![least; pilot.counts().len()];
+    pilot.wanted.iter_mut().for_each(|wanted| *wanted = least.max(*wanted));
     loop {
-        pass(pilot, &wanted)?;
+        pass(pilot)?;
         // The conversion saturates at the largest number.
-        let needed = needed(pilot).map(|needed| needed.into_iter().map(|n| (n * MARGIN).ceil() as u32));
-        let Some(needed) = needed else { return ControlFlow::Continue(vec![most; wanted.len()]) };
+        let needed = needed(&pilot.film).map(|needed| needed.into_iter().map(|n| (n * MARGIN).ceil() as u32));
+        let Some(needed) = needed else { return ControlFlow::Continue(vec![most; pilot.wanted.len()]) };
         let counts: Vec<u32> = needed.map(|n| n.clamp(least, most)).collect();
         // Where a pixel is quiet by chance, the others tell that it is worth another look.
         let mean = counts.iter().map(|&count| u64::from(count)).sum::<u64>() / counts.len().max(1) as u64;
         let floor = (mean / u64::from(2 * SHARE)) as u32;
         let grown =
             |(&count, &done): (&u32, &u32)| (count / SHARE).max(floor).min(done.saturating_mul(GROWTH)).max(done);
-        wanted = counts.iter().zip(pilot.counts()).map(grown).collect();
+        let wanted: Vec<u32> = counts.iter().zip(pilot.film.counts()).map(grown).collect();
         // The last few samples would not change much.
-        if wanted.iter().zip(pilot.counts()).all(|(&wanted, &done)| wanted <= done + done / 2) {
+        let is_enough = wanted.iter().zip(pilot.film.counts()).all(|(&wanted, &done)| wanted <= done + done / 2);
+        if is_enough {
             return ControlFlow::Continue(counts);
         }
+        pilot.wanted = wanted;
     }
 }
 
@@ -176,11 +199,12 @@ mod tests {
     #[test]
     fn counts_from_a_pilot_leave_the_mean_unbiased_and_counts_from_the_picture_do_not() {
         // p·(1 − p)/variance: 196 samples are needed. The first 16 show none in 72 % of the pixels.
-        let mut pilot = empty();
-        let counts = find_counts(&mut pilot, [START, 4096], &needed, |pilot, wanted| {
-            fill(pilot, 1, wanted);
+        let mut pilot = Pilot::new(empty());
+        let counts = find_counts(&mut pilot, [START, 4096], &needed, |pilot| {
+            fill(&mut pilot.film, 1, &pilot.wanted);
             ControlFlow::Continue(())
         });
+        let pilot = pilot.film;
         let ControlFlow::Continue(counts) = counts else { panic!("nothing breaks off") };
         let mut picture = empty();
         fill(&mut picture, 2, &counts);

@@ -1,6 +1,7 @@
 //! The loop over the pixels: passes over the whole picture, rows side by side on all threads.
 
 use std::ops::{ControlFlow, Range};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
@@ -10,6 +11,7 @@ use super::RenderSettings;
 use super::light_paths::{LightTracer, Splat, Splats};
 use super::odds::Odds;
 use super::path::{PathLimits, Sharing};
+use super::pilot::Pilot;
 use super::wave::Wave;
 use super::wavelengths::{FilterTile, PixelWavelengths, importance_for_all};
 use crate::film::{Film, FilmBand, FilmResponses, Response};
@@ -38,17 +40,17 @@ pub struct RenderJob<'a> {
 
 /// What a render tells while it runs.
 pub enum Step<'a> {
-    /// A band of rows has got its samples of this pass. Called from any thread.
+    /// Some pixels have got their samples of this pass. Called from any thread, some times a second.
     Band {
-        /// Camera paths of that band.
+        /// Camera paths of those pixels.
         paths: u64,
     },
-    /// A pass is over.
+    /// A pass is over, or was broken off.
     Pass {
         /// The film so far.
         film: &'a Film,
-        /// That of the pilot, of a render that has one.
-        pilot: Option<&'a Film>,
+        /// The pilot, of a render that has one.
+        pilot: Option<&'a Pilot>,
         /// Time since the start.
         elapsed: Duration,
         /// Camera paths of the whole render, once they are known.
@@ -56,11 +58,15 @@ pub enum Step<'a> {
     },
 }
 
-/// Hears what a render tells; what it answers to a pass ends the render or lets it go on.
+/// Hears what a render tells; what it answers ends the render or lets it go on. A pass that is broken off leaves some pixels with
+/// fewer samples than others, and the next render goes on from there.
 pub type Listener<'a> = dyn Fn(Step<'_>) -> ControlFlow<()> + Sync + 'a;
 
 /// Paths of a pass that takes little time, so that it need not be a smaller one.
 const FEW_PATHS: u64 = 1 << 20;
+
+/// Paths after which a thread tells that they are traced, and hears whether it shall go on.
+const PATHS_TOLD: u64 = 1 << 13;
 
 /// Largest number of samples a pixel in one pass: passes double up to it, so that there is soon something to see, and a
 /// limit of time is kept well.
@@ -70,7 +76,7 @@ pub(super) const LARGEST_PASS: u32 = 16;
 /// with 8 of them 12 %.
 const PATHS_TOGETHER: u32 = 256;
 
-/// Renders until the settings' samples are reached or `step` breaks off after a pass.
+/// Renders until the settings' samples are reached or `step` breaks off.
 pub fn render(job: &RenderJob<'_>, responses: FilmResponses, step: &Listener<'_>) -> Film {
     let mut film = job.empty_film(responses);
     render_on(job, &mut film, step);
@@ -156,6 +162,8 @@ pub(super) struct Tracer<'a> {
     has_lone_heroes: bool,
     /// `None` where no paths set out from lamps.
     light_tracer: Option<LightTracer<'a>>,
+    /// Whether a pass was broken off.
+    stopped: AtomicBool,
 }
 
 impl<'a> Tracer<'a> {
@@ -177,6 +185,7 @@ impl<'a> Tracer<'a> {
             limits,
             has_lone_heroes: job.has_lone_heroes(),
             light_tracer: LightTracer::new(job, limits, seed, &importance),
+            stopped: AtomicBool::new(false),
         }
     }
 
@@ -192,20 +201,24 @@ impl<'a> Tracer<'a> {
         let smallest = (FEW_PATHS / self.job.pixels().max(1)).clamp(1, u64::from(LARGEST_PASS / 2)) as u32;
         while level < samples {
             level += level.clamp(smallest, LARGEST_PASS).min(samples - level);
-            self.pass(film, &|_| level);
+            let passed = self.pass(film, &|_| level);
             tell(film)?;
+            passed?;
         }
         ControlFlow::Continue(())
     }
 
     /// Tells that a pass is over.
-    pub(super) fn tell(&self, film: &Film, pilot: Option<&Film>, planned_paths: Option<u64>) -> ControlFlow<()> {
+    pub(super) fn tell(&self, film: &Film, pilot: Option<&Pilot>, planned_paths: Option<u64>) -> ControlFlow<()> {
         (self.step)(Step::Pass { film, pilot, elapsed: self.start.elapsed(), planned_paths })
     }
 
-    /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it.
-    pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) {
-        let Some(light_tracer) = &self.light_tracer else { return self.add_samples(film, wanted, &Splats::default()) };
+    /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it, unless that is broken off.
+    pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) -> ControlFlow<()> {
+        let Some(light_tracer) = &self.light_tracer else {
+            self.add_samples(film, wanted, &Splats::default());
+            return self.go_on();
+        };
         let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
         let first = self.job.settings.samples().start;
         // What many paths from lamps bring would not fit into memory.
@@ -216,6 +229,20 @@ impl<'a> Tracer<'a> {
             let wants = |pixel: usize, sample: u32| (counts[pixel]..wanted(pixel)).contains(&(sample - first));
             let splats = light_tracer.trace(first + start..first + end, film.picture_rows(), wants);
             self.add_samples(film, &wanted, &splats);
+            self.go_on()?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Whether no pass was broken off.
+    fn go_on(&self) -> ControlFlow<()> {
+        if self.stopped.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Tells of paths that are traced, if there are enough.
+    fn tell_paths(&self, paths: &mut u64, enough: u64) {
+        if *paths >= enough && (self.step)(Step::Band { paths: std::mem::take(paths) }).is_break() {
+            self.stopped.store(true, Ordering::Relaxed);
         }
     }
 
@@ -241,6 +268,10 @@ impl<'a> Tracer<'a> {
             let mut u_wavelengths = Vec::new();
             let mut groups = 0;
             for first_column in (0..width).step_by(group_columns) {
+                // Pixels that share their paths get all of this pass or nothing.
+                if self.go_on().is_break() {
+                    break;
+                }
                 let columns = first_column..width.min(first_column + group_columns);
                 let pixels = (0..band.pixels()).step_by(width).flat_map(|row| columns.clone().map(move |x| row + x));
                 missing.clear();
@@ -275,10 +306,10 @@ impl<'a> Tracer<'a> {
                     }
                     groups += indices.len() as u32;
                 }
+                self.tell_paths(&mut paths, PATHS_TOLD);
             }
             self.trace(&mut wave, &mut destinations, &mut sampler, &mut band);
-            // The listener can only end a render between passes, so its answer to a band does not matter.
-            let _ = (self.step)(Step::Band { paths });
+            self.tell_paths(&mut paths, 1);
         };
         // One by one: of many that a thread had begun to share out, others could not take any while it was busy with the first.
         film.bands(group_rows).into_par_iter().with_max_len(1).enumerate().for_each(fill);

@@ -71,10 +71,14 @@ pub fn write_unfinished<W: Write>(film: &Film, mut to: W) -> io::Result<()> {
 
 /// Adds what [`write_unfinished`] wrote to a film of the same size and channels.
 pub fn add_unfinished<R: Read>(film: &mut Film, mut from: R) -> Result<(), Invalid> {
-    let array = array(&[film.height(), film.width()].map(|n| n as u64), &mut from)?;
-    let counts = array.data::<u32>().map_err(|e| unreadable(&e))?;
-    let counts = counts.collect::<io::Result<Vec<u32>>>().map_err(|e| unreadable(&e))?;
+    let counts = read_samples([film.width(), film.height()], &mut from)?;
     FilmReader::new([film.width(), film.height()], film.channels().len(), from)?.add_sums(film, counts)
+}
+
+/// Reads what [`write_samples`] wrote.
+pub fn read_samples<R: Read>([width, height]: [usize; 2], from: R) -> Result<Vec<u32>, Invalid> {
+    let counts = array(&[height, width].map(|n| n as u64), from)?.data::<u32>().map_err(|e| unreadable(&e))?;
+    counts.collect::<io::Result<Vec<u32>>>().map_err(|e| unreadable(&e))
 }
 
 fn unreadable(error: &dyn std::fmt::Display) -> Invalid {

@@ -1,6 +1,7 @@
 //! The files: capture files, scenes, pictures. With [`raw`](crate::raw) the only modules that read or write any.
 
 pub mod capture;
+pub mod cleanup;
 mod complete;
 pub mod developed;
 pub mod electrons;
@@ -15,6 +16,7 @@ pub mod image_sets;
 mod json;
 pub mod light_rows;
 pub mod linear_picture;
+pub mod lock;
 mod mesh;
 pub mod mitsuba;
 pub mod noise_maps;
@@ -32,6 +34,7 @@ mod suggest;
 mod tangents;
 pub mod target_file;
 pub mod truth;
+pub mod unfinished;
 mod warnings;
 
 pub use complete::complete;

@@ -35,7 +35,7 @@ impl DatasetFile {
         let said = match &error {
             Error::Input(error) => error.path.to_string_lossy().into_owned(),
             Error::Usage { message, .. } => message.clone(),
-            Error::Io { .. } => return error,
+            Error::Io { .. } | Error::Temporary(_) | Error::Cancelled { .. } => return error,
         };
         let is_of = |change: &&String| {
             said.strip_prefix(&shown(change)).is_some_and(|rest| rest.is_empty() || rest.starts_with(": "))
@@ -51,7 +51,7 @@ impl DatasetFile {
             Error::Usage { message, help } => {
                 (message.replacen(&format!("{}: ", shown(change)), "", 1), help.map(|help| help.replace("--set ", "")))
             }
-            Error::Io { .. } => return error,
+            Error::Io { .. } | Error::Temporary(_) | Error::Cancelled { .. } => return error,
         };
         let frame = frame.map(|frame| format!("in frame {frame}")).into_iter();
         let camera = (!self.description.cameras.is_empty()).then(|| format!("of camera {camera}"));

@@ -1,5 +1,6 @@
 //! Taking the images of a set and writing them.
 
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -7,9 +8,9 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use crate::characterisation::{Descriptor, FlatField, Series, Shot};
-use crate::io::output::{Sink, create_folder, write_whole};
+use crate::io::output::{Sink, write_unsynced};
 use crate::raw::{RawImage, write_dng, write_tiff};
-use crate::{Invalid, Result};
+use crate::{Error, Invalid, Result};
 
 /// File format of images. All hold the same digital numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +51,7 @@ fn write_png16(raw: &RawImage, to: impl Write) -> io::Result<()> {
         .map_err(io::Error::other)
 }
 
-/// Takes images of a sensor with noise that is new in each, and writes them.
+/// Takes images of a sensor with noise that is new in each, and writes them to a folder that is synced when it is finished.
 #[derive(Debug)]
 pub struct SetWriter {
     folder: PathBuf,
@@ -70,14 +71,14 @@ impl SetWriter {
     /// that of the writer. `taken` is called after each.
     pub fn take(&mut self, set: &str, flat: &FlatField<'_>, shot: &Shot, taken: &dyn Fn()) -> Result<Series> {
         let folder = self.folder.join(set).join("images");
-        create_folder(&folder)?;
+        fs::create_dir_all(&folder).map_err(|reason| Error::io(&folder, "create the folder", reason))?;
         let unfit = |invalid: Invalid| invalid.in_file(&folder);
         let frames = self.frame..self.frame + u64::from(shot.images);
         let mut images = Vec::new();
         for (i, image) in flat.images(shot.light.photons(), shot.time, self.seed, frames).enumerate() {
             let image = image.map_err(unfit)?;
             let name = format!("{}-{i}.{}", shot.name, self.format.extension());
-            write_whole(&folder.join(&name), |to| self.format.write(&image, to))?;
+            write_unsynced(&folder.join(&name), |to| self.format.write(&image, to))?;
             images.push(format!("images/{name}"));
             taken();
         }
@@ -87,6 +88,6 @@ impl SetWriter {
 
     /// Writes a descriptor at a path below the writer's folder.
     pub fn describe(&self, path: &str, descriptor: &Descriptor) -> Result<()> {
-        write_whole(&self.folder.join(path), |to| write!(to, "{descriptor}"))
+        write_unsynced(&self.folder.join(path), |to| write!(to, "{descriptor}"))
     }
 }

@@ -1,0 +1,176 @@
+//! Locks that keep two processes from one piece of work.
+//!
+//! A lock is a file that its holder has locked. The kernel lets go of it when the holder dies, however that happens, so that
+//! what a lock protects is never lost to a dead process. Its file goes with it.
+//!
+//! Not every network file system knows locks. There each process gets one that proves nothing ([`Lock::is_proven`]), and
+//! what is right must be right without it: names that no other process has, and renames that replace nothing.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use super::cleanup::Cleanup;
+use super::output::folder_of;
+use crate::{Error, Invalid, Result};
+
+/// The lock of a folder, a file in it.
+const IN_FOLDER: &str = ".photosite.lock";
+
+/// A lock that this process holds until it drops it.
+#[derive(Debug)]
+pub struct Lock {
+    // Removed first, and unlocked then: what is locked must be what has the name.
+    _cleanup: Cleanup,
+    _file: File,
+    is_proven: bool,
+}
+
+impl Lock {
+    /// The lock of this file; `None` where another process holds it.
+    pub fn try_take(path: &Path) -> Result<Option<Self>> {
+        Self::take(path, File::try_lock).map_err(|reason| Error::io(path, "lock", reason))
+    }
+
+    /// The lock of a folder that is there, for which others are waited for.
+    pub fn wait_for_folder(folder: &Path) -> Result<Self> {
+        let path = folder.join(IN_FOLDER);
+        let wait = |file: &File| file.lock().map_err(TryLockError::Error);
+        loop {
+            if let Some(lock) = Self::take(&path, wait).map_err(|reason| Error::io(&path, "lock", reason))? {
+                return Ok(lock);
+            }
+        }
+    }
+
+    /// The lock of a folder, which is created where missing. One that another process fills is refused.
+    pub fn of_folder(folder: &Path) -> Result<Self> {
+        let path = folder.join(IN_FOLDER);
+        loop {
+            fs::create_dir_all(folder).map_err(|reason| Error::io(folder, "create the folder", reason))?;
+            match Self::take(&path, File::try_lock) {
+                Ok(Some(lock)) => return Ok(lock),
+                Ok(None) => return Err(busy(folder, "folder")),
+                // Whoever had made the folder has given it up and taken it away.
+                Err(reason) if reason.kind() == ErrorKind::NotFound && !folder.is_dir() => {}
+                Err(reason) => return Err(Error::io(&path, "lock", reason)),
+            }
+        }
+    }
+
+    /// The lock of a file or folder that is being made, beside it. What another process makes is refused.
+    pub fn beside(path: &Path) -> Result<Self> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let lock = folder_of(path)?.join(format!(".{name}.lock"));
+        Self::try_take(&lock)?.ok_or_else(|| busy(path, "name"))
+    }
+
+    fn take(path: &Path, lock: impl Fn(&File) -> Result<(), TryLockError>) -> io::Result<Option<Self>> {
+        loop {
+            // Network file systems lock only what may be written.
+            let file = File::options().read(true).write(true).create(true).truncate(false).open(path)?;
+            let is_proven = match lock(&file) {
+                Ok(()) => true,
+                Err(TryLockError::WouldBlock) => return Ok(None),
+                Err(TryLockError::Error(reason)) if reason.kind() == ErrorKind::Interrupted => continue,
+                Err(TryLockError::Error(_)) => false,
+            };
+            // Its last holder may have removed it between the two.
+            if !is_proven || has_name(&file, path) {
+                let path = path.to_owned();
+                let cleanup = Cleanup::new(move || remove(&path));
+                return Ok(Some(Self { _cleanup: cleanup, _file: file, is_proven }));
+            }
+        }
+    }
+
+    /// Whether nobody else can hold it; not so where the file system knows no locks.
+    pub fn is_proven(&self) -> bool {
+        self.is_proven
+    }
+}
+
+fn remove(path: &PathBuf) {
+    let _ = fs::remove_file(path);
+}
+
+/// Whether this is the file of that name.
+#[cfg(unix)]
+fn has_name(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let same = |open: fs::Metadata, named: fs::Metadata| (open.dev(), open.ino()) == (named.dev(), named.ino());
+    file.metadata().ok().zip(fs::metadata(path).ok()).is_some_and(|(open, named)| same(open, named))
+}
+
+#[cfg(not(unix))]
+fn has_name(_: &File, path: &Path) -> bool {
+    path.exists()
+}
+
+/// Another process may soon be done with it.
+fn busy(path: &Path, what: &str) -> Error {
+    let help = format!("wait until that one has ended, or choose another {what} with -o");
+    Invalid::new("", "another process is writing here").help(help).in_file(path).temporary()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lock_is_held_once_and_leaves_nothing_behind() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("lock");
+        let lock = Lock::try_take(&path).expect("a lock").expect("free");
+        assert!(lock.is_proven() && Lock::try_take(&path).expect("no failure").is_none());
+        drop(lock);
+        assert!(!path.exists());
+        let again = Lock::try_take(&path).expect("a lock");
+        assert!(again.is_some());
+    }
+
+    /// Its holder has removed the file while another process had it open: that one's lock would exclude nobody.
+    #[test]
+    fn a_lock_on_a_file_that_lost_its_name_is_none() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("lock");
+        let calls = std::cell::Cell::new(0);
+        let lock = Lock::take(&path, |file| {
+            calls.set(calls.get() + 1);
+            if calls.get() == 1 {
+                fs::remove_file(&path).expect("removed");
+            }
+            file.try_lock()
+        });
+        assert!(lock.expect("a lock").is_some() && calls.get() == 2);
+    }
+
+    #[test]
+    fn a_file_system_without_locks_gives_ones_that_prove_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("lock");
+        let unknown = |_: &File| Err(TryLockError::Error(ErrorKind::Unsupported.into()));
+        let [one, two] = [(); 2].map(|()| Lock::take(&path, unknown).expect("no failure").expect("one for each"));
+        assert!(!one.is_proven() && !two.is_proven());
+    }
+
+    #[test]
+    fn threads_that_race_for_a_lock_hold_it_one_by_one() {
+        use std::sync::atomic::{AtomicU32, Ordering};
+        let folder = tempfile::tempdir().expect("a folder");
+        let holders = AtomicU32::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..200 {
+                        let lock = Lock::wait_for_folder(folder.path()).expect("a lock");
+                        assert_eq!(holders.fetch_add(1, Ordering::SeqCst), 0, "two hold it");
+                        holders.fetch_sub(1, Ordering::SeqCst);
+                        drop(lock);
+                    }
+                });
+            }
+        });
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 0);
+    }
+}

@@ -1,0 +1,100 @@
+//! The exit status by which schedulers know what another try may cure.
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::dataset::folder as board;
+use crate::folder::Folder;
+use crate::room::room;
+use crate::signals::send;
+
+const ANOTHER_TRY: Option<i32> = Some(75);
+
+#[test]
+fn the_help_tells_of_it() {
+    let help = Folder::new([]).succeed("--help").stdout;
+    for words in ["Exit status: 0 done", "2 wrong usage", "75 failed, but another try may succeed", "143"] {
+        assert!(help.split_whitespace().collect::<Vec<_>>().join(" ").contains(words), "{words}: {help}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_on_a_full_disk() {
+    let folder = Folder::new([]);
+    let full = fs::File::options().write(true).open("/dev/full").expect("a full device");
+    let output = folder.command("sensors").stdout(full).stderr(Stdio::piped()).output().expect("the binary runs");
+    assert_eq!(output.status.code(), ANOTHER_TRY, "{output:?}");
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(text.contains("standard output: cannot write: No space left on device"), "{text}");
+}
+
+/// A disk of few kilobytes, which takes the checkpoint and some files but not all.
+#[cfg(target_os = "linux")]
+#[test]
+fn results_on_a_full_disk() {
+    let folder = room("[render]\nsamples_per_pixel = 1\n[output]\nraw = ['tiff', 'dng', 'npy']\nirradiance = true\n");
+    fs::create_dir(folder.path("disk")).expect("made");
+    let binary = env!("CARGO_BIN_EXE_photosite");
+    let script = format!(
+        "mount -t tmpfs -o size=16k none disk || exit 99\n\
+         {binary} render capture.toml --quiet -o disk/out; echo $?; ls -A disk/out"
+    );
+    // Its own mounts, as whom it runs, or else as a root of its own.
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new("unshare");
+        command.current_dir(folder.path("")).args(arguments).args(["sh", "-c", &script]).output()
+    };
+    let can_mount = |output: &std::process::Output| output.status.code() == Some(0);
+    let output = ["-m", "-Urm"].iter().filter_map(|kind| run(&[kind]).ok()).find(can_mount);
+    let Some(output) = output else {
+        println!("nothing can be mounted here: not tested");
+        return;
+    };
+    let (said, text) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let mut lines = said.lines();
+    assert_eq!(lines.next(), Some("75"), "{said}{text}");
+    assert!(text.contains("disk/out/") && text.contains("No space left on device"), "{text}");
+    assert!(lines.all(|name| name != "capture.json" && !name.starts_with('.')), "{said}");
+}
+
+#[test]
+fn a_folder_that_vanished() {
+    let folder = room("");
+    let arguments = "render capture.toml --quiet -o out --set render.samples_per_pixel=4000000000 \
+                     --set render.time_limit_s=1.5 --set output.preview_interval_s=0.01";
+    let mut render = folder.command(arguments).stderr(Stdio::piped()).spawn().expect("the binary runs");
+    while !folder.path("out/preview.png").exists() {
+        assert!(render.try_wait().expect("a child").is_none(), "it ended early");
+        sleep(Duration::from_millis(1));
+    }
+    // Out of its way at once, whatever it writes meanwhile.
+    fs::rename(folder.path("out"), folder.path("elsewhere")).expect("renamed");
+    let output = render.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), ANOTHER_TRY, "{output:?}");
+    assert!(!folder.path("out").exists());
+}
+
+#[test]
+fn an_input_that_vanished() {
+    let folder = board("frames = 2\n");
+    let command = "dataset set.toml -o out --quiet --set render.samples_per_pixel=20000";
+    let mut process = folder.command(command).stderr(Stdio::piped()).spawn().expect("the binary runs");
+    while !folder.path("out/camera").exists() || fs::read_dir(folder.path("out/camera")).expect("a folder").count() < 2
+    {
+        assert!(process.try_wait().expect("a child").is_none(), "it ended early");
+        sleep(Duration::from_millis(1));
+    }
+    // It has begun the first picture.
+    send("STOP", process.id());
+    sleep(Duration::from_millis(50));
+    fs::rename(folder.path("board.toml"), folder.path("elsewhere.toml")).expect("renamed");
+    send("CONT", process.id());
+    let output = process.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), ANOTHER_TRY, "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("board.toml"), "{output:?}");
+    // What never was there is no matter of trying again.
+    folder.fail("dataset set.toml -o other", 1, &["board.toml"]);
+}
