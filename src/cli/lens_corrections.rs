@@ -276,7 +276,6 @@ mod tests {
             (Projection::Perspective, false),
             (Projection::Equirectangular, false),
             (Projection::KannalaBrandt { k: [0.0; 4] }, true),
-            // 480 µm are 90° of a fisheye of 0.3 mm.
             (Projection::KannalaBrandt { k: [8.0, 0.0, 0.0, 0.0] }, true),
             (Projection::KannalaBrandt { k: [-0.15, 0.0, 0.0, 0.0] }, true),
         ] {

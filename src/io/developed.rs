@@ -246,10 +246,8 @@ where
 }
 
 fn tiff_error(error: TiffError) -> io::Error {
-    match error {
-        TiffError::IoError(error) => error,
-        other => io::Error::other(other),
-    }
+    let TiffError::IoError(error) = error else { return io::Error::other(error) };
+    error
 }
 
 fn sides(picture: &EncodedPicture) -> io::Result<[u32; 2]> {

@@ -65,3 +65,31 @@ fn features_are_told_apart() {
         assert_eq!(outcome.status, Some(1), "{name}: {}", outcome.stdout);
     }
 }
+
+/// The node goes from x = −0.8 to 0.8 m within a second, turns by 90° about z and changes its shape meanwhile.
+#[test]
+fn objects_that_move_are_told_where_they_are_halfway() {
+    let folder = Folder::new([]);
+    let truth = "--set output.truth=[\"instance\"] --set render.samples_per_pixel=1";
+    folder.succeed(&format!("{} {truth}", render("animation-node", 1, "out")));
+    let report = folder.report("out");
+    let time = 0.25 + report["camera"]["pose_time_s"].as_f64().expect("a time");
+    // With a global shutter; rows that follow each other are halfway somewhat later.
+    assert!((0.5..0.52).contains(&time), "{time}");
+    let truth = &report["truth"];
+    let names = truth["instances"].as_array().expect("names");
+    let moving = names.iter().position(|name| name == "ball").expect("the ball");
+    let entry =
+        |row: usize, column: usize| truth["instances_to_world"][moving][row][column].as_f64().expect("a number");
+    // Between keys, of which an exposure has many, a turn at a constant rate and a shape on a straight line are exact.
+    let (angle, [along, across]) = (time * std::f64::consts::FRAC_PI_2, [0.4 + 0.6 * time, 1.0 - 0.6 * time]);
+    let expected = [
+        [angle.cos() * along, -angle.sin() * across, 0.0, -0.8 + 1.6 * time],
+        [angle.sin() * along, angle.cos() * across, 0.0, 1.0],
+        [0.0, 0.0, 1.0, 0.0],
+    ];
+    for (row, column) in (0..3).flat_map(|row| (0..4).map(move |column| (row, column))) {
+        // Keys come from numbers of single precision.
+        assert!((entry(row, column) - expected[row][column]).abs() < 1e-6, "{row}, {column}: {}", entry(row, column));
+    }
+}

@@ -196,3 +196,36 @@ fn data_sets_whose_poses_are_of_the_start_are_laid_out_as_before() {
     };
     assert_eq!(states("new"), states("old"));
 }
+
+/// The numbers of a matrix of a ROS file.
+fn ros_matrix(folder: &Folder, file: &str, key: &str) -> Vec<f64> {
+    let text = std::fs::read_to_string(folder.path("out/calibration").join(file)).expect("a file");
+    let (_, matrix) = text.split_once(key).expect("the matrix");
+    let (numbers, _) = matrix.split_once("data: [").and_then(|(_, rest)| rest.split_once(']')).expect("a list");
+    numbers.split(", ").map(|x| x.parse().expect("a number")).collect()
+}
+
+#[test]
+fn files_of_a_rig_hold_the_rig() {
+    let folder = made(SET, "--frames 0..1");
+    let (left, right) =
+        (ros_matrix(&folder, "ros/left.yaml", "projection"), ros_matrix(&folder, "ros/right.yaml", "projection"));
+    // 6 mm on pixels of 200 µm are 30 px, and the cameras stand 0.1 m apart.
+    assert!(left[3] == 0.0 && (right[3] + 30.0 * 0.1).abs() < 1e-9, "{left:?} {right:?}");
+    let text = std::fs::read_to_string(folder.path("out/calibration/opencv/stereo/left-right.yaml")).expect("a file");
+    for key in ["M1", "D1", "M2", "D2", "R", "T", "R1", "R2", "P1", "P2", "Q"] {
+        assert!(text.contains(&format!("\n{key}: !!opencv-matrix")), "{key}: {text}");
+    }
+    // Of three, each pair with the first is rectified by itself; what a format has no words for is said.
+    let third = SET.replace(
+        "[poses.random]",
+        "[[cameras]]\nname = 'up'\nposition_m = [0, 0.08, 0]\nset = [\"lens.distortion={model='division',k=[-0.1]}\"]\n[poses.random]",
+    );
+    let folder = made(&third, "--frames 0..1");
+    let ros = |file: &str| ros_matrix(&folder, file, "projection");
+    assert!((ros("ros/left-right/right.yaml")[3] + 3.0).abs() < 1e-9);
+    let files = folder.path("out/calibration");
+    assert!(!files.join("ros/left-up/up.yaml").exists() && !files.join("ros/left.yaml").exists());
+    let card = std::fs::read_to_string(folder.path("out/README.md")).expect("a card");
+    assert!(card.contains("`ros/left-up/up.yaml`: ROS files have no model for the division lens of up"), "{card}");
+}

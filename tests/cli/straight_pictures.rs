@@ -115,9 +115,10 @@ fn the_grid_of_the_sensor_is_kept_where_it_is_asked_for_and_told_of() {
     folder.succeed(&format!("develop out/raw.dng -o kept.tiff {keep} --set develop.bits=8"));
     let mut tiff = tiff::decoder::Decoder::new(std::fs::File::open(folder.path("kept.tiff")).expect("a file"))
         .expect("a TIFF file");
-    let mut resolution = |tag| match tiff.get_tag(tag).expect("a resolution") {
-        tiff::decoder::ifd::Value::Rational(n, d) => f64::from(n) / f64::from(d),
-        other => panic!("{other:?}"),
+    let mut resolution = |tag| {
+        let found = tiff.get_tag(tag).expect("a resolution");
+        let tiff::decoder::ifd::Value::Rational(n, d) = found else { panic!("{found:?}") };
+        f64::from(n) / f64::from(d)
     };
     let [x, y] = [tiff::tags::Tag::XResolution, tiff::tags::Tag::YResolution].map(&mut resolution);
     assert!((y / x - 1.5).abs() < 1e-5, "{x} {y}");

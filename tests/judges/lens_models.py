@@ -114,7 +114,8 @@ def straight(photosite, what, lens, times, pitch, skew, window):
             f"intrinsics = {{ fx = {fx}, fy = {fy}, cx = {cx}, cy = {cy}, skew = {skew * times} }}\n"
             f"[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = {list(size)}\npixel_pitch_um = {list(pitch)}\n"
             "[exposure]\nauto = true\n" + "".join(f"{key} = {value}\n" for key, value in window.items()) +
-            "[render]\nsamples_per_pixel = 64\nmax_depth = 2\n[output]\nelectrons = false\n").replace("'", '"'))
+            # Noise of coarse pixels is as much coarser in square ones.
+            f"[render]\nsamples_per_pixel = {round(64 * (max(pitch) / min(pitch)) ** 2)}\nmax_depth = 2\n[output]\nelectrons = false\n").replace("'", '"'))
         for command in (["render", "capture.toml", "-o", "out", "--quiet"], ["develop", "out/raw.dng", "-o", "again.png", "--quiet"]):
             done = subprocess.run([photosite, *command], cwd=folder, capture_output=True, text=True)
             if done.returncode:
