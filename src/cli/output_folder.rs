@@ -66,7 +66,7 @@ pub(super) struct OutputFolder {
     /// What tells the files that were written from any that another process writes.
     stamps: BTreeMap<String, Stamp>,
     /// Keeps other processes out, of a folder that they know. Let go of before the folder is given up.
-    _lock: Option<Lock>,
+    lock: Option<Lock>,
     _cleanup: Cleanup,
 }
 
@@ -87,10 +87,7 @@ impl OutputFolder {
         let lock = Lock::of_folder(path)?;
         // Another process may have finished in the meantime.
         refuse_results(path, force)?;
-        if lock.is_proven() {
-            remove_leftovers(path);
-        }
-        folder._lock = Some(lock);
+        folder.lock = Some(lock);
         Ok(folder)
     }
 
@@ -109,7 +106,7 @@ impl OutputFolder {
             created.iter().try_for_each(fs::remove_dir).unwrap_or_default();
         });
         let (written, stamps) = (Vec::new(), BTreeMap::new());
-        Self { path: path.to_owned(), force, written, stamps, _lock: None, _cleanup: cleanup }
+        Self { path: path.to_owned(), force, written, stamps, lock: None, _cleanup: cleanup }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -283,7 +280,11 @@ impl OutputFolder {
     fn write_last(&mut self, name: &str, content: &impl Serialize) -> Result<()> {
         self.check_written()?;
         self.stamp(name, |to| writeln!(to, "{}", pretty_json(content)))?;
-        checkpoint::remove(&self.path)
+        checkpoint::remove(&self.path)?;
+        if self.lock.as_ref().is_some_and(Lock::is_proven) {
+            remove_leftovers(&self.path);
+        }
+        Ok(())
     }
 
     /// Refuses to vouch for files that are gone, or are not those that were written here: where the file system knows no

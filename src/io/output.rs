@@ -23,13 +23,13 @@ impl<T: Write + Seek> Sink for T {}
 /// Writes `path` through a temporary file beside it, renamed into place once `write` has succeeded. On failure nothing
 /// is left behind and an older file of that name stays as it was.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<()> {
-    Temporary::write(path, write)?.synced()?.persist(path)?;
+    Temporary::write(path, write)?.synced(path)?.persist(path)?;
     sync_folder(folder_of(path)?)
 }
 
 /// The same unless there is a file of that name by then, which stays as it is: whether it was written.
 pub fn write_new(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<bool> {
-    let is_new = Temporary::write(path, write)?.synced()?.persist_new(path)?;
+    let is_new = Temporary::write(path, write)?.synced(path)?.persist_new(path)?;
     sync_folder(folder_of(path)?)?;
     Ok(is_new)
 }
@@ -42,7 +42,7 @@ pub fn write_unsynced(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Resu
 
 /// The same as [`write_whole`]; what tells the file from one that another process puts in its place.
 pub fn write_stamped(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<Stamp> {
-    let stamp = Temporary::write(path, write)?.synced()?.persist(path)?;
+    let stamp = Temporary::write(path, write)?.synced(path)?.persist(path)?;
     sync_folder(folder_of(path)?)?;
     Ok(stamp)
 }
@@ -78,32 +78,32 @@ struct Temporary {
 impl Temporary {
     fn write(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<Self> {
         let failed = |reason| Error::io(path, "write", reason);
-        let named = tempfile::Builder::new().prefix(PREFIX).suffix(PARTIAL).tempfile_in(folder_of(path)?);
-        // The reason names the temporary file, which nobody knows.
-        let file = named.map_err(|reason| failed(without_path(&reason)))?;
+        // Its reasons do not name the temporary file, which nobody knows.
+        let open = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
+        let named = tempfile::Builder::new().prefix(PREFIX).suffix(PARTIAL).make_in(folder_of(path)?, open);
+        let mut file = named.map_err(failed)?;
         let temporary = file.path().to_owned();
         let cleanup = Cleanup::new(move || {
             let _ = fs::remove_file(&temporary);
         });
-        let mut buffered = BufWriter::new(Remembering { inner: file, failure: None });
+        let mut buffered = BufWriter::new(Remembering { inner: file.as_file_mut(), failure: None });
         let written = write(&mut buffered).and_then(|()| buffered.flush());
         let (remembering, _) = buffered.into_parts();
         // What the file said comes before what an encoder has made of it.
         if let Err(reason) = written {
             return Err(failed(remembering.failure.unwrap_or(reason)));
         }
-        let file = remembering.inner;
         #[cfg(unix)]
         {
             // Temporary files are private; a picture is not.
             use std::os::unix::fs::PermissionsExt;
-            fs::set_permissions(file.path(), fs::Permissions::from_mode(0o644)).map_err(failed)?;
+            file.as_file().set_permissions(fs::Permissions::from_mode(0o644)).map_err(failed)?;
         }
         Ok(Self { file, cleanup })
     }
 
-    fn synced(self) -> Result<Self> {
-        self.file.as_file().sync_all().map_err(|reason| Error::io(self.file.path(), "write", reason))?;
+    fn synced(self, path: &Path) -> Result<Self> {
+        self.file.as_file().sync_all().map_err(|reason| Error::io(path, "write", reason))?;
         Ok(self)
     }
 
@@ -139,7 +139,7 @@ impl<W> Remembering<W> {
             && reason.kind() != ErrorKind::Interrupted
             && self.failure.is_none()
         {
-            self.failure = Some(without_path(reason));
+            self.failure = Some(same(reason));
         }
         outcome
     }
@@ -164,10 +164,9 @@ impl<W: Seek> Seek for Remembering<W> {
     }
 }
 
-/// The system's reason alone.
-fn without_path(reason: &io::Error) -> io::Error {
-    let system = |error: &io::Error| error.raw_os_error().map(io::Error::from_raw_os_error);
-    system(reason).unwrap_or_else(|| reason.kind().into())
+/// The same reason once more.
+fn same(reason: &io::Error) -> io::Error {
+    reason.raw_os_error().map_or_else(|| reason.kind().into(), io::Error::from_raw_os_error)
 }
 
 /// The folder that a file is written to.

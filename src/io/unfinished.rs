@@ -15,7 +15,7 @@ use crate::{Error, Result};
 #[derive(Debug)]
 pub struct UnfinishedFolder {
     /// Where it will be.
-    path: PathBuf,
+    target: PathBuf,
     /// Where it is.
     partial: PathBuf,
     cleanup: Cleanup,
@@ -44,7 +44,7 @@ impl UnfinishedFolder {
                 let _ = fs::remove_dir_all(&unfinished);
             }
         });
-        Ok(Self { path: path.to_owned(), partial, cleanup })
+        Ok(Self { target: path.to_owned(), partial, cleanup })
     }
 
     /// The folder to write to.
@@ -67,19 +67,19 @@ impl UnfinishedFolder {
     /// the answer is no.
     pub fn finish(self) -> Result<bool> {
         sync_all(&self.partial)?;
-        match fs::rename(&self.partial, &self.path) {
+        match fs::rename(&self.partial, &self.target) {
             Ok(()) => {
                 self.cleanup.disarm();
-                sync_folder(folder_of(&self.path)?)?;
+                sync_folder(folder_of(&self.target)?)?;
                 Ok(true)
             }
-            Err(_) if is_filled(&self.path) => {
+            Err(_) if is_filled(&self.target) => {
                 self.cleanup.disarm();
                 let removed = fs::remove_dir_all(&self.partial);
                 removed.map_err(|reason| Error::io(&self.partial, "remove the folder", reason))?;
                 Ok(false)
             }
-            Err(reason) => Err(Error::io(&self.path, "rename the finished folder to", reason)),
+            Err(reason) => Err(Error::io(&self.target, "rename the finished folder to", reason)),
         }
     }
 }
