@@ -59,6 +59,7 @@ impl Format {
 }
 
 pub(super) fn run(args: &LayoutArgs) -> Result<()> {
+    LayoutFolder::check(&args.output)?;
     let set = read_dataset(&args.dataset)?;
     let mut folder = LayoutFolder::begin(&args.output, &args.dataset)?;
     args.format.layout().write(&set, &mut folder)?;

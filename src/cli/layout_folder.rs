@@ -33,23 +33,26 @@ pub(super) struct LayoutFolder {
 }
 
 impl LayoutFolder {
+    /// Refuses what cannot become a folder, or has become one that is not empty.
+    pub(super) fn check(path: &Path) -> Result<()> {
+        let message = if path.is_file() {
+            format!("{} is a file, where a folder is needed", path.display())
+        } else if is_filled(path) {
+            format!("{} is not empty", path.display())
+        } else if path.file_name().is_none() {
+            format!("{} is no name for a new folder", path.display())
+        } else {
+            return Ok(());
+        };
+        Err(Error::Usage { message, help: Some("choose a new folder with -o".to_owned()) })
+    }
+
     /// Begins a folder that is not there yet, or empty.
     pub(super) fn begin(path: &Path, dataset: &Path) -> Result<Self> {
-        let refuse = |message: String| {
-            let help = "choose a new folder with -o".to_owned();
-            Err(Error::Usage { message, help: Some(help) })
-        };
-        if path.is_file() {
-            return refuse(format!("{} is a file, where a folder is needed", path.display()));
-        }
-        if path.file_name().is_none() {
-            return refuse(format!("{} is no name for a new folder", path.display()));
-        }
         create_folder(path.parent().unwrap_or(Path::new("")))?;
         let lock = Lock::beside(path)?;
-        if is_filled(path) {
-            return refuse(format!("{} is not empty", path.display()));
-        }
+        // Another process may have finished in the meantime.
+        Self::check(path)?;
         if lock.is_proven() {
             // Of dead processes; nothing depends on it.
             unfinished_folders(path).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));

@@ -279,6 +279,8 @@ impl OutputFolder {
     /// The file that names the others, and is there only if all are.
     fn write_last(&mut self, name: &str, content: &impl Serialize) -> Result<()> {
         self.check_written()?;
+        // There is none of what is finished.
+        let _ = fs::remove_file(self.path.join(PREVIEW));
         self.stamp(name, |to| writeln!(to, "{}", pretty_json(content)))?;
         checkpoint::remove(&self.path)?;
         if self.lock.as_ref().is_some_and(Lock::is_proven) {
@@ -306,7 +308,10 @@ impl OutputFolder {
     }
 
     fn stamp(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {
-        let stamp = write_stamped(&self.path.join(name), write).map_err(|error| self.since_claimed(error))?;
+        // One that no other process knows is synced as a whole before it gets its name.
+        let is_synced = self.lock.is_some();
+        let stamp =
+            write_stamped(&self.path.join(name), is_synced, write).map_err(|error| self.since_claimed(error))?;
         self.stamps.insert(name.to_owned(), stamp);
         Ok(())
     }

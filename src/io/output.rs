@@ -40,9 +40,17 @@ pub fn write_unsynced(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Resu
     Temporary::write(path, write)?.persist(path).map(|_| ())
 }
 
-/// The same as [`write_whole`]; what tells the file from one that another process puts in its place.
-pub fn write_stamped(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<Stamp> {
-    let stamp = Temporary::write(path, write)?.synced(path)?.persist(path)?;
+/// The same as [`write_whole`], or as [`write_unsynced`]; what tells the file from one that another process puts in its place.
+pub fn write_stamped(
+    path: &Path,
+    is_synced: bool,
+    write: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
+) -> Result<Stamp> {
+    let file = Temporary::write(path, write)?;
+    if !is_synced {
+        return file.persist(path);
+    }
+    let stamp = file.synced(path)?.persist(path)?;
     sync_folder(folder_of(path)?)?;
     Ok(stamp)
 }
@@ -247,7 +255,7 @@ mod tests {
     fn a_file_that_another_process_replaced_is_known() {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("raw.dng");
-        let stamp = write_stamped(&path, |sink| sink.write_all(b"ours!!")).expect("written");
+        let stamp = write_stamped(&path, true, |sink| sink.write_all(b"ours!!")).expect("written");
         assert!(stamp.is_of(&path));
         write_whole(&path, |sink| sink.write_all(b"theirs")).expect("written");
         assert!(!stamp.is_of(&path));

@@ -79,12 +79,13 @@ fn kill_when(folder: &Folder, arguments: &str, is_time: impl Fn([u64; 2]) -> boo
 }
 
 #[rstest]
-#[case::picture("", ["--samples 0..400", "it is of a whole picture"])]
-#[case::part("--samples 5..400", ["--samples 0..400", "it has the samples 5..400"])]
+#[case::picture("", ["--samples 0..1600", "it is of a whole picture"])]
+#[case::part("--samples 5..1600", ["--samples 0..1600", "it has the samples 5..1600"])]
 fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] other: [&str; 2]) {
     let [other_part, message] = other;
+    // So many that a strip takes longer than a checkpoint and the pause after it.
     let folder = room(
-        "[render]\nsamples_per_pixel = 400\n[output]\nirradiance = true\ncheckpoint_interval_s = 0.001\n\
+        "[render]\nsamples_per_pixel = 1600\n[output]\nirradiance = true\ncheckpoint_interval_s = 0.001\n\
          preview_interval_s = 0\n",
     );
     folder.succeed(&format!("render capture.toml -o whole {part}"));
