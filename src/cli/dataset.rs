@@ -184,11 +184,7 @@ impl DataSet {
                 let light = light(camera, number)?;
                 // What is to be said of the scene is said once.
                 let quiet = talk.quiet || !std::mem::take(&mut is_first);
-<<<<<<< ours
-                self.picture((number, camera), overrides, light, &picture, quiet).map_err(Error::since_begun)?;
-=======
-                self.picture(overrides, light, &picture, quiet)?;
->>>>>>> theirs
+                self.picture((number, camera), overrides, light, &picture, quiet)?;
                 made += usize::from(picture.finish()?);
                 progress.advance(1);
             }
@@ -206,7 +202,6 @@ impl DataSet {
     }
 
     /// Makes one picture, but for its name.
-<<<<<<< ours
     fn picture(
         &self,
         (number, camera): (u32, &str),
@@ -215,13 +210,8 @@ impl DataSet {
         picture: &NewPicture,
         quiet: bool,
     ) -> Result<()> {
-        let capture = self.capture(camera, number, overrides)?;
-=======
-    fn picture(&self, overrides: &[String], light: Light, picture: &NewPicture, quiet: bool) -> Result<()> {
-        let overrides = self.with_arguments(overrides);
         // It was read before, with all that it names.
-        let capture = Capture::read(&self.capture_path, &overrides).map_err(Error::since_begun)?;
->>>>>>> theirs
+        let capture = self.capture(camera, number, overrides).map_err(Error::since_begun)?;
         let mut results = OutputFolder::own(picture.path());
         let request = Request {
             input: &self.capture_path,

@@ -180,13 +180,9 @@ pub(super) fn render(
         quiet: request.quiet,
     };
     let recorded = traced.record(folder, &mut timings, request.silent);
-<<<<<<< ours
-    let recorded = recorded.map_err(|error| folder.since_claimed(error.since_begun()))?;
+    let recorded = recorded.map_err(|error| folder.since_claimed(error))?;
     let Recorded { shot, paths, warnings: more } = recorded;
     warnings.extend(more);
-=======
-    let Recorded { shot, paths } = recorded.map_err(|error| folder.since_claimed(error))?;
->>>>>>> theirs
     let Some(Shot { exposure, first, reached }) = shot else {
         let samples = capture.render.samples_per_pixel;
         let part = PartReport::new(request, samples, makings, &responses, folder.files(), timings.trace_s);
@@ -315,7 +311,6 @@ impl Series<'_> {
                     all.warnings.push(warning);
                 }
             }
-<<<<<<< ours
             if number + 1 == count {
                 break;
             }
@@ -327,28 +322,6 @@ impl Series<'_> {
                 next = Some(self.moment(number + 1, build, timings)?);
             }
             now = next.unwrap_or(Moment { recording: later, scene: None });
-=======
-            let start = Instant::now();
-            let read = |number| Capture::read_frame(self.input, self.overrides, number).map_err(Error::since_begun);
-            let recording_of = |capture: &Capture| capture.recording.clone().unwrap_or_else(|| recording.later(number));
-            let moved = if number == 0 { None } else { Some(read(number)?) };
-            let now = moved.as_ref().map_or_else(|| recording.clone(), recording_of);
-            // Only what is known of pixels beside the picture looks ahead.
-            let looks_ahead = !self.capture.output.truth.layers.is_empty();
-            let next = if looks_ahead { recording_of(&read(number + 1)?) } else { now.later(1) };
-            timings.load_s += start.elapsed().as_secs_f64();
-            let start = Instant::now();
-            let scene = moved.map(|moved| scene::build(moved.scene, self.importance));
-            timings.build_s += start.elapsed().as_secs_f64();
-            let [camera, next] = recordings(&now, &next);
-            self.picture(scene.as_ref().unwrap_or(self.scene), [&camera, &next], frames, folder, timings, silent)
-        };
-        let mut recorded = frame(0, folder, timings)?;
-        for number in 1..count {
-            let Recorded { shot, paths } = frame(number, folder, timings)?;
-            let shot = shot.zip(recorded.shot).map(|(last, Shot { first, .. })| Shot { first, ..last });
-            recorded = Recorded { shot, paths: recorded.paths + paths };
->>>>>>> theirs
         }
         Ok(all)
     }
@@ -361,7 +334,7 @@ impl Series<'_> {
         timings: &mut Timings,
     ) -> Result<Moment> {
         let start = Instant::now();
-        let mut capture = Capture::read_frame(self.input, self.overrides, number)?;
+        let mut capture = Capture::read_frame(self.input, self.overrides, number).map_err(Error::since_begun)?;
         timings.load_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let scene = Some(build(&mut capture)?);

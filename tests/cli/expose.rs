@@ -309,7 +309,7 @@ fn pictures_of_something_else_are_refused() {
 /// A grey wall under an even sky, exposed automatically.
 fn wall(lux: f64, exposure: &str) -> Folder {
     let capture = format!(
-        "[scene]\ngeometry = ['wall.obj']\nenvironment = {{ illuminant = 'D65', illuminance_lux = {lux} }}\n\
+        "[scene]\ngeometry = ['wall.obj']\nenvironment = {{ illuminant = 'A', illuminance_lux = {lux} }}\n\
          [materials.wall]\ntype = 'diffuse'\nreflectance = 0.5\n[camera]\nposition_m = [0, 0, 2]\nlook_at_m = [0, 0, 0]\n\
          [lens]\ntype = 'pinhole'\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [8, 8]\n[exposure]\n{exposure}\n\
          [render]\nsamples_per_pixel = 16\n"
