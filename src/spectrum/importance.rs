@@ -113,8 +113,11 @@ impl Problem {
                 heights[knot] -= STEP * (slopes[knot] / slope_part) / ((squares[knot] / square_part).sqrt() + 1e-9);
             }
         }
-        let mut values = self.importances(&best.1).into_iter();
-        Spectrum::from_fn(|_| values.next().unwrap_or(0.0))
+        let seen = self.sum.iter().map(|&sum| sum > 0.0);
+        let mut values = self.importances(&best.1).into_iter().zip(seen);
+        // What is next to nothing is not rounded to nothing.
+        let least = |(value, is_seen): (f64, bool)| if is_seen { value.max(f64::from(f32::MIN_POSITIVE)) } else { 0.0 };
+        Spectrum::from_fn(|_| values.next().map_or(0.0, least))
     }
 
     /// At the entries of a table, for the heights of h at the knots.
