@@ -17,7 +17,7 @@ use super::{println_out, refuse_existing, write_result};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///
-/// It is that of the raw picture, with the distortion of the lens, which image.png keeps with develop.distortion = false and
+/// It is that of all pixels of the sensor, before exposure.region_px and exposure.binning, with the distortion of the lens, which image.png keeps with develop.distortion = false and
 /// develop.square_pixels = false alone. What a format has no words for is refused. A camera that moves stands where it does
 /// halfway through its first picture, as `capture.json` says (`pose_time_s`).
 #[derive(Args)]
@@ -61,7 +61,7 @@ pub(super) fn run(args: &CameraArgs) -> Result<()> {
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.window);
     if let Some(done) = seen.resampled(&capture.develop) {
         eprintln!(
-            "warning: image.png is {}, and this is the camera of the raw picture; that of image.png is in capture.json, or write {}",
+            "warning: image.png is {}, and this is the camera of the sensor; that of image.png is in capture.json, or write {}",
             done.what, done.keys
         );
     }

@@ -85,6 +85,16 @@ fn map(facts: Value) -> Map<String, Value> {
     }
 }
 
+/// Where the camera is halfway through its first picture, as `capture.json` has it.
+fn position_halfway(capture: &Capture) -> [f64; 3] {
+    let start = capture.camera_to_world;
+    let moved = capture.recording.as_ref().and_then(|recording| {
+        let motion = recording.motion.as_ref()?;
+        Some(motion.pose(&start, recording.middle_s()))
+    });
+    moved.unwrap_or(start).translation.to_array()
+}
+
 fn of_capture(capture: &Capture) -> Map<String, Value> {
     let Capture { scene, lens, sensor, exposure, render, .. } = capture;
     let mut facts = of_scene(scene);
@@ -107,7 +117,7 @@ fn of_capture(capture: &Capture) -> Map<String, Value> {
         }
     }
     facts.extend(map(json!({
-        "camera_position_m": capture.camera_to_world.translation.to_array(),
+        "camera_position_m": position_halfway(capture),
         "lens": format!("{} mm f/{}", round(lens.focal_length_m * 1e3), round(lens.f_number)),
         "focus": match (lens.kind, lens.focus) {
             (LensKind::Pinhole, _) => "none, as everything is sharp".to_owned(),

@@ -5,6 +5,7 @@ use std::fs;
 use std::fs::File;
 use std::io::{ErrorKind, Result as IoResult, Seek};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use photosite::calibration::truth::TruthLayer;
 use photosite::colour::ColourSpace;
@@ -58,13 +59,20 @@ const NOISE: &str = "noise";
 /// The picture that is there while a render runs.
 const PREVIEW: &str = "preview.png";
 
-/// A folder for results. One that is given up before there are any is left as it was found.
+/// Is there while results are written, so that those of a process that was killed do not pass for somebody's files.
+const UNFINISHED: &str = ".photosite.unfinished";
+
+/// A folder for results. One that is given up before they are complete holds none of them, but for those that a checkpoint
+/// goes on from.
 pub(super) struct OutputFolder {
     path: PathBuf,
     force: bool,
     written: Vec<String>,
     /// What tells the files that were written from any that another process writes.
     stamps: BTreeMap<String, Stamp>,
+    /// The files that were written, until they are complete; removed before another process can claim the folder.
+    unfinished: Arc<Mutex<Vec<PathBuf>>>,
+    _removal: Option<Cleanup>,
     /// Keeps other processes out, of a folder that they know. Let go of before the folder is given up.
     lock: Option<Lock>,
     _cleanup: Cleanup,
@@ -88,6 +96,13 @@ impl OutputFolder {
         // Another process may have finished in the meantime.
         refuse_results(path, force)?;
         folder.lock = Some(lock);
+        let (path, unfinished) = (path.to_owned(), Arc::clone(&folder.unfinished));
+        folder._removal = Some(Cleanup::new(move || {
+            let is_kept = checkpoint::are_in(&path);
+            for file in locked(&unfinished).drain(..).filter(|file| !is_kept || file.ends_with(UNFINISHED)) {
+                let _ = fs::remove_file(file);
+            }
+        }));
         Ok(folder)
     }
 
@@ -106,7 +121,9 @@ impl OutputFolder {
             created.iter().try_for_each(fs::remove_dir).unwrap_or_default();
         });
         let (written, stamps) = (Vec::new(), BTreeMap::new());
-        Self { path: path.to_owned(), force, written, stamps, lock: None, _cleanup: cleanup }
+        let unfinished = Arc::default();
+        let path = path.to_owned();
+        Self { path, force, written, stamps, unfinished, _removal: None, lock: None, _cleanup: cleanup }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -282,6 +299,8 @@ impl OutputFolder {
         // There is none of what is finished.
         let _ = fs::remove_file(self.path.join(PREVIEW));
         self.stamp(name, |to| writeln!(to, "{}", pretty_json(content)))?;
+        locked(&self.unfinished).clear();
+        let _ = fs::remove_file(self.path.join(UNFINISHED));
         checkpoint::remove(&self.path)?;
         if self.lock.as_ref().is_some_and(Lock::is_proven) {
             remove_leftovers(&self.path);
@@ -310,8 +329,15 @@ impl OutputFolder {
     fn stamp(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {
         // One that no other process knows is synced as a whole before it gets its name.
         let is_synced = self.lock.is_some();
-        let stamp =
-            write_stamped(&self.path.join(name), is_synced, write).map_err(|error| self.since_claimed(error))?;
+        if is_synced && self.stamps.is_empty() {
+            let mark = self.path.join(UNFINISHED);
+            let marked = fs::write(&mark, "").map_err(|reason| Error::io(&mark, "write", reason));
+            marked.map_err(|error| self.since_claimed(error))?;
+            locked(&self.unfinished).push(mark);
+        }
+        let path = self.path.join(name);
+        let stamp = write_stamped(&path, is_synced, write).map_err(|error| self.since_claimed(error))?;
+        locked(&self.unfinished).push(path);
         self.stamps.insert(name.to_owned(), stamp);
         Ok(())
     }
@@ -322,10 +348,15 @@ impl OutputFolder {
     }
 }
 
+fn locked(files: &Mutex<Vec<PathBuf>>) -> MutexGuard<'_, Vec<PathBuf>> {
+    files.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Refuses a folder with files that a render may leave, which are somebody's.
 fn refuse_results(path: &Path, force: bool) -> Result<()> {
     let in_the_way = results().find(|name| path.join(name).exists());
-    let Some(name) = in_the_way.filter(|_| !force && !checkpoint::are_in(path)) else { return Ok(()) };
+    let is_broken_off = || checkpoint::are_in(path) || path.join(UNFINISHED).exists();
+    let Some(name) = in_the_way.filter(|_| !force && !is_broken_off()) else { return Ok(()) };
     Err(Error::Usage {
         message: match name.as_str() {
             REPORT => format!("{} holds the results of an earlier render", path.display()),

@@ -22,7 +22,7 @@ use super::picture::decode;
 use super::raw_exr::stated_active_area;
 use super::spectral_exr;
 use crate::image::{Channel, Planes};
-use crate::raw::{self, Area, Pixels, read_pixels};
+use crate::raw::{self, Area, Pixels, read_pixels, refuse_planar_tiles};
 use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
 
@@ -122,6 +122,7 @@ fn of_tiff(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid>
         return Err(refused());
     }
     let components = usize::from(colours.num_samples());
+    refuse_planar_tiles(&mut decoder).map_err(bad)??;
     match read_pixels(&mut decoder).map_err(bad)? {
         DecodingResult::U8(v) => {
             interleaved(name, size, components, v.into_iter().map(f32::from), Some(u8::MAX.into()))

@@ -30,7 +30,7 @@ pub use gain_map::GainMap;
 pub(crate) use npy::with_short_header;
 pub use npy::{read_npy, write_npy};
 pub use pnm::{read_pnm, write_pgm};
-pub(crate) use tiff::read_pixels;
+pub(crate) use tiff::{read_pixels, refuse_planar_tiles};
 pub use tiff::{read_tiff, write_tiff};
 pub use warp::{Warp, WarpKind};
 

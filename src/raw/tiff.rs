@@ -3,7 +3,7 @@
 
 use std::io::{self, Read, Seek, SeekFrom, Write};
 
-use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::encoder::{
     TiffEncoder,
     colortype::{Gray16, RGB16},
@@ -78,6 +78,7 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
         let message = format!("the file holds numbers of {bits} bits");
         return Err(Invalid::new("BitsPerSample", message).help("photosite reads 8 and 16 bits"));
     }
+    refuse_planar_tiles(&mut decoder).map_err(unreadable)??;
     // Memory is taken for numbers that the bytes which are there can hold, whatever a damaged file states.
     let compression = decoder.find_tag_unsigned::<u16>(Tag::Compression).map_err(unreadable)?;
     let inflation = if compression.is_none_or(|c| c == CompressionMethod::None.to_u16()) { 1 } else { MOST_INFLATION };
@@ -110,11 +111,26 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     Ok(RawImage::bare(width, height, data, cfa, maximum))
 }
 
+/// Refuses tiles of one plane after the other, which the decoder does not read.
+pub(crate) fn refuse_planar_tiles<R: Read + Seek>(decoder: &mut Decoder<R>) -> TiffResult<Result<(), Invalid>> {
+    let samples = decoder.colortype()?.num_samples();
+    if samples < 2 || !planes_apart(decoder)? || decoder.get_chunk_type() != ChunkType::Tile {
+        return Ok(Ok(()));
+    }
+    let invalid = Invalid::new("PlanarConfiguration", "the file holds one plane after the other, in tiles");
+    Ok(Err(invalid.help("write strips, or all numbers of a pixel together")))
+}
+
+/// Whether a file holds one plane after the other.
+fn planes_apart<R: Read + Seek>(decoder: &mut Decoder<R>) -> TiffResult<bool> {
+    let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
+    Ok(planar == Some(PlanarConfiguration::Planar.to_u16()))
+}
+
 /// The numbers of a picture pixel by pixel, those of files that hold one plane after the other included.
 pub(crate) fn read_pixels<R: Read + Seek>(decoder: &mut Decoder<R>) -> TiffResult<DecodingResult> {
     let samples = usize::from(decoder.colortype()?.num_samples());
-    let planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?;
-    if samples < 2 || planar != Some(PlanarConfiguration::Planar.to_u16()) {
+    if samples < 2 || !planes_apart(decoder)? {
         return decoder.read_image();
     }
     let mut planes = DecodingResult::U8(Vec::new());
@@ -184,6 +200,34 @@ mod tests {
         assert_eq!((grey.bits, grey.white_level_dn, grey.cfa), (8, 255, Cfa::mono()));
         let colour = read(&file(&tags(2, 1, 8, 2, 3), &[1, 2, 3, 4, 5, 6])).expect("RGB");
         assert_eq!((colour.data, colour.cfa.channels().len()), (vec![1, 2, 3, 4, 5, 6], 3));
+    }
+
+    /// Three planes of one tile each. The decoder would panic.
+    #[test]
+    fn planes_in_tiles_are_refused() {
+        let tags: [(u16, u16, u32, u32); 11] = [
+            (256, 3, 1, 5),
+            (257, 3, 1, 5),
+            (258, 3, 1, 8),
+            (259, 3, 1, 1),
+            (262, 3, 1, 2),
+            (277, 3, 1, 3),
+            (284, 3, 1, 2),
+            (322, 3, 1, 16),
+            (323, 3, 1, 16),
+            (324, 4, 3, 146),
+            (325, 4, 3, 158),
+        ];
+        let mut bytes = [&b"II*\0"[..], &8u32.to_le_bytes(), &11u16.to_le_bytes()].concat();
+        for (tag, kind, count, value) in tags {
+            bytes.extend([&tag.to_le_bytes()[..], &kind.to_le_bytes()].concat());
+            bytes.extend([count.to_le_bytes(), value.to_le_bytes()].concat());
+        }
+        bytes.extend(0u32.to_le_bytes());
+        assert_eq!(bytes.len(), 146);
+        let places = [170u32, 426, 682, 256, 256, 256].map(u32::to_le_bytes).concat();
+        let error = read(&[&bytes[..], &places, &[7; 768]].concat()).expect_err("tiles");
+        assert_eq!((error.key.as_str(), error.help.is_some()), ("PlanarConfiguration", true), "{error}");
     }
 
     #[test]

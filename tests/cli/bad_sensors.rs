@@ -135,6 +135,15 @@ fn impossible_sensors_are_refused_with_key_and_line(#[case] more: &str, #[case] 
     folder(format!("{HEAD}{more}\n")).fail("render capture.toml", 1, &[&place, message, help]);
 }
 
+/// `preset` and `without` are read before the other keys of a sensor.
+#[rstest]
+#[case("sensor.preste=x", "did you mean `preset`?")]
+#[case("sensor.withut=['adc']", "did you mean `without`?")]
+fn keys_that_make_a_sensor_are_known_as_the_others(#[case] set: &str, #[case] meant: &str) {
+    let folder = folder(HEAD.to_owned());
+    folder.fail(&format!("render capture.toml --set {set}"), 1, &[meant, "; and ", "preset", "without"]);
+}
+
 #[test]
 fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
     let preset = include_str!("../../assets/sensors/sony-imx249-mono.toml");

@@ -40,7 +40,8 @@ fn results_on_a_full_disk() {
     let binary = env!("CARGO_BIN_EXE_photosite");
     let script = format!(
         "mount -t tmpfs -o size=16k none disk || exit 99\n\
-         {binary} render capture.toml --quiet -o disk/out; echo $?; ls -A disk/out"
+         {binary} render capture.toml --quiet -o disk/out; echo $?; ls -A disk/out; echo again\n\
+         mount -o remount,size=1m disk && {binary} render capture.toml --quiet -o disk/out; echo $?"
     );
     // Its own mounts, as whom it runs, or else as a root of its own.
     let run = |arguments: &[&str]| {
@@ -54,10 +55,25 @@ fn results_on_a_full_disk() {
         return;
     };
     let (said, text) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    let mut lines = said.lines();
+    let (first, again) = said.split_once("again\n").expect("two renders");
+    let mut lines = first.lines();
     assert_eq!(lines.next(), Some("75"), "{said}{text}");
+    // Where there is room, the same command is the other try.
+    assert_eq!(again, "0\n", "{said}{text}");
     assert!(text.contains("disk/out/") && text.contains("No space left on device"), "{text}");
     assert!(lines.all(|name| name != "capture.json" && !name.starts_with('.')), "{said}");
+}
+
+/// A process that is killed while it writes leaves a mark beside its files; what has none is somebody's.
+#[test]
+fn results_of_a_killed_process_are_written_anew() {
+    let folder = room("[render]\nsamples_per_pixel = 1\n");
+    folder.add("out/raw.dng", "half");
+    folder.fail("render capture.toml --quiet -o out", 2, &["out holds a file raw.dng already"]);
+    folder.add("out/.photosite.unfinished", "");
+    folder.succeed("render capture.toml --quiet -o out");
+    assert!(folder.raw("out/raw.dng").width > 0 && !folder.path("out/.photosite.unfinished").exists());
+    folder.fail("render capture.toml --quiet -o out", 2, &["out holds the results of an earlier render"]);
 }
 
 #[test]

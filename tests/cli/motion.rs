@@ -220,6 +220,9 @@ fn pose_truth_and_targets_of_a_moving_camera_are_of_the_middle_of_the_exposure()
         let expected = start + velocity * 0.002;
         assert!((place[axis].as_f64().expect("a number") - expected).abs() < 1e-12, "{place:?}");
     }
+    let info: serde_json::Value =
+        serde_json::from_str(&folder.succeed("info out/capture.json --json").stdout).expect("JSON");
+    assert_eq!(info["camera_position_m"], report["camera"]["position_m"]);
     let pose = pose(&report);
     // Both sides calculate in double precision, from numbers that are written with all digits.
     let points = points(&report);

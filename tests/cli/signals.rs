@@ -55,7 +55,7 @@ fn a_signal_ends_a_render_with_a_checkpoint(#[case] signal: &str, #[case] status
     assert_eq!(folder.results("out").into_keys().collect::<Vec<_>>(), ["checkpoint.film"]);
 }
 
-/// Broken off in the middle of passes that take a while, again and again.
+/// Broken off again and again, after some part of the time that it takes when it is left alone.
 #[rstest]
 #[case::uniform("")]
 #[case::by_noise("--set render.noise_target=0.1")]
@@ -66,23 +66,28 @@ fn a_signal_ends_a_render_with_a_checkpoint(#[case] signal: &str, #[case] status
 fn what_was_broken_off_ends_with_the_bytes_of_one_that_was_not(#[case] settings: &str) {
     let folder = room("[render]\nsamples_per_pixel = 96\nseed = 7\n");
     let arguments = format!("render capture.toml --quiet --set sensor.resolution_px=[160,120] {settings} -o");
+    let start = Instant::now();
     folder.succeed(&format!("{arguments} whole"));
+    let alone = start.elapsed();
+    // The signal may come when all is written.
+    let is_done = || ["capture.json", "part.json"].iter().any(|name| folder.path("out").join(name).exists());
     let mut interrupted = 0;
     for attempt in 0..40 {
         let mut process = folder.command(&format!("{arguments} out")).spawn().expect("the binary runs");
-        sleep(Duration::from_millis(150 + attempt % 5 * 40));
+        sleep(alone.mul_f64(0.3 + 0.1 * f64::from(attempt % 5)));
         send("TERM", process.id());
-        match process.wait().expect("it ends").code() {
-            Some(0) => break,
-            Some(143) => interrupted += 1,
-            other => panic!("ended with {other:?}"),
+        let code = process.wait().expect("it ends").code();
+        assert!(code == Some(0) || code == Some(143), "ended with {code:?}");
+        if is_done() {
+            break;
         }
+        interrupted += 1;
     }
     println!("interrupted {interrupted} times");
-    if !["capture.json", "part.json"].iter().any(|name| folder.path("out").join(name).exists()) {
+    if !is_done() {
         folder.succeed(&format!("{arguments} out"));
     }
-    assert!(interrupted > 1, "too quick to be interrupted");
+    assert!(interrupted > 0, "too quick to be interrupted");
     if settings.contains("samples") {
         assert!(folder.results("whole")["film.npy"] == folder.results("out")["film.npy"]);
     } else {

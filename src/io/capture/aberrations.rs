@@ -49,11 +49,15 @@ pub(super) fn point_spread(
 fn shift_warning(kernels: &[(DVec2, Kernel)], pixel_pitch_m: [f64; 2]) -> Option<String> {
     let shifts = kernels.iter().map(|(_, kernel)| kernel.centroid_m() / DVec2::from_array(pixel_pitch_m));
     let (number, shift) = shifts.enumerate().max_by(|(_, a), (_, b)| a.length().total_cmp(&b.length()))?;
-    let [right, down] = shift.to_array();
+    let part = |px: f64, [forward, back]: [&str; 2]| {
+        let way = if px > 0.0 { forward } else { back };
+        (px.abs() >= 0.005).then(|| format!("{:.2} px {way}", px.abs()))
+    };
+    let parts = [part(shift.x, ["to the right of", "to the left of"]), part(shift.y, ["below", "above"])];
+    let place = parts.into_iter().flatten().collect::<Vec<_>>().join(" and ");
     (shift.length() > SEEN_SHIFT_PX).then(|| {
         format!(
-            "lens.psf: the light of kernels[{number}] is {right:.2} px to the right of its middle and {down:.2} px below it in \
-             the mean, and shifts the picture by as much against ground truth; write origin = \"centroid\" for a picture \
+            "lens.psf: the light of kernels[{number}] is in the mean {place} its middle, and shifts the picture by as much against ground truth; write origin = \"centroid\" for a picture \
              that stays in its place, or origin = \"centre\" if this is meant"
         )
     })

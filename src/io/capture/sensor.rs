@@ -3,6 +3,7 @@
 //! A preset is taken as a whole, without some of its keys (`without`), or not at all (`preset = "none"`). The sensor that a
 //! report holds is whole; changes are laid over it as over a preset.
 
+use std::marker::PhantomData;
 use std::path::Path;
 
 use serde_json::json;
@@ -69,7 +70,8 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     }
     source.replace("sensor", merged);
 
-    let description = source.read("sensor")?.ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
+    let table = source.get("sensor").ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
+    let description = source.read_beside("sensor", table, PhantomData, &["preset", "without"])?;
     Ok(MergedSensor { name, description, warnings })
 }
 

@@ -142,7 +142,8 @@ pub(crate) struct OutputTable {
     pub(crate) ideal: Option<bool>,
     /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position" (world, m),
     /// "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture), "disparity" (px,
-    /// left picture less right one). Where something moves, in the middle of the exposure of each row. Left out: false.
+    /// left picture less right one). Of all pixels of the sensor, before exposure.region_px and exposure.binning; where something
+    /// moves, in the middle of the exposure of each row. Left out: false.
     pub(crate) truth: Option<TruthSource>,
     /// Formats of that: "exr" for one file truth.exr; "npy" or "png" (16 bits) for one file a layer. Left out: ["exr"].
     pub(crate) truth_formats: Option<Vec<TruthFormat>>,
