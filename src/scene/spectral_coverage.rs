@@ -4,6 +4,8 @@
 //! assumptions themselves are made where spectra are: [`Outside`](crate::spectrum::Outside),
 //! [`upsampling`](crate::spectrum::upsampling), [`illuminant`](crate::spectrum::illuminant).
 
+use std::collections::HashSet;
+
 use super::description::{
     Colour, EmissionDescription, EnvironmentDescription, LayeredDescription, MaterialModel, SceneDescription,
     TexturedColour,
@@ -66,13 +68,11 @@ fn known_ranges(scene: &SceneDescription) -> Vec<(String, Range)> {
         None => {}
     }
     all.extend(scene.lights.iter().map(|light| (format!("light \"{}\"", light.name), of_emission(&light.emission))));
-    for (index, material) in scene.materials.iter().enumerate() {
-        let is_used = scene.meshes.iter().any(|mesh| mesh.material == index);
-        if is_used {
-            let light = material.emission.as_ref().map(of_emission);
-            let known = light.into_iter().fold(of_model(&material.model), both);
-            all.push((format!("material \"{}\"", material.name), known));
-        }
+    let used: HashSet<usize> = scene.meshes.iter().map(|mesh| mesh.material).collect();
+    for (_, material) in scene.materials.iter().enumerate().filter(|(index, _)| used.contains(index)) {
+        let light = material.emission.as_ref().map(of_emission);
+        let known = light.into_iter().fold(of_model(&material.model), both);
+        all.push((format!("material \"{}\"", material.name), known));
     }
     all
 }
