@@ -34,31 +34,10 @@
 //! - A [`scene::Scene`] is immutable once built: flat tables with `u32` handles.
 //! - No input file panics the program; what a user can cause is an [`Error`]. No output is half-written.
 
-pub mod bsdf;
-pub mod calibration;
-pub mod characterisation;
-pub mod colour;
-pub mod develop;
-pub mod error;
-pub mod film;
-pub mod geometry;
-pub mod image;
-pub mod integrator;
 pub mod io;
-pub mod light;
-pub mod math;
-pub mod measure;
-pub mod optics;
-pub mod projection;
-pub mod raw;
-pub mod references;
-mod sabotage;
-pub mod sampler;
-pub mod scene;
-pub mod sensor;
-pub mod spectrum;
-pub mod texture;
-pub mod units;
-pub mod validation;
 
-pub use error::{Error, Invalid, Result};
+pub use photosite_calibration as calibration;
+pub use photosite_core::{Error, Invalid, Result};
+pub use photosite_core::{colour, error, image, math, projection, references, spectrum, units};
+pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, validation};
+pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};

@@ -18,13 +18,13 @@ use tiff::decoder::{Decoder, DecodingResult};
 
 use super::electrons::VARIANCE;
 use super::exr::{ExrPicture, read_exr};
-use super::picture::decode;
 use super::raw_exr::stated_active_area;
 use super::spectral_exr;
 use crate::image::{Channel, Planes};
 use crate::raw::{self, Area, Pixels, read_pixels, refuse_planar_tiles};
 use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
+use photosite_scene_io::decode;
 
 /// Reads a picture by the kind that the file's name says.
 pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {

@@ -7,8 +7,8 @@ use std::path::Path;
 use image::DynamicImage;
 use png::{BitDepth, ColorType};
 
-use super::picture::decode;
 use crate::{Error, Result};
+use photosite_scene_io::decode;
 
 /// A picture of 8-bit grey.
 #[derive(Clone, Debug, PartialEq)]

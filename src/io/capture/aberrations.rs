@@ -8,8 +8,8 @@ use super::colour::Finder;
 use super::settings::positive_number;
 use super::tables::{KernelOrigin, LateralColourTable, PointSpreadTable, StopTable};
 use crate::Invalid;
-use crate::io::warnings::Warnings;
 use crate::optics::{Kernel, KernelField, LateralColour, PointSpread, Stop};
+use photosite_core::warnings::Warnings;
 
 /// Kernels that shift the picture by more than this, px, are worth a warning: corners are found as well as that.
 const SEEN_SHIFT_PX: f64 = 0.05;

@@ -7,11 +7,11 @@ use super::framing::{bounding_sphere, frame};
 use super::lens::{DEFAULT_FOCAL_LENGTH_M, ON_SCENE, describe_lens};
 use super::tables::{CameraTable, CaptureFile, FocusDistance};
 use crate::Invalid;
-use crate::io::suggest::{did_you_mean, list};
-use crate::io::warnings::Warnings;
 use crate::optics::{CameraMotion, Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, looking};
 use crate::sensor::SensorModel;
+use photosite_core::suggest::{did_you_mean, list};
+use photosite_core::warnings::Warnings;
 
 /// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens.
 pub(super) fn place_camera(

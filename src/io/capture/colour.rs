@@ -11,13 +11,13 @@ use glam::Vec2;
 
 use super::tables::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
 use crate::Invalid;
-use crate::io::picture::read_picture;
-use crate::io::suggest::{did_you_mean, list};
 use crate::scene::description::{Colour, TextureDescription, TexturedColour};
 use crate::sensor::SpectrumSource;
 use crate::spectrum::csv::SpectralTable;
 use crate::spectrum::{Outside, Spectrum, illuminant, library, rgb};
 use crate::texture::{Bitmap, Filter, SamplerSettings, UvTransform, Wrap};
+use photosite_core::suggest::{did_you_mean, list};
+use photosite_scene_io::read_picture;
 
 /// Finds what tables name, relative to the folder of their file.
 #[derive(Debug)]

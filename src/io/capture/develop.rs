@@ -6,8 +6,8 @@ use super::overrides;
 use super::source::CaptureSource;
 use super::tables::SECTIONS;
 use crate::develop::DevelopSettings;
-use crate::io::suggest::{did_you_mean, list};
 use crate::{Error, Invalid, Result};
+use photosite_core::suggest::{did_you_mean, list};
 
 /// The `[develop]` table alone: of a capture file, if one is given, with `--set` arguments laid over it. Their keys are
 /// those of a capture file (`develop.demosaic`).

@@ -13,8 +13,8 @@ use super::tables::{
 };
 use super::tree::{Node, Value};
 use crate::calibration::targets::TargetKind;
-use crate::io::suggest::{did_you_mean, list};
 use crate::{Invalid, Result};
+use photosite_core::suggest::{did_you_mean, list};
 
 impl CaptureFile {
     /// Reads the tables. `folder` is what their paths are relative to.

@@ -7,9 +7,9 @@ use super::colour::Finder;
 use super::projection::projection;
 use super::tables::{AutofocusTable, FalloffName, FocusDistance, IntrinsicsTable, LensTable, LensType};
 use crate::Invalid;
-use crate::io::warnings::Warnings;
 use crate::optics::{Falloff, Focus, Intrinsics, LensDescription, LensKind, Projection};
 use crate::sensor::SensorModel;
+use photosite_core::warnings::Warnings;
 
 /// Focal length where nothing asks for another, m.
 pub(super) const DEFAULT_FOCAL_LENGTH_M: f64 = 0.016;

@@ -12,16 +12,16 @@ use super::tables::{
     ProjectorTable, SkyTable, SpotTable,
 };
 use crate::Invalid;
-use crate::io::environment::read_environment;
-use crate::io::ies::read_ies;
-use crate::io::picture::read_picture;
-use crate::io::suggest::{did_you_mean, list};
-use crate::io::warnings::Warnings;
 use crate::light::{EnvironmentPicture, SkyConditions, SunPosition};
 use crate::scene::description::{
     CameraDescription, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
     ProjectorDescription, SceneDescription, look_at, looking, vector,
 };
+use photosite_core::suggest::{did_you_mean, list};
+use photosite_core::warnings::Warnings;
+use photosite_scene_io::read_environment;
+use photosite_scene_io::read_ies;
+use photosite_scene_io::read_picture;
 
 /// Adds all `[[lights]]` to a scene, whose own ones they may replace.
 pub(super) fn describe_lights(

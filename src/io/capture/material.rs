@@ -10,7 +10,6 @@ use super::tables::{
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 use crate::Invalid;
-use crate::io::suggest::{did_you_mean, list};
 use crate::scene::description::{
     AlphaMode, Channel, Colour, EmissionDescription, LayeredDescription, MaterialDescription, MaterialModel,
     TextureDescription, TexturedColour, TexturedFactor,
@@ -18,6 +17,7 @@ use crate::scene::description::{
 use crate::spectrum::dispersion::lines;
 use crate::spectrum::upsampling::reflectance_spectrum;
 use crate::spectrum::{Dispersion, Outside, Spectrum, library};
+use photosite_core::suggest::{did_you_mean, list};
 
 /// Applies every `[materials.NAME]` to the materials of that name.
 pub(super) fn override_materials(

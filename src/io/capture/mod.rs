@@ -58,11 +58,11 @@ use glam::DAffine3;
 use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
-use crate::io::warnings::Warnings;
 use crate::optics::{LensDescription, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
 use crate::{Error, Invalid, Result};
+use photosite_core::warnings::Warnings;
 
 use camera::place_camera;
 use colour::Finder;

@@ -8,7 +8,7 @@ use serde::de::{
 use serde::forward_to_deserialize_any;
 
 use super::tree::{Entry, Node, Value, join};
-use crate::io::suggest::{did_you_mean, list};
+use photosite_core::suggest::{did_you_mean, list};
 
 /// Why a value does not fit its type.
 #[derive(Clone, Debug, PartialEq, Eq)]

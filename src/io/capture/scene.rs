@@ -16,12 +16,12 @@ use crate::calibration::targets::PlacedTarget;
 use crate::io::gltf::{self, Choice, Moment};
 use crate::io::obj;
 use crate::io::obj::MissingNormals;
-use crate::io::suggest::{did_you_mean, list};
-use crate::io::warnings::Warnings;
 use crate::scene::description::{
     Colour, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription, TexturedColour,
 };
 use crate::{Invalid, Result};
+use photosite_core::suggest::{did_you_mean, list};
+use photosite_core::warnings::Warnings;
 
 /// Illuminance of the surroundings of scenes that have no light, lux: a bright room.
 const DEFAULT_ILLUMINANCE_LUX: f64 = 500.0;

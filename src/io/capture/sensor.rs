@@ -15,10 +15,10 @@ use super::read_text;
 use super::source::CaptureSource;
 use super::tables::MergedSensor;
 use super::tree::{Node, Table, Value, parse};
-use crate::io::suggest::{did_you_mean, list};
 use crate::sensor::{SensorModel, presets};
 use crate::spectrum::Outside;
 use crate::{Error, Invalid, Result};
+use photosite_core::suggest::{did_you_mean, list};
 
 /// Makes the model of a sensor.
 pub(super) fn sensor_model(sensor: &MergedSensor) -> Result<SensorModel, Invalid> {

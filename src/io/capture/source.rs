@@ -14,9 +14,9 @@ use serde::de::{DeserializeOwned, DeserializeSeed};
 use super::overrides::shown;
 use super::reader::{ReadError, Reader};
 use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
-use crate::io::json;
-use crate::io::suggest::{did_you_mean, list};
 use crate::{Error, Invalid, Result};
+use photosite_core::json;
+use photosite_core::suggest::{did_you_mean, list};
 
 /// The values of a capture and where they come from.
 #[derive(Clone, Debug)]

@@ -15,10 +15,10 @@ use super::source::CaptureSource;
 use super::tables::{LensTable, SECTIONS};
 use super::{ExposureSettings, OutputSettings, develop, keys_of, overrides, read_text, settings};
 use crate::develop::DevelopSettings;
-use crate::io::warnings::Warnings;
 use crate::optics::{Focus, LensDescription};
 use crate::sensor::SensorModel;
 use crate::{Error, Invalid, Result};
+use photosite_core::warnings::Warnings;
 
 /// The part of a capture that stored light leaves open.
 #[derive(Debug)]

@@ -1,0 +1,130 @@
+//! Files that tell other tools of a camera: its matrix, its lens and its pose. In: a [`CalibratedCamera`]. Out: text; a
+//! lens that a format has no words for is an error.
+//!
+//! | format | lenses | coordinates of pixels | pose |
+//! |---|---|---|---|
+//! | OpenCV YAML | all of OpenCV's | centres at whole numbers | world → camera |
+//! | ROS `camera_info` | `plumb_bob`, `rational_polynomial`, `equidistant` | centres at whole numbers | of a pair, rectification and Tx |
+//! | Kalibr `camchain.yaml` | pinhole or omni with radtan, pinhole with equidistant | centres at whole numbers | from camera to camera |
+//! | COLMAP `cameras.txt`, `images.txt`, `points3D.txt` | PINHOLE, OPENCV, FULL_OPENCV, OPENCV_FISHEYE | centres at halves | world → camera |
+//! | EuRoC `sensor.yaml` | pinhole with radial-tangential or equidistant | centres at whole numbers | sensor → body |
+//!
+//! Of a rig, Kalibr has the way from each camera to the next; ROS and OpenCV have pairs, each of the rig's first camera, the reference,
+//! with another one ([`StereoPair`]).
+
+mod colmap;
+mod euroc;
+mod kalibr;
+mod opencv;
+mod rectification;
+mod ros;
+pub(super) mod yaml;
+
+#[cfg(test)]
+mod tests;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+pub use colmap::{ColmapImage, ColmapPoint, colmap_cameras, colmap_images, colmap_points};
+pub use euroc::euroc;
+pub use kalibr::kalibr;
+pub use opencv::{opencv, opencv_pair};
+pub use rectification::StereoPair;
+pub use ros::{ros, ros_pair};
+
+use photosite_core::Invalid;
+use photosite_transport::optics::{BrownConrady, Camera, Intrinsics, Projection};
+
+/// A camera as other tools know it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibratedCamera {
+    /// What files call it.
+    pub name: String,
+    /// In photosite's coordinates, where the centre of the first pixel is 0.5, 0.5.
+    pub intrinsics: Intrinsics,
+    /// Its lens.
+    pub projection: Projection,
+    /// Columns and rows.
+    pub resolution: [u32; 2],
+    /// Camera → world, with the axes of glTF (x right, y up, z backward), m.
+    pub to_world: DAffine3,
+}
+
+impl CalibratedCamera {
+    /// What `camera` is, under a name.
+    pub fn new(name: impl Into<String>, camera: &Camera) -> Self {
+        Self {
+            name: name.into(),
+            intrinsics: camera.intrinsics(),
+            projection: *camera.projection(),
+            resolution: camera.resolution(),
+            to_world: camera.to_world(),
+        }
+    }
+
+    /// World → camera with the axes of OpenCV (x right, y down, z forward).
+    pub fn from_world(&self) -> DAffine3 {
+        opencv_pose(&self.to_world).inverse()
+    }
+
+    /// fx, fy, cx, cy with the centre of the first pixel at 0, 0.
+    fn at_centres(&self) -> [f64; 4] {
+        let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
+        [fx, fy, cx - 0.5, cy - 0.5]
+    }
+
+    /// fx, 0, cx; 0, fy, cy; 0, 0, 1 in OpenCV's coordinates, with the skew in the first row.
+    pub(super) fn matrix(&self) -> [f64; 9] {
+        let [fx, fy, cx, cy] = self.at_centres();
+        [fx, self.intrinsics.skew, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]
+    }
+
+    /// Refuses a skew, which most formats have no place for.
+    fn without_skew(&self, format: &str) -> Result<(), Invalid> {
+        if self.intrinsics.skew == 0.0 {
+            return Ok(());
+        }
+        let message = format!("{format} files have no skew, and that of {} is {} px", self.name, self.intrinsics.skew);
+        Err(Invalid::new("lens.intrinsics.skew", message).help("make it 0, or choose another format"))
+    }
+
+    /// The error for a lens that a format has no model for.
+    pub(super) fn no_model(&self, format: &str, instead: &str) -> Invalid {
+        let name = self.projection.name();
+        let message =
+            format!("{format} files have no model for the {name} lens of {} with these coefficients", self.name);
+        Invalid::new("lens", message).help(instead)
+    }
+}
+
+/// The same pose with the axes of OpenCV in place of those of glTF.
+pub(super) fn opencv_pose(to_world: &DAffine3) -> DAffine3 {
+    *to_world * DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)))
+}
+
+/// k₁ k₂ p₁ p₂ of a lens that has no more than these.
+fn four(projection: &Projection) -> Option<[f64; 4]> {
+    match projection {
+        Projection::Perspective => Some([0.0; 4]),
+        Projection::BrownConrady(distortion) | Projection::Omnidirectional { distortion, .. } => {
+            let BrownConrady { k: [k1, k2, rest @ ..], p: [p1, p2], s } = *distortion;
+            (rest == [0.0; 4] && s == [0.0; 4]).then_some([k1, k2, p1, p2])
+        }
+        Projection::Polynomial { .. }
+        | Projection::Division { .. }
+        | Projection::KannalaBrandt { .. }
+        | Projection::Equirectangular => None,
+    }
+}
+
+/// A matrix row by row. Adding zero makes zeros of negative ones.
+fn by_rows(matrix: &DMat3) -> [f64; 9] {
+    matrix.transpose().to_cols_array().map(|x| x + 0.0)
+}
+
+/// The matrix of a pose, row by row.
+pub(super) fn rows(pose: &DAffine3) -> [[f64; 4]; 4] {
+    let m = glam::DMat4::from(*pose).transpose().to_cols_array_2d();
+    // Adding zero makes zeros of negative ones.
+    m.map(|row| row.map(|x| x + 0.0))
+}

@@ -1,0 +1,54 @@
+//! `camera_info` of ROS as `camera_calibration_parsers` reads it from YAML.
+
+use glam::DMat3;
+
+use super::yaml::list;
+use super::{CalibratedCamera, StereoPair, by_rows};
+use photosite_core::Invalid;
+use photosite_transport::optics::{BrownConrady, Projection};
+
+/// The camera on its own: rectification is the identity, and the projection matrix is the camera's.
+pub fn ros(camera: &CalibratedCamera) -> Result<String, Invalid> {
+    let [fx, fy, cx, cy] = camera.at_centres();
+    let projection = [fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
+    camera_info(camera, &DMat3::IDENTITY, &projection)
+}
+
+/// The files of both cameras of a pair: the rectification rotation and the projection matrix of each, of which the second has
+/// Tx = −fx'·b (or Ty of cameras one above the other) in its last column.
+pub fn ros_pair(pair: &StereoPair<'_>) -> Result<[String; 2], Invalid> {
+    let [first, second] = pair.projections();
+    let info = |i: usize, projection| camera_info(pair.cameras[i], &pair.rotations[i], projection);
+    Ok([info(0, &first)?, info(1, &second)?])
+}
+
+fn camera_info(camera: &CalibratedCamera, rectification: &DMat3, projection: &[f64; 12]) -> Result<String, Invalid> {
+    let model = match camera.projection {
+        Projection::Perspective => "plumb_bob",
+        Projection::BrownConrady(BrownConrady { k: [.., 0.0, 0.0, 0.0], s: [0.0, 0.0, 0.0, 0.0], .. }) => "plumb_bob",
+        Projection::BrownConrady(BrownConrady { s: [0.0, 0.0, 0.0, 0.0], .. }) => "rational_polynomial",
+        Projection::KannalaBrandt { .. } => "equidistant",
+        Projection::BrownConrady(_)
+        | Projection::Polynomial { .. }
+        | Projection::Division { .. }
+        | Projection::Equirectangular
+        | Projection::Omnidirectional { .. } => {
+            return Err(camera.no_model("ROS", "take brown-conrady without s, or kannala-brandt"));
+        }
+    };
+    camera.without_skew("ROS")?;
+    let [width, height] = camera.resolution;
+    // Names of ROS have letters, digits and underscores only.
+    let name: String = camera.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    Ok(format!(
+        "image_width: {width}\nimage_height: {height}\ncamera_name: \"{name}\"\n{}distortion_model: {model}\n{}{}{}",
+        matrix("camera_matrix", 3, &camera.matrix()),
+        matrix("distortion_coefficients", 1, &camera.projection.coefficients()),
+        matrix("rectification_matrix", 3, &by_rows(rectification)),
+        matrix("projection_matrix", 3, projection),
+    ))
+}
+
+fn matrix(key: &str, rows: usize, values: &[f64]) -> String {
+    format!("{key}:\n  rows: {rows}\n  cols: {}\n  data: {}\n", values.len() / rows, list(values))
+}

@@ -1,0 +1,120 @@
+//! Objects as models: their own frames without scale, their triangles in them.
+
+use std::fmt::Write;
+
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use serde_json::{Value, json};
+
+use super::SceneObject;
+use photosite_transport::scene::description::SceneDescription;
+
+/// The triangles of an object in a frame that is only turned and moved against the world.
+#[derive(Clone, Debug)]
+pub(super) struct Model {
+    /// Three corners each, m.
+    triangles: Vec<[DVec3; 3]>,
+}
+
+/// The object's frame without its scale → world. A frame that is skewed or mirrored has no rotation: its origin remains, with
+/// the axes of the world.
+pub(super) fn rigid(to_world: &DAffine3) -> DAffine3 {
+    let DMat3 { x_axis, y_axis, z_axis } = to_world.matrix3;
+    let axes = DMat3::from_cols(x_axis.normalize(), y_axis.normalize(), z_axis.normalize());
+    let is_rotation = (axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, 1e-6) && axes.determinant() > 0.0;
+    let rotation = if is_rotation { DQuat::from_mat3(&axes).normalize() } else { DQuat::IDENTITY };
+    DAffine3::from_rotation_translation(rotation, to_world.translation)
+}
+
+impl Model {
+    /// The model of an object, whose instances must be those of the scene.
+    pub(super) fn new(object: &SceneObject, scene: &SceneDescription) -> Self {
+        let to_model = rigid(&object.to_world).inverse() * object.to_world;
+        let instances = object.numbers.iter().filter_map(|&number| scene.instances.get(number as usize - 1));
+        let meshes = instances.map(|instance| &scene.meshes[instance.mesh]);
+        let corners = |mesh: &photosite_transport::scene::description::MeshDescription| -> Vec<[DVec3; 3]> {
+            let corner = |i: u32| to_model.transform_point3(mesh.positions[i as usize].as_dvec3());
+            mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect()
+        };
+        Self { triangles: meshes.flat_map(corners).collect() }
+    }
+
+    /// Whether two models are the same but for rounding, m.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        let near = |(a, b): (&[DVec3; 3], &[DVec3; 3])| (0..3).all(|i| a[i].abs_diff_eq(b[i], 1e-6));
+        self.triangles.len() == other.triangles.len() && self.triangles.iter().zip(&other.triangles).all(near)
+    }
+
+    fn corners(&self) -> impl Iterator<Item = DVec3> {
+        self.triangles.iter().flatten().copied()
+    }
+
+    /// Smallest and largest coordinates, m.
+    fn bounds(&self) -> [DVec3; 2] {
+        let low = self.corners().fold(DVec3::INFINITY, DVec3::min);
+        [low, self.corners().fold(DVec3::NEG_INFINITY, DVec3::max)]
+    }
+
+    /// Eight points between which the model lies, m.
+    pub(super) fn box_corners(&self) -> [DVec3; 8] {
+        let [low, high] = self.bounds();
+        std::array::from_fn(|i| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            DVec3::new(pick(0), pick(1), pick(2))
+        })
+    }
+
+    /// The largest distance between any two corners, m.
+    fn diameter(&self) -> f64 {
+        let corners: Vec<DVec3> = self.corners().collect();
+        let middle = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+        let mut by_radius: Vec<(f64, DVec3)> = corners.into_iter().map(|c| (c.distance(middle), c)).collect();
+        by_radius.sort_by(|a, b| b.0.total_cmp(&a.0));
+        by_radius.dedup();
+        let mut largest = 0.0f64;
+        for (i, (outer, a)) in by_radius.iter().enumerate() {
+            if 2.0 * outer <= largest {
+                break;
+            }
+            for (inner, b) in &by_radius[i + 1..] {
+                // No two corners are farther apart than by the way through the middle.
+                if outer + inner <= largest {
+                    break;
+                }
+                largest = largest.max(a.distance(*b));
+            }
+        }
+        largest
+    }
+
+    /// What `models_info.json` says of it, in mm.
+    pub(super) fn info(&self) -> Value {
+        let [low, high] = self.bounds().map(|corner| corner * 1e3);
+        let size = high - low;
+        json!({
+            "diameter": self.diameter() * 1e3,
+            "min_x": low.x, "min_y": low.y, "min_z": low.z,
+            "size_x": size.x, "size_y": size.y, "size_z": size.z,
+        })
+    }
+
+    /// PLY as text, mm, each triangle with its normal.
+    pub(super) fn ply(&self) -> String {
+        let (vertices, faces) = (3 * self.triangles.len(), self.triangles.len());
+        let mut text = format!(
+            "ply\nformat ascii 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\nproperty float z\n\
+             property float nx\nproperty float ny\nproperty float nz\nelement face {faces}\n\
+             property list uchar int vertex_indices\nend_header\n"
+        );
+        for [a, b, c] in &self.triangles {
+            let normal = (*b - *a).cross(*c - *a).normalize_or_zero().as_vec3();
+            for corner in [a, b, c] {
+                let p = (*corner * 1e3).as_vec3();
+                let _ = writeln!(text, "{} {} {} {} {} {}", p.x, p.y, p.z, normal.x, normal.y, normal.z);
+            }
+        }
+        for first in (0..vertices).step_by(3) {
+            let _ = writeln!(text, "3 {first} {} {}", first + 1, first + 2);
+        }
+        text
+    }
+}

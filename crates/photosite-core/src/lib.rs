@@ -1,0 +1,19 @@
+//! What everything else in photosite stands on and what knows nothing of rays, sensors or files: [`units`], mathematics
+//! ([`math`]), spectra ([`spectrum`]), colour ([`colour`]), images in memory ([`image`]), the projections of lenses
+//! ([`projection`]), and the errors and warnings that users read.
+//!
+//! SI units throughout, wavelengths in nanometres.
+
+pub mod colour;
+pub mod error;
+pub mod image;
+pub mod json;
+pub mod math;
+pub mod projection;
+pub mod references;
+pub mod spectrum;
+pub mod suggest;
+pub mod units;
+pub mod warnings;
+
+pub use error::{Error, Invalid, Result};

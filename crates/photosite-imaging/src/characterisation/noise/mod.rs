@@ -1,0 +1,287 @@
+//! Estimates of the noise of any picture: from several pictures of the same scene, from a patch of even light, from a
+//! patch with linear shading.
+//!
+//! In: values of the same patch in one or more pictures, in any unit. Out: a [`NoiseEstimate`]. All estimates are of the
+//! picture as it is: fixed patterns count as noise unless several pictures tell them apart.
+
+mod autocovariance;
+mod plane_fit;
+mod temporal;
+
+use serde::Serialize;
+
+use super::Decibel;
+use photosite_core::Invalid;
+
+pub use autocovariance::Autocovariance;
+pub use plane_fit::{ChiSquared, PlaneFit};
+pub use temporal::TemporalNoise;
+
+/// The values of a patch of one picture, row by row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    width: usize,
+    height: usize,
+    values: Vec<f64>,
+}
+
+impl Patch {
+    /// Of width × height finite values, at least 2 × 2.
+    pub fn new(width: usize, height: usize, values: Vec<f64>) -> Result<Self, Invalid> {
+        if width < 2 || height < 2 || values.len() != width * height {
+            let message = format!("{} values in {width} × {height} pixels are no patch", values.len());
+            return Err(Invalid::new("patch", message).help("choose at least 2 × 2 pixels"));
+        }
+        if let Some(value) = values.iter().find(|v| !v.is_finite()) {
+            return Err(Invalid::new("patch", format!("holds {value}")).help("choose a patch of finite values"));
+        }
+        Ok(Self { width, height, values })
+    }
+
+    fn mean(&self) -> f64 {
+        self.values.iter().sum::<f64>() / self.values.len() as f64
+    }
+}
+
+/// What is known of a picture besides its values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Knowledge {
+    /// Value of no signal.
+    pub black: f64,
+    /// Value of the largest signal.
+    pub white: Option<f64>,
+    /// Distance between neighbouring values, where they were rounded.
+    pub step: Option<f64>,
+    /// Variance that each pixel should have.
+    pub variance: Option<f64>,
+}
+
+/// What a patch tells of its noise. σ are standard deviations; "error" is the standard error of the figure before it,
+/// for normally distributed noise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NoiseEstimate {
+    /// Pictures that were looked at.
+    pub pictures: usize,
+    /// Columns and rows of the patch.
+    pub size: [usize; 2],
+    /// Mean value μ.
+    pub mean: f64,
+    /// From several pictures: what changes from one to the next.
+    pub temporal: Option<TemporalNoise>,
+    /// From one patch taken to be even: its sample variance Σ(y − μ)²/(n − 1). Of several pictures it is that of their
+    /// average.
+    pub uniform: Variance,
+    /// From one patch whose shading is linear: a plane and what is left of it.
+    pub plane: PlaneFit,
+    /// How noise of neighbouring pixels goes together: of what changes from picture to picture, or of what a plane leaves.
+    pub autocovariance: Autocovariance,
+    /// Signal over noise.
+    pub snr: SignalToNoise,
+    /// Rounding's part.
+    pub quantisation: Option<Quantisation>,
+}
+
+/// A variance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Variance {
+    /// σ².
+    pub variance: f64,
+    /// Its standard error, σ²·√(2/freedom).
+    pub error: f64,
+    /// σ.
+    pub sigma: f64,
+}
+
+impl Variance {
+    /// Of a sum of squared deviations with so many degrees of freedom.
+    fn of(squares: f64, freedom: f64) -> Self {
+        let variance = squares / freedom;
+        Self { variance, error: variance * (2.0 / freedom).sqrt(), sigma: variance.sqrt() }
+    }
+}
+
+/// Signal over noise: (μ − black)/σ, with σ the temporal noise where it is known, and what the plane leaves otherwise.
+/// `None` where there is no signal or no noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SignalToNoise {
+    /// (μ − black)/σ.
+    pub ratio: Option<f64>,
+    /// 20·log₁₀ of it.
+    pub db: Option<f64>,
+    /// log₂ of it.
+    pub bits: Option<f64>,
+    /// Bits of an ideal converter of the same range and noise, log₂((white − black)/(σ·√12)).
+    pub effective_bits: Option<f64>,
+}
+
+/// What rounding to steps of q adds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Quantisation {
+    /// q.
+    pub step: f64,
+    /// Its variance q²/12, if the noise is no smaller than about half a step.
+    pub variance: f64,
+    /// Its part of the variance found, percent.
+    pub part_percent: Option<f64>,
+}
+
+/// Estimates the noise of a patch in one or more pictures of the same light. Autocovariance is told up to a distance of
+/// `most_lag` pixels.
+pub fn estimate(patches: &[Patch], known: &Knowledge, most_lag: usize) -> Result<NoiseEstimate, Invalid> {
+    let Some(first) = patches.first() else { return Err(Invalid::new("", "there is no picture")) };
+    let size = [first.width, first.height];
+    if let Some(other) = patches.iter().find(|p| [p.width, p.height] != size) {
+        let message =
+            format!("pictures of {size:?} and of {:?} pixels do not go together", [other.width, other.height]);
+        return Err(Invalid::new("", message));
+    }
+    let temporal = TemporalNoise::new(patches);
+    let average = temporal::average(patches);
+    let mean = average.mean();
+    let freedom = (average.values.len() - 1) as f64;
+    let uniform = Variance::of(average.values.iter().map(|y| (y - mean).powi(2)).sum(), freedom);
+    // A mean of several pictures has the variance of one of them divided by their number.
+    let pictures = patches.len() as f64;
+    let known_variance = known.variance.or(temporal.map(|t| t.noise.variance)).map(|variance| variance / pictures);
+    let (plane, residuals) = PlaneFit::new(&average, known_variance);
+    let autocovariance = if temporal.is_some() {
+        Autocovariance::mean_of(&temporal::deviations(patches, &average), size, most_lag)
+    } else {
+        Autocovariance::mean_of(&[residuals], size, most_lag)
+    };
+    let noise = temporal.map_or(plane.noise, |t| t.noise);
+    let above_0 = |x: f64| Some(x).filter(|x| x.is_finite() && *x > 0.0);
+    let ratio = above_0((mean - known.black) / noise.sigma);
+    Ok(NoiseEstimate {
+        pictures: patches.len(),
+        size,
+        mean,
+        temporal,
+        uniform,
+        plane,
+        autocovariance,
+        snr: SignalToNoise {
+            ratio,
+            db: ratio.map(Decibel::db),
+            bits: ratio.map(Decibel::bits),
+            effective_bits: known
+                .white
+                .and_then(|white| above_0((white - known.black) / (noise.sigma * 12f64.sqrt())))
+                .map(Decibel::bits),
+        },
+        quantisation: known.step.map(|step| {
+            let variance = step * step / 12.0;
+            Quantisation { step, variance, part_percent: above_0(100.0 * variance / noise.variance) }
+        }),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use rand::RngExt;
+    use rand_distr::StandardNormal;
+
+    use super::*;
+    use photosite_core::math::philox::Philox;
+
+    const SIZE: [usize; 2] = [96, 64];
+    const PIXELS: f64 = 96.0 * 64.0;
+
+    /// A patch of a plane through 1000 with a fixed pattern and temporal noise.
+    fn picture(number: u64, slopes: [f64; 2], pattern: f64, noise: f64) -> Patch {
+        let [width, height] = SIZE;
+        let value = |i: usize| {
+            let normal = |key: u64| Philox::new(key, i as u64).sample::<f64, _>(StandardNormal);
+            let [x, y] = [i % width, i / width].map(|n| n as f64);
+            1000.0 + slopes[0] * x + slopes[1] * y + pattern * normal(1) + noise * normal(2 + number)
+        };
+        Patch::new(width, height, (0..width * height).map(value).collect()).expect("a patch")
+    }
+
+    #[test]
+    fn several_pictures_tell_noise_from_pattern() {
+        let pictures: Vec<Patch> = (0..8).map(|i| picture(i, [0.0; 2], 5.0, 3.0)).collect();
+        let known = Knowledge { black: 100.0, white: Some(4095.0), step: Some(1.0), variance: None };
+        let found = estimate(&pictures, &known, 4).expect("a patch");
+        // Standard errors: σ²·√(2/freedom) with 7 degrees of freedom a pixel; 5 of them.
+        let temporal = found.temporal.expect("several pictures");
+        assert_relative_eq!(
+            temporal.noise.error,
+            temporal.noise.variance * (2.0 / (7.0 * PIXELS)).sqrt(),
+            max_relative = 1e-9
+        );
+        assert!((temporal.noise.variance - 9.0).abs() < 5.0 * temporal.noise.error, "{temporal:?}");
+        // The average has the pattern's variance and an eighth of the noise's.
+        assert!((found.uniform.variance - (25.0 + 9.0 / 8.0)).abs() < 5.0 * found.uniform.error);
+        let pattern = temporal.pattern.expect("larger than what averaging leaves");
+        assert!((pattern.variance - 25.0).abs() < 5.0 * found.uniform.error, "{pattern:?}");
+        // (1000 − 100)/3 = 300: 49.54 dB, 8.229 bits. Effective bits: log₂(3995/(3·√12)) = 8.587.
+        let within = 5.0 * temporal.noise.error / temporal.noise.variance;
+        assert_relative_eq!(found.snr.ratio.expect("a signal"), 300.0, max_relative = within);
+        assert_relative_eq!(found.snr.db.expect("a signal"), 49.542, epsilon = 10.0 * within);
+        assert_relative_eq!(found.snr.bits.expect("a signal"), 8.2288, epsilon = 2.0 * within);
+        assert_relative_eq!(found.snr.effective_bits.expect("a range"), 8.5866, epsilon = 2.0 * within);
+        assert_relative_eq!(found.quantisation.expect("steps").variance, 1.0 / 12.0);
+        // The pattern is no plane, and the noise is known: χ² tells.
+        let chi = found.plane.chi_squared.expect("the noise is known");
+        assert!(chi.reduced > 20.0 && chi.p_value < 1e-12, "{chi:?}");
+    }
+
+    #[test]
+    fn a_plane_takes_linear_shading_away() {
+        let patch = picture(0, [0.5, -0.25], 0.0, 2.0);
+        let known = Knowledge { variance: Some(4.0), ..Knowledge::default() };
+        let found = estimate(std::slice::from_ref(&patch), &known, 4).expect("a patch");
+        // Taken as even, shading counts as noise: Σ(0.5·x)² = ¼·(96² − 1)/12 and 1/16·(64² − 1)/12 on top.
+        let shading = 0.25 * (96.0f64.powi(2) - 1.0) / 12.0 + (64.0f64.powi(2) - 1.0) / (16.0 * 12.0);
+        assert_relative_eq!(found.uniform.variance, 4.0 + shading, max_relative = 0.02);
+        // Errors of slopes: σ/√(Σ(x − x̄)²) = 2/√(n·(N² − 1)/12).
+        let plane = found.plane;
+        let slope_error = |side: f64| 2.0 / (PIXELS * (side * side - 1.0) / 12.0).sqrt();
+        assert!((plane.slope[0] - 0.5).abs() < 5.0 * slope_error(96.0), "{plane:?}");
+        assert!((plane.slope[1] + 0.25).abs() < 5.0 * slope_error(64.0), "{plane:?}");
+        assert!((plane.noise.variance - 4.0).abs() < 5.0 * plane.noise.error, "{plane:?}");
+        let chi = plane.chi_squared.expect("the noise is known");
+        assert_eq!(chi.freedom, PIXELS - 3.0);
+        // σ of the reduced χ² is √(2/freedom).
+        assert!((chi.reduced - 1.0).abs() < 5.0 * (2.0 / PIXELS).sqrt() && chi.p_value > 1e-6, "{chi:?}");
+        assert!(found.temporal.is_none());
+    }
+
+    #[test]
+    fn a_plane_without_noise_leaves_nothing() {
+        let patch = picture(0, [0.5, -0.25], 0.0, 0.0);
+        let found = estimate(&[patch], &Knowledge::default(), 4).expect("a patch");
+        assert_relative_eq!(found.plane.slope[0], 0.5, max_relative = 1e-12);
+        assert_relative_eq!(found.plane.slope[1], -0.25, max_relative = 1e-12);
+        assert!(found.plane.noise.sigma < 1e-9);
+        // In the middle of the patch: 1000 + 0.5·47.5 − 0.25·31.5.
+        assert_relative_eq!(found.mean, 1015.875, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn rounding_adds_a_twelfth_of_a_step() {
+        // Noise of 2 steps is rounded: 4 + 1/12.
+        let rounded = |number| {
+            let Patch { width, height, values } = picture(number, [0.0; 2], 0.0, 2.0);
+            Patch::new(width, height, values.iter().map(|v| v.round()).collect()).expect("a patch")
+        };
+        let pictures: Vec<Patch> = (0..16).map(rounded).collect();
+        let found = estimate(&pictures, &Knowledge { step: Some(1.0), ..Knowledge::default() }, 4).expect("a patch");
+        let noise = found.temporal.expect("several pictures").noise;
+        assert!((noise.variance - 4.0 - 1.0 / 12.0).abs() < 5.0 * noise.error, "{noise:?}");
+        // An error of 5·√(2/(15·6144)) = 2.3 % is a third of 1/12: without it the test would fail, too.
+        assert!((noise.variance - 4.0) > 0.0);
+        let part = found.quantisation.expect("steps").part_percent.expect("noise");
+        assert_relative_eq!(part, 100.0 / 12.0 / noise.variance, max_relative = 1e-9);
+    }
+
+    #[test]
+    fn what_is_no_patch_is_refused() {
+        assert!(Patch::new(1, 4, vec![0.0; 4]).is_err());
+        assert!(Patch::new(2, 2, vec![0.0; 5]).is_err());
+        assert!(Patch::new(2, 2, vec![0.0, 1.0, f64::NAN, 1.0]).is_err());
+        assert!(estimate(&[], &Knowledge::default(), 4).is_err());
+    }
+}

@@ -1,0 +1,192 @@
+//! Demosaicking: the channels that each pixel of a mosaic did not see are found from its neighbours. One file a method.
+//!
+//! In: a mosaic, white-balanced, since most methods take differences between channels for smooth. Out: a plane for each
+//! channel in the same unit, in the order of the filter array's channels; measured values stay as they are, but for
+//! Menon's and Markesteijn's. Pictures that have all channels at every pixel are taken apart.
+
+mod bilinear;
+mod guided;
+mod lmmse;
+mod malvar;
+mod markesteijn;
+mod menon;
+mod nearest;
+
+use rayon::prelude::*;
+
+use super::settings::Demosaic;
+use crate::raw::Cfa;
+use photosite_core::Invalid;
+use photosite_core::image::{Channel, Planes};
+
+/// Planes of all channels.
+pub(super) fn demosaic(
+    mosaic: &[f32],
+    [width, height]: [usize; 2],
+    cfa: &Cfa,
+    method: Demosaic,
+) -> Result<Planes, Invalid> {
+    let method = method_for(cfa, method)?;
+    if !cfa.is_mosaic() {
+        return Ok(apart(mosaic, [width, height], cfa));
+    }
+    Ok(match method {
+        Demosaic::Nearest => nearest::demosaic(mosaic, width, height, cfa),
+        Demosaic::Bilinear => bilinear::demosaic(mosaic, width, height, cfa),
+        Demosaic::Auto | Demosaic::Lmmse => lmmse::demosaic(mosaic, width, height, cfa),
+        Demosaic::Guided => guided::demosaic(mosaic, width, height, cfa),
+        Demosaic::Malvar => malvar::demosaic(mosaic, width, height, cfa),
+        Demosaic::Menon => menon::demosaic(mosaic, width, height, cfa),
+        Demosaic::Markesteijn => markesteijn::demosaic(mosaic, width, height, cfa),
+    })
+}
+
+/// What `method` means for a filter array, as far as it can be used there.
+pub(super) fn method_for(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invalid> {
+    let fits = match method {
+        Demosaic::Auto => {
+            return Ok(if cfa.is_bayer() {
+                Demosaic::Menon
+            } else if markesteijn::fits(cfa) {
+                Demosaic::Markesteijn
+            } else if lmmse::fits(cfa) {
+                Demosaic::Lmmse
+            } else {
+                Demosaic::Guided
+            });
+        }
+        Demosaic::Nearest | Demosaic::Bilinear | Demosaic::Guided => true,
+        Demosaic::Malvar | Demosaic::Menon => cfa.is_bayer(),
+        Demosaic::Markesteijn => markesteijn::fits(cfa),
+        Demosaic::Lmmse => lmmse::fits(cfa),
+    };
+    if fits {
+        return Ok(method);
+    }
+    let name = format!("{method:?}").to_lowercase();
+    let message = if cfa.is_mosaic() {
+        format!("{name} does not work for the filter array {cfa}")
+    } else {
+        format!("{name} has nothing to do for pixels without a mosaic of filters ({cfa})")
+    };
+    Err(Invalid::new("demosaic", message)
+        .help("write \"auto\", \"nearest\", \"bilinear\" or \"guided\", which work for any"))
+}
+
+/// Empty planes of a filter array's channels.
+fn planes(width: usize, height: usize, cfa: &Cfa) -> Vec<Channel> {
+    cfa.channels().iter().map(|name| Channel { name: name.clone(), data: vec![0.0; width * height] }).collect()
+}
+
+fn together(width: usize, height: usize, channels: Vec<Channel>) -> Planes {
+    Planes::new(width, height, channels).expect("planes were made for this size")
+}
+
+/// Numbers that lie side by side, channel by channel.
+fn apart(numbers: &[f32], [width, height]: [usize; 2], cfa: &Cfa) -> Planes {
+    let samples = cfa.samples_per_pixel();
+    let mut channels = planes(width, height, cfa);
+    for sample in 0..samples {
+        let to = &mut channels[cfa.channel_at(sample, 0)].data;
+        to.par_iter_mut().zip(numbers.par_chunks_exact(samples)).for_each(|(to, pixel)| *to = pixel[sample]);
+    }
+    together(width, height, channels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const METHODS: [Demosaic; 8] = [
+        Demosaic::Auto,
+        Demosaic::Nearest,
+        Demosaic::Bilinear,
+        Demosaic::Guided,
+        Demosaic::Malvar,
+        Demosaic::Menon,
+        Demosaic::Markesteijn,
+        Demosaic::Lmmse,
+    ];
+    const ARRAYS: [&str; 11] =
+        ["RGGB", "BGGR", "GRBG", "GBRG", "x-trans", "quad-bayer", "nona-bayer", "rgbw", "ryyb", "mono", "full:RGB"];
+
+    /// What a sensor with this filter array sees of a picture given as functions of (channel, x, y).
+    fn mosaic(cfa: &Cfa, width: usize, height: usize, colour: impl Fn(usize, f64, f64) -> f64) -> Vec<f32> {
+        let samples = cfa.samples_per_pixel();
+        let number = |i: usize| {
+            let (x, y) = (i % (width * samples), i / (width * samples));
+            colour(cfa.channel_at(x, y), (x / samples) as f64, y as f64) as f32
+        };
+        (0..width * samples * height).map(number).collect()
+    }
+
+    #[test]
+    fn even_colours_come_out_of_every_method_and_array_at_any_size() {
+        for text in ARRAYS {
+            let cfa = Cfa::parse(text).expect("known");
+            for method in METHODS.into_iter().filter(|&method| method_for(&cfa, method).is_ok()) {
+                for [width, height] in [[12, 12], [37, 23], [300, 140]] {
+                    let seen = mosaic(&cfa, width, height, |c, _, _| 0.2 + 0.2 * c as f64);
+                    let planes = demosaic(&seen, [width, height], &cfa, method).expect("fits");
+                    for (c, channel) in planes.channels().iter().enumerate() {
+                        let expected = 0.2 + 0.2 * c as f32;
+                        let wrong = channel.data.iter().position(|v| (v - expected).abs() > 1e-5);
+                        assert_eq!(wrong, None, "{text} {method:?} {width} × {height} {}", channel.name);
+                    }
+                }
+                for [width, height] in [[0, 0], [0, 3], [1, 1], [1, 9], [9, 1], [2, 2], [5, 3]] {
+                    let planes = demosaic(&mosaic(&cfa, width, height, |_, _, _| 0.5), [width, height], &cfa, method);
+                    let planes = planes.expect("fits");
+                    assert!(planes.channels().iter().all(|c| c.data.len() == width * height));
+                    assert!(planes.channels().iter().flat_map(|c| &c.data).all(|v| v.is_finite()));
+                }
+            }
+        }
+    }
+
+    /// Peak signal-to-noise ratio, dB, of a grey zone plate whose frequency grows to 0.35 cycles a pixel at the sides.
+    fn zone_plate(text: &str, method: Demosaic) -> f64 {
+        let n = 192;
+        let cfa = Cfa::parse(text).expect("known");
+        let half = n as f64 / 2.0;
+        let plate = |_: usize, x: f64, y: f64| {
+            0.5 + 0.4 * (std::f64::consts::PI * 0.35 / half * ((x - half).powi(2) + (y - half).powi(2))).cos()
+        };
+        let planes = demosaic(&mosaic(&cfa, n, n, plate), [n, n], &cfa, method).expect("fits");
+        let (mut squares, mut count) = (0.0, 0);
+        for i in (0..n * n).filter(|i| (10..n - 10).contains(&(i % n)) && (10..n - 10).contains(&(i / n))) {
+            for channel in planes.channels() {
+                squares += (f64::from(channel.data[i]) - plate(0, (i % n) as f64, (i / n) as f64)).powi(2);
+                count += 1;
+            }
+        }
+        -10.0 * (squares / f64::from(count)).log10()
+    }
+
+    #[test]
+    fn what_auto_takes_beats_simpler_methods_on_a_zone_plate() {
+        for (text, ahead_db) in [("RGGB", 8.0), ("x-trans", 3.0), ("quad-bayer", 6.0), ("rgbw", 1.0)] {
+            let [auto, bilinear, nearest] =
+                [Demosaic::Auto, Demosaic::Bilinear, Demosaic::Nearest].map(|method| zone_plate(text, method));
+            println!("{text}: auto {auto:.2} dB, bilinear {bilinear:.2} dB, nearest {nearest:.2} dB");
+            assert!(auto > bilinear + ahead_db && bilinear > nearest, "{text}: {auto:.2} {bilinear:.2} {nearest:.2}");
+        }
+        let malvar = zone_plate("RGGB", Demosaic::Malvar);
+        assert!(malvar > zone_plate("RGGB", Demosaic::Bilinear) + 3.0, "{malvar}");
+    }
+
+    #[test]
+    fn methods_are_refused_where_they_do_not_work() {
+        for (text, method) in [
+            ("x-trans", Demosaic::Menon),
+            ("rgbw", Demosaic::Markesteijn),
+            ("mono", Demosaic::Lmmse),
+            ("mono", Demosaic::Menon),
+            ("full:RGB", Demosaic::Markesteijn),
+        ] {
+            let cfa = Cfa::parse(text).expect("known");
+            let error = demosaic(&mosaic(&cfa, 12, 12, |_, _, _| 0.5), [12, 12], &cfa, method).expect_err(text);
+            assert_eq!(error.key, "demosaic");
+        }
+    }
+}

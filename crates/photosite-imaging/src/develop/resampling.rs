@@ -1,0 +1,295 @@
+//! Distortion and pixels that are not square: moves every pixel to where a lens without distortion shows it on a grid of square
+//! pixels, in one step.
+//!
+//! The grid of square pixels has the pitch of the finer side, as DNG's DefaultScale and dcraw have it: pixels of p_x × p_y make
+//! a picture of ⌊columns·p_x/p + ½⌋ × ⌊rows·p_y/p + ½⌋ pixels with p = min(p_x, p_y). Its top-left corner is that of the
+//! active area; it ends up to half a pixel within or beyond the opposite one.
+//!
+//! What lies beyond the edge of the sensor's picture takes its nearest pixel; what a lens cannot see is black.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::settings::DevelopSettings;
+use crate::raw::{Distortion, RawMetadata, Undistortion, Warp};
+use photosite_core::image::{Channel, Planes};
+
+/// Most pixels along a side of a picture.
+const LARGEST_SIDE: f64 = 65_535.0;
+
+/// How a developed picture is taken from the grid of the sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct Resampling {
+    /// Columns and rows of the active area.
+    from: [usize; 2],
+    /// Columns and rows of the picture.
+    to: [usize; 2],
+    /// Pixels of the picture in one of the sensor, across and down.
+    scale: [f64; 2],
+    lens: Lens,
+}
+
+/// What a lens has done to the picture.
+#[derive(Clone, Copy, Debug)]
+enum Lens {
+    Straight,
+    Model(Undistortion),
+    /// With the aspect of pixels.
+    Warp(Warp, f64),
+}
+
+impl Resampling {
+    /// What the settings ask for of a picture whose active area has these columns and rows; `None` where it stays as it is.
+    pub fn new(metadata: &RawMetadata, size_px: [usize; 2], settings: &DevelopSettings) -> Option<Self> {
+        let aspect = metadata.pixel_aspect();
+        let lens = match metadata.distortion.filter(|_| settings.distortion) {
+            Some(Distortion::Lens(lens)) => Lens::Model(lens.undistortion()),
+            Some(Distortion::Warp(warp)) => Lens::Warp(warp, aspect),
+            None => Lens::Straight,
+        };
+        let scale = [aspect.max(1.0), (1.0 / aspect).max(1.0)];
+        // A damaged file may say anything.
+        let fits = (0..2).all(|axis| size_px[axis] as f64 * scale[axis] <= LARGEST_SIDE);
+        let is_stretched = settings.square_pixels && aspect != 1.0 && fits;
+        if let (Lens::Straight, false) = (&lens, is_stretched) {
+            return None;
+        }
+        let scale = if is_stretched { scale } else { [1.0; 2] };
+        let to = std::array::from_fn(|axis| (size_px[axis] as f64 * scale[axis] + 0.5) as usize);
+        Some(Self { from: size_px, to, scale, lens })
+    }
+
+    /// Columns and rows of the picture.
+    pub fn size_px(&self) -> [usize; 2] {
+        self.to
+    }
+
+    /// Pixels of the picture in one of the sensor, across and down.
+    pub fn scale(&self) -> [f64; 2] {
+        self.scale
+    }
+
+    /// Where a position of the picture is found on the grid of the sensor, both in continuous coordinates from the corner of
+    /// the active area; `None` where the lens sees nothing.
+    #[inline]
+    pub fn source_px(&self, position: DVec2) -> Option<DVec2> {
+        let on_grid = position / DVec2::from_array(self.scale);
+        match &self.lens {
+            Lens::Straight => Some(on_grid),
+            Lens::Model(way) => way.source(on_grid),
+            Lens::Warp(warp, aspect) => {
+                let source = warp.source_px((on_grid - 0.5).to_array(), self.from, *aspect);
+                Some(DVec2::from_array(source) + 0.5)
+            }
+        }
+    }
+
+    /// Takes every plane by Catmull–Rom splines ([Catmull74](photosite_core::references#catmull74)) at the places that it names.
+    pub fn apply(&self, picture: Planes) -> Planes {
+        let ([width, height], channels) = (self.to, picture.channels());
+        let mut data = vec![vec![0.0; width * height]; channels.len()];
+        // The planes' parts of each row, so that a place is found once for all of them.
+        let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(channels.len())).collect();
+        for plane in &mut data {
+            rows.iter_mut().zip(plane.chunks_mut(width.max(1))).for_each(|(row, part)| row.push(part));
+        }
+        rows.par_iter_mut().enumerate().for_each(|(y, row)| {
+            for x in 0..width {
+                let Some(source) = self.source_px(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)) else { continue };
+                let taps = [taps(source.x - 0.5), taps(source.y - 0.5)];
+                row.iter_mut().zip(channels).for_each(|(to, from)| to[x] = sample(&from.data, self.from, &taps));
+            }
+        });
+        drop(rows);
+        let named = |(channel, data): (&Channel, Vec<f32>)| Channel { name: channel.name.clone(), data };
+        let channels = channels.iter().zip(data).map(named).collect();
+        Planes::new(width, height, channels).expect("planes have the size of the picture")
+    }
+}
+
+/// The first of four pixels around a place along an axis, and their weights.
+type Taps = (i64, [f32; 4]);
+
+/// The value at a place between pixels.
+fn sample(plane: &[f32], [width, height]: [usize; 2], [across, down]: &[Taps; 2]) -> f32 {
+    let clamped = |i: i64, n: usize| i.clamp(0, n as i64 - 1) as usize;
+    let ((left, weights_x), (top, weights_y)) = (across, down);
+    let mut sum = 0.0;
+    for (k, weight_y) in (0..).zip(weights_y) {
+        let row = &plane[clamped(top + k, height) * width..][..width];
+        let along: f32 = (0..).zip(weights_x).map(|(k, weight)| weight * row[clamped(left + k, width)]).sum();
+        sum += weight_y * along;
+    }
+    sum
+}
+
+/// Those of a place in coordinates that are whole at pixel centres.
+fn taps(place: f64) -> Taps {
+    // A warp that a damaged file gives may lead anywhere; a cast keeps it within the integers.
+    let first = place.floor().clamp(-1e9, 1e9);
+    let t = (place - first).clamp(0.0, 1.0) as f32;
+    let weights = [
+        t * (-0.5 + t * (1.0 - 0.5 * t)),
+        1.0 + t * t * (-2.5 + 1.5 * t),
+        t * (0.5 + t * (2.0 - 1.5 * t)),
+        t * t * (-0.5 + 0.5 * t),
+    ];
+    (first as i64 - 1, weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use rstest::rstest;
+
+    use super::*;
+    use crate::raw::{LensModel, WarpKind};
+    use photosite_core::projection::{BrownConrady, Intrinsics, Projection};
+
+    const SIZE: [usize; 2] = [60, 40];
+
+    /// Catmull–Rom splines reproduce parabolas exactly.
+    fn value(p: DVec2) -> f64 {
+        0.2 + 0.01 * p.x - 0.005 * p.y + 1e-4 * p.x * p.x - 5e-5 * p.x * p.y
+    }
+
+    fn plane() -> Planes {
+        let centre = |i: usize| DVec2::new((i % 60) as f64 + 0.5, (i / 60) as f64 + 0.5);
+        let data = (0..60 * 40).map(|i| value(centre(i)) as f32).collect();
+        Planes::new(60, 40, vec![Channel { name: "Y".to_owned(), data }]).expect("right size")
+    }
+
+    fn metadata(distortion: Option<Distortion>, pitch_m: [f64; 2]) -> RawMetadata {
+        RawMetadata { distortion, pixel_pitch_m: Some(pitch_m), ..RawMetadata::default() }
+    }
+
+    fn resampling(metadata: &RawMetadata) -> Resampling {
+        Resampling::new(metadata, SIZE, &DevelopSettings::default()).expect("something to do")
+    }
+
+    /// Every pixel whose four neighbours are there holds the value of where the resampling says it comes from, which lies
+    /// where `place` computes it.
+    fn check(metadata: &RawMetadata, size: [usize; 2], place: impl Fn(DVec2) -> DVec2) {
+        let resampling = resampling(metadata);
+        assert_eq!(resampling.size_px(), size);
+        let found = resampling.apply(plane());
+        assert_eq!([found.width(), found.height()], size);
+        let mut inside = 0;
+        for (i, found) in found.channels()[0].data.iter().enumerate() {
+            let wanted = place(DVec2::new((i % size[0]) as f64 + 0.5, (i / size[0]) as f64 + 0.5));
+            if wanted.cmpgt(DVec2::splat(2.0)).all() && wanted.cmplt(DVec2::new(58.0, 38.0)).all() {
+                inside += 1;
+                // Sixteen products in f32 of values below 1.
+                assert!((f64::from(*found) - value(wanted)).abs() < 2e-6, "pixel {i}: {found} {wanted}");
+            }
+        }
+        assert!(inside > 1000, "{inside}");
+    }
+
+    #[test]
+    fn pixels_come_from_where_an_opcode_says() {
+        let warp = Warp {
+            kind: WarpKind::Rectilinear,
+            radial: [1.0, -0.08, 0.02, 0.0],
+            tangential: [0.002, -0.001],
+            centre: [0.48, 0.53],
+        };
+        check(&metadata(Some(Distortion::Warp(warp)), [2e-6; 2]), SIZE, |p| {
+            // DNG's formula by hand: the centre at 28.32, 20.67, the farthest corner at 59, 0.
+            let (centre, unit) = (DVec2::new(28.32, 20.67), 30.68_f64.hypot(20.67));
+            let DVec2 { x, y } = (p - 0.5 - centre) / unit;
+            let r2 = x * x + y * y;
+            let radial = 1.0 - 0.08 * r2 + 0.02 * r2 * r2;
+            let moved = DVec2::new(
+                x * radial + 0.004 * x * y - 0.001 * (r2 + 2.0 * x * x),
+                y * radial - 0.002 * x * y + 0.002 * (r2 + 2.0 * y * y),
+            );
+            centre + unit * moved + 0.5
+        });
+    }
+
+    /// The places of every lens in closed form, with the pixels of a CCD that are wider than high, and with skew.
+    #[rstest]
+    #[case::rational(
+        Projection::BrownConrady(BrownConrady { k: [-0.3, 0.1, 0.0, 0.1, 0.0, 0.0], ..BrownConrady::default() }),
+        |r: f64| r * (1.0 - 0.3 * r * r + 0.1 * r.powi(4)) / (1.0 + 0.1 * r * r)
+    )]
+    #[case::polynomial(Projection::Polynomial { k: [0.0, 0.0] }, |r: f64| r)]
+    #[case::division(Projection::Division { lambda: -0.5 }, |r: f64| ((1.0 + 2.0 * r * r).sqrt() - 1.0) / r)]
+    #[case::fisheye(Projection::KannalaBrandt { k: [0.1, 0.0, 0.0, 0.0] }, |r: f64| r.atan() + 0.1 * r.atan().powi(3))]
+    #[case::omnidirectional(
+        Projection::Omnidirectional { xi: 1.0, distortion: BrownConrady::default() },
+        // tan(θ/2), which is half as large as tan θ on the axis.
+        |r: f64| 2.0 * (r.atan() / 2.0).tan()
+    )]
+    fn pixels_come_from_where_the_lens_has_put_them(
+        #[case] projection: Projection,
+        #[case] radius: fn(f64) -> f64,
+        #[values([4e-6, 4e-6], [16.6e-6, 12.4e-6], [5e-6, 10e-6])] pitch_m: [f64; 2],
+        #[values(0.0, 3.0)] skew: f64,
+    ) {
+        // 60 pixels of 16.6 on pixels of 12.4 are 80.32, 40 of 10 on 5 are 80.
+        let (size, scale) = match pitch_m {
+            [x, y] if x == y => (SIZE, DVec2::ONE),
+            [x, y] if x > y => ([80, 40], DVec2::new(x / y, 1.0)),
+            [x, y] => ([60, 80], DVec2::new(1.0, y / x)),
+        };
+        let (fx, fy, centre) = (70.0, 70.0 * pitch_m[0] / pitch_m[1], DVec2::new(31.0, 18.0));
+        // An omnidirectional lens shows the middle half as large as its matrix.
+        let size_of_middle = 1.0 / projection.magnification();
+        let intrinsics = Intrinsics {
+            fx: fx * size_of_middle,
+            fy: fy * size_of_middle,
+            cx: centre.x,
+            cy: centre.y,
+            skew: skew * size_of_middle,
+        };
+        let lens = LensModel { intrinsics, projection, max_angle_rad: None };
+        check(&metadata(Some(Distortion::Lens(lens)), pitch_m), size, |p| {
+            let from_centre = p / scale - centre;
+            let y = from_centre.y / fy;
+            let ideal = DVec2::new((from_centre.x - skew * y) / fx, y);
+            let r = ideal.length();
+            let place = if r > 0.0 { ideal * (radius(r) / r) } else { ideal };
+            centre + DVec2::new(fx * place.x + skew * place.y, fy * place.y)
+        });
+    }
+
+    #[test]
+    fn wide_pixels_become_square_ones() {
+        check(&metadata(None, [16.6e-6, 12.4e-6]), [80, 40], |p| DVec2::new(p.x * 12.4 / 16.6, p.y));
+        check(&metadata(None, [3e-6, 6e-6]), [60, 80], |p| DVec2::new(p.x, p.y / 2.0));
+    }
+
+    #[test]
+    fn nothing_is_done_where_nothing_is_asked_for() {
+        let of = |metadata: &RawMetadata, distortion: bool, square_pixels: bool| {
+            let settings = DevelopSettings { distortion, square_pixels, ..DevelopSettings::default() };
+            Resampling::new(metadata, SIZE, &settings).map(|resampling| resampling.size_px())
+        };
+        let lens = LensModel {
+            intrinsics: Intrinsics { fx: 70.0, fy: 70.0, cx: 30.0, cy: 20.0, skew: 0.0 },
+            projection: Projection::Division { lambda: -0.1 },
+            max_angle_rad: None,
+        };
+        let both = metadata(Some(Distortion::Lens(lens)), [6e-6, 3e-6]);
+        assert_eq!(of(&both, false, false), None);
+        assert_eq!(of(&both, true, false), Some(SIZE));
+        assert_eq!(of(&both, false, true), Some([120, 40]));
+        assert_eq!(of(&metadata(None, [3e-6; 2]), true, true), None);
+        assert_eq!(of(&RawMetadata::default(), true, true), None);
+    }
+
+    #[test]
+    fn what_the_lens_cannot_see_is_black() {
+        let lens = LensModel {
+            intrinsics: Intrinsics { fx: 40.0, fy: 40.0, cx: 30.0, cy: 20.0, skew: 0.0 },
+            projection: Projection::Division { lambda: -0.1 },
+            max_angle_rad: Some(0.5),
+        };
+        let found = resampling(&metadata(Some(Distortion::Lens(lens)), [3e-6; 2])).apply(plane());
+        for (i, value) in found.channels()[0].data.iter().enumerate() {
+            let from_axis = (DVec2::new((i % 60) as f64 + 0.5, (i / 60) as f64 + 0.5) - DVec2::new(30.0, 20.0)) / 40.0;
+            assert_eq!(*value == 0.0, from_axis.length() > 0.5_f64.tan(), "pixel {i}");
+        }
+    }
+}

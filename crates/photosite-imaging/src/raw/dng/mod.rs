@@ -1,0 +1,267 @@
+//! DNG files: the picture with everything that a raw developer wants to know, after the Digital Negative specification
+//! ([Dng16](photosite_core::references#dng16)), which the names of the tags come from.
+//!
+//! In: a [`RawImage`]. Out: a file of four directories, as the specification recommends: a thumbnail that any TIFF
+//! reader shows, which also carries what holds for the whole picture; beneath it the raw picture and a larger picture
+//! for viewers, as JPEG; and EXIF. No date is written, so that the same picture gives the same bytes.
+//!
+//! | layout | is written as |
+//! |---|---|
+//! | mosaics of R, G, B, C, M, Y, W | a colour filter array; clear filters are called white |
+//! | monochrome, `full:RGB` | LinearRaw of 1 or 3 numbers a pixel |
+//! | other channels | not at all: [`dng_can_hold`] says why |
+
+mod colour;
+mod filters;
+mod numbers;
+mod opcodes;
+mod openable;
+mod read;
+mod read_numbers;
+mod tag;
+#[cfg(test)]
+mod tests;
+mod xmp;
+
+use std::io::{self, Seek, Write};
+
+use tiff::encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKindStandard};
+use tiff::tags::{Tag, Type};
+use tiff::{Directory, TiffResult};
+
+use super::rational::{rational, srational};
+use super::tiff::io_error;
+use super::{Area, Cfa, Distortion, RawImage, Warp, thumbnail};
+use photosite_core::Invalid;
+
+pub use numbers::DngCompression;
+pub(super) use read::is_dng;
+pub use read::read_dng;
+
+type Ifd<'a, W> = DirectoryEncoder<'a, W, TiffKindStandard>;
+
+/// Whether a DNG file can say what this layout is.
+pub fn dng_can_hold(cfa: &Cfa) -> Result<(), Invalid> {
+    filters::codes(cfa).map(|_| ())
+}
+
+/// Writes an uncompressed DNG file. The picture must have pixels, and fewer than a TIFF file can hold (4 GiB).
+pub fn write_dng<W: Write + Seek>(raw: &RawImage, to: W) -> io::Result<()> {
+    write_compressed_dng(raw, DngCompression::None, to)
+}
+
+/// Writes a DNG file whose numbers are compressed.
+pub fn write_compressed_dng<W: Write + Seek>(raw: &RawImage, compression: DngCompression, to: W) -> io::Result<()> {
+    if raw.data.is_empty() {
+        return Err(io::Error::other("the picture has no pixels"));
+    }
+    raw.validate().map_err(io::Error::other)?;
+    // Floating-point numbers have no tables.
+    let raw = if compression == DngCompression::Deflate { &*raw.linear() } else { raw };
+    let codes = filters::codes(&raw.cfa).map_err(io::Error::other)?;
+    write_directories(raw, &codes, compression, to).map_err(io_error)
+}
+
+fn write_directories<W: Write + Seek>(
+    raw: &RawImage,
+    codes: &[u8],
+    compression: DngCompression,
+    to: W,
+) -> TiffResult<()> {
+    let mut file = TiffEncoder::new(to)?;
+    let mut ifd = file.extra_directory()?;
+    numbers::write(raw, compression, &mut ifd)?;
+    write_layout(raw, codes, &mut ifd)?;
+    write_levels(raw, &mut ifd)?;
+    write_lens(raw, &mut ifd)?;
+    let picture = ifd.finish_with_offsets()?;
+    let mut preview = file.extra_directory()?;
+    let shown = raw.linear().cropped();
+    numbers::write_preview(&thumbnail::thumbnail(&shown, PREVIEW_SIDE), &mut preview)?;
+    let preview = preview.finish_with_offsets()?;
+    let mut exif = file.extra_directory()?;
+    write_exif(raw, &mut exif)?;
+    let exif = exif.finish_with_offsets()?;
+    let mut main = file.image_directory()?;
+    main.write_tag(Tag::SubIfd, &[picture.offset, preview.offset][..])?;
+    main.write_tag(Tag::ExifDirectory, exif.offset)?;
+    numbers::write_thumbnail(&thumbnail::thumbnail(&shown, THUMBNAIL_SIDE), &mut main)?;
+    write_main(raw, compression, &mut main)?;
+    main.finish()
+}
+
+/// Longer side of the picture that file browsers show, pixels.
+const THUMBNAIL_SIDE: usize = 256;
+/// Longer side of the picture that viewers show, pixels.
+const PREVIEW_SIDE: usize = 1024;
+
+/// What holds for the file as a whole.
+fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
+    let metadata = &raw.metadata;
+    ifd.write_tag(Tag::NewSubfileType, tag::REDUCED)?;
+    ifd.write_tag(Tag::XResolution, Rational { n: 72, d: 1 })?;
+    ifd.write_tag(Tag::YResolution, Rational { n: 72, d: 1 })?;
+    ifd.write_tag(Tag::ResolutionUnit, tiff::tags::ResolutionUnit::Inch.to_u16())?;
+    write_text(ifd, Tag::Make, "photosite")?;
+    write_text(ifd, Tag::Model, &metadata.camera_model)?;
+    write_text(ifd, Tag::Software, concat!("photosite ", env!("CARGO_PKG_VERSION")))?;
+    ifd.write_tag(Tag::Orientation, 1u16)?;
+    // What a reader must know at least: floating-point numbers came with 1.4.
+    let needed = if compression == DngCompression::Deflate { 4 } else { 1 };
+    ifd.write_tag(tag::DNG_VERSION, &[1u8, 7, 0, 0][..])?;
+    ifd.write_tag(tag::DNG_BACKWARD_VERSION, &[1u8, needed, 0, 0][..])?;
+    write_text(ifd, tag::UNIQUE_CAMERA_MODEL, &format!("photosite {}", metadata.camera_model))?;
+    if !metadata.camera_serial.is_empty() {
+        write_text(ifd, tag::CAMERA_SERIAL_NUMBER, &metadata.camera_serial)?;
+    }
+    ifd.write_tag(tag::BASELINE_EXPOSURE, srational(metadata.baseline_exposure_ev))?;
+    let Area { width, height, .. } = raw.active();
+    let packet = xmp::packet(metadata, [width, height]);
+    ifd.write_tag(tag::XMP, packet.as_bytes())?;
+    pad(ifd, packet.len())?;
+    colour::write(metadata, ifd)
+}
+
+/// Which numbers are where and what they see.
+fn write_layout<W: Write + Seek>(raw: &RawImage, codes: &[u8], ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
+    let Area { x, y, width, height } = raw.active();
+    ifd.write_tag(Tag::NewSubfileType, 0u32)?;
+    if !raw.cfa.is_mono() && !raw.cfa.is_full() {
+        let cfa = raw.cfa.from(x, y);
+        let (columns, rows) = cfa.tile_size();
+        let pattern: Vec<u8> = (0..columns * rows).map(|i| codes[cfa.channel_at(i % columns, i / columns)]).collect();
+        ifd.write_tag(tag::CFA_REPEAT_PATTERN_DIM, &[u16::try_from(rows)?, u16::try_from(columns)?][..])?;
+        ifd.write_tag(tag::CFA_PATTERN, &pattern[..])?;
+        pad(ifd, pattern.len())?;
+        ifd.write_tag(tag::CFA_PLANE_COLOR, codes)?;
+        pad(ifd, codes.len())?;
+        ifd.write_tag(tag::CFA_LAYOUT, 1u16)?;
+    }
+    // The longer side of a pixel is stretched.
+    let aspect = raw.metadata.pixel_aspect();
+    ifd.write_tag(tag::DEFAULT_SCALE, &[aspect.max(1.0), (1.0 / aspect).max(1.0)].map(rational)[..])?;
+    let size = [u32::try_from(width)?, u32::try_from(height)?];
+    ifd.write_tag(tag::DEFAULT_CROP_ORIGIN, &[0u32, 0][..])?;
+    ifd.write_tag(tag::DEFAULT_CROP_SIZE, &size[..])?;
+    let rectangle = |left: usize, top: usize, right: usize, bottom: usize| -> TiffResult<[u32; 4]> {
+        Ok([u32::try_from(top)?, u32::try_from(left)?, u32::try_from(bottom)?, u32::try_from(right)?])
+    };
+    ifd.write_tag(tag::ACTIVE_AREA, &rectangle(x, y, x + width, y + height)?[..])?;
+    let masked = [
+        rectangle(0, 0, raw.width, y)?,
+        rectangle(0, y + height, raw.width, raw.height)?,
+        rectangle(0, y, x, y + height)?,
+        rectangle(x + width, y, raw.width, y + height)?,
+    ];
+    let masked: Vec<[u32; 4]> =
+        masked.into_iter().filter(|[top, left, bottom, right]| top < bottom && left < right).collect();
+    if masked.is_empty() { Ok(()) } else { ifd.write_tag(tag::MASKED_AREAS, masked.as_flattened()) }
+}
+
+/// Black, white and noise.
+fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
+    let Area { x, y, width, height } = raw.active();
+    let samples = raw.cfa.samples_per_pixel();
+    let black = raw.black_level_dn.from(&raw.cfa, x, y);
+    let ((tile_width, rows), tile) = black.tile();
+    // The tag has a level for each number of a pixel, so its tile is one of whole pixels.
+    let columns = if tile_width.is_multiple_of(samples) { tile_width / samples } else { tile_width };
+    let levels: Vec<f32> = (0..rows * columns * samples)
+        .map(|i| tile[i / (columns * samples) * tile_width + i % (columns * samples) % tile_width])
+        .collect();
+    ifd.write_tag(tag::BLACK_LEVEL_REPEAT_DIM, &[u16::try_from(rows)?, u16::try_from(columns)?][..])?;
+    if levels.iter().all(|level| level.fract() == 0.0) {
+        ifd.write_tag(tag::BLACK_LEVEL, &levels.iter().map(|&level| level as u16).collect::<Vec<_>>()[..])?;
+    } else {
+        ifd.write_tag(tag::BLACK_LEVEL, &levels.iter().map(|&level| rational(level.into())).collect::<Vec<_>>()[..])?;
+    }
+    for (tag, deltas, side) in [
+        (tag::BLACK_LEVEL_DELTA_H, black.column_deltas(), width),
+        (tag::BLACK_LEVEL_DELTA_V, black.row_deltas(), height),
+    ] {
+        if !deltas.is_empty() {
+            let delta = |i: usize| srational(deltas.get(i).copied().unwrap_or(0.0).into());
+            ifd.write_tag(tag, &(0..side).map(delta).collect::<Vec<_>>()[..])?;
+        }
+    }
+    if let Some(table) = &raw.linearisation {
+        ifd.write_tag(tag::LINEARIZATION_TABLE, &table[..])?;
+    }
+    ifd.write_tag(tag::WHITE_LEVEL, &vec![u32::from(raw.white_level_dn); samples][..])?;
+    let noise = &raw.metadata.noise_profile;
+    if noise.is_empty() { Ok(()) } else { ifd.write_tag(tag::NOISE_PROFILE, noise.as_flattened()) }
+}
+
+/// What a developer can correct of the lens.
+fn write_lens<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
+    let Area { width, height, .. } = raw.active();
+    if let Some(map) = &raw.metadata.gain_map {
+        // darktable takes a map for each place of a Bayer tile only.
+        let tile = if raw.cfa.is_bayer() { [2, 2] } else { [1, 1] };
+        write_undefined(ifd, tag::OPCODE_LIST_2, &opcodes::gain_map(map, [width, height], tile))?;
+    }
+    let warp = match raw.metadata.distortion {
+        Some(Distortion::Lens(lens)) => Warp::of_lens(&lens, [width, height], raw.metadata.pixel_aspect()),
+        Some(Distortion::Warp(warp)) => Some(warp),
+        None => None,
+    };
+    if let Some(warp) = &warp {
+        write_undefined(ifd, tag::OPCODE_LIST_3, &opcodes::warp(warp))?;
+    }
+    Ok(())
+}
+
+fn write_exif<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
+    let metadata = &raw.metadata;
+    write_undefined(ifd, tag::EXIF_VERSION, b"0230")?;
+    ifd.write_tag(tag::EXPOSURE_TIME, rational(metadata.exposure_time_s))?;
+    if let Some(f_number) = metadata.f_number {
+        ifd.write_tag(tag::F_NUMBER, rational(f_number))?;
+    }
+    if let Some(iso) = metadata.iso {
+        ifd.write_tag(tag::PHOTOGRAPHIC_SENSITIVITY, u16::try_from(iso).unwrap_or(u16::MAX))?;
+        ifd.write_tag(tag::SENSITIVITY_TYPE, tag::IS_ISO_SPEED)?;
+        ifd.write_tag(tag::ISO_SPEED, iso)?;
+    }
+    if let Some(focal_length_m) = metadata.focal_length_m {
+        ifd.write_tag(tag::FOCAL_LENGTH, rational(focal_length_m * 1e3))?;
+    }
+    if let Some([x, y]) = metadata.pixel_pitch_m {
+        ifd.write_tag(tag::FOCAL_PLANE_X_RESOLUTION, rational(0.01 / x))?;
+        ifd.write_tag(tag::FOCAL_PLANE_Y_RESOLUTION, rational(0.01 / y))?;
+        ifd.write_tag(tag::FOCAL_PLANE_RESOLUTION_UNIT, tag::PER_CENTIMETRE)?;
+    }
+    if !metadata.camera_serial.is_empty() {
+        write_text(ifd, tag::BODY_SERIAL_NUMBER, &metadata.camera_serial)?;
+    }
+    Ok(())
+}
+
+/// Bytes of the type UNDEFINED.
+fn write_undefined<W: Write + Seek>(ifd: &mut Ifd<'_, W>, tag: Tag, bytes: &[u8]) -> TiffResult<()> {
+    let entry = ifd.write_entry_bytes(Type::UNDEFINED, bytes)?;
+    let mut undefined = Directory::empty();
+    undefined.extend([(tag, entry)]);
+    ifd.extend_from(&undefined);
+    pad(ifd, bytes.len())
+}
+
+/// Text, which in TIFF is ASCII without zeros, followed by one.
+fn write_text<W: Write + Seek>(ifd: &mut Ifd<'_, W>, tag: Tag, text: &str) -> TiffResult<()> {
+    let ascii: String = text.chars().map(|c| if c.is_ascii() && !c.is_ascii_control() { c } else { '?' }).collect();
+    ifd.write_tag(tag, ascii.as_str())?;
+    pad(ifd, ascii.len() + 1)
+}
+
+/// After a tag's value, of which up to 4 bytes lie in the directory itself.
+fn pad<W: Write + Seek>(ifd: &mut Ifd<'_, W>, bytes_written: usize) -> TiffResult<()> {
+    if bytes_written > 4 { align(ifd, bytes_written) } else { Ok(()) }
+}
+
+/// What comes next must begin at an even offset (TIFF 6.0, p. 15).
+fn align<W: Write + Seek>(ifd: &mut Ifd<'_, W>, bytes_written: usize) -> TiffResult<()> {
+    if bytes_written % 2 == 1 {
+        ifd.write_data(0u8)?;
+    }
+    Ok(())
+}

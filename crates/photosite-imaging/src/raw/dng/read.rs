@@ -1,0 +1,311 @@
+//! Reading DNG files: those that [`write_dng`](super::write_dng) writes, and those of other programs as far as they are
+//! made alike: one plane or interleaved numbers of 8–16 bits or whole floating-point numbers, in strips or tiles, without
+//! compression, as lossless JPEG or zlib. Lossy files, JPEG XL and makers' own formats are left to programs made for
+//! them.
+
+use std::io::{Read, Seek};
+
+use tiff::decoder::Decoder;
+use tiff::decoder::ifd::Value;
+use tiff::tags::Tag;
+use tiff::{Directory, TiffError};
+
+use super::openable::{Openable, open};
+use super::{colour, filters, opcodes, read_numbers, tag, xmp};
+use crate::raw::{Area, BlackLevel, Cfa, Distortion, MAX_SIDE, RawImage, RawMetadata, bits_for};
+use photosite_core::Invalid;
+
+/// Reads a DNG file.
+pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
+    let (decoder, pointer) = open(from).map_err(unreadable)?;
+    let mut file = Tags { decoder };
+    let main = file.decoder.read_directory(pointer).map_err(unreadable)?;
+    let beneath = if file.is_picture(&main)? { None } else { Some(file.find_picture(&main)?) };
+    let picture = beneath.as_ref().unwrap_or(&main);
+    let [width, height] = [Tag::ImageWidth, Tag::ImageLength].map(|tag| file.number(picture, tag));
+    let [width, height] = [width?.unwrap_or(0.0), height?.unwrap_or(0.0)];
+    let sides = 1.0..=MAX_SIDE as f64;
+    if !sides.contains(&width) || !sides.contains(&height) {
+        return Err(Invalid::new("ImageWidth", format!("{width} × {height} pixels are not a picture")));
+    }
+    let (width, height) = (width as usize, height as usize);
+    let area = file.active_area(picture, width, height)?;
+    let active = area.unwrap_or(Area { x: 0, y: 0, width, height });
+    let cfa = file.cfa(picture, active)?;
+    let data = read_numbers::read(&mut file, picture, [width, height], cfa.samples_per_pixel())?;
+    let table: Vec<u16> = file.numbers(picture, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect();
+    let black_level_dn = file.black_level(picture, &cfa, active)?;
+    let white = file.number(picture, tag::WHITE_LEVEL)?.unwrap_or(65_535.0);
+    if !(f64::from(black_level_dn.mean()) < white && white <= 65_535.0) {
+        let message = format!("white level {white} and black level {} leave no range", black_level_dn.mean());
+        return Err(Invalid::new("WhiteLevel", message));
+    }
+    // The file does not keep the converter's bits; those that its table or the white level needs are what matters.
+    let bits = bits_for(if table.is_empty() { white as u16 } else { (table.len() - 1).min(0xffff) as u16 });
+    let metadata = file.metadata(&main, picture, [active.width, active.height])?;
+    Ok(RawImage {
+        width,
+        height,
+        data,
+        cfa,
+        active_area: area,
+        bits,
+        linearisation: (!table.is_empty()).then_some(table),
+        black_level_dn,
+        white_level_dn: white as u16,
+        metadata,
+    })
+}
+
+/// Whether a TIFF file says in its first directory that it is DNG.
+pub(in crate::raw) fn is_dng<R: Read + Seek>(from: R) -> bool {
+    let version = open(from).and_then(|(mut decoder, pointer)| {
+        let main = decoder.read_directory(pointer)?;
+        decoder.read_directory_tags(&main).find_tag(tag::DNG_VERSION)
+    });
+    matches!(version, Ok(Some(_)))
+}
+
+pub(super) fn unreadable(error: TiffError) -> Invalid {
+    Invalid::new("", format!("cannot read it as TIFF: {error}"))
+}
+
+/// A file whose tags can be asked for.
+pub(super) struct Tags<R: Read + Seek> {
+    pub(super) decoder: Decoder<Openable<R>>,
+}
+
+impl<R: Read + Seek> Tags<R> {
+    fn value(&mut self, directory: &Directory, tag: Tag) -> Result<Option<Value>, Invalid> {
+        self.decoder.read_directory_tags(directory).find_tag(tag).map_err(unreadable)
+    }
+
+    /// All numbers of a tag; none where it is missing.
+    pub(super) fn numbers(&mut self, directory: &Directory, tag: Tag) -> Result<Vec<f64>, Invalid> {
+        let Some(value) = self.value(directory, tag)? else { return Ok(Vec::new()) };
+        let values = if let Value::List(values) = value { values } else { vec![value] };
+        values.into_iter().map(|value| number(tag, value)).collect()
+    }
+
+    /// The first number of a tag.
+    pub(super) fn number(&mut self, directory: &Directory, tag: Tag) -> Result<Option<f64>, Invalid> {
+        Ok(self.numbers(directory, tag)?.first().copied())
+    }
+
+    /// The tag's numbers, if there are exactly so many.
+    pub(super) fn array<const N: usize>(
+        &mut self,
+        directory: &Directory,
+        tag: Tag,
+    ) -> Result<Option<[f64; N]>, Invalid> {
+        Ok(<[f64; N]>::try_from(self.numbers(directory, tag)?).ok())
+    }
+
+    /// The tag's numbers as bytes.
+    fn bytes(&mut self, directory: &Directory, tag: Tag) -> Result<Vec<u8>, Invalid> {
+        Ok(self.numbers(directory, tag)?.into_iter().map(|byte| byte as u8).collect())
+    }
+
+    /// The directory of the picture of full resolution beneath the main one.
+    fn find_picture(&mut self, main: &Directory) -> Result<Directory, Invalid> {
+        let pointers = match self.value(main, Tag::SubIfd)? {
+            Some(value) => value.into_ifd_vec().map_err(unreadable)?,
+            None => Vec::new(),
+        };
+        for pointer in pointers {
+            let directory = self.decoder.read_directory(pointer).map_err(unreadable)?;
+            if self.is_picture(&directory)? {
+                return Ok(directory);
+            }
+        }
+        Err(Invalid::new("SubIFDs", "the file holds no raw picture").help("give a raw.dng that photosite wrote"))
+    }
+
+    fn is_picture(&mut self, directory: &Directory) -> Result<bool, Invalid> {
+        let photometric = self.number(directory, Tag::PhotometricInterpretation)?;
+        let is_raw = [tag::COLOR_FILTER_ARRAY, tag::LINEAR_RAW].into_iter().any(|p| photometric == Some(f64::from(p)));
+        Ok(is_raw && self.number(directory, Tag::NewSubfileType)?.unwrap_or(0.0) == 0.0)
+    }
+
+    fn active_area(&mut self, picture: &Directory, width: usize, height: usize) -> Result<Option<Area>, Invalid> {
+        let Some([top, left, bottom, right]) = self.array(picture, tag::ACTIVE_AREA)? else { return Ok(None) };
+        if !(0.0 <= left
+            && left < right
+            && right <= width as f64
+            && 0.0 <= top
+            && top < bottom
+            && bottom <= height as f64)
+        {
+            let message = format!("rows {top} to {bottom} and columns {left} to {right} are not within the picture");
+            return Err(Invalid::new("ActiveArea", message).help("the file is damaged"));
+        }
+        let [x, y] = [left, top].map(|n| n as usize);
+        let area = Area { x, y, width: right as usize - x, height: bottom as usize - y };
+        Ok((area != Area { x: 0, y: 0, width, height }).then_some(area))
+    }
+
+    fn cfa(&mut self, picture: &Directory, active: Area) -> Result<Cfa, Invalid> {
+        let samples = self.number(picture, Tag::SamplesPerPixel)?.unwrap_or(1.0);
+        let is_linear = self.number(picture, Tag::PhotometricInterpretation)? == Some(f64::from(tag::LINEAR_RAW));
+        match samples {
+            1.0 if is_linear => return Ok(Cfa::mono()),
+            3.0 if is_linear => return Cfa::full(["R", "G", "B"]),
+            1.0 => {}
+            other => {
+                let message = format!("{other} numbers a pixel");
+                return Err(Invalid::new("SamplesPerPixel", message).help("photosite reads mosaics, grey and RGB"));
+            }
+        }
+        let size = self.numbers(picture, tag::CFA_REPEAT_PATTERN_DIM)?;
+        let codes = self.bytes(picture, tag::CFA_PATTERN)?;
+        let mut planes = self.bytes(picture, tag::CFA_PLANE_COLOR)?;
+        if planes.is_empty() {
+            planes = vec![0, 1, 2];
+        }
+        let &[rows, columns] = &size[..] else {
+            return Err(Invalid::new("CFARepeatPatternDim", format!("{size:?} instead of rows and columns")));
+        };
+        if rows * columns != codes.len() as f64 || codes.is_empty() {
+            let message = format!("{} filters for {rows} rows and {columns} columns", codes.len());
+            return Err(Invalid::new("CFAPattern", message).help("the file is damaged"));
+        }
+        let cfa = filters::mosaic(columns as usize, &codes, &planes)?;
+        // The tag counts from the active area, which may begin anywhere in the tile.
+        let (width, height) = cfa.tile_size();
+        Ok(cfa.from((width - active.x % width) % width, (height - active.y % height) % height))
+    }
+
+    fn black_level(&mut self, picture: &Directory, cfa: &Cfa, active: Area) -> Result<BlackLevel, Invalid> {
+        let samples = cfa.samples_per_pixel();
+        let levels: Vec<f32> = self.numbers(picture, tag::BLACK_LEVEL)?.into_iter().map(|level| level as f32).collect();
+        let columns = self.array::<2>(picture, tag::BLACK_LEVEL_REPEAT_DIM)?.map_or(1, |[_, columns]| columns as usize);
+        let mut deltas = |tag, first: usize, side: usize| {
+            let deltas = self.numbers(picture, tag)?;
+            if deltas.is_empty() {
+                return Ok(Vec::new());
+            }
+            if deltas.len() != side {
+                let message = format!("{} numbers for {side} rows or columns", deltas.len());
+                return Err(Invalid::new("BlackLevelDelta", message).help("the file is damaged"));
+            }
+            Ok(std::iter::repeat_n(0.0, first).chain(deltas.into_iter().map(|delta| delta as f32)).collect())
+        };
+        let column_deltas: Vec<f32> = deltas(tag::BLACK_LEVEL_DELTA_H, active.x, active.width)?;
+        let row_deltas: Vec<f32> = deltas(tag::BLACK_LEVEL_DELTA_V, active.y, active.height)?;
+        let level = match &levels[..] {
+            [] => BlackLevel::default(),
+            [first, rest @ ..] if rest.iter().all(|level| level == first) => BlackLevel::uniform(*first),
+            levels => {
+                let damaged = |error| Invalid { key: "BlackLevel".to_owned(), ..error };
+                let width = columns.saturating_mul(samples);
+                let tile = BlackLevel::of_tile(width, levels.to_vec()).map_err(damaged)?;
+                let height = levels.len() / width;
+                // Like the filters', its tile begins with the active area.
+                tile.from(cfa, (columns - active.x % columns) % columns, (height - active.y % height) % height)
+            }
+        };
+        if !level.mean().is_finite() {
+            return Err(Invalid::new("BlackLevel", "no number").help("the file is damaged"));
+        }
+        if column_deltas.is_empty() && row_deltas.is_empty() {
+            return Ok(level);
+        }
+        Ok(level.with_deltas(cfa, column_deltas, row_deltas))
+    }
+
+    fn metadata(&mut self, main: &Directory, picture: &Directory, size: [usize; 2]) -> Result<RawMetadata, Invalid> {
+        let exif = match self.value(main, Tag::ExifDirectory)? {
+            Some(pointer) => {
+                let pointer = pointer.into_ifd_pointer().map_err(unreadable)?;
+                self.decoder.read_directory(pointer).map_err(unreadable)?
+            }
+            None => Directory::empty(),
+        };
+        let camera_model = self.text(main, Tag::Model)?;
+        let camera_serial = match self.text(main, tag::CAMERA_SERIAL_NUMBER)? {
+            none if none.is_empty() => self.text(&exif, tag::BODY_SERIAL_NUMBER)?,
+            serial => serial,
+        };
+        let noise = self.numbers(picture, tag::NOISE_PROFILE)?;
+        let mut metadata = RawMetadata {
+            camera_model,
+            camera_serial,
+            pixel_pitch_m: self.pixel_pitch(&exif)?,
+            exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
+            iso: self.iso(&exif)?,
+            f_number: self.number(&exif, tag::F_NUMBER)?,
+            focal_length_m: self.number(&exif, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
+            noise_profile: noise.as_chunks::<2>().0.to_vec(),
+            baseline_exposure_ev: self.number(main, tag::BASELINE_EXPOSURE)?.filter(|ev| ev.is_finite()).unwrap_or(0.0),
+            gain_map: opcodes::read_gain_map(&self.bytes(picture, tag::OPCODE_LIST_2)?, size),
+            distortion: self.distortion(main, picture, size)?,
+            ..RawMetadata::default()
+        };
+        let [across, down] = self.array(picture, tag::DEFAULT_SCALE)?.unwrap_or([1.0; 2]);
+        let aspect = across / down;
+        // What a few roundings leave of equal numbers.
+        let differs = (aspect / metadata.pixel_aspect() - 1.0).abs() > 1e-6;
+        metadata.stated_pixel_aspect = differs.then_some(aspect);
+        colour::read(self, main, &mut metadata)?;
+        Ok(metadata)
+    }
+
+    /// The model of the lens where our own packet has it, else what the opcodes say.
+    fn distortion(
+        &mut self,
+        main: &Directory,
+        picture: &Directory,
+        size: [usize; 2],
+    ) -> Result<Option<Distortion>, Invalid> {
+        // A packet that is no list of bytes has nothing to say.
+        let packet = self.bytes(main, tag::XMP).unwrap_or_default();
+        if let Some(lens) = xmp::read_lens(&packet, size) {
+            return Ok(Some(Distortion::Lens(lens)));
+        }
+        Ok(opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?).map(Distortion::Warp))
+    }
+
+    /// A text; empty where there is none.
+    fn text(&mut self, directory: &Directory, tag: Tag) -> Result<String, Invalid> {
+        match self.value(directory, tag)? {
+            Some(text) => text.into_string().map_err(unreadable),
+            None => Ok(String::new()),
+        }
+    }
+
+    /// The speed, which has a number of its own where 16 bits are too few.
+    fn iso(&mut self, exif: &Directory) -> Result<Option<u32>, Invalid> {
+        let iso = match self.number(exif, tag::ISO_SPEED)? {
+            Some(iso) => Some(iso),
+            None => self.number(exif, tag::PHOTOGRAPHIC_SENSITIVITY)?,
+        };
+        Ok(iso.filter(|iso| *iso > 0.0).map(|iso| iso as u32))
+    }
+
+    fn pixel_pitch(&mut self, exif: &Directory) -> Result<Option<[f64; 2]>, Invalid> {
+        let x = self.number(exif, tag::FOCAL_PLANE_X_RESOLUTION)?;
+        let y = self.number(exif, tag::FOCAL_PLANE_Y_RESOLUTION)?;
+        let unit = self.number(exif, tag::FOCAL_PLANE_RESOLUTION_UNIT)?.unwrap_or(2.0);
+        let unit_m = if unit == f64::from(tag::PER_CENTIMETRE) { 0.01 } else { 0.0254 };
+        let pitch = |resolution: f64| Some(unit_m / resolution).filter(|pitch| pitch.is_finite() && *pitch > 0.0);
+        Ok(x.and_then(pitch).zip(y.and_then(pitch)).map(|(x, y)| [x, y]))
+    }
+}
+
+fn number(tag: Tag, value: Value) -> Result<f64, Invalid> {
+    let signed = value.clone().into_i64().map(|v| v as f64);
+    let float = || value.clone().into_f64().or_else(|_| value.clone().into_f32().map(f64::from));
+    let unsigned = || value.clone().into_u64().map(|v| v as f64);
+    let fraction = || {
+        if let Value::Rational(n, d) = value {
+            return Some(f64::from(n) / f64::from(d));
+        }
+        if let Value::SRational(n, d) = value { Some(f64::from(n) / f64::from(d)) } else { None }
+    };
+    unsigned()
+        .or(signed)
+        .or_else(|_| float())
+        .ok()
+        .or_else(fraction)
+        .ok_or_else(|| Invalid::new(format!("tag {}", tag.to_u16()), "not a number").help("the file is damaged"))
+}

@@ -1,0 +1,233 @@
+//! Raw pictures: the mosaic of digital numbers that leaves the sensor, with what a developer needs to know about it.
+//!
+//! In: digital numbers from [`sensor`](crate::sensor). Out: files (DNG, TIFF, PGM, NPY). Development to RGB is left to
+//! [`develop`](crate::develop).
+
+mod area;
+mod black_level;
+mod calibration;
+mod cfa;
+mod distortion;
+mod dng;
+mod file;
+mod gain_map;
+mod lossless_jpeg;
+mod npy;
+mod pnm;
+mod rational;
+mod thumbnail;
+mod tiff;
+mod warp;
+
+pub use area::{Area, Pixels};
+pub use black_level::BlackLevel;
+pub use calibration::{ColourCalibration, LightSource};
+pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
+pub use distortion::{Distortion, LensModel, Undistortion};
+pub use dng::{DngCompression, dng_can_hold, read_dng, write_compressed_dng, write_dng};
+pub use file::read;
+pub use gain_map::GainMap;
+pub use npy::with_short_header;
+pub use npy::{read_npy, write_npy};
+pub use pnm::{read_pnm, write_pgm};
+pub use tiff::{read_pixels, refuse_planar_tiles};
+pub use tiff::{read_tiff, write_tiff};
+pub use warp::{Warp, WarpKind};
+
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+
+use photosite_core::Invalid;
+
+/// Most pixels along a side of a picture.
+const MAX_SIDE: usize = 65_535;
+
+/// A picture of digital numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawImage {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Digital numbers, row by row from the top-left pixel: one a pixel in a mosaic, or those of all channels, one beside
+    /// the other ([`Cfa::samples_per_pixel`]).
+    pub data: Vec<u16>,
+    /// Which channel each number belongs to.
+    pub cfa: Cfa,
+    /// The pixels that see light; `None` where all do. The others are masked and show the black level.
+    pub active_area: Option<Area>,
+    /// Bits of the digital numbers, 8–16.
+    pub bits: u32,
+    /// What makes the numbers linear: for each of them one in proportion to light, the last for all beyond. `None` where
+    /// they are so already.
+    pub linearisation: Option<Vec<u16>>,
+    /// Linear number of no light, DN.
+    pub black_level_dn: BlackLevel,
+    /// Smallest linear number at which a pixel counts as saturated, DN.
+    pub white_level_dn: u16,
+    /// How it was taken.
+    pub metadata: RawMetadata,
+}
+
+impl Default for RawImage {
+    /// A monochrome picture of 16 bits that has no pixels yet.
+    fn default() -> Self {
+        Self {
+            width: 0,
+            height: 0,
+            data: Vec::new(),
+            cfa: Cfa::mono(),
+            active_area: None,
+            bits: 16,
+            linearisation: None,
+            black_level_dn: BlackLevel::default(),
+            white_level_dn: u16::MAX,
+            metadata: RawMetadata::default(),
+        }
+    }
+}
+
+impl RawImage {
+    /// Digital numbers of which a file says nothing but that they go up to `maximum`.
+    fn bare(width: usize, height: usize, data: Vec<u16>, cfa: Cfa, maximum: u16) -> Self {
+        Self { width, height, data, cfa, bits: bits_for(maximum), white_level_dn: maximum, ..Self::default() }
+    }
+
+    /// The same picture with linear numbers.
+    pub fn linear(&self) -> Cow<'_, Self> {
+        let Some(table) = &self.linearisation else { return Cow::Borrowed(self) };
+        let mut data = self.data.clone();
+        linearise(&mut data, table);
+        Cow::Owned(Self {
+            data,
+            cfa: self.cfa.clone(),
+            bits: bits_for(self.white_level_dn),
+            linearisation: None,
+            black_level_dn: self.black_level_dn.clone(),
+            metadata: self.metadata.clone(),
+            ..*self
+        })
+    }
+
+    /// Numbers in a row of `data`.
+    pub fn row_length(&self) -> usize {
+        self.width * self.cfa.samples_per_pixel()
+    }
+
+    /// The pixels that see light.
+    pub fn active(&self) -> Area {
+        self.active_area.unwrap_or(Area { x: 0, y: 0, width: self.width, height: self.height })
+    }
+
+    /// The layout from the corner of these.
+    pub fn active_cfa(&self) -> Cfa {
+        let Area { x, y, .. } = self.active();
+        self.cfa.from(x, y)
+    }
+
+    /// Refuses a picture whose parts do not belong together.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        if self.data.len() != self.row_length() * self.height {
+            let message = format!("{} numbers for {} × {} pixels", self.data.len(), self.width, self.height);
+            let help = format!("each pixel has {}", self.cfa.samples_per_pixel());
+            return Err(Invalid::new("", message).help(help));
+        }
+        let area = self.active();
+        let fits = |first: usize, length: usize, side: usize| first.checked_add(length).is_some_and(|end| end <= side);
+        if !(fits(area.x, area.width, self.width) && fits(area.y, area.height, self.height)) {
+            let message = format!("the active area {area} goes beyond {} × {} pixels", self.width, self.height);
+            return Err(Invalid::new("active_area", message));
+        }
+        Ok(())
+    }
+
+    /// The active area alone, as a picture of its own.
+    pub fn cropped(&self) -> Self {
+        self.active_area.map_or_else(|| self.clone(), |area| self.part(area))
+    }
+
+    /// A part that lies within the picture, as a picture of its own. What is known of the lens stays that of the active
+    /// area.
+    pub fn part(&self, Area { x, y, width, height }: Area) -> Self {
+        let (samples, row_length) = (self.cfa.samples_per_pixel(), self.row_length());
+        let rows = self.data.chunks(row_length.max(1)).skip(y).take(height);
+        Self {
+            width,
+            height,
+            data: rows.flat_map(|row| &row[x * samples..(x + width) * samples]).copied().collect(),
+            cfa: self.cfa.from(x, y),
+            active_area: None,
+            bits: self.bits,
+            linearisation: self.linearisation.clone(),
+            black_level_dn: self.black_level_dn.from(&self.cfa, x, y),
+            white_level_dn: self.white_level_dn,
+            metadata: self.metadata.clone(),
+        }
+    }
+}
+
+/// Bits that numbers up to this need.
+fn bits_for(maximum: u16) -> u32 {
+    (u16::BITS - maximum.leading_zeros()).max(8)
+}
+
+/// Replaces numbers by what a table says of them; the last entry stands for all beyond.
+fn linearise(data: &mut [u16], table: &[u16]) {
+    if let Some(&last) = table.last() {
+        data.par_iter_mut().for_each(|dn| *dn = table.get(usize::from(*dn)).copied().unwrap_or(last));
+    }
+}
+
+/// How a raw picture was taken, and what its colours mean.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RawMetadata {
+    /// Sensor preset or name.
+    pub camera_model: String,
+    /// Serial number of the camera; empty where it is not known.
+    pub camera_serial: String,
+    /// Pixel pitch along x and y, m.
+    pub pixel_pitch_m: Option<[f64; 2]>,
+    /// Width of a pixel over its height, where a file says another than its pitch does, which EXIF may round.
+    pub stated_pixel_aspect: Option<f64>,
+    /// Exposure time, s.
+    pub exposure_time_s: f64,
+    /// Saturation-based ISO speed, where it is known.
+    pub iso: Option<u32>,
+    /// f-number, where there is a lens.
+    pub f_number: Option<f64>,
+    /// Focal length, m.
+    pub focal_length_m: Option<f64>,
+    /// What its colours mean in up to three lights, in the order of DNG files; none where that is not known or they have no
+    /// meaning.
+    pub calibrations: Vec<ColourCalibration>,
+    /// The camera's response to the scene's white, per channel, the largest 1; `None` for monochrome.
+    pub as_shot_neutral: Option<Vec<f64>>,
+    /// CIE x and y of the scene's white, where that is what a file says in place of the camera's response to it.
+    pub as_shot_white_xy: Option<[f64; 2]>,
+    /// Per channel (S, O): variance of the normalised signal x in 0–1 is S·x + O (DNG NoiseProfile).
+    pub noise_profile: Vec<[f64; 2]>,
+    /// By how much a developer brightens the picture unasked, so that it looks as it should, EV (DNG BaselineExposure).
+    pub baseline_exposure_ev: f64,
+    /// Gains that undo the lens's falloff, where it is known.
+    pub gain_map: Option<GainMap>,
+    /// The lens's distortion, where it is known.
+    pub distortion: Option<Distortion>,
+}
+
+impl RawMetadata {
+    /// Width of a pixel over its height; pixels are taken for square where nothing is known of them.
+    pub fn pixel_aspect(&self) -> f64 {
+        let aspect = self.stated_pixel_aspect.or(self.pixel_pitch_m.map(|[x, y]| x / y)).unwrap_or(1.0);
+        // What no pixel can be is damage.
+        let aspect = if (0.01..=100.0).contains(&aspect) { aspect } else { 1.0 };
+        // No pixel is known as well as that, and a file that rounds a pitch must not make another picture.
+        (aspect * 1e12).round() / 1e12
+    }
+
+    /// XYZ → camera for colours under D65, where it is known.
+    pub fn colour_matrix_d65(&self) -> Option<&Vec<[f64; 3]>> {
+        let of_d65 = self.calibrations.iter().find(|calibration| calibration.light == LightSource::D65);
+        of_d65.map(|calibration| &calibration.colour_matrix)
+    }
+}

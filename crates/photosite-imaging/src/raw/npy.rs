@@ -1,0 +1,128 @@
+//! The digital numbers as a NumPy array of `uint16`, shape (rows, columns), or (rows, columns, channels) where every
+//! pixel has all channels.
+
+use std::io::{self, Read, Write};
+
+use npyz::{NpyFile, Order, WriterBuilder};
+
+use photosite_core::Invalid;
+
+use super::{Cfa, MAX_SIDE, RawImage};
+
+/// Writes an NPY file.
+pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
+    let shape = [raw.height, raw.width, raw.cfa.samples_per_pixel()].map(|n| n as u64);
+    let axes = if raw.cfa.is_full() { 3 } else { 2 };
+    let mut array = npyz::WriteOptions::new().default_dtype().shape(&shape[..axes]).writer(to).begin_nd()?;
+    array.extend(raw.data.iter().copied())?;
+    array.finish()
+}
+
+/// Reads an array of `uint16` with two axes as the numbers of a monochrome sensor, and one with a third axis of three
+/// channels as RGB: nothing in it says more.
+pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
+    let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as NPY: {error}"));
+    let array = NpyFile::new(with_short_header(from)?).map_err(|e| unreadable(&e))?;
+    let (height, width, cfa) = match *array.shape() {
+        [height, width] => (height, width, Cfa::mono()),
+        [height, width, 3] => (height, width, Cfa::full(["R", "G", "B"])?),
+        _ => {
+            return Err(unreadable(&format!("an array of shape {:?} is no picture", array.shape()))
+                .help("write an array of shape (rows, columns), or (rows, columns, 3) for RGB"));
+        }
+    };
+    let sides = 1..=MAX_SIDE as u64;
+    if !sides.contains(&width) || !sides.contains(&height) {
+        return Err(unreadable(&format!("{width} × {height} pixels are not a picture")));
+    }
+    if array.order() == Order::Fortran {
+        return Err(unreadable(&"its columns come first").help("write numpy.ascontiguousarray(array) instead"));
+    }
+    let numbers = array.data::<u16>().map_err(|e| unreadable(&e).help("write an array of uint16"))?;
+    let wanted = width as usize * height as usize * cfa.samples_per_pixel();
+    // Not with the capacity that the header states, which may be damaged.
+    let mut data = Vec::new();
+    for number in numbers {
+        let number = number.map_err(|error| {
+            let is_cut = error.kind() == io::ErrorKind::UnexpectedEof;
+            if is_cut { unreadable(&format!("{} numbers instead of {wanted}", data.len())) } else { unreadable(&error) }
+        });
+        data.push(number.map_err(|invalid| invalid.help("the file is cut short"))?);
+    }
+    Ok(RawImage::bare(width as usize, height as usize, data, cfa, u16::MAX))
+}
+
+/// Bytes of the longest header: that of a picture has a line of text.
+const LONGEST_HEADER: u32 = 1 << 16;
+
+/// The same file, unless its header states a length that memory must not be taken for.
+pub fn with_short_header<R: Read>(mut from: R) -> Result<impl Read, Invalid> {
+    let mut start = Vec::new();
+    let read = from.by_ref().take(12).read_to_end(&mut start);
+    read.map_err(|error| Invalid::new("", format!("cannot read it as NPY: {error}")))?;
+    // Version 1 has two bytes for the length, later ones four.
+    if let [_, _, _, _, _, _, 2..=u8::MAX, _, a, b, c, d] = start[..] {
+        let length = u32::from_le_bytes([a, b, c, d]);
+        if length > LONGEST_HEADER {
+            let message = format!("cannot read it as NPY: a header of {length} bytes");
+            return Err(Invalid::new("", message).help("the file is damaged"));
+        }
+    }
+    Ok(io::Cursor::new(start).chain(from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file() -> Vec<u8> {
+        let raw = RawImage::bare(7, 5, (0..35).map(|i| i * 1_801).collect(), Cfa::mono(), u16::MAX);
+        let mut file = Vec::new();
+        write_npy(&raw, &mut file).expect("written");
+        assert_eq!(read_npy(&file[..]), Ok(raw));
+        file
+    }
+
+    #[test]
+    fn damaged_files_are_errors_and_no_panics() {
+        let whole = file();
+        for length in 0..whole.len() {
+            assert!(read_npy(&whole[..length]).is_err(), "cut to {length} bytes");
+        }
+        let mut file = whole.clone();
+        for at in 0..file.len() {
+            for value in [0x00, 0xff, b'9', file[at] ^ 0x10] {
+                file[at] = value;
+                let _ = read_npy(&file[..]);
+            }
+            file[at] = whole[at];
+        }
+    }
+
+    #[test]
+    fn only_rows_of_16_bit_numbers_are_a_mosaic() {
+        let read = |header: &str| {
+            let length = (header.len() as u16).to_le_bytes();
+            read_npy(&[b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), b"\x01\x02\x03\x04"].concat()[..])
+        };
+        let header = |dtype: &str, fortran: &str, shape: &str| {
+            read(&format!("{{'descr': '{dtype}', 'fortran_order': {fortran}, 'shape': {shape}}}"))
+        };
+        let big_endian = header(">u2", "False", "(1, 2)").expect("an array");
+        assert_eq!((big_endian.width, big_endian.height, big_endian.data), (2, 1, vec![0x102, 0x304]));
+        for (array, complaint) in [
+            (header("<u2", "False", "(2,)"), "shape [2]"),
+            (header("<u2", "False", "(0, 2)"), "not a picture"),
+            (header("<u2", "False", "(1, 99999)"), "not a picture"),
+            (header("<f4", "False", "(1, 1)"), "cannot read it as NPY"),
+            (header("<u2", "True", "(1, 2)"), "columns come first"),
+            (header("<u2", "False", "(2, 2)"), "cannot read it as NPY"),
+        ] {
+            let error = array.expect_err("refused");
+            assert!(
+                error.message.contains(complaint) && error.help.is_some() != complaint.contains("not a"),
+                "{error}"
+            );
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! One exposure, from mean photo-electrons to digital numbers, as the list of its physical stages.
+
+use crate::raw::{Area, Cfa, RawImage, RawMetadata};
+use photosite_core::Invalid;
+use photosite_core::image::Planes;
+
+use super::amplifiers::{AmplifierNonlinearity, ColumnAmplifiers, Gain};
+use super::charge_plane::for_each_row;
+use super::companding::Compander;
+use super::converter::Digitiser;
+use super::crosstalk::spread;
+use super::dark_current::{DarkCurrent, HotPixels};
+use super::dark_offset::DarkOffset;
+use super::dead_pixels::DeadPixels;
+use super::defective_numbers::{StuckPixels, TransmissionErrors};
+use super::digital_gain::DigitalGain;
+use super::dual_gain::DualGainDigitiser;
+use super::flicker::add_flicker;
+use super::full_well::FullWell;
+use super::line_noise::{ColumnNoise, RowNoise};
+use super::logarithmic::LogarithmicResponse;
+use super::noise_key::Streams;
+use super::noise_maps::{NoiseMap, NoiseMaps, Recorder};
+use super::photo_response::PhotoResponse;
+use super::photon_counting::PhotonCounter;
+use super::read_noise::ReadNoise;
+use super::reset_noise::ResetNoise;
+use super::shot_noise::ShotNoise;
+use super::stage::{Stage, Stages};
+use super::telegraph::Telegraph;
+use super::{Binning, Exposure, NoiseKey, SensorModel, Window, brighter_fatter, ccd, charge_generation};
+
+/// What every stage of one picture may know.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<'a> {
+    pub(super) sensor: &'a SensorModel,
+    pub(super) exposure: &'a Exposure,
+    pub(super) stages: Stages,
+    pub(super) key: NoiseKey,
+    /// Values in a row of charge, and rows.
+    pub(super) size: [usize; 2],
+}
+
+impl Frame<'_> {
+    /// Random numbers that are new in each frame, unless the stage is switched off.
+    pub(super) fn temporal(&self, stage: Stage) -> Option<Streams> {
+        self.stages.has(stage).then(|| self.key.temporal(stage))
+    }
+
+    /// Random numbers that belong to the sensor, unless the stage is switched off.
+    pub(super) fn fixed(&self, stage: Stage) -> Option<Streams> {
+        self.stages.has(stage).then(|| self.of_pixels(Streams::fixed(self.sensor.serial, stage)))
+    }
+
+    /// Random numbers of noise that goes on in time from frame to frame.
+    pub(super) fn in_time(&self, stage: Stage) -> Streams {
+        self.of_pixels(self.key.in_time(stage))
+    }
+
+    /// All lines of a scanning sensor are seen by the same pixels.
+    fn of_pixels(&self, streams: Streams) -> Streams {
+        if self.sensor.shutter.scans() { streams.of_one_row() } else { streams }
+    }
+}
+
+/// Exposes the sensor to light that frees `mean_electrons` on average during the exposure: e⁻, noise-free, finite and
+/// not negative, a plane for each of the sensor's channels, of which every pixel uses its own. The picture may be
+/// smaller than the sensor; the colour filter array starts at its top-left pixel.
+pub fn expose(
+    mean_electrons: &Planes,
+    sensor: &SensorModel,
+    exposure: &Exposure,
+    stages: Stages,
+    key: NoiseKey,
+) -> Result<RawImage, Invalid> {
+    expose_with_maps(mean_electrons, sensor, exposure, stages, key, &[]).map(|(raw, _)| raw)
+}
+
+/// The same, with what each of some effects has added to every number.
+pub fn expose_with_maps(
+    mean_electrons: &Planes,
+    sensor: &SensorModel,
+    exposure: &Exposure,
+    stages: Stages,
+    key: NoiseKey,
+    maps: &[NoiseMap],
+) -> Result<(RawImage, NoiseMaps), Invalid> {
+    exposure.validate(sensor)?;
+    exposure.window.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
+
+    // Light and heat free electrons in each pixel.
+    let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
+    let mut record = Recorder::start(maps, &charge);
+    spread(&mut charge, sensor, stages);
+    record.plane(NoiseMap::CrosstalkE, &charge);
+    let mut charge = sensor.masked.surround(charge);
+    record.embed([sensor.masked.columns[0] * charge.samples, sensor.masked.rows[0]], &charge);
+    let frame = Frame { sensor, exposure, stages, key, size: [charge.width, charge.height] };
+    let ccd = sensor.architecture.ccd();
+    let passing = ccd.map(|ccd| ccd::smear(ccd, &frame, &mut charge)).unwrap_or_default();
+    record.plane(NoiseMap::SmearE, &charge);
+    let photo_response = PhotoResponse::new(&frame);
+    let dead_pixels = DeadPixels::new(&frame);
+    let photon_counter = PhotonCounter::new(&frame);
+    let shot_noise = ShotNoise::new(&frame);
+    let dark_current = DarkCurrent::new(&frame);
+    let hot_pixels = HotPixels::new(&frame);
+    charge.for_each_row(|row| {
+        record.apply(NoiseMap::PrnuE, &photo_response, row);
+        record.apply(NoiseMap::DeadPixelsE, &dead_pixels, row);
+        match &photon_counter {
+            Some(photon_counter) => record.apply(NoiseMap::PhotonCountingE, photon_counter, row),
+            None => {
+                record.apply(NoiseMap::PhotonShotNoiseE, &shot_noise, row);
+                record.apply(NoiseMap::DarkShotNoiseE, &dark_current, row);
+                record.apply(NoiseMap::HotPixelsE, &hot_pixels, row);
+            }
+        }
+    });
+    record.gains(&photo_response);
+    record.split_dark_current(dark_current.as_ref().filter(|_| photon_counter.is_none()));
+
+    // The pixels hold them.
+    brighter_fatter::apply(&frame, &mut charge);
+    record.plane(NoiseMap::BrighterFatterE, &charge);
+    if let Some(ccd) = ccd {
+        ccd::bloom(ccd, &frame, &mut charge);
+    }
+    record.plane(NoiseMap::BloomingE, &charge);
+    let full_well = FullWell::new(&frame);
+    let logarithmic_response = LogarithmicResponse::new(&frame);
+    charge.for_each_row(|row| {
+        record.apply(NoiseMap::FullWellE, &full_well, row);
+        record.mark(row, |charge| full_well.is_some_and(|full_well| full_well.is_full(charge)));
+        record.apply(NoiseMap::LogarithmicResponseE, &logarithmic_response, row);
+    });
+
+    // CCDs move the charge to their output.
+    if let Some(ccd) = ccd {
+        let prescan = ccd.overscan.prescan_columns * charge.samples;
+        charge = ccd::shift_out(ccd, &frame, charge, &passing);
+        record.embed([prescan, 0], &charge);
+    }
+    record.plane(NoiseMap::ChargeTransferE, &charge);
+    let Window { binning, region } = exposure.window;
+    let mut charge = binning.add_charge(charge, &sensor.cfa);
+    record.add_charge(&binning, &sensor.cfa);
+    let frame = Frame { size: [charge.width, charge.height], ..frame };
+
+    // Amplifiers turn charge into voltages, converters those into digital numbers.
+    add_flicker(&mut charge, &frame);
+    record.plane(NoiseMap::FlickerNoiseE, &charge);
+    let reset_noise = ResetNoise::new(&frame);
+    let telegraph = Telegraph::new(&frame);
+    let dark_offset = DarkOffset::new(&frame);
+    let read_noise = ReadNoise::new(&frame);
+    let row_noise = RowNoise::new(&frame);
+    let column_noise = ColumnNoise::new(&frame);
+    let amplifier_nonlinearity = AmplifierNonlinearity::new(&frame);
+    let gain = Gain::new(&frame);
+    let column_amplifiers = ColumnAmplifiers::new(&frame);
+    let digitiser = Digitiser::new(&frame);
+    let dual_gain = DualGainDigitiser::new(&frame);
+    let stuck_pixels = StuckPixels::new(&frame);
+    let numbers = charge.read_out(|row, numbers| {
+        record.apply(NoiseMap::ResetNoiseE, &reset_noise, row);
+        record.apply(NoiseMap::TelegraphNoiseE, &telegraph, row);
+        record.apply(NoiseMap::DsnuE, &dark_offset, row);
+        record.apply(NoiseMap::RowNoiseE, &row_noise, row);
+        record.apply(NoiseMap::ColumnNoiseE, &column_noise, row);
+        record.apply(NoiseMap::AmplifierNonlinearityE, &amplifier_nonlinearity, row);
+        match &dual_gain {
+            Some(dual_gain) => {
+                dual_gain.convert(row, numbers);
+                record.changed(NoiseMap::ReadNoiseE, row);
+                record.amplify(&gain, row);
+            }
+            None => {
+                record.apply(NoiseMap::ReadNoiseE, &read_noise, row);
+                record.amplify(&gain, row);
+                record.apply(NoiseMap::ColumnAmplifiersDn, &column_amplifiers, row);
+                digitiser.convert(row, numbers);
+            }
+        }
+        record.converted(numbers, &sensor.converter);
+        record.apply_to_numbers(NoiseMap::StuckPixelsDn, &stuck_pixels, numbers);
+    });
+
+    // Numbers are processed and sent.
+    let (mut data, [row_length, height]) = binning.add_numbers(numbers, frame.size, sensor);
+    record.add_numbers(&binning, sensor, &data, row_length);
+    let frame = Frame { size: [row_length, height], ..frame };
+    let digital_gain = DigitalGain::new(&frame);
+    let compander = Compander::new(&frame);
+    let transmission_errors = TransmissionErrors::new(&frame);
+    for_each_row(&mut data, row_length, |numbers| {
+        record.multiply(digital_gain.as_ref(), numbers);
+        record.apply_to_numbers(NoiseMap::CompandingDn, &compander, numbers);
+        record.apply_to_numbers(NoiseMap::TransmissionErrorsDn, &transmission_errors, numbers);
+    });
+
+    let layout = binning.layout(&sensor.cfa);
+    let width = row_length / layout.samples_per_pixel();
+    let area = active_area(sensor, mean_electrons, binning);
+    let channels = layout.channels().len();
+    let linearisation = sensor.linearisation(exposure);
+    let whole = RawImage {
+        width,
+        height,
+        data,
+        cfa: tile_from_corner(&layout, area),
+        active_area: ([width, height] != [area.width, area.height]).then_some(area),
+        bits: sensor.output_bits(),
+        black_level_dn: linearisation.as_ref().map_or(sensor.converter.black_level_dn, |l| l.black_level_dn).into(),
+        white_level_dn: sensor.white_level_dn(exposure),
+        linearisation: linearisation.map(|linearisation| linearisation.table),
+        metadata: RawMetadata {
+            camera_model: sensor.name.clone(),
+            camera_serial: sensor.serial.to_string(),
+            exposure_time_s: exposure.time.0,
+            iso: sensor.iso(exposure).map(|iso| iso.round() as u32),
+            pixel_pitch_m: Some([0, 1].map(|axis| sensor.pixel_pitch_m[axis] * binning.factor[axis] as f64)),
+            noise_profile: sensor.noise_profile(exposure).map(|profile| vec![profile; channels]).unwrap_or_default(),
+            ..RawMetadata::default()
+        },
+    };
+    let part = region.map(|region| Area {
+        x: area.x + region.x / binning.factor[0],
+        y: area.y + region.y / binning.factor[1],
+        width: region.width / binning.factor[0],
+        height: region.height / binning.factor[1],
+    });
+    let names = if layout.is_full() { layout.channels() } else { &[String::new()] };
+    let maps = NoiseMaps {
+        planes: record.finish(part.unwrap_or(Area { x: 0, y: 0, width, height }), names)?,
+        system_gain: sensor.converter.system_gain(exposure.gain)
+            * exposure.digital_gain.factor()
+            * binning.digital_gain(),
+        black_level_dn: sensor.converter.black_level_dn.into(),
+    };
+    Ok((
+        match part {
+            None => whole,
+            Some(part) => whole.part(part),
+        },
+        maps,
+    ))
+}
+
+/// Where among all that is read out the picture lies, in bins.
+fn active_area(sensor: &SensorModel, picture: &Planes, binning: Binning) -> Area {
+    let prescan = sensor.architecture.ccd().map_or(0, |ccd| ccd.overscan.prescan_columns);
+    let [across, down] = binning.factor;
+    let [width, height] = binning.whole_bins([picture.width(), picture.height()], &sensor.cfa);
+    Area { x: (prescan + sensor.masked.columns[0]) / across, y: sensor.masked.rows[0] / down, width, height }
+}
+
+/// The tile as it lies at the corner of all that is read out, so that it begins at that of the picture.
+fn tile_from_corner(cfa: &Cfa, picture: Area) -> Cfa {
+    let (width, height) = cfa.tile_size();
+    let width = width / cfa.samples_per_pixel();
+    cfa.from(width - picture.x % width, height - picture.y % height)
+}

@@ -1,0 +1,158 @@
+//! Where bytes come from: the binary chunk, files beside the document, data URIs.
+
+use std::borrow::Cow;
+use std::fs;
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::GeneralPurposeConfig;
+use base64::engine::{DecodePaddingMode, GeneralPurpose};
+use gltf::json::{Root, buffer};
+use percent_encoding::percent_decode_str;
+
+use photosite_core::Invalid;
+
+/// The bytes of all buffers of a document.
+#[derive(Debug)]
+pub(super) struct Buffers {
+    data: Vec<Vec<u8>>,
+}
+
+impl Buffers {
+    /// Loads every buffer. `chunk` is the binary chunk of a GLB file, `folder` what URIs are relative to.
+    pub(super) fn load(root: &Root, chunk: Option<&[u8]>, folder: &Path) -> Result<Self, Invalid> {
+        let mut data = Vec::with_capacity(root.buffers.len());
+        for (i, buffer) in root.buffers.iter().enumerate() {
+            let key = format!("buffers[{i}]");
+            let mut bytes = match (&buffer.uri, chunk) {
+                (Some(uri), _) => read_uri(uri, folder).map_err(|e| e.within(&format!("{key}.uri")))?,
+                (None, Some(chunk)) if i == 0 => chunk.to_vec(),
+                (None, _) => {
+                    return Err(Invalid::new(key, "has no uri, and there is no binary chunk that could stand for it")
+                        .help("the file is damaged; export it again"));
+                }
+            };
+            let expected = usize::try_from(buffer.byte_length.0).unwrap_or(usize::MAX);
+            if bytes.len() < expected {
+                let message = format!("should be {expected} bytes long, but only {} are there", bytes.len());
+                return Err(Invalid::new(format!("{key}.byteLength"), message).help(
+                    "the file that holds the buffer is truncated or belongs to another scene; export both again",
+                ));
+            }
+            // A binary chunk is padded to a multiple of four bytes.
+            bytes.truncate(expected);
+            data.push(bytes);
+        }
+        Ok(Self { data })
+    }
+
+    /// The bytes of a buffer view, checked. `key` names what refers to the view.
+    pub(super) fn view<'a>(
+        &'a self,
+        root: &'a Root,
+        index: usize,
+        key: &str,
+    ) -> Result<(&'a [u8], &'a buffer::View), Invalid> {
+        let view = root
+            .buffer_views
+            .get(index)
+            .ok_or_else(|| out_of_range(key, "bufferViews", index, root.buffer_views.len()))?;
+        let view_key = format!("bufferViews[{index}]");
+        const MESHOPT: &str = "EXT_meshopt_compression";
+        if view.extensions.as_ref().is_some_and(|e| e.others.contains_key(MESHOPT)) {
+            let message = "compressed geometry is not supported";
+            return Err(Invalid::new(format!("{view_key}.extensions.{MESHOPT}"), message)
+                .help("export without compression, or unpack the file, for example with gltf-transform"));
+        }
+        let buffer = self.data.get(view.buffer.value()).ok_or_else(|| {
+            out_of_range(&format!("{view_key}.buffer"), "buffers", view.buffer.value(), self.data.len())
+        })?;
+        let offset = view.byte_offset.map_or(0, |o| o.0);
+        let range = offset
+            .checked_add(view.byte_length.0)
+            .and_then(|end| Some(usize::try_from(offset).ok()?..usize::try_from(end).ok()?));
+        let bytes = range.and_then(|range| buffer.get(range)).ok_or_else(|| {
+            let message = format!(
+                "{} bytes from byte {offset} reach beyond the {} bytes of buffers[{}]",
+                view.byte_length.0,
+                buffer.len(),
+                view.buffer.value()
+            );
+            Invalid::new(view_key, message)
+        })?;
+        Ok((bytes, view))
+    }
+}
+
+/// The error of an index that points to nothing.
+pub(super) fn out_of_range(key: &str, array: &str, index: usize, len: usize) -> Invalid {
+    Invalid::new(key, format!("refers to {array}[{index}], but the file has {len} of them (counted from 0)"))
+        .help("the file is damaged; correct the number, or export it again")
+}
+
+/// Reads what a URI stands for: a data URI, or a percent-encoded path relative to `folder`.
+pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Invalid> {
+    if let Some(rest) = uri.strip_prefix("data:") {
+        return decode_data_uri(rest);
+    }
+    let path = folder.join(&*decoded_path(uri)?);
+    fs::read(&path).map_err(|source| {
+        Invalid::new("", format!("cannot read {}: {source}", path.display()))
+            .help("put the file there, or export the scene with its data embedded (.glb)")
+    })
+}
+
+/// The relative path that a URI names.
+fn decoded_path(uri: &str) -> Result<Cow<'_, str>, Invalid> {
+    // A single letter before the colon is a drive, not a scheme.
+    if let Some((scheme, _)) = uri.split_once(':')
+        && scheme.len() > 1
+        && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+    {
+        return Err(Invalid::new("", format!("has the scheme {scheme:?}"))
+            .help("only relative file names and data URIs can be read; download the file and refer to it by name"));
+    }
+    percent_decode_str(uri).decode_utf8().map_err(|_| Invalid::new("", format!("{uri:?} is not percent-encoded UTF-8")))
+}
+
+/// Decodes what follows `data:`, `[media type][;base64],payload`.
+fn decode_data_uri(rest: &str) -> Result<Vec<u8>, Invalid> {
+    // Real files come with and without padding.
+    const BASE64: GeneralPurpose = GeneralPurpose::new(
+        &base64::alphabet::STANDARD,
+        GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+    );
+    let (header, payload) =
+        rest.split_once(',').ok_or_else(|| Invalid::new("", "is a data URI without a comma, so without data"))?;
+    let bytes: Cow<'_, [u8]> = percent_decode_str(payload).into();
+    if header.ends_with(";base64") {
+        BASE64.decode(&bytes).map_err(|source| Invalid::new("", format!("is a data URI of invalid base64: {source}")))
+    } else {
+        Ok(bytes.into_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn data_uris_are_decoded_with_and_without_padding() {
+        let here = Path::new(".");
+        for uri in ["data:application/octet-stream;base64,AAEC/w==", "data:;base64,AAEC/w", "data:,%00%01%02%FF"] {
+            assert_eq!(read_uri(uri, here).expect(uri), [0, 1, 2, 255], "{uri}");
+        }
+        for uri in ["data:;base64", "data:;base64,A", "data:;base64,?!", "http://example.org/a.bin", "file:///a.bin"] {
+            assert!(read_uri(uri, here).is_err(), "{uri}");
+        }
+    }
+
+    #[test]
+    fn file_names_are_percent_decoded() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        fs::write(folder.path().join("a b é.bin"), [7]).expect("written");
+        assert_eq!(read_uri("a%20b%20%C3%A9.bin", folder.path()).expect("found"), [7]);
+        let missing = read_uri("absent.bin", folder.path()).expect_err("there is none");
+        assert!(missing.message.contains("absent.bin"), "{missing}");
+    }
+}

@@ -1,0 +1,255 @@
+//! glTF 2.0 and its binary form GLB, as a [`SceneDescription`].
+//!
+//! In: a file and what it refers to. Out: meshes in metres, materials, textures, lights (candela, lux, nit) and cameras
+//! in world axes. The document is parsed by the `gltf` crate's JSON types; everything that they refer to by index,
+//! offset or count is checked here, since files come damaged and the crate's own accessors trust them.
+//!
+//! Left to others: tangents where they are missing ([`complete`](super::complete)), colours as spectra, and every
+//! extension but those in [`SUPPORTED_EXTENSIONS`].
+
+mod accessor;
+mod animation;
+mod buffers;
+mod extensions;
+mod glb;
+mod instancing;
+mod light;
+mod material;
+mod mesh;
+mod nodes;
+mod skin;
+mod texture;
+mod variants;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::fs;
+use std::ops::Range;
+use std::path::Path;
+
+use glam::DAffine3;
+use gltf::json::Root;
+use gltf::json::scene::Node;
+
+use accessor::Accessors;
+pub use animation::Moment;
+use buffers::Buffers;
+use mesh::{MeshReader, Pose};
+use photosite_core::json::located;
+use photosite_core::warnings::Warnings;
+use photosite_core::{Error, Invalid, Result};
+use photosite_transport::scene::description::{
+    CameraDescription, InstanceDescription, LightDescription, SceneDescription,
+};
+use texture::Textures;
+
+/// Extensions that a file may require.
+pub const SUPPORTED_EXTENSIONS: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_iridescence",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// A glTF file.
+#[derive(Debug)]
+pub struct GltfFile {
+    /// What it describes.
+    pub scene: SceneDescription,
+    /// Names of its material variants.
+    pub variants: Vec<String>,
+    /// Names of its animations.
+    pub animations: Vec<String>,
+}
+
+/// What of a file is wanted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Choice<'a> {
+    /// The materials of this variant, where the file has one of that name.
+    pub variant: Option<&'a str>,
+    /// Where things are then; without it, as the file has them.
+    pub moment: Option<&'a Moment>,
+}
+
+/// Reads a `.gltf` or `.glb` file.
+pub fn read(path: &Path, choice: Choice<'_>) -> Result<GltfFile> {
+    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    read_bytes(&bytes, path, choice)
+}
+
+/// Reads a document from memory; `path` is for messages and for what the document refers to.
+pub(super) fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfFile> {
+    let is_glb = glb::is_glb(bytes);
+    let (json, chunk) =
+        if is_glb { glb::split(bytes).map_err(|invalid| invalid.in_file(path))? } else { (bytes, None) };
+    let root: Root = serde_json::from_slice(json).map_err(|error| {
+        let text = if error.is_eof() { "it ends too early".to_owned() } else { error.to_string() };
+        let problem = text.rsplit_once(" at line ").map_or(&*text, |(problem, _)| problem);
+        let invalid = Invalid::new("", format!("is no glTF document: {problem}")).help("export the scene as glTF 2.0");
+        // The lines of a binary file are nobody's, not even where its first bytes are missing.
+        let is_binary = is_glb || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+        if is_binary || json.is_empty() { invalid.in_file(path) } else { invalid.at_line(path, error.line()) }
+    })?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let in_text = |invalid| if is_glb { Invalid::in_file(invalid, path) } else { located(invalid, path, json) };
+    let read = || {
+        check(&root)?;
+        let variants = variants::names(&root)?;
+        let chosen = choice.variant.and_then(|variant| variants.iter().position(|name| name == variant));
+        let (scene, warnings) = convert(&root, chunk, folder, chosen, choice.moment)?;
+        Ok((GltfFile { scene, variants, animations: animation::names(&root) }, warnings))
+    };
+    read().map_err(in_text).map(|(mut file, warnings)| {
+        file.scene.warnings = warnings.of_file(path);
+        file
+    })
+}
+
+/// Checks what a document needs from a reader.
+fn check(root: &Root) -> Result<(), Invalid> {
+    let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
+    if !version.starts_with("2.") || root.asset.min_version.as_ref().is_some_and(|v| v != "2.0") {
+        return Err(Invalid::new("asset.version", format!("glTF {version} is not supported"))
+            .help("export the scene as glTF 2.0"));
+    }
+    for (i, name) in root.extensions_required.iter().enumerate() {
+        if !SUPPORTED_EXTENSIONS.contains(&name.as_str()) {
+            let message = format!("the file requires the extension {name}, which is not supported");
+            return Err(Invalid::new(format!("extensionsRequired[{i}]"), message)
+                .help(format!("export without it; supported are {}", SUPPORTED_EXTENSIONS.join(", "))));
+        }
+    }
+    Ok(())
+}
+
+fn convert(
+    root: &Root,
+    chunk: Option<&[u8]>,
+    folder: &Path,
+    variant: Option<usize>,
+    moment: Option<&Moment>,
+) -> Result<(SceneDescription, Warnings), Invalid> {
+    let mut warnings = Warnings::default();
+    for name in root.extensions_used.iter().filter(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str())) {
+        warnings.once(format!("the extension {name} is not supported and is ignored"));
+    }
+    let buffers = Buffers::load(root, chunk, folder)?;
+    let accessors = Accessors { root, buffers: &buffers };
+    let mut scene = SceneDescription::default();
+
+    let mut textures = Textures::new(root);
+    for (i, material) in root.materials.iter().enumerate() {
+        scene.materials.push(material::read_material(material, i, &mut textures, &mut warnings)?);
+    }
+    let default_material = scene.materials.len();
+    scene.materials.push(material::default_material());
+
+    let poses = animation::poses(accessors, moment, &mut warnings)?;
+    let times = poses.iter().map(|nodes| Moved::new(root, nodes)).collect::<Result<Vec<_>, _>>()?;
+    let reader = MeshReader { accessors, default_material, variant };
+    // glTF mesh in its own shape → the descriptions of its primitives, read once however often it is placed.
+    let mut meshes: HashMap<usize, Range<usize>> = HashMap::new();
+    let mut zero_area = 0;
+    for (i, placed) in times[0].placed.iter().enumerate() {
+        // The node at all times.
+        let always = || times.iter().map(|time| &time.placed[i]);
+        let later: Vec<DAffine3> = always().skip(1).map(|placed| nodes::rigid(&placed.to_world)).collect();
+        let camera = light::read_camera(root, placed, &mut warnings)?;
+        scene.cameras.extend(camera.map(|camera| CameraDescription { later: later.clone(), ..camera }));
+        let light = light::read_light(root, placed, &mut warnings)?;
+        scene.lights.extend(light.map(|light| LightDescription { later, ..light }));
+        let Some(mesh) = placed.node.mesh else { continue };
+        let key = format!("nodes[{}].mesh", placed.index);
+        let mut joints = Vec::new();
+        if let Some(skin) = placed.node.skin {
+            let key = format!("nodes[{}].skin", placed.index);
+            for time in &times {
+                joints.push(skin::joints(accessors, skin.value(), &key, &time.to_world)?);
+            }
+        }
+        let pose = |(time, placed): (usize, &nodes::PlacedNode<'_>)| Pose {
+            weights: placed.node.weights.clone(),
+            joints: joints.get(time).map(Vec::as_slice),
+        };
+        let mut poses: Vec<Pose<'_>> = always().enumerate().map(pose).collect();
+        if poses.iter().all(|pose| *pose == poses[0]) {
+            poses.truncate(1);
+        }
+        let mut read = |warnings: &mut Warnings| {
+            let (read, mended) = mesh::read_mesh(&reader, mesh.value(), &key, &poses, warnings)?;
+            zero_area += mended.zero_area;
+            if mended.normals > 0 {
+                warnings.once("some normals have no length and were computed from the triangles around them");
+            }
+            let first = scene.meshes.len();
+            scene.meshes.extend(read);
+            Ok::<_, Invalid>(first..scene.meshes.len())
+        };
+        let primitives = if poses.iter().all(Pose::is_own) {
+            match meshes.entry(mesh.value()) {
+                Entry::Occupied(known) => known.get().clone(),
+                Entry::Vacant(new) => new.insert(read(&mut warnings)?).clone(),
+            }
+        } else {
+            read(&mut warnings)?
+        };
+        // The joints of a skin stand in the world; where its mesh does is of no importance (§3.7.3.3).
+        let places = |placed| match joints[..] {
+            [] => instancing::placements(accessors, placed),
+            _ => Ok(vec![DAffine3::IDENTITY]),
+        };
+        let (first, later) = (places(placed)?, always().skip(1).map(places).collect::<Result<Vec<_>, _>>()?);
+        for (p, to_world) in first.into_iter().enumerate() {
+            let place = |mesh| {
+                let later = later.iter().map(|places| places[p]).collect();
+                InstanceDescription { name: placed.name.clone(), mesh, to_world, later }
+            };
+            scene.instances.extend(primitives.clone().map(place));
+        }
+    }
+    if zero_area > 0 {
+        warnings.once(super::zero_area_message(zero_area));
+    }
+    if scene.meshes.iter().all(|mesh| mesh.material != default_material) {
+        scene.materials.truncate(default_material);
+    }
+    scene.images = textures.decode(&buffers, folder)?;
+    Ok((scene, warnings))
+}
+
+/// Where all nodes are at a time.
+struct Moved<'a> {
+    /// Those of the scene, in the same order at every time.
+    placed: Vec<nodes::PlacedNode<'a>>,
+    /// Node → world by index, if it is in the scene.
+    to_world: Vec<Option<DAffine3>>,
+}
+
+impl<'a> Moved<'a> {
+    fn new(root: &Root, nodes: &'a [Node]) -> Result<Self, Invalid> {
+        let placed = nodes::placed_nodes(root, nodes)?;
+        let mut to_world = vec![None; nodes.len()];
+        for node in &placed {
+            to_world[node.index] = Some(node.to_world);
+        }
+        Ok(Self { placed, to_world })
+    }
+}

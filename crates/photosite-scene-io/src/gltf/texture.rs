@@ -1,0 +1,193 @@
+//! Textures: images, samplers and UV transforms. An image is decoded once, and only if a material uses it.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::Vec2;
+use gltf::json::Root;
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
+use gltf::json::validation::Checked;
+use rayon::prelude::*;
+
+use super::buffers::{Buffers, out_of_range, read_uri};
+use super::mesh::UV_SETS;
+use crate::picture::decode_picture;
+use photosite_core::Invalid;
+use photosite_transport::scene::description::TextureDescription;
+use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
+
+/// A reference to a texture, as materials make it in several shapes.
+pub(super) struct TextureUse<'a> {
+    pub(super) texture: usize,
+    pub(super) uv_set: u32,
+    pub(super) transform: Option<&'a TextureTransform>,
+}
+
+/// Collects the textures that materials use.
+pub(super) struct Textures<'a> {
+    root: &'a Root,
+    /// Picture → index among the images of the scene description.
+    slots: HashMap<Picture, usize>,
+    /// Pictures in the order of their slots.
+    used: Vec<Picture>,
+}
+
+/// What is made of a glTF image.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Picture {
+    /// The image itself.
+    Image(usize),
+    /// The roughness 1 − factor·alpha, in the green channel, of an image whose alpha is glossiness. The factor is kept by
+    /// its bits.
+    Roughness(usize, u32),
+}
+
+impl<'a> Textures<'a> {
+    pub(super) fn new(root: &'a Root) -> Self {
+        Self { root, slots: HashMap::new(), used: Vec::new() }
+    }
+
+    /// Describes the use of a texture and notes that its image is needed. `key` names what refers to it.
+    pub(super) fn describe(&mut self, used: TextureUse<'_>, key: &str) -> Result<TextureDescription, Invalid> {
+        self.describe_picture(used, key, Picture::Image)
+    }
+
+    /// The same for a texture whose alpha is glossiness, as a texture whose green is the roughness that
+    /// `glossiness`·alpha leaves.
+    pub(super) fn describe_roughness(
+        &mut self,
+        used: TextureUse<'_>,
+        glossiness: f32,
+        key: &str,
+    ) -> Result<TextureDescription, Invalid> {
+        self.describe_picture(used, key, |image| Picture::Roughness(image, glossiness.to_bits()))
+    }
+
+    fn describe_picture(
+        &mut self,
+        used: TextureUse<'_>,
+        key: &str,
+        picture: impl FnOnce(usize) -> Picture,
+    ) -> Result<TextureDescription, Invalid> {
+        let index = used.texture;
+        let textures = &self.root.textures;
+        let texture = textures
+            .get(index)
+            .ok_or_else(|| out_of_range(&format!("{key}.index"), "textures", index, textures.len()))?;
+        let named = |name: &str| texture.extensions.as_ref().and_then(|e| e.others.get(name)?.get("source")?.as_u64());
+        // A file may offer a PNG beside the WebP; the WebP is the better one.
+        let image = named("EXT_texture_webp").map_or(texture.source.value(), |image| image as usize);
+        if image == u32::MAX as usize {
+            let message = match named("KHR_texture_basisu") {
+                Some(_) => "has an image of Basis Universal (KTX2, KHR_texture_basisu) alone, which is not supported",
+                None => "has no source: its image is of a kind that is not supported",
+            };
+            return Err(
+                Invalid::new(format!("textures[{index}]"), message).help("export the textures as PNG, JPEG or WebP")
+            );
+        }
+        if image >= self.root.images.len() {
+            return Err(out_of_range(&format!("textures[{index}].source"), "images", image, self.root.images.len()));
+        }
+        let sampler = match texture.sampler {
+            Some(sampler) => {
+                let samplers = &self.root.samplers;
+                let found = samplers.get(sampler.value());
+                let found = found.ok_or_else(|| {
+                    out_of_range(&format!("textures[{index}].sampler"), "samplers", sampler.value(), samplers.len())
+                })?;
+                sampler_settings(found, &format!("samplers[{}]", sampler.value()))?
+            }
+            None => SamplerSettings::default(),
+        };
+        let uv_set = used.transform.and_then(|t| t.tex_coord).unwrap_or(used.uv_set) as usize;
+        if uv_set >= UV_SETS {
+            let message = format!("uses TEXCOORD_{uv_set}, but only {UV_SETS} UV sets are supported");
+            return Err(Invalid::new(format!("{key}.texCoord"), message).help("write 0 or 1"));
+        }
+        let transform = used.transform.map(|t| uv_transform(t, key)).transpose()?.unwrap_or_default();
+        let picture = picture(image);
+        let slot = *self.slots.entry(picture).or_insert_with(|| {
+            self.used.push(picture);
+            self.used.len() - 1
+        });
+        Ok(TextureDescription { image: slot, uv_set, sampler, transform })
+    }
+
+    /// Decodes the images that were asked for, in parallel.
+    pub(super) fn decode(self, buffers: &Buffers, folder: &Path) -> Result<Vec<Arc<Bitmap>>, Invalid> {
+        let decode = |&picture: &Picture| match picture {
+            Picture::Image(image) => read_image(self.root, image, buffers, folder).map(Arc::new),
+            Picture::Roughness(image, glossiness) => read_image(self.root, image, buffers, folder)
+                .map(|glossy| Arc::new(roughness(&glossy, f32::from_bits(glossiness)))),
+        };
+        // Collected before the first error is looked for, so that always the same error is reported.
+        let decoded: Vec<Result<Arc<Bitmap>, Invalid>> = self.used.par_iter().map(decode).collect();
+        decoded.into_iter().collect()
+    }
+}
+
+fn read_image(root: &Root, index: usize, buffers: &Buffers, folder: &Path) -> Result<Bitmap, Invalid> {
+    let image = &root.images[index];
+    let key = format!("images[{index}]");
+    let (bytes, name) = match (&image.uri, image.buffer_view) {
+        (Some(uri), _) => {
+            let key = format!("{key}.uri");
+            let name = if uri.starts_with("data:") { key.clone() } else { uri.clone() };
+            (read_uri(uri, folder).map_err(|e| e.within(&key))?.into(), image.name.clone().unwrap_or(name))
+        }
+        (None, Some(view)) => {
+            let (bytes, _) = buffers.view(root, view.value(), &format!("{key}.bufferView"))?;
+            (std::borrow::Cow::from(bytes), image.name.clone().unwrap_or_else(|| key.clone()))
+        }
+        (None, None) => return Err(Invalid::new(key, "has neither a uri nor a bufferView, so no picture")),
+    };
+    decode_picture(&bytes, name).map_err(|e| e.within(&key))
+}
+
+/// 1 − factor·alpha in the green channel.
+fn roughness(glossy: &Bitmap, factor: f32) -> Bitmap {
+    let texel = |i: usize| {
+        let roughness = ((1.0 - factor * glossy.linear_texel(i)[3]) * f32::from(u16::MAX)).round() as u16;
+        [u16::MAX, roughness, 0, u16::MAX]
+    };
+    let texels = Texels::Rgba16((0..glossy.texels.len()).map(texel).collect());
+    Bitmap { name: glossy.name.clone(), width: glossy.width, height: glossy.height, texels }
+}
+
+fn sampler_settings(sampler: &Sampler, key: &str) -> Result<SamplerSettings, Invalid> {
+    let wrap = |mode: &Checked<WrappingMode>, name: &str| match mode {
+        Checked::Valid(WrappingMode::Repeat) => Ok(Wrap::Repeat),
+        Checked::Valid(WrappingMode::MirroredRepeat) => Ok(Wrap::MirroredRepeat),
+        Checked::Valid(WrappingMode::ClampToEdge) => Ok(Wrap::ClampToEdge),
+        Checked::Invalid => {
+            Err(Invalid::new(format!("{key}.{name}"), "is unknown").help("write 10497, 33648 or 33071"))
+        }
+    };
+    // A render magnifies wherever it resolves texels, so the magnification filter decides; the other one only where a
+    // file gives no more than that.
+    let nearest = match (&sampler.mag_filter, &sampler.min_filter) {
+        (Some(Checked::Valid(filter)), _) => *filter == MagFilter::Nearest,
+        (None, Some(Checked::Valid(filter))) => matches!(filter, MinFilter::Nearest | MinFilter::NearestMipmapNearest),
+        (None, None) => false,
+        (Some(Checked::Invalid), _) | (None, Some(Checked::Invalid)) => {
+            return Err(Invalid::new(key, "has an unknown filter").help("write 9728 or 9729 as magFilter"));
+        }
+    };
+    Ok(SamplerSettings {
+        wrap: [wrap(&sampler.wrap_s, "wrapS")?, wrap(&sampler.wrap_t, "wrapT")?],
+        filter: if nearest { Filter::Nearest } else { Filter::Linear },
+    })
+}
+
+fn uv_transform(transform: &TextureTransform, key: &str) -> Result<UvTransform, Invalid> {
+    let offset = Vec2::from_array(transform.offset.0);
+    let scale = Vec2::from_array(transform.scale.0);
+    let rotation_rad = transform.rotation.0;
+    if !(offset.is_finite() && scale.is_finite() && rotation_rad.is_finite()) {
+        return Err(Invalid::new(format!("{key}.extensions.KHR_texture_transform"), "is not finite"));
+    }
+    Ok(UvTransform { offset, rotation_rad, scale })
+}

@@ -1,0 +1,24 @@
+//! Scene files: glTF, OBJ with MTL, environment pictures and IES profiles become the descriptions of
+//! [`photosite_transport::scene`].
+
+mod complete;
+mod environment;
+pub mod gltf;
+mod ies;
+mod mesh;
+pub mod obj;
+mod picture;
+mod tangents;
+
+pub use complete::complete;
+pub use environment::read_environment;
+pub use ies::read_ies;
+pub use picture::{decode, read_picture};
+
+/// Tells the user of triangles that were left out.
+fn zero_area_message(count: usize) -> String {
+    match count {
+        1 => "1 triangle of zero area is left out".to_owned(),
+        _ => format!("{count} triangles of zero area are left out"),
+    }
+}

@@ -1,0 +1,145 @@
+//! OBJ geometry with MTL materials, as a [`SceneDescription`].
+//!
+//! In: an `.obj` file, the material libraries and pictures that it names. Out: meshes in the file's own unit, one for
+//! each material of each object, at the origin; materials with what the MTL file says of them.
+//!
+//! Concave polygons, continued lines, smoothing groups and the options of textures are followed; curves, free-form
+//! surfaces, groups (`g`) and vertex colours are not. The parser is our own because files of this format are often wrong
+//! in small ways, and a message is of use only with a line number. A test compares it with that of the `tobj` crate on
+//! what both can read.
+
+mod geometry;
+mod lines;
+mod map;
+mod material;
+mod mesh;
+mod mtl;
+mod pictures;
+mod polygon;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glam::DAffine3;
+
+use super::mesh::checked;
+use geometry::Geometry;
+use material::{describe, roughness_of_exponent, undescribed};
+use mtl::MtlMaterial;
+use photosite_core::warnings::Warnings;
+use photosite_core::{Error, Invalid, Result};
+use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
+use pictures::Pictures;
+
+pub use mesh::MissingNormals;
+
+/// An OBJ file as read.
+#[derive(Debug)]
+pub struct ObjFile {
+    /// What it holds.
+    pub scene: SceneDescription,
+    /// Materials that faces use but no library describes; they are diffuse grey in the scene. A capture file may describe
+    /// them, so they are not yet worth a warning.
+    pub undescribed_materials: Vec<String>,
+}
+
+/// Reads an `.obj` file with its materials.
+pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
+    let text = read_text(path)?;
+    let mut warnings = Warnings::default();
+    let geometry = Geometry::parse(&text, path, &mut warnings)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let libraries = read_libraries(&geometry, folder, &mut warnings)?;
+
+    let mut scene = SceneDescription::default();
+    let mut pictures = Pictures::default();
+    let mut undescribed_materials = Vec::new();
+    for name in &geometry.materials {
+        scene.materials.push(match libraries.get(name) {
+            Some((library, mtl)) => describe(mtl, pictures.of_material(mtl, library)?, &mut warnings),
+            None => {
+                undescribed_materials.push(name.clone());
+                undescribed(name)
+            }
+        });
+    }
+    let mut zero_area = 0;
+    for mesh in mesh::meshes(&geometry, missing_normals) {
+        let (mesh, mended) = checked(mesh).map_err(|invalid| invalid.in_file(path))?;
+        zero_area += mended.zero_area;
+        if mended.normals > 0 {
+            warnings.once("some normals have no length and were computed from the triangles around them");
+        }
+        if mesh.triangles.is_empty() {
+            continue;
+        }
+        if mesh.material == scene.materials.len() {
+            scene.materials.push(undescribed("default"));
+        }
+        let (name, index) = (mesh.name.clone(), scene.meshes.len());
+        scene.meshes.push(mesh);
+        scene.instances.push(InstanceDescription {
+            name,
+            mesh: index,
+            to_world: DAffine3::IDENTITY,
+            later: Vec::new(),
+        });
+    }
+    if zero_area > 0 {
+        warnings.once(super::zero_area_message(zero_area));
+    }
+    if scene.meshes.is_empty() {
+        let message = match zero_area {
+            0 => "has no triangles".to_owned(),
+            _ => format!("has no triangles but {zero_area} of zero area"),
+        };
+        return Err(Invalid::new("", message).help("export the scene with its faces").in_file(path));
+    }
+    scene.images = pictures.images;
+    scene.warnings = warnings.of_file(path);
+    Ok(ObjFile { scene, undescribed_materials })
+}
+
+/// Bytes that are no UTF-8, as in comments and names of old files, become replacement characters.
+fn read_text(path: &Path) -> Result<String> {
+    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    Ok(String::from_utf8(bytes).unwrap_or_else(|bad| String::from_utf8_lossy(bad.as_bytes()).into_owned()))
+}
+
+/// Materials by name, each with the path of its library. The first description of a name counts.
+fn read_libraries(
+    geometry: &Geometry,
+    folder: &Path,
+    warnings: &mut Warnings,
+) -> Result<HashMap<String, (PathBuf, MtlMaterial)>> {
+    let mut known = HashMap::new();
+    for (line, names) in &geometry.libraries {
+        // A statement may list several files, or name one with blanks in its name.
+        let whole = file_beside(folder, names);
+        let paths = if whole.exists() {
+            vec![whole]
+        } else {
+            names.split_whitespace().map(|n| file_beside(folder, n)).collect()
+        };
+        for path in paths {
+            if !path.exists() {
+                warnings.once(format!("line {line}: the material library {} is missing", path.display()));
+                continue;
+            }
+            for material in mtl::parse(&read_text(&path)?, &path, warnings)? {
+                known.entry(material.name.clone()).or_insert_with(|| (path.clone(), material));
+            }
+        }
+    }
+    Ok(known)
+}
+
+/// The path of a file that another one names; backslashes of other systems are understood where nothing else fits.
+fn file_beside(folder: &Path, name: &str) -> PathBuf {
+    let path = folder.join(name);
+    if path.exists() || !name.contains('\\') { path } else { folder.join(name.replace('\\', "/")) }
+}

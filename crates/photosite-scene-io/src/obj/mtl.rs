@@ -1,0 +1,252 @@
+//! The statements of an MTL file, as lists of parameters.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::lines::{Statement, number, statements};
+use super::map::{Map, MapChannel, map};
+use photosite_core::spectrum::rgb;
+use photosite_core::warnings::Warnings;
+use photosite_core::{Invalid, Result};
+
+/// A material as the file has it. Colours are taken as linear sRGB: the format does not say.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MtlMaterial {
+    pub(super) name: String,
+    /// `Kd`.
+    pub(super) diffuse: Option<[f32; 3]>,
+    /// `Ks`.
+    pub(super) specular: Option<[f32; 3]>,
+    /// `Ke`.
+    pub(super) emission: Option<[f32; 3]>,
+    /// `Ns`, exponent of a Blinn–Phong lobe.
+    pub(super) shininess: Option<f32>,
+    /// `Ni`.
+    pub(super) index: Option<f32>,
+    /// `d`, or 1 − `Tr`.
+    pub(super) opacity: Option<f32>,
+    /// `illum`.
+    pub(super) illumination_model: Option<u32>,
+    /// `Pr`, perceptual roughness 0–1.
+    pub(super) roughness: Option<f32>,
+    /// `Pm`, 0–1.
+    pub(super) metallic: Option<f32>,
+    /// `Tf`, the colour of light that passes.
+    pub(super) transmission_filter: Option<[f32; 3]>,
+    /// `Pc`, weight of a clear coat 0–1.
+    pub(super) coat: Option<f32>,
+    /// `Pcr`, its perceptual roughness.
+    pub(super) coat_roughness: Option<f32>,
+    /// `Ps`, weight of sheen 0–1.
+    pub(super) sheen: Option<f32>,
+    /// `aniso`, 0–1.
+    pub(super) anisotropy: Option<f32>,
+    /// `anisor`, in turns.
+    pub(super) anisotropy_rotation: Option<f32>,
+    pub(super) diffuse_map: Option<Map>,
+    pub(super) specular_map: Option<Map>,
+    pub(super) emission_map: Option<Map>,
+    /// Factor of the exponent.
+    pub(super) shininess_map: Option<Map>,
+    pub(super) opacity_map: Option<Map>,
+    pub(super) roughness_map: Option<Map>,
+    pub(super) metallic_map: Option<Map>,
+    pub(super) sheen_map: Option<Map>,
+    pub(super) coat_map: Option<Map>,
+    pub(super) coat_roughness_map: Option<Map>,
+    /// `norm`: a tangent-space normal map.
+    pub(super) normal_map: Option<Map>,
+    /// `bump`: heights.
+    pub(super) bump_map: Option<Map>,
+}
+
+/// Reads the text of an MTL file.
+pub(super) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Result<Vec<MtlMaterial>> {
+    let mut materials: Vec<MtlMaterial> = Vec::new();
+    for statement in statements(text) {
+        if statement.keyword() == "newmtl" {
+            materials.push(MtlMaterial { name: statement.rest().to_owned(), ..MtlMaterial::default() });
+            continue;
+        }
+        let Some(material) = materials.last_mut() else {
+            let message = "comes before any material";
+            return Err(statement.at(Invalid::new("", message).help("begin the file with newmtl and a name"), path));
+        };
+        material.add(&statement, warnings).map_err(|invalid| statement.at(invalid, path))?;
+    }
+    Ok(materials)
+}
+
+impl MtlMaterial {
+    fn add(&mut self, statement: &Statement<'_>, warnings: &mut Warnings) -> Result<(), Invalid> {
+        let key = statement.keyword();
+        let name = self.name.clone();
+        let mut left_out =
+            |what: &str| warnings.once(format!("material {name:?}: {key} ({what}) is not supported and is left out"));
+        match key {
+            "Kd" => self.diffuse = colour(statement, warnings)?,
+            "Ks" => self.specular = colour(statement, warnings)?,
+            "Ke" => self.emission = colour(statement, warnings)?,
+            "Ns" => self.shininess = Some(statement.numbers::<1>(1)?.0[0]),
+            "Ni" => self.index = Some(statement.numbers::<1>(1)?.0[0]),
+            "d" => {
+                let mut words = statement.words().peekable();
+                if words.next_if_eq(&"-halo").is_some() {
+                    left_out("opacity by angle");
+                }
+                self.opacity = Some(number(words.next().unwrap_or_default())?);
+            }
+            // Its meaning varies between programs, d's does not.
+            "Tr" => {
+                let transparency = statement.numbers::<1>(1)?.0[0];
+                self.opacity.get_or_insert(1.0 - transparency);
+            }
+            "illum" => {
+                let word = statement.words().next().unwrap_or_default();
+                let model = word.parse().map_err(|_| Invalid::new("", format!("{word:?} is no illumination model")));
+                self.illumination_model = Some(model?);
+            }
+            "Pr" => self.roughness = Some(statement.numbers::<1>(1)?.0[0]),
+            "Pm" => self.metallic = Some(statement.numbers::<1>(1)?.0[0]),
+            "Tf" => self.transmission_filter = colour(statement, warnings)?,
+            "Pc" => self.coat = Some(statement.numbers::<1>(1)?.0[0]),
+            "Pcr" => self.coat_roughness = Some(statement.numbers::<1>(1)?.0[0]),
+            "Ps" => self.sheen = Some(statement.numbers::<1>(1)?.0[0]),
+            "aniso" => self.anisotropy = Some(statement.numbers::<1>(1)?.0[0]),
+            "anisor" => self.anisotropy_rotation = Some(statement.numbers::<1>(1)?.0[0]),
+            "map_Kd" => self.diffuse_map = Some(map(statement, warnings)?),
+            "map_Ks" => self.specular_map = Some(map(statement, warnings)?),
+            "map_Ke" => self.emission_map = Some(map(statement, warnings)?),
+            "map_Ns" => self.shininess_map = Some(map(statement, warnings)?),
+            "map_d" => self.opacity_map = Some(map(statement, warnings)?),
+            "map_Pr" => self.roughness_map = Some(map(statement, warnings)?),
+            "map_Pm" => self.metallic_map = Some(map(statement, warnings)?),
+            "map_Ps" => self.sheen_map = Some(map(statement, warnings)?),
+            "map_Pc" => self.coat_map = Some(map(statement, warnings)?),
+            "map_Pcr" => self.coat_roughness_map = Some(map(statement, warnings)?),
+            // Roughness, metalness and occlusion in one picture, in the order that the letters say.
+            "map_RMA" | "map_ORM" => {
+                let [roughness, metallic] = match key {
+                    "map_RMA" => [MapChannel::R, MapChannel::G],
+                    _ => [MapChannel::G, MapChannel::B],
+                };
+                let packed = map(statement, warnings)?;
+                self.roughness_map = Some(Map { channel: Some(roughness), ..packed.clone() });
+                self.metallic_map = Some(Map { channel: Some(metallic), ..packed });
+            }
+            "norm" | "map_Kn" => self.normal_map = Some(map(statement, warnings)?),
+            "map_Bump" | "map_bump" | "bump" => self.bump_map = Some(map(statement, warnings)?),
+            "disp" | "decal" | "refl" => left_out("a texture"),
+            // Of pictures that stand for surroundings, of light that comes from nowhere, of rasterisers.
+            "sharpness" | "Ka" | "map_Ka" | "map_aat" => {}
+            _ => left_out("an unknown statement"),
+        }
+        Ok(())
+    }
+}
+
+/// `r g b`, or `r` for grey; the same after `xyz`, where white has the XYZ of D65 at Y = 1. Files of spectra are left out
+/// with a warning.
+fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[f32; 3]>, Invalid> {
+    let mut words = statement.words();
+    let form = words.next().filter(|word| matches!(*word, "spectral" | "xyz"));
+    if form == Some("spectral") {
+        let (line, key) = (statement.line, statement.keyword());
+        warnings.once(format!("line {line}: {key} as a spectral curve is not supported and is left out"));
+        return Ok(None);
+    }
+    let words = if form.is_some() { words } else { statement.words() };
+    let numbers: Vec<f32> = words.take(4).map(number).collect::<Result<_, _>>()?;
+    let colour = match numbers[..] {
+        [grey] => [grey; 3],
+        [x, y, z] => [x, y, z],
+        _ => return Err(Invalid::new("", format!("needs 1 or 3 numbers, found {}", numbers.len()))),
+    };
+    Ok(Some(if form.is_some() {
+        (*rgb::xyz_to_rgb() * DVec3::from_array(colour.map(f64::from))).as_vec3().to_array()
+    } else {
+        colour
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+
+    use super::*;
+    use crate::obj::map::Range;
+    use photosite_transport::texture::Wrap;
+
+    fn material(lines: &str) -> Result<MtlMaterial> {
+        let found = parse(&format!("newmtl m\n{lines}"), Path::new("a.mtl"), &mut Warnings::default())?;
+        Ok(found.into_iter().next().expect("one material"))
+    }
+
+    #[test]
+    fn parameters_are_read() {
+        let m =
+            material("Kd .1 .2 .3\nKs 0.5\nKe 1 2 3\nNs 100\nNi 1.5\nillum 7\nPr 0.4\nPm 1\nTr 0.25").expect("valid");
+        assert_eq!((m.diffuse, m.specular, m.emission), (Some([0.1, 0.2, 0.3]), Some([0.5; 3]), Some([1.0, 2.0, 3.0])));
+        assert_eq!(
+            (m.shininess, m.index, m.illumination_model, m.opacity),
+            (Some(100.0), Some(1.5), Some(7), Some(0.75))
+        );
+        assert_eq!((m.roughness, m.metallic), (Some(0.4), Some(1.0)));
+        let m = material("Tf 1 0.5 0\nPc 0.3\nPcr 0.1\nPs 0.2\naniso 0.7\nanisor 0.25").expect("valid");
+        assert_eq!((m.transmission_filter, m.coat, m.coat_roughness), (Some([1.0, 0.5, 0.0]), Some(0.3), Some(0.1)));
+        assert_eq!((m.sheen, m.anisotropy, m.anisotropy_rotation), (Some(0.2), Some(0.7), Some(0.25)));
+        assert_eq!(material("Tr 1\nd -halo 0.5").expect("valid").opacity, Some(0.5));
+        assert_eq!(material("Kd spectral gold.rfl 1.0").expect("left out").diffuse, None);
+        // The red of sRGB has (x, y) = (0.64, 0.33) and Y = 0.2126, rounded.
+        let [r, g, b] = material("Ks xyz 0.4124 0.2126 0.0193").expect("valid").specular.expect("a colour");
+        assert!((r - 1.0).abs() < 1e-3 && g.abs() < 1e-3 && b.abs() < 1e-3, "{r} {g} {b}");
+    }
+
+    #[test]
+    fn options_of_maps_are_followed_and_names_may_have_blanks() {
+        let text = "map_Kd -clamp on -s 2 4 -o 0.5 0.25 -bm 0.3 -mm 0 1 my wood.png";
+        let map = material(text).expect("valid").diffuse_map.expect("a map");
+        assert_eq!((map.bumps, map.channel, map.range), (0.3, None, Range::WHOLE));
+        assert_eq!((map.file.as_str(), map.sampler.wrap), ("my wood.png", [Wrap::ClampToEdge; 2]));
+        // At OBJ's (u, v) = (0, 0), which is (0, 1) here, OBJ looks up (0.5, 0.25), which is (0.5, 0.75) here.
+        assert_eq!(Vec2::new(0.0, 1.0) * map.transform.scale + map.transform.offset, Vec2::new(0.5, 0.75));
+        let rough = material("map_Pr -imfchan g -mm 0.5 2 r.png").expect("valid").roughness_map.expect("a map");
+        assert_eq!((rough.channel, rough.file.as_str()), (Some(MapChannel::G), "r.png"));
+        assert_eq!(rough.range, Range { base: 0.5, gain: 2.0 });
+        assert_eq!(material("norm -odd name.png").expect("valid").normal_map.expect("a map").file, "-odd name.png");
+    }
+
+    #[test]
+    fn every_map_has_its_place() {
+        let text = "map_Ks a\nmap_Ke b\nmap_Ns c\nmap_Ps d\nmap_Pc e\nmap_Pcr f\nbump -bm 0.5 g\nmap_d h";
+        let m = material(text).expect("valid");
+        let all = [m.specular_map, m.emission_map, m.shininess_map, m.sheen_map, m.coat_map, m.coat_roughness_map];
+        let files: Vec<_> =
+            all.into_iter().chain([m.bump_map, m.opacity_map]).map(|m| m.expect("a map").file).collect();
+        assert_eq!(files, ["a", "b", "c", "d", "e", "f", "g", "h"]);
+        for (key, channels) in
+            [("map_RMA", [MapChannel::R, MapChannel::G]), ("map_ORM", [MapChannel::G, MapChannel::B])]
+        {
+            let m = material(&format!("{key} all.png")).expect("valid");
+            assert_eq!([m.roughness_map, m.metallic_map].map(|m| m.expect("a map").channel), channels.map(Some));
+        }
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        for (lines, message) in [
+            ("Kd 1 2", "a.mtl:2: Kd: needs 1 or 3"),
+            ("Kd", "a.mtl:2: Kd: "),
+            ("Ns x", "a.mtl:2: Ns: \"x\""),
+            ("Ka 1\nd", "a.mtl:3: d: "),
+            ("map_Kd -s 1", "a.mtl:2: map_Kd: names no file"),
+            ("illum two", "a.mtl:2: illum: \"two\""),
+        ] {
+            let error = material(lines).expect_err(lines).to_string();
+            assert!(error.starts_with(message), "{error}");
+        }
+        let error = parse("Kd 1 1 1", Path::new("a.mtl"), &mut Warnings::default()).expect_err("no name").to_string();
+        assert!(error.contains("before any material"), "{error}");
+    }
+}

@@ -1,0 +1,179 @@
+//! Whole files, made here: what they mean, and what happens when they are damaged.
+
+use std::fs;
+
+use glam::{Vec2, Vec3};
+use rstest::rstest;
+use tempfile::TempDir;
+
+use super::*;
+use photosite_transport::scene::description::{AlphaMode, Colour, MaterialModel};
+use photosite_transport::texture::Texels;
+
+/// A folder with `scene.obj` and what else a test needs.
+fn folder(files: &[(&str, &[u8])]) -> TempDir {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    for (name, bytes) in files {
+        fs::write(folder.path().join(name), bytes).expect("written");
+    }
+    folder
+}
+
+fn read_text(text: &str) -> Result<ObjFile> {
+    let folder = folder(&[("scene.obj", text.as_bytes())]);
+    read(&folder.path().join("scene.obj"), MissingNormals::Flat)
+}
+
+fn scene(text: &str) -> SceneDescription {
+    read_text(text).expect("a valid file").scene
+}
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+#[test]
+fn corners_are_counted_from_the_start_or_backwards() {
+    for face in ["f 1 2 3 4", "f -4 -3 -2 -1", "f 1/1 2/1 3/1 4/1\nvt 0.25 0.25", "f 1//1 2//1 3//1 4//1\nvn 0 0 2"] {
+        let mesh = &scene(&format!("{SQUARE}{face}")).meshes[0];
+        assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y], "{face}");
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(mesh.uvs.len(), usize::from(face.contains("vt")));
+        assert_eq!(mesh.normals.len(), if face.contains("vn") { 4 } else { 0 });
+        assert!(mesh.uvs.iter().flatten().all(|&uv| uv == Vec2::new(0.25, 0.75)), "v grows downwards");
+        assert!(mesh.normals.iter().all(|&n| n == Vec3::Z), "unit normals");
+    }
+}
+
+#[test]
+fn meshes_are_split_by_object_and_material() {
+    let text =
+        format!("{SQUARE}f 1 2 3\nusemtl red\nf 1 2 3\no box\nf 1 2 3\nusemtl blue\nf 1 2 3\nusemtl red\nf 2 3 4");
+    let file = read_text(&text).expect("a valid file");
+    let names: Vec<&str> = file.scene.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
+    assert_eq!(names, ["red", "mesh", "box/red", "box/blue"]);
+    let materials: Vec<&str> =
+        file.scene.meshes.iter().map(|m| file.scene.materials[m.material].name.as_str()).collect();
+    assert_eq!(materials, ["red", "default", "red", "blue"]);
+    assert_eq!(file.undescribed_materials, ["red", "blue"]);
+    assert_eq!(file.scene.meshes[2].triangles.len(), 2);
+    assert!(file.scene.warnings.is_empty(), "{:?}", file.scene.warnings);
+}
+
+#[test]
+fn smoothing_groups_smooth_within_themselves() {
+    // Two squares that meet at a right angle along the edge 1–2.
+    let roof = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n";
+    let (up, side) = ("f 1 2 3 4", "f 2 1 5 6");
+    let normals = |text: &str| scene(&format!("{roof}{text}")).meshes[0].normals.clone();
+    assert!(normals(&format!("{up}\n{side}")).is_empty(), "flat unless told otherwise");
+    let smooth = normals(&format!("s 1\n{up}\n{side}"));
+    let between = Vec3::new(0.0, 1.0, 1.0).normalize();
+    assert_eq!(smooth.iter().filter(|n| (**n - between).length() < 1e-6).count(), 2, "{smooth:?}");
+    let apart = normals(&format!("s 1\n{up}\ns 2\n{side}"));
+    assert_eq!(apart.len(), 8);
+    assert!(apart.iter().all(|n| *n == Vec3::Y || *n == Vec3::Z), "{apart:?}");
+    let half = normals(&format!("s 1\n{up}\ns off\n{side}"));
+    assert_eq!(half.len(), 8, "explicit flat normals beside smooth ones");
+
+    let folder = folder(&[("scene.obj", format!("{roof}{up}\n{side}").as_bytes())]);
+    let file = read(&folder.path().join("scene.obj"), MissingNormals::Smooth).expect("a valid file");
+    assert_eq!(file.scene.meshes[0].normals.len(), 6, "smooth on request");
+}
+
+#[test]
+fn materials_come_from_the_library_and_pictures_from_beside_it() {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let grey = image::GrayImage::from_pixel(1, 1, image::Luma([77]));
+    grey.write_to(&mut png, image::ImageFormat::Png).expect("encoded");
+    let mtl = b"newmtl my wood\nKd 1 0.5 0.25\nmap_Kd -s 2 2 my pic.png\nmap_d my pic.png\n# comment\nnewmtl lamp\nKe 3 3 3\n";
+    let obj = format!("mtllib my lib.mtl\n{SQUARE}vt 0 0\nusemtl my wood\nf 1/1 2/1 3/1\nusemtl lamp\nf 1 2 3\n");
+    let folder = folder(&[("scene.obj", obj.as_bytes()), ("my lib.mtl", mtl), ("my pic.png", png.get_ref())]);
+    let file = read(&folder.path().join("scene.obj"), MissingNormals::Flat).expect("a valid file");
+    let scene = file.scene;
+    assert!(file.undescribed_materials.is_empty());
+    let wood = &scene.materials[0];
+    assert_eq!((wood.name.as_str(), wood.alpha), ("my wood", AlphaMode::Blend));
+    let MaterialModel::Diffuse { reflectance } = &wood.model else { panic!("{:?}", wood.model) };
+    let (Colour::Rgb([1.0, 0.5, 0.25]), Some(texture)) = (&reflectance.colour, &reflectance.texture) else {
+        panic!("{reflectance:?}")
+    };
+    assert_eq!(texture.transform.scale, Vec2::splat(2.0));
+    let opacity = wood.alpha_texture.as_ref().expect("map_d");
+    assert_eq!(scene.images[opacity.image].linear_texel(0), [77.0 / 255.0; 4]);
+    assert!(matches!(&scene.images[texture.image].texels, Texels::Rgba8(t) if t[0] == [77, 77, 77, 255]));
+    assert_eq!(scene.materials[1].emission.as_ref().and_then(|e| e.level), Some(1.0));
+}
+
+#[test]
+fn a_missing_library_is_a_warning_and_a_missing_picture_an_error() {
+    let obj = format!("mtllib gone.mtl\n{SQUARE}usemtl red\nf 1 2 3\n");
+    let file = read_text(&obj).expect("valid but for its colours");
+    assert!(file.scene.warnings[0].contains("line 1") && file.scene.warnings[0].contains("gone.mtl"));
+    assert_eq!(file.undescribed_materials, ["red"]);
+
+    let obj = format!("mtllib a.mtl\n{SQUARE}usemtl red\nf 1 2 3\n");
+    let folder = folder(&[("scene.obj", obj.as_bytes()), ("a.mtl", b"newmtl red\nKd 1 0 0\nmap_Kd gone.png\n")]);
+    let error = read(&folder.path().join("scene.obj"), MissingNormals::Flat).expect_err("no picture").to_string();
+    assert!(error.contains("a.mtl:3: map_Kd: ") && error.contains("gone.png"), "{error}");
+}
+
+#[rstest]
+#[case::beyond("f 1 2 9", ":5: f: refers to vertex 9, but the file has 4")]
+#[case::zero("f 0 1 2", ":5: f: \"0\" refers to vertex 0")]
+#[case::backwards("f -1 -2 -5", ":5: f: \"-5\" refers to vertex -5")]
+#[case::uv("f 1/1 2/1 3/2\nvt 0 0", ":5: f: refers to texture vertex 2")]
+#[case::normal("f 1//3 2//1 3//1\nvn 0 0 1", ":5: f: refers to normal 3")]
+#[case::word("f 1 2 x", ":5: f: \"x\" is no corner")]
+#[case::slashes("f 1/1/1/1 2 3", ":5: f: \"1/1/1/1\" is no corner")]
+#[case::huge("f 1 2 99999999999999999999", ":5: f: \"99999999999999999999\" is no corner")]
+#[case::two("f 1 2", ":5: f: a face needs 3 corners, found 2")]
+#[case::coordinate("v 1 2", ":5: v: \"v\" needs 3 numbers, found 2")]
+#[case::nan("v 1 nan 2", ":5: v: \"nan\" is not finite")]
+#[case::continued("\n\\\nv 1 \\\n nan 2", ":6: v: ")]
+#[case::smoothing("s maybe", ":5: s: \"maybe\" is no smoothing group")]
+#[case::empty("", ": has no triangles")]
+#[case::zero_area("f 1 1 2", ": has no triangles")]
+fn damaged_files_are_refused_with_their_line(#[case] line: &str, #[case] message: &str) {
+    let error = read_text(&format!("{SQUARE}{line}")).expect_err("to be refused").to_string();
+    assert!(error.contains(&format!("scene.obj{message}")), "{error}");
+}
+
+#[test]
+fn zero_area_triangles_are_counted_in_one_warning() {
+    let scene = scene(&format!("{SQUARE}f 1 2 3\nf 1 1 2\nf 1 2 2"));
+    assert_eq!(scene.warnings.len(), 1);
+    assert!(scene.warnings[0].ends_with("2 triangles of zero area are left out"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn every_prefix_of_a_file_is_read_or_refused_without_panic() {
+    let text = format!(
+        "mtllib a.mtl\no x\n{SQUARE}vt 0 1\nvn 0 0 1\ns 1\nusemtl m\nf 1/1/1 2/1/1 \\\n3/1/1 -1//\nl 1 2\nf 1 2 3"
+    );
+    for len in 0..text.len() {
+        let parsed = Geometry::parse(&text[..len], Path::new("torn.obj"), &mut Warnings::default());
+        if let Ok(geometry) = parsed {
+            for mesh in mesh::meshes(&geometry, MissingNormals::Flat) {
+                assert!(checked(mesh).is_ok());
+            }
+        }
+    }
+}
+
+/// The independent reader of the `tobj` crate gives the same triangles.
+#[test]
+fn tobj_reads_the_same() {
+    let text = format!(
+        "{SQUARE}v 0.5 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\nvn 0 1 0\n\
+         f 1/1/1 2/2/1 3/3/1 4/4/1\nf 1/1/2 2/2/2 5/3/2\nf -4/-1/-1 -3/-2/-1 -1/-3/-1\n"
+    );
+    let mesh = &scene(&text).meshes[0];
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };
+    let (models, _) =
+        tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| Err(tobj::LoadError::OpenFileFailed)).expect("valid");
+    let theirs = &models[0].mesh;
+    assert_eq!(mesh.triangles.as_flattened(), theirs.indices);
+    let flat = |v: &[Vec3]| v.iter().flat_map(|v| v.to_array()).collect::<Vec<_>>();
+    assert_eq!((flat(&mesh.positions), flat(&mesh.normals)), (theirs.positions.clone(), theirs.normals.clone()));
+    let uvs: Vec<f32> = mesh.uvs[0].iter().flat_map(|uv| [uv.x, 1.0 - uv.y]).collect();
+    assert_eq!(uvs, theirs.texcoords);
+}

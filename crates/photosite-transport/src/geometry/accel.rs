@@ -1,0 +1,333 @@
+//! The acceleration structure of a scene: one hierarchy of triangles for all geometry that stands where its file puts
+//! it, one for each mesh that is instanced, and one over their placements.
+//!
+//! This is the only file that knows `obvhs`, which builds the binary hierarchies; traversal is that of [`wide_bvh`]
+//! over their collapsed form, since obvhs's own is neither watertight nor scale-free.
+//!
+//! [`wide_bvh`]: super::wide_bvh
+
+mod packet;
+mod query;
+mod turns;
+
+use std::ops::Range;
+
+use glam::Vec3;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, SortPrecision};
+use rayon::prelude::*;
+
+use super::bounds::{Bounds, union};
+use super::chunks::Chunks;
+use super::collapse::{BinaryTree, LEAF_SIZE};
+use super::motion::{Motion, Transform};
+use super::sweep::Sweep;
+use super::triangle_block::TriangleBlock;
+use super::wide_bvh::WideBvh;
+use super::{Geometry, Sphere};
+use photosite_core::math::float::gamma;
+use photosite_simd::{compact, prefer_huge_pages};
+use query::SPHERE;
+
+pub use query::{AcceptAll, HitFilter};
+
+/// A group of triangles somewhere in the world.
+#[derive(Clone, Debug)]
+pub struct Placement {
+    /// Index of the group.
+    pub group: u32,
+    /// Where it is.
+    pub place: Place,
+}
+
+/// Where a group of triangles is.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// Its corners are given in world space.
+    World,
+    /// It stands still.
+    Still(Transform),
+    /// It moves.
+    Moving(Box<Motion>),
+}
+
+impl Place {
+    /// The transform at a time from 0 to 1; `None` in world space.
+    #[inline]
+    pub fn at(&self, time: f32) -> Option<Transform> {
+        match self {
+            Self::World => None,
+            Self::Still(transform) => Some(*transform),
+            Self::Moving(motion) => Some(motion.at(time)),
+        }
+    }
+}
+
+/// Hierarchies over all triangles.
+#[derive(Clone, Debug)]
+pub struct Accel {
+    groups: Vec<Group>,
+    placements: Vec<Placement>,
+    /// Over the placements; `None` where there is none, or a single one of a rigid group in world space.
+    top: Option<TopLevel>,
+    /// All triangles, where they are so few that several rays together need no hierarchy.
+    pub(super) sweep: Option<Sweep>,
+    /// Whether rays often wait for the memory.
+    pub(super) exceeds_caches: bool,
+}
+
+#[derive(Clone, Debug)]
+enum Group {
+    /// Its triangles keep their shapes.
+    Rigid(TriangleBvh<1>),
+    /// Its triangles change their shapes: one hierarchy for each part of the time, in which corners move on straight lines,
+    /// over triangles at its start and at its end.
+    Deforming(Vec<TriangleBvh<2>>),
+}
+
+#[derive(Clone, Debug)]
+struct TriangleBvh<const SHAPES: usize> {
+    bvh: WideBvh,
+    blocks: Vec<TriangleBlock<SHAPES>>,
+    bounds: Bounds,
+}
+
+#[derive(Clone, Debug)]
+struct TopLevel {
+    bvh: WideBvh,
+    /// Placements of each leaf.
+    leaves: Vec<[Option<u32>; LEAF_SIZE]>,
+}
+
+impl Accel {
+    /// Builds the hierarchies. `ranges` are groups of triangles of `geometry`, each not empty. The triangles of a mesh that
+    /// deforms are a group of their own.
+    pub fn build(geometry: &Geometry, ranges: &[Range<u32>], placements: Vec<Placement>) -> Self {
+        let groups: Vec<_> = ranges.iter().map(|range| Group::build(geometry, range)).collect();
+        let is_alone =
+            matches!((&placements[..], &groups[..]), ([Placement { place: Place::World, .. }], [Group::Rigid(_)]));
+        let top = (!placements.is_empty() && !is_alone).then(|| TopLevel::build(&groups, &placements));
+        let sweep = is_alone.then(|| {
+            let range = ranges[placements[0].group as usize].clone();
+            Sweep::new(geometry, range, groups[0].bounds())
+        });
+        let sweep = sweep.flatten();
+        let exceeds_caches = turns::exceed_caches(groups.iter().map(Group::blocks).sum());
+        Self { groups, placements, top, sweep, exceeds_caches }
+    }
+
+    /// The placements.
+    pub fn placements(&self) -> &[Placement] {
+        &self.placements
+    }
+
+    /// Lower and upper corner of everything, m.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let all = self.placements.iter().map(|p| p.bounds(&self.groups));
+        all.reduce(union).unwrap_or_default()
+    }
+}
+
+impl Group {
+    fn build(geometry: &Geometry, range: &Range<u32>) -> Self {
+        let mesh = geometry.triangles[range.start as usize].mesh;
+        let Some(deformation) = geometry.meshes[mesh as usize].deformation else {
+            let corners = |triangle| [geometry.corners(triangle)];
+            let sphere = |triangle| geometry.sphere(triangle);
+            return Self::Rigid(TriangleBvh::build(range, |[corners]| bounds_of(corners), corners, sphere));
+        };
+        let deformation = &geometry.deformations[deformation as usize];
+        let part = |shape: usize| {
+            let corners =
+                |t: u32| [shape, shape + 1].map(|shape| deformation.corners(shape, &geometry.triangles[t as usize]));
+            // Rounding between the shapes may leave their box by a unit in the last place or two.
+            let boxes = |[from, to]: &[_; 2]| widened(&bounds_of(from).union(&bounds_of(to)));
+            TriangleBvh::build(range, boxes, corners, |_| None)
+        };
+        Self::Deforming((0..deformation.shape_count() - 1).map(part).collect())
+    }
+
+    /// Number of blocks of triangles.
+    fn blocks(&self) -> usize {
+        match self {
+            Self::Rigid(bvh) => bvh.blocks.len(),
+            Self::Deforming(parts) => parts.iter().map(|part| part.blocks.len()).sum(),
+        }
+    }
+
+    fn bounds(&self) -> Bounds {
+        match self {
+            Self::Rigid(bvh) => bvh.bounds,
+            Self::Deforming(parts) => parts.iter().map(|part| part.bounds).reduce(union).unwrap_or_default(),
+        }
+    }
+}
+
+fn widened(aabb: &Aabb) -> Aabb {
+    let (min, max) = (Vec3::from(aabb.min), Vec3::from(aabb.max));
+    let error = min.abs().max(max.abs()) * gamma(3);
+    Aabb::new((min - error).into(), (max + error).into())
+}
+
+impl<const SHAPES: usize> TriangleBvh<SHAPES> {
+    /// `corners` are those of a triangle in its shapes, `bounds` the box of them all, `sphere` what a triangle may stand for.
+    fn build(
+        range: &Range<u32>,
+        bounds: impl Fn(&[[Vec3; 3]; SHAPES]) -> Aabb + Sync,
+        corners: impl Fn(u32) -> [[Vec3; 3]; SHAPES] + Sync,
+        sphere: impl Fn(u32) -> Option<Sphere> + Sync,
+    ) -> Self {
+        let box_of = |primitive: u32| bounds(&corners(range.start + primitive));
+        let chunks = Chunks::new(range.len() as u32, |primitive| {
+            let aabb = box_of(primitive);
+            (aabb.min.into(), aabb.max.into())
+        });
+        let part = |primitives: &[u32]| {
+            let tree = build_binary(primitives.iter().map(|&primitive| box_of(primitive)));
+            // With what leads to it from a node.
+            let block = |members: &[u32]| {
+                let triangles = || members.iter().map(|&member| range.start + primitives[member as usize]);
+                let spheres = triangles().find_map(|triangle| Some((triangle, sphere(triangle)?)));
+                match (spheres, members.len()) {
+                    (Some((id, sphere)), 1) => Some((TriangleBlock::of_sphere(id, &sphere), SPHERE)),
+                    (Some(_), _) => None,
+                    (None, _) => {
+                        let block = TriangleBlock::new(triangles().map(|triangle| (triangle, corners(triangle))));
+                        block.map(|block| (block, 0))
+                    }
+                }
+            };
+            let mut blocks = Vec::new();
+            let bvh = WideBvh::collapse(
+                &tree,
+                |members| block(members).is_some(),
+                |members| {
+                    let (block, kind) = block(members).expect("members that fit");
+                    blocks.push(block);
+                    (blocks.len() - 1) as u32 | kind
+                },
+            );
+            (bvh, blocks)
+        };
+        let parts = chunks.parts();
+        if let [all] = parts[..] {
+            let (bvh, blocks) = part(all);
+            return Self { bvh: bvh.compact(), blocks: compact(&blocks), bounds: chunks.bounds() };
+        }
+        let mut bvh = WideBvh::collapse(&chunks, |parts| parts.len() == 1, |parts| parts[0]);
+        let (own_nodes, mut blocks) = (bvh.len(), Vec::new());
+        let mut roots = Vec::with_capacity(parts.len());
+        for batch in parts.chunks(rayon::current_num_threads()) {
+            let built: Vec<_> = batch.par_iter().map(|primitives| part(primitives)).collect();
+            if roots.is_empty() {
+                // Room that turns out not to be needed is never written to, and takes no memory.
+                let room = |count: usize| count * (parts.len() + 1) / batch.len() * 5 / 4;
+                bvh.reserve(room(built.iter().map(|(bvh, _)| bvh.len()).sum()));
+                blocks.reserve_exact(room(built.iter().map(|(_, blocks)| blocks.len()).sum()));
+                prefer_huge_pages(&blocks);
+            }
+            for (part, part_blocks) in built {
+                roots.push(bvh.append(&part, blocks.len() as u32));
+                blocks.extend(part_blocks);
+            }
+        }
+        bvh.graft(own_nodes, &roots);
+        Self { bvh, blocks, bounds: chunks.bounds() }
+    }
+}
+
+impl TopLevel {
+    fn build(groups: &[Group], placements: &[Placement]) -> Self {
+        let boxes = placements.iter().map(|p| {
+            let (min, max) = p.bounds(groups);
+            Aabb::new(min.into(), max.into())
+        });
+        let tree = build_binary(boxes);
+        let mut leaves = Vec::new();
+        let bvh = WideBvh::collapse(
+            &tree,
+            |_| true,
+            |primitives| {
+                leaves.push(std::array::from_fn(|slot| primitives.get(slot).copied()));
+                (leaves.len() - 1) as u32
+            },
+        );
+        Self { bvh, leaves }
+    }
+}
+
+impl Placement {
+    /// World bounds, widened by the rounding of both transforms.
+    fn bounds(&self, groups: &[Group]) -> Bounds {
+        let (min, max) = groups[self.group as usize].bounds();
+        let to_world = match &self.place {
+            Place::World => return (min, max),
+            Place::Still(transform) => transform.to_world,
+            Place::Moving(motion) => {
+                let (low, high) = motion.bounds((min, max));
+                let reach = low.abs().max(high.abs()).max(high - low) * (8.0 * gamma(4));
+                return (low - reach, high + reach);
+            }
+        };
+        let corners = (0..8).map(|i| Vec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max, min));
+        let bounds = corners.map(|c| to_world.transform_point3(c)).fold(Aabb::empty(), |mut all, corner| {
+            all.extend(corner.into());
+            all
+        });
+        let (low, high) = (Vec3::from(bounds.min), Vec3::from(bounds.max));
+        let error = low.abs().max(high.abs()).max(Vec3::from(to_world.translation).abs()) * (4.0 * gamma(4));
+        (low - error, high + error)
+    }
+}
+
+fn bounds_of([a, b, c]: &[Vec3; 3]) -> Aabb {
+    Aabb::new(a.min(*b).min(*c).into(), a.max(*b).max(*c).into())
+}
+
+/// obvhs's medium quality without its own collapse: parallel-locally-ordered clustering and one round of reinsertion.
+///
+/// The leaves are handed over as nodes, since obvhs would otherwise want the boxes in an array of their own: with it the
+/// most memory in use would be 24 bytes a triangle more.
+fn build_binary(boxes: impl Iterator<Item = Aabb>) -> Bvh2 {
+    let mut builder = PlocBuilder::new();
+    builder.current_nodes = boxes.zip(0..).map(|(aabb, index)| Bvh2Node::new(aabb, 1, index)).collect();
+    let bounds = builder.current_nodes.iter().fold(Aabb::empty(), |all, node| all.union(node.aabb()));
+    let primitive_indices = (0..builder.current_nodes.len() as u32).collect();
+    let mut tree = Bvh2 { primitive_indices, ..Bvh2::default() };
+    const SEARCH_DISTANCE: usize = 14;
+    let search_depth_threshold = 3;
+    builder.build_ploc_from_leaves::<SEARCH_DISTANCE, false>(
+        &mut tree,
+        bounds,
+        SortPrecision::U64,
+        search_depth_threshold,
+    );
+    drop(builder);
+    let reinserted_part = 0.05;
+    ReinsertionOptimizer::default().run(&mut tree, reinserted_part, None);
+    tree.parents = Vec::new();
+    tree
+}
+
+impl BinaryTree for Bvh2 {
+    fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn bounds(&self, node: u32) -> Bounds {
+        let aabb = self.nodes[node as usize].aabb();
+        (aabb.min.into(), aabb.max.into())
+    }
+
+    fn children(&self, node: u32) -> Option<[u32; 2]> {
+        let node = &self.nodes[node as usize];
+        (!node.is_leaf()).then_some([node.first_index, node.first_index + 1])
+    }
+
+    fn primitive(&self, leaf: u32) -> u32 {
+        self.primitive_indices[self.nodes[leaf as usize].first_index as usize]
+    }
+}

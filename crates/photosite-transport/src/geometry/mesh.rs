@@ -1,0 +1,233 @@
+//! Triangles and their vertices as flat tables, for all meshes of a scene together.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::Sphere;
+use photosite_core::math::Real;
+use photosite_simd::prefetch;
+
+/// Corner indices into the vertex tables, and the mesh that the triangle belongs to.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Indices into [`Geometry::positions`].
+    pub corners: [u32; 3],
+    /// Index into [`Geometry::meshes`].
+    pub mesh: u32,
+}
+
+/// What the triangles of a mesh have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct MeshRange {
+    /// Handle of the material.
+    pub material: u32,
+    /// Handle of the first triangle.
+    pub first_triangle: u32,
+    /// Number of triangles.
+    pub triangle_count: u32,
+    /// Handle of the light of the first triangle, where the material emits; those of the others follow.
+    pub first_light: Option<u32>,
+    /// What to subtract from a corner index to index [`Geometry::normals`]; `None` for flat shading.
+    pub normals_from: Option<u32>,
+    /// The same for [`Geometry::tangents`].
+    pub tangents_from: Option<u32>,
+    /// The same for each UV set.
+    pub uvs_from: [Option<u32>; 2],
+    /// The same for [`Geometry::colours`].
+    pub colours_from: Option<u32>,
+    /// Index into [`Geometry::deformations`], where the mesh changes its shape in the time of the picture.
+    pub deformation: Option<u32>,
+    /// The sphere that its only triangle stands for. The corners of that lie on the diagonal of the sphere's box, so that no ray
+    /// meets the triangle itself.
+    pub sphere: Option<Sphere>,
+}
+
+impl MeshRange {
+    /// Whether it is made of triangles that keep their shape, with no direction marked on it.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.tangents_from.is_none() && self.deformation.is_none() && self.sphere.is_none()
+    }
+}
+
+/// The shapes that a mesh goes through, at evenly spaced times from 0 to 1. Between two of them its corners move on
+/// straight lines.
+#[derive(Clone, Debug)]
+pub struct Deformation {
+    /// Index of the mesh's first corner in [`Geometry::positions`], which holds the first shape too.
+    pub first_corner: u32,
+    /// Number of corners of a shape.
+    pub corner_count: u32,
+    /// Corners of all shapes, one shape after the other, m.
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals in the same order, where the mesh has any.
+    pub normals: Vec<Vec3>,
+}
+
+/// Flat tables of all geometry. Attributes that a mesh lacks take no room: each mesh says where its own begin.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// Corners, m; in world space for placed meshes, in mesh space for instanced ones.
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals.
+    pub normals: Vec<Vec3>,
+    /// Tangents with handedness.
+    pub tangents: Vec<Vec4>,
+    /// UV coordinates.
+    pub uvs: [Vec<Vec2>; 2],
+    /// Linear RGBA.
+    pub colours: Vec<Vec4>,
+    /// All triangles.
+    pub triangles: Vec<Triangle>,
+    /// Their meshes.
+    pub meshes: Vec<MeshRange>,
+    /// Meshes that change their shape.
+    pub deformations: Vec<Deformation>,
+}
+
+impl Geometry {
+    /// Corner positions of a triangle.
+    #[inline]
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].corners.map(|corner| self.positions[corner as usize])
+    }
+
+    /// Whether there are more triangles than the caches have room for, so that it is worth asking the memory for some ahead of
+    /// time.
+    pub(crate) fn exceeds_caches(&self) -> bool {
+        const MANY: usize = 1 << 15;
+        self.triangles.len() > MANY
+    }
+
+    /// Asks the memory for what [`Self::prefetch_corners`] needs.
+    #[inline]
+    pub(crate) fn prefetch_triangle(&self, triangle: u32) {
+        prefetch(&self.triangles[triangle as usize]);
+    }
+
+    /// Asks the memory for the corners of a triangle.
+    #[inline]
+    pub(crate) fn prefetch_corners(&self, triangle: u32) {
+        for corner in self.triangles[triangle as usize].corners {
+            prefetch(&self.positions[corner as usize]);
+        }
+    }
+
+    /// The sphere that a triangle stands for.
+    #[inline]
+    pub(super) fn sphere(&self, triangle: u32) -> Option<Sphere> {
+        self.meshes[self.triangles[triangle as usize].mesh as usize].sphere
+    }
+
+    /// Corner positions of a triangle at a time from 0 to 1.
+    #[inline]
+    pub fn corners_at(&self, triangle: u32, time: f32) -> [Vec3; 3] {
+        let triangle = &self.triangles[triangle as usize];
+        self.corners_of(triangle, &self.meshes[triangle.mesh as usize], time)
+    }
+
+    /// The same of a triangle of that mesh.
+    #[inline]
+    pub(crate) fn corners_of(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> [Vec3; 3] {
+        let corners = triangle.corners;
+        match mesh.deformation {
+            None => corners.map(|corner| self.positions[corner as usize]),
+            Some(deformation) => {
+                let deformation = &self.deformations[deformation as usize];
+                let (shape, part) = deformation.shape_at(time);
+                corners.map(|corner| deformation.between(&deformation.positions, shape, part, corner))
+            }
+        }
+    }
+
+    /// Corner positions of a triangle in each of its shapes, between which its corners move on straight lines.
+    pub(crate) fn shapes(&self, triangle: u32) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+        let Triangle { corners, mesh } = self.triangles[triangle as usize];
+        let deformation = self.meshes[mesh as usize].deformation.map(|d| &self.deformations[d as usize]);
+        (0..deformation.map_or(1, Deformation::shape_count)).map(move |shape| match deformation {
+            None => corners.map(|corner| self.positions[corner as usize]),
+            Some(deformation) => corners.map(|corner| deformation.positions[deformation.index(shape, corner)]),
+        })
+    }
+
+    /// Shading normals at the corners of a triangle of that mesh, not quite of unit length, where it has any.
+    #[inline]
+    pub(crate) fn corner_normals(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> Option<[Vec3; 3]> {
+        let from = mesh.normals_from?;
+        Some(match mesh.deformation {
+            None => triangle.corners.map(|corner| self.normals[(corner - from) as usize]),
+            Some(deformation) => {
+                let deformation = &self.deformations[deformation as usize];
+                let (shape, part) = deformation.shape_at(time);
+                triangle.corners.map(|corner| deformation.between(&deformation.normals, shape, part, corner))
+            }
+        })
+    }
+
+    /// UV coordinates at a barycentric point, where the mesh has that set.
+    #[inline]
+    pub fn uv(&self, triangle: u32, barycentric: [f32; 2], set: usize) -> Vec2 {
+        let triangle = &self.triangles[triangle as usize];
+        let uvs = &self.uvs[set];
+        let mesh = &self.meshes[triangle.mesh as usize];
+        if mesh.sphere.is_some() {
+            return Sphere::uv(Sphere::normal(barycentric));
+        }
+        match mesh.uvs_from[set] {
+            Some(from) => interpolate(triangle.corners.map(|c| uvs[(c - from) as usize]), barycentric),
+            None => Vec2::ZERO,
+        }
+    }
+
+    /// Linear RGBA at a barycentric point, where the mesh has colours.
+    #[inline]
+    pub fn colour(&self, triangle: u32, barycentric: [f32; 2]) -> Option<Vec4> {
+        let triangle = &self.triangles[triangle as usize];
+        let from = self.meshes[triangle.mesh as usize].colours_from?;
+        Some(interpolate(triangle.corners.map(|c| self.colours[(c - from) as usize]), barycentric))
+    }
+}
+
+impl Deformation {
+    /// Number of shapes.
+    pub fn shape_count(&self) -> usize {
+        self.positions.len() / self.corner_count as usize
+    }
+
+    /// Corner positions of a shape.
+    pub(super) fn corners(&self, shape: usize, triangle: &Triangle) -> [Vec3; 3] {
+        triangle.corners.map(|corner| self.positions[self.index(shape, corner)])
+    }
+
+    #[inline]
+    fn shape_at(&self, time: f32) -> (usize, f32) {
+        segment(time, self.shape_count() - 1)
+    }
+
+    #[inline]
+    fn index(&self, shape: usize, corner: u32) -> usize {
+        shape * self.corner_count as usize + (corner - self.first_corner) as usize
+    }
+
+    #[inline]
+    fn between(&self, values: &[Vec3], shape: usize, part: f32, corner: u32) -> Vec3 {
+        let [a, b] = [shape, shape + 1].map(|shape| values[self.index(shape, corner)]);
+        a * (1.0 - part) + b * part
+    }
+}
+
+/// Which of so many equal parts of the time from 0 to 1 a time falls into, and how far.
+#[inline]
+pub(super) fn segment(time: f32, count: usize) -> (usize, f32) {
+    let along = time * count as f32;
+    let index = (along as usize).min(count - 1);
+    (index, along - index as f32)
+}
+
+/// Linear interpolation over a triangle; `[b1, b2]` are the weights of the second and third corner.
+#[inline(always)]
+pub(crate) fn interpolate<R, T>([a, b, c]: [T; 3], [b1, b2]: [R; 2]) -> T
+where
+    R: Real,
+    T: std::ops::Mul<R, Output = T> + std::ops::Add<Output = T>,
+{
+    a * (R::splat(1.0) - b1 - b2) + b * b1 + c * b2
+}

@@ -1,0 +1,123 @@
+//! The point of a surface that a ray meets: position with its rounding error, normals, tangent.
+
+use glam::{Vec2, Vec3, Vec3A};
+
+use super::mesh::interpolate;
+use super::{Accel, Geometry, Hit, Sphere};
+use photosite_core::math::float::gamma;
+use photosite_core::math::{Real, Vector};
+
+/// A point on a surface, in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// Position, m.
+    pub position: Vec3,
+    /// Bound on the rounding error of the position, per axis, m.
+    pub error: Vec3,
+    /// Unit normal of the triangle; its front is where the corners run counter-clockwise.
+    pub geometric_normal: Vec3,
+    /// Unit shading normal, on the same side as the geometric one unless the file's normals say otherwise.
+    pub shading_normal: Vec3,
+    /// Tangent along +u, and the handedness of the bitangent; zero where the mesh has none.
+    pub tangent: Vec3,
+    /// ±1: bitangent = handedness · normal × tangent.
+    pub handedness: f32,
+    /// Triangle in the geometry.
+    pub triangle: u32,
+    /// Mesh of the triangle.
+    pub mesh: u32,
+    /// Material of the mesh.
+    pub material: u32,
+    /// Where on the triangle.
+    pub barycentric: [f32; 2],
+    /// When, from 0 to 1.
+    pub time: f32,
+}
+
+impl SurfacePoint {
+    /// The point of a hit by a ray of that time.
+    #[inline]
+    pub fn new(geometry: &Geometry, accel: &Accel, hit: &Hit, time: f32) -> Self {
+        let triangle = &geometry.triangles[hit.triangle as usize];
+        let mesh = &geometry.meshes[triangle.mesh as usize];
+        if let Some(sphere) = &mesh.sphere {
+            let normal = Sphere::normal(hit.barycentric);
+            let (position, error) = sphere.point(normal);
+            return Self {
+                position,
+                error,
+                geometric_normal: normal,
+                shading_normal: normal,
+                tangent: mesh.tangents_from.map_or(Vec3::ZERO, |_| Sphere::tangent(normal)),
+                handedness: 1.0,
+                triangle: hit.triangle,
+                mesh: triangle.mesh,
+                material: mesh.material,
+                barycentric: hit.barycentric,
+                time,
+            };
+        }
+        let [a, b, c] = geometry.corners_of(triangle, mesh, time);
+        let (position, error, normal) = on_triangle([a, b, c].map(Vector::from), hit.barycentric);
+        let (mut position, mut error, mut normal) = (Vec3::from(position), Vec3::from(error), Vec3::from(normal));
+        let mut shading =
+            geometry.corner_normals(triangle, mesh, time).map(|normals| interpolate(normals, hit.barycentric));
+        let tangent = mesh.tangents_from.map(|from| {
+            interpolate(triangle.corners.map(|corner| geometry.tangents[(corner - from) as usize]), hit.barycentric)
+        });
+        let mut along = tangent.map_or(Vec3::ZERO, |t| t.truncate());
+        let mut handedness = tangent.map_or(1.0, |t| 1f32.copysign(t.w));
+
+        if let Some(transform) = accel.placements()[hit.placement as usize].place.at(time) {
+            let (to_world, to_group) = (&transform.to_world, &transform.to_group);
+            let magnitude = |m: &glam::Affine3A, v: Vec3| absolute(m) * Vec3A::from(v.abs());
+            let local = position;
+            position = to_world.transform_point3(local);
+            // The error of the local point carried over, that of this transform, and that of taking the origin of the
+            // next ray back into the group's space.
+            let forward = Vec3::from(magnitude(to_world, local) + to_world.translation.abs()) * gamma(4);
+            let back = Vec3::from(magnitude(to_group, position) + to_group.translation.abs()) * gamma(4);
+            error = Vec3::from(magnitude(to_world, error + back)) + forward;
+            // Normals go with the inverse transpose, so that what is outside stays outside in a mirrored placement.
+            let inverse_transpose = to_group.matrix3.transpose();
+            normal = inverse_transpose * normal;
+            shading = shading.map(|shading| inverse_transpose * shading);
+            along = to_world.transform_vector3(along);
+            handedness *= 1f32.copysign(to_world.matrix3.determinant());
+        }
+        let geometric_normal = normal.normalize_or_zero();
+        Self {
+            position,
+            error,
+            geometric_normal,
+            shading_normal: shading.and_then(Vec3::try_normalize).unwrap_or(geometric_normal),
+            tangent: along,
+            handedness,
+            triangle: hit.triangle,
+            mesh: triangle.mesh,
+            material: mesh.material,
+            barycentric: hit.barycentric,
+            time,
+        }
+    }
+
+    /// UV coordinates of a set.
+    #[inline]
+    pub fn uv(&self, geometry: &Geometry, set: usize) -> Vec2 {
+        geometry.uv(self.triangle, self.barycentric, set)
+    }
+}
+
+/// The point of a triangle with these weights of the second and the third corner, the bound on its rounding error, and a
+/// normal, not of unit length.
+#[inline(always)]
+pub(crate) fn on_triangle<R: Real>([a, b, c]: [Vector<R>; 3], [b1, b2]: [R; 2]) -> (Vector<R>, Vector<R>, Vector<R>) {
+    // pbrt4 §6.8.5: seven roundings at most lie between the corners and their weighted sum.
+    let of_first = (R::splat(1.0) - b1 - b2).abs();
+    let error = (a.abs() * of_first + b.abs() * b1 + c.abs() * b2) * R::splat(gamma(7));
+    (interpolate([a, b, c], [b1, b2]), error, (b - a).cross(c - a))
+}
+
+fn absolute(m: &glam::Affine3A) -> glam::Mat3A {
+    glam::Mat3A::from_cols(m.matrix3.x_axis.abs(), m.matrix3.y_axis.abs(), m.matrix3.z_axis.abs())
+}

@@ -1,0 +1,90 @@
+//! Rays, hits, and how a ray leaves a surface without meeting it again.
+
+use glam::Vec3;
+
+use photosite_core::math::{Real, Vector};
+
+/// A ray from `origin` along `direction`; points on it are origin + t·direction for 0 < t < `t_max`.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Metres.
+    pub origin: Vec3,
+    /// Need not be of unit length; t is counted in its length.
+    pub direction: Vec3,
+    /// Where it ends; infinite for a ray that does not.
+    pub t_max: f32,
+    /// When it meets the scene: 0 for the start and 1 for the end of the time for which the scene was built.
+    pub time: f32,
+}
+
+impl Ray {
+    /// A ray without end, at the start.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_max: f32::INFINITY, time: 0.0 }
+    }
+
+    /// The same ray at another time.
+    #[inline]
+    #[must_use]
+    pub fn at_time(self, time: f32) -> Self {
+        Self { time, ..self }
+    }
+
+    /// The point at t.
+    #[inline]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// Where a ray meets a triangle or a sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter.
+    pub t: f32,
+    /// Barycentric weights of the triangle's second and third corner; for a [`Sphere`](super::Sphere) what tells the direction from
+    /// its centre.
+    pub barycentric: [f32; 2],
+    /// Index of the triangle in [`Geometry`](super::Geometry).
+    pub triangle: u32,
+    /// Index of the placement in [`Accel`](super::Accel).
+    pub placement: u32,
+}
+
+/// A ray origin off the surface at `p`, on the side that `direction` points to.
+///
+/// `error` bounds the rounding error of p per axis (m), `normal` is the unit geometric normal n. The point moves along the
+/// normal just far enough to clear the box p ± error, by d = Σ |nᵢ|·errorᵢ ([pbrt4](photosite_core::references#pbrt4) §6.8.6), and by
+/// what the sum p + d·n may lose along n when it is rounded: at most Σ |nᵢ|·u·|pᵢ + d·nᵢ|, with u = 2⁻²⁴.
+#[inline]
+pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    offset(p.into(), error.into(), normal.into(), direction.into()).into()
+}
+
+/// The same for any numbers.
+#[inline(always)]
+pub(crate) fn offset<R: Real>(p: Vector<R>, error: Vector<R>, normal: Vector<R>, direction: Vector<R>) -> Vector<R> {
+    let u = 0.5 * f32::EPSILON;
+    // Twice u for p, and four times for d, pay for the roundings of these products too.
+    let distance = normal.abs().dot(error + p.abs() * R::splat(2.0 * u)) * R::splat(1.0 + 4.0 * u);
+    p + normal * distance.copysign(direction.dot(normal))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_origin_leaves_on_the_side_it_points_to_at_every_scale() {
+        for scale in [1e-12f32, 1.0, 1e12] {
+            let p = Vec3::new(1.0, -2.0, 3.0) * scale;
+            let error = p.abs() * 1e-6;
+            for direction in [Vec3::Y, Vec3::NEG_Y] {
+                let origin = offset_origin(p, error, Vec3::Y, direction);
+                let height = (origin.y - p.y) * direction.y;
+                assert!(height > error.y && height < 2.0 * error.y, "{scale}: {height}");
+            }
+        }
+    }
+}

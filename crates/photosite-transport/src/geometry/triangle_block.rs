@@ -1,0 +1,218 @@
+//! Triangles of a leaf, tested against a ray eight at a time.
+//!
+//! They are tested in a space sheared along the ray, where the signs that decide are exact (S. Woop, C. Benthin, I. Wald,
+//! "Watertight Ray/Triangle Intersection", JCGT 2013): no ray slips through an edge or a corner.
+//!
+//! Neighbours on a surface share vertices: a block holds each once, which takes half the memory that triangles of their own
+//! corners would, and shears it once.
+
+use glam::Vec3;
+
+use super::Sphere;
+use photosite_core::math::Real;
+use photosite_core::math::float::gamma;
+use photosite_simd::{LaneMask, Lanes};
+
+/// Triangles in a block, at most, and vertices.
+pub(super) const BLOCK_SIZE: usize = 8;
+
+/// Up to eight triangles of up to eight vertices, each in `SHAPES` places: one, or those that it goes between.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct TriangleBlock<const SHAPES: usize> {
+    /// Axis by axis.
+    vertices: [[[f32; BLOCK_SIZE]; 3]; SHAPES],
+    /// Vertices of each triangle, corner by corner; those of unused lanes coincide, so that no ray meets them.
+    corners: [[u8; BLOCK_SIZE]; 3],
+    /// What each triangle is called.
+    pub(super) ids: [u32; BLOCK_SIZE],
+}
+
+/// Where a ray meets the triangles of a block.
+pub(super) struct BlockHits {
+    /// Lanes that are hit at 0 < t ≤ t_max, at least one.
+    pub(super) mask: u32,
+    /// Ray parameter of each lane.
+    pub(super) t: [f32; BLOCK_SIZE],
+    /// Barycentric weights of the second and third corner, not yet divided by their sum.
+    weights: [[f32; BLOCK_SIZE]; 2],
+    sum: [f32; BLOCK_SIZE],
+}
+
+impl BlockHits {
+    /// Barycentric weights of the second and third corner.
+    #[inline(always)]
+    pub(super) fn barycentric(&self, lane: usize) -> [f32; 2] {
+        let sum = self.sum[lane];
+        [self.weights[0][lane] / sum, self.weights[1][lane] / sum]
+    }
+}
+
+impl<const SHAPES: usize> TriangleBlock<SHAPES> {
+    /// From triangles with their corners in each shape; `None` where they do not fit into a block.
+    pub(super) fn new(triangles: impl Iterator<Item = (u32, [[Vec3; 3]; SHAPES])>) -> Option<Self> {
+        let mut block =
+            Self { vertices: [[[0.0; BLOCK_SIZE]; 3]; SHAPES], corners: [[0; BLOCK_SIZE]; 3], ids: [0; BLOCK_SIZE] };
+        let mut vertices = [[[0; 3]; SHAPES]; BLOCK_SIZE];
+        let mut count = 0;
+        for (lane, (id, shapes)) in triangles.enumerate() {
+            *block.ids.get_mut(lane)? = id;
+            for corner in 0..3 {
+                let vertex = shapes.map(|corners| corners[corner].to_array().map(f32::to_bits));
+                let index = vertices[..count].iter().position(|other| *other == vertex).unwrap_or(count);
+                if index == count {
+                    *vertices.get_mut(count)? = vertex;
+                    for (to, from) in block.vertices.iter_mut().zip(vertex) {
+                        (0..3).for_each(|axis| to[axis][count] = f32::from_bits(from[axis]));
+                    }
+                    count += 1;
+                }
+                block.corners[corner][lane] = index as u8;
+            }
+        }
+        Some(block)
+    }
+
+    /// A block that holds a sphere instead: its centre in the place of the first vertex, and its radius beside that.
+    pub(super) fn of_sphere(id: u32, sphere: &Sphere) -> Self {
+        let mut block =
+            Self { vertices: [[[0.0; BLOCK_SIZE]; 3]; SHAPES], corners: [[0; BLOCK_SIZE]; 3], ids: [id; BLOCK_SIZE] };
+        (0..3).for_each(|axis| block.vertices[0][axis][0] = sphere.centre[axis]);
+        block.vertices[0][0][1] = sphere.radius;
+        block
+    }
+
+    /// The sphere of [`of_sphere`](Self::of_sphere).
+    pub(super) fn sphere(&self) -> Sphere {
+        let [[x, radius, ..], [y, ..], [z, ..]] = self.vertices[0];
+        Sphere { centre: Vec3::new(x, y, z), radius }
+    }
+
+    /// Vertices along an axis, so far on the way from the first shape to the second.
+    #[inline(always)]
+    fn along<L: Lanes>(&self, axis: usize, part: f32) -> L {
+        let from = L::load(&self.vertices[0][axis]);
+        if SHAPES == 1 {
+            return from;
+        }
+        from * L::splat(1.0 - part) + L::load(&self.vertices[1][axis]) * L::splat(part)
+    }
+
+    /// Vertices relative to the origin of the ray, sheared so that it runs along z.
+    #[inline(always)]
+    fn shear<L: Lanes>(&self, ray: &ShearedRay, part: f32) -> [L; 3] {
+        let [kx, ky, kz] = ray.axes;
+        let x = self.along::<L>(kx, part) - L::splat(ray.origin[kx]);
+        let y = self.along::<L>(ky, part) - L::splat(ray.origin[ky]);
+        let z = self.along::<L>(kz, part) - L::splat(ray.origin[kz]);
+        let [sx, sy, sz] = ray.shear;
+        [x - L::splat(sx) * z, y - L::splat(sy) * z, L::splat(sz) * z]
+    }
+
+    /// Where the ray meets the triangles, from either side; `None` where it does not.
+    #[inline(always)]
+    pub(super) fn intersect<L: Lanes>(&self, ray: &ShearedRay, part: f32, t_max: f32) -> Option<BlockHits> {
+        let vertices = self.shear::<L>(ray, part);
+        let a = permute(vertices, &self.corners[0]);
+        let b = permute(vertices, &self.corners[1]);
+        let c = permute(vertices, &self.corners[2]);
+        let (u, v, w) = (double_area(c, b), double_area(a, c), double_area(b, a));
+        let (smallest, largest) = (u.least(v).least(w), u.most(v).most(w));
+        let zero = L::splat(0.0);
+        let inside = zero.is_at_most(smallest).bits() | largest.is_at_most(zero).bits();
+        if inside == 0 {
+            return None;
+        }
+        let sum = u + v + w;
+        let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
+        let edge_on = sum.is_at_most(zero) & zero.is_at_most(sum);
+        let mut mask = inside & (!edge_on & zero.is_below(t) & t.is_at_most(L::splat(t_max))).bits();
+        if mask == 0 {
+            return None;
+        }
+        // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
+        let inverse_scale = L::splat(1.0 / ray.shear[2].abs());
+        mask &= distance_error([a, b, c], [u, v, w], sum, inverse_scale).is_below(t).bits();
+        if mask == 0 {
+            return None;
+        }
+        Some(BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() })
+    }
+}
+
+/// A function rather than a closure, which would not be inlined into a function for wide registers.
+#[inline(always)]
+fn permute<L: Lanes>([x, y, z]: [L; 3], indices: &[u8; BLOCK_SIZE]) -> [L; 3] {
+    let indices = L::indices(indices);
+    [x.permute(indices), y.permute(indices), z.permute(indices)]
+}
+
+/// Twice the signed area between the ray and an edge. The difference of two rounded products has the sign of the exact
+/// one or is zero, and zero counts as inside, so no point of a mesh is outside all its triangles.
+#[inline(always)]
+pub(super) fn double_area<R: Real>(p: [R; 3], q: [R; 3]) -> R {
+    p[0] * q[1] - p[1] * q[0]
+}
+
+/// Bound on the rounding error of t = (u·a_z + v·b_z + w·c_z)/sum ([pbrt4](photosite_core::references#pbrt4) §6.8.7), for
+/// directions of any length: `inverse_scale` is one over the magnitude that z was multiplied by after the shear.
+#[inline(always)]
+pub(super) fn distance_error<R: Real>([a, b, c]: [[R; 3]; 3], [u, v, w]: [R; 3], sum: R, inverse_scale: R) -> R {
+    let x = largest_magnitude(a[0], b[0], c[0]);
+    let y = largest_magnitude(a[1], b[1], c[1]);
+    let z = largest_magnitude(a[2], b[2], c[2]);
+    let e = largest_magnitude(u, v, w);
+    error_of_sum([x, y, z], e, inverse_scale) / sum.abs()
+}
+
+/// The same of u·a_z + v·b_z + w·c_z, from the largest magnitudes of the corners' coordinates and of the areas: with larger
+/// ones it is not smaller.
+#[inline(always)]
+pub(super) fn error_of_sum<R: Real>([x, y, z]: [R; 3], e: R, inverse_scale: R) -> R {
+    let (g2, g3, g5) = (R::splat(gamma(2)), R::splat(gamma(3)), R::splat(gamma(5)));
+    let before_scaling = z * inverse_scale;
+    let dx = (x + before_scaling) * g5;
+    let dy = (y + before_scaling) * g5;
+    let dz = z * g3;
+    let de = (g2 * x * y + dy * x + dx * y) * R::splat(2.0);
+    (g3 * e * z + de * z + dz * e) * R::splat(3.0)
+}
+
+#[inline(always)]
+fn largest_magnitude<R: Real>(a: R, b: R, c: R) -> R {
+    a.abs().most(b.abs()).most(c.abs())
+}
+
+/// The axis along which a direction is longest.
+#[inline(always)]
+pub(super) fn longest_axis(direction: Vec3) -> usize {
+    let size = direction.abs();
+    if size.x > size.y && size.x > size.z {
+        0
+    } else if size.y > size.z {
+        1
+    } else {
+        2
+    }
+}
+
+/// A ray with the shear and the axis order that turn its direction into +Z of length 1, made once per ray.
+pub(super) struct ShearedRay {
+    origin: [f32; 3],
+    /// Where x, y and z of the sheared space come from; z is the direction's largest component.
+    axes: [usize; 3],
+    shear: [f32; 3],
+}
+
+impl ShearedRay {
+    pub(super) const NONE: Self = Self { origin: [0.0; 3], axes: [0; 3], shear: [0.0; 3] };
+
+    #[inline(always)]
+    pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
+        let kz = longest_axis(direction);
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        let scale = 1.0 / direction[kz];
+        let shear = [direction[kx] * scale, direction[ky] * scale, scale];
+        Self { origin: origin.to_array(), axes: [kx, ky, kz], shear }
+    }
+}

@@ -1,0 +1,175 @@
+//! Which wavelengths the paths of each pixel carry.
+//!
+//! One density A for all pixels serves all filters, up to four of them: four wavelengths that share it evenly tell of red, green
+//! and blue what wavelengths of their own would, if it is the one that [`importance`] finds. It does not serve more filters that
+//! are narrow, as those of multispectral sensors, nor paths that dispersion leaves with one wavelength: most of them carry what
+//! the filter above the pixel does not let through. A picture of raw numbers alone needs what the pixel's own filter sees. With
+//! the response R of that filter and what arrives of the light L through the lens τ, wavelengths are then drawn by
+//!
+//! p(λ) ∝ (1 − f)·RLτ/∫RLτ dλ + f·A/∫A dλ,   f = 0.02,
+//!
+//! of which the [`WavelengthSampler`] spreads another 5 % evenly: what the other filters would see of the pixel's light stays
+//! right on average.
+//!
+//! Bands of spectral irradiance that are stored beside the picture ([`Response::is_secondary`](crate::film::Response)) must not
+//! make it noisier. With the density A of the picture and the density B of the bands, each of integral 1, wavelengths are then
+//! drawn by
+//!
+//! p(λ) ∝ max(A, b·B),   b = 0.2:
+//!
+//! where the sensor sees well, p is A as without bands, and at most the part b of all wavelengths goes to where it sees little.
+
+use super::RenderJob;
+use crate::film::Response;
+use photosite_core::spectrum::{Spectrum, WavelengthSampler, importance};
+
+/// Whose wavelengths the paths of a pixel carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WavelengthChoice {
+    /// Those that matter to any filter.
+    AllFilters,
+    /// Mostly those that matter to the filter of the pixel.
+    OwnFilter,
+}
+
+impl WavelengthChoice {
+    /// The name that capture files use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AllFilters => "all-filters",
+            Self::OwnFilter => "own-filter",
+        }
+    }
+}
+
+/// The filters of a picture's pixels: a tile of them, which repeats.
+#[derive(Clone, Debug)]
+pub struct FilterTile {
+    /// What the sensor makes of each wavelength behind each kind of filter, any unit, not negative.
+    pub responses: Vec<Spectrum>,
+    /// Index of a response for each pixel of the tile, row by row.
+    pub filters: Vec<usize>,
+    /// Columns of the tile.
+    pub width: usize,
+}
+
+/// A sampler of wavelengths for each pixel.
+pub(super) struct PixelWavelengths {
+    samplers: Vec<WavelengthSampler>,
+    filters: Vec<usize>,
+    width: usize,
+}
+
+impl PixelWavelengths {
+    /// `all` is the [`importance_for_all`].
+    pub(super) fn new(job: &RenderJob<'_>, all: &Spectrum) -> Self {
+        match (job.settings.wavelengths, job.filters) {
+            (WavelengthChoice::OwnFilter, Some(FilterTile { responses, filters, width })) => {
+                let sampler = |response| WavelengthSampler::new(&mostly(&useful(job, response), all));
+                Self { samplers: responses.iter().map(sampler).collect(), filters: filters.clone(), width: *width }
+            }
+            (WavelengthChoice::AllFilters, _) | (WavelengthChoice::OwnFilter, None) => {
+                Self { samplers: vec![WavelengthSampler::new(all)], filters: vec![0], width: 1 }
+            }
+        }
+    }
+
+    /// That of a pixel.
+    #[inline]
+    pub(super) fn at(&self, column: usize, row: usize) -> &WavelengthSampler {
+        let height = self.filters.len() / self.width;
+        &self.samplers[self.filters[row % height * self.width + column % self.width]]
+    }
+}
+
+/// How much each wavelength matters to the picture, and to the bands that are stored beside it.
+pub(super) fn importance_for_all(job: &RenderJob<'_>) -> Spectrum {
+    let (secondary, primary): (Vec<&Response>, Vec<&Response>) =
+        job.responses.iter().partition(|response| response.is_secondary);
+    let [picture, bands] = [primary, secondary].map(|responses| {
+        let responses: Vec<Spectrum> = responses.iter().map(|response| useful(job, &response.spectrum)).collect();
+        importance(&responses)
+    });
+    with_bands(picture, &bands)
+}
+
+/// The module's b.
+const FOR_BANDS: f64 = 0.2;
+
+/// The importance of the picture, and at least the part b of that of the bands. Any unit; either may be zero everywhere.
+fn with_bands(picture: Spectrum, bands: &Spectrum) -> Spectrum {
+    let (of_picture, of_bands) = (picture.integral(), bands.integral());
+    if of_bands <= 0.0 {
+        return picture;
+    }
+    if of_picture <= 0.0 {
+        return bands.clone();
+    }
+    let scale = FOR_BANDS * of_picture / of_bands;
+    picture.map_with(bands, |picture, band| picture.max(scale * band))
+}
+
+/// Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
+fn useful(job: &RenderJob<'_>, response: &Spectrum) -> Spectrum {
+    response.product(job.scene.light_spectrum()).product(job.transmittance)
+}
+
+/// The density's f: no wavelength that matters to any filter is left out.
+const FOR_ALL: f64 = 0.02;
+
+/// What matters to one filter with a little of what matters to all; the latter alone where the filter lets no light through.
+fn mostly(own: &Spectrum, all: &Spectrum) -> Spectrum {
+    let (part, whole) = (own.integral(), all.integral());
+    if part <= 0.0 {
+        return all.clone();
+    }
+    own.map_with(all, |own, all| (1.0 - FOR_ALL) * own / part + FOR_ALL * all / whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn band(from: f64, to: f64) -> Spectrum {
+        Spectrum::from_fn(|l| if (from..=to).contains(&l) { 3.0 } else { 0.0 })
+    }
+
+    #[test]
+    fn most_is_for_the_own_filter_and_some_for_each_other() {
+        let (own, all) = (band(500.0, 520.0), band(400.0, 700.0));
+        let mixed = mostly(&own, &all);
+        assert!((mixed.integral() - 1.0).abs() < 1e-6);
+        let within = mixed.product(&band(500.0, 520.0)).integral() / 3.0;
+        // Of the band for all, 301 entries of a nanometre, 21 are within.
+        assert!((within - (0.98 + 0.02 * 21.0 / 301.0)).abs() < 1e-6, "{within}");
+        assert!(all.iter().zip(mixed.iter()).all(|((_, all), (_, mixed))| (all > 0.0) == (mixed > 0.0)));
+    }
+
+    #[test]
+    fn bands_take_a_fifth_of_the_wavelengths_at_most_and_none_where_the_picture_has_enough() {
+        let part_beyond = |picture: &Spectrum, bands: &Spectrum| {
+            let drawn = with_bands(picture.clone(), bands);
+            let beyond = drawn.map_with(picture, |drawn, picture| if picture > 0.0 { 0.0 } else { drawn });
+            beyond.integral() / drawn.integral()
+        };
+        // A fifth of the integral of the picture is added beyond it, so that it is 1/6 of the whole; edges of 1 nm aside.
+        let (picture, beyond) = (band(400.0, 700.0), band(800.0, 1000.0));
+        let part = part_beyond(&picture, &beyond);
+        assert!((part - 1.0 / 6.0).abs() < 2e-3, "{part}");
+        // Bands within what the picture has are drawn as often as it is.
+        assert_eq!(with_bands(picture.clone(), &band(450.0, 650.0)).values(), picture.values());
+        let dark = Spectrum::constant(0.0);
+        assert_eq!(with_bands(dark.clone(), &beyond).values(), beyond.values());
+        assert_eq!(with_bands(picture.clone(), &dark).values(), picture.values());
+    }
+
+    #[test]
+    fn a_filter_without_light_has_the_wavelengths_of_all() {
+        let all = band(400.0, 700.0);
+        assert_eq!(mostly(&Spectrum::constant(0.0), &all).values(), all.values());
+        // In the dark any will do.
+        let dark = Spectrum::constant(0.0);
+        let drawn = WavelengthSampler::new(&mostly(&dark, &dark)).sample(0.5);
+        assert!((0..4).all(|lane| drawn.lambda_nm(lane).is_finite() && drawn.weights()[lane].is_finite()));
+    }
+}

@@ -1,0 +1,100 @@
+//! Where light sets out from: points and directions on the surfaces that shine.
+
+use glam::Vec3;
+
+use super::{Light, Lights, TriangleLight};
+use crate::geometry::Geometry;
+use photosite_core::math::distribution::AliasTable;
+use photosite_core::math::{Frame, warp};
+use photosite_core::spectrum::SampledSpectrum;
+
+/// Choice among the triangles that shine, by their power.
+#[derive(Clone, Debug)]
+pub(super) struct Emitters {
+    /// Of all lights; those that are no triangles have no part in it. `None` where nothing shines.
+    table: Option<AliasTable>,
+}
+
+/// A ray of light that sets out from a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission {
+    /// Handle of its light.
+    pub light: u32,
+    /// Where it starts.
+    pub position: Vec3,
+    /// Of the surface, unit vector.
+    pub normal: Vec3,
+    /// Where it goes, unit vector.
+    pub direction: Vec3,
+    /// W·m⁻²·sr⁻¹·nm⁻¹.
+    pub radiance: SampledSpectrum,
+    /// Density of its start and direction, over the cosine to the normal, m⁻²·sr⁻¹.
+    pub density: f32,
+}
+
+impl Emitters {
+    /// `powers[i]` is the power of `lights[i]`, any unit.
+    pub(super) fn new(lights: &[Light], powers: &[f64]) -> Self {
+        let power = |(light, &power): (&Light, &f64)| match light {
+            Light::Triangle(_) => power,
+            Light::Point { .. }
+            | Light::Spot { .. }
+            | Light::Profile { .. }
+            | Light::Projector { .. }
+            | Light::Directional { .. }
+            | Light::Environment => 0.0,
+        };
+        let weights: Vec<f64> = lights.iter().zip(powers).map(power).collect();
+        Self { table: weights.iter().any(|&weight| weight > 0.0).then(|| AliasTable::new(&weights)) }
+    }
+
+    fn probability(&self, light: u32) -> f32 {
+        self.table.as_ref().map_or(0.0, |table| table.probability(light))
+    }
+}
+
+/// Density of starts and directions over the cosine, where lights are chosen with that probability: evenly over the triangle,
+/// and by Lambert's law.
+#[inline]
+fn density(probability: f32, double_area: f32, two_sided: bool) -> f32 {
+    let sides = if two_sided { 2.0 } else { 1.0 };
+    probability * 2.0 * std::f32::consts::FRAC_1_PI / (double_area * sides)
+}
+
+impl Lights {
+    /// Whether light sets out from any surface.
+    pub fn has_emitters(&self) -> bool {
+        self.emitters.table.is_some()
+    }
+
+    /// Light that sets out from a surface at a time, by five numbers in [0, 1): for the light, the point and the direction.
+    /// `emitted_at(light, barycentric)` is the radiance of a point of a triangle. `None` where there is no light, or none of
+    /// that triangle.
+    pub fn emit(
+        &self,
+        geometry: &Geometry,
+        emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
+        time: f32,
+        (u_light, u_point, u_direction): (f32, [f32; 2], [f32; 2]),
+    ) -> Option<Emission> {
+        let (light, probability, rest) = self.emitters.table.as_ref()?.sample(u_light);
+        let Light::Triangle(emitter) = &self.lights[light as usize] else { return None };
+        let facet = self.facet(light, emitter, geometry, time)?;
+        let barycentric = warp::uniform_triangle(u_point);
+        let two_sided = emitter.emission.two_sided;
+        let (position, normal) = (facet.point(barycentric).into(), facet.normal());
+        let side = if two_sided && rest >= 0.5 { -normal } else { normal };
+        let direction = Frame::from_normal(side).to_world(warp::cosine_hemisphere(u_direction).into());
+        let radiance = emitted_at(emitter, barycentric);
+        let density = density(probability, facet.double_area, two_sided);
+        (!radiance.is_black()).then_some(Emission { light, position, normal, direction, radiance, density })
+    }
+
+    /// [`Emission::density`] of [`Self::emit`] on a light at a time; 0 for lights that are no surfaces.
+    #[inline]
+    pub fn emission_density(&self, light: u32, geometry: &Geometry, time: f32) -> f32 {
+        let Light::Triangle(emitter) = &self.lights[light as usize] else { return 0.0 };
+        let Some(facet) = self.facet(light, emitter, geometry, time) else { return 0.0 };
+        density(self.emitters.probability(light), facet.double_area, emitter.emission.two_sided)
+    }
+}

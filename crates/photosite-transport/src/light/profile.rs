@@ -1,0 +1,103 @@
+//! Lamps whose intensity was measured in many directions.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::Vec3;
+
+/// Luminous intensity, cd, over a sphere of directions around a lamp, in coordinates of photometric type C
+/// ([LM63](photosite_core::references#lm63)): vertical angles from the lamp's axis, horizontal ones around it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// rad from −z of the lamp's space, rising.
+    vertical_rad: Vec<f32>,
+    /// rad about the axis, from +x towards +y, rising; one alone for a lamp that is the same all around. That is
+    /// counter-clockwise seen from above a lamp that shines down, as LM-63-2002 §3.0, "Horizontal angles", has type C.
+    horizontal_rad: Vec<f32>,
+    /// candela[horizontal · number of vertical angles + vertical].
+    candela: Vec<f32>,
+}
+
+impl Profile {
+    /// From at least one rising angle each, and as many intensities as their product, those of a horizontal angle together.
+    /// Several horizontal angles go from 0 to 2π.
+    pub fn new(vertical_rad: Vec<f32>, horizontal_rad: Vec<f32>, candela: Vec<f32>) -> Self {
+        Self { vertical_rad, horizontal_rad, candela }
+    }
+
+    /// Intensity, cd, in a unit direction of the lamp's space: linear in both angles, 0 beyond the vertical ones.
+    #[inline]
+    pub fn intensity(&self, direction: Vec3) -> f32 {
+        let vertical = direction.x.hypot(direction.y).atan2(-direction.z);
+        let horizontal = direction.y.atan2(direction.x).rem_euclid(TAU);
+        self.at(vertical, horizontal)
+    }
+
+    fn at(&self, vertical: f32, horizontal: f32) -> f32 {
+        let Some([(v0, w0), (v1, w1)]) = between(&self.vertical_rad, vertical) else { return 0.0 };
+        let Some(horizontals) =
+            between(&self.horizontal_rad, horizontal.min(self.horizontal_rad[self.horizontal_rad.len() - 1]))
+        else {
+            return 0.0;
+        };
+        let row = |h: usize| {
+            let row = &self.candela[h * self.vertical_rad.len()..];
+            row[v0] * w0 + row[v1] * w1
+        };
+        horizontals.into_iter().map(|(h, weight)| row(h) * weight).sum()
+    }
+
+    /// Largest angle from −z of the lamp's space with any light, rad.
+    pub(super) fn reach_rad(&self) -> f32 {
+        let n = self.vertical_rad.len();
+        let last = (0..self.candela.len()).filter(|i| self.candela[*i] > 0.0).map(|i| i % n).max();
+        // One angle alone stands for all. Light fades to the next angle.
+        if n == 1 { PI } else { last.map_or(0.0, |last| self.vertical_rad[(last + 1).min(n - 1)]) }
+    }
+
+    /// Luminous flux, lm: ∫ I dω by the midpoint rule over half degrees.
+    pub fn flux_lm(&self) -> f64 {
+        let (rows, columns) = (360u16, if self.horizontal_rad.len() == 1 { 1u16 } else { 720 });
+        let mut sum = 0.0;
+        for row in 0..rows {
+            let vertical = (f32::from(row) + 0.5) * PI / f32::from(rows);
+            let mean: f64 = (0..columns)
+                .map(|c| f64::from(self.at(vertical, (f32::from(c) + 0.5) * TAU / f32::from(columns))))
+                .sum::<f64>()
+                / f64::from(columns);
+            sum += mean * f64::from(vertical.sin());
+        }
+        sum * f64::from(TAU) * f64::from(PI) / f64::from(rows)
+    }
+}
+
+/// The two neighbours of an angle with their weights; `None` outside, unless there is one alone.
+#[inline]
+fn between(angles: &[f32], angle: f32) -> Option<[(usize, f32); 2]> {
+    if angles.len() == 1 {
+        return Some([(0, 1.0), (0, 0.0)]);
+    }
+    let next = angles.partition_point(|a| *a <= angle).min(angles.len() - 1);
+    let low = next.checked_sub(1)?;
+    let part = (angle - angles[low]) / (angles[next] - angles[low]);
+    (part <= 1.0).then_some([(low, 1.0 - part), (next, part)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_are_those_of_the_file() {
+        // 1 cd down and 3 cd up at 0°, 5 and 7 at 180°, and back.
+        let profile = Profile::new(vec![0.0, PI], vec![0.0, PI, TAU], vec![1.0, 3.0, 5.0, 7.0, 1.0, 3.0]);
+        for (direction, expected) in
+            [(Vec3::X, 2.0), (Vec3::NEG_X, 6.0), (Vec3::Y, 4.0), (Vec3::new(1.0, 0.0, -1.0).normalize(), 1.5)]
+        {
+            assert!((profile.intensity(direction) - expected).abs() < 1e-5, "{direction}");
+        }
+        let half = Profile::new(vec![0.0, PI / 2.0], vec![0.0], vec![2.0, 2.0]);
+        assert_eq!([Vec3::NEG_Z, Vec3::Z].map(|d| half.intensity(d)), [2.0, 0.0]);
+        // Two candela into half of the sphere.
+        assert!((half.flux_lm() / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4);
+    }
+}

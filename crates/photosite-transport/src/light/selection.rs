@@ -1,0 +1,102 @@
+//! Which light a point looks at.
+
+use super::bounds::LightBounds;
+use super::receiver::Receiver;
+use super::tree::LightTree;
+use photosite_core::math::distribution::{AliasTable, rest};
+
+/// Lights that are somewhere are chosen by a tree, those infinitely far by their power, and which of both kinds by the
+/// irradiance to be expected of each.
+#[derive(Clone, Debug)]
+pub(super) struct Selection {
+    tree: LightTree,
+    /// Handles of the lights infinitely far.
+    distant: Vec<u32>,
+    among_distant: AliasTable,
+    /// Of all lights infinitely far, in the unit of the tree's importance.
+    irradiance: f32,
+}
+
+/// A light that a point looks at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Choice {
+    /// Its handle.
+    pub(crate) light: u32,
+    /// Of the choice.
+    pub(crate) probability: f32,
+    /// What is left of the number that chose, in [0, 1) again.
+    pub(crate) rest: f32,
+}
+
+impl Choice {
+    /// The same with a number that chose between two kinds of lights before.
+    #[inline]
+    fn within(self, part: f32) -> Self {
+        Self { probability: self.probability * part, ..self }
+    }
+}
+
+/// Bounds of the probability of either kind, where it shines at all: walls may hide the brighter one.
+const LEAST: f32 = 0.1;
+
+impl Selection {
+    /// Of lights with the handles 0, 1, …: the bounds of those that are somewhere, and the irradiance in the same unit from
+    /// those infinitely far.
+    pub(super) fn new(bounds: &[Option<LightBounds>], distant: &[(u32, f64)]) -> Self {
+        let intensity: f64 = bounds.iter().flatten().map(|b| f64::from(b.intensity)).sum();
+        let irradiances: Vec<f64> = distant.iter().map(|(_, irradiance)| *irradiance).collect();
+        Self {
+            tree: LightTree::new(bounds.iter().copied()),
+            distant: distant.iter().map(|(light, _)| *light).collect(),
+            among_distant: AliasTable::new(&irradiances),
+            irradiance: (irradiances.iter().sum::<f64>() / intensity) as f32,
+        }
+    }
+
+    /// Probability of a light infinitely far.
+    #[inline]
+    fn part_of_distant(&self, receiver: &Receiver) -> f32 {
+        if self.distant.is_empty() {
+            return 0.0;
+        }
+        if self.tree.is_empty() {
+            return 1.0;
+        }
+        let near = self.tree.importance(receiver);
+        if near == 0.0 {
+            return 1.0;
+        }
+        if self.irradiance == 0.0 {
+            return 0.0;
+        }
+        (self.irradiance / (self.irradiance + near)).clamp(LEAST, 1.0 - LEAST)
+    }
+
+    /// A light, from a number in [0, 1). `None` where the lights looked at cannot reach the receiver.
+    #[inline]
+    pub(super) fn sample(&self, receiver: &Receiver, u: f32) -> Option<Choice> {
+        if self.distant.is_empty() {
+            return self.tree.sample(receiver, u);
+        }
+        let distant = self.part_of_distant(receiver);
+        if u < distant {
+            let (entry, probability, rest) = self.among_distant.sample(rest(u, 0.0, distant));
+            return Some(Choice { light: self.distant[entry as usize], probability, rest }.within(distant));
+        }
+        let near = 1.0 - distant;
+        Some(self.tree.sample(receiver, rest(u, distant, near))?.within(near))
+    }
+
+    /// Probability with which [`Self::sample`] finds a light that is somewhere.
+    #[inline]
+    pub(super) fn probability(&self, receiver: &Receiver, light: u32) -> f32 {
+        let in_tree = self.tree.probability(receiver, light);
+        in_tree * (1.0 - self.part_of_distant(receiver))
+    }
+
+    /// The same for the one infinitely far of that number.
+    #[inline]
+    pub(super) fn probability_of_distant(&self, receiver: &Receiver, number: u32) -> f32 {
+        self.among_distant.probability(number) * self.part_of_distant(receiver)
+    }
+}

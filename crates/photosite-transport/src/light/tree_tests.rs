@@ -1,0 +1,210 @@
+//! The tree against counting, and against all lights looked at one by one.
+
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+
+use super::bounds::LightBounds;
+use super::selection::Choice;
+use super::tree::LightTree;
+use super::{Facing, Lamps, Light, Receiver, SurfaceEmission, Tint, TriangleLight};
+use crate::geometry::{Deformation, Geometry, MeshRange, Motion, Triangle};
+use photosite_core::math::hash::{hash64, unit_f32};
+use photosite_core::math::warp;
+use photosite_core::spectrum::{Spectrum, SpectrumId, SpectrumTable};
+
+/// Numbers in [0, 1) by two keys.
+fn number(key: u64, i: u64) -> f32 {
+    unit_f32(hash64(key, i) as u32)
+}
+
+fn direction(key: u64) -> Vec3 {
+    warp::uniform_sphere([number(key, 100), number(key, 101)])
+}
+
+fn place(key: u64) -> Vec3 {
+    Vec3::new(number(key, 102), number(key, 103), number(key, 104)) * 4.0 - 2.0
+}
+
+/// Triangles in the upper half of the numbers, that turn and grow in the time of the picture; lamps in the lower.
+struct Lot {
+    lights: Vec<Light>,
+    motions: Vec<Option<Motion>>,
+    powers: Vec<f64>,
+    geometry: Geometry,
+}
+
+fn lot(count: u32, seed: u64) -> Lot {
+    let radiance: SpectrumId = SpectrumTable::default().add(&Spectrum::constant(1.0));
+    let mut lot = Lot { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), geometry: Geometry::default() };
+    let mut later = Vec::new();
+    for light in 0..count {
+        let key = hash64(seed, u64::from(light));
+        lot.powers.push(if number(key, 0) < 0.05 { 0.0 } else { f64::from(number(key, 1)).powi(4) });
+        let (position, axis) = (place(key), direction(key));
+        if light >= count / 2 {
+            let triangle = lot.geometry.triangles.len() as u32;
+            let size = 0.01 + number(key, 2).powi(3);
+            let corners = [1, 2, 3].map(|i| position + direction(hash64(key, i)) * size);
+            lot.geometry.positions.extend(corners);
+            // A turn by up to 1 rad about the middle.
+            let turn = glam::Quat::from_axis_angle(axis, number(key, 3)) * (0.5 + number(key, 4));
+            later.extend(corners.map(|c| position + turn * (c - position)));
+            lot.geometry.triangles.push(Triangle { corners: [0, 1, 2].map(|i| 3 * triangle + i), mesh: 0 });
+            let emission = SurfaceEmission { radiance, tint: Tint::None, two_sided: number(key, 5) < 0.3 };
+            lot.lights.push(Light::Triangle(TriangleLight { triangle, emission }));
+            lot.motions.push(None);
+            continue;
+        }
+        let turn = DQuat::from_axis_angle(direction(hash64(key, 7)).as_dvec3(), f64::from(number(key, 6)));
+        let places = [DAffine3::IDENTITY, DAffine3::from_rotation_translation(turn, DVec3::splat(0.3))];
+        lot.motions.push((number(key, 8) < 0.3).then(|| Motion::new(&places)));
+        let cos_outer = (0.05 + 1.5 * number(key, 9)).cos();
+        lot.lights.push(match light % 2 {
+            0 => Light::Point { position, intensity: radiance },
+            _ => Light::Spot { position, axis, cos_inner: 1.0, cos_outer, intensity: radiance },
+        });
+    }
+    let corner_count = lot.geometry.positions.len() as u32;
+    let positions = lot.geometry.positions.iter().copied().chain(later).collect();
+    lot.geometry.deformations.push(Deformation { first_corner: 0, corner_count, positions, normals: Vec::new() });
+    lot.geometry.meshes.push(MeshRange {
+        material: 0,
+        first_triangle: 0,
+        triangle_count: corner_count / 3,
+        first_light: None,
+        normals_from: None,
+        tangents_from: None,
+        uvs_from: [None; 2],
+        colours_from: None,
+        deformation: Some(0),
+        sphere: None,
+    });
+    lot
+}
+
+impl Lot {
+    fn tree(&self) -> LightTree {
+        let lamps = Lamps::default();
+        let each = self.lights.iter().zip(&self.motions).zip(&self.powers);
+        LightTree::new(each.map(|((l, m), p)| LightBounds::of(l, m.as_ref(), *p, &self.geometry, &lamps)))
+    }
+
+    /// Whether a point gets any light from a light at a time.
+    fn shines(&self, light: usize, receiver: &Receiver, time: f32) -> bool {
+        let arrives = |from: Vec3| match receiver.facing {
+            Facing::Front(normal) => (from - receiver.point).normalize().dot(normal) > 1e-4,
+            Facing::Both(_) | Facing::Anywhere => true,
+        };
+        let place = self.motions[light].as_ref().map(|motion| motion.at(time));
+        let in_world = |position: Vec3| place.map_or(position, |place| place.to_world.transform_point3(position));
+        self.powers[light] > 0.0
+            && match self.lights[light] {
+                Light::Point { position, .. } => arrives(in_world(position)),
+                Light::Spot { position, axis, cos_outer, .. } => {
+                    let axis = place.map_or(axis, |place| place.to_world.transform_vector3(axis));
+                    let position = in_world(position);
+                    arrives(position) && (receiver.point - position).normalize().dot(axis) > cos_outer
+                }
+                Light::Triangle(TriangleLight { triangle, emission }) => {
+                    let corners = self.geometry.corners_at(triangle, time);
+                    let [a, b, c] = corners;
+                    let normal = (b - a).cross(c - a).normalize();
+                    let cos = (receiver.point - a).normalize().dot(normal);
+                    (cos > 1e-4 || emission.two_sided && cos < -1e-4) && corners.into_iter().any(arrives)
+                }
+                Light::Profile { .. } | Light::Projector { .. } | Light::Directional { .. } | Light::Environment => {
+                    false
+                }
+            }
+    }
+}
+
+fn receiver(key: u64) -> Receiver {
+    let facing = [Facing::Front(direction(key)), Facing::Both(direction(key)), Facing::Anywhere][(key % 3) as usize];
+    Receiver { point: place(key) * (1.0 + (key % 5) as f32), facing }
+}
+
+#[test]
+fn a_light_that_shines_at_a_point_can_be_found() {
+    let mut shining = 0;
+    for (count, seed) in [(1, 1), (2, 2), (3, 3), (8, 4), (100, 5), (1000, 6)] {
+        let lot = lot(count, seed);
+        let tree = lot.tree();
+        for key in 0..60 {
+            let receiver = receiver(hash64(seed, key));
+            for light in 0..count {
+                let probability = tree.probability(&receiver, light);
+                let time = number(key, u64::from(light));
+                if lot.shines(light as usize, &receiver, time) {
+                    shining += 1;
+                    assert!(probability > 0.0, "{count} {key} {:?} {receiver:?}", lot.lights[light as usize]);
+                }
+                assert!(lot.powers[light as usize] > 0.0 || probability == 0.0);
+            }
+        }
+    }
+    assert!(shining > 10_000, "{shining}");
+}
+
+#[test]
+fn lights_are_found_as_often_as_the_probability_says() {
+    for (count, seed) in [(1, 11), (2, 12), (5, 13), (40, 14), (300, 15)] {
+        let tree = lot(count, seed).tree();
+        for key in 0..12 {
+            let receiver = receiver(hash64(seed, key));
+            let expected: Vec<f64> = (0..count).map(|l| f64::from(tree.probability(&receiver, l))).collect();
+            let n = 1 << 15;
+            let (mut found, mut lost) = (vec![0u32; count as usize], 0u32);
+            for i in 0..n {
+                match tree.sample(&receiver, (i as f32 + 0.5) / n as f32) {
+                    Some(Choice { light, probability, rest }) => {
+                        found[light as usize] += 1;
+                        assert!((0.0..1.0).contains(&rest));
+                        // The same steps give the same bits.
+                        assert_eq!(probability, tree.probability(&receiver, light));
+                    }
+                    None => lost += 1,
+                }
+            }
+            // Each light has one interval of the numbers. It is off by a step at either end, and by the rounding of as many
+            // quotients as the tree is deep, 2⁻²⁴ of the interval that they are of.
+            let tolerance = 2.0 / f64::from(n) + 40.0 * 2f64.powi(-24);
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((f64::from(*found) / f64::from(n) - expected).abs() < tolerance, "{found} {expected}");
+            }
+            let sum: f64 = expected.iter().sum();
+            let lost = f64::from(lost) / f64::from(n);
+            assert!((sum + lost - 1.0).abs() < tolerance * f64::from(count), "{count} {key}: {sum} and {lost}");
+        }
+    }
+}
+
+#[test]
+fn little_is_lost_where_lights_shine_all_around() {
+    let lot = lot(300, 21);
+    let points = (0..).zip(&lot.lights).filter(|(_, light)| matches!(light, Light::Point { .. }));
+    let points: Vec<usize> = points.map(|(i, _)| i).collect();
+    let bounds =
+        points.iter().map(|i| LightBounds::of(&lot.lights[*i], None, lot.powers[*i], &lot.geometry, &Lamps::default()));
+    let tree = LightTree::new(bounds);
+    for key in 0..100 {
+        let receiver = Receiver::anywhere(place(key));
+        let sum: f64 = (0..points.len() as u32).map(|l| f64::from(tree.probability(&receiver, l))).sum();
+        // Roundings of a product of some ten parts.
+        assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+    }
+}
+
+#[test]
+fn lights_in_one_place_and_on_a_line_make_a_tree() {
+    let radiance = SpectrumTable::default().add(&Spectrum::constant(1.0));
+    for place in [|_| Vec3::ONE, |i: u32| Vec3::X * i as f32] {
+        let light = |i| Light::Point { position: place(i), intensity: radiance };
+        let (geometry, lamps) = (Geometry::default(), Lamps::default());
+        let tree = LightTree::new((0..50).map(|i| LightBounds::of(&light(i), None, 1.0, &geometry, &lamps)));
+        for receiver in [Receiver::anywhere(Vec3::Y * 5.0), Receiver::anywhere(Vec3::ONE), Receiver::anywhere(Vec3::X)]
+        {
+            let sum: f64 = (0..50).map(|l| f64::from(tree.probability(&receiver, l))).sum();
+            assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+        }
+    }
+}

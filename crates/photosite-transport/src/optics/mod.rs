@@ -1,0 +1,26 @@
+//! The camera's optics: where on the aperture a path leaves towards the scene, and what its radiance counts on the
+//! sensor.
+//!
+//! In: a [`LensDescription`], the pose, the pixel grid. Out: rays and the weight that turns radiance into irradiance.
+
+mod aperture;
+mod camera;
+#[cfg(test)]
+mod camera_tests;
+mod description;
+mod field_of_view;
+mod lateral_colour;
+mod motion;
+mod point_spread;
+mod recording;
+mod stop;
+
+pub use camera::{Camera, CameraRay, CameraSample, Connection, PixelGrid};
+pub use description::{Falloff, Focus, LensDescription, LensKind};
+pub use field_of_view::FieldOfView;
+pub use lateral_colour::LateralColour;
+pub use motion::{CameraMotion, TimedPose};
+pub use photosite_core::projection::{BrownConrady, Intrinsics, Projection, Reach, ReachEnd, Seen};
+pub use point_spread::{Kernel, KernelField, PointSpread};
+pub use recording::Recording;
+pub use stop::Stop;

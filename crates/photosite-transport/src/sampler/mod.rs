@@ -1,0 +1,261 @@
+//! Where the random numbers of light transport come from.
+//!
+//! The numbers of a [`Sampler`] are a pure function of (seed, sequence, index, dimension), and [`PixelOrder`] gives each sample
+//! of a picture a sequence and an index, so a picture can be computed in any order, in parts, and on any number of threads.
+//! In: those four. Out: numbers in [0, 1).
+
+mod pixel_order;
+mod sobol;
+mod window;
+
+pub use pixel_order::PixelOrder;
+
+use self::window::Window;
+use photosite_core::math::hash::{first_half, hash64, hash64_halves, second_half, unit_f32};
+
+/// Random number sequences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol points, shared by neighbours in [`PixelOrder`].
+    Sobol,
+    /// Independent random numbers: more noise, but the reported variance is exact.
+    Independent,
+}
+
+impl SamplerKind {
+    /// The name that capture files use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sobol => "sobol",
+            Self::Independent => "independent",
+        }
+    }
+}
+
+/// Gives the numbers of camera paths, dimension by dimension.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    kind: SamplerKind,
+    seed: u64,
+    place: SamplePlace,
+    /// Sobol points of neighbouring samples. Paths that split go to and fro between their own and those of their branches; a
+    /// second window for these brought nothing.
+    window: Window,
+}
+
+/// How far a sample has come with its numbers.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SamplePlace {
+    /// [`first_half`] of the key of the sequence.
+    key: u64,
+    /// Index of the sample in the sequence.
+    index: u32,
+    /// Requests so far.
+    dimension: u32,
+}
+
+impl SamplePlace {
+    /// The place of one of `count` paths that go on together from here. Those of all samples of the sequence are stratified
+    /// together too.
+    #[inline]
+    #[must_use]
+    pub fn branch(self, branch: u32, count: u32) -> Self {
+        Self { index: self.index.wrapping_mul(count).wrapping_add(branch), ..self }
+    }
+}
+
+impl Sampler {
+    /// Of a render with `seed`, at no sample yet.
+    pub fn new(kind: SamplerKind, seed: u64) -> Self {
+        Self { kind, seed, place: SamplePlace::default(), window: Window::default() }
+    }
+
+    /// Goes to the first numbers of sample `index` of a sequence.
+    #[inline]
+    pub fn start(&mut self, sequence: u64, index: u32) {
+        self.resume(SamplePlace { key: first_half(hash64(self.seed, sequence)), index, dimension: 0 });
+    }
+
+    /// Where it is.
+    #[inline]
+    pub fn place(&self) -> SamplePlace {
+        self.place
+    }
+
+    /// Notes how far it has come since it went on from a place, or from the one that it left there since.
+    // Reading all of the place, of which a part was written last, would wait for that to reach the memory.
+    #[inline]
+    pub fn leave(&self, place: &mut SamplePlace) {
+        debug_assert_eq!((place.key, place.index), (self.place.key, self.place.index), "a place of another sample");
+        place.dimension = self.place.dimension;
+    }
+
+    /// Goes on where a sample was left. Samples that follow each other cost least one after the other, dimension by dimension.
+    #[inline]
+    pub fn resume(&mut self, place: SamplePlace) {
+        self.place = place;
+        if self.kind == SamplerKind::Sobol {
+            self.window.show(place.key, place.index);
+        }
+    }
+
+    /// The next number in [0, 1).
+    #[inline]
+    pub fn next_1d(&mut self) -> f32 {
+        self.place.dimension += 1;
+        match self.kind {
+            SamplerKind::Sobol => self.window.first(self.place.index, self.place.dimension),
+            SamplerKind::Independent => self.independent()[0],
+        }
+    }
+
+    /// Leaves out what [`Self::next_1d`] or [`Self::next_2d`] would give.
+    #[inline]
+    pub fn skip(&mut self) {
+        self.place.dimension += 1;
+    }
+
+    /// The next two numbers in [0, 1), stratified together.
+    #[inline]
+    pub fn next_2d(&mut self) -> [f32; 2] {
+        self.place.dimension += 1;
+        match self.kind {
+            SamplerKind::Sobol => self.window.both(self.place.index, self.place.dimension),
+            SamplerKind::Independent => self.independent(),
+        }
+    }
+
+    #[inline(never)]
+    fn independent(&self) -> [f32; 2] {
+        let SamplePlace { key, index, dimension } = self.place;
+        let bits = hash64(request_key(key, dimension), u64::from(index));
+        [unit_f32(bits as u32), unit_f32((bits >> 32) as u32)]
+    }
+}
+
+/// A key of its own for each request, the same for all samples of the sequence.
+#[inline]
+fn request_key(sequence_key: u64, dimension: u32) -> u64 {
+    let half = DIMENSIONS.get(dimension as usize).copied();
+    hash64_halves(sequence_key, half.unwrap_or_else(|| second_half(u64::from(dimension))))
+}
+
+/// [`second_half`] of the dimensions that most paths come by.
+static DIMENSIONS: [u64; 64] = {
+    let mut halves = [0; 64];
+    let mut dimension = 0;
+    while dimension < 64 {
+        halves[dimension] = second_half(dimension as u64);
+        dimension += 1;
+    }
+    halves
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means over 64 pixels × 256 samples of the first two dimensions.
+    fn means(kind: SamplerKind) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        let mut sampler = Sampler::new(kind, 1);
+        for pixel in 0..64 {
+            for index in 0..256 {
+                sampler.start(pixel, index);
+                let [u, v] = sampler.next_2d();
+                sums[0] += f64::from(u);
+                sums[1] += f64::from(v);
+            }
+        }
+        sums.map(|s| s / (64.0 * 256.0))
+    }
+
+    #[test]
+    fn both_kinds_are_uniform() {
+        // Independent: σ = 1/√(12 · 16384) = 0.0023. Stratified: far less.
+        for (kind, tolerance) in [(SamplerKind::Independent, 4.0 * 0.0023), (SamplerKind::Sobol, 4e-4)] {
+            for mean in means(kind) {
+                assert!((mean - 0.5).abs() < tolerance, "{kind:?}: {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn branches_of_all_samples_are_stratified_together() {
+        let mut strata = [0; 64];
+        let mut sampler = Sampler::new(SamplerKind::Sobol, 5);
+        for index in 0..16 {
+            sampler.start(9, index);
+            sampler.next_2d();
+            let place = sampler.place();
+            for branch in 0..4 {
+                sampler.resume(place.branch(branch, 4));
+                strata[(sampler.next_1d() * 64.0) as usize] += 1;
+            }
+        }
+        assert_eq!(strata, [1; 64]);
+    }
+
+    #[test]
+    fn all_requests_of_a_sample_are_independent() {
+        // Two of one number and one of two: their pairs fill an 8 × 8 grid evenly, in a pixel of many samples.
+        let n = 1 << 14;
+        let mut counts = [[0f64; 64]; 6];
+        let mut sampler = Sampler::new(SamplerKind::Sobol, 5);
+        for index in 0..n {
+            sampler.start(9, index);
+            let (a, b, [c, d]) = (sampler.next_1d(), sampler.next_1d(), sampler.next_2d());
+            let cell = |x: f32| (x * 8.0) as usize;
+            for (counts, [x, y]) in counts.iter_mut().zip([[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]]) {
+                counts[8 * cell(x) + cell(y)] += 1.0;
+            }
+        }
+        let expected = f64::from(n) / 64.0;
+        for (pair, counts) in counts.iter().enumerate() {
+            // Independent numbers: χ² of 49 degrees of freedom with even margins, 49 ± 9.9.
+            let chi_squared: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
+            assert!(chi_squared < 49.0 + 4.5 * 9.9, "pair {pair}: {chi_squared}");
+        }
+    }
+
+    #[test]
+    fn dimensions_of_one_sample_are_not_correlated() {
+        let mut products = 0.0;
+        let n = 1 << 14;
+        let mut sampler = Sampler::new(SamplerKind::Sobol, 5);
+        for index in 0..n {
+            sampler.start(9, index);
+            products += (f64::from(sampler.next_1d()) - 0.5) * (f64::from(sampler.next_2d()[0]) - 0.5);
+        }
+        // Independent numbers: σ of the mean product = 1/12/√n = 0.00065.
+        assert!((products / f64::from(n)).abs() < 4.0 * 0.00065, "{products}");
+    }
+
+    #[test]
+    fn numbers_do_not_depend_on_what_was_asked_for_before() {
+        for kind in [SamplerKind::Sobol, SamplerKind::Independent] {
+            // Pairs at odd requests, one number at even ones, more requests than are kept.
+            let numbers = |sampler: &mut Sampler| -> Vec<f32> {
+                (0..20).flat_map(|_| [sampler.next_2d(), [sampler.next_1d(), 0.0]]).flatten().collect()
+            };
+            let alone = |sequence: u64, index: u32| {
+                let mut sampler = Sampler::new(kind, 5);
+                sampler.start(sequence, index);
+                numbers(&mut sampler)
+            };
+            let mut sampler = Sampler::new(kind, 5);
+            for (sequence, index) in [(1, 0), (1, 1), (2, 1), (1, 9), (1, 8), (1, 1), (2, u32::MAX), (2, u32::MAX - 8)]
+            {
+                sampler.start(sequence, index);
+                assert_eq!(numbers(&mut sampler), alone(sequence, index), "{kind:?}, {sequence}, {index}");
+                // A first number alone, where others ask for both.
+                sampler.start(sequence, index);
+                let first = sampler.next_1d();
+                sampler.start(sequence, index + u32::from(index % 8 == 0));
+                sampler.next_2d();
+                sampler.start(sequence, index);
+                assert_eq!(first, sampler.next_1d(), "{kind:?}, {sequence}, {index}");
+            }
+        }
+    }
+}

@@ -1,0 +1,377 @@
+//! What is in front of the camera: the [`description`] that files give, and the immutable [`Scene`] that light
+//! transport reads.
+//!
+//! A scene is flat tables with `u32` handles: geometry, materials, textures, spectra, lights. [`build`] makes it from a
+//! description and never looks at a file.
+
+mod build;
+pub mod description;
+mod material;
+mod shading;
+pub mod spectral_coverage;
+
+pub use build::build;
+pub use build::{emission_spectrum, nit_per_unit};
+pub use material::{
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, Mix,
+    NormalMap, ScatteringModel,
+};
+pub(crate) use shading::EDGE_ON;
+pub use shading::Shading;
+
+use crate::bsdf::Phong;
+use crate::geometry::{self, Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Ray, SurfacePoint};
+use crate::light::{Choice, Emission, LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
+use crate::texture::Texture;
+use photosite_core::math::hash::{hash64, unit_f32};
+use photosite_core::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
+
+/// Everything that light transport needs to know of a scene. Immutable.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    geometry: Geometry,
+    accel: Accel,
+    instances: InstanceTable,
+    materials: Vec<Material>,
+    /// Of each mesh that is matt and nothing else, its reflectance.
+    matt: Vec<Option<ColourSource>>,
+    layered: Vec<LayeredMaterial>,
+    mixes: Vec<Mix>,
+    textures: Vec<Texture>,
+    spectra: SpectrumTable,
+    lights: Lights,
+    light_spectrum: Spectrum,
+    /// Whether any material has holes.
+    has_alpha: bool,
+    /// Whether any material bounds a volume that absorbs.
+    has_media: bool,
+}
+
+/// Which instance of the description each surface belongs to.
+#[derive(Clone, Debug, Default)]
+struct InstanceTable {
+    /// Of meshes that stand in world space: the instance, for each mesh of the geometry up to the last of these.
+    of_mesh: Vec<u32>,
+    /// Of the placements: `None` for the one in world space.
+    of_placement: Vec<Option<u32>>,
+    /// The mesh of the geometry that each instance has, and its placement.
+    surfaces: Vec<[u32; 2]>,
+}
+
+impl Scene {
+    /// The triangles.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// Lower and upper corner of the geometry, m.
+    pub fn bounds(&self) -> (glam::Vec3, glam::Vec3) {
+        self.accel.bounds()
+    }
+
+    /// The light of all sources together in relative units: where wavelengths are worth sampling.
+    pub fn light_spectrum(&self) -> &Spectrum {
+        &self.light_spectrum
+    }
+
+    /// Whether any material leaves paths with one wavelength.
+    pub fn disperses(&self) -> bool {
+        self.models().any(|model| match *model {
+            ScatteringModel::Dielectric { dispersive, .. } => dispersive,
+            ScatteringModel::Layered(layers) => self.layered[layers as usize].dispersive,
+            ScatteringModel::Diffuse { .. }
+            | ScatteringModel::Conductor { .. }
+            | ScatteringModel::OrenNayar { .. }
+            | ScatteringModel::Phong { .. }
+            | ScatteringModel::Translucent { .. }
+            | ScatteringModel::ThinDielectric { .. }
+            | ScatteringModel::Mix(_) => false,
+        })
+    }
+
+    /// Whether any material may throw light on in bundles ([`Bsdf::focuses`](crate::bsdf::Bsdf::focuses)).
+    pub fn may_focus(&self) -> bool {
+        self.models().any(|model| match *model {
+            ScatteringModel::Dielectric { .. } | ScatteringModel::ThinDielectric { .. } => true,
+            ScatteringModel::Conductor { distribution, .. } => distribution.is_narrow(),
+            ScatteringModel::Phong { exponent, .. } => Phong::is_narrow(exponent),
+            ScatteringModel::Layered(layers) => self.layered[layers as usize].may_focus(),
+            ScatteringModel::Diffuse { .. }
+            | ScatteringModel::OrenNayar { .. }
+            | ScatteringModel::Translucent { .. }
+            | ScatteringModel::Mix(_) => false,
+        })
+    }
+
+    /// Whether any material scatters by Lambert's law alone, so that pixels can share what is seen from it.
+    pub fn has_diffuse(&self) -> bool {
+        self.models().any(|model| matches!(model, ScatteringModel::Diffuse { .. }))
+    }
+
+    /// The models of all materials, and those that mixes are made of, which tell all that there is to tell of these.
+    fn models(&self) -> impl Iterator<Item = &ScatteringModel> {
+        let of_materials = self.materials.iter().map(|material| &material.model);
+        of_materials.chain(self.mixes.iter().flat_map(|mix| &mix.models))
+    }
+
+    /// The nearest surface along a ray.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        if self.has_alpha { self.accel.closest(ray, &Holes(self)) } else { self.accel.closest(ray, &AcceptAll) }
+    }
+
+    /// Whether a surface is in the way of a ray.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        if self.has_alpha { self.accel.occluded(ray, &Holes(self)) } else { self.accel.occluded(ray, &AcceptAll) }
+    }
+
+    /// The nearest surface along each of several rays, in their order.
+    #[inline]
+    pub fn closest_each(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
+        if self.has_alpha {
+            self.accel.closest_each(rays, &Holes(self), hits);
+        } else {
+            self.accel.closest_each(rays, &AcceptAll, hits);
+        }
+    }
+
+    /// Whether a surface is in the way of each of several rays, in their order.
+    #[inline]
+    pub fn occluded_each(&self, rays: &[Ray], occluded: &mut Vec<bool>) {
+        if self.has_alpha {
+            self.accel.occluded_each(rays, &Holes(self), occluded);
+        } else {
+            self.accel.occluded_each(rays, &AcceptAll, occluded);
+        }
+    }
+
+    /// The surface point of a hit by a ray of that time.
+    #[inline]
+    pub fn point(&self, hit: &Hit, time: f32) -> SurfacePoint {
+        SurfacePoint::new(&self.geometry, &self.accel, hit, time)
+    }
+
+    /// Index of the instance that was hit, in the description that the scene was built from.
+    pub fn instance(&self, hit: &Hit) -> u32 {
+        let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
+        self.instances.of_placement[hit.placement as usize].unwrap_or_else(|| self.instances.of_mesh[mesh as usize])
+    }
+
+    /// The same point of the same surface in another scene, whose description has the same
+    /// [surfaces](description::SceneDescription::surfaces): it may stand elsewhere there and have another shape. `None` where
+    /// there is none.
+    pub fn hit_in(&self, hit: &Hit, other: &Self) -> Option<Hit> {
+        if std::ptr::eq(self, other) {
+            return Some(*hit);
+        }
+        let own = self.geometry.triangles[hit.triangle as usize];
+        let number = hit.triangle - self.geometry.meshes[own.mesh as usize].first_triangle;
+        let &[mesh, placement] = other.instances.surfaces.get(self.instance(hit) as usize)?;
+        let range = other.geometry.meshes.get(mesh as usize).filter(|range| number < range.triangle_count)?;
+        let triangle = range.first_triangle + number;
+        // Corners of meshes that a mirror put into the world are in the other order.
+        let second = |triangle: geometry::Triangle| triangle.corners[1].wrapping_sub(triangle.corners[0]);
+        let is_turned = second(own) != second(other.geometry.triangles[triangle as usize]);
+        let [b1, b2] = hit.barycentric;
+        let barycentric = if is_turned { [b2, b1] } else { [b1, b2] };
+        Some(Hit { t: hit.t, barycentric, triangle, placement })
+    }
+
+    /// Radiance that a surface point emits towards the unit direction `wo`.
+    #[inline]
+    pub fn emitted(&self, point: &SurfacePoint, wo: glam::Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
+        let Some(emission) = &self.materials[point.material as usize].emission else { return SampledSpectrum::ZERO };
+        if !emission.two_sided && wo.dot(point.geometric_normal) <= 0.0 {
+            return SampledSpectrum::ZERO;
+        }
+        self.emitted_at(emission, point.triangle, point.barycentric, wavelengths)
+    }
+
+    /// The medium that light from `point` to the unit direction `wo` has come through, where `point` is seen from within a
+    /// volume: its absorption, m⁻¹.
+    #[inline]
+    pub fn absorption_behind(&self, point: &SurfacePoint, wo: glam::Vec3) -> Option<SpectrumId> {
+        if !self.has_media {
+            return None;
+        }
+        self.materials[point.material as usize].absorption.filter(|_| wo.dot(point.geometric_normal) < 0.0)
+    }
+
+    /// The medium beyond `point` for light that passes it in the direction `wi` and was in `medium` before.
+    #[inline]
+    pub fn medium_across(
+        &self,
+        point: &SurfacePoint,
+        wi: glam::Vec3,
+        medium: Option<SpectrumId>,
+    ) -> Option<SpectrumId> {
+        if !self.has_media {
+            return None;
+        }
+        match self.materials[point.material as usize].absorption {
+            Some(absorption) => (wi.dot(point.geometric_normal) < 0.0).then_some(absorption),
+            None => medium,
+        }
+    }
+
+    /// The part of the light that is left after `distance` (m) in a medium: exp(−σ·d).
+    #[inline]
+    pub fn transmittance(&self, absorption: SpectrumId, distance: f32, wavelengths: &Wavelengths) -> SampledSpectrum {
+        self.spectra.sample(absorption, wavelengths).map(|per_m| (-per_m * distance).exp())
+    }
+
+    /// The reflectance of a matt surface that was hit where its file puts it: in world space, without light of its own, and
+    /// with nothing that absorbs around it.
+    #[inline]
+    pub(crate) fn matt_surface(&self, hit: &Hit) -> Option<ColourSource> {
+        let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
+        let stands_in_world = matches!(self.accel.placements()[hit.placement as usize].place, Place::World);
+        self.matt[mesh as usize].filter(|_| stands_in_world)
+    }
+
+    /// Handle of the light that a surface point belongs to.
+    #[inline]
+    pub fn light_of(&self, point: &SurfacePoint) -> Option<u32> {
+        let mesh = &self.geometry.meshes[point.mesh as usize];
+        mesh.first_light.map(|first| first + (point.triangle - mesh.first_triangle))
+    }
+
+    /// A direction in which a receiver looks for light at a time.
+    #[inline]
+    pub fn sample_light(
+        &self,
+        receiver: &Receiver,
+        time: f32,
+        [u_light, v]: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
+        let choice = self.choose_light(receiver, u_light)?;
+        self.sample_chosen_light(&choice, receiver, time, v, wavelengths)
+    }
+
+    /// The light of [`Self::sample_light`], by the first of its numbers.
+    #[inline]
+    pub(crate) fn choose_light(&self, receiver: &Receiver, u_light: f32) -> Option<Choice> {
+        self.lights.choose(receiver, u_light)
+    }
+
+    /// The direction of [`Self::sample_light`] towards the light that was chosen.
+    #[inline]
+    pub(crate) fn sample_chosen_light(
+        &self,
+        choice: &Choice,
+        receiver: &Receiver,
+        time: f32,
+        v: f32,
+        wavelengths: &Wavelengths,
+    ) -> Option<LightSample> {
+        let emitted_at = |light: &TriangleLight, barycentric| self.shining(light, barycentric, wavelengths);
+        self.lights.sample_chosen(choice, &self.spectra, &self.geometry, emitted_at, receiver, time, v, wavelengths)
+    }
+
+    /// Light that sets out from a surface at a time, by five numbers in [0, 1): for the light, the point and the direction.
+    pub fn emit(&self, time: f32, u: (f32, [f32; 2], [f32; 2]), wavelengths: &Wavelengths) -> Option<Emission> {
+        let emitted_at = |light: &TriangleLight, barycentric| self.shining(light, barycentric, wavelengths);
+        self.lights.emit(&self.geometry, emitted_at, time, u)
+    }
+
+    /// [`Emission::density`] of [`Self::emit`] on a light at a time.
+    #[inline]
+    pub fn emission_density(&self, light: u32, time: f32) -> f32 {
+        self.lights.emission_density(light, &self.geometry, time)
+    }
+
+    /// Radiance of a point of a light.
+    #[inline]
+    pub(crate) fn shining(
+        &self,
+        light: &TriangleLight,
+        barycentric: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> SampledSpectrum {
+        let emitted = self.emitted_at(&light.emission, light.triangle, barycentric, wavelengths);
+        // Where there are holes, rays that look for the light end in front of them.
+        if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
+    }
+
+    /// Radiance from infinitely far in the unit direction `towards`.
+    #[inline]
+    pub fn environment_radiance(&self, towards: glam::Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
+        self.lights.environment().map_or(SampledSpectrum::ZERO, |e| e.radiance(&self.spectra, towards, wavelengths))
+    }
+
+    /// Radiance of a point of a triangle on the side that shines.
+    #[inline]
+    fn emitted_at(
+        &self,
+        emission: &SurfaceEmission,
+        triangle: u32,
+        barycentric: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> SampledSpectrum {
+        let tint = match emission.tint {
+            Tint::None => None,
+            Tint::Textured { texture, .. } => Some(emission.tinted(self.texel(texture, triangle, barycentric))),
+        };
+        emission.radiance(&self.spectra, tint, wavelengths)
+    }
+
+    /// Probability with which a material's alpha says that there is a surface at a point of a triangle.
+    #[inline]
+    fn presence(&self, triangle: u32, barycentric: [f32; 2]) -> f32 {
+        let mesh = &self.geometry.meshes[self.geometry.triangles[triangle as usize].mesh as usize];
+        let coverage = |factor: f32, texture: Option<u32>| {
+            let factor = factor * self.geometry.colour(triangle, barycentric).map_or(1.0, |colour| colour.w);
+            factor * texture.map_or(1.0, |texture| self.rgba_linear(texture, triangle, barycentric)[3])
+        };
+        match self.materials[mesh.material as usize].alpha {
+            Alpha::Opaque => 1.0,
+            Alpha::Mask { factor, texture, cutoff } => f32::from(u8::from(coverage(factor, texture) >= cutoff)),
+            Alpha::Blend { factor, texture } => coverage(factor, texture),
+        }
+    }
+
+    /// Linear RGB of an sRGB-encoded texture at a point of a triangle.
+    #[inline]
+    fn texel(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 3] {
+        let [r, g, b, _] = self.rgba_srgb(texture, triangle, barycentric);
+        [r, g, b]
+    }
+
+    #[inline]
+    fn rgba_srgb(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 4] {
+        let texture = &self.textures[texture as usize];
+        texture.sample_rgba_srgb(self.geometry.uv(triangle, barycentric, texture.uv_set as usize))
+    }
+
+    #[inline]
+    fn rgba_linear(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 4] {
+        let texture = &self.textures[texture as usize];
+        texture.sample_rgba_linear(self.geometry.uv(triangle, barycentric, texture.uv_set as usize))
+    }
+}
+
+/// Lets rays through where a material's alpha says that there is nothing.
+struct Holes<'a>(&'a Scene);
+
+impl HitFilter for Holes<'_> {
+    #[inline]
+    fn accept(&self, triangle: u32, barycentric: [f32; 2], ray: &Ray) -> bool {
+        let presence = self.0.presence(triangle, barycentric);
+        if presence <= 0.0 || presence >= 1.0 {
+            return presence > 0.0;
+        }
+        // There with probability alpha: the expected radiance is that of blending. The decision is a function of ray and
+        // triangle, so that it does not depend on the order of traversal.
+        let [x, y, z] = ray.direction.to_array().map(|c| u64::from(c.to_bits()));
+        let origin = u64::from(ray.origin.x.to_bits()) << 32 | u64::from(ray.origin.z.to_bits());
+        let key = hash64(hash64(x << 32 | y, z << 32 | u64::from(triangle)), origin);
+        unit_f32(key as u32) < presence
+    }
+}
