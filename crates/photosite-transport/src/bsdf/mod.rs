@@ -17,7 +17,7 @@
 //! | [`ThinDielectric`] | `thin_dielectric` | mirror and straight on, as a pane |
 //! | [`Layered`] | [`layered`] | glTF: coat, sheen, microfacets, and a metallic, coloured or clear base |
 //!
-//! [`model`] has the list of them. [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
+//! [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
 //!
 //! What refracts is seen from both sides; all else is black from behind, though it may transmit light from there. The
 //! integrator turns the frame round where a surface has two equal sides, and guards against light that leaks through
@@ -26,6 +26,7 @@
 pub mod fresnel;
 pub mod layered;
 pub mod microfacet;
+#[macro_use]
 pub mod model;
 
 mod albedo;
@@ -39,18 +40,42 @@ mod translucent;
 
 use glam::Vec3;
 
-pub use conductor::Conductor;
-pub use dielectric::Dielectric;
-pub use diffuse::Diffuse;
+use model::Lobe as _;
+
 pub use layered::{Coat, Film, Layered, Sheen, Volume};
 pub use microfacet::Ggx;
-pub use model::{Form, Map, MapAll, Mix, Model, RelativeIndex, Sampled, SceneTraits, TableForm, Traits};
-pub use oren_nayar::OrenNayar;
-pub use phong::Phong;
+pub use model::{Form, Map, MapAll, Mix, RelativeIndex, Sampled, SceneTraits, TableForm, Traits};
+pub use models::*;
 use photosite_core::math::{Pdf, SolidAngle};
 use photosite_core::spectrum::SampledSpectrum;
-pub use thin_dielectric::ThinDielectric;
-pub use translucent::Translucent;
+
+/// The types of the models.
+pub mod models {
+    pub use super::conductor::Conductor;
+    pub use super::dielectric::Dielectric;
+    pub use super::diffuse::Diffuse;
+    pub use super::oren_nayar::OrenNayar;
+    pub use super::phong::Phong;
+    pub use super::thin_dielectric::ThinDielectric;
+    pub use super::translucent::Translucent;
+}
+
+models! {
+    /// Lambert's law.
+    Diffuse,
+    /// A metal.
+    Conductor,
+    /// A clear medium on the side that the normal points away from.
+    Dielectric,
+    /// A diffuse surface with relief.
+    OrenNayar,
+    /// Phong's model.
+    Phong,
+    /// A thin diffuse sheet.
+    Translucent,
+    /// A polished pane.
+    ThinDielectric,
+}
 
 /// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are is
 /// no longer known, a unit vector being rounded to 6e-8.

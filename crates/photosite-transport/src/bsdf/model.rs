@@ -1,12 +1,11 @@
-//! The list of scattering models, and what each of them has to say.
+//! What a scattering model has to say, and the enumeration of all of them.
 //!
 //! A model is one type with its parameters in one of three [`Form`]s: as a file states them, as handles into the tables of
 //! a scene, and as values at a shading point. [`Model::map`] takes them from one form to the next; what the steps are for a
 //! colour, a spectrum, an index or a roughness is a [`Map`], the same for all models. At a shading point, where the form is
 //! [`Sampled`], the model is a [`Bsdf`](super::Bsdf) and every type is a [`Lobe`].
 //!
-//! To add a model: a file with its parameters, `map`, [`SceneTraits`] and [`Lobe`]; its row in the list at the end of this
-//! file; its table and its row in those of capture files; its element for Mitsuba; its cases in `tests/physics`.
+//! To add a model: a file with its parameters, `map`, [`SceneTraits`] and [`Lobe`]; its rows in `bsdf/mod.rs`; its table and its row in those of capture files; its element for Mitsuba; its cases in `tests/physics`.
 
 use std::convert::Infallible;
 use std::fmt::Debug;
@@ -15,7 +14,7 @@ use glam::Vec3;
 
 use super::layered::Layered;
 use super::microfacet::Ggx;
-use super::{BsdfEval, BsdfSample, Conductor, Dielectric, Diffuse, OrenNayar, Phong, ThinDielectric, Translucent};
+use super::{BsdfEval, BsdfSample, Model};
 use photosite_core::spectrum::{SampledSpectrum, SpectrumId};
 
 /// The form in which the parameters of a model are.
@@ -162,7 +161,18 @@ macro_rules! models {
             }
         }
 
-        impl<F: Form> Debug for Model<F> {
+        impl<F: Form> Copy for Model<F>
+        where
+            F::Colour: Copy,
+            F::Spectrum: Copy,
+            F::Index: Copy,
+            F::Distribution: Copy,
+            F::Layered: Copy,
+            F::Mix: Copy,
+        {
+        }
+
+        impl<F: Form> std::fmt::Debug for Model<F> {
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 match self {
                     $(Self::$model(model) => model.fmt(f),)*
@@ -192,7 +202,7 @@ macro_rules! models {
             ) -> Option<R> {
                 match self {
                     $(Self::$model(model) => {
-                        Some(finish(<$model as Lobe>::REFRACTS, Model::$model(model.map(map))))
+                        Some(finish(<$model as model::Lobe>::REFRACTS, Model::$model(model.map(map))))
                     })*
                     Self::Layered(_) | Self::Mix(_) => None,
                 }
@@ -246,39 +256,11 @@ macro_rules! models {
             #[inline]
             pub fn refracts(&self) -> bool {
                 match self {
-                    $(Self::$model(_) => <$model as Lobe>::REFRACTS,)*
+                    $(Self::$model(_) => <$model as model::Lobe>::REFRACTS,)*
                     Self::Layered(layered) => !layered.is_two_sided(),
                     Self::Mix(never) => match *never {},
                 }
             }
         }
     };
-}
-
-impl<F: Form> Copy for Model<F>
-where
-    F::Colour: Copy,
-    F::Spectrum: Copy,
-    F::Index: Copy,
-    F::Distribution: Copy,
-    F::Layered: Copy,
-    F::Mix: Copy,
-{
-}
-
-models! {
-    /// Lambert's law.
-    Diffuse,
-    /// A metal.
-    Conductor,
-    /// A clear medium on the side that the normal points away from.
-    Dielectric,
-    /// A diffuse surface with relief.
-    OrenNayar,
-    /// Phong's model.
-    Phong,
-    /// A thin diffuse sheet.
-    Translucent,
-    /// A polished pane.
-    ThinDielectric,
 }

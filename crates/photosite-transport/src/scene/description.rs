@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 
-pub use crate::bsdf::{Conductor, Dielectric, Diffuse, Mix, Model, OrenNayar, Phong, ThinDielectric, Translucent};
+pub use crate::bsdf::models::*;
 use crate::bsdf::{Form, Ggx, Map, MapAll};
+pub use crate::bsdf::{Mix, Model};
 use crate::geometry::Motion;
 use crate::light::{Profile, SkyConditions};
 use crate::texture::{Bitmap, SamplerSettings, UvTransform};

@@ -27,11 +27,7 @@ pub(super) use camera::{
 };
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
 pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable};
-pub(super) use material::{
-    CommonKeys, ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable,
-    MetalSource, MetallicRoughnessTable, MixTable, OrenNayarTable, PhongTable, PlasticTable, SurfaceKeys, SurfaceTable,
-    ThinDielectricTable, TranslucentTable, TypedMaterialTable,
-};
+pub(super) use material::*;
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable, SphereTable};
 pub(super) use settings::{
     ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
