@@ -91,6 +91,11 @@ const PAINT: &str = "type = \"diffuse\"\nreflectance = 0.5";
 #[case::exposure("time_s = 0.01", "auto = true", "an automatic exposure")]
 #[case::shadowing(PAINT, "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4", "microfacets of material \"paint\"")]
 #[case::dispersion(PAINT, "type = \"dielectric\"\nglass = \"BK7\"", "the dispersion of material \"paint\"")]
+#[case::retroreflection(
+    PAINT,
+    "type = \"retroreflective\"\nretroreflectance = 0.4\nreflectance = 0.5",
+    "the retroreflection of material \"paint\", for which it has no plugin"
+)]
 #[case::direction(
     PAINT,
     "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4\nanisotropy = 0.5",

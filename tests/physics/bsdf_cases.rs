@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use photosite::bsdf::{
-    Bsdf, Coat, Conductor, Dielectric, Diffuse, Film, Ggx, Layered, OrenNayar, Phong, RelativeIndex, Sheen,
-    Translucent, Volume,
+    Bsdf, Coat, Conductor, CubeCorners, Dielectric, Diffuse, Film, Ggx, Layered, OrenNayar, Phong, RelativeIndex,
+    Retroreflective, Sheen, Translucent, Volume,
 };
 use photosite::spectrum::SampledSpectrum;
 use rand::Rng;
@@ -43,6 +43,16 @@ pub(crate) fn glass(eta: f32, distribution: Ggx) -> Bsdf {
     Bsdf::Dielectric(Dielectric {
         index: RelativeIndex { eta: SampledSpectrum::splat(eta), dispersive: false },
         distribution,
+    })
+}
+
+/// Retroreflective sheeting: the part that returns along the normal, that of the rest which is scattered, index, roughness.
+pub(crate) fn sheeting(returned: SampledSpectrum, reflectance: SampledSpectrum, index: f32, alpha: f32) -> Bsdf {
+    Bsdf::Retroreflective(Retroreflective {
+        retroreflectance: returned,
+        reflectance,
+        corners: CubeCorners::new(index),
+        distribution: Ggx::new(alpha, alpha),
     })
 }
 
@@ -120,6 +130,10 @@ pub(crate) fn wide() -> Vec<Case> {
     }
     let bsdf = Bsdf::Translucent(Translucent { reflectance: some, transmittance: other * 0.5 });
     cases.push(Case { name: "translucent".into(), bsdf });
+    for (index, alpha) in [(1.5, 0.1), (1.0, 0.5), (2.0, 0.0)] {
+        let bsdf = sheeting(some, other, index, alpha);
+        cases.push(Case { name: format!("retroreflective n {index} α {alpha}"), bsdf });
+    }
     cases.push(Case { name: "glTF smooth".into(), bsdf: gltf(0.5, 0.0, Ggx::SMOOTH) });
     for [x, y] in ALPHAS {
         let ggx = Ggx::new(x, y);
@@ -168,6 +182,7 @@ pub(crate) fn drawn(count: usize) -> Vec<Case> {
         let (diffuse, specular) = (some * share, other * (1.0 - share));
         add("Phong", Bsdf::Phong(Phong { diffuse, specular, exponent: 100f32.powf(within(0.0, 1.0)) }));
         add("translucent", Bsdf::Translucent(Translucent { reflectance: diffuse, transmittance: specular }));
+        add("retroreflective", sheeting(some, other, within(1.0, 2.0), within(0.1, 1.0)));
         // The `plastic` of capture files: glTF's material of any index.
         let f0 = |eta: f32| SampledSpectrum::splat(((eta - 1.0) / (eta + 1.0)).powi(2));
         let plain = Layered { base_colour: some, distribution: ggx, ..Layered::default() };

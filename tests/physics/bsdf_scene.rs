@@ -1,13 +1,14 @@
 //! The materials of a scene, from their description to the light that comes back: every model in a white furnace.
 
 use glam::Vec3;
+use photosite::bsdf::CubeCorners;
 use photosite::geometry::Ray;
 use photosite::integrator::{PathLimits, radiance};
 use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::description::{
     CoatDescription, Colour, Conductor, Dielectric, Diffuse, FilmDescription, LayeredDescription, MaterialModel, Mix,
-    OrenNayar, Phong, Roughness, TexturedColour, TexturedFactor, ThinDielectric, Translucent,
+    OrenNayar, Phong, Retroreflective, Roughness, TexturedColour, TexturedFactor, ThinDielectric, Translucent,
 };
 use photosite::spectrum::{Dispersion, Spectrum, Wavelengths};
 
@@ -38,6 +39,9 @@ fn tolerance(model: &MaterialModel) -> (&'static str, f64) {
         MaterialModel::Phong(_) => ("Phong", 0.5),
         MaterialModel::Translucent(_) => ("translucent", 0.0),
         MaterialModel::ThinDielectric(_) => ("thin dielectric", 0.0),
+        // What goes back to steeper angles is the smaller of both active parts: |da/dθ| ≤ 1.8/n times the mean width of the
+        // lobe, π·α, with n = 1.5 and α = 0.05².
+        MaterialModel::Retroreflective(_) => ("retroreflective", 0.0095),
         MaterialModel::Mix(_) => ("mix", 0.012),
         // The tables of `bsdf::albedo`; of all bounces within a clear body as many again.
         MaterialModel::Layered(layers) if layers.transmission.value > 0.0 => ("clear layers", 0.024),
@@ -69,6 +73,12 @@ fn white_materials_vanish_in_a_furnace() {
         MaterialModel::OrenNayar(OrenNayar { reflectance: grey(1.0), roughness: 0.7 }),
         MaterialModel::Phong(Phong { diffuse: grey(0.5), specular: grey(0.5), exponent: 20.0 }),
         MaterialModel::Translucent(Translucent { reflectance: grey(0.3), transmittance: grey(0.7) }),
+        MaterialModel::Retroreflective(Retroreflective {
+            retroreflectance: grey(1.0),
+            reflectance: grey(1.0),
+            corners: CubeCorners::new(1.5),
+            distribution: Roughness::isotropic(0.05),
+        }),
         MaterialModel::ThinDielectric(ThinDielectric {
             index: Dispersion::constant(1.5),
             transmittance: Spectrum::constant(1.0),

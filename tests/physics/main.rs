@@ -8,6 +8,7 @@ mod bsdf_gltf;
 mod bsdf_layered;
 mod bsdf_microfacet;
 mod bsdf_reciprocity;
+mod bsdf_retroreflective;
 mod bsdf_robustness;
 mod bsdf_sampling;
 mod bsdf_scene;

@@ -14,6 +14,19 @@
 //! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the ACM on
 //! Computer Graphics and Interactive Techniques 1(2) (2018).
 //!
+//! ## Belcour14
+//! L. Belcour, R. Pacanowski, M. Delahaie, A. Laville-Geay, L. Eupherte, "Bidirectional reflectance distribution function
+//! measurements and analysis of retroreflective materials", Journal of the Optical Society of America A 31(12), 2561–2572
+//! (2014).
+//!
+//! ## Portsmouth26
+//! J. Portsmouth, M. Raab, L. Belcour, F. Liu, "The Minimal Retroreflective Microfacet Model", Journal of Computer Graphics
+//! Techniques 15(1) (2026).
+//!
+//! ## Degnan93
+//! J. J. Degnan, "Millimeter Accuracy Satellite Laser Ranging: a Review", Contributions of Space Geodesy to Geodynamics:
+//! Technology, Geodynamics Series 25, 133–162 (1993), on cube corners with circular openings.
+//!
 //! ## Baum89
 //! D. R. Baum, H. E. Rushmeier, J. M. Winget, "Improving Radiosity Solutions Through the Use of Analytically Determined
 //! Form-Factors", Computer Graphics (SIGGRAPH) 23(3) (1989).

@@ -6,14 +6,15 @@ use super::colour::Finder;
 use super::light::emission;
 use super::tables::{
     CommonKeys, ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable,
-    MetalSource, MetallicRoughnessTable, MixTable, OrenNayarTable, PhongTable, PlasticTable, SurfaceKeys, SurfaceTable,
-    ThinDielectricTable, TranslucentTable, TypedMaterialTable,
+    MetalSource, MetallicRoughnessTable, MixTable, OrenNayarTable, PhongTable, PlasticTable, RetroreflectiveTable,
+    SurfaceKeys, SurfaceTable, ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 use crate::Invalid;
+use crate::bsdf::CubeCorners;
 use crate::scene::description::{
     AlphaMode, Channel, Colour, Conductor, Dielectric, Diffuse, EmissionDescription, LayeredDescription,
-    MaterialDescription, MaterialModel, Mix, OrenNayar, Phong, Roughness, TextureDescription, TexturedColour,
-    TexturedFactor, ThinDielectric, Translucent,
+    MaterialDescription, MaterialModel, Mix, OrenNayar, Phong, Retroreflective, Roughness, TextureDescription,
+    TexturedColour, TexturedFactor, ThinDielectric, Translucent,
 };
 use crate::spectrum::dispersion::lines;
 use crate::spectrum::upsampling::reflectance_spectrum;
@@ -272,6 +273,26 @@ impl SurfaceTable for PhongTable {
             return Err(Invalid::new("exponent", message).help("the larger, the narrower the lobe; 50 is glossy"));
         }
         Ok(MaterialModel::Phong(Phong { diffuse, specular, exponent: self.exponent as f32 }))
+    }
+}
+
+impl SurfaceTable for RetroreflectiveTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        /// Polycarbonate.
+        const INDEX: f64 = 1.586;
+        let retroreflectance = finder.reflectance(&self.retroreflectance).map_err(|e| e.within("retroreflectance"))?;
+        let reflectance = finder.reflectance(&self.reflectance).map_err(|e| e.within("reflectance"))?;
+        let index = self.index.unwrap_or(INDEX);
+        if !(1.0..=4.0).contains(&index) {
+            let message = format!("must lie between 1 and 4, got {index}");
+            return Err(Invalid::new("index", message).help("most plastics have 1.4 to 1.6"));
+        }
+        Ok(MaterialModel::Retroreflective(Retroreflective {
+            retroreflectance,
+            reflectance,
+            corners: CubeCorners::new(index as f32),
+            distribution: Roughness::isotropic(unit("roughness", self.roughness.unwrap_or(0.1))?),
+        }))
     }
 }
 

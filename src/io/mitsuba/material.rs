@@ -4,7 +4,8 @@ use super::picture::{bitmap, planes};
 use super::{Element, Output, quoted};
 use crate::scene::description::{
     AlphaMode, Colour, Conductor, Dielectric, Diffuse, LayeredDescription, MaterialDescription, MaterialModel,
-    OrenNayar, Phong, SceneDescription, TextureDescription, TexturedColour, ThinDielectric, Translucent,
+    OrenNayar, Phong, Retroreflective, SceneDescription, TextureDescription, TexturedColour, ThinDielectric,
+    Translucent,
 };
 use crate::spectrum::upsampling::reflectance_spectrum;
 use crate::texture::{Bitmap, Filter, UvTransform};
@@ -115,6 +116,10 @@ fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &
             }
             let bsdf = Element::object("bsdf", "thindielectric");
             (bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0), Sides::Both)
+        }
+        MaterialModel::Retroreflective(Retroreflective { reflectance, .. }) => {
+            out.approximate(format!("the retroreflection of {name}, for which it has no plugin: it is left out"));
+            (textures.diffuse(reflectance, name, out), Sides::One)
         }
         MaterialModel::Mix(mix) => {
             let [first, second] = mix.models.each_ref().map(|model| scattering(model, name, textures, out));

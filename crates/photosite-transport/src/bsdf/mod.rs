@@ -15,6 +15,7 @@
 //! | [`Phong`] | `phong` | Lambert and a power of the cosine to the mirror direction |
 //! | [`Translucent`] | `translucent` | Lambert on both sides |
 //! | [`ThinDielectric`] | `thin_dielectric` | mirror and straight on, as a pane |
+//! | [`Retroreflective`] | `retroreflective` | GGX reflection back to where light comes from, and Lambert |
 //! | [`Layered`] | [`layered`] | glTF: coat, sheen, microfacets, and a metallic, coloured or clear base |
 //!
 //! [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
@@ -35,6 +36,7 @@ mod dielectric;
 mod diffuse;
 mod oren_nayar;
 mod phong;
+mod retroreflective;
 mod thin_dielectric;
 mod translucent;
 
@@ -56,6 +58,7 @@ pub mod models {
     pub use super::diffuse::Diffuse;
     pub use super::oren_nayar::OrenNayar;
     pub use super::phong::Phong;
+    pub use super::retroreflective::{CubeCorners, Retroreflective};
     pub use super::thin_dielectric::ThinDielectric;
     pub use super::translucent::Translucent;
 }
@@ -75,6 +78,8 @@ models! {
     Translucent,
     /// A polished pane.
     ThinDielectric,
+    /// Retroreflective sheeting.
+    Retroreflective,
 }
 
 /// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are is

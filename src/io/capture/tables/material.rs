@@ -87,6 +87,8 @@ material_types! {
     Translucent(TranslucentTable),
     /// The model of Phong.
     Phong(PhongTable),
+    /// Retroreflective sheeting, as of road signs and of markers for motion capture.
+    Retroreflective(RetroreflectiveTable),
 }
 
 /// What any surface may have beside its model.
@@ -331,6 +333,23 @@ surface_table! {
         specular: ReflectanceSource,
         /// n, 0 to 100 000.
         exponent: f64,
+    }
+}
+
+surface_table! {
+    /// Retroreflective sheeting, as of road signs and of markers for motion capture: cube corners below a clear surface send
+    /// light back to where it comes from.
+    RetroreflectiveTable {
+        /// The part of the light along the normal that goes back. From aslant it is less: corners pass on what they do not
+        /// hold, and nothing goes back where light is steeper than 35.3° within the sheeting.
+        retroreflectance: ReflectanceSource,
+        /// The part of all other light that is scattered by Lambert's law.
+        reflectance: ReflectanceSource,
+        /// How wide the lobe is about the direction back: microfacets have α = roughness², and luminance has fallen to half
+        /// at an observation angle of 1.29·α rad. Left out: 0.1, which is 0.74°.
+        roughness: Option<f64>,
+        /// Refractive index of the sheeting, at least 1. Left out: that of polycarbonate, 1.586.
+        index: Option<f64>,
     }
 }
 

@@ -139,6 +139,11 @@ use super::*;
 )]
 #[case::glass("[materials.wall]\ntype = 'dielectric'\nglass = 'BK8'", 6, "did you mean `bk7`?")]
 #[case::too_much("[materials.wall]\ntype = 'translucent'\nreflectance = 0.6\ntransmittance = 0.5", 7, "together 1.1")]
+#[case::sheeting(
+    "[materials.wall]\ntype = 'retroreflective'\nretroreflectance = 0.4\nreflectance = 0.5\nindex = 0.9",
+    8,
+    "between 1 and 4, got 0.9"
+)]
 #[case::exponent(
     "[materials.wall]\ntype = 'phong'\ndiffuse = 0\nspecular = 0\nexponent = -1",
     8,

@@ -119,6 +119,7 @@ fn metals_indices_and_textures_come_in_several_shapes() {
         ("type = 'plastic'\nreflectance = 0.5\nglass = 'BK7'\nroughness = 0.2", "Sellmeier"),
         ("type = 'thin-dielectric'\nindex = 1.5\ntransmittance = { file = 'part.csv' }", "ThinDielectric"),
         ("type = 'translucent'\nreflectance = { file = 'part.csv' }\ntransmittance = 0.3", "Translucent"),
+        ("type = 'retroreflective'\nretroreflectance = 0.4\nreflectance = [1, 1, 0]\nindex = 1.5", "Retroreflective"),
         ("type = 'phong'\ndiffuse = 0.3\nspecular = 0.6\nexponent = 20", "Phong"),
         (
             "type = 'mix'\nweight = 0.25\nfirst = { type = 'diffuse', reflectance = 0.5 }\nsecond = { type = 'mix', weight = 0.5, first = { type = 'conductor', metal = 'Au' }, second = { type = 'dielectric', index = 1.5 } }",
