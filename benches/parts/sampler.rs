@@ -19,7 +19,7 @@ fn numbers_of_a_path(bencher: Bencher, kind: SamplerKind) {
         for first in (0..black_box(SAMPLES)).step_by(TOGETHER as usize) {
             for index in first..first + TOGETHER {
                 sampler.start(2, index);
-                places.push(sampler.place());
+                places.push(sampler.position());
             }
             for _ in 0..VERTICES {
                 for place in &mut places {
@@ -28,7 +28,7 @@ fn numbers_of_a_path(bencher: Bencher, kind: SamplerKind) {
                         let [u, v] = sampler.next_2d();
                         sum += u + v + sampler.next_1d();
                     }
-                    *place = sampler.place();
+                    *place = sampler.position();
                 }
             }
             places.clear();

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use photosite::bsdf::{
-    Bsdf, Coat, Conductor, CubeCorners, Dielectric, Diffuse, Film, Ggx, Layered, OrenNayar, Phong, RelativeIndex,
-    Retroreflective, Sheen, Translucent, Volume,
+    Bsdf, Coat, Conductor, CubeCorners, Dielectric, Diffuse, Ggx, Layered, OrenNayar, Phong, RelativeIndex,
+    Retroreflective, Sheen, ThinFilm, Translucent, Volume,
 };
 use photosite::spectrum::SampledSpectrum;
 use rand::Rng;
@@ -89,7 +89,7 @@ pub(crate) fn layered(colour: SampledSpectrum, alphas: &[[f32; 2]]) -> Vec<(Stri
         ("glass", Layered { transmission: 1.0, volume: volume(1.5), ..plain }),
         ("half diamond", Layered { transmission: 0.6, volume: volume(2.4), f0: f0(2.4), ..plain }),
     ];
-    let film = Some(Film { weight: 1.0, index: 1.33, waves });
+    let film = Some(ThinFilm { weight: 1.0, index: 1.33, waves });
     let sheen = |alpha| Some(Sheen { colour: colour * 0.8, alpha });
     let layers = [
         ("bare", Layered::default()),
@@ -198,7 +198,7 @@ pub(crate) fn drawn(count: usize) -> Vec<Case> {
             volume: maybe(0.0, 1.0).map(|_| Volume { eta: SampledSpectrum::splat(eta), dispersive: false }),
             diffuse_transmission: maybe(0.0, 1.0).unwrap_or(0.0),
             diffuse_transmission_colour: other,
-            film: maybe(0.2, 1.0).map(|weight| Film { weight, index: 1.0 + 2.0 * share, waves: third * 3.0 }),
+            film: maybe(0.2, 1.0).map(|weight| ThinFilm { weight, index: 1.0 + 2.0 * share, waves: third * 3.0 }),
             sheen: maybe(0.1, 1.0).map(|alpha| Sheen { colour: third, alpha }),
             coat: maybe(0.1, 1.0).and_then(|alpha| coat(share, alpha)),
             ..plain

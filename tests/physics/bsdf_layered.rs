@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec2;
-use photosite::bsdf::{Bsdf, Film};
+use photosite::bsdf::{Bsdf, ThinFilm};
 use photosite::spectrum::SampledSpectrum;
 
 use super::bsdf_cases::{drawn, layered, squared_index, visible_from};
@@ -104,7 +104,7 @@ fn films_agree_with_the_transfer_matrix() {
             for thickness_nm in [0.0f32, 80.0, 410.0, 1200.0] {
                 let lambda_nm = [400.0f32, 520.0, 630.0, 900.0];
                 let waves = lambda_nm.map(|l| 2.0 * index * thickness_nm / l);
-                let film = Film { weight: 1.0, index, waves: waves.into() };
+                let film = ThinFilm { weight: 1.0, index, waves: waves.into() };
                 for i in 1..=40 {
                     let cos = i as f32 / 40.0;
                     let found = film.reflectance(cos, SampledSpectrum::splat(f0));

@@ -1,9 +1,9 @@
-//! Lamps without a surface that do more than shine alike in all directions: projectors, measured profiles, lamps that move.
+//! LightTables without a surface that do more than shine alike in all directions: projectors, measured profiles, lamps that move.
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
-use photosite::light::{Profile, Receiver};
+use photosite::light::{LightSampleContext, Profile};
 use photosite::scene::Scene;
 use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind, ProjectorDescription};
 use photosite::spectrum::{Spectrum, Wavelengths};
@@ -27,7 +27,7 @@ fn lamp(kind: LightKind, to_world: DAffine3, later: Vec<DAffine3>) -> Scene {
 /// Irradiance on a surface at a point, W·m⁻²·nm⁻¹, from one sample.
 fn irradiance(scene: &Scene, point: Vec3, normal: Vec3, time: f32, u: [f32; 2]) -> f64 {
     let wavelengths = Wavelengths::new([550.0; 4], [1.0; 4]);
-    let sample = scene.sample_light(&Receiver::anywhere(point), time, u, &wavelengths);
+    let sample = scene.sample_light(&LightSampleContext::anywhere(point), time, u, &wavelengths);
     sample.map_or(0.0, |s| f64::from(s.radiance[0] * s.wi.dot(normal).max(0.0) / s.pdf.0))
 }
 

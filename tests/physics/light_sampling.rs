@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::Ray;
-use photosite::light::{Facing, Receiver};
+use photosite::light::{Facing, LightSampleContext};
 use photosite::scene::Scene;
 use photosite::scene::description::{
     Colour, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
@@ -20,7 +20,7 @@ use crate::bsdf_sampling::{COLUMNS, ROWS, bin, p_value};
 use crate::quadrature::{Cell, direction};
 use crate::stage::{Stage, square};
 
-const HERE: Receiver = Receiver::anywhere(Vec3::ZERO);
+const HERE: LightSampleContext = LightSampleContext::anywhere(Vec3::ZERO);
 
 fn lambda() -> Wavelengths {
     Wavelengths::new([450.0, 500.0, 550.0, 600.0], [1.0; 4])
@@ -130,7 +130,7 @@ fn point_light(position: DVec3, intensity: f32) -> LightDescription {
 #[case::behind_what_transmits(DVec3::new(-0.6, 0.0, 0.8), Facing::Both(Vec3::X), 0.03 * 0.6)]
 fn lamps_are_chosen_by_what_they_give(#[case] second: DVec3, #[case] facing: Facing, #[case] expected: f64) {
     let scene = Stage::default().light(point_light(DVec3::X, 0.01)).light(point_light(second, 0.03)).build();
-    let receiver = Receiver { point: Vec3::ZERO, facing };
+    let receiver = LightSampleContext { point: Vec3::ZERO, facing };
     let n = 4000;
     let mut found = 0.0;
     for i in 0..n {

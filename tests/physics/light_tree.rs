@@ -110,11 +110,11 @@ fn hundreds_of_points_and_spots_give_the_sum_of_their_irradiances() {
     for i in 0..800 {
         let kind = if i % 2 == 0 { LightKind::Point } else { LightKind::Spot { inner_rad: 0.0, outer_rad } };
         let lamp = lamp(i, kind.clone());
-        let to_lamp = lamp.to_world.translation;
-        let cos = to_lamp.y / to_lamp.length();
+        let world_to_light = lamp.to_world.translation;
+        let cos = world_to_light.y / world_to_light.length();
         let outer = f64::from(outer_rad).cos();
         let part = if i % 2 == 0 { 1.0 } else { ((cos - outer) / (1.0 - outer)).max(0.0).powi(2) };
-        expected += 0.001 * part * cos / to_lamp.length_squared();
+        expected += 0.001 * part * cos / world_to_light.length_squared();
         stage = stage.light(lamp);
     }
     let scene = sheet(stage, 0.6, 0.0).build();

@@ -155,7 +155,7 @@ fn an_exposure_blurs_what_moves_over_its_way(#[case] is_lamp: bool) {
 /// An edge through the middle of the picture turns by a right angle. A point at the angle φ from where it starts is passed
 /// after the part φ/(π/2) of the time.
 #[rstest]
-// Lamps move on straight lines between their places: with 32 of them the arc is cut short by 1 − cos(π/128) = 0.03 %.
+// LightTables move on straight lines between their places: with 32 of them the arc is cut short by 1 − cos(π/128) = 0.03 %.
 #[case::lamp(true, 32)]
 #[case::plate(false, 1)]
 fn what_turns_passes_every_angle_in_its_time(#[case] is_lamp: bool, #[case] parts: u32) {

@@ -1,8 +1,8 @@
 //! Metals: GGX facets, each a mirror with the exact Fresnel reflectance of the complex index η + i·k.
 //!
-//! f = F(wo·m)·D(m)·G₂(wo, wi)/(4·cos θₒ·cos θᵢ) with m the half vector ([Walter07](photosite_core::references#walter07)
-//! eq. 20), for wo and wi above the surface. Light that bounces more than once between facets is lost: the model
-//! reflects too little where α comes near 1. Polished, it is a mirror.
+//! f = F(wo·m)·D(m)·G₂(wo, wi)/(4·cos θₒ·cos θᵢ) with m the half vector
+//! ([Walter07](photosite_core::references#walter07) eq. 20), for wo and wi above the surface. Light that bounces more
+//! than once between facets is lost: the model reflects too little where α comes near 1. Polished, it is a mirror.
 
 use glam::Vec3;
 

@@ -8,13 +8,14 @@
 //! - reflection: f = F·D·G₂/(4·cos θₒ·cos θᵢ), m ∝ wo + wi;
 //! - refraction: f = (1 − F)·D·G₂·|wo·m|·|wi·m|/(cos θₒ·cos θᵢ·(wo·m + η·wi·m)²), m ∝ ±(wo + η·wi).
 //!
-//! This is the f of radiance: light that enters a denser medium is compressed into a smaller cone, L/n² passes a lossless
-//! interface unchanged, and reciprocity reads η²·f(wo, wi) = f(wi, wo) ([Veach97](photosite_core::references#veach97) §5.2).
+//! This is the f of radiance: light that enters a denser medium is compressed into a smaller cone, L/n² passes a
+//! lossless interface unchanged, and reciprocity reads η²·f(wo, wi) = f(wi, wo)
+//! ([Veach97](photosite_core::references#veach97) §5.2).
 //!
-//! Smith's model lets a facet at height h (C the part of the surface below it) be seen with probability C^Λ(w) from above
-//! and (1 − C)^Λ(w) from below. The mean over all heights is 1/(1 + Λₒ + Λᵢ) where both directions are above, the
-//! height-correlated G₂ of reflection. In refraction it is the Beta function B(1 + Λₒ, 1 + Λᵢ): what is easily seen from
-//! one side is hidden from the other. No cheap form of it is known; G₁(wo)·G₁(wi), which is used here as in
+//! Smith's model lets a facet at height h (C the part of the surface below it) be seen with probability C^Λ(w) from
+//! above and (1 − C)^Λ(w) from below. The mean over all heights is 1/(1 + Λₒ + Λᵢ) where both directions are above, the
+//! height-correlated G₂ of reflection. In refraction it is the Beta function B(1 + Λₒ, 1 + Λᵢ): what is easily seen
+//! from one side is hidden from the other. No cheap form of it is known; G₁(wo)·G₁(wi), which is used here as in
 //! [Walter07](photosite_core::references#walter07), lies between it and the height-correlated one.
 //!
 //! Where the index depends on wavelength so does the direction of refraction: it is right for the hero alone. A smooth
@@ -229,8 +230,8 @@ impl Refraction {
         (cos_o > 0.0 && cos_i > 0.0).then_some(Self { eta, m, cos_o, cos_i, stretch, transmittance: 1.0 })
     }
 
-    /// Refraction of `wo` by the facet of normal `m`: the facet and `wi`. None where it would not lie below the surface.
-    /// The transmittance is left at 1.
+    /// Refraction of `wo` by the facet of normal `m`: the facet and `wi`. None where it would not lie below the
+    /// surface. The transmittance is left at 1.
     #[inline]
     pub(super) fn by(eta: f32, wo: Vec3, m: Vec3, cos_o: f32, cos_transmitted: f32) -> Option<(Self, Vec3)> {
         let wi = (cos_o / eta - cos_transmitted) * m - wo / eta;
@@ -280,7 +281,8 @@ pub(super) fn bounce(eta: f32, distribution: Ggx, wo: Vec3, u: [f32; 2]) -> Boun
 }
 
 /// Value and density of refraction, with dm/dwi = η²·|wi·m|/(wo·m + η·wi·m)²
-/// ([Walter07](photosite_core::references#walter07) eq. 17). No cosine to the surface is divided by: see [`microfacet`].
+/// ([Walter07](photosite_core::references#walter07) eq. 17). No cosine to the surface is divided by: see
+/// [`microfacet`].
 #[inline]
 pub(super) fn refraction(distribution: Ggx, wo: Vec3, wi: Vec3, facet: &Refraction) -> (f32, f32) {
     let &Refraction { eta, m, cos_o, cos_i, stretch, transmittance } = facet;

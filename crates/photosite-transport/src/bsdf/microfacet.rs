@@ -107,7 +107,8 @@ impl Ggx {
         (x * x + y * y + w.z * w.z).sqrt()
     }
 
-    /// Smith's Λ(w) = (s(w)/z − 1)/2: area hidden over area seen ([Heitz14](photosite_core::references#heitz14) eq. 72).
+    /// Smith's Λ(w) = (s(w)/z − 1)/2: area hidden over area seen ([Heitz14](photosite_core::references#heitz14) eq.
+    /// 72).
     #[inline]
     pub fn lambda(&self, w: Vec3) -> f32 {
         0.5 * (self.stretched_length(w) / w.z.abs() - 1.0)
@@ -220,7 +221,8 @@ mod tests {
             let (sin, cos) = sin_cos_turn(u);
             let (expected_sin, expected_cos) = (std::f64::consts::TAU * f64::from(u)).sin_cos();
             let error = (f64::from(sin) - expected_sin).abs().max((f64::from(cos) - expected_cos).abs());
-            // Rounding of 2π·u below an eighth of a turn, and of the sums: 2 ulp of 1; the cosine's next term is 2.5e-8.
+            // Rounding of 2π·u below an eighth of a turn, and of the sums: 2 ulp of 1; the cosine's next term is
+            // 2.5e-8.
             assert!(error < 1.5e-7, "{u}: off by {error}");
         }
     }

@@ -2,9 +2,9 @@
 //!
 //! Everything here happens in the local shading frame: +Z is the shading normal, `wo` is known, `wi` is sampled, both
 //! are unit vectors that point away from the surface. A BSDF value `f` (sr⁻¹) has no cosine in it and is for radiance:
-//! refraction into a medium of another index carries 1/η² ([Pbrt4](photosite_core::references#pbrt4) §9.5.2). Values are spectral,
-//! one per wavelength of the path; directions and densities are common to all of them, decided by the mean over the lanes
-//! or, in dielectrics, by the hero.
+//! refraction into a medium of another index carries 1/η² ([Pbrt4](photosite_core::references#pbrt4) §9.5.2). Values
+//! are spectral, one per wavelength of the path; directions and densities are common to all of them, decided by the
+//! mean over the lanes or, in dielectrics, by the hero.
 //!
 //! | model | file | lobes |
 //! |---|---|---|
@@ -44,7 +44,7 @@ use glam::Vec3;
 
 use model::Lobe as _;
 
-pub use layered::{Coat, Film, Layered, Sheen, Volume};
+pub use layered::{Coat, Layered, Sheen, ThinFilm, Volume};
 pub use microfacet::Ggx;
 pub use model::{Form, Map, MapAll, Mix, RelativeIndex, Sampled, SceneTraits, TableForm, Traits};
 pub use models::*;
@@ -82,12 +82,17 @@ models! {
     Retroreflective,
 }
 
-/// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are is
-/// no longer known, a unit vector being rounded to 6e-8.
+/// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are
+/// is no longer known, a unit vector being rounded to 6e-8.
 pub(crate) const GRAZING: f32 = 1e-7;
 
-/// Cosine below which a shading normal may have been bent towards who sees it (`scene::shading`), which does so below half of it.
-const EDGE_ON: f32 = 2e-3;
+/// Smallest cosine between a shading normal and the viewer: normals below it are bent towards the viewer
+/// (`scene::shading`).
+pub(crate) const MIN_SHADING_COSINE: f32 = 1e-3;
+
+/// Cosine below which a surface counts as seen edge-on, since its shading normal may have been bent for this viewer
+/// alone.
+pub(crate) const EDGE_ON_COSINE: f32 = 2.0 * MIN_SHADING_COSINE;
 
 /// How the surface scatters at one shading point: the model with its parameters looked up.
 pub type Bsdf = Model<Sampled>;
@@ -146,8 +151,8 @@ impl BsdfSample {
 }
 
 impl Bsdf {
-    /// Density with which [`Self::sample`] finds `wo` for light that goes the other way round. What is black from behind
-    /// counts as seen from its other side there.
+    /// Density with which [`Self::sample`] finds `wo` for light that goes the other way round. What is black from
+    /// behind counts as seen from its other side there.
     #[inline]
     pub fn reverse_pdf(&self, wo: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
         let [wo, wi] = if wi.z < 0.0 && !self.refracts() { [wo, wi].map(dielectric::mirrored) } else { [wo, wi] };
@@ -172,8 +177,8 @@ impl Bsdf {
         self.traits().is_delta
     }
 
-    /// Whether it throws light on in bundles, or lets it through where no path from elsewhere to the light goes straight:
-    /// mirrors, glass, and microfacets of α < 0.3, whether or not other lobes go with them.
+    /// Whether it throws light on in bundles, or lets it through where no path from elsewhere to the light goes
+    /// straight: mirrors, glass, and microfacets of α < 0.3, whether or not other lobes go with them.
     #[inline]
     pub fn casts_caustics(&self) -> bool {
         self.traits().casts_caustics
@@ -182,11 +187,11 @@ impl Bsdf {
     /// Whether `wo` sees the surface so much edge-on that its frame may be one for this direction alone.
     #[inline]
     pub fn is_edge_on(&self, wo: Vec3) -> bool {
-        !self.refracts() && wo.z < EDGE_ON
+        !self.refracts() && wo.z < EDGE_ON_COSINE
     }
 
-    /// Whether [`Self::eval`] and [`Self::sample`] are right for the hero wavelength alone, so that the path must drop the
-    /// others before it calls them: rough dielectrics whose index depends on wavelength.
+    /// Whether [`Self::eval`] and [`Self::sample`] are right for the hero wavelength alone, so that the path must drop
+    /// the others before it calls them: rough dielectrics whose index depends on wavelength.
     #[inline]
     pub fn needs_single_wavelength(&self) -> bool {
         self.traits().needs_single_wavelength

@@ -1,11 +1,12 @@
 //! What a scattering model has to say, and the enumeration of all of them.
 //!
-//! A model is one type with its parameters in one of three [`Form`]s: as a file states them, as handles into the tables of
-//! a scene, and as values at a shading point. [`Model::map`] takes them from one form to the next; what the steps are for a
-//! colour, a spectrum, an index or a roughness is a [`Map`], the same for all models. At a shading point, where the form is
-//! [`Sampled`], the model is a [`Bsdf`](super::Bsdf) and every type is a [`Lobe`].
+//! A model is one type with its parameters in one of three [`Form`]s: as a file states them, as handles into the tables
+//! of a scene, and as values at a shading point. [`Model::map`] takes them from one form to the next; what the steps
+//! are for a colour, a spectrum, an index or a roughness is a [`Map`], the same for all models. At a shading point,
+//! where the form is [`Sampled`], the model is a [`Bsdf`](super::Bsdf) and every type is a [`Lobe`].
 //!
-//! To add a model: a file with its parameters, `map`, [`SceneTraits`] and [`Lobe`]; its rows in `bsdf/mod.rs`; its table and its row in those of capture files; its element for Mitsuba; its cases in `tests/physics`.
+//! To add a model: a file with its parameters, `map`, [`SceneTraits`] and [`Lobe`]; its rows in `bsdf/mod.rs`; its
+//! table and its row in those of capture files; its element for Mitsuba; its cases in `tests/physics`.
 
 use std::convert::Infallible;
 use std::fmt::Debug;
@@ -192,8 +193,8 @@ macro_rules! models {
                 }
             }
 
-            /// What `finish` makes of the BSDF, and of whether it refracts; None for models that are made of others. Each arm
-            /// makes the whole, so that none copies a BSDF, which is large.
+            /// What `finish` makes of the BSDF, and of whether it refracts; None for models that are made of others.
+            /// Each arm makes the whole, so that none copies a BSDF, which is large.
             #[inline]
             pub(crate) fn look_up<R>(
                 &self,
@@ -220,8 +221,8 @@ macro_rules! models {
         }
 
         impl Model<Sampled> {
-            /// Value and density of scattering between `wo` and `wi`. Both are zero where the model does not scatter that way,
-            /// for mirrors and polished interfaces, and for directions in the surface.
+            /// Value and density of scattering between `wo` and `wi`. Both are zero where the model does not scatter
+            /// that way, for mirrors and polished interfaces, and for directions in the surface.
             #[inline]
             pub fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
                 match self {
@@ -231,8 +232,8 @@ macro_rules! models {
                 }
             }
 
-            /// Draws `wi` from three numbers in [0, 1): one to choose a lobe, two for the direction in it. None where the
-            /// direction drawn leads nowhere; the light of such a draw counts as lost.
+            /// Draws `wi` from three numbers in [0, 1): one to choose a lobe, two for the direction in it. None where
+            /// the direction drawn leads nowhere; the light of such a draw counts as lost.
             #[inline]
             pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
                 match self {

@@ -1,9 +1,9 @@
-//! Matt surfaces with relief: plaster, clay, the moon. Facets that scatter by Lambert's law and shadow each other.
+//! Diffuse surfaces with relief: plaster, clay, the moon. Facets that scatter by Lambert's law and shadow each other.
 //!
 //! Oren and Nayar's model in Fujii's form, with what it loses between the facets given back
-//! ([Portsmouth25](photosite_core::references#portsmouth25)). With s = wo·wi − cos θₒ·cos θᵢ, t = max(cos θₒ, cos θᵢ) where s is
-//! positive and 1 elsewhere, roughness r and A = 1/(1 + (1/2 − 2/3π)·r), one bounce is f₁ = ρ/π·A·(1 + r·s/t), of
-//! which a white surface gives back
+//! ([Portsmouth25](photosite_core::references#portsmouth25)). With s = wo·wi − cos θₒ·cos θᵢ, t = max(cos θₒ, cos θᵢ)
+//! where s is positive and 1 elsewhere, roughness r and A = 1/(1 + (1/2 − 2/3π)·r), one bounce is f₁ = ρ/π·A·(1 +
+//! r·s/t), of which a white surface gives back
 //!
 //! E(θ) = A·(1 + r·G(θ)/π), G = sin θ·(θ − sin θ·cos θ) + ⅔·(tan θ·(1 − sin³θ) − sin θ), Ē = A·(1 + (2/3 − 28/15π)·r).
 //!

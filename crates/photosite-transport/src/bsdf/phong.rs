@@ -1,4 +1,5 @@
-//! Phong's model in the form that conserves energy and is reciprocal ([LafortuneWillems94](photosite_core::references#lafortunewillems94)):
+//! Phong's model in the form that conserves energy and is reciprocal
+//! ([LafortuneWillems94](photosite_core::references#lafortunewillems94)):
 //!
 //! f = ρ_d/π + ρ_s·(n + 2)/(2π)·cosⁿα, α the angle between `wi` and the mirror direction of `wo`.
 //!

@@ -1,5 +1,5 @@
-//! Retroreflective sheeting: road signs, safety clothing, markers of motion capture. Prisms below a clear surface, each the
-//! corner of a cube, send light back to where it comes from.
+//! Retroreflective sheeting: road signs, safety clothing, markers of motion capture. Prisms below a clear surface, each
+//! the corner of a cube, send light back to where it comes from.
 //!
 //! **The lobe** is that of GGX microfacets which see the mirror image w' = (−x, −y, z) of `wo` in its place
 //! ([Portsmouth26](photosite_core::references#portsmouth26); the half vector of w' and wi is the back vector b of
@@ -7,16 +7,18 @@
 //!
 //! f_r = R·min(a(θₒ), a(θᵢ))·D(b)·G₂(w', wi)/(4·cos θₒ·cos θᵢ), b ∝ w' + wi.
 //!
-//! It has its peak at wi = wo and falls as D does at half the observation angle, the angle between both. D is the same after
-//! half a turn about the normal, so that f_r is reciprocal and has the albedo of the microfacets, R·a(θₒ) at most.
+//! It has its peak at wi = wo and falls as D does at half the observation angle, the angle between both. D is the same
+//! after half a turn about the normal, so that f_r is reciprocal and has the albedo of the microfacets, R·a(θₒ) at
+//! most.
 //!
-//! **The active part** of the sheeting is what light enters a corner by and leaves it by too. Light refracted to the angle
-//! θ', sin θ' = sin θ/n, leaves a corner with a circular opening where the point reflection of its entry through the tip
-//! lies. Both openings overlap, tan θ' below 1/√2, by
+//! **The active part** of the sheeting is what light enters a corner by and leaves it by too. Light refracted to the
+//! angle θ', sin θ' = sin θ/n, leaves a corner with a circular opening where the point reflection of its entry through
+//! the tip lies. Both openings overlap, tan θ' below 1/√2, by
 //!
 //! a(θ) = 2/π·(arccos s − s·√(1 − s²)), s = √2·tan θ' ([Degnan93](photosite_core::references#degnan93)).
 //!
-//! R is the part of the light along the normal that returns; whatever is lost at the surface and in the corners is in it.
+//! R is the part of the light along the normal that returns; whatever is lost at the surface and in the corners is in
+//! it.
 //!
 //! **What does not return** is scattered by Lambert's law in the form that is reciprocal and loses nothing: with
 //! e(θ) = R·a(θ) and ē its mean over the hemisphere, f_d = ρ/π·(1 − e(θₒ))(1 − e(θᵢ))/(1 − ē). The albedo is at most

@@ -1,5 +1,5 @@
-//! Thin diffuse sheets: paper, leaves, lamp shades. Lambert's law on both sides, f = ρ/π where light is reflected and τ/π
-//! where it comes out behind, ρ + τ at most 1. These are what a spectrometer with an integrating sphere measures.
+//! Thin diffuse sheets: paper, leaves, lamp shades. Lambert's law on both sides, f = ρ/π where light is reflected and
+//! τ/π where it comes out behind, ρ + τ at most 1. These are what a spectrometer with an integrating sphere measures.
 
 use std::f32::consts::FRAC_1_PI;
 

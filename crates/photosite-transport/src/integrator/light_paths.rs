@@ -1,20 +1,23 @@
-//! Paths from lamps, for the light that paths from the camera seldom find: caustics, what mirrors, glass and polished metal throw
-//! on other surfaces.
+//! Light tracing: paths from lights, for what camera paths seldom find, the caustics that mirrors, glass and polished
+//! metal cast on other surfaces.
 //!
-//! Light sets out from a lamp, is scattered from surface to surface, and wherever it has come to looks at the lens
-//! ([Arvo86](photosite_core::references#arvo86); light tracing, or t = 1 in [Veach97](photosite_core::references#veach97) §10.2). With the power
-//! β that a path carries there, what a surface scatters from ωᵢ to the lens at ωₒ adds to the irradiance of the pixel that is
-//! at x in the picture, for one of N paths,
+//! A path starts at a light, is scattered from surface to surface, and every vertex but the first is connected to the
+//! camera ([Arvo86](photosite_core::references#arvo86); light tracing, or t = 1 in
+//! [Veach97](photosite_core::references#veach97) §10.2). With the power β that a path carries there, what a surface
+//! scatters from ωᵢ to the lens at ωₒ adds to the irradiance of the pixel that is at x in the picture, for one of N
+//! paths,
 //!
 //! E = w·β·f(ωₒ, ωᵢ)·|n_s·ωᵢ|/|n_g·ωᵢ| · We · |dx/dA| / N,
 //!
-//! with the weight We of the camera's ray ([`Camera::generate`]), the area dx of the picture that shows the area dA of the
-//! surface, and the shading and the geometric normal n_s and n_g: f is that of radiance, and the ratio of cosines what makes
-//! one of power of it ([Veach97](photosite_core::references#veach97) §5.3). The weights w are those of [`super::odds`].
+//! with the weight We of the camera's ray ([`Camera::generate`]), the area dx of the picture that shows the area dA of
+//! the surface, and the shading and the geometric normal n_s and n_g: f is that of radiance, and the ratio of cosines
+//! what makes one of power of it ([Veach97](photosite_core::references#veach97) §5.3). The weights w are those of
+//! [`super::mis_ratio`].
 //!
-//! For each sample of all pixels as many paths set out, with numbers of their own. What they bring to a pixel belongs to its
-//! sample of that number, so that the variance of samples is that of both together. A path ends at the first surface if that
-//! does not [focus](crate::bsdf::Bsdf::casts_caustics): there is no more to it than paths from the camera find well.
+//! For each sample of all pixels as many light paths start, with random numbers of their own. What they bring to a
+//! pixel belongs to its sample of that index, so that the variance of samples is that of both together. A path ends at
+//! the first surface if that does not [cast caustics](crate::bsdf::Bsdf::casts_caustics): camera paths find its light
+//! well.
 
 use std::ops::Range;
 
@@ -22,23 +25,23 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::RenderJob;
-use super::odds::{Crossing, Odds, delta_factor, light_weight};
-use super::path::{PathLimits, leaks, leave, receiver, shadow_ray, terminate_secondary};
+use super::mis_ratio::{MisRatio, PathVertex, delta_term, light_weight};
+use super::path::{PathLimits, leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
-use crate::light::Emission;
-use crate::sampler::{SamplePlace, Sampler};
+use crate::light::LightRay;
+use crate::sampler::{SamplePosition, Sampler};
 use crate::scene::{Scene, Shading};
 use photosite_core::math::float::gamma;
 use photosite_core::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, WavelengthSampler, Wavelengths};
 
 /// Paths that are traced together.
-const PATHS_TOGETHER: u32 = 256;
-/// Paths of which what they bring is kept at once, unless one sample has more: where all is polished, 250 bytes each.
-const PATHS_KEPT: u32 = 1 << 20;
+const WAVEFRONT_PATHS: u32 = 256;
+/// Number of paths whose splats are stored at once, unless one sample has more: where all is polished, 250 bytes each.
+const MAX_STORED_PATHS: u32 = 1 << 20;
 /// Sequence of their random numbers, beyond all that pixels have.
 const SEQUENCE: u64 = 0x6c69_6768_7400_0000;
 
-/// What paths from lamps bring to one sample of one pixel.
+/// What light paths bring to one sample of one pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Splat {
     /// Number of the pixel in its film.
@@ -50,7 +53,7 @@ pub(super) struct Splat {
     wavelengths: Wavelengths,
 }
 
-/// What paths from lamps bring to a film, pixel by pixel and sample by sample.
+/// What light paths bring to a film, pixel by pixel and sample by sample.
 #[derive(Debug, Default)]
 pub(super) struct Splats {
     /// Pixel by pixel and sample by sample.
@@ -69,7 +72,7 @@ impl Splat {
 }
 
 impl Splats {
-    /// Those of one sample of a pixel.
+    /// The splats of one sample of a pixel.
     #[inline]
     pub(super) fn of(&self, pixel: usize, sample: u32) -> &[Splat] {
         let key = (pixel as u32, sample);
@@ -78,7 +81,7 @@ impl Splats {
     }
 }
 
-/// Traces paths from lamps.
+/// Traces light paths.
 pub(super) struct LightTracer<'a> {
     job: &'a RenderJob<'a>,
     limits: PathLimits,
@@ -88,17 +91,17 @@ pub(super) struct LightTracer<'a> {
     transmittance: SpectrumId,
     /// Paths for each sample of all pixels.
     paths: u32,
-    /// N/(n·κ) of [`super::odds`].
+    /// N/(n·κ) of [`super::mis_ratio`].
     scale: f32,
-    has_lone_heroes: bool,
+    has_single_wavelengths: bool,
 }
 
 impl<'a> LightTracer<'a> {
-    /// For a render with the numbers of `seed`; `None` where there are no such paths. Their wavelengths are those of `importance`,
-    /// since no one knows to which pixel they will come.
+    /// For a render with the numbers of `seed`; `None` where there are no such paths. Their wavelengths are those of
+    /// `importance`, since no one knows to which pixel they will come.
     pub(super) fn new(job: &'a RenderJob<'a>, limits: PathLimits, seed: u64, importance: &Spectrum) -> Option<Self> {
         let share = job.settings.light_paths;
-        // The shortest path is of three segments: lamp, surface that focuses, surface that is seen, lens.
+        // The shortest path has three segments: light, surface that casts caustics, surface that is seen, lens.
         let is_still = !job.camera.moves() && !job.camera.scans();
         let may_find_any = job.scene.lights().has_emitters() && job.scene.may_cast_caustics();
         if share <= 0.0 || limits.max_depth < 3 || !is_still || !may_find_any {
@@ -117,22 +120,22 @@ impl<'a> LightTracer<'a> {
             transmittance,
             paths,
             scale: scale as f32,
-            has_lone_heroes: job.has_lone_heroes(),
+            has_single_wavelengths: job.has_single_wavelengths(),
         })
     }
 
     /// Samples whose paths are best traced at once.
-    pub(super) fn samples_together(&self) -> usize {
-        (PATHS_KEPT / self.paths).max(1) as usize
+    pub(super) fn samples_per_batch(&self) -> usize {
+        (MAX_STORED_PATHS / self.paths).max(1) as usize
     }
 
-    /// Those of paths from the camera.
-    pub(super) fn odds(&self) -> Odds {
-        Odds::new(self.scale)
+    /// MIS ratio of camera paths before their first surface.
+    pub(super) fn mis_ratio(&self) -> MisRatio {
+        MisRatio::new(self.scale)
     }
 
-    /// What those that belong to the samples with such numbers bring to some rows of the picture, to be kept where `wants`
-    /// says so of a pixel, by its number from the first of these rows on, and a sample.
+    /// What those that belong to the samples with such numbers bring to some rows of the picture, to be kept where
+    /// `wants` says so of a pixel, by its number from the first of these rows on, and a sample.
     pub(super) fn trace(
         &self,
         samples: Range<u32>,
@@ -141,16 +144,20 @@ impl<'a> LightTracer<'a> {
     ) -> Splats {
         let paths = u64::from(self.paths);
         let all = u64::from(samples.start) * paths..u64::from(samples.end) * paths;
-        let together = u64::from(PATHS_TOGETHER);
+        let together = u64::from(WAVEFRONT_PATHS);
         // The same waves whichever samples are asked for, so that sums are of one order.
         let mut splats: Vec<Splat> = (all.start / together..all.end.div_ceil(together))
             .into_par_iter()
             .map_init(
-                || LightWave::new(self, rows.clone()),
-                |wave, number| {
+                || LightWavefront::new(self, rows.clone()),
+                |wavefront, number| {
                     let first = number * together;
-                    wave.trace(first.max(all.start)..(first + together).min(all.end));
-                    wave.splats.drain(..).filter(|splat| wants(splat.pixel as usize, splat.sample)).collect::<Vec<_>>()
+                    wavefront.trace(first.max(all.start)..(first + together).min(all.end));
+                    wavefront
+                        .splats
+                        .drain(..)
+                        .filter(|splat| wants(splat.pixel as usize, splat.sample))
+                        .collect::<Vec<_>>()
                 },
             )
             .flatten_iter()
@@ -160,15 +167,15 @@ impl<'a> LightTracer<'a> {
     }
 }
 
-/// Paths from lamps that are traced together.
-struct LightWave<'a> {
+/// A wavefront of light paths.
+struct LightWavefront<'a> {
     tracer: &'a LightTracer<'a>,
     sampler: Sampler,
     /// Rows of the picture that matter.
     rows: Range<usize>,
     paths: Vec<LightPath>,
-    /// Numbers of the paths that go on, and where to.
-    front: (Vec<u32>, Vec<Ray>),
+    /// Indices and rays of the paths that go on.
+    active: (Vec<u32>, Vec<Ray>),
     next: (Vec<u32>, Vec<Ray>),
     hits: Vec<Option<Hit>>,
     /// Rays to the lens, and what comes there unless something is in the way.
@@ -182,30 +189,30 @@ struct LightWave<'a> {
 struct LightPath {
     /// Number of the sample that it belongs to.
     sample: u32,
-    /// Where its numbers go on.
-    place: SamplePlace,
+    /// Position in its random numbers.
+    position: SamplePosition,
     wavelengths: Wavelengths,
-    emission: Emission,
+    emission: LightRay,
     /// β, W·nm⁻¹ at each wavelength.
     power: SampledSpectrum,
-    /// q of [`super::odds`] so far, without the factor of the surface that the camera sees.
-    odds: f32,
+    /// q of [`super::mis_ratio`] so far, without the factor of the surface that the camera sees.
+    mis_ratio: f32,
     /// Segments so far.
     depth: u32,
-    /// What the path is inside of, where that absorbs.
+    /// The absorbing medium that the path is in.
     medium: Option<SpectrumId>,
-    /// Way since the lamp, m, as long as nothing has told what that stands in.
-    untold_m: Option<f32>,
+    /// Length of the path since its light, m, until a surface tells which medium that is in.
+    unresolved_distance_m: Option<f32>,
 }
 
-impl<'a> LightWave<'a> {
+impl<'a> LightWavefront<'a> {
     fn new(tracer: &'a LightTracer<'a>, rows: Range<usize>) -> Self {
         Self {
             tracer,
             sampler: Sampler::new(tracer.job.settings.sampler, tracer.seed),
             rows,
             paths: Vec::new(),
-            front: Default::default(),
+            active: Default::default(),
             next: Default::default(),
             hits: Vec::new(),
             to_lens: Vec::new(),
@@ -220,9 +227,9 @@ impl<'a> LightWave<'a> {
         let scene = self.tracer.job.scene;
         self.paths.clear();
         numbers.for_each(|number| self.start(number));
-        while !self.front.0.is_empty() {
-            scene.closest_each(&self.front.1, &mut self.hits);
-            let (numbers, rays) = std::mem::take(&mut self.front);
+        while !self.active.0.is_empty() {
+            scene.closest_each(&self.active.1, &mut self.hits);
+            let (numbers, rays) = std::mem::take(&mut self.active);
             for (i, (&number, ray)) in numbers.iter().zip(&rays).enumerate() {
                 let Some(hit) = self.hits[i] else { continue };
                 if let Some(ray) = self.advance(number, ray, &hit) {
@@ -230,7 +237,7 @@ impl<'a> LightWave<'a> {
                     self.next.1.push(ray);
                 }
             }
-            self.front = std::mem::take(&mut self.next);
+            self.active = std::mem::take(&mut self.next);
             self.next = (numbers, rays);
             self.next.0.clear();
             self.next.1.clear();
@@ -241,60 +248,67 @@ impl<'a> LightWave<'a> {
         self.to_lens.clear();
     }
 
-    /// Lets a path set out.
+    /// Starts a path.
     fn start(&mut self, number: u64) {
         let Self { tracer, sampler, .. } = self;
         sampler.start(SEQUENCE + (number >> 32), number as u32);
         let mut wavelengths = tracer.wavelengths.sample(sampler.next_1d());
-        if tracer.has_lone_heroes {
+        if tracer.has_single_wavelengths {
             wavelengths.terminate_secondary();
         }
         let u = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-        let Some(emission) = tracer.job.scene.emit(0.0, u, &wavelengths) else { return };
-        let Emission { position, normal, direction, radiance, density, .. } = emission;
-        // As for the rays that look at lamps.
+        let Some(emission) = tracer.job.scene.sample_le(0.0, u, &wavelengths) else { return };
+        let LightRay { position, normal, direction, radiance, density, .. } = emission;
+        // As for shadow rays.
         let origin = offset_origin(position, position.abs() * gamma(8), normal, direction);
-        self.front.0.push(self.paths.len() as u32);
-        self.front.1.push(Ray::new(origin, direction));
+        self.active.0.push(self.paths.len() as u32);
+        self.active.1.push(Ray::new(origin, direction));
         self.paths.push(LightPath {
             sample: (number / u64::from(tracer.paths)) as u32,
-            place: sampler.place(),
+            position: sampler.position(),
             wavelengths,
             emission,
             power: radiance * (1.0 / density),
-            odds: tracer.scale * density,
+            mis_ratio: tracer.scale * density,
             depth: 0,
             medium: None,
-            untold_m: Some(0.0),
+            unresolved_distance_m: Some(0.0),
         });
     }
 
-    /// Looks at the lens from where a path has come to, and returns the ray along which it goes on.
+    /// Connects the vertex that a path has come to with the camera, and returns the ray along which the path goes on.
     fn advance(&mut self, number: u32, ray: &Ray, hit: &Hit) -> Option<Ray> {
         let Self { tracer, sampler, rows, paths, to_lens, seen, .. } = self;
         let scene = tracer.job.scene;
         let path = &mut paths[number as usize];
         path.depth += 1;
+
+        // Absorb along the segment
         let point = scene.point(hit, ray.time);
         let wi = -ray.direction;
         path.absorb(scene, &point, wi, hit.t);
+
+        // Look up the BSDF, and drop the secondary wavelengths if it cannot serve them
         let shading = scene.shading(&point, wi, &path.wavelengths);
         if shading.bsdf.needs_single_wavelength() {
             terminate_secondary(&mut path.wavelengths, &mut path.power);
         }
+
+        // End paths that cannot become caustics
         if path.depth == 1 && !shading.bsdf.casts_caustics() {
             return None;
         }
-        sampler.resume(path.place);
+        sampler.resume(path.position);
         let (aperture, spread) = (sampler.next_2d(), sampler.next_2d());
         if path.depth > 1
             && !shading.bsdf.is_delta()
-            && let Some((ray, splat)) = path.look_at_lens(tracer, rows, (&point, wi), aperture, spread)
+            && let Some((ray, splat)) = path.connect_to_camera(tracer, rows, (&point, wi), aperture, spread)
         {
             to_lens.push(ray);
             seen.push(splat);
         }
-        // One more segment leads to a surface, and one from there to the lens.
+
+        // Sample the BSDF for the next direction; one more segment leads to a surface, and one from there to the lens
         if path.depth + 2 > tracer.limits.max_depth {
             return None;
         }
@@ -309,22 +323,22 @@ fn cosines(point: &SurfacePoint, shading: &Shading, w: Vec3) -> (f32, f32) {
 }
 
 impl LightPath {
-    /// Takes away what is absorbed on the way to a point. A volume that is seen from within for the first time has been all around
-    /// since the lamp, as it is for paths from the camera, which come into it before they come to the lamp.
+    /// Absorbs along the segment to a point. A volume that is seen from within for the first time has been all around
+    /// since the light, as it is for paths from the camera, which come into it before they come to the light.
     fn absorb(&mut self, scene: &Scene, point: &SurfacePoint, wi: Vec3, distance: f32) {
         let behind = scene.absorption_behind(point, wi);
         self.medium = behind.or(self.medium);
         match self.medium {
             Some(medium) => {
-                let distance = distance + self.untold_m.take().unwrap_or(0.0);
+                let distance = distance + self.unresolved_distance_m.take().unwrap_or(0.0);
                 self.power *= scene.transmittance(medium, distance, &self.wavelengths);
             }
-            None => self.untold_m = self.untold_m.map(|untold| untold + distance),
+            None => self.unresolved_distance_m = self.unresolved_distance_m.map(|untold| untold + distance),
         }
     }
 
-    /// What a pixel gets of the light of a surface, unless something is in the way of the ray.
-    fn look_at_lens(
+    /// The shadow ray from a vertex to the lens, and what a pixel gets if nothing occludes it.
+    fn connect_to_camera(
         &self,
         tracer: &LightTracer<'_>,
         rows: &Range<usize>,
@@ -351,12 +365,13 @@ impl LightPath {
         }
         let scattering = shading.bsdf.eval(wo_local, wi_local);
         let (cos_to_camera, _) = cosines(point, &shading, wo);
-        let (cos_to_lamp, cos_shading) = cosines(point, &shading, wi);
-        let crossing = Crossing { cos_to_camera, cos_to_lamp, pdf_to_camera: 0.0, pdf_to_lamp: scattering.pdf.0 };
-        let weight = light_weight(self.odds * crossing.first_factor(distance));
+        let (cos_to_light, cos_shading) = cosines(point, &shading, wi);
+        let path_vertex =
+            PathVertex { cos_to_camera, cos_to_light, pdf_to_camera: 0.0, pdf_to_light: scattering.pdf.0 };
+        let weight = light_weight(self.mis_ratio * path_vertex.first_term(distance));
         let px2_per_m2 = connection.px2_per_m2 * cos_to_camera;
         let of_lens = connection.ray.weight * px2_per_m2 / tracer.paths as f32;
-        let mut irradiance = self.power * scattering.f * (cos_shading.abs() / cos_to_lamp * of_lens * weight);
+        let mut irradiance = self.power * scattering.f * (cos_shading.abs() / cos_to_light * of_lens * weight);
         if let Some(medium) = scene.absorption_behind(point, wo) {
             irradiance *= scene.transmittance(medium, distance, &wavelengths);
         }
@@ -369,7 +384,8 @@ impl LightPath {
         })
     }
 
-    /// The ray along which the path goes on from a surface that it has come to from `distance`; `None` where it ends there.
+    /// The ray along which the path goes on from a surface that it has come to from `distance`; `None` where it ends
+    /// there.
     fn scatter(
         &mut self,
         tracer: &LightTracer<'_>,
@@ -385,17 +401,17 @@ impl LightPath {
             return None;
         }
         let (cos_to_camera, _) = cosines(point, shading, wo);
-        let (cos_to_lamp, _) = cosines(point, shading, wi);
+        let (cos_to_light, _) = cosines(point, shading, wi);
         let factor = if sample.is_delta {
-            // The index is that of the camera's side over the lamp's. Reciprocity: f(ωₒ, ωᵢ) = η²·f(ωᵢ, ωₒ).
+            // The index is that of the camera's side over the light's. Reciprocity: f(ωₒ, ωᵢ) = η²·f(ωᵢ, ωₒ).
             let eta_squared = sample.eta * sample.eta;
-            self.odds *= delta_factor(1.0 / sample.eta);
+            self.mis_ratio *= delta_term(1.0 / sample.eta);
             let bend = if sample.is_transmission { (wi_local.z / sample.wi.z).abs() } else { 1.0 };
             let seen = scene.shading(point, wo, &self.wavelengths);
             if seen.bsdf.is_edge_on(seen.frame.to_local(wo)) {
                 return None;
             }
-            sample.throughput() * (eta_squared * bend * cos_to_camera / cos_to_lamp)
+            sample.throughput() * (eta_squared * bend * cos_to_camera / cos_to_light)
         } else {
             // As the camera sees it: its shading normal may differ where one of both directions is beyond the horizon.
             let shading = scene.shading(point, wo, &self.wavelengths);
@@ -406,13 +422,13 @@ impl LightPath {
             }
             let scattering = shading.bsdf.eval(wo_local, wi_local);
             let pdf_to_camera = shading.bsdf.reverse_pdf(wo_local, wi_local).0;
-            let crossing = Crossing { cos_to_camera, cos_to_lamp, pdf_to_camera, pdf_to_lamp: scattering.pdf.0 };
-            self.odds *= if self.depth == 1 {
-                crossing.last_factor(self.light_pdf(scene, point, &shading, distance))
+            let path_vertex = PathVertex { cos_to_camera, cos_to_light, pdf_to_camera, pdf_to_light: scattering.pdf.0 };
+            self.mis_ratio *= if self.depth == 1 {
+                path_vertex.last_term(self.light_pdf(scene, point, &shading, distance))
             } else {
-                crossing.factor()
+                path_vertex.inner_term()
             };
-            scattering.f * (wi_local.z.abs() * cos_to_camera / (cos_to_lamp * sample.pdf.0))
+            scattering.f * (wi_local.z.abs() * cos_to_camera / (cos_to_light * sample.pdf.0))
         };
         self.power *= factor;
         if sample.terminates_secondary {
@@ -423,7 +439,7 @@ impl LightPath {
         }
         if sample.is_transmission {
             self.medium = scene.medium_across(point, wo, self.medium);
-            self.untold_m = None;
+            self.unresolved_distance_m = None;
         }
         if self.depth >= tracer.limits.roulette_depth {
             let survival = factor.max();
@@ -434,15 +450,15 @@ impl LightPath {
                 self.power *= 1.0 / survival;
             }
         }
-        sampler.leave(&mut self.place);
-        Some(leave(point, wo))
+        sampler.save(&mut self.position);
+        Some(spawn_ray(point, wo))
     }
 
-    /// Density with which the first surface, at that distance, would have looked at where the path has set out.
+    /// Density with which the first surface, at that distance, samples the point that the path starts from.
     fn light_pdf(&self, scene: &Scene, point: &SurfacePoint, shading: &Shading, distance: f32) -> f32 {
-        let Emission { light, normal, direction, .. } = self.emission;
-        let receiver = receiver(point, shading);
+        let LightRay { light, normal, direction, .. } = self.emission;
+        let ctx = light_sample_context(point, shading);
         let cos = direction.dot(normal);
-        scene.lights().triangle_pdf(light, &receiver, scene.geometry(), point.time, distance, cos).0
+        scene.lights().triangle_pdf(light, &ctx, scene.geometry(), point.time, distance, cos).0
     }
 }

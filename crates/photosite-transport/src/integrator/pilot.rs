@@ -1,30 +1,30 @@
 //! Rendering until Monte Carlo noise is low enough in each pixel, without bias.
 //!
-//! A pixel that stops once its own samples look quiet stops too early just where bright samples happen to be missing: its
-//! mean is biased towards the dark, by tens of per cent where light is rare. So how many samples n a pixel gets is found
-//! from a film of *pilot samples*, which have random numbers of their own and are no part of the picture
-//! [KirkArvo91](photosite_core::references#kirkarvo91). Given the pilot, n is fixed and the mean m of the n samples is that of any
-//! render, so that with the pixel's true value μ
+//! A pixel that stops once its own samples look quiet stops too early just where bright samples happen to be missing:
+//! its mean is biased towards the dark, by tens of per cent where light is rare. So how many samples n a pixel gets is
+//! found from a film of *pilot samples*, which have random numbers of their own and are no part of the picture
+//! [KirkArvo91](photosite_core::references#kirkarvo91). Given the pilot, n is fixed and the mean m of the n samples is
+//! that of any render, so that with the pixel's true value μ
 //!
 //! E\[m\] = E\[E\[m | pilot\]\] = E\[μ\] = μ,
 //!
-//! and s²/n is an unbiased variance of it. The pilot itself may look at anything it has seen, of all pixels, as often as it
-//! wants: it starts with [`START`] samples in every pixel, and grows where they call for more until it has one sample for
-//! each [`SHARE`] of the picture, in every pixel at least half of what that is on average. Where noise is hard to tell
-//! there are thus many, and a few where all is quiet by chance.
+//! and s²/n is an unbiased variance of it. The pilot itself may look at anything it has seen, of all pixels, as often
+//! as it wants: it starts with [`START`] samples in every pixel, and grows where they call for more until it has one
+//! sample for each [`SHARE`] of the picture, in every pixel at least half of what that is on average. Where noise is
+//! hard to tell there are thus many, and a few where all is quiet by chance.
 //!
 //! The alternative, two halves of a pixel's samples of which each sets the number of the other, wastes none, but may
 //! look only once: halves that look again are no longer independent. An experiment with samples of which 2 % are bright
-//! (4000 pixels, with 24 neighbours each): for a count of 1024 the variance was 5.9 times the wanted one with halves, 2.5
-//! times with a pilot that looks twice, for 5 % more paths, and the mean was 46 % too low where pixels stop by their own
-//! samples. For a count of 16 halves need a seventh fewer paths.
+//! (4000 pixels, with 24 neighbours each): for a count of 1024 the variance was 5.9 times the wanted one with halves,
+//! 2.5 times with a pilot that looks twice, for 5 % more paths, and the mean was 46 % too low where pixels stop by
+//! their own samples. For a count of 16 halves need a seventh fewer paths.
 //!
-//! Samples of a pixel are taken for independent. Stratified ones (Sobol) do better than their variance says, so that they
-//! fall below the target.
+//! Samples of a pixel are taken for independent. Stratified ones (Sobol) do better than their variance says, so that
+//! they fall below the target.
 
 use std::ops::ControlFlow;
 
-use super::render::{LARGEST_PASS, Listener, RenderJob, Tracer};
+use super::render::{Listener, MAX_PASS_SAMPLES, RenderJob, Tracer};
 use crate::film::Film;
 use photosite_core::math::hash::hash64;
 
@@ -47,8 +47,8 @@ const PILOT_SEED: u64 = 0x70_696c_6f74;
 pub struct Pilot {
     /// What they have found.
     pub film: Film,
-    /// How many each pixel shall have before they are looked at again. A pass that is broken off leaves some with fewer, and
-    /// looked at then, they would not tell what they tell in a render that is left alone.
+    /// How many each pixel shall have before they are looked at again. A pass that is broken off leaves some with
+    /// fewer, and looked at then, they would not tell what they tell in a render that is left alone.
     pub wanted: Vec<u32>,
 }
 
@@ -60,10 +60,10 @@ impl Pilot {
     }
 }
 
-/// Renders until each pixel has the samples that it needs, at most those of the settings, or `step` breaks off. Film and
-/// pilot are empty, or those that `step` was told of when another such render was broken off: the picture becomes what that
-/// would have given. `needed` says how many samples each pixel needs, row by row, as far as a film of the pilot
-/// tells; `None` where that cannot be told, and all pixels get as many as they may.
+/// Renders until each pixel has the samples that it needs, at most those of the settings, or `step` breaks off. Film
+/// and pilot are empty, or those that `step` was told of when another such render was broken off: the picture becomes
+/// what that would have given. `needed` says how many samples each pixel needs, row by row, as far as a film of the
+/// pilot tells; `None` where that cannot be told, and all pixels get as many as they may.
 pub fn render_with_pilot(
     job: &RenderJob<'_>,
     film: &mut Film,
@@ -100,7 +100,7 @@ fn trace(
     let mut level = least;
     while counts.iter().any(|&count| count > level) {
         let unfinished = counts.iter().filter(|&&count| count > level).count() as u64;
-        let step = u64::from(LARGEST_PASS) * job.pixels() / unfinished;
+        let step = u64::from(MAX_PASS_SAMPLES) * job.pixels() / unfinished;
         level = level.saturating_add((step as u32).min(LARGEST_STEP)).min(most);
         let passed = tracer.pass(film, &|pixel| counts[pixel].min(level));
         tracer.tell(film, Some(pilot), Some(planned))?;
@@ -231,8 +231,8 @@ mod tests {
                 error += (mean[i] - PART).powi(2);
                 said += variance[i];
             }
-            // 6667 squared errors whose kurtosis is 3 + 1/(n·p·(1 − p)) ≤ 9.4: σ of their mean ≤ √(8.4/6667) = 3.6 %, and the
-            // same for the variances.
+            // 6667 squared errors whose kurtosis is 3 + 1/(n·p·(1 − p)) ≤ 9.4: σ of their mean ≤ √(8.4/6667) = 3.6 %,
+            // and the same for the variances.
             assert!((said / error - 1.0).abs() < 4.0 * 0.036 * 2f64.sqrt(), "{kind}: {}", said / error);
         }
     }

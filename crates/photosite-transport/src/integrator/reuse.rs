@@ -1,41 +1,38 @@
 //! Neighbouring pixels that share what lies beyond their first surfaces.
 //!
-//! Where light comes off other surfaces, most of a path's work goes into what the second surface sends back, which a matt one
-//! sends to all that see it. So a group of pixels connects each of its first surfaces with each second surface that any of
-//! them has found ([Bekaert02](photosite_core::references#bekaert02)), at the cost of a shadow ray. A piece of the sky is such a surface
-//! too, infinitely far away. For the density pₖ(y), per area, with which the path at xₖ finds y, Vₖ(y) = 1 where xₖ sees y and
-//! else 0, and the radiance L that y sends back, as one path has estimated it, what arrives along the path at xⱼ from the second
-//! surfaces yᵢ of all is
+//! Where light comes off other surfaces, most of a path's work goes into what the second surface sends back, which a
+//! diffuse one sends to all that see it. So a group of pixels connects each of its first surfaces with each second
+//! surface that any of them has found ([Bekaert02](photosite_core::references#bekaert02)), at the cost of a shadow ray.
+//! A piece of the sky is such a surface too, infinitely far away. For the density pₖ(y), per area, with which the path
+//! at xₖ finds y, Vₖ(y) = 1 where xₖ sees y and else 0, and the radiance L that y sends back, as one path has estimated
+//! it, what arrives along the path at xⱼ from the second surfaces yᵢ of all is
 //!
 //! Lⱼ = Σᵢ ρⱼ·pⱼ(yᵢ)·Vⱼ(yᵢ)·L(yᵢ) / (s·Σₖ pₖ(yᵢ)·Vₖ(yᵢ)),   p(y) = cos θ·cos θ′/(π·d²),
 //!
-//! the balance heuristic over the paths of the group, s of which go on from each first surface, of the reflectance ρ by Lambert's
-//! law. Lamps that paths come to are left to each pixel: most of their light is found by looking at them. What the sky sends has
-//! the weight that it has for a path alone, against looking at it.
+//! the balance heuristic over the paths of the group, s of which go on from each first surface, of the reflectance ρ by
+//! Lambert's law. LightTables that paths come to are left to each pixel: most of their light is found by looking at
+//! them. What the sky sends has the weight that it has for a path alone, against looking at it.
 //!
-//! Groups are as near to squares as their numbers of pixels allow: what these see is close together then, and the Sobol points of
-//! a square are stratified together ([`PixelOrder`](crate::sampler::PixelOrder)), those of a row are not. Sixteen in a square
-//! had 0.78 of the error of sixteen in a row (Cornell box).
+//! Groups are as near to squares as their numbers of pixels allow: what these see is close together then, and the Sobol
+//! points of a square are stratified together ([`PixelOrder`](crate::sampler::PixelOrder)), those of a row are not.
+//! Sixteen in a square had 0.78 of the error of sixteen in a row (Cornell box).
 //!
-//! Every pixel keeps its mean, and its samples stay independent of each other, so that their variance is right. What changes
-//! is that errors of the pixels of a group go together.
+//! Every pixel keeps its mean, and its samples stay independent of each other, so that their variance is right. What
+//! changes is that errors of the pixels of a group go together.
 
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
 use super::path::shadow_ray;
+use crate::bsdf::EDGE_ON_COSINE;
 use crate::geometry::{Ray, SurfacePoint};
-use crate::light::{Facing, Receiver};
+use crate::light::{Facing, LightSampleContext};
 use crate::scene::Scene;
 use photosite_core::math::{Pdf, SolidAngle};
 use photosite_core::spectrum::SampledSpectrum;
 
-/// Directions with a smaller cosine to a shading normal are left to each pixel: what is seen edge-on has another normal for
-/// each that sees it.
-const EDGE_ON: f32 = 2e-3;
-
-/// A matt surface on its side that a path has come to.
+/// A diffuse surface on its side that a path has come to.
 #[derive(Clone, Copy)]
 pub(super) struct Side {
     /// Where.
@@ -48,47 +45,47 @@ pub(super) struct Side {
 /// The first surface of a path from the camera.
 #[derive(Clone, Copy)]
 pub(super) struct FirstSurface {
-    /// Number of its path.
+    /// Index of its path.
     pub(super) path: u32,
-    /// Number of those that share.
+    /// Index of the group that shares.
     pub(super) group: u32,
     pub(super) side: Side,
     pub(super) point: SurfacePoint,
-    /// Of the path with the reflectance here.
+    /// Throughput of the path, times the reflectance here.
     pub(super) throughput: SampledSpectrum,
 }
 
 /// The second surface of a path.
 #[derive(Clone, Copy)]
 pub(super) struct SecondSurface {
-    /// Number of the path that it has branched off from, the same as that of its first surface.
+    /// Index of the path that it is a branch of, which is that of its first surface.
     pub(super) origin: u32,
-    /// Number of those that share.
+    /// Index of the group that shares.
     pub(super) group: u32,
-    /// Number of the branch, whose light is what the surface sends back.
+    /// Index of the branch, whose light is what the surface sends back.
     pub(super) branch: u32,
-    pub(super) place: Place,
+    pub(super) location: Location,
 }
 
-/// Where a second surface is.
+/// Location of a second surface.
 #[derive(Clone, Copy)]
-pub(super) enum Place {
-    Matt(Side),
-    /// In the sky, in this unit direction.
+pub(super) enum Location {
+    Diffuse(Side),
+    /// The sky in this unit direction.
     Sky(Vec3),
 }
 
 impl FirstSurface {
-    /// Weight of the sky that a path has come to, against looking at it.
+    /// MIS weight of the sky that BSDF sampling has found, against light sampling.
     #[inline]
     fn weight_of_sky(&self, scene: &Scene, direction: Vec3, density: f32) -> f32 {
-        let receiver = Receiver { point: self.side.position, facing: Facing::Front(self.side.shading) };
-        Pdf::<SolidAngle>::new(density).power_heuristic(scene.lights().environment_pdf(&receiver, direction))
+        let ctx = LightSampleContext { point: self.side.position, facing: Facing::Front(self.side.shading) };
+        Pdf::<SolidAngle>::new(density).power_heuristic(scene.lights().environment_pdf(&ctx, direction))
     }
 }
 
 impl Side {
-    /// That of `wo`, with the shading normal that is seen from there; `None` where it is seen edge-on.
+    /// The side of `wo`, with the shading normal that is seen from there; `None` where it is seen edge-on.
     #[inline]
     pub(super) fn new(point: &SurfacePoint, shading_normal: Vec3, wo: Vec3) -> Option<Self> {
         let geometric = point.geometric_normal * 1f32.copysign(wo.dot(point.geometric_normal));
@@ -97,22 +94,24 @@ impl Side {
     }
 
     #[inline]
+    // Directions along the surface are left to each pixel: what is seen edge-on has another shading normal for each
+    // viewer.
     fn faces(&self, w: Vec3) -> bool {
-        w.dot(self.shading) > EDGE_ON && w.dot(self.geometric) > 0.0
+        w.dot(self.shading) > EDGE_ON_COSINE && w.dot(self.geometric) > 0.0
     }
 
-    /// The direction to a place and the density with which it is found from here by Lambert's law, per area, or of the sky per
-    /// solid angle; `None` where one of both does not face the other.
+    /// The direction to a location and the density with which it is found from here by Lambert's law, per area, or of
+    /// the sky per solid angle; `None` where one of both does not face the other.
     #[inline]
-    fn density_of(&self, place: &Place) -> Option<(Vec3, f32)> {
-        let (wi, per_solid_angle) = match place {
-            Place::Matt(other) => {
+    fn density_of(&self, location: &Location) -> Option<(Vec3, f32)> {
+        let (wi, per_solid_angle) = match location {
+            Location::Diffuse(other) => {
                 let to = other.position - self.position;
                 let distance_squared = to.length_squared();
                 let wi = to / distance_squared.sqrt();
                 (wi, if other.faces(-wi) { -wi.dot(other.geometric) / distance_squared } else { 0.0 })
             }
-            Place::Sky(direction) => (*direction, 1.0),
+            Location::Sky(direction) => (*direction, 1.0),
         };
         let density = wi.dot(self.shading) * FRAC_1_PI * per_solid_angle;
         (self.faces(wi) && density > 0.0).then_some((wi, density))
@@ -130,19 +129,19 @@ pub(super) struct Connections {
 /// A first surface that may see a second one.
 #[derive(Clone, Copy)]
 struct Pair {
-    /// Numbers of both in their lists.
+    /// Indices of both in their lists.
     first: u32,
     second: u32,
-    /// Of finding the second.
+    /// Density of finding the second.
     density: f32,
-    /// Number of the ray that tells whether something is between; `None` where the path itself has gone there.
+    /// Index of the shadow ray; `None` for the path's own second surface.
     ray: Option<u32>,
 }
 
 impl Connections {
-    /// Gives to each path what its first surface throws on of the light from all second surfaces of its group: calls `add` with the
-    /// number of the path and that light, for one of the branches. Both lists are in the order of their groups, `light` is
-    /// what a second surface sends back, by its number in the list.
+    /// Adds to each path what its first surface scatters of the light from all second surfaces of its group: calls
+    /// `add` with the index of the path and that light, for one of the branches. Both lists are in the order of their
+    /// groups, `light` is what a second surface sends back, by its index in the list.
     pub(super) fn share(
         &mut self,
         scene: &Scene,
@@ -167,9 +166,9 @@ impl Connections {
             let sum: f32 = pairs.iter().filter(sees).map(|pair| pair.density).sum();
             for pair in pairs.iter().filter(sees) {
                 let first = &firsts[pair.first as usize];
-                let of_sky = match seconds[pair.second as usize].place {
-                    Place::Matt(_) => 1.0,
-                    Place::Sky(direction) => first.weight_of_sky(scene, direction, pair.density),
+                let of_sky = match seconds[pair.second as usize].location {
+                    Location::Diffuse(_) => 1.0,
+                    Location::Sky(direction) => first.weight_of_sky(scene, direction, pair.density),
                 };
                 add(first.path, first.throughput * light * (of_sky * pair.density / sum));
             }
@@ -183,21 +182,21 @@ impl Connections {
         let origin = own().find(|(_, first)| first.path == second.origin);
         let Some((origin, origin_side)) = origin.map(|(i, first)| (i, first.side)) else { return };
         // What the path itself has found edge-on stays its own.
-        let Some((_, density)) = origin_side.density_of(&second.place) else {
-            let density = match second.place {
-                Place::Matt(_) => 1.0,
-                Place::Sky(direction) => direction.dot(origin_side.shading).max(0.0) * FRAC_1_PI + f32::MIN_POSITIVE,
+        let Some((_, density)) = origin_side.density_of(&second.location) else {
+            let density = match second.location {
+                Location::Diffuse(_) => 1.0,
+                Location::Sky(direction) => direction.dot(origin_side.shading).max(0.0) * FRAC_1_PI + f32::MIN_POSITIVE,
             };
             self.pairs.push(Pair { first: origin, second: number, density, ray: None });
             return;
         };
         self.pairs.push(Pair { first: origin, second: number, density, ray: None });
         for (i, first) in own().filter(|(i, _)| *i != origin) {
-            let Some((wi, density)) = first.side.density_of(&second.place) else { continue };
+            let Some((wi, density)) = first.side.density_of(&second.location) else { continue };
             self.pairs.push(Pair { first: i, second: number, density, ray: Some(self.rays.len() as u32) });
-            let target = match second.place {
-                Place::Matt(side) => Some((side.position, side.geometric)),
-                Place::Sky(_) => None,
+            let target = match second.location {
+                Location::Diffuse(side) => Some((side.position, side.geometric)),
+                Location::Sky(_) => None,
             };
             self.rays.push(shadow_ray(&first.point, wi, target));
         }

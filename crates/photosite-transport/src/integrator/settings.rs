@@ -16,8 +16,8 @@ pub struct RenderSettings {
     pub part: Option<Range<u32>>,
     /// Stop after this long, at the end of a pass.
     pub time_limit: Option<Duration>,
-    /// Stop in each pixel once Monte Carlo noise is below this part of the sensor's noise (ratio of standard deviations).
-    /// [`render`](super::render()) leaves it to [`pilot`](super::pilot).
+    /// Stop in each pixel once Monte Carlo noise is below this part of the sensor's noise (ratio of standard
+    /// deviations). [`render`](super::render()) leaves it to [`pilot`](super::pilot).
     pub noise_target: Option<f64>,
     /// Largest number of path segments from the camera; 1 sees emitters only, 2 direct light.
     pub max_depth: u32,
@@ -25,13 +25,14 @@ pub struct RenderSettings {
     pub roulette_depth: u32,
     /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
     pub splitting: u32,
-    /// Number of neighbouring pixels that share what their paths find beyond the first surface, at least 1. Without effect where
-    /// the camera moves.
+    /// Number of neighbouring pixels that share what their paths find beyond the first surface, at least 1. Without
+    /// effect where the camera moves.
     pub reuse: u32,
-    /// Number of paths from lamps, which look for caustics, for each sample of the picture; 0 for none. Without effect where the
-    /// camera moves or scans.
+    /// Number of paths from lights, for the sake of caustics, for each sample of the picture; 0 for none. Without
+    /// effect where the camera moves or scans.
     pub light_paths: f64,
-    /// Whose wavelengths the paths of a pixel carry, where pixels have [filters](super::RenderJob::filters) of their own.
+    /// Whose wavelengths the paths of a pixel carry, where pixels have [filters](super::RenderJob::filters) of their
+    /// own.
     pub wavelengths: WavelengthChoice,
     /// Where random numbers come from.
     pub sampler: SamplerKind,
@@ -45,7 +46,7 @@ const MOST_SPLITTING: u32 = 256;
 /// Connections grow with the square.
 const MOST_REUSE: u32 = 64;
 
-/// More than so many paths from lamps are better spent on other samples.
+/// More than so many paths from lights are better spent on other samples.
 const MOST_LIGHT_PATHS: f64 = 64.0;
 
 impl Default for RenderSettings {
@@ -73,8 +74,8 @@ impl RenderSettings {
         self.part.clone().unwrap_or(0..self.samples_per_pixel)
     }
 
-    /// Columns and rows of the groups of pixels that share: as near to a square as their number allows, rather wide than high.
-    /// A film of a part of the picture begins with a whole group.
+    /// Columns and rows of the groups of pixels that share: as near to a square as their number allows, rather wide
+    /// than high. A film of a part of the picture begins with a whole group.
     pub fn reuse_columns_and_rows(&self) -> [usize; 2] {
         let pixels = self.reuse.max(1);
         let rows = (1..=pixels.isqrt()).rev().find(|&rows| pixels.is_multiple_of(rows)).unwrap_or(1);
@@ -107,7 +108,7 @@ impl RenderSettings {
             return Err(Invalid::new("light_paths", message).help("remove one of both"));
         }
         if self.reuse > 1 && self.light_paths > 0.0 {
-            let message = "cannot go with light_paths: what paths from lamps find counts by the pixel that sees it";
+            let message = "cannot go with light_paths: what paths from lights find counts by the pixel that sees it";
             return Err(Invalid::new("reuse", message).help("remove one of both"));
         }
         if !(0.0..=MOST_LIGHT_PATHS).contains(&self.light_paths) {

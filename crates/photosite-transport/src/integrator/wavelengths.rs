@@ -1,23 +1,25 @@
 //! Which wavelengths the paths of each pixel carry.
 //!
-//! One density A for all pixels serves all filters, up to four of them: four wavelengths that share it evenly tell of red, green
-//! and blue what wavelengths of their own would, if it is the one that [`importance`] finds. It does not serve more filters that
-//! are narrow, as those of multispectral sensors, nor paths that dispersion leaves with one wavelength: most of them carry what
-//! the filter above the pixel does not let through. A picture of raw numbers alone needs what the pixel's own filter sees. With
-//! the response R of that filter and what arrives of the light L through the lens τ, wavelengths are then drawn by
+//! One density A for all pixels serves all filters, up to four of them: four wavelengths that share it evenly tell of
+//! red, green and blue what wavelengths of their own would, if it is the one that [`importance`] finds. It does not
+//! serve more filters that are narrow, as those of multispectral sensors, nor paths that dispersion leaves with one
+//! wavelength: most of them carry what the filter above the pixel does not let transmitted. A picture of raw numbers
+//! alone needs what the pixel's own filter sees. With the response R of that filter and what arrives of the light L
+//! through the lens τ, wavelengths are then drawn by
 //!
 //! p(λ) ∝ (1 − f)·RLτ/∫RLτ dλ + f·A/∫A dλ,   f = 0.02,
 //!
-//! of which the [`WavelengthSampler`] spreads another 5 % evenly: what the other filters would see of the pixel's light stays
-//! right on average.
+//! of which the [`WavelengthSampler`] spreads another 5 % evenly: what the other filters would see of the pixel's light
+//! stays right on average.
 //!
-//! Bands of spectral irradiance that are stored beside the picture ([`Response::is_secondary`](crate::film::Response)) must not
-//! make it noisier. With the density A of the picture and the density B of the bands, each of integral 1, wavelengths are then
-//! drawn by
+//! Bands of spectral irradiance that are stored beside the picture ([`Response::is_secondary`](crate::film::Response))
+//! must not make it noisier. With the density A of the picture and the density B of the bands, each of integral 1,
+//! wavelengths are then drawn by
 //!
 //! p(λ) ∝ max(A, b·B),   b = 0.2:
 //!
-//! where the sensor sees well, p is A as without bands, and at most the part b of all wavelengths goes to where it sees little.
+//! where the sensor sees well, p is A as without bands, and at most the part b of all wavelengths goes to where it sees
+//! little.
 
 use super::RenderJob;
 use crate::film::Response;
@@ -96,7 +98,8 @@ pub(super) fn importance_for_all(job: &RenderJob<'_>) -> Spectrum {
 /// The module's b.
 const FOR_BANDS: f64 = 0.2;
 
-/// The importance of the picture, and at least the part b of that of the bands. Any unit; either may be zero everywhere.
+/// The importance of the picture, and at least the part b of that of the bands. Any unit; either may be zero
+/// everywhere.
 fn with_bands(picture: Spectrum, bands: &Spectrum) -> Spectrum {
     let (of_picture, of_bands) = (picture.integral(), bands.integral());
     if of_bands <= 0.0 {
@@ -117,7 +120,8 @@ fn useful(job: &RenderJob<'_>, response: &Spectrum) -> Spectrum {
 /// The density's f: no wavelength that matters to any filter is left out.
 const FOR_ALL: f64 = 0.02;
 
-/// What matters to one filter with a little of what matters to all; the latter alone where the filter lets no light through.
+/// What matters to one filter with a little of what matters to all; the latter alone where the filter lets no light
+/// transmitted.
 fn mostly(own: &Spectrum, all: &Spectrum) -> Spectrum {
     let (part, whole) = (own.integral(), all.integral());
     if part <= 0.0 {
@@ -152,7 +156,8 @@ mod tests {
             let beyond = drawn.map_with(picture, |drawn, picture| if picture > 0.0 { 0.0 } else { drawn });
             beyond.integral() / drawn.integral()
         };
-        // A fifth of the integral of the picture is added beyond it, so that it is 1/6 of the whole; edges of 1 nm aside.
+        // A fifth of the integral of the picture is added beyond it, so that it is 1/6 of the whole; edges of 1 nm
+        // aside.
         let (picture, beyond) = (band(400.0, 700.0), band(800.0, 1000.0));
         let part = part_beyond(&picture, &beyond);
         assert!((part - 1.0 / 6.0).abs() < 2e-3, "{part}");

@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{Vec3, Vec3A};
 
-use super::lights::{Lamps, Light, TriangleLight};
+use super::{Light, LightTables, PointLight, ProfileLight, ProjectorLight, SpotLight, TriangleLight};
 use crate::geometry::{Geometry, Motion};
 use photosite_core::math::Cone;
 
@@ -16,7 +16,7 @@ pub(super) struct LightBounds {
     pub(super) low: Vec3,
     /// Its upper corner, m.
     pub(super) high: Vec3,
-    /// Their axes: normals of triangles, directions that lamps shine to.
+    /// Their axes: normals of triangles, axes of lights without a surface.
     pub(super) axes: Cone,
     /// Angle about an axis beyond which it is dark, rad. Up to there the intensity falls with the cosine.
     pub(super) beyond: f32,
@@ -26,7 +26,7 @@ pub(super) struct LightBounds {
     pub(super) two_sided: bool,
 }
 
-/// What [`Receiver::importance`](super::Receiver) needs of [`LightBounds`].
+/// What [`LightSampleContext::importance`](super::LightSampleContext) needs of [`LightBounds`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cluster {
     /// Middle of the box, m.
@@ -45,7 +45,7 @@ pub(super) struct Cluster {
     pub(super) two_sided: bool,
 }
 
-/// Lamps shine this far beyond their cones, rad, so that no rounding cuts light off.
+/// LightTables shine this far beyond their cones, rad, so that no rounding cuts light off.
 const SLACK: f32 = 2e-3;
 
 impl LightBounds {
@@ -55,7 +55,7 @@ impl LightBounds {
         motion: Option<&Motion>,
         power: f64,
         geometry: &Geometry,
-        lamps: &Lamps,
+        tables: &LightTables,
     ) -> Option<Self> {
         if power.is_nan() || power <= 0.0 {
             return None;
@@ -69,27 +69,27 @@ impl LightBounds {
             Some(Self { low, high, axes, beyond: SLACK, intensity, two_sided: false })
         };
         match light {
-            Light::Point { position, .. } => lamp(position, 0.0, Cone::ALL),
-            Light::Spot { position, axis, cos_outer, .. } => {
+            Light::Point(PointLight { position, .. }) => lamp(position, 0.0, Cone::ALL),
+            Light::Spot(SpotLight { position, axis, cos_outer, .. }) => {
                 lamp(position, 0.0, Cone::of(*axis).widened(cos_outer.acos()))
             }
-            Light::Profile { position, to_lamp, profile, .. } => {
-                let reach = lamps.profiles[*profile as usize].reach_rad();
-                lamp(position, 0.0, Cone::of(to_lamp.inverse() * Vec3::NEG_Z).widened(reach))
+            Light::Profile(ProfileLight { position, world_to_light, profile, .. }) => {
+                let reach = tables.profiles[*profile as usize].reach_rad();
+                lamp(position, 0.0, Cone::of(world_to_light.inverse() * Vec3::NEG_Z).widened(reach))
             }
-            Light::Projector { position, to_lamp, projector, .. } => {
-                let projector = &lamps.projectors[*projector as usize];
-                let axes = Cone::of(to_lamp.inverse() * Vec3::NEG_Z).widened(projector.reach_rad());
+            Light::Projector(ProjectorLight { position, world_to_light, projector, .. }) => {
+                let projector = &tables.projectors[*projector as usize];
+                let axes = Cone::of(world_to_light.inverse() * Vec3::NEG_Z).widened(projector.reach_rad());
                 lamp(position, projector.radius(), axes)
             }
             Light::Triangle(light) => Some(Self::of_triangle(light, power, geometry)),
-            Light::Directional { .. } | Light::Environment => None,
+            Light::Directional(_) | Light::Environment => None,
         }
     }
 
-    /// A triangle shines with the cosine to its normal. While its corners move on straight lines the normal stays a sum of
-    /// three directions with positive weights: n(t) = (1−t)²·n₀ + 2t(1−t)·n₁ + t²·n₂, Bernstein's form of the product of two
-    /// edges.
+    /// A triangle shines with the cosine to its normal. While its corners move on straight lines the normal stays a sum
+    /// of three directions with positive weights: n(t) = (1−t)²·n₀ + 2t(1−t)·n₁ + t²·n₂, Bernstein's form of the
+    /// product of two edges.
     fn of_triangle(light: &TriangleLight, power: f64, geometry: &Geometry) -> Self {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let mut axes: Option<Cone> = None;
@@ -133,9 +133,9 @@ impl LightBounds {
         }
     }
 
-    /// How much light goes astray if lights within the bounds are chosen without a look at where they are: intensity ×
-    /// solid angle that they shine into × area ([Conty18](photosite_core::references#conty18) eq. 1 and §4.4). The area is the square
-    /// of the box's diagonal, since lamps in a row have boxes without surface.
+    /// How much light goes astray if lights within the bounds are chosen by their intensities alone: intensity ×
+    /// solid angle that they shine into × area ([Conty18](photosite_core::references#conty18) eq. 1 and §4.4). The area
+    /// is the square of the box's diagonal, since lamps in a row have boxes without surface.
     pub(super) fn cost(&self) -> f32 {
         let (cone, farthest) = (self.axes.angle, (self.axes.angle + self.beyond).min(PI));
         let solid_angle = TAU * (1.0 - cone.cos())

@@ -1,7 +1,7 @@
 //! Light from infinitely far: a constant, or an equirectangular picture sampled by its luminance.
 //!
-//! Scattered rays find what shines evenly from all sides as well as anything could, so that only what exceeds the mean is
-//! looked at: its density is that of max(L − mean, 0) ([Karlik19](photosite_core::references#karlik19)).
+//! Scattered rays find what shines evenly from all sides as well as anything could, so that only what exceeds the mean
+//! is sampled: its density is that of max(L − mean, 0) ([Karlik19](photosite_core::references#karlik19)).
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
@@ -10,6 +10,7 @@ use glam::{Vec2, Vec3};
 
 use super::Sky;
 use super::emission::tint_spectrum;
+use super::lights::{LiContext, LiSample};
 use crate::texture::{Bitmap, Filter, SamplerSettings, Texture, UvTransform, Wrap};
 use photosite_core::math::distribution::PiecewiseConstant2D;
 use photosite_core::math::{Pdf, SolidAngle};
@@ -64,8 +65,8 @@ impl Environment {
         }
     }
 
-    /// A direction towards the environment with its density; `None` where the density vanishes (the poles, and everywhere
-    /// where there is no excess).
+    /// A direction towards the environment with its density; `None` where the density vanishes (the poles, and
+    /// everywhere where there is no excess).
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, Pdf<SolidAngle>)> {
         match self {
@@ -78,6 +79,14 @@ impl Environment {
             }
             Self::Sky(sky) => sky.sample(u),
         }
+    }
+
+    /// A direction from where it is bright.
+    #[inline]
+    pub(super) fn sample_li(&self, u: [f32; 2], li: &LiContext<'_>) -> Option<LiSample> {
+        let (wi, pdf) = self.sample(u)?;
+        let radiance = self.radiance(li.spectra, wi, li.wavelengths);
+        Some(LiSample { radiance, wi, position: None, pdf, is_delta: false })
     }
 
     /// Density with which [`Self::sample`] chooses the unit direction `towards`.
@@ -151,9 +160,9 @@ impl EnvironmentPicture {
     }
 }
 
-/// What is worth looking at of a grid of directions: the weights of its cells by what exceeds the mean of all directions, of which
-/// the grid covers a part and the rest is dark, and how much of all light that is, 0–1. Luminances come row by row, with the sine
-/// of each row's angle from the pole.
+/// What is worth looking at of a grid of directions: the weights of its cells by what exceeds the mean of all
+/// directions, of which the grid covers a part and the rest is dark, and how much of all light that is, 0–1. Luminances
+/// come row by row, with the sine of each row's angle from the pole.
 pub(super) fn above_mean(luminances: &[f64], sines: &[f64], covered: f64) -> (Vec<f32>, f64) {
     let width = luminances.len() / sines.len();
     let all = luminances.chunks(width).zip(sines).map(|(row, sine)| row.iter().sum::<f64>() * sine).sum::<f64>();
@@ -262,7 +271,8 @@ mod tests {
         let of = |texels| EnvironmentPicture::new(grey(texels), radiance, 0.0).excess;
         assert_eq!(of(vec![[0.3; 3]; 32]), 0.0);
         assert_eq!(of(vec![[0.0; 3]; 32]), 0.0);
-        // Half of the sphere twice as bright as the mean: half of its light is in excess, but for interpolation at its edge.
+        // Half of the sphere twice as bright as the mean: half of its light is in excess, but for interpolation at its
+        // edge.
         let half: Vec<[f32; 3]> = (0..32).map(|i| [f32::from(u8::from(i % 8 < 4)); 3]).collect();
         assert!((of(half) - 0.5).abs() < 0.1);
         let (_, sunny) = environment((3, 2), 0.0);

@@ -2,162 +2,155 @@
 
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 use super::bounds::LightBounds;
-use super::emitters::Emitters;
-use super::facet::Facet;
+use super::emissive_triangle::EmissiveTriangle;
+use super::light_rays::Emitters;
 use super::selection::{Choice, Selection};
-use super::{Environment, Profile, Projector, Receiver, SurfaceEmission};
+use super::{
+    DirectionalLight, Environment, LightSampleContext, PointLight, Profile, ProfileLight, Projector, ProjectorLight,
+    SpotLight, TriangleLight,
+};
 use crate::geometry::{Geometry, Motion, Transform};
-use photosite_core::math::{Area, Pdf, SolidAngle, warp};
-use photosite_core::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths};
+use photosite_core::math::{Area, Pdf, SolidAngle};
+use photosite_core::spectrum::{SampledSpectrum, SpectrumTable, Wavelengths};
 
 /// One light.
 #[derive(Clone, Copy, Debug)]
 pub enum Light {
     /// The same intensity in all directions.
-    Point {
-        /// Metres.
-        position: Vec3,
-        /// W·sr⁻¹·nm⁻¹.
-        intensity: SpectrumId,
-    },
-    /// Intensity within a cone, with the falloff of KHR_lights_punctual.
-    Spot {
-        /// Metres.
-        position: Vec3,
-        /// Unit vector along the middle of the cone.
-        axis: Vec3,
-        /// Cosine of the half-angle of full intensity.
-        cos_inner: f32,
-        /// Cosine of the half-angle beyond which there is none.
-        cos_outer: f32,
-        /// W·sr⁻¹·nm⁻¹ on the axis.
-        intensity: SpectrumId,
-    },
+    Point(PointLight),
+    /// Intensity within a cone.
+    Spot(SpotLight),
     /// Parallel light.
-    Directional {
-        /// Unit vector to where it comes from.
-        towards: Vec3,
-        /// On a plane across the direction, W·m⁻²·nm⁻¹.
-        irradiance: SpectrumId,
-    },
+    Directional(DirectionalLight),
     /// Intensity by a measured profile.
-    Profile {
-        /// Metres.
-        position: Vec3,
-        /// World → lamp, which shines along −z.
-        to_lamp: Quat,
-        /// Handle in [`Lamps::profiles`].
-        profile: u32,
-        /// W·sr⁻¹·nm⁻¹ for each candela of the profile.
-        per_candela: SpectrumId,
-    },
+    Profile(ProfileLight),
     /// A slide thrown through a lens.
-    Projector {
-        /// Metres.
-        position: Vec3,
-        /// World → projector, which shines along −z.
-        to_lamp: Quat,
-        /// Handle in [`Lamps::projectors`].
-        projector: u32,
-        /// Spectral flux of a white slide, W·nm⁻¹.
-        flux: SpectrumId,
-    },
+    Projector(ProjectorLight),
     /// A triangle that emits.
     Triangle(TriangleLight),
     /// The environment, of which there is at most one.
     Environment,
 }
 
-/// What lamps are that do not shine by a formula.
+/// Tables that lights have handles into.
 #[derive(Clone, Debug, Default)]
-pub struct Lamps {
-    /// Of [`Light::Profile`].
+pub struct LightTables {
+    /// Profiles of [`ProfileLight`].
     pub profiles: Vec<Arc<Profile>>,
-    /// Of [`Light::Projector`].
+    /// Slides and lenses of [`ProjectorLight`].
     pub projectors: Vec<Projector>,
 }
 
-/// A triangle that emits.
-#[derive(Clone, Copy, Debug)]
-pub struct TriangleLight {
-    /// Handle of the triangle.
-    pub triangle: u32,
-    /// Its emission.
-    pub emission: SurfaceEmission,
-}
-
-/// A direction in which a point looks for light.
+/// A sampled direction to a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
     /// Handle of the light.
     pub light: u32,
-    /// Radiance from there, or for lights without extent, irradiance across the direction (pdf 1).
+    /// Radiance from there; of lights without extent, irradiance across the direction.
     pub radiance: SampledSpectrum,
     /// Unit vector to the light.
     pub wi: Vec3,
-    /// Where on the light, with its normal; `None` where it is infinitely far.
+    /// Point on the light, with its normal; `None` where it is infinitely far.
     pub position: Option<(Vec3, Vec3)>,
-    /// Density of the choice, that of the light included.
+    /// Density of the direction times the probability of the light; of lights without extent, that probability.
     pub pdf: Pdf<SolidAngle>,
     /// Whether no BSDF sample could have found it.
     pub is_delta: bool,
+}
+
+/// What lights need to be sampled, besides random numbers: where from, when, and at which wavelengths.
+#[derive(Clone, Copy)]
+pub(crate) struct LiContext<'a> {
+    /// The point that samples, in the space of the light, m.
+    pub(crate) point: Vec3,
+    /// Time from 0 to 1.
+    pub(crate) time: f32,
+    pub(crate) wavelengths: &'a Wavelengths,
+    pub(crate) spectra: &'a SpectrumTable,
+    pub(crate) geometry: &'a Geometry,
+}
+
+/// A sampled direction to one light, as [`LightSample`] has it but for the choice of the light.
+#[derive(Clone, Copy)]
+pub(super) struct LiSample {
+    pub(super) radiance: SampledSpectrum,
+    pub(super) wi: Vec3,
+    pub(super) position: Option<(Vec3, Vec3)>,
+    pub(super) pdf: Pdf<SolidAngle>,
+    pub(super) is_delta: bool,
+}
+
+impl LiSample {
+    /// The direction from a point to another, from where light comes with that intensity.
+    #[inline]
+    pub(super) fn from_point(point: Vec3, position: Vec3, intensity: SampledSpectrum) -> Option<Self> {
+        let to_light = position - point;
+        let distance_squared = to_light.length_squared();
+        (distance_squared > 0.0).then(|| Self {
+            radiance: intensity / distance_squared,
+            wi: to_light / distance_squared.sqrt(),
+            position: Some((position, Vec3::ZERO)),
+            pdf: Pdf::new(1.0),
+            is_delta: true,
+        })
+    }
 }
 
 /// Lights with the tables to choose among them.
 #[derive(Clone, Debug)]
 pub struct Lights {
     pub(super) lights: Vec<Light>,
-    /// The triangles of those that stay as they are.
-    facets: Vec<Option<Facet>>,
-    /// The ways of the lights that move, in order of their handles. They are described in their own space.
+    /// Triangles of the lights that keep their shape.
+    static_triangles: Vec<Option<EmissiveTriangle>>,
+    /// Motions of the lights that move, in order of their handles. Such lights are described in their own space.
     motions: Vec<(u32, Motion)>,
-    lamps: Lamps,
+    tables: LightTables,
     environment: Option<Environment>,
-    /// Number of the environment among the lights infinitely far.
-    environment_number: Option<u32>,
+    /// Index of the environment among the lights infinitely far.
+    environment_index: Option<u32>,
     selection: Selection,
     pub(super) emitters: Emitters,
 }
 
 impl Lights {
     /// `powers[i]` is the power of `lights[i]` as the sensor sees it, in relative units, for lights infinitely far that
-    /// through a disk of `disk_m2`; `motions[i]` is its way through the world, rigid, where it has a space of its own. An
-    /// [`Environment`] comes with one [`Light::Environment`].
+    /// through a disk of `disk_m2`; `motions[i]` is its way through the world, rigid, where it has a space of its own.
+    /// An [`Environment`] comes with one [`Light::Environment`].
     pub fn new(
         lights: Vec<Light>,
         motions: Vec<Option<Motion>>,
         powers: &[f64],
         disk_m2: f64,
         geometry: &Geometry,
-        lamps: Lamps,
+        tables: LightTables,
         environment: Option<Environment>,
     ) -> Self {
         let bounds: Vec<_> = (lights.iter().zip(&motions).zip(powers))
-            .map(|((light, motion), power)| LightBounds::of(light, motion.as_ref(), *power, geometry, &lamps))
+            .map(|((light, motion), power)| LightBounds::of(light, motion.as_ref(), *power, geometry, &tables))
             .collect();
-        let is_distant = |light: &Light| matches!(light, Light::Directional { .. } | Light::Environment);
-        // Scattered rays find the rest of the environment.
-        let part_looked_at = |light: &Light| match (light, &environment) {
+        let is_distant = |light: &Light| matches!(light, Light::Directional(_) | Light::Environment);
+        // BSDF sampling finds the rest of the environment.
+        let sampled_part = |light: &Light| match (light, &environment) {
             (Light::Environment, Some(environment)) => environment.excess(),
             _ => 1.0,
         };
         let distant: Vec<(u32, f64)> = ((0..).zip(lights.iter().zip(powers)))
             .filter(|(_, (light, _))| is_distant(light))
-            .map(|(i, (light, power))| (i, power / disk_m2 * part_looked_at(light)))
+            .map(|(i, (light, power))| (i, power / disk_m2 * sampled_part(light)))
             .filter(|(_, irradiance)| *irradiance > 0.0)
             .collect();
         let is_environment = |(light, _): &(u32, f64)| matches!(lights[*light as usize], Light::Environment);
         Self {
-            environment_number: distant.iter().position(is_environment).map(|i| i as u32),
+            environment_index: distant.iter().position(is_environment).map(|i| i as u32),
             selection: Selection::new(&bounds, &distant),
             emitters: Emitters::new(&lights, powers),
             motions: (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect(),
-            facets: lights.iter().map(|light| still_facet(light, geometry)).collect(),
+            static_triangles: lights.iter().map(|light| static_triangle(light, geometry)).collect(),
             lights,
-            lamps,
+            tables,
             environment,
         }
     }
@@ -177,36 +170,47 @@ impl Lights {
         self.environment.as_ref()
     }
 
-    /// The light at which a receiver looks. `None` where the lights that it came to cannot reach it. What the choice leaves of the
-    /// number is one in [0, 1) again, so that lights are chosen, and the points on each spread, as evenly as pairs of numbers
-    /// are.
+    /// Chooses a light for a context. `None` where the lights of the branch of the tree that it descended to cannot
+    /// reach the point. The remainder of the random number is in [0, 1) again, so that lights and the points on each
+    /// are stratified together.
     #[inline]
-    pub(crate) fn choose(&self, receiver: &Receiver, u_light: f32) -> Option<Choice> {
-        self.selection.sample(receiver, u_light)
+    pub(crate) fn choose(&self, ctx: &LightSampleContext, u_light: f32) -> Option<Choice> {
+        self.selection.sample(ctx, u_light)
     }
 
-    /// A direction from a receiver towards the light that was chosen, at a time from 0 to 1. `emitted_at(light, barycentric)` is
-    /// the radiance of a point of a triangle. `None` where the light cannot reach the receiver.
+    /// Samples a direction to the light that was chosen. `li.point` is in the world, and `emitted_at(light,
+    /// barycentric)` is the radiance of a point of a triangle. `None` where the light cannot reach the point.
     #[inline]
-    #[allow(clippy::too_many_arguments, reason = "tables, receiver and random numbers, each once")]
     pub(crate) fn sample_chosen(
         &self,
-        &Choice { light: index, probability, rest }: &Choice,
-        spectra: &SpectrumTable,
-        geometry: &Geometry,
-        emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
-        receiver: &Receiver,
-        time: f32,
+        choice: &Choice,
         v: f32,
-        wavelengths: &Wavelengths,
+        li: &LiContext<'_>,
+        emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
     ) -> Option<LightSample> {
+        let &Choice { light, probability, rest } = choice;
         let u = [rest, v];
-        let place = self.place_of(index, time);
-        let local = place.map_or(receiver.point, |place| place.to_group.transform_point3(receiver.point));
-        let light = &self.lights[index as usize];
-        let choice = (index, light, probability);
-        let sample = self.sample_one(choice, spectra, geometry, emitted_at, local, time, u, wavelengths)?;
-        let Some(Transform { to_world, .. }) = place else { return Some(sample) };
+
+        // Sample in the light's own space, if it moves
+        let transform = self.transform_at(light, li.time);
+        let point = transform.map_or(li.point, |transform| transform.to_group.transform_point3(li.point));
+        let li = &LiContext { point, ..*li };
+        let LiSample { radiance, wi, position, pdf, is_delta } = match &self.lights[light as usize] {
+            Light::Point(point) => point.sample_li(li),
+            Light::Spot(spot) => spot.sample_li(li),
+            Light::Profile(profile) => profile.sample_li(&self.tables, li),
+            Light::Projector(projector) => projector.sample_li(&self.tables, u, li),
+            Light::Directional(directional) => directional.sample_li(li),
+            Light::Triangle(emitter) => {
+                let triangle = self.triangle(light, emitter, li.geometry, li.time)?;
+                emitter.sample_li(&triangle, u, li, emitted_at)
+            }
+            Light::Environment => self.environment.as_ref()?.sample_li(u, li),
+        }?;
+
+        // Transform the sample into the world, and account for the choice of the light
+        let sample = LightSample { light, radiance, wi, position, pdf: pdf.times(probability), is_delta };
+        let Some(Transform { to_world, .. }) = transform else { return Some(sample) };
         let in_world = |(position, normal)| (to_world.transform_point3(position), to_world.transform_vector3(normal));
         Some(LightSample {
             wi: to_world.transform_vector3(sample.wi).normalize(),
@@ -215,158 +219,70 @@ impl Lights {
         })
     }
 
-    /// A light that is a triangle, and stays as and where it is.
+    /// A light that is a triangle at rest.
     #[inline]
-    pub(crate) fn still_triangle(&self, light: u32) -> Option<(&TriangleLight, &Facet)> {
+    pub(crate) fn static_triangle_light(&self, light: u32) -> Option<(&TriangleLight, &EmissiveTriangle)> {
         let Light::Triangle(emitter) = &self.lights[light as usize] else { return None };
-        let facet = self.facets[light as usize].as_ref()?;
-        self.motions.is_empty().then_some((emitter, facet))
+        let triangle = self.static_triangles[light as usize].as_ref()?;
+        self.motions.is_empty().then_some((emitter, triangle))
     }
 
     /// The triangle of a light at a time, in its own space; `None` where it has no area.
     #[inline]
-    pub(super) fn facet(&self, light: u32, emitter: &TriangleLight, geometry: &Geometry, time: f32) -> Option<Facet> {
-        let still = &self.facets[light as usize];
-        still.or_else(|| Facet::new(geometry.corners_at(emitter.triangle, time)))
+    pub(super) fn triangle(
+        &self,
+        light: u32,
+        emitter: &TriangleLight,
+        geometry: &Geometry,
+        time: f32,
+    ) -> Option<EmissiveTriangle> {
+        let still = &self.static_triangles[light as usize];
+        still.or_else(|| EmissiveTriangle::new(geometry.corners_at(emitter.triangle, time)))
     }
 
-    /// Where a light's own space is at a time, if it moves.
+    /// Transform of a light's own space at a time, if it moves.
     #[inline]
-    fn place_of(&self, light: u32, time: f32) -> Option<Transform> {
+    fn transform_at(&self, light: u32, time: f32) -> Option<Transform> {
         let found = self.motions.binary_search_by_key(&light, |(light, _)| *light).ok()?;
         Some(self.motions[found].1.at(time))
     }
 
-    /// The same for a light that was chosen with that probability, in its own space.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments, reason = "tables, point and random numbers, each once")]
-    fn sample_one(
-        &self,
-        (index, light, probability): (u32, &Light, f32),
-        spectra: &SpectrumTable,
-        geometry: &Geometry,
-        emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
-        point: Vec3,
-        time: f32,
-        u: [f32; 2],
-        wavelengths: &Wavelengths,
-    ) -> Option<LightSample> {
-        let from_point = |position: Vec3, intensity: SampledSpectrum| {
-            let to_light = position - point;
-            let distance_squared = to_light.length_squared();
-            (distance_squared > 0.0).then(|| LightSample {
-                light: index,
-                radiance: intensity / distance_squared,
-                wi: to_light / distance_squared.sqrt(),
-                position: Some((position, Vec3::ZERO)),
-                pdf: Pdf::new(probability),
-                is_delta: true,
-            })
-        };
-        match light {
-            Light::Point { position, intensity } => from_point(*position, spectra.sample(*intensity, wavelengths)),
-            Light::Spot { position, axis, cos_inner, cos_outer, intensity } => {
-                let cos = (point - *position).normalize_or_zero().dot(*axis);
-                let falloff = spot_falloff(cos, *cos_inner, *cos_outer);
-                if falloff == 0.0 {
-                    return None;
-                }
-                from_point(*position, spectra.sample(*intensity, wavelengths) * falloff)
-            }
-            Light::Profile { position, to_lamp, profile, per_candela } => {
-                let direction = *to_lamp * (point - *position).normalize_or_zero();
-                let candela = self.lamps.profiles[*profile as usize].intensity(direction);
-                if candela == 0.0 {
-                    return None;
-                }
-                from_point(*position, spectra.sample(*per_candela, wavelengths) * candela)
-            }
-            Light::Projector { position, to_lamp, projector, flux } => {
-                let projector = &self.lamps.projectors[*projector as usize];
-                let opening = projector.opening(u);
-                let from = *position + to_lamp.inverse() * opening;
-                let direction = *to_lamp * (point - from).normalize_or_zero();
-                let intensity = projector.intensity(opening, direction, wavelengths);
-                if intensity.is_black() {
-                    return None;
-                }
-                from_point(from, spectra.sample(*flux, wavelengths) * intensity)
-            }
-            Light::Directional { towards, irradiance } => Some(LightSample {
-                light: index,
-                radiance: spectra.sample(*irradiance, wavelengths),
-                wi: *towards,
-                position: None,
-                pdf: Pdf::new(probability),
-                is_delta: true,
-            }),
-            Light::Triangle(light) => {
-                let facet = self.facet(index, light, geometry, time)?;
-                let barycentric = warp::uniform_triangle(u);
-                let sight = facet.sight(barycentric, point.into());
-                if !(sight.cos > 0.0 || light.emission.two_sided && sight.cos < 0.0) {
-                    return None;
-                }
-                Some(LightSample {
-                    light: index,
-                    radiance: emitted_at(light, barycentric),
-                    wi: sight.wi.into(),
-                    position: Some((sight.position.into(), facet.normal())),
-                    pdf: Pdf::new(sight.density).times(probability),
-                    is_delta: false,
-                })
-            }
-            Light::Environment => {
-                let environment = self.environment.as_ref()?;
-                let (wi, pdf) = environment.sample(u)?;
-                Some(LightSample {
-                    light: index,
-                    radiance: environment.radiance(spectra, wi, wavelengths),
-                    wi,
-                    position: None,
-                    pdf: pdf.times(probability),
-                    is_delta: false,
-                })
-            }
-        }
-    }
-
-    /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) finds, for a receiver, the point of a triangle
-    /// light that a ray of unit direction met at `distance` and at that time, `cos` being the cosine at the light, of either
-    /// sign.
+    /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) samples the point of a triangle
+    /// light that a ray of unit direction met at `distance` and at that time; `cos` is the cosine at the light, of
+    /// either sign.
     #[inline]
     pub fn triangle_pdf(
         &self,
         light: u32,
-        receiver: &Receiver,
+        ctx: &LightSampleContext,
         geometry: &Geometry,
         time: f32,
         distance: f32,
         cos: f32,
     ) -> Pdf<SolidAngle> {
         match &self.lights[light as usize] {
-            Light::Triangle(emitter) => match self.facet(light, emitter, geometry, time) {
-                Some(facet) => Pdf::<Area>::new(2.0 / facet.double_area)
+            Light::Triangle(emitter) => match self.triangle(light, emitter, geometry, time) {
+                Some(triangle) => Pdf::<Area>::new(2.0 / triangle.double_area)
                     .to_solid_angle(distance * distance, cos.abs())
-                    .times(self.selection.probability(receiver, light)),
+                    .times(self.selection.probability(ctx, light)),
                 None => Pdf::new(0.0),
             },
-            Light::Point { .. }
-            | Light::Spot { .. }
-            | Light::Profile { .. }
-            | Light::Projector { .. }
-            | Light::Directional { .. }
+            Light::Point(_)
+            | Light::Spot(_)
+            | Light::Profile(_)
+            | Light::Projector(_)
+            | Light::Directional(_)
             | Light::Environment => Pdf::new(0.0),
         }
     }
 
-    /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) looks, for a receiver, at the environment in
-    /// the unit direction `towards`.
+    /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) samples the environment in the
+    /// unit direction `towards`.
     #[inline]
-    pub fn environment_pdf(&self, receiver: &Receiver, towards: Vec3) -> Pdf<SolidAngle> {
-        match (&self.environment, self.environment_number) {
+    pub fn environment_pdf(&self, ctx: &LightSampleContext, towards: Vec3) -> Pdf<SolidAngle> {
+        match (&self.environment, self.environment_index) {
             (Some(environment), Some(number)) => {
-                environment.pdf(towards).times(self.selection.probability_of_distant(receiver, number))
+                environment.pdf(towards).times(self.selection.probability_of_distant(ctx, number))
             }
             (None, _) | (Some(_), None) => Pdf::new(0.0),
         }
@@ -374,15 +290,8 @@ impl Lights {
 }
 
 /// The triangle of a light whose mesh keeps its shape.
-fn still_facet(light: &Light, geometry: &Geometry) -> Option<Facet> {
+fn static_triangle(light: &Light, geometry: &Geometry) -> Option<EmissiveTriangle> {
     let Light::Triangle(TriangleLight { triangle, .. }) = *light else { return None };
     let mut shapes = geometry.shapes(triangle);
-    shapes.next().filter(|_| shapes.next().is_none()).and_then(Facet::new)
-}
-
-/// KHR_lights_punctual's angular attenuation: the square of the clamped ramp between the cosines of both half-angles.
-#[inline]
-fn spot_falloff(cos: f32, cos_inner: f32, cos_outer: f32) -> f32 {
-    let ramp = ((cos - cos_outer) / (cos_inner - cos_outer).max(1e-4)).clamp(0.0, 1.0);
-    ramp * ramp
+    shapes.next().filter(|_| shapes.next().is_none()).and_then(EmissiveTriangle::new)
 }

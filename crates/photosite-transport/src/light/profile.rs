@@ -1,8 +1,12 @@
-//! Lamps whose intensity was measured in many directions.
+//! LightTables whose intensity was measured in many directions.
 
 use std::f32::consts::{PI, TAU};
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
+
+use super::LightTables;
+use super::lights::{LiContext, LiSample};
+use photosite_core::spectrum::SpectrumId;
 
 /// Luminous intensity, cd, over a sphere of directions around a lamp, in coordinates of photometric type C
 /// ([LM63](photosite_core::references#lm63)): vertical angles from the lamp's axis, horizontal ones around it.
@@ -18,8 +22,8 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// From at least one rising angle each, and as many intensities as their product, those of a horizontal angle together.
-    /// Several horizontal angles go from 0 to 2π.
+    /// From at least one rising angle each, and as many intensities as their product, those of a horizontal angle
+    /// together. Several horizontal angles go from 0 to 2π.
     pub fn new(vertical_rad: Vec<f32>, horizontal_rad: Vec<f32>, candela: Vec<f32>) -> Self {
         Self { vertical_rad, horizontal_rad, candela }
     }
@@ -80,6 +84,31 @@ fn between(angles: &[f32], angle: f32) -> Option<[(usize, f32); 2]> {
     let low = next.checked_sub(1)?;
     let part = (angle - angles[low]) / (angles[next] - angles[low]);
     (part <= 1.0).then_some([(low, 1.0 - part), (next, part)])
+}
+
+/// A light with a measured profile.
+#[derive(Clone, Copy, Debug)]
+pub struct ProfileLight {
+    /// Metres.
+    pub position: Vec3,
+    /// World → light, which shines along −z.
+    pub world_to_light: Quat,
+    /// Handle in [`LightTables::profiles`].
+    pub profile: u32,
+    /// W·sr⁻¹·nm⁻¹ for each candela of the profile.
+    pub per_candela: SpectrumId,
+}
+
+impl ProfileLight {
+    #[inline]
+    pub(super) fn sample_li(&self, tables: &LightTables, li: &LiContext<'_>) -> Option<LiSample> {
+        let direction = self.world_to_light * (li.point - self.position).normalize_or_zero();
+        let candela = tables.profiles[self.profile as usize].intensity(direction);
+        if candela == 0.0 {
+            return None;
+        }
+        LiSample::from_point(li.point, self.position, li.spectra.sample(self.per_candela, li.wavelengths) * candela)
+    }
 }
 
 #[cfg(test)]

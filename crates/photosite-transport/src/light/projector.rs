@@ -2,19 +2,21 @@
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
+use super::LightTables;
 use super::emission::tint_spectrum;
+use super::lights::{LiContext, LiSample};
 use crate::texture::{Bitmap, Filter, SamplerSettings, Texture, UvTransform, Wrap};
 use photosite_core::math::warp;
-use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
+use photosite_core::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 
 /// A projector at the origin of its space. It shines along −z, with the top of the slide towards +y.
 ///
 /// It is a camera run backwards: a point x m to the right and y m up in the plane 1 m away is lit by the slide at
-/// (x/w + ½, ½ − y/h), w and h the extent of the picture there. The lens is evenly bright over its opening of area A for
-/// each point of the slide, so the intensity in a direction at the angle θ from the axis is L·A·cos θ, and the flux of a white
-/// slide
+/// (x/w + ½, ½ − y/h), w and h the extent of the picture there. The lens is evenly bright over its opening of area A
+/// for each point of the slide, so the intensity in a direction at the angle θ from the axis is L·A·cos θ, and the flux
+/// of a white slide
 ///
 ///   Φ = L·A·∫ cos θ dω = L·A·∫∫ cos⁴θ dx dy.
 ///
@@ -117,4 +119,33 @@ fn mean_over(extent: [f64; 2], shift: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> 
     }
     let cell = extent[0] * extent[1] / f64::from(CELLS).powi(2);
     (sums.0 * cell, sums.1 * cell)
+}
+
+/// A slide thrown through a lens.
+#[derive(Clone, Copy, Debug)]
+pub struct ProjectorLight {
+    /// Metres.
+    pub position: Vec3,
+    /// World → projector, which shines along −z.
+    pub world_to_light: Quat,
+    /// Handle in [`LightTables::projectors`].
+    pub projector: u32,
+    /// Spectral flux of a white slide, W·nm⁻¹.
+    pub flux: SpectrumId,
+}
+
+impl ProjectorLight {
+    /// A point of the lens's opening.
+    #[inline]
+    pub(super) fn sample_li(&self, tables: &LightTables, u: [f32; 2], li: &LiContext<'_>) -> Option<LiSample> {
+        let projector = &tables.projectors[self.projector as usize];
+        let opening = projector.opening(u);
+        let from = self.position + self.world_to_light.inverse() * opening;
+        let direction = self.world_to_light * (li.point - from).normalize_or_zero();
+        let intensity = projector.intensity(opening, direction, li.wavelengths);
+        if intensity.is_black() {
+            return None;
+        }
+        LiSample::from_point(li.point, from, li.spectra.sample(self.flux, li.wavelengths) * intensity)
+    }
 }

@@ -1,7 +1,7 @@
-//! Which light a point looks at.
+//! The choice of a light to sample.
 
 use super::bounds::LightBounds;
-use super::receiver::Receiver;
+use super::light_sample_context::LightSampleContext;
 use super::tree::LightTree;
 use photosite_core::math::distribution::{AliasTable, rest};
 
@@ -17,14 +17,14 @@ pub(super) struct Selection {
     irradiance: f32,
 }
 
-/// A light that a point looks at.
+/// A chosen light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
     /// Its handle.
     pub(crate) light: u32,
-    /// Of the choice.
+    /// Probability of the choice.
     pub(crate) probability: f32,
-    /// What is left of the number that chose, in [0, 1) again.
+    /// Remainder of the random number that chose, in [0, 1) again.
     pub(crate) rest: f32,
 }
 
@@ -40,8 +40,8 @@ impl Choice {
 const LEAST: f32 = 0.1;
 
 impl Selection {
-    /// Of lights with the handles 0, 1, …: the bounds of those that are somewhere, and the irradiance in the same unit from
-    /// those infinitely far.
+    /// Of lights with the handles 0, 1, …: the bounds of those that are somewhere, and the irradiance in the same unit
+    /// from those infinitely far.
     pub(super) fn new(bounds: &[Option<LightBounds>], distant: &[(u32, f64)]) -> Self {
         let intensity: f64 = bounds.iter().flatten().map(|b| f64::from(b.intensity)).sum();
         let irradiances: Vec<f64> = distant.iter().map(|(_, irradiance)| *irradiance).collect();
@@ -55,14 +55,14 @@ impl Selection {
 
     /// Probability of a light infinitely far.
     #[inline]
-    fn part_of_distant(&self, receiver: &Receiver) -> f32 {
+    fn part_of_distant(&self, ctx: &LightSampleContext) -> f32 {
         if self.distant.is_empty() {
             return 0.0;
         }
         if self.tree.is_empty() {
             return 1.0;
         }
-        let near = self.tree.importance(receiver);
+        let near = self.tree.importance(ctx);
         if near == 0.0 {
             return 1.0;
         }
@@ -72,31 +72,31 @@ impl Selection {
         (self.irradiance / (self.irradiance + near)).clamp(LEAST, 1.0 - LEAST)
     }
 
-    /// A light, from a number in [0, 1). `None` where the lights looked at cannot reach the receiver.
+    /// A light, from a number in [0, 1). `None` where the lights that it leads to cannot reach the point.
     #[inline]
-    pub(super) fn sample(&self, receiver: &Receiver, u: f32) -> Option<Choice> {
+    pub(super) fn sample(&self, ctx: &LightSampleContext, u: f32) -> Option<Choice> {
         if self.distant.is_empty() {
-            return self.tree.sample(receiver, u);
+            return self.tree.sample(ctx, u);
         }
-        let distant = self.part_of_distant(receiver);
+        let distant = self.part_of_distant(ctx);
         if u < distant {
             let (entry, probability, rest) = self.among_distant.sample(rest(u, 0.0, distant));
             return Some(Choice { light: self.distant[entry as usize], probability, rest }.within(distant));
         }
         let near = 1.0 - distant;
-        Some(self.tree.sample(receiver, rest(u, distant, near))?.within(near))
+        Some(self.tree.sample(ctx, rest(u, distant, near))?.within(near))
     }
 
     /// Probability with which [`Self::sample`] finds a light that is somewhere.
     #[inline]
-    pub(super) fn probability(&self, receiver: &Receiver, light: u32) -> f32 {
-        let in_tree = self.tree.probability(receiver, light);
-        in_tree * (1.0 - self.part_of_distant(receiver))
+    pub(super) fn probability(&self, ctx: &LightSampleContext, light: u32) -> f32 {
+        let in_tree = self.tree.probability(ctx, light);
+        in_tree * (1.0 - self.part_of_distant(ctx))
     }
 
     /// The same for the one infinitely far of that number.
     #[inline]
-    pub(super) fn probability_of_distant(&self, receiver: &Receiver, number: u32) -> f32 {
-        self.among_distant.probability(number) * self.part_of_distant(receiver)
+    pub(super) fn probability_of_distant(&self, ctx: &LightSampleContext, number: u32) -> f32 {
+        self.among_distant.probability(number) * self.part_of_distant(ctx)
     }
 }

@@ -1,11 +1,12 @@
-//! The clear sky and the sun, spectrally, by Hosek and Wilkie ([HosekWilkie12](photosite_core::references#hosekwilkie12),
+//! The clear sky and the sun, spectrally, by Hosek and Wilkie
+//! ([HosekWilkie12](photosite_core::references#hosekwilkie12),
 //! [HosekWilkie13](photosite_core::references#hosekwilkie13)).
 //!
 //! In: where the sun stands, how hazy the air is, how bright the ground. Out: radiance from every direction,
-//! W·m⁻²·sr⁻¹·nm⁻¹. The model knows 320–720 nm. Beyond, where sensors of silicon still see, this is assumed: above 720 nm
-//! the sun goes on as a blackbody of 5778 K, and the sky as that scattered in proportion to λ⁻⁴; below 320 nm both fall to
-//! nothing at 300 nm, where ozone absorbs. Bands of water vapour are not there. Nothing comes from below the horizon: the
-//! ground is left to the scene.
+//! W·m⁻²·sr⁻¹·nm⁻¹. The model knows 320–720 nm. Beyond, where sensors of silicon still see, this is assumed: above 720
+//! nm the sun goes on as a blackbody of 5778 K, and the sky as that scattered in proportion to λ⁻⁴; below 320 nm both
+//! fall to nothing at 300 nm, where ozone absorbs. Bands of water vapour are not there. Nothing comes from below the
+//! horizon: the ground is left to the scene.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::OnceLock;
@@ -59,14 +60,15 @@ pub struct Sky {
     /// Mean radiance of the sun's disk.
     sun: Option<SpectrumId>,
     cos_sun_radius: f32,
-    /// Part of the samples that look at the sun.
+    /// Part of the samples that go to the sun.
     sun_part: f32,
     /// Of azimuth and angle from the zenith, of what is brighter than the mean of the sky above and the dark below.
     distribution: PiecewiseConstant2D,
     excess: f64,
 }
 
-/// The sky at a wavelength: parameters A–I and mean radiance of [HosekWilkie12](photosite_core::references#hosekwilkie12) eq. 8.
+/// The sky at a wavelength: parameters A–I and mean radiance of
+/// [HosekWilkie12](photosite_core::references#hosekwilkie12) eq. 8.
 type Knot = [f32; NUMBERS];
 
 fn numbers() -> &'static [f32] {
@@ -85,8 +87,8 @@ fn turbidities(turbidity: f64) -> [(usize, f64); 2] {
     [(low, 1.0 - (at - low as f64)), (low + 1, at - low as f64)]
 }
 
-/// The parameters for a sun at an elevation, rad: a Bézier curve of degree 5 in ∛(elevation/90°), linear in turbidity and
-/// albedo.
+/// The parameters for a sun at an elevation, rad: a Bézier curve of degree 5 in ∛(elevation/90°), linear in turbidity
+/// and albedo.
 fn knots(conditions: &SkyConditions, elevation: f64) -> [Knot; KNOTS] {
     let x = (elevation / std::f64::consts::FRAC_PI_2).clamp(0.0, 1.0).cbrt();
     let binomials = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
@@ -106,8 +108,8 @@ fn knots(conditions: &SkyConditions, elevation: f64) -> [Knot; KNOTS] {
     sums.map(|knot| knot.map(|number| number as f32))
 }
 
-/// Radiance of the sun's disk at the wavelengths of the model: a polynomial in the elevation for each of 45 segments, times
-/// the mean of the darkening towards the limb, Σ cⱼ·μʲ, which over the disk is Σ cⱼ·2/(j + 2).
+/// Radiance of the sun's disk at the wavelengths of the model: a polynomial in the elevation for each of 45 segments,
+/// times the mean of the darkening towards the limb, Σ cⱼ·μʲ, which over the disk is Σ cⱼ·2/(j + 2).
 fn sun_knots(turbidity: f64, elevation: f64) -> [f64; KNOTS] {
     let half = std::f64::consts::FRAC_PI_2;
     let segment = (((elevation / half).max(0.0).cbrt() * SUN_SEGMENTS as f64) as usize).min(SUN_SEGMENTS - 1);
@@ -155,8 +157,8 @@ fn knot_at(lambda_nm: f32) -> (usize, f32) {
     (low, at - low as f32)
 }
 
-/// Radiance of the sky at a knot ([HosekWilkie12](photosite_core::references#hosekwilkie12) eq. 8), θ from the zenith, γ from the
-/// sun.
+/// Radiance of the sky at a knot ([HosekWilkie12](photosite_core::references#hosekwilkie12) eq. 8), θ from the zenith,
+/// γ from the sun.
 #[inline]
 fn radiance_at([a, b, c, d, e, f, g, h, i, level]: &Knot, cos_theta: f32, gamma: f32, cos_gamma: f32) -> f32 {
     let chi = (1.0 + cos_gamma * cos_gamma) / (1.0 + i * i - 2.0 * i * cos_gamma).powf(1.5);
@@ -356,8 +358,8 @@ mod tests {
         }
     }
 
-    /// ∫ f dω over the hemisphere by n² samples of the sky and as many even ones, by the balance heuristic: the sky's leave out
-    /// what is darker than the mean.
+    /// ∫ f dω over the hemisphere by n² samples of the sky and as many even ones, by the balance heuristic: the sky's
+    /// leave out what is darker than the mean.
     fn integral(sky: &Sky, n: u16, f: impl Fn(Vec3) -> [f64; 4]) -> [f64; 4] {
         let mut sums = [0.0; 4];
         let mut add = |towards: Vec3| {
@@ -391,8 +393,9 @@ mod tests {
             };
             integral(&sky, 200, illuminance)[0]
         };
-        // A sun 60° high on a clear day gives some 90 000 lux, the clear sky alone 10 000 to 20 000 (IES Lighting Handbook,
-        // daylight availability: 127 500 lux outside the air, extinction 0.21 for the sun; 800 + 15 500·√sin for the sky).
+        // A sun 60° high on a clear day gives some 90 000 lux, the clear sky alone 10 000 to 20 000 (IES Lighting
+        // Handbook, daylight availability: 127 500 lux outside the air, extinction 0.21 for the sun; 800 + 15 500·√sin
+        // for the sky).
         let direct = 127_500.0 * (-0.21 / 60f64.to_radians().sin()).exp() * 60f64.to_radians().sin();
         let diffuse = 800.0 + 15_500.0 * 60f64.to_radians().sin().sqrt();
         let (all, alone) = (horizontal(3.0, true), horizontal(3.0, false));
@@ -435,7 +438,7 @@ mod tests {
                 density += f64::from(sky.pdf(uniform).0);
             }
         }
-        // All but the part that looks at the sun.
+        // All but the part that goes to the sun.
         let rest = density / count * 4.0 * std::f64::consts::PI;
         assert!((rest - f64::from(1.0 - sky.sun_part)).abs() < 0.02, "{rest}");
     }

@@ -64,21 +64,21 @@ mod tests {
 
     #[test]
     fn the_example_of_the_national_renewable_energy_laboratory() {
-        // I. Reda, A. Andreas, "Solar Position Algorithm for Solar Radiation Applications", NREL/TP-560-34302 (2008), appendix
-        // A.5: 17 October 2003, 12:30:30 at 7 h west of Greenwich; elevation without refraction and azimuth.
+        // I. Reda, A. Andreas, "Solar Position Algorithm for Solar Radiation Applications", NREL/TP-560-34302 (2008),
+        // appendix A.5: 17 October 2003, 12:30:30 at 7 h west of Greenwich; elevation without refraction and azimuth.
         let sun = SunPosition::new(midnight(3, 290) + (19.0 + 30.5 / 60.0) / 24.0, 39.742_476, -105.1786);
         assert!((sun.elevation_deg - 39.872_046).abs() < TOLERANCE_DEG, "{sun:?}");
         assert!((sun.azimuth_deg - 194.340_241).abs() < TOLERANCE_DEG / 39.87f64.to_radians().cos(), "{sun:?}");
-        // Its refraction is that of 820 mbar at 11 °C, 0.0163°, less than that of the standard atmosphere. The fit gives the
-        // zenith 0.01°, where there is none.
+        // Its refraction is that of 820 mbar at 11 °C, 0.0163°, less than that of the standard atmosphere. The fit
+        // gives the zenith 0.01°, where there is none.
         let raised = sun.apparent_elevation_deg() - sun.elevation_deg;
         assert!((raised - 0.0163 * 1013.25 / 820.0 * 284.0 / 288.0).abs() < 0.01, "{raised}");
     }
 
     #[test]
     fn the_declination_of_meeus() {
-        // J. Meeus, "Astronomical Algorithms" (1998), example 25.a: 13 October 1992, 0 h, −7.785 07°: the sun's height at the
-        // north pole. 8 years before 2000 there were two leap days, of 1992 and 1996.
+        // J. Meeus, "Astronomical Algorithms" (1998), example 25.a: 13 October 1992, 0 h, −7.785 07°: the sun's height
+        // at the north pole. 8 years before 2000 there were two leap days, of 1992 and 1996.
         let days = midnight(0, 287) - 366.0 - f64::from(7 * 365 + 1);
         let sun = SunPosition::new(days, 90.0, 0.0);
         assert!((sun.elevation_deg + 7.785_07).abs() < TOLERANCE_DEG, "{sun:?}");

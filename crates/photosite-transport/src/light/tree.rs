@@ -1,16 +1,16 @@
 //! The choice among many lights by what they may do for a point.
 
 use super::bounds::{Cluster, LightBounds};
-use super::receiver::Receiver;
+use super::light_sample_context::LightSampleContext;
 use super::selection::Choice;
 use photosite_core::math::distribution::rest;
 
-/// A binary tree over lights: from its root down a light is found by the importance of either half for the receiver
+/// A binary tree over lights: from its root down a light is found by the importance of either half for the point
 /// ([Conty18](photosite_core::references#conty18), [pbrt4](photosite_core::references#pbrt4) §12.6.3).
 ///
-/// Its cost grows with the logarithm of the number of lights. A single light costs nothing, and neither do two neighbours
-/// that their bounds hardly tell apart, as the triangles of a rectangle: they are one leaf, and chosen by their intensities
-/// alone.
+/// Its cost grows with the logarithm of the number of lights. A single light costs nothing, and neither do two
+/// neighbours that their bounds hardly tell apart, as the triangles of a rectangle: they are one leaf, and chosen by
+/// their intensities alone.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LightTree {
     /// The root first; the two halves of a node lie side by side.
@@ -81,15 +81,15 @@ impl LightTree {
         self.nodes.is_empty()
     }
 
-    /// Importance of all lights together, see [`Receiver::importance`], in parts of the intensity of all.
+    /// Importance of all lights together, see [`LightSampleContext::importance`], in parts of the intensity of all.
     #[inline]
-    pub(super) fn importance(&self, receiver: &Receiver) -> f32 {
-        self.nodes.first().map_or(0.0, |root| receiver.importance(&root.cluster))
+    pub(super) fn importance(&self, ctx: &LightSampleContext) -> f32 {
+        self.nodes.first().map_or(0.0, |root| ctx.importance(&root.cluster))
     }
 
-    /// A light, from a number in [0, 1). `None` where no light of a part that was come to can reach the receiver.
+    /// A light, from a number in [0, 1). `None` where no light of the part that it leads to can reach the point.
     #[inline]
-    pub(super) fn sample(&self, receiver: &Receiver, mut u: f32) -> Option<Choice> {
+    pub(super) fn sample(&self, ctx: &LightSampleContext, mut u: f32) -> Option<Choice> {
         let mut node = self.nodes.first()?;
         let mut probability = 1.0;
         loop {
@@ -103,7 +103,7 @@ impl LightTree {
                 }
                 Link::Inner { left, .. } => {
                     let halves = &self.nodes[left as usize..][..2];
-                    let of_left = probability_of_left(halves, receiver)?;
+                    let of_left = probability_of_left(halves, ctx)?;
                     let is_right = u >= of_left;
                     let part = if is_right { 1.0 - of_left } else { of_left };
                     u = rest(u, if is_right { of_left } else { 0.0 }, part);
@@ -116,7 +116,7 @@ impl LightTree {
 
     /// Probability with which [`Self::sample`] finds a light.
     #[inline]
-    pub(super) fn probability(&self, receiver: &Receiver, light: u32) -> f32 {
+    pub(super) fn probability(&self, ctx: &LightSampleContext, light: u32) -> f32 {
         let rank = self.ranks[light as usize];
         let Some(mut node) = self.nodes.first().filter(|_| rank != DARK) else { return 0.0 };
         let mut probability = 1.0;
@@ -127,7 +127,7 @@ impl LightTree {
                 }
                 Link::Inner { left, middle } => {
                     let halves = &self.nodes[left as usize..][..2];
-                    let Some(of_left) = probability_of_left(halves, receiver) else { return 0.0 };
+                    let Some(of_left) = probability_of_left(halves, ctx) else { return 0.0 };
                     let is_right = rank >= middle;
                     probability *= if is_right { 1.0 - of_left } else { of_left };
                     node = &halves[usize::from(is_right)];
@@ -137,10 +137,10 @@ impl LightTree {
     }
 }
 
-/// `None` where neither half can reach the receiver. One that can is never left out, however dim it is beside the other.
+/// `None` where neither half can reach the point. One that can is never left out, however dim it is beside the other.
 #[inline]
-fn probability_of_left(halves: &[Node], receiver: &Receiver) -> Option<f32> {
-    let [left, right] = [0, 1].map(|i| receiver.importance(&halves[i].cluster));
+fn probability_of_left(halves: &[Node], ctx: &LightSampleContext) -> Option<f32> {
+    let [left, right] = [0, 1].map(|i| ctx.importance(&halves[i].cluster));
     if left == 0.0 || right == 0.0 {
         return (left + right > 0.0).then_some(if left > 0.0 { 1.0 } else { 0.0 });
     }
@@ -156,8 +156,8 @@ struct Item {
 }
 
 impl Item {
-    /// A leaf of two lights, where this one has one that is like the other: a rectangle's triangles have boxes as large as
-    /// its own.
+    /// A leaf of two lights, where this one has one that is like the other: a rectangle's triangles have boxes as large
+    /// as its own.
     fn with(&self, light: u32, other: &LightBounds) -> Option<Self> {
         let [first, second] = self.leaf.lights;
         let both = self.bounds.union(other);

@@ -5,7 +5,9 @@ use glam::{DAffine3, DQuat, DVec3, Vec3};
 use super::bounds::LightBounds;
 use super::selection::Choice;
 use super::tree::LightTree;
-use super::{Facing, Lamps, Light, Receiver, SurfaceEmission, Tint, TriangleLight};
+use super::{
+    Facing, Light, LightSampleContext, LightTables, PointLight, SpotLight, SurfaceEmission, Tint, TriangleLight,
+};
 use crate::geometry::{Deformation, Geometry, MeshRange, Motion, Triangle};
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::math::warp;
@@ -59,8 +61,8 @@ fn lot(count: u32, seed: u64) -> Lot {
         lot.motions.push((number(key, 8) < 0.3).then(|| Motion::new(&places)));
         let cos_outer = (0.05 + 1.5 * number(key, 9)).cos();
         lot.lights.push(match light % 2 {
-            0 => Light::Point { position, intensity: radiance },
-            _ => Light::Spot { position, axis, cos_inner: 1.0, cos_outer, intensity: radiance },
+            0 => Light::Point(PointLight { position, intensity: radiance }),
+            _ => Light::Spot(SpotLight { position, axis, cos_inner: 1.0, cos_outer, intensity: radiance }),
         });
     }
     let corner_count = lot.geometry.positions.len() as u32;
@@ -83,44 +85,42 @@ fn lot(count: u32, seed: u64) -> Lot {
 
 impl Lot {
     fn tree(&self) -> LightTree {
-        let lamps = Lamps::default();
+        let tables = LightTables::default();
         let each = self.lights.iter().zip(&self.motions).zip(&self.powers);
-        LightTree::new(each.map(|((l, m), p)| LightBounds::of(l, m.as_ref(), *p, &self.geometry, &lamps)))
+        LightTree::new(each.map(|((l, m), p)| LightBounds::of(l, m.as_ref(), *p, &self.geometry, &tables)))
     }
 
     /// Whether a point gets any light from a light at a time.
-    fn shines(&self, light: usize, receiver: &Receiver, time: f32) -> bool {
-        let arrives = |from: Vec3| match receiver.facing {
-            Facing::Front(normal) => (from - receiver.point).normalize().dot(normal) > 1e-4,
+    fn shines(&self, light: usize, ctx: &LightSampleContext, time: f32) -> bool {
+        let arrives = |from: Vec3| match ctx.facing {
+            Facing::Front(normal) => (from - ctx.point).normalize().dot(normal) > 1e-4,
             Facing::Both(_) | Facing::Anywhere => true,
         };
         let place = self.motions[light].as_ref().map(|motion| motion.at(time));
         let in_world = |position: Vec3| place.map_or(position, |place| place.to_world.transform_point3(position));
         self.powers[light] > 0.0
             && match self.lights[light] {
-                Light::Point { position, .. } => arrives(in_world(position)),
-                Light::Spot { position, axis, cos_outer, .. } => {
+                Light::Point(PointLight { position, .. }) => arrives(in_world(position)),
+                Light::Spot(SpotLight { position, axis, cos_outer, .. }) => {
                     let axis = place.map_or(axis, |place| place.to_world.transform_vector3(axis));
                     let position = in_world(position);
-                    arrives(position) && (receiver.point - position).normalize().dot(axis) > cos_outer
+                    arrives(position) && (ctx.point - position).normalize().dot(axis) > cos_outer
                 }
                 Light::Triangle(TriangleLight { triangle, emission }) => {
                     let corners = self.geometry.corners_at(triangle, time);
                     let [a, b, c] = corners;
                     let normal = (b - a).cross(c - a).normalize();
-                    let cos = (receiver.point - a).normalize().dot(normal);
+                    let cos = (ctx.point - a).normalize().dot(normal);
                     (cos > 1e-4 || emission.two_sided && cos < -1e-4) && corners.into_iter().any(arrives)
                 }
-                Light::Profile { .. } | Light::Projector { .. } | Light::Directional { .. } | Light::Environment => {
-                    false
-                }
+                Light::Profile(_) | Light::Projector(_) | Light::Directional(_) | Light::Environment => false,
             }
     }
 }
 
-fn receiver(key: u64) -> Receiver {
+fn ctx(key: u64) -> LightSampleContext {
     let facing = [Facing::Front(direction(key)), Facing::Both(direction(key)), Facing::Anywhere][(key % 3) as usize];
-    Receiver { point: place(key) * (1.0 + (key % 5) as f32), facing }
+    LightSampleContext { point: place(key) * (1.0 + (key % 5) as f32), facing }
 }
 
 #[test]
@@ -130,13 +130,13 @@ fn a_light_that_shines_at_a_point_can_be_found() {
         let lot = lot(count, seed);
         let tree = lot.tree();
         for key in 0..60 {
-            let receiver = receiver(hash64(seed, key));
+            let ctx = ctx(hash64(seed, key));
             for light in 0..count {
-                let probability = tree.probability(&receiver, light);
+                let probability = tree.probability(&ctx, light);
                 let time = number(key, u64::from(light));
-                if lot.shines(light as usize, &receiver, time) {
+                if lot.shines(light as usize, &ctx, time) {
                     shining += 1;
-                    assert!(probability > 0.0, "{count} {key} {:?} {receiver:?}", lot.lights[light as usize]);
+                    assert!(probability > 0.0, "{count} {key} {:?} {ctx:?}", lot.lights[light as usize]);
                 }
                 assert!(lot.powers[light as usize] > 0.0 || probability == 0.0);
             }
@@ -150,23 +150,23 @@ fn lights_are_found_as_often_as_the_probability_says() {
     for (count, seed) in [(1, 11), (2, 12), (5, 13), (40, 14), (300, 15)] {
         let tree = lot(count, seed).tree();
         for key in 0..12 {
-            let receiver = receiver(hash64(seed, key));
-            let expected: Vec<f64> = (0..count).map(|l| f64::from(tree.probability(&receiver, l))).collect();
+            let ctx = ctx(hash64(seed, key));
+            let expected: Vec<f64> = (0..count).map(|l| f64::from(tree.probability(&ctx, l))).collect();
             let n = 1 << 15;
             let (mut found, mut lost) = (vec![0u32; count as usize], 0u32);
             for i in 0..n {
-                match tree.sample(&receiver, (i as f32 + 0.5) / n as f32) {
+                match tree.sample(&ctx, (i as f32 + 0.5) / n as f32) {
                     Some(Choice { light, probability, rest }) => {
                         found[light as usize] += 1;
                         assert!((0.0..1.0).contains(&rest));
                         // The same steps give the same bits.
-                        assert_eq!(probability, tree.probability(&receiver, light));
+                        assert_eq!(probability, tree.probability(&ctx, light));
                     }
                     None => lost += 1,
                 }
             }
-            // Each light has one interval of the numbers. It is off by a step at either end, and by the rounding of as many
-            // quotients as the tree is deep, 2⁻²⁴ of the interval that they are of.
+            // Each light has one interval of the numbers. It is off by a step at either end, and by the rounding of as
+            // many quotients as the tree is deep, 2⁻²⁴ of the interval that they are of.
             let tolerance = 2.0 / f64::from(n) + 40.0 * 2f64.powi(-24);
             for (found, expected) in found.iter().zip(&expected) {
                 assert!((f64::from(*found) / f64::from(n) - expected).abs() < tolerance, "{found} {expected}");
@@ -181,14 +181,15 @@ fn lights_are_found_as_often_as_the_probability_says() {
 #[test]
 fn little_is_lost_where_lights_shine_all_around() {
     let lot = lot(300, 21);
-    let points = (0..).zip(&lot.lights).filter(|(_, light)| matches!(light, Light::Point { .. }));
+    let points = (0..).zip(&lot.lights).filter(|(_, light)| matches!(light, Light::Point(_)));
     let points: Vec<usize> = points.map(|(i, _)| i).collect();
-    let bounds =
-        points.iter().map(|i| LightBounds::of(&lot.lights[*i], None, lot.powers[*i], &lot.geometry, &Lamps::default()));
+    let bounds = points
+        .iter()
+        .map(|i| LightBounds::of(&lot.lights[*i], None, lot.powers[*i], &lot.geometry, &LightTables::default()));
     let tree = LightTree::new(bounds);
     for key in 0..100 {
-        let receiver = Receiver::anywhere(place(key));
-        let sum: f64 = (0..points.len() as u32).map(|l| f64::from(tree.probability(&receiver, l))).sum();
+        let ctx = LightSampleContext::anywhere(place(key));
+        let sum: f64 = (0..points.len() as u32).map(|l| f64::from(tree.probability(&ctx, l))).sum();
         // Roundings of a product of some ten parts.
         assert!((sum - 1.0).abs() < 1e-5, "{sum}");
     }
@@ -198,12 +199,15 @@ fn little_is_lost_where_lights_shine_all_around() {
 fn lights_in_one_place_and_on_a_line_make_a_tree() {
     let radiance = SpectrumTable::default().add(&Spectrum::constant(1.0));
     for place in [|_| Vec3::ONE, |i: u32| Vec3::X * i as f32] {
-        let light = |i| Light::Point { position: place(i), intensity: radiance };
-        let (geometry, lamps) = (Geometry::default(), Lamps::default());
-        let tree = LightTree::new((0..50).map(|i| LightBounds::of(&light(i), None, 1.0, &geometry, &lamps)));
-        for receiver in [Receiver::anywhere(Vec3::Y * 5.0), Receiver::anywhere(Vec3::ONE), Receiver::anywhere(Vec3::X)]
-        {
-            let sum: f64 = (0..50).map(|l| f64::from(tree.probability(&receiver, l))).sum();
+        let light = |i| Light::Point(PointLight { position: place(i), intensity: radiance });
+        let (geometry, tables) = (Geometry::default(), LightTables::default());
+        let tree = LightTree::new((0..50).map(|i| LightBounds::of(&light(i), None, 1.0, &geometry, &tables)));
+        for ctx in [
+            LightSampleContext::anywhere(Vec3::Y * 5.0),
+            LightSampleContext::anywhere(Vec3::ONE),
+            LightSampleContext::anywhere(Vec3::X),
+        ] {
+            let sum: f64 = (0..50).map(|l| f64::from(tree.probability(&ctx, l))).sum();
             assert!((sum - 1.0).abs() < 1e-5, "{sum}");
         }
     }

@@ -1,8 +1,8 @@
 //! Where the random numbers of light transport come from.
 //!
-//! The numbers of a [`Sampler`] are a pure function of (seed, sequence, index, dimension), and [`PixelOrder`] gives each sample
-//! of a picture a sequence and an index, so a picture can be computed in any order, in parts, and on any number of threads.
-//! In: those four. Out: numbers in [0, 1).
+//! The numbers of a [`Sampler`] are a pure function of (seed, sequence, index, dimension), and [`PixelOrder`] gives
+//! each sample of a picture a sequence and an index, so a picture can be computed in any order, in parts, and on any
+//! number of threads. In: those four. Out: numbers in [0, 1).
 
 mod pixel_order;
 mod sobol;
@@ -37,15 +37,15 @@ impl SamplerKind {
 pub struct Sampler {
     kind: SamplerKind,
     seed: u64,
-    place: SamplePlace,
-    /// Sobol points of neighbouring samples. Paths that split go to and fro between their own and those of their branches; a
-    /// second window for these brought nothing.
+    position: SamplePosition,
+    /// Sobol points of neighbouring samples. Paths that split go to and fro between their own and those of their
+    /// branches; a second window for these brought nothing.
     window: Window,
 }
 
-/// How far a sample has come with its numbers.
+/// A position in the random numbers of a sample.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct SamplePlace {
+pub struct SamplePosition {
     /// [`first_half`] of the key of the sequence.
     key: u64,
     /// Index of the sample in the sequence.
@@ -54,9 +54,9 @@ pub struct SamplePlace {
     dimension: u32,
 }
 
-impl SamplePlace {
-    /// The place of one of `count` paths that go on together from here. Those of all samples of the sequence are stratified
-    /// together too.
+impl SamplePosition {
+    /// The position of one of `count` paths that go on together from here. The branches of all samples of the sequence
+    /// are stratified together too.
     #[inline]
     #[must_use]
     pub fn branch(self, branch: u32, count: u32) -> Self {
@@ -67,67 +67,72 @@ impl SamplePlace {
 impl Sampler {
     /// Of a render with `seed`, at no sample yet.
     pub fn new(kind: SamplerKind, seed: u64) -> Self {
-        Self { kind, seed, place: SamplePlace::default(), window: Window::default() }
+        Self { kind, seed, position: SamplePosition::default(), window: Window::default() }
     }
 
-    /// Goes to the first numbers of sample `index` of a sequence.
+    /// Starts sample `index` of a sequence at its first dimension.
     #[inline]
     pub fn start(&mut self, sequence: u64, index: u32) {
-        self.resume(SamplePlace { key: first_half(hash64(self.seed, sequence)), index, dimension: 0 });
+        self.resume(SamplePosition { key: first_half(hash64(self.seed, sequence)), index, dimension: 0 });
     }
 
-    /// Where it is.
+    /// The current position.
     #[inline]
-    pub fn place(&self) -> SamplePlace {
-        self.place
+    pub fn position(&self) -> SamplePosition {
+        self.position
     }
 
-    /// Notes how far it has come since it went on from a place, or from the one that it left there since.
-    // Reading all of the place, of which a part was written last, would wait for that to reach the memory.
+    /// Saves the position, which must be of the sample that was resumed.
+    // Reading all of the position, of which a part was written last, would wait for that to reach the memory.
     #[inline]
-    pub fn leave(&self, place: &mut SamplePlace) {
-        debug_assert_eq!((place.key, place.index), (self.place.key, self.place.index), "a place of another sample");
-        place.dimension = self.place.dimension;
+    pub fn save(&self, position: &mut SamplePosition) {
+        debug_assert_eq!(
+            (position.key, position.index),
+            (self.position.key, self.position.index),
+            "a position of another sample"
+        );
+        position.dimension = self.position.dimension;
     }
 
-    /// Goes on where a sample was left. Samples that follow each other cost least one after the other, dimension by dimension.
+    /// Resumes a sample at a position. Samples that follow each other cost least one after the other, dimension by
+    /// dimension.
     #[inline]
-    pub fn resume(&mut self, place: SamplePlace) {
-        self.place = place;
+    pub fn resume(&mut self, position: SamplePosition) {
+        self.position = position;
         if self.kind == SamplerKind::Sobol {
-            self.window.show(place.key, place.index);
+            self.window.show(position.key, position.index);
         }
     }
 
     /// The next number in [0, 1).
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
-        self.place.dimension += 1;
+        self.position.dimension += 1;
         match self.kind {
-            SamplerKind::Sobol => self.window.first(self.place.index, self.place.dimension),
+            SamplerKind::Sobol => self.window.first(self.position.index, self.position.dimension),
             SamplerKind::Independent => self.independent()[0],
         }
     }
 
-    /// Leaves out what [`Self::next_1d`] or [`Self::next_2d`] would give.
+    /// Skips the dimensions that [`Self::next_1d`] or [`Self::next_2d`] would draw.
     #[inline]
     pub fn skip(&mut self) {
-        self.place.dimension += 1;
+        self.position.dimension += 1;
     }
 
     /// The next two numbers in [0, 1), stratified together.
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
-        self.place.dimension += 1;
+        self.position.dimension += 1;
         match self.kind {
-            SamplerKind::Sobol => self.window.both(self.place.index, self.place.dimension),
+            SamplerKind::Sobol => self.window.both(self.position.index, self.position.dimension),
             SamplerKind::Independent => self.independent(),
         }
     }
 
     #[inline(never)]
     fn independent(&self) -> [f32; 2] {
-        let SamplePlace { key, index, dimension } = self.place;
+        let SamplePosition { key, index, dimension } = self.position;
         let bits = hash64(request_key(key, dimension), u64::from(index));
         [unit_f32(bits as u32), unit_f32((bits >> 32) as u32)]
     }
@@ -187,9 +192,9 @@ mod tests {
         for index in 0..16 {
             sampler.start(9, index);
             sampler.next_2d();
-            let place = sampler.place();
+            let position = sampler.position();
             for branch in 0..4 {
-                sampler.resume(place.branch(branch, 4));
+                sampler.resume(position.branch(branch, 4));
                 strata[(sampler.next_1d() * 64.0) as usize] += 1;
             }
         }

@@ -4,10 +4,11 @@ use super::SamplerKind;
 
 /// Shares sequences out among the pixels of a picture.
 ///
-/// The pixels of a square share a sequence of Sobol points in Z order, so that all smaller squares of 2ⁿ × 2ⁿ pixels have an
-/// interval of it: their samples are stratified together as those of one pixel are. The error of each pixel stays what it
-/// was, that of the mean of neighbours shrinks; it is spread like blue noise (A. Ahmed, P. Wonka, "Screen-Space Blue-Noise
-/// Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", SIGGRAPH Asia 2020).
+/// The pixels of a square share a sequence of Sobol points in Z order, so that all smaller squares of 2ⁿ × 2ⁿ pixels
+/// have an interval of it: their samples are stratified together as those of one pixel are. The error of each pixel
+/// stays what it was, that of the mean of neighbours shrinks; it is spread like blue noise (A. Ahmed, P. Wonka,
+/// "Screen-Space Blue-Noise Diffusion of Monte Carlo Sampling Error via Hierarchical Ordering of Pixels", SIGGRAPH Asia
+/// 2020).
 #[derive(Clone, Copy, Debug)]
 pub struct PixelOrder {
     /// Squares in a row of the picture.
@@ -22,8 +23,9 @@ pub struct PixelOrder {
 const LARGEST: u32 = 6;
 
 impl PixelOrder {
-    /// Of a picture so many pixels wide, with at most so many `samples` a pixel in the whole render, each of which splits into
-    /// so many paths. The more there are the smaller are the squares, since indices of samples have 32 bits.
+    /// Of a picture so many pixels wide, with at most so many `samples` a pixel in the whole render, each of which
+    /// splits into so many paths. The more there are the smaller are the squares, since indices of samples have 32
+    /// bits.
     pub fn new(kind: SamplerKind, width: u32, samples: u32, splitting: u32) -> Self {
         let log2 = |n: u32| u32::BITS - n.saturating_sub(1).leading_zeros();
         let room = u32::BITS.saturating_sub(log2(samples) + log2(splitting));

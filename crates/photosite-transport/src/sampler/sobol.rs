@@ -15,9 +15,9 @@ fn permute(mut x: u32, key: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// The second Sobol dimension of an index, its bits in reverse as scrambling needs them. Its direction numbers are the rows
-/// of Pascal's triangle mod 2, and reversed the powers of 1 + x: with the bits of the index for coefficients of a polynomial
-/// p(x) mod 2, this is p(1 + x), where (1 + x)^h = 1 + x^h for the powers of two that halve it.
+/// The second Sobol dimension of an index, its bits in reverse as scrambling needs them. Its direction numbers are the
+/// rows of Pascal's triangle mod 2, and reversed the powers of 1 + x: with the bits of the index for coefficients of a
+/// polynomial p(x) mod 2, this is p(1 + x), where (1 + x)^h = 1 + x^h for the powers of two that halve it.
 #[inline(always)]
 fn reversed_second_dimension(mut index: u32) -> u32 {
     index ^= index >> 16;
@@ -27,8 +27,9 @@ fn reversed_second_dimension(mut index: u32) -> u32 {
     index ^ (index >> 1) & 0x5555_5555
 }
 
-/// What the key of a request makes of the index of a sample: its place in the order of this request. Scrambling alone would leave the first bit of the first dimension, which is the reversed index, a function of the
-/// index's last, and two requests dependent: one half of one would always meet the same half of the other.
+/// What the key of a request makes of the index of a sample: its place in the order of this request. Scrambling alone
+/// would leave the first bit of the first dimension, which is the reversed index, a function of the index's last, and
+/// two requests dependent: one half of one would always meet the same half of the other.
 #[inline(always)]
 pub(super) fn shuffled(index: u32, key: u64) -> u32 {
     permute(index.reverse_bits(), key as u32).reverse_bits()

@@ -1,7 +1,7 @@
 //! Sobol points of eight samples at a time.
 //!
-//! Samples follow each other, and so do their numbers: those of eight samples of one dimension cost little more than those of
-//! one, eight lanes at a time.
+//! Samples follow each other, and so do their numbers: those of eight samples of one dimension cost little more than
+//! those of one, eight lanes at a time.
 
 use super::{request_key, sobol};
 use photosite_core::math::hash::unit_f32;

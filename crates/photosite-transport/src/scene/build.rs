@@ -17,15 +17,16 @@ use super::{
 use crate::bsdf::{Ggx, Map, MapAll, Mix, Model, RelativeIndex};
 use crate::geometry::{Accel, Deformation, Geometry, MeshRange, Motion, Place, Placement, Sphere, Transform, Triangle};
 use crate::light::{
-    Environment, EnvironmentPicture, Lamps, Light, Lights, Projector, Sky, SurfaceEmission, Tint, TriangleLight,
+    DirectionalLight, Environment, EnvironmentPicture, Light, LightTables, Lights, PointLight, ProfileLight, Projector,
+    ProjectorLight, Sky, SpotLight, SurfaceEmission, Tint, TriangleLight,
 };
 use crate::texture::{Bitmap, Texture};
 use photosite_core::spectrum::dispersion::lines;
 use photosite_core::spectrum::upsampling::{reflectance_spectrum, rgb_illuminant};
 use photosite_core::spectrum::{Dispersion, Spectrum, SpectrumId, SpectrumTable, cie, illuminant};
 
-/// Builds a scene. `importance` says how much each wavelength matters to the sensor (any unit, not negative): lights are
-/// chosen by their power weighed with it. Coordinates must lie within 10¹⁸ m of the origin, as those that
+/// Builds a scene. `importance` says how much each wavelength matters to the sensor (any unit, not negative): lights
+/// are chosen by their power weighed with it. Coordinates must lie within 10¹⁸ m of the origin, as those that
 /// [`Capture::read`](crate::io::capture::Capture::read) returns do.
 pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
@@ -34,7 +35,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         textures: Vec::new(),
         layered: Vec::new(),
         mixes: Vec::new(),
-        lamps: Lamps::default(),
+        tables: LightTables::default(),
         spectra: SpectrumTable::default(),
         importance,
     };
@@ -47,7 +48,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let (geometry, accel, instance_table, emitters) =
         place(meshes, &instances, |material| emissions[material].is_some());
     let (low, high) = accel.bounds();
-    // The size weighs light from afar against lamps. Without geometry there is none, and any will do.
+    // The size weighs light from afar against tables. Without geometry there is none, and any will do.
     let radius = if geometry.triangles.is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
 
     let mut all =
@@ -67,12 +68,12 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     }
     let environment = environment.map(|e| builder.environment(&e, radius, &mut all));
     let LightList { lights, motions, powers, spectrum } = all;
-    let lights = Lights::new(lights, motions, &powers, disk_m2(radius), &geometry, builder.lamps, environment);
+    let lights = Lights::new(lights, motions, &powers, disk_m2(radius), &geometry, builder.tables, environment);
     let has_media = table.iter().any(|m| m.absorption.is_some());
-    let matt =
-        |mesh: &MeshRange| table[mesh.material as usize].reflectance_alone().filter(|_| !has_media && mesh.is_plain());
+    let diffuse =
+        |mesh: &MeshRange| table[mesh.material as usize].only_reflectance().filter(|_| !has_media && mesh.is_plain());
     Scene {
-        matt: geometry.meshes.iter().map(matt).collect(),
+        diffuse: geometry.meshes.iter().map(diffuse).collect(),
         geometry,
         accel,
         instances: instance_table,
@@ -118,7 +119,7 @@ struct Builder<'a> {
     textures: Vec<Texture>,
     layered: Vec<LayeredMaterial>,
     mixes: Vec<Mix<Tabled>>,
-    lamps: Lamps,
+    tables: LightTables,
     spectra: SpectrumTable,
     importance: &'a Spectrum,
 }
@@ -252,28 +253,36 @@ impl Builder<'_> {
         let to_world = if motion.is_some() { DAffine3::IDENTITY } else { light.to_world };
         let position = to_world.translation.as_vec3();
         let axis = to_world.matrix3.mul_vec3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3();
-        let to_lamp = DQuat::from_mat3(&to_world.matrix3).inverse().normalize().as_quat();
+        let world_to_light = DQuat::from_mat3(&to_world.matrix3).inverse().normalize().as_quat();
         let (light, solid_angle) = match &light.kind {
-            LightKind::Point => (Light::Point { position, intensity: id }, 4.0 * std::f64::consts::PI),
+            LightKind::Point => (Light::Point(PointLight { position, intensity: id }), 4.0 * std::f64::consts::PI),
             LightKind::Profile(profile) => {
-                let handle = self.lamps.profiles.len() as u32;
-                self.lamps.profiles.push(Arc::clone(profile));
-                (Light::Profile { position, to_lamp, profile: handle, per_candela: id }, profile.flux_lm())
+                let handle = self.tables.profiles.len() as u32;
+                self.tables.profiles.push(Arc::clone(profile));
+                (
+                    Light::Profile(ProfileLight { position, world_to_light, profile: handle, per_candela: id }),
+                    profile.flux_lm(),
+                )
             }
             LightKind::Projector(p) => {
                 let projector = Projector::new(Arc::clone(&p.slide), p.extent, p.shift, p.radius_m, p.focus_distance_m);
                 let brightness = projector.brightness();
-                let handle = self.lamps.projectors.len() as u32;
-                self.lamps.projectors.push(projector);
-                (Light::Projector { position, to_lamp, projector: handle, flux: id }, brightness)
+                let handle = self.tables.projectors.len() as u32;
+                self.tables.projectors.push(projector);
+                (Light::Projector(ProjectorLight { position, world_to_light, projector: handle, flux: id }), brightness)
             }
             LightKind::Spot { inner_rad, outer_rad } => {
                 let (cos_inner, cos_outer) = (inner_rad.cos(), outer_rad.cos());
                 // ∫ of the squared ramp over the cosine.
                 let ramp = f64::from(1.0 - cos_inner) + f64::from(cos_inner - cos_outer) / 3.0;
-                (Light::Spot { position, axis, cos_inner, cos_outer, intensity: id }, std::f64::consts::TAU * ramp)
+                (
+                    Light::Spot(SpotLight { position, axis, cos_inner, cos_outer, intensity: id }),
+                    std::f64::consts::TAU * ramp,
+                )
             }
-            LightKind::Directional => (Light::Directional { towards: -axis, irradiance: id }, disk_m2(scene_radius)),
+            LightKind::Directional => {
+                (Light::Directional(DirectionalLight { towards: -axis, irradiance: id }), disk_m2(scene_radius))
+            }
         };
         list.add(light, motion, solid_angle, &spectrum, self.importance);
     }

@@ -40,8 +40,8 @@ pub struct SceneDescription {
 }
 
 impl SceneDescription {
-    /// What tells surfaces apart, hashed: names, instances of meshes and their triangles, whatever their place and shape. Scenes
-    /// that have it in common show the same surfaces, which may have moved.
+    /// What tells surfaces apart, hashed: names, instances of meshes and their triangles, whatever their place and
+    /// shape. Scenes that have it in common show the same surfaces, which may have moved.
     pub fn surfaces(&self) -> u64 {
         let text =
             |hash: u64, text: &str| text.bytes().fold(hash64(hash, text.len() as u64), |h, b| hash64(h, b.into()));
@@ -76,14 +76,15 @@ pub struct MeshDescription {
     pub triangles: Vec<[u32; 3]>,
     /// The shapes that follow in the time of the picture, at evenly spaced times, where the mesh deforms.
     pub later_shapes: Vec<ShapeDescription>,
-    /// Whether it is the sphere of radius 1 about the origin in place of triangles; see [`unit_sphere`](Self::unit_sphere).
+    /// Whether it is the sphere of radius 1 about the origin in place of triangles; see
+    /// [`unit_sphere`](Self::unit_sphere).
     pub is_sphere: bool,
 }
 
 impl MeshDescription {
     /// The sphere of radius 1 about the origin, for one instance that moves it and makes it larger or smaller, no more.
-    /// `positions` are two opposite corners of its box, and `triangles` is one between them, without an area, that stands for
-    /// it.
+    /// `positions` are two opposite corners of its box, and `triangles` is one between them, without an area, that
+    /// stands for it.
     pub fn unit_sphere(name: String, material: usize) -> Self {
         let positions = vec![Vec3::NEG_ONE, Vec3::ONE];
         Self { name, material, positions, triangles: vec![[0, 1, 0]], is_sphere: true, ..Self::default() }
@@ -537,8 +538,9 @@ pub struct EmissionDescription {
     /// Colour (times D65 for RGB) or spectral shape.
     pub colour: Colour,
     /// Photometric level: luminance in nit for surfaces, luminous intensity in candela for point and spot lights,
-    /// illuminance in lux for directional ones. An RGB colour is scaled so that white (1, 1, 1) has this level, a spectrum
-    /// so that it has this level itself. `None`: the spectrum is absolute (W·m⁻²·sr⁻¹·nm⁻¹, W·sr⁻¹·nm⁻¹, W·m⁻²·nm⁻¹).
+    /// illuminance in lux for directional ones. An RGB colour is scaled so that white (1, 1, 1) has this level, a
+    /// spectrum so that it has this level itself. `None`: the spectrum is absolute (W·m⁻²·sr⁻¹·nm⁻¹, W·sr⁻¹·nm⁻¹,
+    /// W·m⁻²·nm⁻¹).
     pub level: Option<f64>,
     /// sRGB-encoded texture on surfaces.
     pub texture: Option<TextureDescription>,

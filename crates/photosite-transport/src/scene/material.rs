@@ -21,7 +21,7 @@ pub struct Material {
 
 impl Material {
     /// The reflectance of what scatters by Lambert's law, without bumps or light of its own, and is nothing else.
-    pub(super) fn reflectance_alone(&self) -> Option<ColourSource> {
+    pub(super) fn only_reflectance(&self) -> Option<ColourSource> {
         let Model::Diffuse(Diffuse { reflectance }) = self.model else { return None };
         (self.normal_map.is_none() && self.emission.is_none()).then_some(reflectance)
     }

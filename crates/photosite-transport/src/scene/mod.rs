@@ -16,12 +16,13 @@ pub use material::{
     Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
     ScatteringModel, Tabled,
 };
-pub(crate) use shading::EDGE_ON;
 pub use shading::Shading;
 
 use crate::bsdf::{Mix, Model, SceneTraits};
 use crate::geometry::{self, Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Ray, SurfacePoint};
-use crate::light::{Choice, Emission, LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
+use crate::light::{
+    Choice, LiContext, LightRay, LightSample, LightSampleContext, Lights, SurfaceEmission, Tint, TriangleLight,
+};
 use crate::texture::Texture;
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
@@ -33,8 +34,8 @@ pub struct Scene {
     accel: Accel,
     instances: InstanceTable,
     materials: Vec<Material>,
-    /// Of each mesh that is matt and nothing else, its reflectance.
-    matt: Vec<Option<ColourSource>>,
+    /// Reflectance of each mesh that is diffuse and nothing else.
+    diffuse: Vec<Option<ColourSource>>,
     layered: Vec<LayeredMaterial>,
     mixes: Vec<Mix<Tabled>>,
     textures: Vec<Texture>,
@@ -151,8 +152,8 @@ impl Scene {
     }
 
     /// The same point of the same surface in another scene, whose description has the same
-    /// [surfaces](description::SceneDescription::surfaces): it may stand elsewhere there and have another shape. `None` where
-    /// there is none.
+    /// [surfaces](description::SceneDescription::surfaces): it may stand elsewhere there and have another shape. `None`
+    /// where there is none.
     pub fn hit_in(&self, hit: &Hit, other: &Self) -> Option<Hit> {
         if std::ptr::eq(self, other) {
             return Some(*hit);
@@ -180,8 +181,8 @@ impl Scene {
         self.emitted_at(emission, point.triangle, point.barycentric, wavelengths)
     }
 
-    /// The medium that light from `point` to the unit direction `wo` has come through, where `point` is seen from within a
-    /// volume: its absorption, m⁻¹.
+    /// The medium that light from `point` to the unit direction `wo` has come through, where `point` is seen from
+    /// within a volume: its absorption, m⁻¹.
     #[inline]
     pub fn absorption_behind(&self, point: &SurfacePoint, wo: glam::Vec3) -> Option<SpectrumId> {
         if !self.has_media {
@@ -213,13 +214,13 @@ impl Scene {
         self.spectra.sample(absorption, wavelengths).map(|per_m| (-per_m * distance).exp())
     }
 
-    /// The reflectance of a matt surface that was hit where its file puts it: in world space, without light of its own, and
-    /// with nothing that absorbs around it.
+    /// The reflectance of a diffuse surface that was hit where its file puts it: in world space, without light of its
+    /// own, and with nothing that absorbs around it.
     #[inline]
-    pub(crate) fn matt_surface(&self, hit: &Hit) -> Option<ColourSource> {
+    pub(crate) fn diffuse_surface(&self, hit: &Hit) -> Option<ColourSource> {
         let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
         let stands_in_world = matches!(self.accel.placements()[hit.placement as usize].place, Place::World);
-        self.matt[mesh as usize].filter(|_| stands_in_world)
+        self.diffuse[mesh as usize].filter(|_| stands_in_world)
     }
 
     /// Handle of the light that a surface point belongs to.
@@ -229,61 +230,63 @@ impl Scene {
         mesh.first_light.map(|first| first + (point.triangle - mesh.first_triangle))
     }
 
-    /// A direction in which a receiver looks for light at a time.
+    /// Samples a light and a direction to it, at a time, by two random numbers.
     #[inline]
     pub fn sample_light(
         &self,
-        receiver: &Receiver,
+        ctx: &LightSampleContext,
         time: f32,
         [u_light, v]: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
-        let choice = self.choose_light(receiver, u_light)?;
-        self.sample_chosen_light(&choice, receiver, time, v, wavelengths)
+        let choice = self.choose_light(ctx, u_light)?;
+        self.sample_chosen_light(&choice, ctx, time, v, wavelengths)
     }
 
-    /// The light of [`Self::sample_light`], by the first of its numbers.
+    /// The light of [`Self::sample_light`], by the first of its random numbers.
     #[inline]
-    pub(crate) fn choose_light(&self, receiver: &Receiver, u_light: f32) -> Option<Choice> {
-        self.lights.choose(receiver, u_light)
+    pub(crate) fn choose_light(&self, ctx: &LightSampleContext, u_light: f32) -> Option<Choice> {
+        self.lights.choose(ctx, u_light)
     }
 
-    /// The direction of [`Self::sample_light`] towards the light that was chosen.
+    /// The direction of [`Self::sample_light`] to the light that was chosen.
     #[inline]
     pub(crate) fn sample_chosen_light(
         &self,
         choice: &Choice,
-        receiver: &Receiver,
+        ctx: &LightSampleContext,
         time: f32,
         v: f32,
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
-        let emitted_at = |light: &TriangleLight, barycentric| self.shining(light, barycentric, wavelengths);
-        self.lights.sample_chosen(choice, &self.spectra, &self.geometry, emitted_at, receiver, time, v, wavelengths)
+        let emitted_at = |light: &TriangleLight, barycentric| self.emitted_radiance(light, barycentric, wavelengths);
+        let li = LiContext { point: ctx.point, time, wavelengths, spectra: &self.spectra, geometry: &self.geometry };
+        self.lights.sample_chosen(choice, v, &li, emitted_at)
     }
 
-    /// Light that sets out from a surface at a time, by five numbers in [0, 1): for the light, the point and the direction.
-    pub fn emit(&self, time: f32, u: (f32, [f32; 2], [f32; 2]), wavelengths: &Wavelengths) -> Option<Emission> {
-        let emitted_at = |light: &TriangleLight, barycentric| self.shining(light, barycentric, wavelengths);
-        self.lights.emit(&self.geometry, emitted_at, time, u)
+    /// Samples a ray that leaves an area light at a time, by five random numbers: for the light, the point and the
+    /// direction; `SampleLe` in [pbrt4](photosite_core::references#pbrt4) §12.1.
+    pub fn sample_le(&self, time: f32, u: (f32, [f32; 2], [f32; 2]), wavelengths: &Wavelengths) -> Option<LightRay> {
+        let emitted_at = |light: &TriangleLight, barycentric| self.emitted_radiance(light, barycentric, wavelengths);
+        self.lights.sample_le(&self.geometry, emitted_at, time, u)
     }
 
-    /// [`Emission::density`] of [`Self::emit`] on a light at a time.
+    /// [`LightRay::density`] of [`Self::sample_le`] on a light at a time.
     #[inline]
     pub fn emission_density(&self, light: u32, time: f32) -> f32 {
         self.lights.emission_density(light, &self.geometry, time)
     }
 
-    /// Radiance of a point of a light.
+    /// Radiance of a point of a triangle light.
     #[inline]
-    pub(crate) fn shining(
+    pub(crate) fn emitted_radiance(
         &self,
         light: &TriangleLight,
         barycentric: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> SampledSpectrum {
         let emitted = self.emitted_at(&light.emission, light.triangle, barycentric, wavelengths);
-        // Where there are holes, rays that look for the light end in front of them.
+        // Shadow rays towards a hole end in front of it.
         if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
     }
 
@@ -354,8 +357,8 @@ impl HitFilter for Holes<'_> {
         if presence <= 0.0 || presence >= 1.0 {
             return presence > 0.0;
         }
-        // There with probability alpha: the expected radiance is that of blending. The decision is a function of ray and
-        // triangle, so that it does not depend on the order of traversal.
+        // There with probability alpha: the expected radiance is that of blending. The decision is a function of ray
+        // and triangle, so that it does not depend on the order of traversal.
         let [x, y, z] = ray.direction.to_array().map(|c| u64::from(c.to_bits()));
         let origin = u64::from(ray.origin.x.to_bits()) << 32 | u64::from(ray.origin.z.to_bits());
         let key = hash64(hash64(x << 32 | y, z << 32 | u64::from(triangle)), origin);

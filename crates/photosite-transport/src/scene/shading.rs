@@ -5,15 +5,14 @@ use glam::{Vec2, Vec3};
 use super::{
     AnisotropySource, ColourSource, FactorSource, LayeredMaterial, Material, NormalMap, ScatteringModel, Scene, Tabled,
 };
-use crate::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Map, Mix, Model, RelativeIndex, Sampled, Sheen, Volume};
+use crate::bsdf::{
+    Bsdf, Coat, Ggx, Layered, MIN_SHADING_COSINE, Map, Mix, Model, RelativeIndex, Sampled, Sheen, ThinFilm, Volume,
+};
 use crate::geometry::SurfacePoint;
 use photosite_core::math::Frame;
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::spectrum::upsampling::reflectance_polynomial;
 use photosite_core::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
-
-/// Smallest cosine of a shading normal to who sees the surface.
-pub(crate) const EDGE_ON: f32 = 1e-3;
 
 /// A BSDF in its frame.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +93,7 @@ impl Scene {
             let waves = SampledSpectrum::from_lanes(|i| 2.0 * film.index * thickness / wavelengths.lambda_nm(i));
             let weight = factor(film.weight);
             // No thickness, no film (`iridescence`, "Properties").
-            (weight > 0.0 && thickness > 0.0).then_some(Film { weight, index: film.index, waves })
+            (weight > 0.0 && thickness > 0.0).then_some(ThinFilm { weight, index: film.index, waves })
         });
         layers.sheen = m.sheen.and_then(|(tint, roughness)| {
             let (colour, roughness) = (colour(tint), factor(roughness));
@@ -215,8 +214,8 @@ impl Scene {
         // seen edge-on at least is made of it.
         if two_sided {
             let cos = wo.dot(normal);
-            if cos < EDGE_ON {
-                normal = (normal + wo * (EDGE_ON - cos)).try_normalize().unwrap_or(geometric);
+            if cos < MIN_SHADING_COSINE {
+                normal = (normal + wo * (MIN_SHADING_COSINE - cos)).try_normalize().unwrap_or(geometric);
             }
         }
         if point.tangent == Vec3::ZERO {

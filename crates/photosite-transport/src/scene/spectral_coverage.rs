@@ -1,7 +1,7 @@
 //! Where the spectra of a scene end before the sensor stops seeing.
 //!
-//! In: a scene as read, what the sensor makes of each wavelength. Out: a warning that names what is assumed there, or nothing. The
-//! assumptions themselves are made where spectra are: [`Outside`](photosite_core::spectrum::Outside),
+//! In: a scene as read, what the sensor makes of each wavelength. Out: a warning that names what is assumed there, or
+//! nothing. The assumptions themselves are made where spectra are: [`Outside`](photosite_core::spectrum::Outside),
 //! [`upsampling`](photosite_core::spectrum::upsampling), [`illuminant`](photosite_core::spectrum::illuminant).
 
 use std::collections::HashSet;
@@ -22,8 +22,8 @@ const NAMED: usize = 5;
 /// Wavelengths between which something is known, nm.
 type Range = [f32; 2];
 
-/// A warning where a channel gets more than a hundredth of its response from wavelengths at which the spectrum of a light or of
-/// a material is not known. `responses` in any unit, the transmittance of the lens included.
+/// A warning where a channel gets more than a hundredth of its response from wavelengths at which the spectrum of a
+/// light or of a material is not known. `responses` in any unit, the transmittance of the lens included.
 pub fn warning(scene: &SceneDescription, responses: &[Spectrum]) -> Option<String> {
     let unknown = |known: Range| responses.iter().map(|response| part_outside(response, known)).fold(0.0, f64::max);
     let assumed: Vec<(String, Range, f64)> = known_ranges(scene)
@@ -103,7 +103,8 @@ fn of_model(model: &MaterialModel) -> Range {
     known.0.unwrap_or(Spectrum::EVERYWHERE_NM)
 }
 
-/// Where all spectra of a model are known. Formulas of glasses hold as far as silicon sees, so that indices do not count.
+/// Where all spectra of a model are known. Formulas of glasses hold as far as silicon sees, so that indices do not
+/// count.
 struct Known(Option<Range>);
 
 impl Known {

@@ -1,12 +1,12 @@
 //! Pictures on surfaces: bitmaps, wrap modes, filters, UV transforms.
 //!
-//! In: decoded pictures and a point in UV space, u to the right and v down from the top-left corner of the picture (glTF).
-//! Out: four numbers, linear. What they mean (a colour, a roughness, a normal) is left to whoever asks; turning colours
-//! into spectra is left to [`spectrum::upsampling`](photosite_core::spectrum::upsampling).
+//! In: decoded pictures and a point in UV space, u to the right and v down from the top-left corner of the picture
+//! (glTF). Out: four numbers, linear. What they mean (a colour, a roughness, a normal) is left to whoever asks; turning
+//! colours into spectra is left to [`spectrum::upsampling`](photosite_core::spectrum::upsampling).
 //!
-//! There are no maps of several sizes. Paths pass a pixel at places all over its area and the lens at places all over its
-//! opening, so that their mean is the integral of the texture over what the pixel sees of it, which mip maps blur. What an
-//! average of texels would look like need not be what the average of their spectra does.
+//! There are no maps of several sizes. Paths pass a pixel at places all over its area and the lens at places all over
+//! its opening, so that their mean is the integral of the texture over what the pixel sees of it, which mip maps blur.
+//! What an average of texels would look like need not be what the average of their spectra does.
 
 mod bitmap;
 mod sampler;
@@ -48,16 +48,16 @@ impl Texture {
         &self.image
     }
 
-    /// RGBA at `uv` of the surface as stored, 0–1 for integer texels: roughness, normals, masks. Never fails: UVs that are
-    /// no numbers count as 0.
+    /// RGBA at `uv` of the surface as stored, 0–1 for integer texels: roughness, normals, masks. Never fails: UVs that
+    /// are no numbers count as 0.
     #[inline]
     pub fn sample_rgba_linear(&self, uv: Vec2) -> [f32; 4] {
         let taps = self.sampler.taps(self.transform.transform_point2(uv), self.image.width, self.image.height);
         self.image.mix_linear(&taps).to_array()
     }
 
-    /// RGBA at `uv` of the surface with R, G, B decoded from sRGB before they are mixed: colours. Alpha is linear in any
-    /// case, and so are pictures of floats.
+    /// RGBA at `uv` of the surface with R, G, B decoded from sRGB before they are mixed: colours. Alpha is linear in
+    /// any case, and so are pictures of floats.
     #[inline]
     pub fn sample_rgba_srgb(&self, uv: Vec2) -> [f32; 4] {
         let taps = self.sampler.taps(self.transform.transform_point2(uv), self.image.width, self.image.height);

@@ -77,8 +77,8 @@ impl GlassRow {
         Self { facets, far_is_rarer: eta < 1.0 }
     }
 
-    /// From the near side and from the far one, each for a direction whose cosine to the surface and azimuth are those of
-    /// `w`, above it.
+    /// From the near side and from the far one, each for a direction whose cosine to the surface and azimuth are those
+    /// of `w`, above it.
     #[inline]
     pub(in crate::bsdf) fn directional(&self, w: Vec3) -> [f32; 2] {
         self.sides(match &self.facets {
@@ -189,8 +189,8 @@ mod tests {
         let anisotropic = [1.33, 1.5, 1.9, 2.4]
             .map(|eta| [[0.5, 0.9], [0.3, 0.87], [0.9, 0.2], [0.1, 0.5]].map(|[x, y]| error(eta, x, y)));
         let largest = |errors: [[f32; 4]; 4]| errors.into_iter().flatten().fold(0.0, f32::max);
-        // Linear interpolation, whose error falls with the square of the step. The table of anisotropic facets has steps
-        // in α up to twice as long and, where α_x is far from α_y, few in azimuth: it is worst there.
+        // Linear interpolation, whose error falls with the square of the step. The table of anisotropic facets has
+        // steps in α up to twice as long and, where α_x is far from α_y, few in azimuth: it is worst there.
         assert!(largest(isotropic) < 6e-3, "{isotropic:?}");
         assert!(largest(anisotropic) < 0.045, "{anisotropic:?}");
     }

@@ -1,8 +1,8 @@
 //! A function of roughness and direction, tabulated and interpolated.
 //!
 //! Nodes are even in √α, the perceptual roughness, and in √μ, close together at grazing angles where albedos rise.
-//! Between them everything is linear, and the mean 2∫f(μ)·μ dμ is the exact integral of the interpolated f: light that is
-//! shared out by both adds up to what arrived.
+//! Between them everything is linear, and the mean 2∫f(μ)·μ dμ is the exact integral of the interpolated f: light that
+//! is shared out by both adds up to what arrived.
 
 use std::ops::{Add, Mul, Sub};
 

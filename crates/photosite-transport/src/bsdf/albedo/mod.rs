@@ -2,14 +2,14 @@
 //!
 //! The directional albedo E(w) = ∫ f·cos θᵢ dωᵢ of a GGX reflection lobe with Schlick's Fresnel factor
 //! R = F₀ + (F₉₀ − F₀)(1 − cos θ)⁵ is linear in F₀ and F₉₀, E = F₀·A(w, α) + F₉₀·B(w, α)
-//! ([Karis13](photosite_core::references#karis13)), so two tables serve all materials. For any other factor, such as that of a thin
-//! film, E = Σⱼ R(cⱼ)·Wⱼ(w, α) with the factor interpolated between its values at eight cosines cⱼ.
+//! ([Karis13](photosite_core::references#karis13)), so two tables serve all materials. For any other factor, such as
+//! that of a thin film, E = Σⱼ R(cⱼ)·Wⱼ(w, α) with the factor interpolated between its values at eight cosines cⱼ.
 //!
 //! Tables are integrated when first used.
 
-mod film_glass;
 mod glass;
 mod grid;
+mod thin_film_glass;
 
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_2};
 use std::sync::OnceLock;
@@ -19,13 +19,13 @@ use glam::{Vec2, Vec3, Vec4};
 use super::fresnel::schlick_weight;
 use super::layered::sheen;
 use super::microfacet::Ggx;
-pub(super) use film_glass::FilmGlassRow;
 pub(super) use glass::GlassRow;
 pub(super) use grid::node;
 use grid::{Grid, GridRow, cosine_mean, locate, mix};
+pub(super) use thin_film_glass::FilmGlassRow;
 
-/// Points of the Fibonacci lattice that an entry is integrated with, and its generator. Against 28 657 points the entries
-/// are right to 9e-4 for F₀ = 0.04 (mean 1e-4), to 2e-3 for F₀ = 1.
+/// Points of the Fibonacci lattice that an entry is integrated with, and its generator. Against 28 657 points the
+/// entries are right to 9e-4 for F₀ = 0.04 (mean 1e-4), to 2e-3 for F₀ = 1.
 const LATTICE: (usize, usize) = (610, 377);
 
 /// Reflectance at normal incidence of a coat, whose index glTF fixes at 1.5.
@@ -153,8 +153,8 @@ fn anisotropic() -> &'static [Azimuthal] {
     })
 }
 
-/// The part of a GGX lobe that a layer of albedo E above it hides: ∫ f·max(E(wo), E(wi))·cos θᵢ dωᵢ over ∫ f·cos θᵢ dωᵢ.
-/// Anisotropic facets count by their mean roughness: the ratio depends on it far less than either integral.
+/// The part of a GGX lobe that a layer of albedo E above it hides: ∫ f·max(E(wo), E(wi))·cos θᵢ dωᵢ over ∫ f·cos θᵢ
+/// dωᵢ. Anisotropic facets count by their mean roughness: the ratio depends on it far less than either integral.
 #[derive(Clone, Copy)]
 pub(super) struct Hidden {
     below: GridRow<Vec2>,
@@ -269,7 +269,7 @@ fn sheen_grid() -> &'static Grid<f32> {
     TABLE.get_or_init(|| Grid::new(NODES, NODES, sheen::albedo))
 }
 
-/// Cosines at which the reflectance of a film is looked at, even from 0 to 1.
+/// Number of cosines at which the reflectance of a film is sampled, even from 0 to 1.
 pub(super) const FILM_NODES: usize = 8;
 
 /// Weights Wⱼ of the reflectances at the cosines j/7.

@@ -22,9 +22,9 @@
 //! form of `sheen`, "Albedo-scaling technique": no direction gets more than the layer lets through.
 //!
 //! **What is left.** All that the lobes above do not reflect, R(w) = 1 − ΣE(w), comes out of the base as
-//! ρ/π·R(wo)·R(wi)/R̄ ([Kelemen01](photosite_core::references#kelemen01)), R̄ its mean over the hemisphere. That is reciprocal, and a
-//! white material gives back what arrives, all of it, at every angle and roughness, since R of each part counts the
-//! light that bounces between facets and layers as let in. ρ is
+//! ρ/π·R(wo)·R(wi)/R̄ ([Kelemen01](photosite_core::references#kelemen01)), R̄ its mean over the hemisphere. That is
+//! reciprocal, and a white material gives back what arrives, all of it, at every angle and roughness, since R of each
+//! part counts the light that bounces between facets and layers as let in. ρ is
 //!
 //! - the base colour, and the colour of diffuse transmission on the other side;
 //! - for a metal F̄²·Ē/(1 − F̄(1 − Ē)), the colour after further bounces between facets
@@ -32,23 +32,23 @@
 //! - for a clear base F̄ reflected and (1 − F̄)·base transmitted; with a volume behind both sides share it so that
 //!   reciprocity holds.
 //!
-//! **Where it departs from the specification:** the appendix's implementation, a sample and not normative, lets the light
-//! that a facet does not reflect reach the base, 1 − F(wo·m), as if all light that leaves the base had come in by that facet.
-//! A smooth white surface seen from 80° then gives back 1.35 times what arrives. It also loses the light that bounces
-//! twice between facets.
+//! **Where it departs from the specification:** the appendix's implementation, a sample and not normative, lets the
+//! light that a facet does not reflect reach the base, 1 − F(wo·m), as if all light that leaves the base had come in by
+//! that facet. A smooth white surface seen from 80° then gives back 1.35 times what arrives. It also loses the light
+//! that bounces twice between facets.
 //!
 //! Sheen attenuates wavelength by wavelength, not by its largest channel. Coat and sheen lie on both sides of thin
 //! surfaces that transmit, and on all but the clear part of those that bound a volume. A coat with a normal of its own
-//! is not reciprocal, as no mapped normal is. Facets that refract give back up to 4 % too much or too little where they are
-//! anisotropic, as exact as their table is.
+//! is not reciprocal, as no mapped normal is. Facets that refract give back up to 4 % too much or too little where they
+//! are anisotropic, as exact as their table is.
 
-mod film;
 pub(super) mod sheen;
+mod thin_film;
 mod view;
 
 use glam::Vec3;
 
-pub use film::Film;
+pub use thin_film::ThinFilm;
 
 use super::dielectric::{self, mirrored};
 use super::microfacet::Ggx;
@@ -79,7 +79,7 @@ pub struct Layered {
     /// Its colour, 0–1.
     pub diffuse_transmission_colour: SampledSpectrum,
     /// A thin film on the facets.
-    pub film: Option<Film>,
+    pub film: Option<ThinFilm>,
     /// Fibres.
     pub sheen: Option<Sheen>,
     /// Varnish over all.

@@ -1,8 +1,8 @@
 //! Sheen: the light that fibres standing on a surface scatter, as on velvet.
 //!
-//! glTF's `KHR_materials_sheen`, "Sheen distribution" and "Sheen visibility", after [Estevez17](photosite_core::references#estevez17):
-//! α = roughness², D = (2 + 1/α)·sin^(1/α) θ_h/(2π), G = 1/(1 + Λ(cos θₒ) + Λ(cos θᵢ)) with the fit of Λ that is given
-//! there, f = colour·D·G/(4·cos θₒ·cos θᵢ). No Fresnel factor.
+//! glTF's `KHR_materials_sheen`, "Sheen distribution" and "Sheen visibility", after
+//! [Estevez17](photosite_core::references#estevez17): α = roughness², D = (2 + 1/α)·sin^(1/α) θ_h/(2π), G = 1/(1 +
+//! Λ(cos θₒ) + Λ(cos θᵢ)) with the fit of Λ that is given there, f = colour·D·G/(4·cos θₒ·cos θᵢ). No Fresnel factor.
 
 use std::f32::consts::TAU;
 

@@ -1,8 +1,8 @@
 //! Layers as seen from one direction: what each lobe takes, what is left, and which lobe to sample.
 
+mod energy_split;
 mod reflectance;
 mod scatter;
-mod share;
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
@@ -57,7 +57,7 @@ struct Under {
     /// One bounce at a refracting interface: from the side of `wo`, and from the other.
     glass: [f32; 2],
     /// The change of that by a film, by its nodes.
-    film_glass: Option<[FilmWeights; 2]>,
+    thin_film_glass: Option<[FilmWeights; 2]>,
 }
 
 /// Tables for the layers of a point.
@@ -67,12 +67,12 @@ struct Tables {
     coat: Option<(Row, Hidden)>,
     sheen: Option<(SheenRow, Hidden)>,
     glass: Option<GlassRow>,
-    film_glass: Option<FilmGlassRow>,
+    thin_film_glass: Option<FilmGlassRow>,
 }
 
 /// What the layers take of light from one direction, and what they leave, or the mean of that over the hemisphere.
 #[derive(Clone, Copy)]
-struct Share {
+struct EnergySplit {
     /// c·E(w) of the coat.
     coat: f32,
     /// s·E(w) of the sheen.
@@ -108,8 +108,8 @@ pub(super) struct View<'a> {
     tables: Tables,
     /// Reflectances of the film on the dielectric and on the metal at the nodes.
     film: Option<[[SampledSpectrum; FILM_NODES]; 2]>,
-    seen: Share,
-    mean: Share,
+    seen: EnergySplit,
+    mean: EnergySplit,
     /// On the side of `wo` and on the other.
     spread: [Spread; 2],
     lobes: Lobes,
@@ -127,7 +127,7 @@ impl<'a> View<'a> {
             coat: layers.coat.map(|c| (Row::of(c.distribution), Hidden::by_coat(c.distribution, base))),
             sheen: layers.sheen.map(|s| (SheenRow::of(s.alpha), Hidden::by_sheen(s.alpha, base))),
             glass: refracting.map(|v| GlassRow::of(v.eta[0], base)),
-            film_glass: refracting.filter(|_| layers.film.is_some()).map(|v| FilmGlassRow::of(v.eta[0], base)),
+            thin_film_glass: refracting.filter(|_| layers.film.is_some()).map(|v| FilmGlassRow::of(v.eta[0], base)),
         };
         let film = layers.film.map(|film| {
             let nodes = |f0| std::array::from_fn(|j| film.reflectance(j as f32 / (FILM_NODES - 1) as f32, f0));
@@ -140,14 +140,14 @@ impl<'a> View<'a> {
             refracting,
             is_inside,
             film,
-            seen: Share::NOTHING,
-            mean: Share::NOTHING,
+            seen: EnergySplit::NOTHING,
+            mean: EnergySplit::NOTHING,
             spread: [nothing; 2],
             lobes: Lobes::default(),
             tables,
         };
-        view.seen = view.share(&view.under(wo));
-        view.mean = view.share(&view.under_on_average());
+        view.seen = view.energy_split(&view.under(wo));
+        view.mean = view.energy_split(&view.under_on_average());
         view.spread = view.spread();
         view.lobes = view.choose()?;
         Some(view)

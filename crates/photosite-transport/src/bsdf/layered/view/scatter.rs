@@ -35,8 +35,8 @@ impl View<'_> {
         lobes.normalised()
     }
 
-    /// How much of what is left is sampled evenly over the hemisphere rather than by the cosine: what facets leave comes
-    /// mostly from near the surface, where the cosine seldom looks.
+    /// How much of what is left is sampled evenly over the hemisphere rather than by the cosine: what facets leave
+    /// comes mostly from near the surface, where the cosine seldom looks.
     #[inline]
     pub(super) fn even_part(&self) -> f32 {
         let [_, coloured, _] = self.layers.parts();
@@ -71,7 +71,7 @@ impl View<'_> {
 
     /// The facets' reflectance, all parts of the base together, under the layers between `wo` and what sees `other`.
     #[inline]
-    pub(super) fn facets(&self, cos: f32, other: &Share) -> SampledSpectrum {
+    pub(super) fn facets(&self, cos: f32, other: &EnergySplit) -> SampledSpectrum {
         let layers = self.layers;
         let [metal, coloured, clear] = layers.parts();
         let mut sum = ZERO;
@@ -98,7 +98,7 @@ impl View<'_> {
     #[inline]
     pub(super) fn eval_reflection(&self, wi: Vec3) -> BsdfEval {
         let layers = self.layers;
-        let other = self.share(&self.under(wi));
+        let other = self.energy_split(&self.under(wi));
         let mut f = self.base(&other, false);
         let mut pdf = self.lobes.base * self.base_density(wi.z);
         if !layers.distribution.is_smooth() && self.lobes.facets > 0.0 {
@@ -129,7 +129,7 @@ impl View<'_> {
         let layers = self.layers;
         let [_, _, clear] = layers.parts();
         let mirror = dielectric::mirrored(wi);
-        let other = self.share(&self.under(mirror));
+        let other = self.energy_split(&self.under(mirror));
         let mut f = self.base(&other, true);
         let mut pdf = self.lobes.base_behind * self.base_density(mirror.z);
         if clear > 0.0 && !self.passes_undisturbed() {
@@ -185,7 +185,7 @@ impl View<'_> {
         } else if u_lobe < to_facets {
             if layers.distribution.is_smooth() {
                 let wi = Vec3::new(-self.wo.x, -self.wo.y, self.wo.z);
-                let other = self.share(&self.under(wi));
+                let other = self.energy_split(&self.under(wi));
                 return Some(BsdfSample::mirrored(self.facets(self.wo.z.min(1.0), &other), wi, facets));
             }
             layers.distribution.sample_reflection(self.wo, u)?.0
@@ -234,7 +234,7 @@ impl View<'_> {
         }
         let wi = Vec3::new(-self.wo.x / eta, -self.wo.y / eta, -cos_through);
         let cover = match self.refracting {
-            None => self.cover(&self.share(&self.under(dielectric::mirrored(wi)))),
+            None => self.cover(&self.energy_split(&self.under(dielectric::mirrored(wi)))),
             Some(_) => ONE,
         };
         let part = at_least_zero(let_in) * layers.base_colour * cover * clear;

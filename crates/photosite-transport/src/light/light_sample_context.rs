@@ -1,19 +1,20 @@
-//! Who looks for light.
+//! The point that lights are sampled from.
 
 use glam::{Vec3, Vec3A};
 
 use super::bounds::Cluster;
 
-/// A point that looks for light, with what is known of the directions that matter to it.
+/// A point that lights are sampled from, and the directions that matter to it; `LightSampleContext` in
+/// [pbrt4](photosite_core::references#pbrt4) §12.1.
 #[derive(Clone, Copy, Debug)]
-pub struct Receiver {
+pub struct LightSampleContext {
     /// Metres.
     pub point: Vec3,
-    /// Where light matters.
+    /// The sides from which light matters.
     pub facing: Facing,
 }
 
-/// From where a point takes light.
+/// The sides from which a point receives light.
 #[derive(Clone, Copy, Debug)]
 pub enum Facing {
     /// From the side of a unit normal, with the cosine to it, as what only reflects.
@@ -24,22 +25,23 @@ pub enum Facing {
     Anywhere,
 }
 
-impl Receiver {
+impl LightSampleContext {
     /// A point that takes light from all directions.
     pub const fn anywhere(point: Vec3) -> Self {
         Self { point, facing: Facing::Anywhere }
     }
 
-    /// An estimate of the irradiance from lights within bounds, in relative units; 0 only where none of them can reach the
-    /// point:
+    /// An estimate of the irradiance from lights within bounds, in relative units; 0 only where none of them can reach
+    /// the point:
     ///
     ///   Φ·cos θ′·cos θᵢ′ / max(d², r²),
     ///
-    /// with Φ the intensity of all together, d the distance of the middle of their box, r half its diagonal, and the smallest
-    /// angles at the light, θ′, and at the receiver, θᵢ′, that any light within the box could have
-    /// ([pbrt4](photosite_core::references#pbrt4) §12.6.3, `LightBounds::Importance`). There the angles are bounded by a sphere about
-    /// the box, within which all are possible; here cos θᵢ′ is the largest height of the box over the surface over its
-    /// smallest distance, and cos θ′ alike. So a ceiling of lamps counts for those that are near, large as its box may be.
+    /// with Φ the intensity of all together, d the distance of the middle of their box, r half its diagonal, and the
+    /// smallest angles at the light, θ′, and at the point, θᵢ′, that any light within the box could have
+    /// ([pbrt4](photosite_core::references#pbrt4) §12.6.3, `LightBounds::Importance`). There the angles are bounded by
+    /// a sphere about the box, within which all are possible; here cos θᵢ′ is the largest height of the box over the
+    /// surface over its smallest distance, and cos θ′ alike. So a ceiling of lamps counts for those that are near,
+    /// large as its box may be.
     #[inline]
     pub(super) fn importance(&self, cluster: &Cluster) -> f32 {
         let to_centre = cluster.centre - Vec3A::from(self.point);

@@ -1,4 +1,4 @@
-//! Where light sets out from: points and directions on the surfaces that shine.
+//! Rays that light paths start with, from points on area lights.
 
 use glam::Vec3;
 
@@ -17,7 +17,7 @@ pub(super) struct Emitters {
 
 /// A ray of light that sets out from a surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Emission {
+pub struct LightRay {
     /// Handle of its light.
     pub light: u32,
     /// Where it starts.
@@ -37,11 +37,11 @@ impl Emitters {
     pub(super) fn new(lights: &[Light], powers: &[f64]) -> Self {
         let power = |(light, &power): (&Light, &f64)| match light {
             Light::Triangle(_) => power,
-            Light::Point { .. }
-            | Light::Spot { .. }
-            | Light::Profile { .. }
-            | Light::Projector { .. }
-            | Light::Directional { .. }
+            Light::Point(_)
+            | Light::Spot(_)
+            | Light::Profile(_)
+            | Light::Projector(_)
+            | Light::Directional(_)
             | Light::Environment => 0.0,
         };
         let weights: Vec<f64> = lights.iter().zip(powers).map(power).collect();
@@ -53,8 +53,8 @@ impl Emitters {
     }
 }
 
-/// Density of starts and directions over the cosine, where lights are chosen with that probability: evenly over the triangle,
-/// and by Lambert's law.
+/// Density of starts and directions over the cosine, where lights are chosen with that probability: evenly over the
+/// triangle, and by Lambert's law.
 #[inline]
 fn density(probability: f32, double_area: f32, two_sided: bool) -> f32 {
     let sides = if two_sided { 2.0 } else { 1.0 };
@@ -67,34 +67,34 @@ impl Lights {
         self.emitters.table.is_some()
     }
 
-    /// Light that sets out from a surface at a time, by five numbers in [0, 1): for the light, the point and the direction.
-    /// `emitted_at(light, barycentric)` is the radiance of a point of a triangle. `None` where there is no light, or none of
-    /// that triangle.
-    pub fn emit(
+    /// Light that sets out from a surface at a time, by five numbers in [0, 1): for the light, the point and the
+    /// direction. `emitted_at(light, barycentric)` is the radiance of a point of a triangle. `None` where there is no
+    /// light, or none of that triangle.
+    pub fn sample_le(
         &self,
         geometry: &Geometry,
         emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
         time: f32,
         (u_light, u_point, u_direction): (f32, [f32; 2], [f32; 2]),
-    ) -> Option<Emission> {
+    ) -> Option<LightRay> {
         let (light, probability, rest) = self.emitters.table.as_ref()?.sample(u_light);
         let Light::Triangle(emitter) = &self.lights[light as usize] else { return None };
-        let facet = self.facet(light, emitter, geometry, time)?;
+        let triangle = self.triangle(light, emitter, geometry, time)?;
         let barycentric = warp::uniform_triangle(u_point);
         let two_sided = emitter.emission.two_sided;
-        let (position, normal) = (facet.point(barycentric).into(), facet.normal());
+        let (position, normal) = (triangle.point(barycentric).into(), triangle.normal());
         let side = if two_sided && rest >= 0.5 { -normal } else { normal };
         let direction = Frame::from_normal(side).to_world(warp::cosine_hemisphere(u_direction).into());
         let radiance = emitted_at(emitter, barycentric);
-        let density = density(probability, facet.double_area, two_sided);
-        (!radiance.is_black()).then_some(Emission { light, position, normal, direction, radiance, density })
+        let density = density(probability, triangle.double_area, two_sided);
+        (!radiance.is_black()).then_some(LightRay { light, position, normal, direction, radiance, density })
     }
 
-    /// [`Emission::density`] of [`Self::emit`] on a light at a time; 0 for lights that are no surfaces.
+    /// [`LightRay::density`] of [`Self::sample_le`] on a light at a time; 0 for lights that are no surfaces.
     #[inline]
     pub fn emission_density(&self, light: u32, geometry: &Geometry, time: f32) -> f32 {
         let Light::Triangle(emitter) = &self.lights[light as usize] else { return 0.0 };
-        let Some(facet) = self.facet(light, emitter, geometry, time) else { return 0.0 };
-        density(self.emitters.probability(light), facet.double_area, emitter.emission.two_sided)
+        let Some(triangle) = self.triangle(light, emitter, geometry, time) else { return 0.0 };
+        density(self.emitters.probability(light), triangle.double_area, emitter.emission.two_sided)
     }
 }

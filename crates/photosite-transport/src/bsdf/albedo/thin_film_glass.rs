@@ -1,9 +1,9 @@
 //! What a film changes of what one bounce at a rough interface of two clear media reflects and refracts together.
 //!
-//! Of the power that meets a facet, R(c)·r + (1 − R(c))·t leaves after one bounce, with r and t what leaves if the facet
-//! reflects or refracts all, and c the cosine to it outside. A film that changes R by ΔR, interpolated between its values at
-//! the cosines cⱼ of [`FilmWeights`], changes the albedo by Σⱼ ΔR(cⱼ)·Wⱼ with Wⱼ that of r − t. Where reflection is total it
-//! changes nothing. Anisotropic facets count by their mean roughness.
+//! Of the power that meets a facet, R(c)·r + (1 − R(c))·t leaves after one bounce, with r and t what leaves if the
+//! facet reflects or refracts all, and c the cosine to it outside. A film that changes R by ΔR, interpolated between
+//! its values at the cosines cⱼ of [`FilmWeights`], changes the albedo by Σⱼ ΔR(cⱼ)·Wⱼ with Wⱼ that of r − t. Where
+//! reflection is total it changes nothing. Anisotropic facets count by their mean roughness.
 
 use std::sync::OnceLock;
 
@@ -87,8 +87,9 @@ mod tests {
 
     #[test]
     fn the_change_is_that_of_every_facet() {
-        // Facets that reflect 0.2 more than Fresnel's equations say from each cosine, and those that reflect more the flatter
-        // they are met: Σ over a fine lattice in place of the tables, whose error is that of their interpolation.
+        // Facets that reflect 0.2 more than Fresnel's equations say from each cosine, and those that reflect more the
+        // flatter they are met: Σ over a fine lattice in place of the tables, whose error is that of their
+        // interpolation.
         for eta in [1.33f32, 2.4, 1.0 / 1.5] {
             for alpha in [0.15f32, 0.6, 1.0] {
                 let ggx = Ggx::new(alpha, alpha);

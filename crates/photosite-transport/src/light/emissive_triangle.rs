@@ -1,4 +1,4 @@
-//! The triangle of a light, with what is asked of it for each point that looks at it.
+//! The triangle of an area light, with what sampling it needs.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use photosite_simd::{Lanes, Vectors};
 
 /// A triangle where it is at a time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Facet<R = f32> {
+pub(crate) struct EmissiveTriangle<R = f32> {
     corner: Vector<R>,
     /// From that corner to the other two.
     edges: [Vector<R>; 2],
@@ -18,19 +18,19 @@ pub(crate) struct Facet<R = f32> {
     pub(super) double_area: R,
 }
 
-/// A point of a facet, seen from another point.
-pub(crate) struct Sight<R> {
+/// A point of an emissive triangle, seen from another point.
+pub(crate) struct VisiblePoint<R> {
     /// Metres.
     pub(crate) position: Vector<R>,
     /// Unit vector towards it.
     pub(crate) wi: Vector<R>,
     /// Positive where the front is seen.
     pub(crate) cos: R,
-    /// Of points spread evenly over the facet, sr⁻¹ where they are seen from.
+    /// Of points spread evenly over the triangle, sr⁻¹ where they are seen from.
     pub(crate) density: R,
 }
 
-impl Facet {
+impl EmissiveTriangle {
     /// `None` without area.
     #[inline]
     pub(super) fn new([a, b, c]: [Vec3; 3]) -> Option<Self> {
@@ -51,7 +51,7 @@ impl Facet {
     }
 }
 
-impl<R: Real> Facet<R> {
+impl<R: Real> EmissiveTriangle<R> {
     /// The point with these weights of the second and the third corner.
     #[inline(always)]
     pub(super) fn point(&self, [b1, b2]: [R; 2]) -> Vector<R> {
@@ -60,39 +60,39 @@ impl<R: Real> Facet<R> {
 
     /// The same as it is seen from another point.
     #[inline(always)]
-    pub(crate) fn sight(&self, barycentric: [R; 2], from: Vector<R>) -> Sight<R> {
+    pub(crate) fn seen_from(&self, barycentric: [R; 2], from: Vector<R>) -> VisiblePoint<R> {
         let position = self.point(barycentric);
         let towards = position - from;
         let distance_squared = towards.dot(towards);
         let wi = towards.over(distance_squared.sqrt());
         let cos = -self.normal.dot(wi);
         let density = to_solid_angle(R::splat(2.0) / self.double_area, distance_squared, cos.abs());
-        Sight { position, wi, cos, density }
+        VisiblePoint { position, wi, cos, density }
     }
 }
 
-/// Eight facets in memory.
+/// Eight static_triangles in memory.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Facets {
+pub(crate) struct EmissiveTriangles {
     corner: Vectors,
     edges: [Vectors; 2],
     normal: Vectors,
     double_area: [f32; 8],
 }
 
-impl Facets {
+impl EmissiveTriangles {
     #[inline(always)]
-    pub(crate) fn set(&mut self, lane: usize, facet: &Facet) {
-        self.corner.set(lane, facet.corner.into());
-        self.edges[0].set(lane, facet.edges[0].into());
-        self.edges[1].set(lane, facet.edges[1].into());
-        self.normal.set(lane, facet.normal.into());
-        self.double_area[lane] = facet.double_area;
+    pub(crate) fn set(&mut self, lane: usize, triangle: &EmissiveTriangle) {
+        self.corner.set(lane, triangle.corner.into());
+        self.edges[0].set(lane, triangle.edges[0].into());
+        self.edges[1].set(lane, triangle.edges[1].into());
+        self.normal.set(lane, triangle.normal.into());
+        self.double_area[lane] = triangle.double_area;
     }
 
     #[inline(always)]
-    pub(crate) fn load<L: Lanes>(&self) -> Facet<L> {
-        Facet {
+    pub(crate) fn load<L: Lanes>(&self) -> EmissiveTriangle<L> {
+        EmissiveTriangle {
             corner: self.corner.load(),
             edges: [self.edges[0].load(), self.edges[1].load()],
             normal: self.normal.load(),
@@ -108,16 +108,17 @@ mod tests {
     #[test]
     fn a_right_triangle_has_half_the_area_of_its_rectangle() {
         let corner = Vec3::new(1.0, 2.0, 3.0);
-        let facet = Facet::new([corner, corner + 3.0 * Vec3::X, corner + 4.0 * Vec3::Y]).expect("an area");
-        assert_eq!((facet.double_area, facet.normal()), (12.0, Vec3::Z));
-        assert_eq!(Vec3::from(facet.point([0.0, 0.0])), corner);
-        assert_eq!(Vec3::from(facet.point([1.0, 0.0])), Vec3::new(4.0, 2.0, 3.0));
-        assert_eq!(Vec3::from(facet.point([0.25, 0.5])), Vec3::new(1.75, 4.0, 3.0));
+        let triangle =
+            EmissiveTriangle::new([corner, corner + 3.0 * Vec3::X, corner + 4.0 * Vec3::Y]).expect("an area");
+        assert_eq!((triangle.double_area, triangle.normal()), (12.0, Vec3::Z));
+        assert_eq!(Vec3::from(triangle.point([0.0, 0.0])), corner);
+        assert_eq!(Vec3::from(triangle.point([1.0, 0.0])), Vec3::new(4.0, 2.0, 3.0));
+        assert_eq!(Vec3::from(triangle.point([0.25, 0.5])), Vec3::new(1.75, 4.0, 3.0));
     }
 
     #[test]
     fn corners_on_a_line_make_none() {
-        assert!(Facet::new([Vec3::ZERO, Vec3::X, 3.0 * Vec3::X]).is_none());
-        assert!(Facet::new([Vec3::ONE; 3]).is_none());
+        assert!(EmissiveTriangle::new([Vec3::ZERO, Vec3::X, 3.0 * Vec3::X]).is_none());
+        assert!(EmissiveTriangle::new([Vec3::ONE; 3]).is_none());
     }
 }

@@ -1,18 +1,18 @@
-//! Paths that are traced together, from surface to surface: first the rays of all, then what each does where it has come to,
-//! then their shadow rays. While the memory brings what one ray needs, others go on, and each part of the code runs for all
-//! paths before the next one takes its place. Those that have come to matt surfaces are dealt with eight at a time.
+//! A wavefront of paths: their rays are traced together, then every path advances at its surface, then their shadow
+//! rays are traced. While the memory brings what one ray needs, others go on, and each part of the code runs for all
+//! paths before the next one does. Paths that have come to diffuse surfaces advance eight at a time.
 
-use super::odds::Odds;
-use super::path::{MattSurfaces, Path, PathLimits, Postponed, Sharing};
+use super::mis_ratio::MisRatio;
+use super::path::{DiffuseBatch, Path, PathLimits, Queues, Sharing, Tracing};
 use super::reuse::Connections;
 use crate::geometry::{Geometry, Hit, Ray};
-use crate::sampler::{SamplePlace, Sampler};
+use crate::sampler::{SamplePosition, Sampler};
 use crate::scene::Scene;
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
-/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength, by one path
-/// and its branches, with the numbers from where the sampler is; where it is afterwards means nothing. A refraction that
-/// disperses leaves only the hero of `wavelengths`.
+/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength, by
+/// one path and its branches, with the random numbers from the sampler's position on; its position afterwards is
+/// unspecified. A refraction that disperses leaves only the hero of `wavelengths`.
 pub fn radiance(
     scene: &Scene,
     ray: Ray,
@@ -20,89 +20,89 @@ pub fn radiance(
     sampler: &mut Sampler,
     limits: PathLimits,
 ) -> SampledSpectrum {
-    let mut wave = Wave::new(limits, Odds::NONE);
-    wave.start(ray, *wavelengths, sampler.place(), Sharing::Nothing);
-    wave.trace(scene, sampler);
-    let (light, remaining) = wave.arrived(0);
+    let mut wavefront = Wavefront::new(limits, MisRatio::NONE);
+    wavefront.start(ray, *wavelengths, sampler.position(), Sharing::Nothing);
+    wavefront.trace(scene, sampler);
+    let (light, remaining) = wavefront.arrived(0);
     *wavelengths = *remaining;
     light
 }
 
-/// Paths that are traced together.
-pub(super) struct Wave {
+/// Paths that are traced together; see the module.
+pub(super) struct Wavefront {
     limits: PathLimits,
-    /// Those of each path at its start.
-    odds: Odds,
-    /// Those that were started, and then the branches of those that have split.
+    /// MIS ratio of each path at its start.
+    mis_ratio: MisRatio,
+    /// The paths that were started, and then the branches of those that have split.
     paths: Vec<Path>,
     /// Sums over the branches of each path that was started.
     branched: Vec<SampledSpectrum>,
-    front: Front,
-    /// What becomes the front.
-    next: Front,
+    active: ActivePaths,
+    /// The paths that are active next.
+    next: ActivePaths,
     hits: Vec<Option<Hit>>,
-    matt: MattSurfaces,
-    postponed: Postponed,
+    diffuse: DiffuseBatch,
+    queues: Queues,
     occluded: Vec<bool>,
     connections: Connections,
 }
 
-/// Paths that have not come to their ends, by their numbers, and where they go.
+/// The paths that go on: their indices and rays.
 #[derive(Default)]
-struct Front {
-    numbers: Vec<u32>,
+struct ActivePaths {
+    indices: Vec<u32>,
     rays: Vec<Ray>,
 }
 
-impl Front {
+impl ActivePaths {
     fn clear(&mut self) {
-        self.numbers.clear();
+        self.indices.clear();
         self.rays.clear();
     }
 
     #[inline]
-    fn push(&mut self, number: u32, ray: Ray) {
-        self.numbers.push(number);
+    fn push(&mut self, index: u32, ray: Ray) {
+        self.indices.push(index);
         self.rays.push(ray);
     }
 }
 
-/// Asks the memory for the corners of triangles that paths soon come to, and before that for where those are.
+/// Prefetches the corners of triangles that are needed soon, and before that the triangles.
 #[inline]
-fn ask_for_corners(geometry: &Geometry, hits: &[Option<Hit>]) {
-    const SOON: usize = 4;
-    if let Some(Some(hit)) = hits.get(2 * SOON) {
+fn prefetch_corners(geometry: &Geometry, hits: &[Option<Hit>]) {
+    const DISTANCE: usize = 4;
+    if let Some(Some(hit)) = hits.get(2 * DISTANCE) {
         geometry.prefetch_triangle(hit.triangle);
     }
-    if let Some(Some(hit)) = hits.get(SOON) {
+    if let Some(Some(hit)) = hits.get(DISTANCE) {
         geometry.prefetch_corners(hit.triangle);
     }
 }
 
-impl Wave {
-    /// Without paths.
-    pub(super) fn new(limits: PathLimits, odds: Odds) -> Self {
+impl Wavefront {
+    /// An empty wavefront.
+    pub(super) fn new(limits: PathLimits, mis_ratio: MisRatio) -> Self {
         assert!(limits.splitting > 0, "a path goes on as at least one");
         Self {
             limits,
-            odds,
+            mis_ratio,
             paths: Vec::new(),
             branched: Vec::new(),
-            front: Front::default(),
-            next: Front::default(),
+            active: ActivePaths::default(),
+            next: ActivePaths::default(),
             hits: Vec::new(),
-            matt: MattSurfaces::new(),
-            postponed: Postponed::default(),
+            diffuse: DiffuseBatch::new(),
+            queues: Queues::default(),
             occluded: Vec::new(),
             connections: Connections::default(),
         }
     }
 
-    /// Adds a path from the camera, with the numbers from a place on.
+    /// Adds a path from the camera, with the random numbers from a position on.
     #[inline]
-    pub(super) fn start(&mut self, ray: Ray, wavelengths: Wavelengths, place: SamplePlace, sharing: Sharing) {
-        self.front.push(self.paths.len() as u32, ray);
-        self.paths.push(Path::new(wavelengths, place, self.odds, sharing));
+    pub(super) fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition, sharing: Sharing) {
+        self.active.push(self.paths.len() as u32, ray);
+        self.paths.push(Path::new(wavelengths, position, self.mis_ratio, sharing));
     }
 
     /// Number of paths that were started, before they are traced.
@@ -110,38 +110,43 @@ impl Wave {
         self.paths.len()
     }
 
-    /// Traces all that were started to their ends.
+    /// Traces all paths that were started to their ends.
     pub(super) fn trace(&mut self, scene: &Scene, sampler: &mut Sampler) {
         let started_count = self.paths.len();
         if self.limits.max_depth == 0 {
-            self.front.clear();
+            self.active.clear();
         }
-        while !self.front.numbers.is_empty() {
+        // Advance from surface to surface until no path goes on
+        while !self.active.indices.is_empty() {
             self.advance(scene, sampler);
         }
+
+        // Sum the light of the branches of each path
         self.branched.clear();
         self.branched.resize(started_count, SampledSpectrum::ZERO);
         let (started, branches) = self.paths.split_at(started_count);
         for branch in branches {
-            let Some(origin) = branch.origin.map(|number| number as usize) else { continue };
+            let Some(origin) = branch.origin.map(|index| index as usize) else { continue };
             if branch.sharing != Sharing::Light {
                 self.branched[origin] += branch.arrived_at(&started[origin]);
             }
         }
+
+        // Connect first and second surfaces of the groups
         self.share(scene);
     }
 
-    /// Lets the paths of each group share what they have found.
+    /// Connects the first and second surfaces of each group, and adds the light of the connections.
     fn share(&mut self, scene: &Scene) {
-        let Self { paths, branched, postponed: Postponed { firsts, seconds, before, .. }, connections, .. } = self;
+        let Self { paths, branched, queues: Queues { firsts, seconds, before, .. }, connections, .. } = self;
         for (origin, light) in before.drain(..) {
             branched[origin as usize] += light;
         }
-        // Those of one group stay in the order of their paths.
+        // A stable sort: the surfaces of one group stay in the order of their paths.
         firsts.sort_by_key(|first| first.group);
         seconds.sort_by_key(|second| second.group);
-        let light = |number: usize| {
-            let second = &seconds[number];
+        let light = |index: usize| {
+            let second = &seconds[index];
             paths[second.branch as usize].arrived_at(&paths[second.origin as usize])
         };
         connections.share(scene, (firsts, seconds), light, |path, light| branched[path as usize] += light);
@@ -149,53 +154,61 @@ impl Wave {
         seconds.clear();
     }
 
-    /// All paths that go on, from one surface to the next.
+    /// Advances all active paths from one surface to the next.
     fn advance(&mut self, scene: &Scene, sampler: &mut Sampler) {
-        let Self { limits, paths, front, next, hits, matt, postponed, .. } = self;
-        scene.closest_each(&front.rays, hits);
-        let looks_ahead = scene.geometry().exceeds_caches();
-        for (i, ((&number, ray), hit)) in front.numbers.iter().zip(&front.rays).zip(&*hits).enumerate() {
-            if looks_ahead {
-                ask_for_corners(scene.geometry(), &hits[i..]);
+        let Self { limits, paths, active, next, hits, diffuse, queues, .. } = self;
+        // Intersect the rays of all paths
+        scene.closest_each(&active.rays, hits);
+
+        // Advance each path at its surface, those on diffuse surfaces in batches
+        let mut tracing = Tracing { scene, limits, sampler, queues };
+        let prefetches = scene.geometry().exceeds_caches();
+        for (i, ((&index, ray), hit)) in active.indices.iter().zip(&active.rays).zip(&*hits).enumerate() {
+            if prefetches {
+                prefetch_corners(scene.geometry(), &hits[i..]);
             }
-            let path = &mut paths[number as usize];
-            if matt.take(number, path, (ray, hit.as_ref()), scene, limits) {
-                if matt.is_full() {
-                    matt.advance(paths, scene, limits, sampler, postponed, |number, ray| next.push(number, ray));
+            let path = &mut paths[index as usize];
+            if diffuse.push(index, path, ray, hit.as_ref(), &tracing) {
+                if diffuse.is_full() {
+                    diffuse.advance(paths, &mut tracing, |index, ray| next.push(index, ray));
                 }
-            } else if let Some(ray) = path.advance(number, (ray, *hit), scene, limits, sampler, postponed) {
-                next.push(number, ray);
+            } else if let Some(ray) = path.advance(index, ray, *hit, &mut tracing) {
+                next.push(index, ray);
             }
         }
-        matt.advance(paths, scene, limits, sampler, postponed, |number, ray| next.push(number, ray));
-        for (path, ray) in postponed.branches.drain(..) {
+        diffuse.advance(paths, &mut tracing, |index, ray| next.push(index, ray));
+
+        // Add the branches of paths that have split
+        for (path, ray) in queues.branches.drain(..) {
             next.push(paths.len() as u32, ray);
             paths.push(path);
         }
-        front.clear();
-        std::mem::swap(front, next);
-        self.light_up(scene);
+        active.clear();
+        std::mem::swap(active, next);
+
+        // Trace the shadow rays
+        self.trace_shadow_rays(scene);
     }
 
-    /// Gives light that nothing is in the way of to its paths.
-    fn light_up(&mut self, scene: &Scene) {
-        let Self { paths, postponed: Postponed { shadow_rays, lights, .. }, occluded, .. } = self;
+    /// Adds the contributions of the shadow rays that are not occluded to their paths.
+    fn trace_shadow_rays(&mut self, scene: &Scene) {
+        let Self { paths, queues: Queues { shadow_rays, contributions, .. }, occluded, .. } = self;
         scene.occluded_each(shadow_rays, occluded);
-        for ((number, light), occluded) in lights.drain(..).zip(&*occluded) {
+        for ((index, light), occluded) in contributions.drain(..).zip(&*occluded) {
             if !occluded {
-                paths[number as usize].light += light;
+                paths[index as usize].light += light;
             }
         }
         shadow_rays.clear();
     }
 
-    /// What has arrived along a path that was started, and with which wavelengths.
-    pub(super) fn arrived(&self, number: usize) -> (SampledSpectrum, &Wavelengths) {
-        let Path { light, wavelengths, .. } = &self.paths[number];
-        (*light + self.branched[number] * (1.0 / self.limits.splitting as f32), wavelengths)
+    /// The radiance that has arrived along a path that was started, and its wavelengths.
+    pub(super) fn arrived(&self, index: usize) -> (SampledSpectrum, &Wavelengths) {
+        let Path { light, wavelengths, .. } = &self.paths[index];
+        (*light + self.branched[index] * (1.0 / self.limits.splitting as f32), wavelengths)
     }
 
-    /// Makes room for other paths.
+    /// Removes all paths.
     pub(super) fn clear(&mut self) {
         self.paths.clear();
     }
@@ -217,15 +230,15 @@ mod tests {
 
     /// Adds a mesh with a material of its own.
     fn add(scene: &mut SceneDescription, material: MaterialDescription, mesh: MeshDescription) {
-        let (name, number) = (material.name.clone(), scene.materials.len());
+        let (name, index) = (material.name.clone(), scene.materials.len());
         scene.materials.push(material);
-        scene.meshes.push(MeshDescription { name: name.clone(), material: number, ..mesh });
+        scene.meshes.push(MeshDescription { name: name.clone(), material: index, ..mesh });
         let to_world = DAffine3::IDENTITY;
-        scene.instances.push(InstanceDescription { name, mesh: number, to_world, later: vec![] });
+        scene.instances.push(InstanceDescription { name, mesh: index, to_world, later: vec![] });
     }
 
-    /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere, with a lamp and a light
-    /// without extent. The floor's shading normals lean, in parts below what is seen.
+    /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere, with a lamp and
+    /// a light without extent. The floor's shading normals lean, in parts below what is seen.
     fn scene() -> Scene {
         let mut scene = SceneDescription {
             environment: Some(EnvironmentDescription::Constant {
@@ -315,33 +328,37 @@ mod tests {
             (SamplerKind::Independent, 3, 12),
         ] {
             let limits = PathLimits { max_depth, roulette_depth: 3, splitting };
-            let mut wave = Wave::new(limits, Odds::NONE);
-            // The second wave is smaller, and nothing of the first may be left in it.
+            let mut wavefront = Wavefront::new(limits, MisRatio::NONE);
+            // The second wavefront is smaller, and nothing of the first may be left in it.
             for count in [40, 7] {
                 let mut sampler = Sampler::new(kind, 5);
-                let start = |sampler: &mut Sampler, number: u32| {
-                    sampler.start(u64::from(number / 20), number);
+                let start = |sampler: &mut Sampler, index: u32| {
+                    sampler.start(u64::from(index / 20), index);
                     let [x, y] = sampler.next_2d();
                     let target = Vec3::new(2.4 * x - 1.2, 2.4 * y - 1.2, 0.2);
                     let ray =
-                        Ray::new(Vec3::new(0.3, -0.2, 1.2), target.normalize() * (1.0 - 2.0 * (number % 2) as f32));
+                        Ray::new(Vec3::new(0.3, -0.2, 1.2), target.normalize() * (1.0 - 2.0 * (index % 2) as f32));
                     (ray, Wavelengths::new([450.0, 520.0, 590.0, 660.0], [0.01; 4]))
                 };
-                for number in 0..count {
-                    let (ray, wavelengths) = start(&mut sampler, number);
-                    wave.start(ray, wavelengths, sampler.place(), Sharing::Nothing);
+                for index in 0..count {
+                    let (ray, wavelengths) = start(&mut sampler, index);
+                    wavefront.start(ray, wavelengths, sampler.position(), Sharing::Nothing);
                 }
-                wave.trace(&scene, &mut sampler);
+                wavefront.trace(&scene, &mut sampler);
                 let mut lit = 0;
-                for number in 0..count {
+                for index in 0..count {
                     let mut alone = Sampler::new(kind, 5);
-                    let (ray, mut wavelengths) = start(&mut alone, number);
+                    let (ray, mut wavelengths) = start(&mut alone, index);
                     let light = radiance(&scene, ray, &mut wavelengths, &mut alone, limits);
-                    assert_eq!(wave.arrived(number as usize), (light, &wavelengths), "{kind:?}, {limits:?}, {number}");
+                    assert_eq!(
+                        wavefront.arrived(index as usize),
+                        (light, &wavelengths),
+                        "{kind:?}, {limits:?}, {index}"
+                    );
                     lit += u32::from(!light.is_black());
                 }
                 assert_eq!(lit > 0, max_depth > 0, "{limits:?}");
-                wave.clear();
+                wavefront.clear();
             }
         }
     }

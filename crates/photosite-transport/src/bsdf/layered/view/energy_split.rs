@@ -22,7 +22,7 @@ impl View<'_> {
                 .as_ref()
                 .map_or((0.0, None), |(row, hidden)| (row.directional(w.z), Some(hidden.directional(w.z)))),
             glass: tables.glass.as_ref().map_or([1.0; 2], |row| row.directional(w)),
-            film_glass: tables.film_glass.as_ref().map(|row| row.directional(w.z)),
+            thin_film_glass: tables.thin_film_glass.as_ref().map(|row| row.directional(w.z)),
         }
     }
 
@@ -39,12 +39,12 @@ impl View<'_> {
                 .map_or((0.0, None), |(row, hidden)| (weight * row.mean().at(COAT_F0), Some(hidden.mean()))),
             sheen: tables.sheen.as_ref().map_or((0.0, None), |(row, hidden)| (row.mean(), Some(hidden.mean()))),
             glass: tables.glass.as_ref().map_or([1.0; 2], GlassRow::mean),
-            film_glass: tables.film_glass.as_ref().map(FilmGlassRow::mean),
+            thin_film_glass: tables.thin_film_glass.as_ref().map(FilmGlassRow::mean),
         }
     }
 
     #[inline]
-    pub(super) fn share(&self, under: &Under) -> Share {
+    pub(super) fn energy_split(&self, under: &Under) -> EnergySplit {
         let layers = self.layers;
         let [scale, bias] = under.facets.parts();
         let schlick = layers.f0 * scale + SampledSpectrum::splat(bias);
@@ -61,7 +61,7 @@ impl View<'_> {
         if layers.coat.is_none() && layers.sheen.is_none() {
             let (left, left_by_white) = (at_least_zero(ONE - bare), at_least_zero(ONE - bare_white));
             let (dielectric, white) = (bare, bare_white);
-            return Share { coat: 0.0, sheen: ZERO, dielectric, white, left, left_by_white, left_by_glass };
+            return EnergySplit { coat: 0.0, sheen: ZERO, dielectric, white, left, left_by_white, left_by_glass };
         }
         let (coat, hidden_by_coat) = under.coat;
         let (sheen_albedo, hidden_by_sheen) = under.sheen;
@@ -76,7 +76,7 @@ impl View<'_> {
         let (dielectric, white) = (bare * let_through(layers.f0.mean()), bare_white * let_through(1.0));
         let sheen = colour * sheen_albedo;
         let below = (ONE - sheen) * (1.0 - coat);
-        Share {
+        EnergySplit {
             coat,
             sheen,
             dielectric,
@@ -92,7 +92,7 @@ impl View<'_> {
     fn left_by_glass(&self, under: &Under) -> [SampledSpectrum; 2] {
         let bare = under.glass.map(|bounced| SampledSpectrum::splat(1.0 - bounced));
         let (Some(film), Some([nodes, _]), Some(weights), Some(volume)) =
-            (self.layers.film, &self.film, under.film_glass, self.refracting)
+            (self.layers.film, &self.film, under.thin_film_glass, self.refracting)
         else {
             return bare.map(at_least_zero);
         };
@@ -159,7 +159,7 @@ impl View<'_> {
 
     /// f of what is left, between `wo` and a direction that sees `other`; `behind` says on which side.
     #[inline]
-    pub(super) fn base(&self, other: &Share, behind: bool) -> SampledSpectrum {
+    pub(super) fn base(&self, other: &EnergySplit, behind: bool) -> SampledSpectrum {
         let (seen, spread) = (&self.seen, &self.spread[usize::from(behind)]);
         let mut f = spread.coloured * seen.left * other.left + spread.white * seen.left_by_white * other.left_by_white;
         if self.refracting.is_some() {
@@ -178,13 +178,13 @@ impl View<'_> {
 
     /// What coat and sheen let through to the facets and back.
     #[inline]
-    pub(super) fn cover(&self, other: &Share) -> SampledSpectrum {
+    pub(super) fn cover(&self, other: &EnergySplit) -> SampledSpectrum {
         let sheen = SampledSpectrum(self.seen.sheen.0.max(other.sheen.0));
         (ONE - sheen) * (1.0 - self.seen.coat.max(other.coat))
     }
 }
 
-impl Share {
+impl EnergySplit {
     pub(super) const NOTHING: Self = Self {
         coat: 0.0,
         sheen: ZERO,

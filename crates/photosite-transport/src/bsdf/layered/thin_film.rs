@@ -1,13 +1,13 @@
 //! Thin films: how much a clear film on a surface reflects at each wavelength, with all interference.
 //!
 //! glTF's `KHR_materials_iridescence` approximates this in RGB; with a spectrum at hand Airy's sum is exact
-//! ([BornWolf99](photosite_core::references#bornwolf99) §7.6.1, eq. 15): for either polarisation, with the amplitude reflectances
-//! r₁ of air → film and r₂ of film → base and the phase δ = (4π/λ)·n·d·cos θ_f,
+//! ([BornWolf99](photosite_core::references#bornwolf99) §7.6.1, eq. 15): for either polarisation, with the amplitude
+//! reflectances r₁ of air → film and r₂ of film → base and the phase δ = (4π/λ)·n·d·cos θ_f,
 //!
 //! R = (r₁² + r₂² + 2r₁r₂·cos δ)/(1 + r₁²r₂² + 2r₁r₂·cos δ).
 //!
-//! As in the extension ("Material Interfaces") the base is known by its reflectance F₀ at normal incidence alone and gets
-//! the real index η = (1 + √F₀)/(1 − √F₀), metals too.
+//! As in the extension ("Material Interfaces") the base is known by its reflectance F₀ at normal incidence alone and
+//! gets the real index η = (1 + √F₀)/(1 − √F₀), metals too.
 
 use std::f32::consts::TAU;
 
@@ -17,7 +17,7 @@ use photosite_core::spectrum::SampledSpectrum;
 
 /// A clear film.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
+pub struct ThinFilm {
     /// How much of the surface has it, 0–1.
     pub weight: f32,
     /// Its refractive index, at least 1.
@@ -29,9 +29,9 @@ pub struct Film {
 /// The largest F₀ whose index is finite enough to compute with.
 const LARGEST_F0: f32 = 0.9999;
 
-impl Film {
-    /// The reflectance of the film on a base of reflectance `f0` at normal incidence (without it), for light that arrives
-    /// from air at the cosine `cos`, averaged over both polarisations.
+impl ThinFilm {
+    /// The reflectance of the film on a base of reflectance `f0` at normal incidence (without it), for light that
+    /// arrives from air at the cosine `cos`, averaged over both polarisations.
     #[inline]
     pub fn reflectance(&self, cos: f32, f0: SampledSpectrum) -> SampledSpectrum {
         let root = f0.0.clamp(Vec4::ZERO, Vec4::splat(LARGEST_F0)).sqrt();

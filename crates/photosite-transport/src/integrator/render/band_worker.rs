@@ -1,0 +1,249 @@
+//! One band of rows, filled by one thread: camera rays are generated batch by batch, traced as wavefronts, and what
+//! arrives is added to the film.
+
+use std::ops::Range;
+
+use glam::DVec2;
+
+use super::{PATHS_PER_REPORT, Tracer, WAVEFRONT_PATHS, hull};
+use crate::film::FilmBand;
+use crate::integrator::light_paths::{LightTracer, Splat, Splats};
+use crate::integrator::mis_ratio::MisRatio;
+use crate::integrator::path::Sharing;
+use crate::integrator::wavefront::Wavefront;
+use crate::optics::{CameraRay, CameraSample};
+use crate::sampler::{SamplePosition, Sampler};
+use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
+
+/// Camera rays of samples of one pixel, before they are generated.
+#[derive(Default)]
+struct CameraRayBatch {
+    samples: Vec<CameraSample>,
+    /// The random numbers that choose the wavelengths.
+    u_wavelengths: Vec<f32>,
+    wavelengths: Vec<Wavelengths>,
+    /// Position of the sampler after these numbers, and what the path shares.
+    starts: Vec<(SamplePosition, Sharing)>,
+}
+
+impl CameraRayBatch {
+    fn clear(&mut self) {
+        self.samples.clear();
+        self.u_wavelengths.clear();
+        self.wavelengths.clear();
+        self.starts.clear();
+    }
+}
+
+/// Where the light of a path from the camera goes.
+struct PixelTarget<'a> {
+    /// Index of the pixel in the band.
+    pixel: usize,
+    /// Transmittance of the lens times the weight of the camera ray.
+    transmitted: SampledSpectrum,
+    /// What paths from lights bring to the same sample.
+    splats: &'a [Splat],
+}
+
+/// Adds samples to a band.
+pub(super) struct BandWorker<'a, 'f> {
+    tracer: &'a Tracer<'a>,
+    band: FilmBand<'f>,
+    /// Index of the first pixel of the band in the film.
+    first_pixel: usize,
+    /// Width of the film, and the row of the picture that its first row is.
+    width: usize,
+    first_row: usize,
+    /// Number of samples that a pixel of the film shall have.
+    wanted: &'a (dyn Fn(usize) -> u32 + Sync),
+    splats: &'a Splats,
+    sampler: Sampler,
+    /// Paths of a wavefront without their branches.
+    max_paths: u32,
+    wavefront: Wavefront,
+    /// One target for each path of the wavefront.
+    targets: Vec<PixelTarget<'a>>,
+    batch: CameraRayBatch,
+    /// Pixels of the current block with the samples that they lack.
+    missing: Vec<(usize, Range<u32>)>,
+    /// Random numbers for the wavelengths of the samples of a batch, where pixels share them.
+    u_wavelengths: Vec<f32>,
+    /// Number of groups of paths that share, so far.
+    groups: u32,
+    /// Number of paths since the last report.
+    paths: u64,
+}
+
+impl<'a, 'f> BandWorker<'a, 'f> {
+    /// A worker for the band whose first pixel is `first_pixel` of a film of that width and first row.
+    pub(super) fn new(
+        tracer: &'a Tracer<'a>,
+        band: FilmBand<'f>,
+        first_pixel: usize,
+        [width, first_row]: [usize; 2],
+        wanted: &'a (dyn Fn(usize) -> u32 + Sync),
+        splats: &'a Splats,
+    ) -> Self {
+        let mis_ratio = tracer.light_tracer.as_ref().map_or(MisRatio::NONE, LightTracer::mis_ratio);
+        let max_paths = (WAVEFRONT_PATHS / tracer.limits.splitting.max(1)).max(1);
+        Self {
+            tracer,
+            band,
+            first_pixel,
+            width,
+            first_row,
+            wanted,
+            splats,
+            sampler: Sampler::new(tracer.job.settings.sampler, tracer.seed),
+            max_paths,
+            wavefront: Wavefront::new(tracer.limits, mis_ratio),
+            targets: Vec::with_capacity(max_paths as usize),
+            batch: CameraRayBatch::default(),
+            missing: Vec::new(),
+            u_wavelengths: Vec::new(),
+            groups: 0,
+            paths: 0,
+        }
+    }
+
+    /// Adds all missing samples of the band, block by block of so many columns.
+    pub(super) fn fill(mut self, block_columns: usize) {
+        for first_column in (0..self.width).step_by(block_columns) {
+            // Pixels that share their paths get all of this pass or nothing.
+            if self.tracer.go_on().is_break() {
+                break;
+            }
+            self.add_block(first_column..self.width.min(first_column + block_columns), block_columns);
+            self.tracer.report_paths(&mut self.paths, PATHS_PER_REPORT);
+        }
+        self.flush();
+        self.tracer.report_paths(&mut self.paths, 1);
+    }
+
+    /// Column and row in the picture of a pixel of the band.
+    fn position(&self, pixel: usize) -> [usize; 2] {
+        [pixel % self.width, self.first_row + (self.first_pixel + pixel) / self.width]
+    }
+
+    /// Adds the missing samples of the pixels in some columns.
+    fn add_block(&mut self, columns: Range<usize>, block_columns: usize) {
+        // Collect the missing samples
+        let Self { band, wanted, first_pixel, missing, .. } = self;
+        let pixels = (0..band.pixels()).step_by(self.width).flat_map(|row| columns.clone().map(move |x| row + x));
+        missing.clear();
+        missing.extend(pixels.map(|pixel| (pixel, band.samples(pixel)..wanted(*first_pixel + pixel))));
+        let all = hull(missing.iter().map(|(_, missing)| missing.clone()));
+
+        // Start their paths, batch by batch of as many samples of each pixel as a wavefront holds
+        let block_size = block_columns * self.tracer.block_size()[1];
+        let samples = (self.max_paths / block_size as u32).max(1);
+        for start in all.clone().step_by(samples as usize) {
+            let indices = start..all.end.min(start + samples);
+            if self.wavefront.len() + self.missing.len() * indices.len() > self.max_paths as usize {
+                self.flush();
+            }
+            self.start_batch(columns.start, indices, block_size > 1);
+        }
+    }
+
+    /// Starts the paths of some samples of all pixels of the block. Those of one sample share their wavelengths if
+    /// `shares`.
+    fn start_batch(&mut self, first_column: usize, indices: Range<u32>, shares: bool) {
+        if shares {
+            let first_sample = self.tracer.job.settings.samples().start;
+            let position = self.position(first_column);
+            let samples = indices.clone().map(|index| first_sample + index);
+            let u = samples.map(|sample| self.tracer.wavelength_number(position, sample, &mut self.sampler));
+            self.u_wavelengths.clear();
+            self.u_wavelengths.extend(u);
+        }
+        for i in 0..self.missing.len() {
+            let (pixel, ref missing) = self.missing[i];
+            let own = missing.start.max(indices.start)..missing.end.min(indices.end);
+            self.prepare(pixel, own.clone(), indices.start);
+            self.generate(pixel, own.start);
+            self.paths += own.len() as u64;
+        }
+        self.groups += indices.len() as u32;
+    }
+
+    /// Draws the camera samples and wavelengths of samples of a pixel, in a batch whose first sample is `batch_start`.
+    fn prepare(&mut self, pixel: usize, indices: Range<u32>, batch_start: u32) {
+        let position = self.position(pixel);
+        let Self { tracer, sampler, batch, u_wavelengths, groups, .. } = self;
+        let camera = tracer.job.camera;
+        let first_sample = tracer.job.settings.samples().start;
+        let (sequence, first_index) = tracer.order.place(position.map(|n| n as u32));
+        batch.clear();
+        for index in indices {
+            sampler.start(sequence, first_index + first_sample + index);
+
+            // Sample the pixel and the aperture
+            let within = sampler.next_2d();
+            let aperture = if camera.has_aperture() {
+                sampler.next_2d()
+            } else {
+                sampler.skip();
+                [0.0; 2]
+            };
+
+            // Sample the wavelengths; pixels that share have the same
+            let u_own = sampler.next_1d();
+            let in_batch = (index - batch_start) as usize;
+            let (u, sharing) = match u_wavelengths.get(in_batch) {
+                Some(&u) => (u, Sharing::Group(*groups + in_batch as u32)),
+                None => (u_own, Sharing::Nothing),
+            };
+
+            // Sample the time and the point spread, of cameras that have them only: the samples of others stay what
+            // they are
+            let time = if camera.moves() { sampler.next_1d() } else { 0.0 };
+            let spread = if camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
+
+            let pixel = DVec2::from_array(position.map(|n| n as f64)) + DVec2::from_array(within.map(f64::from));
+            batch.samples.push(CameraSample { pixel, aperture, time, spread });
+            batch.u_wavelengths.push(u);
+            batch.starts.push((sampler.position(), sharing));
+        }
+        let wavelengths = tracer.wavelengths.at(position[0], position[1]);
+        batch.wavelengths.extend(batch.u_wavelengths.iter().map(|&u| wavelengths.sample(u)));
+        if tracer.has_single_wavelengths {
+            batch.wavelengths.iter_mut().for_each(Wavelengths::terminate_secondary);
+        }
+    }
+
+    /// Generates the camera rays of the batch, and adds their paths to the wavefront.
+    fn generate(&mut self, pixel: usize, first_index: u32) {
+        let Self { tracer, batch, wavefront, targets, band, splats, .. } = self;
+        let CameraRayBatch { samples, wavelengths, starts, .. } = batch;
+        let first_sample = tracer.job.settings.samples().start + first_index;
+        tracer.job.camera.generate_each(samples, wavelengths, |i, wavelengths, ray| {
+            let splats = splats.of(self.first_pixel + pixel, first_sample + i as u32);
+            let Some((CameraRay { ray, weight }, weights)) = ray else {
+                // The lens sees nothing: the sample is what paths from lights bring
+                band.add(pixel, [splats.iter().map(Splat::light)]);
+                return;
+            };
+            let (position, sharing) = starts[i];
+            wavefront.start(ray, *wavelengths, position, sharing);
+            let transmitted = tracer.spectra.sample(tracer.transmittance, wavelengths) * weights * weight;
+            targets.push(PixelTarget { pixel, transmitted, splats });
+        });
+    }
+
+    /// Traces the paths of the wavefront, and adds what arrives along each to its pixel.
+    fn flush(&mut self) {
+        let Self { tracer, wavefront, targets, sampler, band, .. } = self;
+        wavefront.trace(tracer.job.scene, sampler);
+        let mut paths = 0..;
+        for samples in targets.chunk_by(|a, b| a.pixel == b.pixel) {
+            let arrived = samples.iter().zip(&mut paths).map(|(PixelTarget { transmitted, splats, .. }, path)| {
+                let (light, wavelengths) = wavefront.arrived(path);
+                splats.iter().map(Splat::light).chain([(light * *transmitted, wavelengths)])
+            });
+            band.add(samples[0].pixel, arrived);
+        }
+        targets.clear();
+        wavefront.clear();
+    }
+}
