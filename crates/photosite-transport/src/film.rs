@@ -15,7 +15,6 @@ use glam::Vec4;
 use photosite_core::image::{Channel, Estimate, Planes};
 use photosite_core::math::double_double::{DoubleDouble, DoubleDoubles};
 use photosite_core::spectrum::{LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
-use photosite_simd::with_widest_registers;
 
 /// A response function with the name of the plane that it fills.
 #[derive(Clone, Debug)]
@@ -296,13 +295,8 @@ impl FilmBand<'_> {
     }
 }
 
-with_widest_registers! {
-    fn add_values(sums: &mut [Sums], groups: usize, values: &[Vec4]) -> () = add_values_inline
-}
-
 /// Adds values of several samples, group by group, to the sums of the channels: four channels side by side.
-#[inline(always)]
-fn add_values_inline(sums: &mut [Sums], groups: usize, values: &[Vec4]) {
+fn add_values(sums: &mut [Sums], groups: usize, values: &[Vec4]) {
     for (group, sums) in sums.chunks_mut(4).enumerate() {
         let mut all = [Sums::default(); 4];
         all[..sums.len()].copy_from_slice(sums);

@@ -65,7 +65,7 @@ fn material(source: &CaptureSource, path: &str, node: &Node) -> Result<MaterialT
         let (first, second) = (Box::new(part("first")?), Box::new(part("second")?));
         Ok(MixTable { first, second, rest: source.read_node(path, &node)? })
     };
-    Ok(MaterialTable::Typed(TypedMaterialTable::read(kind, source, path, node, mix)?))
+    Ok(MaterialTable::Typed(Box::new(TypedMaterialTable::read(kind, source, path, node, mix)?)))
 }
 
 /// A material of a mix.
@@ -79,7 +79,7 @@ fn mixed(source: &CaptureSource, path: &str, key: &str, node: Option<Node>) -> R
         return Err(source.error(Invalid::new(path, "expected a table").help(HELP)));
     }
     match material(source, &path, &node)? {
-        MaterialTable::Typed(table) => Ok(table),
+        MaterialTable::Typed(table) => Ok(*table),
         MaterialTable::Kept(_) => Err(source.error(Invalid::new(path, "the key `type` is missing").help(HELP))),
     }
 }

@@ -113,12 +113,6 @@ impl Reach {
         Self { angle, end, radius, sure_cos: angle.cos() + 1e-9 }
     }
 
-    /// Directions whose cosine from the axis is above this are seen.
-    #[inline]
-    pub fn sure_cos(&self) -> f64 {
-        self.sure_cos
-    }
-
     /// Whether a unit direction is seen. The angle itself is asked for close to the end only, as it costs much.
     #[inline]
     fn sees(&self, d: DVec3) -> bool {

@@ -3,7 +3,7 @@
 //! Camera space is that of glTF: x right, y up, the camera looks along −z, the origin is the centre of the lens. The
 //! sensor stands at z = +v, where the picture lies upside down.
 
-mod several;
+mod sample;
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
 
@@ -16,7 +16,7 @@ use crate::geometry::Ray;
 use photosite_core::Invalid;
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
-pub use several::CameraSample;
+pub use sample::CameraSample;
 
 /// The grid of pixels behind the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,7 +17,7 @@ use crate::{Invalid, Result};
 #[schemars(untagged)]
 pub(crate) enum MaterialTable {
     /// A material described anew.
-    Typed(TypedMaterialTable),
+    Typed(Box<TypedMaterialTable>),
     /// The geometry's own material with changes.
     Kept(KeptTable),
 }

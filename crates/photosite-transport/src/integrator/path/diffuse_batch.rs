@@ -181,11 +181,7 @@ impl DiffuseBatch {
                 let reflectance = arrival.reflectance(tracing.scene, &path.wavelengths);
 
                 // Queue the shadow ray of the light sample
-                if let Some((ray, light)) = self.direct_light(lane, reflectance, path, &points, &direct, tracing.scene)
-                {
-                    tracing.queues.shadow_rays.push(ray);
-                    tracing.queues.contributions.push((arrival.index, light));
-                }
+                self.queue_shadow_ray(lane, reflectance, path, &points, &direct, tracing);
 
                 // Update the throughput with f·cos/pdf
                 if !has_lane(scattered.continues, lane) {
@@ -242,20 +238,22 @@ impl DiffuseBatch {
         }
     }
 
-    /// The shadow ray of a lane's light sample, and what the path gathers if nothing occludes it.
+    /// Queues the shadow ray of a lane's light sample with what the path gathers if nothing occludes it. Into the queue
+    /// at once: copying a ray that was just written in parts would wait for that to reach the memory.
     #[inline]
-    fn direct_light(
+    fn queue_shadow_ray(
         &self,
         lane: usize,
         reflectance: SampledSpectrum,
         path: &Path,
         points: &SurfacePoints,
         direct: &DirectLight,
-        scene: &Scene,
-    ) -> Option<(Ray, SampledSpectrum)> {
+        tracing: &mut Tracing<'_>,
+    ) {
+        let &mut Tracing { scene, ref mut queues, .. } = tracing;
         let arrival = &self.arrivals[lane];
         if !has_lane(self.samples.has_light, lane) {
-            return None;
+            return;
         }
         let light = self.samples.lights[lane];
         let Some((emitter, _)) = scene.lights().static_triangle_light(light) else {
@@ -263,26 +261,29 @@ impl DiffuseBatch {
             let [rest, v] = self.samples.u_light.map(|u| u[lane]);
             let choice = Choice { light, probability: self.samples.probability[lane], rest };
             let (ctx, time) = (points.light_sample_context(lane), arrival.ray.time);
-            let light = scene.sample_chosen_light(&choice, &ctx, time, v, &path.wavelengths)?;
+            let Some(light) = scene.sample_chosen_light(&choice, &ctx, time, v, &path.wavelengths) else { return };
             let point = arrival.point(lane, points, scene);
             let frame = Frame::from_normal(points.normal.get(lane));
             let shading = Shading { frame, bsdf: Bsdf::Diffuse(Diffuse { reflectance }) };
             let vertex = Vertex::new(arrival.hit.t, &point, &shading, self.hits.wo.get(lane));
-            let (ray, light) = path.direct_light(scene, &vertex, &light)?;
-            return Some((ray, path.throughput * light));
+            if let Some((ray, light)) = path.direct_light(scene, &vertex, &light) {
+                queues.shadow_rays.push(ray);
+                queues.contributions.push((arrival.index, path.throughput * light));
+            }
+            return;
         };
         if !has_lane(direct.is_lit, lane) {
-            return None;
+            return;
         }
         let barycentric = direct.barycentric.map(|weights| weights[lane]);
         let radiance = scene.emitted_radiance(emitter, barycentric, &path.wavelengths);
         let contribution = radiance * (reflectance * FRAC_1_PI) * direct.cos_over_pdf[lane];
         if contribution.is_black() {
-            return None;
+            return;
         }
         let (origin, direction) = (direct.shadow_origin.get(lane), direct.shadow_direction.get(lane));
-        let ray = Ray { origin, direction, t_max: 1.0, time: arrival.ray.time };
-        Some((ray, path.throughput * (contribution * direct.weight[lane])))
+        queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time: arrival.ray.time });
+        queues.contributions.push((arrival.index, path.throughput * (contribution * direct.weight[lane])));
     }
 }
 
@@ -382,7 +383,11 @@ fn interpolate_points_in<L: Lanes>(hits: &Hits) -> SurfacePoints {
 }
 
 with_widest_lanes! {
-    fn evaluate_direct_light(points: &SurfacePoints, wo: &Vectors, samples: &LightSamples) -> DirectLight = evaluate_direct_light_in
+    fn evaluate_direct_light(
+        points: &SurfacePoints,
+        wo: &Vectors,
+        samples: &LightSamples,
+    ) -> DirectLight = evaluate_direct_light_in
 }
 
 #[inline(always)]
@@ -412,7 +417,11 @@ fn evaluate_direct_light_in<L: Lanes>(points: &SurfacePoints, wo: &Vectors, samp
 }
 
 with_widest_lanes! {
-    fn sample_directions(points: &SurfacePoints, wo: &Vectors, u: &[[f32; WIDTH]; 2]) -> ScatteredRays = sample_directions_in
+    fn sample_directions(
+        points: &SurfacePoints,
+        wo: &Vectors,
+        u: &[[f32; WIDTH]; 2],
+    ) -> ScatteredRays = sample_directions_in
 }
 
 #[inline(always)]
