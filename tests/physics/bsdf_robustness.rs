@@ -71,6 +71,8 @@ fn samples_are_finite_and_not_negative_at_the_ends_of_the_unit_interval() {
                 // Radiance changes by η² on its way into another medium, power does not. Lobes are chosen by the mean
                 // over the lanes.
                 let power = sample.throughput() * (sample.eta * sample.eta);
+                // A guard against weights that grow without bound, no more; `bsdf_energy` and `bsdf_sampling` test
+                // their mean.
                 assert!(power.is_finite() && power.mean() <= 10.0, "{name}");
                 assert!(sample.wi.is_finite() && (sample.wi.length() - 1.0).abs() < 1e-5, "{name}");
             }

@@ -1,5 +1,7 @@
-//! LightTables without a surface that do more than shine alike in all directions: projectors, measured profiles, lamps that move.
+//! Lights without a surface that do more than shine alike in all directions: projectors, measured profiles, lights that
+//! move.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
@@ -86,24 +88,36 @@ fn the_whole_flux_arrives(#[case] radius_m: f64, #[case] focus_distance_m: f64) 
         let u = [(i as f32 * 0.754_877_7).fract(), (i as f32 * 0.569_840_3).fract()];
         flux += irradiance(&scene, Vec3::new(x, y, -2.0), Vec3::Z, 0.0, u) * f64::from(side * side);
     }
-    // Cells at the border of the picture, 1 in 150 of its width, are in or out: about 1/(150·√(2·350)) if by chance, at most
-    // half a cell of 350 and one of 240 where the border runs along them.
+    // Cells at the border of the picture, 1 in 150 of its width, are in or out: about 1/(150·√(2·350)) if by chance, at
+    // most half a cell of 350 and one of 240 where the border runs along them.
     assert!((flux - 1.0).abs() < 0.5 / 350.0 + 0.5 / 240.0, "{flux}");
 }
 
 #[test]
 fn what_is_in_focus_is_sharp_and_what_is_not_is_blurred_by_the_opening() {
-    // The edge of the slide's left half. At the distance d of a wall and f of the focus the opening of radius r spreads it
-    // by ±r·|1 − d/f|.
+    // The edge of the slide's left half. At the distance d of a wall and f of the focus the opening of radius r spreads
+    // it by ±r·|1 − d/f|.
     let scene = lamp(projector(|i| i % 16 < 8, 0.05, 1.0), DAffine3::IDENTITY, Vec::new());
     let edge = |depth: f64| place(&DAffine3::IDENTITY, [8.0, 9.0], depth);
+    const CELLS: u16 = 64;
     let lit = |depth: f64, aside: f32| {
-        let us = (0..64u16).map(|i| [f32::from(i % 8) / 8.0 + 0.06, f32::from(i / 8) / 8.0 + 0.06]);
-        us.filter(|&u| irradiance(&scene, edge(depth) + Vec3::X * aside, Vec3::Z, 0.0, u) > 0.0).count()
+        let at = |i: u16| (f32::from(i) + 0.5) / f32::from(CELLS);
+        let us = (0..CELLS * CELLS).map(|i| [at(i % CELLS), at(i / CELLS)]);
+        let lit = us.filter(|&u| irradiance(&scene, edge(depth) + Vec3::X * aside, Vec3::Z, 0.0, u) > 0.0).count();
+        lit as f64 / f64::from(CELLS * CELLS)
     };
-    assert_eq!([lit(1.0, -0.001), lit(1.0, 0.001)], [64, 0]);
-    assert_eq!([lit(2.0, -0.051), lit(2.0, 0.051)], [64, 0]);
-    assert!((20..45).contains(&lit(2.0, 0.0)) && lit(2.0, 0.04) > 0 && lit(2.0, -0.04) < 64);
+    assert_eq!([lit(1.0, -0.001), lit(1.0, 0.001)], [1.0, 0.0]);
+    assert_eq!([lit(2.0, -0.051), lit(2.0, 0.051)], [1.0, 0.0]);
+    for aside in [-0.04f32, -0.02, 0.0, 0.01, 0.03, 0.04] {
+        // From a wall twice as far as the focus an opening's points on one side of x = −aside see the lit half: the
+        // segment of a disk, (arccos t − t·√(1 − t²))/π with t = x/r.
+        let t = f64::from(aside) / 0.05;
+        let expected = (t.acos() - t * (1.0 - t * t).sqrt()) / PI;
+        // Cells have equal areas of the opening, and a chord cuts at most two in each of their rows: half of them
+        // wrong.
+        let found = lit(2.0, aside);
+        assert!((found - expected).abs() < 1.0 / f64::from(CELLS), "{aside}: {found} is not {expected}");
+    }
 }
 
 #[test]

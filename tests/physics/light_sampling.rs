@@ -1,4 +1,4 @@
-//! Where points look for light, against the densities that say so, and against the light that they get from there.
+//! Light sampling: directions against their densities, and estimates against the light that arrives.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -34,7 +34,8 @@ fn sky(level: f64) -> EnvironmentDescription {
     EnvironmentDescription::Picture { image, level: PictureLevel::NitPerUnit(level), rotation_deg: 40.0 }
 }
 
-/// Density of the direction `wi` from the origin: that of the lamp met there, if it shines this way, and that of the sky.
+/// Density of the direction `wi` from the origin: that of the lamp met there, if it shines this way, and that of the
+/// sky.
 fn density(scene: &Scene, wi: Vec3) -> f64 {
     let of_lamp = scene.closest(&Ray::new(Vec3::ZERO, wi)).map_or(0.0, |hit| {
         let point = scene.point(&hit, 0.0);
@@ -45,8 +46,8 @@ fn density(scene: &Scene, wi: Vec3) -> f64 {
     f64::from(of_lamp + scene.lights().environment_pdf(&HERE, wi).0)
 }
 
-/// How many samples are expected in each bin, and in one more for those that find no light: the midpoint rule, since the
-/// edges of lamps and texels make jumps. A bin cut by an edge is off by less than a part in 48, most by far less.
+/// How many samples are expected in each bin, and in one more for those that find no light: the midpoint rule, since
+/// the edges of lamps and texels make jumps. A bin cut by an edge is off by less than a part in 48, most by far less.
 fn expectation(scene: &Scene) -> Vec<f64> {
     let n = 48;
     let at = |[low, high]: [f64; 2], i: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
@@ -92,23 +93,37 @@ fn directions_to_light_are_distributed_as_the_density_says() {
 }
 
 #[test]
-fn the_sky_is_looked_at_where_it_is_bright() {
+fn the_sky_is_sampled_where_it_is_bright() {
     let scene = Stage::default().surroundings(sky(1e3)).build();
-    // Luminance 51.4 in one texel of sin θ·(π/8)² sr, 0.2 elsewhere.
-    let sun: f64 = (0.2126 * 60.0 + 0.7152 * 50.0 + 0.0722 * 40.0) * (2.5 * PI / 8.0).sin() * (PI / 8.0).powi(2);
-    let part_of_sun = sun / (sun + 0.2 * 2.0 * TAU);
+    // By hand: a texel's weight is its luminance and the mean of that and those around, in equal parts, as far as it
+    // exceeds the mean of the sky, times the sine of its row. The sun is in row 2; e is the weight of the eight texels
+    // about it.
+    let sun = 0.2126 * 60.0 + 0.7152 * 50.0 + 0.0722 * 40.0;
+    let around = (sun + 8.0 * 0.2) / 9.0;
+    let sines: [f64; 8] = std::array::from_fn(|row| (PI * (row as f64 + 0.5) / 8.0).sin());
+    let [above, own, below] = [sines[1], sines[2], sines[3]];
+    let (sun, edge) = (0.5 * (sun + around), 0.5 * (0.2 + around));
+    let others = 16.0 * sines.iter().sum::<f64>();
+    let excess = (sun - 0.2) * own + (edge - 0.2) * (2.0 * own + 3.0 * (above + below));
+    let mean = 0.2 + excess / others;
+    let (c, e) = (sun - mean, edge - mean);
+    // Interpolation makes bright the sun's own texel, half of the four beside it and a quarter of the four at its
+    // corners.
+    let bright_weight = c * own + e * (own + 0.5 * (above + below) + 0.5 * (above + below));
+    let expected = bright_weight / (c * own + e * (2.0 * own + 3.0 * (above + below)));
     let mut uniform = Uniform::new(8);
     let n = 20_000;
     let mut bright = 0.0;
     for _ in 0..n {
         let (_, u) = uniform.lobe_and_direction();
         let sample = scene.sample_light(&HERE, 0.0, u, &lambda()).expect("the sky is everywhere");
-        bright += f64::from(u8::from(sample.radiance[2] > 1.5 * scene.environment_radiance(Vec3::NEG_Y, &lambda())[2]));
+        bright +=
+            f64::from(u8::from(sample.radiance[2] > 1.001 * scene.environment_radiance(Vec3::NEG_Y, &lambda())[2]));
     }
     let part = bright / f64::from(n);
-    // Half of a texel's weight is its own, the other half is spread over its neighbours, which interpolation makes bright
-    // in part. Uniform directions would find the four half-lit texels 5 times in 100.
-    assert!(part > 0.5 * part_of_sun, "{part} of the samples for {part_of_sun} of the light");
+    // Five standard errors. Uniform directions would find the bright area 5 times in 100.
+    let sigma = (expected * (1.0 - expected) / f64::from(n)).sqrt();
+    assert!((part - expected).abs() < 5.0 * sigma, "{part} of the samples, not {expected} ± {sigma}");
 }
 
 /// A point light of constant intensity, W·sr⁻¹·nm⁻¹.

@@ -1,5 +1,5 @@
-//! What is recorded of things that move, the camera or what it sees: the skew of a rolling shutter, motion blur, and the
-//! pictures of line cameras.
+//! What is recorded of things that move, the camera or what it sees: the skew of a rolling shutter, motion blur, and
+//! the pictures of line cameras.
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::integrator::{RenderSettings, WavelengthChoice};
@@ -128,9 +128,9 @@ fn assert_skewed(rows: &[Vec<f64>], row_time_s: f64, exposure_s: f64, speed_m_pe
     let (mean_x, mean_y) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
     let spread: f64 = pairs.iter().map(|p| (p.0 - mean_x).powi(2)).sum();
     let slope = pairs.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum::<f64>() / spread;
-    // 200 pixels a second · 1 ms · 120 rows = 24 pixels of skew. Were the 64 samples of the pixel at the edge independent,
-    // its coverage would have a standard deviation of up to 0.5/√64, and the slope that over √spread; a skew of 24 pixels
-    // over 120 rows makes a spread of 120·24²/12. 5 σ are 0.4 %.
+    // 200 pixels a second · 1 ms · 120 rows = 24 pixels of skew. Were the 64 samples of the pixel at the edge
+    // independent, its coverage would have a standard deviation of up to 0.5/√64, and the slope that over √spread; a
+    // skew of 24 pixels over 120 rows makes a spread of 120·24²/12. 5 σ are 0.4 %.
     let sigma = 0.5 / f64::from(SAMPLES).sqrt();
     assert!((spread / 5760.0 - 1.0).abs() < 0.1, "{spread}");
     assert!((slope - 1.0).abs() < 5.0 * sigma / spread.sqrt(), "the skew is {slope} of what it should be");
@@ -152,10 +152,10 @@ fn an_exposure_blurs_what_moves_over_its_way(#[case] is_lamp: bool) {
     assert_blurred(&coverage(&scene, &pinhole(-0.05).recording(at_rest(0.1, 0.0))));
 }
 
-/// An edge through the middle of the picture turns by a right angle. A point at the angle φ from where it starts is passed
-/// after the part φ/(π/2) of the time.
+/// An edge through the middle of the picture turns by a right angle. A point at the angle φ from where it starts is
+/// passed after the part φ/(π/2) of the time.
 #[rstest]
-// LightTables move on straight lines between their places: with 32 of them the arc is cut short by 1 − cos(π/128) = 0.03 %.
+// Lights move on straight lines between their places: with 32 of them the arc is cut short by 1 − cos(π/128) = 0.03 %.
 #[case::lamp(true, 32)]
 #[case::plate(false, 1)]
 fn what_turns_passes_every_angle_in_its_time(#[case] is_lamp: bool, #[case] parts: u32) {
@@ -209,7 +209,8 @@ fn later_pictures_are_taken_from_further_on() {
 
 #[test]
 fn a_line_camera_that_moves_makes_an_ellipse_of_a_circle() {
-    // A disk of radius 60 mm, 1 m away: 12 columns of 5 mm. The camera moves downwards by 2 mm from line to line: 30 lines.
+    // A disk of radius 60 mm, 1 m away: 12 columns of 5 mm. The camera moves downwards by 2 mm from line to line: 30
+    // lines.
     let (speed, line_time_s, radius) = (2.0, 1e-3, 0.06f32);
     let sectors: u16 = 720;
     let rim = |i: u16| {
@@ -243,12 +244,13 @@ fn a_line_camera_that_moves_makes_an_ellipse_of_a_circle() {
         (x2, y2, xy) = (x2 + part * x * x, y2 + part * y * y, xy + part * x * y);
     }
     let (x1, y1) = (x1 / area, y1 / area);
-    // An ellipse of semi-axes a, b has the area πab and the variances a²/4, b²/4. Pixels add those of a width of 1 column and
-    // of 2.5 lines.
+    // An ellipse of semi-axes a, b has the area πab and the variances a²/4, b²/4. Pixels add those of a width of 1
+    // column and of 2.5 lines.
     let (a, b) = (12.0, 30.0);
     let covered = std::f64::consts::PI * a * b;
     // Pixels at the rim, some 170 of them (two columns a line and what the ends have more), are wrong by up to 0.5/√64
-    // each: 0.8 of 1131 pixels, and of the variances 2·0.07 % as these are 4 · (1/4 at most) times the rim's weight. 5 σ.
+    // each: 0.8 of 1131 pixels, and of the variances 2·0.07 % as these are 4 · (1/4 at most) times the rim's weight. 5
+    // σ.
     assert!((area / covered - 1.0).abs() < 0.0036, "{area} of {covered}");
     let variances = [x2 / area - x1 * x1, y2 / area - y1 * y1];
     let expected = [a * a / 4.0 + 1.0 / 12.0, b * b / 4.0 + 2.5 * 2.5 / 12.0];

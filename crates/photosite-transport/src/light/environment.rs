@@ -241,7 +241,7 @@ mod tests {
         let (spectra, environment) = environment((3, 2), 30.0);
         let wavelengths = Wavelengths::new([550.0; 4], [1.0; 4]);
         let n = 128;
-        let (mut both, mut uniform) = (0.0, 0.0);
+        let (mut both, mut uniform, mut misjudged) = (0.0, 0.0, 0);
         // Both kinds of samples together, by the balance heuristic, against uniform ones alone.
         let of_both = |direction: Vec3| {
             let density = environment.pdf(direction).0 + 0.5 / TAU;
@@ -250,19 +250,23 @@ mod tests {
         for i in 0..n * n {
             let u = [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32];
             if let Some((direction, pdf)) = environment.sample(u) {
-                assert!((environment.pdf(direction).0 / pdf.0 - 1.0).abs() < 1e-2 || pdf.0 < 1e-4, "{direction}");
+                // sin θ from the direction, at 0.012 rad from the pole: 6e-8/0.012² = 4e-4.
+                misjudged += u32::from((environment.pdf(direction).0 / pdf.0 - 1.0).abs() > 1e-3);
                 both += of_both(direction);
             }
             let direction = warp::uniform_sphere(u);
             both += of_both(direction);
             uniform += environment.radiance(&spectra, direction, &wavelengths)[0] * 2.0 * TAU;
         }
+        // Rounding takes a direction across the edge of a texel: 6e-8 rad of 16 + 8 edges in 2π, below one sample of
+        // 128².
+        assert!(misjudged <= 1, "{misjudged} densities are not those of their directions");
         // Stratified grids: the piecewise bilinear peak is resolved by about 8 cells per texel with uniform sampling.
         assert!((both / uniform - 1.0).abs() < 0.02, "{both} {uniform}");
     }
 
     #[test]
-    fn an_even_light_is_not_looked_at_and_a_sun_is() {
+    fn only_what_exceeds_the_mean_of_the_sky_is_sampled() {
         let mut spectra = SpectrumTable::default();
         let radiance = spectra.add(&Spectrum::constant(1.0));
         assert_eq!(Environment::Constant { radiance }.excess(), 0.0);
@@ -271,12 +275,21 @@ mod tests {
         let of = |texels| EnvironmentPicture::new(grey(texels), radiance, 0.0).excess;
         assert_eq!(of(vec![[0.3; 3]; 32]), 0.0);
         assert_eq!(of(vec![[0.0; 3]; 32]), 0.0);
-        // Half of the sphere twice as bright as the mean: half of its light is in excess, but for interpolation at its
-        // edge.
+        // Half of the sphere twice as bright as the mean, 1/2. A texel counts with the mean of those around it in equal
+        // parts: of each row's eight two have 1 and two (1 + 2/3)/2. Their excess over all light, (2·1/2 + 2·1/3)/4.
         let half: Vec<[f32; 3]> = (0..32).map(|i| [f32::from(u8::from(i % 8 < 4)); 3]).collect();
-        assert!((of(half) - 0.5).abs() < 0.1);
+        assert!((of(half) - 5.0 / 12.0).abs() < 1e-6);
+        // A texel of 100 among such of 0.1, in row 2 of 8: the same for it and the eight around it.
         let (_, sunny) = environment((3, 2), 0.0);
-        assert!(sunny.excess() > 0.8, "{}", sunny.excess());
+        let sine = |row: usize| polar_angle(row, 8).sin();
+        let around = (100.0 + 8.0 * 0.1) / 9.0;
+        let (sun, edge) = (0.5 * (100.0 + around), 0.5 * (0.1 + around));
+        let at_edge = 2.0 * sine(2) + 3.0 * (sine(1) + sine(3));
+        let texels = 16.0 * (0..8).map(sine).sum::<f64>();
+        let all = 0.1 * texels + (sun - 0.1) * sine(2) + (edge - 0.1) * at_edge;
+        let mean = all / texels;
+        let expected = ((sun - mean) * sine(2) + (edge - mean) * at_edge) / all;
+        assert!((sunny.excess() - expected).abs() < 1e-6, "{} is not {expected}", sunny.excess());
     }
 
     #[test]
