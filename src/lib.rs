@@ -34,10 +34,18 @@
 //! - A [`scene::Scene`] is immutable once built: flat tables with `u32` handles.
 //! - No input file panics the program; what a user can cause is an [`Error`]. No output is half-written.
 
+pub mod capture;
+pub mod dataset;
 pub mod io;
+mod picture;
+pub mod pipeline;
+pub mod report;
 
+pub use capture::Capture;
 pub use photosite_calibration as calibration;
 pub use photosite_core::{Error, Invalid, Result};
 pub use photosite_core::{colour, error, image, math, projection, references, spectrum, units};
 pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, validation};
 pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};
+pub use picture::Picture;
+pub use pipeline::{Options, Shot, render};

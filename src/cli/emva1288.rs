@@ -4,21 +4,22 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use photosite::capture::read_named_sensor;
 use photosite::characterisation::{
     Descriptor, FlatField, OperatingPoint, Plan, Series, Shot, doubling_temperature, effects_left_out,
     expected_figures, quantum_efficiency,
 };
-use photosite::io::capture::read_named_sensor;
 use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageFormat, ImageSets, SetWriter, SpectralSet, ThermalSet};
 use photosite::io::lock::Lock;
 use photosite::io::output::{create_folder, write_unsynced};
 use photosite::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
+use photosite::pipeline::{Event, Monitor};
 use photosite::sensor::SensorModel;
 use photosite::units::{Celsius, Decibels, Seconds};
 use photosite::{Error, Invalid, Result};
 
 use super::figures_text::expected_text;
-use super::progress::Progress;
+use super::monitor::TerminalMonitor;
 use super::{print_json, println_out};
 
 /// Take the images that EMVA 1288 asks for, and tell what they must show.
@@ -130,15 +131,16 @@ pub(super) fn run(args: &Emva1288Args) -> Result<()> {
     }
     let folder = UnfinishedFolder::beside(&output, |_| false)?;
     let images = work.iter().map(Work::images).sum();
-    let progress = Progress::over_images(images, args.quiet || args.json);
+    let monitor = TerminalMonitor::new(args.quiet, args.json);
+    monitor.report(Event::SetBegins { pictures: images });
     let mut camera = Camera {
         sensor: &sensor,
         size,
         writer: SetWriter::new(folder.path(), args.format.into(), args.seed),
-        progress: &progress,
+        monitor: &monitor,
     };
     let channels = work.iter().map(|work| camera.take_channel(work)).collect::<Result<_>>()?;
-    progress.finish();
+    monitor.report(Event::SetEnds);
 
     let sets = ImageSets {
         photosite_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -271,7 +273,7 @@ struct Camera<'a> {
     sensor: &'a SensorModel,
     size: [usize; 2],
     writer: SetWriter,
-    progress: &'a Progress,
+    monitor: &'a TerminalMonitor,
 }
 
 impl Camera<'_> {
@@ -333,7 +335,7 @@ impl Camera<'_> {
     /// Takes the images of a set into the folder `set` and describes them.
     fn take_set(&mut self, descriptor: &str, set: &str, point: &OperatingPoint, shots: &[Shot]) -> Result<()> {
         let flat = FlatField::new(self.sensor, point, self.size);
-        let taken = || self.progress.advance(1);
+        let taken = || self.monitor.report(Event::PictureEnds);
         let series: Vec<Series> =
             shots.iter().map(|shot| self.writer.take(set, &flat, shot, &taken)).collect::<Result<_>>()?;
         let [width, height] = self.size;

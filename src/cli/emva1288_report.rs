@@ -6,11 +6,12 @@ use clap::Args;
 use photosite::characterisation::report::{ChannelReport, Report, SpectralPoint, ThermalPoint};
 use photosite::characterisation::{Figures, NotMeasured, doubling_temperature, evaluate, responsivity};
 use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
+use photosite::pipeline::{Event, Monitor};
 use photosite::{Invalid, Result};
 use serde::Serialize;
 
 use super::figures_text::measured_text;
-use super::progress::Progress;
+use super::monitor::TerminalMonitor;
 use super::{print_json, println_out, refuse_existing, rounded, write_result};
 
 /// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
@@ -95,15 +96,16 @@ fn of_folder(folder: &Path, quiet: bool) -> Result<Report> {
         return Err(Invalid::new("", format!("holds no {CONTENTS}")).help(help).in_file(folder));
     }
     let sets = ImageSets::read(folder)?;
-    let progress = Progress::over_images(image_count(folder, &sets), quiet);
+    let monitor = TerminalMonitor::new(quiet, false);
+    monitor.report(Event::SetBegins { pictures: image_count(folder, &sets) });
     let mut channels = Vec::new();
     let mut bits = 0;
     for channel in &sets.channels {
-        let (report, its_bits) = of_channel(folder, channel, &progress)?;
+        let (report, its_bits) = of_channel(folder, channel, &monitor)?;
         channels.push(report);
         bits = its_bits;
     }
-    progress.finish();
+    monitor.report(Event::SetEnds);
     let mut conditions = conditions(sets.size_px, bits);
     conditions.push(("Gain".to_owned(), format!("{} dB", sets.gain_db)));
     conditions.push(("Seed".to_owned(), sets.seed.to_string()));
@@ -134,8 +136,8 @@ fn conditions([width, height]: [usize; 2], bits: u32) -> Vec<(String, String)> {
     ]
 }
 
-fn of_channel(folder: &Path, sets: &ChannelSets, progress: &Progress) -> Result<(ChannelReport, u32)> {
-    let taken = || progress.advance(1);
+fn of_channel(folder: &Path, sets: &ChannelSets, monitor: &TerminalMonitor) -> Result<(ChannelReport, u32)> {
+    let taken = || monitor.report(Event::PictureEnds);
     let read = |path: &str| read_set(&folder.join(path), &taken);
     let title = format!(
         "Channel {} at {} nm and {} °C",

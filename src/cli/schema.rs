@@ -9,7 +9,7 @@ use super::println_out;
 pub(super) struct SchemaArgs {}
 
 pub(super) fn run(_: &SchemaArgs) -> photosite::Result<()> {
-    let schema = photosite::io::capture::capture_schema();
+    let schema = photosite::capture::capture_schema();
     // The layout of the copy that ships, which other tools write, too.
     println_out(&serde_json::to_string_pretty(&schema).expect("a schema has string keys and finite numbers"))
 }

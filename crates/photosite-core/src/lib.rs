@@ -4,11 +4,13 @@
 //!
 //! SI units throughout, wavelengths in nanometres.
 
+pub mod cleanup;
 pub mod colour;
 pub mod error;
 pub mod image;
 pub mod json;
 pub mod math;
+pub mod output;
 pub mod projection;
 pub mod references;
 pub mod spectrum;
