@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::overrides::shown;
-use super::read_text;
 use super::source::CaptureSource;
+use super::source::shown;
+use super::text_file::read_text;
 use crate::calibration::dataset::DatasetDescription;
 use crate::{Error, Invalid, Result};
 

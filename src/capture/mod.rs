@@ -29,6 +29,7 @@ mod dataset;
 mod develop;
 mod file;
 mod framing;
+mod input;
 mod lens;
 mod light;
 mod material;
@@ -43,14 +44,15 @@ mod sensor;
 mod settings;
 mod source;
 mod stored;
+mod stored_report;
 mod tables;
 mod target;
+mod text_file;
 mod tree;
 
 #[cfg(test)]
 mod tests;
 
-use std::fs;
 use std::path::Path;
 
 use glam::DAffine3;
@@ -59,18 +61,18 @@ use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
 use crate::optics::{LensDescription, Recording};
-use crate::report::REPORT;
 use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
-use crate::{Error, Invalid, Result};
+use crate::{Invalid, Result};
 use photosite_core::warnings::Warnings;
 
 use camera::place_camera;
 use colour::Finder;
-use relocate::relocate;
+use input::{focus_on_scene, is_scene_file, read_source};
+use relocate::keys_of;
 pub use relocate::{real_path, relative_path};
 use scene::ReadScene;
-use sensor::{close_sensor, sensor_model};
+use sensor::sensor_model;
 use tables::CaptureFile;
 use target::place_targets;
 
@@ -79,11 +81,12 @@ pub use develop::read_develop_settings;
 pub use schema::capture_schema;
 pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{
-    Bracket, ExposureSettings, ExposureTime, NextPicture, NoiseOutput, OutputSettings, RawFormat, SpectralBands,
-    TruthOutput,
+    Bracket, ExposureSettings, ExposureTime, NextPicture, NoiseOutput, OutputSettings, SpectralBands, TruthOutput,
 };
 pub use source::CaptureSource;
-pub use stored::{StoredCapture, StoredReport};
+pub use stored::StoredCapture;
+pub use stored_report::StoredReport;
+pub use tables::RawFormat;
 pub use target::read_target;
 
 /// Everything that a capture file, the files it names and the command line say.
@@ -260,61 +263,4 @@ impl Capture {
             source: source.clone(),
         })
     }
-}
-
-/// All keys of a capture, with paths relative to the folder `to`.
-fn keys_of(source: &CaptureSource, sensor: &str, to: &Path) -> Result<serde_json::Value> {
-    let mut keys: serde_json::Value = source.read_whole()?;
-    close_sensor(&mut keys["sensor"], sensor);
-    for (section, value) in keys.as_object_mut().into_iter().flatten() {
-        // Curves of the sensor, which may come from a file of its own, are relative to the current folder already.
-        let from = if section == "sensor" { None } else { source.path().parent() };
-        relocate(value, from.unwrap_or(Path::new("")), to);
-    }
-    Ok(keys)
-}
-
-/// What a path holds: a capture file, a report of one that was rendered, or a scene file that stands for one.
-fn read_source(path: &Path) -> Result<CaptureSource> {
-    if is_scene_file(path) {
-        fs::metadata(path).map_err(|reason| Error::io(path, "read", reason))?;
-        return Ok(CaptureSource::of_scene_file(path));
-    }
-    let is_of_kind = |kind: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(kind));
-    if is_of_kind("json") {
-        return Ok(StoredReport::read(path)?.source(path));
-    }
-    let source = CaptureSource::parse(path, read_text(path)?);
-    // Syntax errors help nobody who gave a file of another kind.
-    if is_of_kind("toml") { source } else { source.map_err(|_| unknown_kind(path)) }
-}
-
-/// Focuses the lens on the middle of a scene that stands for a capture, unless something says otherwise.
-fn focus_on_scene(source: &mut CaptureSource) {
-    let is_said = ["lens.focus_distance_m", "lens.autofocus_px"].iter().any(|key| source.has(key));
-    let is_pinhole = source.get("lens.type").and_then(tree::Node::as_str) == Some("pinhole");
-    if !is_said && !is_pinhole {
-        source.set_default("lens", "focus_distance_m", &lens::ON_SCENE.into());
-    }
-}
-
-/// Whether a path names a file of geometry rather than a capture file.
-fn is_scene_file(path: &Path) -> bool {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    matches!(extension.as_deref(), Some("gltf" | "glb" | "obj"))
-}
-
-fn read_text(path: &Path) -> Result<String> {
-    if path.is_dir() {
-        let name = if path.join(REPORT).exists() { REPORT } else { "capture.toml" };
-        let help = format!("give the capture file in it, for example {}", path.join(name).display());
-        return Err(Invalid::new("", "is a folder").help(help).in_file(path));
-    }
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
-    String::from_utf8(bytes).map_err(|_| unknown_kind(path))
-}
-
-fn unknown_kind(path: &Path) -> Error {
-    let invalid = Invalid::new("", "is neither TOML nor a scene of a known kind");
-    invalid.help("give a capture file (.toml) or a scene (.gltf, .glb, .obj)").in_file(path)
 }

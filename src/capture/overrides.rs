@@ -2,7 +2,7 @@
 
 use toml::de::DeValue;
 
-use super::source::CaptureSource;
+use super::source::{CaptureSource, shown};
 use crate::{Error, Result};
 
 /// Lays `key=value` over the values of a capture file. The key is a path of keys, where elements of arrays are numbered
@@ -105,15 +105,6 @@ fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &st
         return Err(wrong(format!("{value:?} is neither a TOML value nor a word")));
     };
     source.set(argument, toml)
-}
-
-/// An argument as messages name it. What is longer than a line is cut: its key is what tells it from others.
-pub(super) fn shown(argument: &str) -> String {
-    const LONGEST: usize = 80;
-    match argument.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("--set {}…", &argument[..end]),
-        None => format!("--set {argument}"),
-    }
 }
 
 /// Words, names and paths, that need no quotes to be told from TOML.

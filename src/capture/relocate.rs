@@ -4,6 +4,10 @@ use std::path::{Component, Path, PathBuf, absolute};
 
 use serde_json::Value;
 
+use super::sensor::close_sensor;
+use super::source::CaptureSource;
+use crate::Result;
+
 /// Keys whose text is the path of a file.
 const PATHS: [&str; 3] = ["file", "image", "texture"];
 
@@ -69,6 +73,18 @@ fn whole(path: &Path) -> Option<PathBuf> {
         }
     }
     Some(whole)
+}
+
+/// All keys of a capture, with paths relative to the folder `to`.
+pub(super) fn keys_of(source: &CaptureSource, sensor: &str, to: &Path) -> Result<serde_json::Value> {
+    let mut keys: serde_json::Value = source.read_whole()?;
+    close_sensor(&mut keys["sensor"], sensor);
+    for (section, value) in keys.as_object_mut().into_iter().flatten() {
+        // Curves of the sensor, which may come from a file of its own, are relative to the current folder already.
+        let from = if section == "sensor" { None } else { source.path().parent() };
+        relocate(value, from.unwrap_or(Path::new("")), to);
+    }
+    Ok(keys)
 }
 
 #[cfg(test)]

@@ -316,7 +316,7 @@ fn seen_from(folder: &Path, text: &str) -> String {
 }
 
 #[cfg(test)]
-mod folder_tests {
+mod tests {
     use super::*;
 
     #[test]

@@ -3,12 +3,10 @@
 use std::time::Duration;
 
 use glam::DAffine3;
-use schemars::JsonSchema;
-use serde::Deserialize;
 
 use super::tables::{
-    ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
-    SamplerName, TruthSource, WavelengthsName,
+    ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RawFormat,
+    RenderTable, SamplerName, TruthSource, WavelengthsName,
 };
 use crate::Invalid;
 use crate::calibration::truth::TruthLayer;
@@ -159,22 +157,6 @@ pub struct NoiseOutput {
     pub maps: Vec<NoiseMap>,
     /// The formats of each.
     pub formats: Vec<NoiseFormat>,
-}
-
-/// Formats of raw pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum RawFormat {
-    /// Digital negative.
-    Dng,
-    /// 16-bit TIFF of the digital numbers.
-    Tiff,
-    /// 16-bit PGM of the digital numbers, or PPM where every pixel has three channels.
-    Pgm,
-    /// NumPy array of the digital numbers.
-    Npy,
-    /// OpenEXR picture of the digital numbers as 32-bit floats.
-    Exr,
 }
 
 /// Spectral bands of equal width next to each other.

@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 
 use serde::de::{DeserializeOwned, DeserializeSeed};
 
-use super::overrides::shown;
 use super::reader::{ReadError, Reader};
 use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
 use crate::{Error, Invalid, Result};
@@ -255,5 +254,14 @@ impl CaptureSource {
             Origin::Nothing => invalid.in_file(&self.path),
             Origin::Argument(argument) => invalid.in_file(shown(argument).as_ref()),
         }
+    }
+}
+
+/// An argument as messages name it. What is longer than a line is cut: its key is what tells it from others.
+pub(super) fn shown(argument: &str) -> String {
+    const LONGEST: usize = 80;
+    match argument.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("--set {}…", &argument[..end]),
+        None => format!("--set {argument}"),
     }
 }

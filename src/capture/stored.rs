@@ -10,13 +10,15 @@ use serde_json::{Value, json};
 use super::colour::Finder;
 use super::file::refuse_unknown_sections;
 use super::lens::describe_lens;
+use super::relocate::keys_of;
 use super::sensor::{read_sensor, sensor_model};
-use super::source::CaptureSource;
+use super::settings::{ExposureSettings, OutputSettings};
+use super::source::{CaptureSource, shown};
+use super::stored_report::StoredReport;
 use super::tables::{LensTable, SECTIONS};
-use super::{ExposureSettings, OutputSettings, develop, keys_of, overrides, read_text, settings};
+use super::{develop, overrides, settings};
 use crate::develop::DevelopSettings;
 use crate::optics::{Focus, LensDescription};
-use crate::report::Report;
 use crate::sensor::SensorModel;
 use crate::{Error, Invalid, Result};
 use photosite_core::warnings::Warnings;
@@ -40,29 +42,6 @@ pub struct StoredCapture {
     pub warnings: Vec<String>,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
-}
-
-/// A report with the text that it was read from, in which errors are placed.
-#[derive(Debug)]
-pub struct StoredReport {
-    text: String,
-    /// What it says.
-    pub report: Report,
-}
-
-impl StoredReport {
-    /// Reads `capture.json`.
-    pub fn read(path: &Path) -> Result<Self> {
-        let text = read_text(path)?;
-        let report = Report::of_json(path, text.as_bytes())?;
-        Ok(Self { text, report })
-    }
-
-    /// The values of the capture that was rendered, of a report at this path.
-    pub(super) fn source(&self, path: &Path) -> CaptureSource {
-        let Report { capture, sensor, .. } = &self.report;
-        CaptureSource::of_report(path, self.text.clone(), capture, &sensor.name)
-    }
 }
 
 impl StoredCapture {
@@ -131,7 +110,7 @@ fn check(path: &Path, arguments: &[String]) -> Result<()> {
         // An unknown table gets its own message later.
         let is_known = SECTIONS.iter().any(|section| one.get(section).is_some());
         if is_known && !is_open {
-            let shown = overrides::shown(argument);
+            let shown = shown(argument);
             return Err(Error::Usage {
                 message: format!("{shown}: the light is traced already, and this cannot change it any more"),
                 help: Some("set keys of sensor, exposure, develop or output, or render again".to_owned()),

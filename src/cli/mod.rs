@@ -3,7 +3,7 @@
 
 mod camera;
 mod compare;
-mod compare_text;
+mod compare_report;
 mod dataset;
 mod develop;
 mod develop_args;

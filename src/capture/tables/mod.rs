@@ -33,6 +33,7 @@ pub(super) use material::{
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable, SphereTable};
+pub use settings::RawFormat;
 pub(super) use settings::{
     ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
     SamplerName, TruthSource, WavelengthsName,

@@ -4,7 +4,6 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::calibration::truth::TruthLayer;
-use crate::capture::settings::RawFormat;
 use crate::develop::RawLayout;
 use crate::io::noise_maps::NoiseFormat;
 use crate::io::truth::TruthFormat;
@@ -245,4 +244,20 @@ pub(crate) enum IrradianceSource {
 pub(crate) struct Bands {
     /// First edge, last edge and width of the bands, nm.
     pub(crate) bands_nm: [f64; 3],
+}
+
+/// Formats of raw pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RawFormat {
+    /// Digital negative.
+    Dng,
+    /// 16-bit TIFF of the digital numbers.
+    Tiff,
+    /// 16-bit PGM of the digital numbers, or PPM where every pixel has three channels.
+    Pgm,
+    /// NumPy array of the digital numbers.
+    Npy,
+    /// OpenEXR picture of the digital numbers as 32-bit floats.
+    Exr,
 }

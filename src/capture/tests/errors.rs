@@ -2,6 +2,8 @@
 
 use rstest::rstest;
 
+use crate::Error;
+
 use super::*;
 
 /// What is wrong, on which line of the capture file after the three of `room`, and what the message must contain.

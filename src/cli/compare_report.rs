@@ -1,8 +1,51 @@
-//! What `photosite compare` says to people.
+//! What `photosite compare` says: to programs as JSON, to people as text.
 
 use photosite::validation::{ChannelDifference, Comparison, PixelDifference, Verdict, ZScores};
 
-use super::compare::{FileReport, Report, Untested};
+use serde::Serialize;
+
+/// The object that `--json` prints.
+#[derive(Serialize)]
+pub(super) struct Report {
+    pub(super) a: FileReport,
+    pub(super) b: FileReport,
+    #[serde(flatten)]
+    pub(super) comparison: Comparison,
+    /// "agree", "differ", or "not judged" without variances and limits.
+    pub(super) outcome: &'static str,
+    /// Why the pictures differ.
+    pub(super) failures: Vec<String>,
+    /// What noise cannot be asked about.
+    pub(super) untested: Vec<Untested>,
+    pub(super) picture: Option<PictureReport>,
+}
+
+/// A picture that was compared.
+#[derive(Serialize)]
+pub(super) struct FileReport {
+    pub(super) file: String,
+    /// `null` where the file does not say.
+    pub(super) unit: Option<String>,
+    pub(super) channels: Vec<String>,
+    pub(super) variances: bool,
+}
+
+/// Channels that cannot be tested against noise.
+#[derive(Serialize)]
+pub(super) struct Untested {
+    pub(super) channels: Vec<String>,
+    pub(super) missing: String,
+    pub(super) help: String,
+}
+
+/// The picture that was written.
+#[derive(Serialize)]
+pub(super) struct PictureReport {
+    pub(super) file: String,
+    pub(super) shows: &'static str,
+    /// The ends of its colours lie at ± this.
+    pub(super) range: f64,
+}
 
 /// The report as text.
 pub(super) fn text(report: &Report) -> String {
