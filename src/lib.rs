@@ -36,6 +36,7 @@
 
 pub mod capture;
 pub mod dataset;
+pub mod emva1288;
 pub mod io;
 mod picture;
 pub mod pipeline;

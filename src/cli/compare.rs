@@ -13,7 +13,6 @@ use photosite::validation::{
     ChannelDifference, Comparison, FalseColour, Limits, Picture, Settings, VarianceOf, compare, failures, false_colour,
 };
 use photosite::{Error, Invalid, Result};
-use serde::Serialize;
 
 use super::compare_report::{FileReport, PictureReport, Report, Untested, text};
 use super::{print_json, println_out, refuse_existing};
