@@ -306,7 +306,7 @@ impl ImageReport {
             camera_matrix: camera_matrix(intrinsics),
             projection: projection.name(),
             distortion: projection.coefficients(),
-            xi: mirror_parameter(projection),
+            xi: projection.xi(),
             is_resampled,
         }
     }
@@ -315,18 +315,6 @@ impl ImageReport {
 /// Row by row, with pixel centres at whole numbers.
 fn camera_matrix(&Intrinsics { fx, fy, cx, cy, skew }: &Intrinsics) -> [[f64; 3]; 3] {
     [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]]
-}
-
-fn mirror_parameter(projection: &Projection) -> Option<f64> {
-    match *projection {
-        Projection::Omnidirectional { xi, .. } => Some(xi),
-        Projection::Perspective
-        | Projection::BrownConrady(_)
-        | Projection::Polynomial { .. }
-        | Projection::Division { .. }
-        | Projection::KannalaBrandt { .. }
-        | Projection::Equirectangular => None,
-    }
 }
 
 impl CameraReport {
@@ -346,7 +334,7 @@ impl CameraReport {
             camera_matrix: camera_matrix(&camera.intrinsics()),
             projection: lens.projection.name(),
             distortion: lens.projection.coefficients(),
-            xi: mirror_parameter(&lens.projection),
+            xi: lens.projection.xi(),
             field_of_view: FieldOfViewReport::new(&camera.field_of_view()),
             pose_time_s: recording.map(Recording::middle_s),
             rotation: rows(rotation),
