@@ -3,6 +3,7 @@
 use super::tables::{DistortionModel, DistortionTable, LensTable, ProjectionName};
 use crate::Invalid;
 use crate::optics::{BrownConrady, Projection};
+use photosite_core::projection::FisheyeLaw;
 
 pub(super) fn projection(table: &LensTable) -> Result<Projection, Invalid> {
     let distortion = table.distortion.as_ref();
@@ -22,48 +23,65 @@ pub(super) fn projection(table: &LensTable) -> Result<Projection, Invalid> {
         None => BrownConrady::default(),
     };
     let BrownConrady { k, .. } = coefficients;
-    match (name, model) {
-        (ProjectionName::Perspective, DistortionModel::None) => Ok(Projection::Perspective),
-        (ProjectionName::Perspective, DistortionModel::BrownConrady) => Ok(Projection::BrownConrady(coefficients)),
-        (ProjectionName::Perspective, DistortionModel::Polynomial) => Ok(Projection::Polynomial { k: [k[0], k[1]] }),
-        (ProjectionName::Perspective, DistortionModel::Division) => Ok(Projection::Division { lambda: k[0] }),
-        (ProjectionName::Fisheye, DistortionModel::None | DistortionModel::KannalaBrandt) => {
-            Ok(Projection::KannalaBrandt { k: [k[0], k[1], k[2], k[3]] })
-        }
-        (ProjectionName::Equirectangular, DistortionModel::None) => Ok(Projection::Equirectangular),
-        (ProjectionName::Omnidirectional, DistortionModel::None | DistortionModel::BrownConrady) => {
-            let xi = table.xi.ok_or_else(|| {
-                Invalid::new("", "the key `xi` is missing").help("write the mirror parameter, for example xi = 1.2")
-            })?;
-            if !(xi.is_finite() && xi >= 0.0) {
-                return Err(Invalid::new("xi", format!("must be 0 or more, got {xi}")));
+    let undistorted = |projection: Projection, what: &str| match model {
+        DistortionModel::None => Ok(projection),
+        DistortionModel::BrownConrady
+        | DistortionModel::Polynomial
+        | DistortionModel::Division
+        | DistortionModel::KannalaBrandt => Err(misfit(&format!("{what} has no distortion"))),
+    };
+    let law = |law: FisheyeLaw, name: &str| {
+        undistorted(Projection::ClassicalFisheye(law), &format!("the {name} fisheye follows its law exactly and"))
+            .map_err(|invalid| {
+                invalid
+                    .help("remove lens.distortion, or write projection = \"fisheye\" with model = \"kannala-brandt\"")
+            })
+    };
+    match name {
+        ProjectionName::Perspective => match model {
+            DistortionModel::None => Ok(Projection::Perspective),
+            DistortionModel::BrownConrady => Ok(Projection::BrownConrady(coefficients)),
+            DistortionModel::Polynomial => Ok(Projection::Polynomial { k: [k[0], k[1]] }),
+            DistortionModel::Division => Ok(Projection::Division { lambda: k[0] }),
+            DistortionModel::KannalaBrandt => {
+                Err(misfit("kannala-brandt is the distortion of a fisheye").help("write projection = \"fisheye\""))
             }
-            if k[2..] != [0.0; 4] || coefficients.s != [0.0; 4] {
-                let message = "an omnidirectional lens has k₁, k₂, p₁ and p₂ only";
-                return Err(Invalid::new("distortion", message).help("write k = [k1, k2] and p = [p1, p2]"));
+        },
+        ProjectionName::Fisheye => match model {
+            DistortionModel::None | DistortionModel::KannalaBrandt => {
+                Ok(Projection::KannalaBrandt { k: [k[0], k[1], k[2], k[3]] })
             }
-            Ok(Projection::Omnidirectional { xi, distortion: coefficients })
-        }
-        (ProjectionName::Perspective, DistortionModel::KannalaBrandt) => {
-            Err(misfit("kannala-brandt is the distortion of a fisheye").help("write projection = \"fisheye\""))
-        }
-        (
-            ProjectionName::Fisheye,
-            DistortionModel::BrownConrady | DistortionModel::Polynomial | DistortionModel::Division,
-        ) => Err(misfit("a fisheye has no such distortion")
-            .help("write model = \"kannala-brandt\" with k = [k1, k2, k3, k4]")),
-        (
-            ProjectionName::Equirectangular,
-            DistortionModel::BrownConrady
-            | DistortionModel::Polynomial
-            | DistortionModel::Division
-            | DistortionModel::KannalaBrandt,
-        ) => Err(misfit("an equirectangular panorama has no distortion").help("remove lens.distortion")),
-        (
-            ProjectionName::Omnidirectional,
-            DistortionModel::Polynomial | DistortionModel::Division | DistortionModel::KannalaBrandt,
-        ) => Err(misfit("an omnidirectional lens has no such distortion").help("write model = \"brown-conrady\"")),
+            DistortionModel::BrownConrady | DistortionModel::Polynomial | DistortionModel::Division => {
+                Err(misfit("a fisheye has no such distortion")
+                    .help("write model = \"kannala-brandt\" with k = [k1, k2, k3, k4]"))
+            }
+        },
+        ProjectionName::Equisolid => law(FisheyeLaw::Equisolid, "equisolid"),
+        ProjectionName::Stereographic => law(FisheyeLaw::Stereographic, "stereographic"),
+        ProjectionName::Orthographic => law(FisheyeLaw::Orthographic, "orthographic"),
+        ProjectionName::Equirectangular => undistorted(Projection::Equirectangular, "an equirectangular panorama")
+            .map_err(|invalid| invalid.help("remove lens.distortion")),
+        ProjectionName::Omnidirectional => match model {
+            DistortionModel::None | DistortionModel::BrownConrady => omnidirectional(table.xi, coefficients),
+            DistortionModel::Polynomial | DistortionModel::Division | DistortionModel::KannalaBrandt => {
+                Err(misfit("an omnidirectional lens has no such distortion").help("write model = \"brown-conrady\""))
+            }
+        },
     }
+}
+
+fn omnidirectional(xi: Option<f64>, distortion: BrownConrady) -> Result<Projection, Invalid> {
+    let xi = xi.ok_or_else(|| {
+        Invalid::new("", "the key `xi` is missing").help("write the mirror parameter, for example xi = 1.2")
+    })?;
+    if !(xi.is_finite() && xi >= 0.0) {
+        return Err(Invalid::new("xi", format!("must be 0 or more, got {xi}")));
+    }
+    if distortion.k[2..] != [0.0; 4] || distortion.s != [0.0; 4] {
+        let message = "an omnidirectional lens has k₁, k₂, p₁ and p₂ only";
+        return Err(Invalid::new("distortion", message).help("write k = [k1, k2] and p = [p1, p2]"));
+    }
+    Ok(Projection::Omnidirectional { xi, distortion })
 }
 
 fn misfit(message: &str) -> Invalid {

@@ -4,6 +4,8 @@ pub mod developed;
 pub mod electrons;
 pub mod exr;
 pub mod film_file;
+#[cfg(all(test, target_os = "linux"))]
+mod full_disk_tests;
 mod icc;
 pub mod image_sets;
 pub mod light_rows;

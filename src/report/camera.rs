@@ -73,18 +73,6 @@ pub(super) fn camera_matrix(&Intrinsics { fx, fy, cx, cy, skew }: &Intrinsics) -
     [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]]
 }
 
-pub(super) fn mirror_parameter(projection: &Projection) -> Option<f64> {
-    match *projection {
-        Projection::Omnidirectional { xi, .. } => Some(xi),
-        Projection::Perspective
-        | Projection::BrownConrady(_)
-        | Projection::Polynomial { .. }
-        | Projection::Division { .. }
-        | Projection::KannalaBrandt { .. }
-        | Projection::Equirectangular => None,
-    }
-}
-
 impl CameraReport {
     /// `camera` stands still, where it does halfway through the recording.
     pub fn new(
@@ -100,7 +88,7 @@ impl CameraReport {
             camera_matrix: camera_matrix(&camera.intrinsics()),
             projection: lens.projection.name().to_owned(),
             distortion: lens.projection.coefficients(),
-            xi: mirror_parameter(&lens.projection),
+            xi: lens.projection.xi(),
             field_of_view: FieldOfViewReport::new(&camera.field_of_view()),
             pose_time_s: recording.map(Recording::middle_s),
             rotation: rows(rotation),

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::camera::{camera_matrix, mirror_parameter};
+use super::camera::camera_matrix;
 use crate::optics::{Intrinsics, Projection};
 
 /// The camera that `image.png` is a picture of, in the same conventions: that of `camera`, where the distortion of the lens is left in,
@@ -43,7 +43,7 @@ impl ImageReport {
             camera_matrix: camera_matrix(intrinsics),
             projection: projection.name().to_owned(),
             distortion: projection.coefficients(),
-            xi: mirror_parameter(projection),
+            xi: projection.xi(),
             is_resampled,
         }
     }

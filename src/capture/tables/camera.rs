@@ -147,6 +147,12 @@ pub(crate) enum ProjectionName {
     Perspective,
     /// The radius is the angle from the axis, but for the distortion (Kannala and Brandt; OpenCV's fisheye).
     Fisheye,
+    /// A fisheye whose radius is 2f·sin(θ/2) at the angle θ from the axis: equal solid angles are equal areas.
+    Equisolid,
+    /// A fisheye whose radius is 2f·tan(θ/2): small circles stay circles.
+    Stereographic,
+    /// A fisheye whose radius is f·sin θ; it sees a half-space.
+    Orthographic,
     /// A panorama of longitude and latitude.
     Equirectangular,
     /// The unified model of mirrors and fisheyes, with xi (Mei and Rives; OpenCV's omnidir).

@@ -72,7 +72,7 @@ mod tests {
         let mut random = Philox::new(7, 0);
         for cfa in ["mono", "full:RGB", "RGGB"] {
             let cfa = Cfa::parse(cfa).expect("known");
-            let data = (0..12 * cfa.samples_per_pixel() as u16).map(|i| i * 3_000).collect();
+            let data = (0..12 * cfa.samples_per_pixel() as u16).map(|i| i.wrapping_mul(3_000)).collect();
             let raw = RawImage { width: 4, height: 3, data, cfa, ..RawImage::default() };
             let [mut dng, mut tiff, mut pgm, mut npy] = [const { Vec::new() }; 4];
             write_dng(&raw, Cursor::new(&mut dng)).expect("written");
