@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use super::sensor::read_sensor;
 use super::source::CaptureSource;
 use super::tables::{
-    CaptureFile, LightTable, LightType, MaterialTable, MaterialType, MixTable, PlacementTable, SECTIONS, TargetTable,
+    CaptureFile, LightTable, LightType, MaterialTable, MixTable, PlacementTable, SECTIONS, TargetTable,
     TypedMaterialTable,
 };
 use super::tree::{Node, Value};
@@ -58,24 +58,14 @@ fn materials(source: &CaptureSource) -> Result<BTreeMap<String, MaterialTable>> 
 }
 
 fn material(source: &CaptureSource, path: &str, node: &Node) -> Result<MaterialTable> {
-    let (kind, mut node) = split_type(source, path, node)?;
-    Ok(MaterialTable::Typed(match kind {
-        None => return Ok(MaterialTable::Kept(source.read_node(path, &node)?)),
-        Some(MaterialType::Diffuse) => TypedMaterialTable::Diffuse(source.read_node(path, &node)?),
-        Some(MaterialType::Conductor) => TypedMaterialTable::Conductor(source.read_node(path, &node)?),
-        Some(MaterialType::Dielectric) => TypedMaterialTable::Dielectric(source.read_node(path, &node)?),
-        Some(MaterialType::MetallicRoughness) => TypedMaterialTable::MetallicRoughness(source.read_node(path, &node)?),
-        Some(MaterialType::OrenNayar) => TypedMaterialTable::OrenNayar(source.read_node(path, &node)?),
-        Some(MaterialType::Plastic) => TypedMaterialTable::Plastic(source.read_node(path, &node)?),
-        Some(MaterialType::ThinDielectric) => TypedMaterialTable::ThinDielectric(source.read_node(path, &node)?),
-        Some(MaterialType::Translucent) => TypedMaterialTable::Translucent(source.read_node(path, &node)?),
-        Some(MaterialType::Phong) => TypedMaterialTable::Phong(source.read_node(path, &node)?),
-        Some(MaterialType::Mix) => {
-            let mut part = |key: &str| mixed(source, path, key, node.remove(key));
-            let (first, second) = (Box::new(part("first")?), Box::new(part("second")?));
-            TypedMaterialTable::Mix(MixTable { first, second, rest: source.read_node(path, &node)? })
-        }
-    }))
+    let (kind, node) = split_type(source, path, node)?;
+    let Some(kind) = kind else { return Ok(MaterialTable::Kept(source.read_node(path, &node)?)) };
+    let mix = |mut node: Node| {
+        let mut part = |key: &str| mixed(source, path, key, node.remove(key));
+        let (first, second) = (Box::new(part("first")?), Box::new(part("second")?));
+        Ok(MixTable { first, second, rest: source.read_node(path, &node)? })
+    };
+    Ok(MaterialTable::Typed(TypedMaterialTable::read(kind, source, path, node, mix)?))
 }
 
 /// A material of a mix.

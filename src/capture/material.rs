@@ -5,14 +5,15 @@ use std::collections::BTreeMap;
 use super::colour::Finder;
 use super::light::emission;
 use super::tables::{
-    ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MetalSource,
-    MetallicRoughnessTable, MixRest, MixTable, OrenNayarTable, PhongTable, PlasticTable, TextureFile,
+    CommonKeys, ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable,
+    MetalSource, MetallicRoughnessTable, MixTable, OrenNayarTable, PhongTable, PlasticTable, SurfaceKeys, SurfaceTable,
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 use crate::Invalid;
 use crate::scene::description::{
-    AlphaMode, Channel, Colour, EmissionDescription, LayeredDescription, MaterialDescription, MaterialModel,
-    TextureDescription, TexturedColour, TexturedFactor,
+    AlphaMode, Channel, Colour, Conductor, Dielectric, Diffuse, EmissionDescription, LayeredDescription,
+    MaterialDescription, MaterialModel, Mix, OrenNayar, Phong, Roughness, TextureDescription, TexturedColour,
+    TexturedFactor, ThinDielectric, Translucent,
 };
 use crate::spectrum::dispersion::lines;
 use crate::spectrum::upsampling::reflectance_spectrum;
@@ -81,41 +82,47 @@ fn kept(finder: &mut Finder<'_>, table: &KeptTable) -> Result<Override, Invalid>
 }
 
 fn typed(finder: &mut Finder<'_>, table: &TypedMaterialTable) -> Result<Override, Invalid> {
-    match table {
-        TypedMaterialTable::Diffuse(table) => diffuse(finder, table),
-        TypedMaterialTable::Conductor(table) => conductor(finder, table),
-        TypedMaterialTable::Dielectric(table) => dielectric(finder, table),
-        TypedMaterialTable::MetallicRoughness(table) => metallic_roughness(finder, table),
-        TypedMaterialTable::OrenNayar(table) => oren_nayar(finder, table),
-        TypedMaterialTable::Plastic(table) => plastic(finder, table),
-        TypedMaterialTable::ThinDielectric(table) => thin_dielectric(finder, table),
-        TypedMaterialTable::Translucent(table) => translucent(finder, table),
-        TypedMaterialTable::Phong(table) => phong(finder, table),
-        TypedMaterialTable::Mix(table) => mix(finder, table),
-    }
-}
-
-fn diffuse(finder: &mut Finder<'_>, table: &DiffuseTable) -> Result<Override, Invalid> {
-    let reflectance = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
-    let model = MaterialModel::Diffuse { reflectance };
-    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
-}
-
-fn conductor(finder: &mut Finder<'_>, table: &ConductorTable) -> Result<Override, Invalid> {
-    let (eta, k) = metal(finder, &table.metal).map_err(|e| e.within("metal"))?;
-    for (key, spectrum) in [("eta", &eta), ("k", &k)] {
-        if let Some((lambda, value)) = spectrum.iter().find(|(_, value)| *value < 0.0) {
-            let message = format!("{key} must not be negative, but is {value} at {lambda} nm");
-            return Err(Invalid::new("metal", message));
+    match table.surface() {
+        Ok(table) => {
+            let model = table.model(finder)?;
+            surface(finder, model, table.common())
         }
+        Err(table) => mix(finder, table),
     }
-    let anisotropy = table.anisotropy.unwrap_or(0.0);
-    if !(-1.0..=1.0).contains(&anisotropy) {
-        return Err(Invalid::new("anisotropy", format!("must lie between -1 and 1, got {anisotropy}")));
+}
+
+/// A model with what any surface may have beside it.
+fn surface(finder: &mut Finder<'_>, model: MaterialModel, keys: SurfaceKeys<'_>) -> Result<Override, Invalid> {
+    let normal_map =
+        keys.normal_map.map(|file| finder.texture(file)).transpose().map_err(|e| e.within("normal_map"))?;
+    let emission = shine(finder, keys.emission)?;
+    Ok(Override { model: Some((model, normal_map)), emission, double_sided: keys.double_sided })
+}
+
+impl SurfaceTable for DiffuseTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let reflectance = finder.reflectance(&self.reflectance).map_err(|e| e.within("reflectance"))?;
+        Ok(MaterialModel::Diffuse(Diffuse { reflectance }))
     }
-    let roughness = unit("roughness", table.roughness.unwrap_or(0.0))?;
-    let model = MaterialModel::Conductor { eta, k, roughness, anisotropy: anisotropy as f32 };
-    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
+}
+
+impl SurfaceTable for ConductorTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let (eta, k) = metal(finder, &self.metal).map_err(|e| e.within("metal"))?;
+        for (key, spectrum) in [("eta", &eta), ("k", &k)] {
+            if let Some((lambda, value)) = spectrum.iter().find(|(_, value)| *value < 0.0) {
+                let message = format!("{key} must not be negative, but is {value} at {lambda} nm");
+                return Err(Invalid::new("metal", message));
+            }
+        }
+        let anisotropy = self.anisotropy.unwrap_or(0.0);
+        if !(-1.0..=1.0).contains(&anisotropy) {
+            return Err(Invalid::new("anisotropy", format!("must lie between -1 and 1, got {anisotropy}")));
+        }
+        let value = unit("roughness", self.roughness.unwrap_or(0.0))?;
+        let distribution = Roughness { value, anisotropy: anisotropy as f32 };
+        Ok(MaterialModel::Conductor(Conductor { eta, k, distribution }))
+    }
 }
 
 fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectrum), Invalid> {
@@ -140,21 +147,12 @@ fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectru
     }
 }
 
-/// A model with what any surface may have beside it.
-fn surface(
-    finder: &mut Finder<'_>,
-    model: MaterialModel,
-    map: Option<&TextureFile>,
-    emission: Option<&EmissionTable>,
-    double_sided: Option<bool>,
-) -> Result<Override, Invalid> {
-    Ok(Override { model: Some((model, normal_map(finder, map)?)), emission: shine(finder, emission)?, double_sided })
-}
-
-fn dielectric(finder: &mut Finder<'_>, table: &DielectricTable) -> Result<Override, Invalid> {
-    let index = index(finder, table.glass.as_deref(), table.index.as_ref(), table.abbe_number)?;
-    let model = MaterialModel::Dielectric { index, roughness: unit("roughness", table.roughness.unwrap_or(0.0))? };
-    Ok(Override { model: Some((model, None)), emission: None, double_sided: None })
+impl SurfaceTable for DielectricTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let index = index(finder, self.glass.as_deref(), self.index.as_ref(), self.abbe_number)?;
+        let distribution = Roughness::isotropic(unit("roughness", self.roughness.unwrap_or(0.0))?);
+        Ok(MaterialModel::Dielectric(Dielectric { index, distribution }))
+    }
 }
 
 /// An index, or that of a glass.
@@ -200,73 +198,81 @@ fn dispersion(finder: &Finder<'_>, source: &IndexSource, abbe: Option<f64>) -> R
     dispersion.validated()
 }
 
-fn metallic_roughness(finder: &mut Finder<'_>, table: &MetallicRoughnessTable) -> Result<Override, Invalid> {
-    let base_colour = finder.reflectance(&table.base_colour).map_err(|e| e.within("base_colour"))?;
-    let map = table.metallic_roughness_map.as_ref().map(|map| finder.texture(map)).transpose();
-    let map = map.map_err(|e| e.within("metallic_roughness_map"))?;
-    let factor = |value, channel| TexturedFactor { value, texture: map.clone().map(|map| (map, channel)) };
-    let model = MaterialModel::Layered(Box::new(LayeredDescription {
-        base_colour,
-        metallic: factor(unit("metallic", table.metallic.unwrap_or(0.0))?, Channel::B),
-        roughness: factor(unit("roughness", table.roughness)?, Channel::G),
-        ..LayeredDescription::default()
-    }));
-    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
-}
-
-fn oren_nayar(finder: &mut Finder<'_>, table: &OrenNayarTable) -> Result<Override, Invalid> {
-    let reflectance = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
-    let model = MaterialModel::OrenNayar { reflectance, roughness: unit("roughness", table.roughness)? };
-    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
-}
-
-fn plastic(finder: &mut Finder<'_>, table: &PlasticTable) -> Result<Override, Invalid> {
-    let base_colour = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
-    let index = match (&table.glass, &table.index) {
-        (None, None) => Dispersion::constant(1.5),
-        (glass, number) => index(finder, glass.as_deref(), number.as_ref(), None)?,
-    };
-    let n = index.index(lines::D);
-    if n < 1.0 {
-        return Err(Invalid::new("index", format!("must be at least 1, got {n}")).help("most plastics have 1.4 to 1.6"));
+impl SurfaceTable for MetallicRoughnessTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let base_colour = finder.reflectance(&self.base_colour).map_err(|e| e.within("base_colour"))?;
+        let map = self.metallic_roughness_map.as_ref().map(|map| finder.texture(map)).transpose();
+        let map = map.map_err(|e| e.within("metallic_roughness_map"))?;
+        let factor = |value, channel| TexturedFactor { value, texture: map.clone().map(|map| (map, channel)) };
+        Ok(MaterialModel::Layered(Box::new(LayeredDescription {
+            base_colour,
+            metallic: factor(unit("metallic", self.metallic.unwrap_or(0.0))?, Channel::B),
+            roughness: factor(unit("roughness", self.roughness)?, Channel::G),
+            ..LayeredDescription::default()
+        })))
     }
-    let model = MaterialModel::Layered(Box::new(LayeredDescription {
-        base_colour,
-        roughness: TexturedFactor::plain(unit("roughness", table.roughness.unwrap_or(0.0))?),
-        index,
-        ..LayeredDescription::default()
-    }));
-    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
 }
 
-fn thin_dielectric(finder: &mut Finder<'_>, table: &ThinDielectricTable) -> Result<Override, Invalid> {
-    let index = index(finder, table.glass.as_deref(), table.index.as_ref(), table.abbe_number)?;
-    let transmittance = match &table.transmittance {
-        Some(source) => finder.fraction(source).map_err(|e| e.within("transmittance"))?,
-        None => Spectrum::constant(1.0),
-    };
-    let model = MaterialModel::ThinDielectric { index, transmittance };
-    Ok(Override { model: Some((model, None)), emission: None, double_sided: None })
-}
-
-fn translucent(finder: &mut Finder<'_>, table: &TranslucentTable) -> Result<Override, Invalid> {
-    let reflectance = finder.reflectance(&table.reflectance).map_err(|e| e.within("reflectance"))?;
-    let transmittance = finder.reflectance(&table.transmittance).map_err(|e| e.within("transmittance"))?;
-    at_most_one(("reflectance", &reflectance), ("transmittance", &transmittance))?;
-    let model = MaterialModel::Translucent { reflectance, transmittance };
-    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
-}
-
-fn phong(finder: &mut Finder<'_>, table: &PhongTable) -> Result<Override, Invalid> {
-    let diffuse = finder.reflectance(&table.diffuse).map_err(|e| e.within("diffuse"))?;
-    let specular = finder.reflectance(&table.specular).map_err(|e| e.within("specular"))?;
-    at_most_one(("diffuse", &diffuse), ("specular", &specular))?;
-    if !(0.0..=1e5).contains(&table.exponent) {
-        let message = format!("must lie between 0 and 100000, got {}", table.exponent);
-        return Err(Invalid::new("exponent", message).help("the larger, the narrower the lobe; 50 is glossy"));
+impl SurfaceTable for OrenNayarTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let reflectance = finder.reflectance(&self.reflectance).map_err(|e| e.within("reflectance"))?;
+        Ok(MaterialModel::OrenNayar(OrenNayar { reflectance, roughness: unit("roughness", self.roughness)? }))
     }
-    let model = MaterialModel::Phong { diffuse, specular, exponent: table.exponent as f32 };
-    surface(finder, model, table.normal_map.as_ref(), table.emission.as_ref(), table.double_sided)
+}
+
+impl SurfaceTable for PlasticTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let base_colour = finder.reflectance(&self.reflectance).map_err(|e| e.within("reflectance"))?;
+        let index = match (&self.glass, &self.index) {
+            (None, None) => Dispersion::constant(1.5),
+            (glass, number) => index(finder, glass.as_deref(), number.as_ref(), None)?,
+        };
+        let n = index.index(lines::D);
+        if n < 1.0 {
+            return Err(
+                Invalid::new("index", format!("must be at least 1, got {n}")).help("most plastics have 1.4 to 1.6")
+            );
+        }
+        Ok(MaterialModel::Layered(Box::new(LayeredDescription {
+            base_colour,
+            roughness: TexturedFactor::plain(unit("roughness", self.roughness.unwrap_or(0.0))?),
+            index,
+            ..LayeredDescription::default()
+        })))
+    }
+}
+
+impl SurfaceTable for ThinDielectricTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let index = index(finder, self.glass.as_deref(), self.index.as_ref(), self.abbe_number)?;
+        let transmittance = match &self.transmittance {
+            Some(source) => finder.fraction(source).map_err(|e| e.within("transmittance"))?,
+            None => Spectrum::constant(1.0),
+        };
+        Ok(MaterialModel::ThinDielectric(ThinDielectric { index, transmittance }))
+    }
+}
+
+impl SurfaceTable for TranslucentTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let reflectance = finder.reflectance(&self.reflectance).map_err(|e| e.within("reflectance"))?;
+        let transmittance = finder.reflectance(&self.transmittance).map_err(|e| e.within("transmittance"))?;
+        at_most_one(("reflectance", &reflectance), ("transmittance", &transmittance))?;
+        Ok(MaterialModel::Translucent(Translucent { reflectance, transmittance }))
+    }
+}
+
+impl SurfaceTable for PhongTable {
+    fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
+        let diffuse = finder.reflectance(&self.diffuse).map_err(|e| e.within("diffuse"))?;
+        let specular = finder.reflectance(&self.specular).map_err(|e| e.within("specular"))?;
+        at_most_one(("diffuse", &diffuse), ("specular", &specular))?;
+        if !(0.0..=1e5).contains(&self.exponent) {
+            let message = format!("must lie between 0 and 100000, got {}", self.exponent);
+            return Err(Invalid::new("exponent", message).help("the larger, the narrower the lobe; 50 is glossy"));
+        }
+        Ok(MaterialModel::Phong(Phong { diffuse, specular, exponent: self.exponent as f32 }))
+    }
 }
 
 /// Refuses two parts of the light that are more than all of it. Textures count as white.
@@ -294,18 +300,9 @@ fn mix(finder: &mut Finder<'_>, table: &MixTable) -> Result<Override, Invalid> {
                 .help("write it in the table of the mix: it belongs to both")),
         }
     };
-    let models = Box::new([part("first", &table.first)?, part("second", &table.second)?]);
-    let MixRest { weight, emission, normal_map: map, double_sided } = &table.rest;
-    let model = MaterialModel::Mix { models, weight: unit("weight", *weight)? };
-    Ok(Override {
-        model: Some((model, normal_map(finder, map.as_ref())?)),
-        emission: shine(finder, emission.as_ref())?,
-        double_sided: *double_sided,
-    })
-}
-
-fn normal_map(finder: &mut Finder<'_>, file: Option<&TextureFile>) -> Result<Option<TextureDescription>, Invalid> {
-    file.map(|file| finder.texture(file)).transpose().map_err(|e| e.within("normal_map"))
+    let models = [part("first", &table.first)?, part("second", &table.second)?];
+    let model = MaterialModel::Mix(Box::new(Mix { models, weight: unit("weight", table.rest.weight)? }));
+    surface(finder, model, table.rest.common())
 }
 
 /// The emission of a surface.

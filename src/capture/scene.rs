@@ -17,7 +17,8 @@ use crate::io::gltf::{self, Choice, Moment};
 use crate::io::obj;
 use crate::io::obj::MissingNormals;
 use crate::scene::description::{
-    Colour, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription, TexturedColour,
+    Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
+    TexturedColour,
 };
 use crate::{Invalid, Result};
 use photosite_core::suggest::{did_you_mean, list};
@@ -165,7 +166,10 @@ impl ReadScene {
                 }
                 (None, Some(MaterialTable::Typed(_))) => {
                     let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
-                    materials.push(MaterialDescription::new(&table.material, MaterialModel::Diffuse { reflectance }));
+                    materials.push(MaterialDescription::new(
+                        &table.material,
+                        MaterialModel::Diffuse(Diffuse { reflectance }),
+                    ));
                     materials.len() - 1
                 }
                 (None, None) => {
@@ -205,7 +209,7 @@ impl ReadScene {
         let (images, materials, meshes) = (scene.images.len(), scene.materials.len(), scene.meshes.len());
         scene.images.extend(other.images);
         scene.materials.extend(other.materials.into_iter().map(|mut material| {
-            material.textures_mut().for_each(|texture| texture.image += images);
+            material.change_textures(&mut |texture| texture.image += images);
             material
         }));
         scene.meshes.extend(other.meshes.into_iter().map(|mut mesh| {

@@ -14,7 +14,7 @@ use photosite::io::picture_file::read_picture_file;
 use photosite::measure::{CheckerReport, EdgeResponse, Histogram, checker, histogram, slanted_edge, ssim};
 use photosite::optics::Camera;
 use photosite::raw::Pixels;
-use photosite::scene::description::{Colour, MaterialDescription, MaterialModel};
+use photosite::scene::description::{Colour, Diffuse, MaterialDescription, MaterialModel};
 use photosite::scene::{self, Scene};
 use photosite::sensor::Window;
 use photosite::spectrum::{Spectrum, cie, library};
@@ -215,7 +215,7 @@ fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result
 
 /// The patch whose reflectance a material has.
 fn patch_of(material: &MaterialDescription, spectra: &[Spectrum]) -> Option<usize> {
-    if let MaterialModel::Diffuse { reflectance } = &material.model
+    if let MaterialModel::Diffuse(Diffuse { reflectance }) = &material.model
         && let (Colour::Spectrum(spectrum), None) = (&reflectance.colour, &reflectance.texture)
     {
         return spectra.iter().position(|patch| patch == spectrum);

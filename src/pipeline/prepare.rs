@@ -129,7 +129,7 @@ fn ineffective_settings(capture: &Capture, scene: &Scene) -> Vec<String> {
     let focusing = "nothing focuses light, as mirrors, glass and polished metal do, so that no paths set out";
     [
         ("light_paths", light_paths && !shines, "no surface shines, so that no paths set out"),
-        ("light_paths", light_paths && shines && !scene.may_focus(), focusing),
+        ("light_paths", light_paths && shines && !scene.may_cast_caustics(), focusing),
         (
             "reuse",
             render.reuse > 1 && !scene.has_diffuse(),

@@ -3,9 +3,13 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::sensor::{CurveFile, SpectrumSource};
-
+use super::super::colour::Finder;
+use super::super::source::CaptureSource;
+use super::super::tree::Node;
 use super::{LightColour, ReflectanceSource, TextureFile};
+use crate::scene::description::MaterialModel;
+use crate::sensor::{CurveFile, SpectrumSource};
+use crate::{Invalid, Result};
 
 /// How a surface scatters light, in place of what the geometry's file says. Without a type, its own stays and only the
 /// keys that are there change.
@@ -18,11 +22,54 @@ pub(crate) enum MaterialTable {
     Kept(KeptTable),
 }
 
-/// A material described anew.
-#[derive(Debug, JsonSchema)]
-#[schemars(tag = "type", rename_all = "kebab-case")]
-pub(crate) enum TypedMaterialTable {
-    /// Matt: Lambert's law.
+/// Makes what `type` chooses among, and reads it, from a list of types and their tables.
+macro_rules! material_types {
+    ($($(#[$doc:meta])* $kind:ident($table:ident),)*) => {
+        /// A material described anew.
+        #[derive(Debug, JsonSchema)]
+        #[schemars(tag = "type", rename_all = "kebab-case")]
+        pub(crate) enum TypedMaterialTable {
+            $($(#[$doc])* $kind($table),)*
+            /// Two materials side by side, finer than the eye sees.
+            Mix(MixTable),
+        }
+
+        /// The value of `type`.
+        #[derive(Clone, Copy, Debug, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub(crate) enum MaterialType {
+            $($kind,)*
+            Mix,
+        }
+
+        impl TypedMaterialTable {
+            /// Reads a table of a type; `mix` reads those of two others.
+            pub(crate) fn read(
+                kind: MaterialType,
+                source: &CaptureSource,
+                path: &str,
+                node: Node,
+                mix: impl FnOnce(Node) -> Result<MixTable>,
+            ) -> Result<Self> {
+                Ok(match kind {
+                    $(MaterialType::$kind => Self::$kind(source.read_node(path, &node)?),)*
+                    MaterialType::Mix => Self::Mix(mix(node)?),
+                })
+            }
+
+            /// The table as what all surfaces have in common; or the mix.
+            pub(crate) fn surface(&self) -> std::result::Result<&dyn SurfaceTable, &MixTable> {
+                match self {
+                    $(Self::$kind(table) => Ok(table),)*
+                    Self::Mix(table) => Err(table),
+                }
+            }
+        }
+    };
+}
+
+material_types! {
+    /// Diffuse: Lambert's law.
     Diffuse(DiffuseTable),
     /// Bare metal.
     Conductor(ConductorTable),
@@ -30,34 +77,67 @@ pub(crate) enum TypedMaterialTable {
     Dielectric(DielectricTable),
     /// The model of glTF: painted, plastic or metal.
     MetallicRoughness(MetallicRoughnessTable),
-    /// Matt with relief, as plaster and clay: the model of Oren and Nayar.
+    /// Diffuse with relief, as plaster and clay: the model of Oren and Nayar.
     OrenNayar(OrenNayarTable),
     /// A coloured body under a clear surface.
     Plastic(PlasticTable),
     /// A polished pane.
     ThinDielectric(ThinDielectricTable),
-    /// A thin matt sheet that lets light through: paper, a leaf.
+    /// A thin diffuse sheet that lets light through: paper, a leaf.
     Translucent(TranslucentTable),
     /// The model of Phong.
     Phong(PhongTable),
-    /// Two materials side by side, finer than the eye sees.
-    Mix(MixTable),
 }
 
-/// The value of `type`.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum MaterialType {
-    Diffuse,
-    Conductor,
-    Dielectric,
-    MetallicRoughness,
-    OrenNayar,
-    Plastic,
-    ThinDielectric,
-    Translucent,
-    Phong,
-    Mix,
+/// What any surface may have beside its model.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct SurfaceKeys<'a> {
+    pub(crate) emission: Option<&'a EmissionTable>,
+    pub(crate) normal_map: Option<&'a TextureFile>,
+    pub(crate) double_sided: Option<bool>,
+}
+
+/// A table with the keys that any surface may have.
+pub(crate) trait CommonKeys {
+    /// Their values.
+    fn common(&self) -> SurfaceKeys<'_>;
+}
+
+/// A table that describes a model.
+pub(crate) trait SurfaceTable: CommonKeys {
+    /// The model.
+    fn model(&self, finder: &mut Finder<'_>) -> std::result::Result<MaterialModel, Invalid>;
+}
+
+/// A table with the keys that any surface may have, after its own.
+macro_rules! surface_table {
+    (
+        $(#[$attribute:meta])*
+        $table:ident { $($(#[$field_attribute:meta])* $field:ident: $type:ty,)* }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub(crate) struct $table {
+            $($(#[$field_attribute])* pub(crate) $field: $type,)*
+            /// Light that the surface gives.
+            pub(crate) emission: Option<EmissionTable>,
+            /// A normal map (glTF convention).
+            pub(crate) normal_map: Option<TextureFile>,
+            /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
+            pub(crate) double_sided: Option<bool>,
+        }
+
+        impl CommonKeys for $table {
+            fn common(&self) -> SurfaceKeys<'_> {
+                SurfaceKeys {
+                    emission: self.emission.as_ref(),
+                    normal_map: self.normal_map.as_ref(),
+                    double_sided: self.double_sided,
+                }
+            }
+        }
+    };
 }
 
 /// The geometry's own material with changes.
@@ -70,36 +150,24 @@ pub(crate) struct KeptTable {
     pub(crate) double_sided: Option<bool>,
 }
 
-/// Matt: Lambert's law.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct DiffuseTable {
-    /// The part of the light that it reflects.
-    pub(crate) reflectance: ReflectanceSource,
-    /// Light that the surface gives.
-    pub(crate) emission: Option<EmissionTable>,
-    /// A normal map (glTF convention).
-    pub(crate) normal_map: Option<TextureFile>,
-    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
-    pub(crate) double_sided: Option<bool>,
+surface_table! {
+    /// Diffuse: Lambert's law.
+    DiffuseTable {
+        /// The part of the light that it reflects.
+        reflectance: ReflectanceSource,
+    }
 }
 
-/// Bare metal.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct ConductorTable {
-    /// Which metal: "Au", "Ag", "Cu", "Al", { file = "n-k.csv" } with columns n and k, or { eta = …, k = … }.
-    pub(crate) metal: MetalSource,
-    /// 0 is polished, 1 is matt; microfacets have α = roughness². Left out: 0.
-    pub(crate) roughness: Option<f64>,
-    /// −1 to 1: roughness along the tangent (positive) or across it. Left out: 0.
-    pub(crate) anisotropy: Option<f64>,
-    /// Light that the surface gives.
-    pub(crate) emission: Option<EmissionTable>,
-    /// A normal map (glTF convention).
-    pub(crate) normal_map: Option<TextureFile>,
-    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
-    pub(crate) double_sided: Option<bool>,
+surface_table! {
+    /// Bare metal.
+    ConductorTable {
+        /// Which metal: "Au", "Ag", "Cu", "Al", { file = "n-k.csv" } with columns n and k, or { eta = …, k = … }.
+        metal: MetalSource,
+        /// 0 is polished, 1 is matt; microfacets have α = roughness². Left out: 0.
+        roughness: Option<f64>,
+        /// −1 to 1: roughness along the tangent (positive) or across it. Left out: 0.
+        anisotropy: Option<f64>,
+    }
 }
 
 /// A metal: its name or symbol, { file = "n-k.csv" } with columns n and k, or { eta = …, k = … }.
@@ -136,6 +204,12 @@ pub(crate) struct DielectricTable {
     pub(crate) abbe_number: Option<f64>,
     /// 0 is polished, 1 is ground; microfacets have α = roughness². Left out: 0.
     pub(crate) roughness: Option<f64>,
+}
+
+impl CommonKeys for DielectricTable {
+    fn common(&self) -> SurfaceKeys<'_> {
+        SurfaceKeys::default()
+    }
 }
 
 /// A refractive index: a number (at 587.6 nm), { sellmeier_b = […], sellmeier_c_um2 = […] },
@@ -179,60 +253,42 @@ pub(crate) struct CauchyTable {
     pub(crate) cauchy_c_um4: f64,
 }
 
-/// The model of glTF: painted, plastic or metal.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct MetallicRoughnessTable {
-    /// Colour: of the diffuse reflection where it is no metal, of the mirroring where it is.
-    pub(crate) base_colour: ReflectanceSource,
-    /// 0 is no metal, 1 is metal. Left out: 0.
-    pub(crate) metallic: Option<f64>,
-    /// 0 is polished, 1 is matt; microfacets have α = roughness².
-    pub(crate) roughness: f64,
-    /// A picture whose green scales the roughness and whose blue scales the metalness.
-    pub(crate) metallic_roughness_map: Option<TextureFile>,
-    /// Light that the surface gives.
-    pub(crate) emission: Option<EmissionTable>,
-    /// A normal map (glTF convention).
-    pub(crate) normal_map: Option<TextureFile>,
-    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
-    pub(crate) double_sided: Option<bool>,
+surface_table! {
+    /// The model of glTF: painted, plastic or metal.
+    MetallicRoughnessTable {
+        /// Colour: of the diffuse reflection where it is no metal, of the mirroring where it is.
+        base_colour: ReflectanceSource,
+        /// 0 is no metal, 1 is metal. Left out: 0.
+        metallic: Option<f64>,
+        /// 0 is polished, 1 is matt; microfacets have α = roughness².
+        roughness: f64,
+        /// A picture whose green scales the roughness and whose blue scales the metalness.
+        metallic_roughness_map: Option<TextureFile>,
+    }
 }
 
-/// Matt with relief, as plaster and clay: the model of Oren and Nayar.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct OrenNayarTable {
-    /// The part of the light that it reflects.
-    pub(crate) reflectance: ReflectanceSource,
-    /// 0 is smooth (Lambert's law), 1 as rough as it gets.
-    pub(crate) roughness: f64,
-    /// Light that the surface gives.
-    pub(crate) emission: Option<EmissionTable>,
-    /// A normal map (glTF convention).
-    pub(crate) normal_map: Option<TextureFile>,
-    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
-    pub(crate) double_sided: Option<bool>,
+surface_table! {
+    /// Diffuse with relief, as plaster and clay: the model of Oren and Nayar.
+    OrenNayarTable {
+        /// The part of the light that it reflects.
+        reflectance: ReflectanceSource,
+        /// 0 is smooth (Lambert's law), 1 as rough as it gets.
+        roughness: f64,
+    }
 }
 
-/// A coloured body under a clear surface.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct PlasticTable {
-    /// The part of the light that gets in that comes out again.
-    pub(crate) reflectance: ReflectanceSource,
-    /// Name of a medium that ships with photosite. Or give its index.
-    pub(crate) glass: Option<String>,
-    /// Refractive index. Left out, as the glass: 1.5.
-    pub(crate) index: Option<IndexSource>,
-    /// 0 is polished, 1 is matt; microfacets have α = roughness². Left out: 0.
-    pub(crate) roughness: Option<f64>,
-    /// Light that the surface gives.
-    pub(crate) emission: Option<EmissionTable>,
-    /// A normal map (glTF convention).
-    pub(crate) normal_map: Option<TextureFile>,
-    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
-    pub(crate) double_sided: Option<bool>,
+surface_table! {
+    /// A coloured body under a clear surface.
+    PlasticTable {
+        /// The part of the light that gets in that comes out again.
+        reflectance: ReflectanceSource,
+        /// Name of a medium that ships with photosite. Or give its index.
+        glass: Option<String>,
+        /// Refractive index. Left out, as the glass: 1.5.
+        index: Option<IndexSource>,
+        /// 0 is polished, 1 is matt; microfacets have α = roughness². Left out: 0.
+        roughness: Option<f64>,
+    }
 }
 
 /// A polished pane: both its surfaces in one.
@@ -250,38 +306,32 @@ pub(crate) struct ThinDielectricTable {
     pub(crate) transmittance: Option<SpectrumSource>,
 }
 
-/// A thin matt sheet that lets light through: paper, a leaf.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct TranslucentTable {
-    /// The part of the light that it reflects.
-    pub(crate) reflectance: ReflectanceSource,
-    /// The part of the light that it lets through. With the other at most 1 at any wavelength.
-    pub(crate) transmittance: ReflectanceSource,
-    /// Light that the surface gives.
-    pub(crate) emission: Option<EmissionTable>,
-    /// A normal map (glTF convention).
-    pub(crate) normal_map: Option<TextureFile>,
-    /// Whether the back shines like the front. Left out: as in the geometry's file.
-    pub(crate) double_sided: Option<bool>,
+impl CommonKeys for ThinDielectricTable {
+    fn common(&self) -> SurfaceKeys<'_> {
+        SurfaceKeys::default()
+    }
 }
 
-/// The model of Phong, in the form that conserves energy: diffuse/π + specular·(n + 2)/(2π)·cosⁿα.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct PhongTable {
-    /// The part of the light that is scattered by Lambert's law.
-    pub(crate) diffuse: ReflectanceSource,
-    /// The part of the light that goes into the lobe. With the other at most 1 at any wavelength.
-    pub(crate) specular: ReflectanceSource,
-    /// n, 0 to 100 000.
-    pub(crate) exponent: f64,
-    /// Light that the surface gives.
-    pub(crate) emission: Option<EmissionTable>,
-    /// A normal map (glTF convention).
-    pub(crate) normal_map: Option<TextureFile>,
-    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
-    pub(crate) double_sided: Option<bool>,
+surface_table! {
+    /// A thin diffuse sheet that lets light through: paper, a leaf.
+    TranslucentTable {
+        /// The part of the light that it reflects.
+        reflectance: ReflectanceSource,
+        /// The part of the light that it lets through. With the other at most 1 at any wavelength.
+        transmittance: ReflectanceSource,
+    }
+}
+
+surface_table! {
+    /// The model of Phong, in the form that conserves energy: diffuse/π + specular·(n + 2)/(2π)·cosⁿα.
+    PhongTable {
+        /// The part of the light that is scattered by Lambert's law.
+        diffuse: ReflectanceSource,
+        /// The part of the light that goes into the lobe. With the other at most 1 at any wavelength.
+        specular: ReflectanceSource,
+        /// n, 0 to 100 000.
+        exponent: f64,
+    }
 }
 
 /// Two materials side by side, finer than the eye sees.
@@ -297,18 +347,12 @@ pub(crate) struct MixTable {
     pub(crate) rest: MixRest,
 }
 
-/// What a mix says of both its materials.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct MixRest {
-    /// The part of the surface that the second covers, 0–1.
-    pub(crate) weight: f64,
-    /// Light that the surface gives.
-    pub(crate) emission: Option<EmissionTable>,
-    /// A normal map (glTF convention).
-    pub(crate) normal_map: Option<TextureFile>,
-    /// Whether the back scatters and shines like the front. Left out: as in the geometry's file.
-    pub(crate) double_sided: Option<bool>,
+surface_table! {
+    /// What a mix says of both its materials.
+    MixRest {
+        /// The part of the surface that the second covers, 0–1.
+        weight: f64,
+    }
 }
 
 /// Light that a surface gives, the same in all directions. Its colour: illuminant, spectrum, rgb or linear_rgb.

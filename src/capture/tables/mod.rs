@@ -28,8 +28,8 @@ pub(super) use camera::{
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
 pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable};
 pub(super) use material::{
-    ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable, MaterialType,
-    MetalSource, MetallicRoughnessTable, MixRest, MixTable, OrenNayarTable, PhongTable, PlasticTable,
+    CommonKeys, ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable,
+    MetalSource, MetallicRoughnessTable, MixTable, OrenNayarTable, PhongTable, PlasticTable, SurfaceKeys, SurfaceTable,
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable, SphereTable};

@@ -11,7 +11,8 @@ use crate::integrator::WavelengthChoice;
 use crate::optics::{BrownConrady, Falloff, Focus, LensKind, Projection};
 use crate::sampler::SamplerKind;
 use crate::scene::description::{
-    AlphaMode, Colour, EnvironmentDescription, LightKind, MaterialDescription, MaterialModel, PictureLevel,
+    AlphaMode, Colour, Dielectric, Diffuse, EnvironmentDescription, LightKind, MaterialDescription, MaterialModel,
+    PictureLevel, Roughness,
 };
 use crate::sensor::{Counting, presets};
 use crate::spectrum::{illuminant, library};
@@ -61,17 +62,17 @@ fn materials_replace_those_of_the_geometry() {
     files.add("red.csv", b"400,0.1\n700,0.7\n");
     let capture = files.read(&[]).expect("valid");
     assert!(capture.scene.warnings.is_empty(), "{:?}", capture.scene.warnings);
-    let MaterialModel::Diffuse { reflectance } = &material(&capture, "wall").model else {
+    let MaterialModel::Diffuse(Diffuse { reflectance }) = &material(&capture, "wall").model else {
         panic!("{:?}", material(&capture, "wall"))
     };
     let Colour::Spectrum(red) = &reflectance.colour else { panic!("{reflectance:?}") };
     assert!((red.eval(550.0) - 0.4).abs() < 1e-6 && red.eval(1000.0) == 0.7);
     let lamp = material(&capture, "lamp");
-    assert!(matches!(lamp.model, MaterialModel::Diffuse { .. }) && !lamp.double_sided);
+    assert!(matches!(lamp.model, MaterialModel::Diffuse(_)) && !lamp.double_sided);
     assert_eq!(lamp.emission.as_ref().and_then(|e| e.level), Some(5000.0));
     let glass = material(&capture, "ball.glass");
     assert!(
-        matches!(&glass.model, MaterialModel::Dielectric { index, roughness: 0.25 } if Some(index) == library::glass("BK7").as_ref())
+        matches!(&glass.model, MaterialModel::Dielectric(Dielectric { index, distribution: Roughness { value: 0.25, anisotropy: 0.0 } }) if Some(index) == library::glass("BK7").as_ref())
     );
     assert_eq!(glass.alpha, AlphaMode::Opaque);
 }
@@ -83,7 +84,9 @@ fn materials_replace_those_of_the_geometry() {
 #[case::name("reflectance = \"cornell/white\"")]
 fn reflectances_come_in_several_shapes(#[case] line: &str) {
     let capture = capture(&room(&format!("[materials.wall]\ntype = \"diffuse\"\n{line}")));
-    let MaterialModel::Diffuse { reflectance } = &material(&capture, "wall").model else { panic!("not diffuse") };
+    let MaterialModel::Diffuse(Diffuse { reflectance }) = &material(&capture, "wall").model else {
+        panic!("not diffuse")
+    };
     match &reflectance.colour {
         Colour::Rgb(rgb) if line.contains("linear") => assert_eq!(*rgb, [1.0, 0.5, 0.0]),
         // sRGB 0.5 is 0.21404 in linear light.
@@ -371,7 +374,9 @@ fn arguments_come_before_the_file() {
     assert_eq!((capture.sensor.name.as_str(), capture.sensor.converter.bits), ("sony-imx249-mono", 10));
     assert_eq!(capture.scene.lights[0].emission.level, Some(9.0));
     assert!(capture.scene.environment.is_none());
-    let MaterialModel::Diffuse { reflectance } = &material(&capture, "wall").model else { panic!("not diffuse") };
+    let MaterialModel::Diffuse(Diffuse { reflectance }) = &material(&capture, "wall").model else {
+        panic!("not diffuse")
+    };
     assert!(matches!(reflectance.colour, Colour::Spectrum(_)));
 }
 

@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::{Path, PathLimits, Postponed, Vertex, towards_light};
-use crate::bsdf::{Bsdf, GRAZING};
+use crate::bsdf::{Bsdf, Diffuse, GRAZING};
 use crate::geometry::{Geometry, Hit, Ray, SurfacePoint, interpolate, offset, on_triangle};
 use crate::light::{Choice, Facets, Facing, Receiver};
 use crate::sampler::Sampler;
@@ -248,7 +248,7 @@ impl MattSurfaces {
             let Some(light) = scene.sample_chosen_light(&choice, &receiver, time, v, &path.wavelengths) else { return };
             let point = arrival.point(lane, points, scene);
             let frame = Frame::from_normal(points.normal.get(lane));
-            let shading = Shading { frame, bsdf: Bsdf::Diffuse { reflectance } };
+            let shading = Shading { frame, bsdf: Bsdf::Diffuse(Diffuse { reflectance }) };
             let vertex = Vertex::new(arrival.hit.t, &point, &shading, self.meetings.wo.get(lane));
             if let Some((ray, light)) = path.light_from(scene, &vertex, &light) {
                 postponed.shadow_rays.push(ray);
