@@ -4,7 +4,8 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::scene::description::{
-    Colour, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription, TexturedColour,
+    Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
+    TexturedColour,
 };
 use photosite::{Capture, Options, render};
 
@@ -36,7 +37,7 @@ samples_per_pixel = 64
 fn main() -> photosite::Result<()> {
     let matt = |name: &str, rgb: [f32; 3]| {
         let reflectance = TexturedColour::plain(Colour::Rgb(rgb));
-        MaterialDescription::new(name, MaterialModel::Diffuse { reflectance })
+        MaterialDescription::new(name, MaterialModel::Diffuse(Diffuse { reflectance }))
     };
     let corners = [[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [3.0, 0.0, -3.0], [-3.0, 0.0, -3.0]];
     let floor = MeshDescription {

@@ -53,6 +53,8 @@
 //! - A [`scene::Scene`] is immutable once built: flat tables with `u32` handles.
 //! - No input file panics the program; what a user can cause is an [`Error`]. No output is half-written.
 
+#![forbid(unsafe_code)]
+
 pub mod capture;
 pub mod dataset;
 pub mod emva1288;

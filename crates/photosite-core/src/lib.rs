@@ -4,6 +4,8 @@
 //!
 //! SI units throughout, wavelengths in nanometres.
 
+#![forbid(unsafe_code)]
+
 pub mod cleanup;
 pub mod colour;
 pub mod error;
