@@ -18,7 +18,6 @@ const WITH_FILES: &[&str] = &[
 const KNOWN_CIRCLES: &[&str] = &[
     "crates/photosite-calibration/src: dataset::plan",
     "crates/photosite-core/src: projection",
-    "crates/photosite-core/src: spectrum::csv",
     "crates/photosite-imaging/src: characterisation::expected",
     "crates/photosite-imaging/src: characterisation::report::curves",
     "crates/photosite-imaging/src: develop::colour_matrix",
