@@ -10,6 +10,7 @@ const WITH_FILES: &[&str] = &[
     "src",
     "crates/photosite-core/src/output.rs",
     "crates/photosite-core/src/cleanup.rs",
+    "crates/photosite-core/src/fail_point.rs",
     "crates/photosite-imaging/src/raw",
     "crates/photosite-scene-io/src",
 ];

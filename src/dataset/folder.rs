@@ -21,6 +21,7 @@ use crate::io::lock::Lock;
 use crate::io::output::{create_folder, remove_leftovers, write_new, write_whole};
 use crate::io::unfinished::{UnfinishedFolder, unfinished_folders};
 use crate::{Error, Invalid, Result};
+use photosite_core::fail_point;
 use serde_json::{Map, Value, json};
 
 use super::finished::{MANIFEST, read_present};
@@ -215,6 +216,7 @@ impl DatasetFolder {
                 let _ = fs::remove_dir_all(&older);
             }
         }
+        fail_point::reach("picture-begun");
         Ok(Turn::Ours(NewPicture { folder, _lock: lock }))
     }
 
@@ -349,6 +351,7 @@ impl NewPicture {
     /// Gives the complete picture its number: whether this process was the one to do so.
     pub(super) fn finish(self) -> Result<bool> {
         check_complete(self.folder.path())?;
+        fail_point::reach("picture-complete");
         self.folder.finish()
     }
 }

@@ -14,6 +14,7 @@ use crate::optics::Camera;
 use crate::scene::Scene;
 use crate::units::Seconds;
 use crate::{Error, Result};
+use photosite_core::fail_point;
 
 use super::camera::pixels;
 use super::chain::Chain;
@@ -125,7 +126,9 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
                 }
                 // What is done is kept below.
                 stop()?;
-                interim.lock().expect("nobody panics while holding it").keep(film, pilot, elapsed)
+                let kept = interim.lock().expect("nobody panics while holding it").keep(film, pilot, elapsed);
+                fail_point::reach("pass-ended");
+                kept
             }
         };
         fill(t, &job, &mut film, pilot.as_mut(), &step);

@@ -9,6 +9,7 @@
 pub mod cleanup;
 pub mod colour;
 pub mod error;
+pub mod fail_point;
 pub mod image;
 pub mod json;
 pub mod math;

@@ -9,6 +9,7 @@ use std::path::Path;
 use tempfile::NamedTempFile;
 
 use crate::cleanup::Cleanup;
+use crate::fail_point;
 use crate::{Error, Invalid, Result};
 
 /// What names of files begin and end with that are being written.
@@ -107,6 +108,7 @@ impl Temporary {
             use std::os::unix::fs::PermissionsExt;
             file.as_file().set_permissions(fs::Permissions::from_mode(0o644)).map_err(failed)?;
         }
+        fail_point::reach("file-written");
         Ok(Self { file, cleanup })
     }
 
@@ -120,6 +122,7 @@ impl Temporary {
         let stamp = Stamp::of(&self.file.as_file().metadata().map_err(failed)?);
         self.file.persist(path).map_err(|e| failed(e.error))?;
         self.cleanup.disarm();
+        fail_point::reach("file-named");
         Ok(stamp)
     }
 
