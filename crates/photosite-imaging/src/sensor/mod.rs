@@ -43,6 +43,7 @@ mod logarithmic;
 mod masked_pixels;
 mod model;
 mod noise_key;
+mod noise_map;
 mod noise_maps;
 mod noise_model;
 mod photo_response;
@@ -79,7 +80,8 @@ pub use model::{
     Architecture, Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph,
 };
 pub use noise_key::NoiseKey;
-pub use noise_maps::{MapUnit, NoiseMap, NoiseMaps};
+pub use noise_map::{MapUnit, NoiseMap};
+pub use noise_maps::NoiseMaps;
 pub use photon_counting::{Counting, Spad};
 pub use shutter::Shutter;
 pub use stage::{Stage, Stages};

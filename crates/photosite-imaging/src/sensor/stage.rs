@@ -3,12 +3,26 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A physical effect between mean electrons and digital numbers that can be left out, in the order of
-/// [`expose`](super::expose()). Its number keys its random numbers and is part of what a seed means: it stays when others
-/// come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stage {
+/// Declares [`Stage`] by its table: what a stage does, its name and its number.
+macro_rules! stages {
+    ($($(#[$doc:meta])* $stage:ident = $number:literal,)+) => {
+        /// A physical effect between mean electrons and digital numbers that can be left out, in the order of
+        /// [`expose`](super::expose()). Its number keys its random numbers and is part of what a seed means: it stays when
+        /// others come.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Stage {
+            $($(#[$doc])* $stage = $number,)+
+        }
+
+        impl Stage {
+            /// All stages, in the order of the chain.
+            pub const ALL: [Self; [$($number),+].len()] = [$(Self::$stage),+];
+        }
+    };
+}
+
+stages! {
     /// Electrons that are collected by a neighbour of the pixel that the light fell on.
     Crosstalk = 7,
     /// Light that reaches the columns of a CCD while their charge is on the move.
@@ -63,39 +77,6 @@ pub enum Stage {
     StuckPixels = 19,
     /// Numbers that arrive as others.
     TransmissionErrors = 20,
-}
-
-impl Stage {
-    /// All stages, in the order of the chain.
-    pub const ALL: [Self; 27] = [
-        Self::Crosstalk,
-        Self::Smear,
-        Self::PhotoResponse,
-        Self::DeadPixels,
-        Self::ShotNoise,
-        Self::DarkCurrent,
-        Self::DarkCurrentNonuniformity,
-        Self::HotPixels,
-        Self::PhotonCounting,
-        Self::BrighterFatter,
-        Self::Blooming,
-        Self::FullWell,
-        Self::VerticalTransfer,
-        Self::HorizontalTransfer,
-        Self::Flicker,
-        Self::ResetNoise,
-        Self::Telegraph,
-        Self::DarkOffset,
-        Self::ReadNoise,
-        Self::LowGainReadNoise,
-        Self::RowNoise,
-        Self::ColumnNoise,
-        Self::AmplifierNonlinearity,
-        Self::ColumnAmplifiers,
-        Self::ConverterNonlinearity,
-        Self::StuckPixels,
-        Self::TransmissionErrors,
-    ];
 }
 
 /// Which stages take part. Leaving one out leaves the random numbers of all others as they were.
