@@ -162,6 +162,12 @@ impl DataSet {
         let pictures = frames.iter().flat_map(|(number, frame)| {
             self.cameras().zip(frame).map(move |(camera, overrides)| (*number, camera, overrides))
         });
+        if !talk.quiet && self.captures.iter().any(|capture| capture.sensor.image_lag.is_some()) {
+            eprintln!(
+                "warning: the pictures of a data set are made one by one, maybe by several processes: each starts without the \
+                 charge that sensor.charge.image_lag keeps from the frame before"
+            );
+        }
         let mut todo: Vec<_> = pictures.filter(|&(number, camera, _)| !folder.is_done(camera, number)).collect();
         let progress = Progress::over_images(todo.len() as u64, talk.quiet || talk.json);
         let (mut made, mut is_first) = (0, true);

@@ -18,7 +18,7 @@ use photosite::math::hash::hash64;
 use photosite::optics::{Camera, Focus, LensDescription, PixelGrid};
 use photosite::raw::RawImage;
 use photosite::scene::{self, Scene, spectral_coverage};
-use photosite::sensor::{Exposure, SensorModel};
+use photosite::sensor::{Exposure, LeftCharge, SensorModel};
 use photosite::spectrum::Spectrum;
 use photosite::units::Seconds;
 use photosite::{Error, Invalid, Result};
@@ -283,10 +283,12 @@ impl Series<'_> {
         let count = self.capture.exposure.frames;
         let Some(recording) = &self.capture.recording else {
             let next = self.next(self.scene, View::of(self.scene, self.camera, pixels(self.capture)));
-            return self.picture(self.scene, self.camera, next, Frames::All(count), folder, timings, silent);
+            return self.picture(self.scene, self.camera, next, Frames::All(count), folder, timings, &mut None, silent);
         };
         let mut all = Recorded { shot: None, paths: 0, warnings: Vec::new() };
         let mut now = Moment { recording: recording.clone(), scene: None };
+        // Charge that stays in the sensor from frame to frame.
+        let mut left = None;
         for number in 0..count {
             // Only flow looks ahead.
             let mut next = match &self.common {
@@ -302,7 +304,7 @@ impl Series<'_> {
             let next_scene = next.as_ref().and_then(|next| next.scene.as_ref()).unwrap_or(scene);
             let view = self.next(scene, View::of(next_scene, &next_camera, pixels(self.capture)));
             let frames = Frames::One { number, of: count };
-            let recorded = self.picture(scene, &camera, view, frames, folder, timings, silent)?;
+            let recorded = self.picture(scene, &camera, view, frames, folder, timings, &mut left, silent)?;
             let first = all.shot.map(|Shot { first, .. }| first);
             all.shot = recorded.shot.map(|last| Shot { first: first.unwrap_or(last.first), ..last });
             all.paths += recorded.paths;
@@ -364,6 +366,7 @@ impl Series<'_> {
         frames: Frames,
         folder: &mut OutputFolder,
         timings: &mut Timings,
+        left: &mut Option<LeftCharge>,
         silent: bool,
     ) -> Result<Recorded> {
         let Self { capture, chain, .. } = *self;
@@ -448,7 +451,7 @@ impl Series<'_> {
             }
             warnings.push(warning);
         }
-        let first = write_results(chain, exposed, frames, folder, timings, |folder, number| {
+        let first = write_results(chain, exposed, frames, folder, timings, left, |folder, number| {
             if capture.output.ideal {
                 let seen = light.means(ideal::NAMES).to_planes();
                 let seen = seen.map_err(|reason| Error::io(folder.path(), "read from", reason))?;

@@ -6,7 +6,7 @@ use photosite::Result;
 use photosite::develop::merge::merge;
 use photosite::image::{Estimate, Planes};
 use photosite::raw::RawImage;
-use photosite::sensor::Exposure;
+use photosite::sensor::{Exposure, LeftCharge};
 use photosite::units::Seconds;
 
 use super::chain::{Chain, Exposed};
@@ -42,6 +42,8 @@ impl Frames {
 
 /// Reads out the frames, or a picture for each time of a bracket, and writes them; develops the first, or the one of a
 /// bracket whose time is nearest to that of `exposed`, which is returned; merges a bracket to a map of the light.
+/// `left` is the charge that the frame before has left in the sensor, and then what the last one leaves: the pictures of a bracket
+/// are taken one after the other, too.
 /// `write_light` writes what is left of the light beside the electrons, numbered where there are several.
 ///
 /// Raw files and light are there before anything is developed: they take the longest to get, whatever becomes of the
@@ -52,6 +54,7 @@ pub(super) fn write_results(
     frames: Frames,
     folder: &mut OutputFolder,
     timings: &mut Timings,
+    left: &mut Option<LeftCharge>,
     write_light: impl FnOnce(&mut OutputFolder, Option<u32>) -> Result<()>,
 ) -> Result<RawImage> {
     let output = chain.settings.output;
@@ -66,7 +69,7 @@ pub(super) fn write_results(
     let first = numbers.start;
     for number in numbers {
         let start = Instant::now();
-        let read_out = |exposed| chain.read_out_with_maps(exposed, number, &output.noise.maps);
+        let mut read_out = |exposed| chain.read_out_with_maps(exposed, number, &output.noise.maps, left);
         let (raw, maps) = match &times {
             Some(times) => read_out(&shot(&exposed, times[number as usize]))?,
             None => read_out(&exposed)?,

@@ -17,6 +17,7 @@ use super::digital_gain::DigitalGain;
 use super::dual_gain::DualGainDigitiser;
 use super::flicker::add_flicker;
 use super::full_well::FullWell;
+use super::image_lag::{LeftCharge, keep_back};
 use super::line_noise::{ColumnNoise, RowNoise};
 use super::logarithmic::LogarithmicResponse;
 use super::noise_key::Streams;
@@ -99,6 +100,31 @@ pub fn expose_with_maps(
     key: NoiseKey,
     maps: &[NoiseMap],
 ) -> Result<(RawImage, NoiseMaps), Invalid> {
+    let exposed = expose_after(mean_electrons, sensor, exposure, stages, key, maps, None)?;
+    Ok((exposed.raw, exposed.maps))
+}
+
+/// A frame that was exposed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exposed {
+    /// Its digital numbers.
+    pub raw: RawImage,
+    /// What some effects have added to them.
+    pub maps: NoiseMaps,
+    /// Charge that it leaves to the frame after it; `None` of a sensor without [image lag](super::ImageLag).
+    pub left: Option<LeftCharge>,
+}
+
+/// The same after another frame, which has left charge in the pixels; `None` for a sensor that was long in the dark.
+pub fn expose_after(
+    mean_electrons: &Planes,
+    sensor: &SensorModel,
+    exposure: &Exposure,
+    stages: Stages,
+    key: NoiseKey,
+    maps: &[NoiseMap],
+    before: Option<&LeftCharge>,
+) -> Result<Exposed, Invalid> {
     exposure.validate(sensor)?;
     exposure.window.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
@@ -110,7 +136,14 @@ pub fn expose_with_maps(
 
     let frame = Frame { sensor, exposure, stages, key, size: [charge.width, charge.height] };
     let passing = free_electrons(&frame, &mut charge, &record);
+    let before = before.filter(|_| stages.has(Stage::ImageLag));
+    if let Some(before) = before {
+        before.join(&mut charge)?;
+        record.plane(NoiseMap::ImageLagE, &charge);
+    }
     hold(&frame, &mut charge, &record);
+    let left = keep_back(&frame, &mut charge, before);
+    record.plane(NoiseMap::ImageLagE, &charge);
     let charge = transfer(&frame, charge, &passing, &mut record);
     let frame = Frame { size: [charge.width, charge.height], ..frame };
     let numbers = read_out(&frame, charge, &record);
@@ -127,13 +160,11 @@ pub fn expose_with_maps(
             * exposure.window.binning.digital_gain(),
         black_level_dn: sensor.converter.black_level_dn.into(),
     };
-    Ok((
-        match part {
-            None => whole,
-            Some(part) => whole.part(part),
-        },
-        maps,
-    ))
+    let raw = match part {
+        None => whole,
+        Some(part) => whole.part(part),
+    };
+    Ok(Exposed { raw, maps, left })
 }
 
 /// Light and heat free electrons in each pixel. Returns what a well of a CCD collects while it passes through each column.

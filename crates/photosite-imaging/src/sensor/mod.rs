@@ -34,6 +34,7 @@ mod fixed_pattern;
 mod flicker;
 mod format;
 mod full_well;
+mod image_lag;
 mod iso;
 mod layers;
 mod light_noise;
@@ -70,8 +71,9 @@ pub use description::{
     TelegraphDescription,
 };
 pub use dual_gain::DualGain;
-pub use expose::{expose, expose_with_maps};
+pub use expose::{Exposed, expose, expose_after, expose_with_maps};
 pub use exposure::{Exposure, Window};
+pub use image_lag::{ImageLag, ImageLagDescription, LeftCharge};
 pub use light_noise::{Neighbours, noise_ratio, samples_needed, smoothed_mean};
 pub use linearisation::Linearisation;
 pub use logarithmic::Logarithmic;

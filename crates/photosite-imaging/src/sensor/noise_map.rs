@@ -57,6 +57,8 @@ noise_maps! {
     FullWellE = "full_well_e",
     /// The bend of logarithmic pixels, e⁻.
     LogarithmicResponseE = "logarithmic_response_e",
+    /// Image lag: charge of earlier frames less what stays in the pixel of this one, e⁻.
+    ImageLagE = "image_lag_e",
     /// Charge that stays behind, or arrives late, when it is shifted, e⁻.
     ChargeTransferE = "charge_transfer_e",
     /// 1/f noise, e⁻.

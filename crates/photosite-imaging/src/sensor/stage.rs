@@ -47,6 +47,8 @@ stages! {
     Blooming = 43,
     /// The end of what a pixel can hold.
     FullWell = 6,
+    /// Charge that stays in the pixel when it is read out, and comes with later frames.
+    ImageLag = 47,
     /// Electrons that stay behind when rows are shifted.
     VerticalTransfer = 44,
     /// Electrons that stay behind in the read-out register.
