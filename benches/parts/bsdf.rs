@@ -5,7 +5,7 @@ use std::fmt;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::Vec3;
-use photosite::bsdf::{Bsdf, Ggx, Layered};
+use photosite::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, Ggx, Layered, RelativeIndex};
 use photosite::math::hash::{hash64, unit_f32};
 use photosite::math::warp;
 use photosite::spectrum::SampledSpectrum;
@@ -28,11 +28,13 @@ fn models() -> [Model; 6] {
     let spectrum = SampledSpectrum::splat;
     let (smooth, rough) = (Ggx::from_roughness(0.0, 0.0), Ggx::from_roughness(0.4, 0.0));
     let model = |name, bsdf| Model { name, bsdf };
-    let conductor = |distribution| Bsdf::Conductor { eta: spectrum(0.2), k: spectrum(3.0), distribution };
-    let dielectric = |distribution| Bsdf::Dielectric { eta: spectrum(1.5), dispersive: false, distribution };
+    let conductor = |distribution| Bsdf::Conductor(Conductor { eta: spectrum(0.2), k: spectrum(3.0), distribution });
+    let dielectric = |distribution| {
+        Bsdf::Dielectric(Dielectric { index: RelativeIndex { eta: spectrum(1.5), dispersive: false }, distribution })
+    };
     let coated = Bsdf::Layered(Layered { base_colour: spectrum(0.5), distribution: rough, ..Layered::default() });
     [
-        model("diffuse", Bsdf::Diffuse { reflectance: spectrum(0.5) }),
+        model("diffuse", Bsdf::Diffuse(Diffuse { reflectance: spectrum(0.5) })),
         model("smooth conductor", conductor(smooth)),
         model("rough conductor", conductor(rough)),
         model("smooth dielectric", dielectric(smooth)),

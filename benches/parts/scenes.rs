@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{DAffine3, Vec3};
 use photosite::io::obj::{self, MissingNormals};
 use photosite::scene::description::{
-    Colour, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
+    Colour, Diffuse, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
     SceneDescription, TexturedColour,
 };
 use photosite::spectrum::{Spectrum, library};
@@ -82,5 +82,5 @@ pub(crate) fn visible() -> Spectrum {
 
 pub(crate) fn diffuse(name: &str, reflectance: Colour) -> MaterialDescription {
     let reflectance = TexturedColour::plain(reflectance);
-    MaterialDescription::new(name, MaterialModel::Diffuse { reflectance })
+    MaterialDescription::new(name, MaterialModel::Diffuse(Diffuse { reflectance }))
 }

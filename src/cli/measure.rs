@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use glam::{DVec2, DVec3};
+use photosite::capture::Capture;
 use photosite::colour::adaptation::bradford;
 use photosite::colour::{ColourSpace, cielab, difference};
 use photosite::develop::Resampling;
 use photosite::image::{Channel, Planes};
-use photosite::io::capture::Capture;
 use photosite::io::linear_picture::read_linear_picture;
 use photosite::io::picture_file::read_picture_file;
 use photosite::measure::{CheckerReport, EdgeResponse, Histogram, checker, histogram, slanted_edge, ssim};
 use photosite::optics::Camera;
 use photosite::raw::Pixels;
-use photosite::scene::description::{Colour, MaterialDescription, MaterialModel};
+use photosite::scene::description::{Colour, Diffuse, MaterialDescription, MaterialModel};
 use photosite::scene::{self, Scene};
 use photosite::sensor::Window;
 use photosite::spectrum::{Spectrum, cie, library};
@@ -22,9 +22,8 @@ use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
-use super::lens_corrections::LensSeen;
-use super::render::{pixels, place_camera};
 use super::{print_json, println_out};
+use photosite::pipeline::{LensSeen, pixels, place_camera};
 
 /// Measure pictures: sharpness, colours, likeness, histograms.
 #[derive(Args)]
@@ -189,7 +188,7 @@ fn histogram_text(histograms: &[Histogram]) -> String {
 const MARGIN: usize = 3;
 
 fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result<CheckerReport> {
-    let mut capture = Capture::read(path, &[])?;
+    let mut capture = Capture::load_with(path, &[])?;
     let size = [picture.width(), picture.height()];
     let description = std::mem::take(&mut capture.scene);
     let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
@@ -216,7 +215,7 @@ fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result
 
 /// The patch whose reflectance a material has.
 fn patch_of(material: &MaterialDescription, spectra: &[Spectrum]) -> Option<usize> {
-    if let MaterialModel::Diffuse { reflectance } = &material.model
+    if let MaterialModel::Diffuse(Diffuse { reflectance }) = &material.model
         && let (Colour::Spectrum(spectrum), None) = (&reflectance.colour, &reflectance.texture)
     {
         return spectra.iter().position(|patch| patch == spectrum);

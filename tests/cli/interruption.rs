@@ -67,7 +67,7 @@ fn a_killed_render_goes_on_from_its_checkpoint(#[case] settings: &str) {
         folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "damaged checkpoint", "remove it"]);
     }
     let nothing =
-        "{\"elapsed_s\":1,\"has_pilot\":false,\"is_part\":false,\"samples\":[0,1],\"rows\":[0,1],\"makings\":{}}\n";
+        "{\"elapsed_s\":1,\"has_pilot\":false,\"is_part\":false,\"samples\":[0,1],\"rows\":[0,1],\"provenance\":{}}\n";
     fs::write(&checkpoint, nothing).expect("written");
     folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "another render"]);
     fs::write(&checkpoint, &bytes).expect("written");

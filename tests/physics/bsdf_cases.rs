@@ -1,7 +1,10 @@
 //! The BSDFs and directions that the tests go through, with names made from their parameters.
 
 use glam::Vec3;
-use photosite::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Phong, Sheen, Volume};
+use photosite::bsdf::{
+    Bsdf, Coat, Conductor, Dielectric, Diffuse, Film, Ggx, Layered, OrenNayar, Phong, RelativeIndex, Sheen,
+    Translucent, Volume,
+};
 use photosite::spectrum::SampledSpectrum;
 use rand::Rng;
 
@@ -23,21 +26,24 @@ pub(crate) const ALPHAS: [[f32; 2]; 4] = [[0.1, 0.1], [0.1, 0.5], [0.6, 0.2], [1
 
 /// Gold at 450, 550, 650 and 750 nm: n and k interpolated in P. B. Johnson, R. W. Christy, Phys. Rev. B 6, 4370 (1972).
 pub(crate) fn gold(distribution: Ggx) -> Bsdf {
-    Bsdf::Conductor {
+    Bsdf::Conductor(Conductor {
         eta: SampledSpectrum::from([1.40, 0.43, 0.15, 0.14]),
         k: SampledSpectrum::from([1.88, 2.46, 3.44, 4.34]),
         distribution,
-    }
+    })
 }
 
 /// A metal that absorbs nothing: η = 0 makes Fresnel's reflectance 1 at every angle.
 pub(crate) fn lossless_metal(distribution: Ggx) -> Bsdf {
-    Bsdf::Conductor { eta: SampledSpectrum::ZERO, k: SampledSpectrum::ONE, distribution }
+    Bsdf::Conductor(Conductor { eta: SampledSpectrum::ZERO, k: SampledSpectrum::ONE, distribution })
 }
 
 /// A clear medium of the same index at all wavelengths.
 pub(crate) fn glass(eta: f32, distribution: Ggx) -> Bsdf {
-    Bsdf::Dielectric { eta: SampledSpectrum::splat(eta), dispersive: false, distribution }
+    Bsdf::Dielectric(Dielectric {
+        index: RelativeIndex { eta: SampledSpectrum::splat(eta), dispersive: false },
+        distribution,
+    })
 }
 
 /// glTF's material of one colour at all wavelengths.
@@ -101,18 +107,18 @@ pub(crate) fn layered(colour: SampledSpectrum, alphas: &[[f32; 2]]) -> Vec<(Stri
 pub(crate) fn wide() -> Vec<Case> {
     let mut cases = vec![Case {
         name: "diffuse".into(),
-        bsdf: Bsdf::Diffuse { reflectance: SampledSpectrum::from([0.1, 0.4, 0.7, 1.0]) },
+        bsdf: Bsdf::Diffuse(Diffuse { reflectance: SampledSpectrum::from([0.1, 0.4, 0.7, 1.0]) }),
     }];
     let (some, other) = (SampledSpectrum::from([0.1, 0.4, 0.7, 1.0]), SampledSpectrum::from([0.9, 0.5, 0.2, 0.0]));
     for roughness in [0.3, 1.0] {
-        let bsdf = Bsdf::OrenNayar { reflectance: some, roughness };
+        let bsdf = Bsdf::OrenNayar(OrenNayar { reflectance: some, roughness });
         cases.push(Case { name: format!("Oren–Nayar {roughness}"), bsdf });
     }
     for exponent in [3.0, 60.0] {
         let bsdf = Bsdf::Phong(Phong { diffuse: some * 0.4, specular: other * 0.6, exponent });
         cases.push(Case { name: format!("Phong {exponent}"), bsdf });
     }
-    let bsdf = Bsdf::Translucent { reflectance: some, transmittance: other * 0.5 };
+    let bsdf = Bsdf::Translucent(Translucent { reflectance: some, transmittance: other * 0.5 });
     cases.push(Case { name: "translucent".into(), bsdf });
     cases.push(Case { name: "glTF smooth".into(), bsdf: gltf(0.5, 0.0, Ggx::SMOOTH) });
     for [x, y] in ALPHAS {
@@ -155,13 +161,13 @@ pub(crate) fn drawn(count: usize) -> Vec<Case> {
         let [some, other, third, ..] = colours;
 
         let (eta, k) = (lanes(&mut || within(0.05, 4.0)), lanes(&mut || within(0.0, 6.0)));
-        add("conductor", Bsdf::Conductor { eta, k, distribution: ggx });
+        add("conductor", Bsdf::Conductor(Conductor { eta, k, distribution: ggx }));
         add("dielectric", glass(within(1.2, 3.0), ggx));
-        add("Oren–Nayar", Bsdf::OrenNayar { reflectance: some, roughness: within(0.0, 1.0) });
+        add("Oren–Nayar", Bsdf::OrenNayar(OrenNayar { reflectance: some, roughness: within(0.0, 1.0) }));
         let share = within(0.0, 1.0);
         let (diffuse, specular) = (some * share, other * (1.0 - share));
         add("Phong", Bsdf::Phong(Phong { diffuse, specular, exponent: 100f32.powf(within(0.0, 1.0)) }));
-        add("translucent", Bsdf::Translucent { reflectance: diffuse, transmittance: specular });
+        add("translucent", Bsdf::Translucent(Translucent { reflectance: diffuse, transmittance: specular }));
         // The `plastic` of capture files: glTF's material of any index.
         let f0 = |eta: f32| SampledSpectrum::splat(((eta - 1.0) / (eta + 1.0)).powi(2));
         let plain = Layered { base_colour: some, distribution: ggx, ..Layered::default() };
@@ -195,41 +201,25 @@ pub(crate) fn above() -> Vec<(String, Vec3)> {
     [(0.0, 0.0), (30.0, 50.0), (60.0, 200.0), (80.0, 320.0)].into_iter().map(|(t, p)| from_degrees(t, p)).collect()
 }
 
-/// The directions from which a model can be seen: dielectrics from below too.
+/// The directions from which a model can be seen: what refracts from below too.
 pub(crate) fn visible_from(bsdf: &Bsdf) -> Vec<(String, Vec3)> {
     let mut directions = above();
-    if is_seen_from_below(bsdf) {
+    if bsdf.refracts() {
         directions.extend([(120.0, 70.0), (150.0, 10.0)].into_iter().map(|(t, p)| from_degrees(t, p)));
     }
     directions
 }
 
-/// Whether the model scatters light that comes from below.
-pub(crate) fn is_seen_from_below(bsdf: &Bsdf) -> bool {
-    match bsdf {
-        Bsdf::Dielectric { .. } => true,
-        Bsdf::Layered(layered) => !layered.is_two_sided(),
-        Bsdf::Diffuse { .. }
-        | Bsdf::Conductor { .. }
-        | Bsdf::OrenNayar { .. }
-        | Bsdf::Phong(_)
-        | Bsdf::Translucent { .. }
-        | Bsdf::ThinDielectric { .. } => false,
-    }
-}
-
 /// η² of refraction: the index on the side of `wi` over that on the side of `wo`, squared.
 pub(crate) fn squared_index(bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> f32 {
-    let inside = match bsdf {
-        Bsdf::Dielectric { eta, .. } => eta[0],
-        Bsdf::Layered(Layered { volume: Some(volume), transmission, .. }) if *transmission > 0.0 => volume.eta[0],
-        Bsdf::Layered(_)
-        | Bsdf::Diffuse { .. }
-        | Bsdf::Conductor { .. }
-        | Bsdf::OrenNayar { .. }
-        | Bsdf::Phong(_)
-        | Bsdf::Translucent { .. }
-        | Bsdf::ThinDielectric { .. } => 1.0,
+    let inside = if let Bsdf::Dielectric(dielectric) = bsdf {
+        dielectric.index.eta[0]
+    } else if let Bsdf::Layered(Layered { volume: Some(volume), .. }) = bsdf
+        && bsdf.refracts()
+    {
+        volume.eta[0]
+    } else {
+        1.0
     };
     match (wo.z > 0.0, wi.z > 0.0) {
         (true, false) => inside * inside,

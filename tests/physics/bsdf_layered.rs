@@ -58,16 +58,10 @@ fn no_model_gives_back_more_than_arrives() {
     const RULE: f64 = 2e-3;
     let mut wrong = Vec::new();
     for case in drawn(60) {
-        let tolerance = match &case.bsdf {
-            Bsdf::Layered(layers) if layers.is_two_sided() => 0.021 + RULE,
-            Bsdf::Layered(_) => 0.051 + RULE,
-            Bsdf::Diffuse { .. }
-            | Bsdf::Conductor { .. }
-            | Bsdf::Dielectric { .. }
-            | Bsdf::OrenNayar { .. }
-            | Bsdf::Phong(_)
-            | Bsdf::Translucent { .. }
-            | Bsdf::ThinDielectric { .. } => RULE,
+        let tolerance = match (matches!(case.bsdf, Bsdf::Layered(_)), case.bsdf.refracts()) {
+            (false, _) => RULE,
+            (true, false) => 0.021 + RULE,
+            (true, true) => 0.051 + RULE,
         };
         for (from, wo) in visible_from(&case.bsdf) {
             let most = power(&case.bsdf, wo).into_iter().fold(0.0, f64::max);

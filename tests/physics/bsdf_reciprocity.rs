@@ -6,12 +6,12 @@ use glam::Vec3;
 use photosite::bsdf::Bsdf;
 use photosite::spectrum::SampledSpectrum;
 
-use super::bsdf_cases::{Uniform, drawn, is_seen_from_below, squared_index, wide};
+use super::bsdf_cases::{Uniform, drawn, squared_index, wide};
 use super::quadrature::direction;
 
 /// f as the integrator asks for it: a surface of two equal sides is turned towards `wo`.
 fn eval(bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> SampledSpectrum {
-    if wo.z < 0.0 && !is_seen_from_below(bsdf) && bsdf.transmits() {
+    if wo.z < 0.0 && !bsdf.refracts() && bsdf.transmits() {
         return bsdf.eval(Vec3::new(wo.x, wo.y, -wo.z), Vec3::new(wi.x, wi.y, -wi.z)).f;
     }
     bsdf.eval(wo, wi).f

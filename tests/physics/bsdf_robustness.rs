@@ -1,7 +1,7 @@
 //! No direction and no parameter gives NaN, infinity or a negative value.
 
 use glam::Vec3;
-use photosite::bsdf::{Bsdf, Ggx};
+use photosite::bsdf::{Bsdf, Ggx, RelativeIndex, ThinDielectric};
 use photosite::spectrum::SampledSpectrum;
 
 use super::bsdf_cases::{Case, glass, gltf, gold, lossless_metal, wide};
@@ -16,7 +16,10 @@ fn all_cases() -> Vec<Case> {
             cases.push(Case { name: format!("glTF metallic {metallic} α {alpha}"), bsdf: gltf(0.8, metallic, ggx) });
         }
         let transmittance = SampledSpectrum::from([0.0, 1e-30, 0.5, 1.0]);
-        let bsdf = Bsdf::ThinDielectric { eta: SampledSpectrum::from([1.0, 1.3, 1.5, 4.0]), transmittance };
+        let bsdf = Bsdf::ThinDielectric(ThinDielectric {
+            index: RelativeIndex { eta: SampledSpectrum::from([1.0, 1.3, 1.5, 4.0]), dispersive: false },
+            transmittance,
+        });
         cases.push(Case { name: "pane".into(), bsdf });
         for eta in [0.5, 1.0, 1.000_01, 1.001, 1.5, 3.0] {
             cases.push(Case { name: format!("dielectric η {eta} α {alpha}"), bsdf: glass(eta, ggx) });

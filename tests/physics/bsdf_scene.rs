@@ -6,7 +6,8 @@ use photosite::integrator::{PathLimits, radiance};
 use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::description::{
-    CoatDescription, Colour, FilmDescription, LayeredDescription, MaterialModel, TexturedColour, TexturedFactor,
+    CoatDescription, Colour, Conductor, Dielectric, Diffuse, FilmDescription, LayeredDescription, MaterialModel, Mix,
+    OrenNayar, Phong, Roughness, TexturedColour, TexturedFactor, ThinDielectric, Translucent,
 };
 use photosite::spectrum::{Dispersion, Spectrum, Wavelengths};
 
@@ -18,7 +19,7 @@ fn grey(value: f32) -> TexturedColour {
 }
 
 fn diffuse(value: f32) -> MaterialModel {
-    MaterialModel::Diffuse { reflectance: grey(value) }
+    MaterialModel::Diffuse(Diffuse { reflectance: grey(value) })
 }
 
 fn layered(layers: LayeredDescription) -> MaterialModel {
@@ -29,15 +30,15 @@ fn layered(layers: LayeredDescription) -> MaterialModel {
 /// has no place here yet, which the compiler says.
 fn tolerance(model: &MaterialModel) -> (&'static str, f64) {
     match model {
-        MaterialModel::Diffuse { .. } => ("diffuse", 0.0),
-        MaterialModel::Conductor { .. } => ("conductor", 0.0),
-        MaterialModel::Dielectric { .. } => ("dielectric", 0.0),
-        MaterialModel::OrenNayar { .. } => ("Oren–Nayar", 1e-4),
+        MaterialModel::Diffuse(_) => ("diffuse", 0.0),
+        MaterialModel::Conductor(_) => ("conductor", 0.0),
+        MaterialModel::Dielectric(_) => ("dielectric", 0.0),
+        MaterialModel::OrenNayar(_) => ("Oren–Nayar", 1e-4),
         // From aslant the surface cuts off part of the lobe: at half a lobe, along the surface, half of it.
-        MaterialModel::Phong { .. } => ("Phong", 0.5),
-        MaterialModel::Translucent { .. } => ("translucent", 0.0),
-        MaterialModel::ThinDielectric { .. } => ("thin dielectric", 0.0),
-        MaterialModel::Mix { .. } => ("mix", 0.012),
+        MaterialModel::Phong(_) => ("Phong", 0.5),
+        MaterialModel::Translucent(_) => ("translucent", 0.0),
+        MaterialModel::ThinDielectric(_) => ("thin dielectric", 0.0),
+        MaterialModel::Mix(_) => ("mix", 0.012),
         // The tables of `bsdf::albedo`; of all bounces within a clear body as many again.
         MaterialModel::Layered(layers) if layers.transmission.value > 0.0 => ("clear layers", 0.024),
         MaterialModel::Layered(_) => ("layers", 0.012),
@@ -59,30 +60,32 @@ fn white_materials_vanish_in_a_furnace() {
     let coat = || Some(CoatDescription { weight: rough(1.0), roughness: rough(0.3), normal_map: None });
     let models = [
         diffuse(1.0),
-        MaterialModel::Conductor {
+        MaterialModel::Conductor(Conductor {
             eta: Spectrum::constant(0.0),
             k: Spectrum::constant(1.0),
-            roughness: 0.0,
-            anisotropy: 0.0,
-        },
-        MaterialModel::Dielectric { index: Dispersion::constant(1.5), roughness: 0.0 },
-        MaterialModel::OrenNayar { reflectance: grey(1.0), roughness: 0.7 },
-        MaterialModel::Phong { diffuse: grey(0.5), specular: grey(0.5), exponent: 20.0 },
-        MaterialModel::Translucent { reflectance: grey(0.3), transmittance: grey(0.7) },
-        MaterialModel::ThinDielectric { index: Dispersion::constant(1.5), transmittance: Spectrum::constant(1.0) },
-        MaterialModel::Mix {
-            models: Box::new([
+            distribution: Roughness::SMOOTH,
+        }),
+        MaterialModel::Dielectric(Dielectric { index: Dispersion::constant(1.5), distribution: Roughness::SMOOTH }),
+        MaterialModel::OrenNayar(OrenNayar { reflectance: grey(1.0), roughness: 0.7 }),
+        MaterialModel::Phong(Phong { diffuse: grey(0.5), specular: grey(0.5), exponent: 20.0 }),
+        MaterialModel::Translucent(Translucent { reflectance: grey(0.3), transmittance: grey(0.7) }),
+        MaterialModel::ThinDielectric(ThinDielectric {
+            index: Dispersion::constant(1.5),
+            transmittance: Spectrum::constant(1.0),
+        }),
+        MaterialModel::Mix(Box::new(Mix {
+            models: [
                 layered(LayeredDescription { index: Dispersion::constant(1.6), ..LayeredDescription::default() }),
-                MaterialModel::Mix {
-                    models: Box::new([
+                MaterialModel::Mix(Box::new(Mix {
+                    models: [
                         diffuse(1.0),
-                        MaterialModel::OrenNayar { reflectance: grey(1.0), roughness: 1.0 },
-                    ]),
+                        MaterialModel::OrenNayar(OrenNayar { reflectance: grey(1.0), roughness: 1.0 }),
+                    ],
                     weight: 0.5,
-                },
-            ]),
+                })),
+            ],
             weight: 0.4,
-        },
+        })),
         layered(LayeredDescription { coat: coat(), film: film(), ..LayeredDescription::default() }),
         layered(LayeredDescription { metallic: rough(1.0), roughness: rough(0.8), ..LayeredDescription::default() }),
         layered(clear(true)),
@@ -105,8 +108,8 @@ fn white_materials_vanish_in_a_furnace() {
 #[test]
 fn a_mix_is_the_mean_of_both_by_weight() {
     for weight in [0.0f32, 0.2, 0.75, 1.0] {
-        let inner = MaterialModel::Mix { models: Box::new([diffuse(0.1), diffuse(0.9)]), weight: 0.25 };
-        let model = MaterialModel::Mix { models: Box::new([diffuse(0.6), inner]), weight };
+        let inner = MaterialModel::Mix(Box::new(Mix { models: [diffuse(0.1), diffuse(0.9)], weight: 0.25 }));
+        let model = MaterialModel::Mix(Box::new(Mix { models: [diffuse(0.6), inner], weight }));
         let scene = Stage::default().mesh(sphere(16, 1.0), model, None).environment(3.0).build();
         // The choice is made by where a path meets the surface and whence: rays spread over the surface see both.
         let at = |i: u16| f32::from(i) / 128.0 - 0.5;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::Vec3;
-use photosite::bsdf::{Bsdf, BsdfSample, Ggx, fresnel};
+use photosite::bsdf::{Bsdf, BsdfSample, Conductor, Dielectric, Ggx, RelativeIndex, fresnel};
 use photosite::spectrum::SampledSpectrum;
 
 use super::bsdf_cases::{above, glass, gold, visible_from};
@@ -16,7 +16,7 @@ fn both_rays(bsdf: &Bsdf, wo: Vec3) -> BTreeMap<bool, BsdfSample> {
 
 #[test]
 fn a_mirror_reflects_what_fresnel_says_into_one_direction() {
-    let Bsdf::Conductor { eta, k, .. } = gold(Ggx::SMOOTH) else { unreachable!("gold is a conductor") };
+    let Bsdf::Conductor(Conductor { eta, k, .. }) = gold(Ggx::SMOOTH) else { unreachable!("gold is a conductor") };
     for (from, wo) in above() {
         let ray = gold(Ggx::SMOOTH).sample(wo, 0.5, [0.1, 0.9]).expect("a mirror reflects");
         assert_eq!(ray.wi, Vec3::new(-wo.x, -wo.y, wo.z), "{from}");
@@ -68,7 +68,10 @@ fn short_waves_are_bent_more() {
     for hero in 0..4 {
         let mut eta = indices;
         eta.rotate_left(hero);
-        let bsdf = Bsdf::Dielectric { eta: eta.into(), dispersive: true, distribution: Ggx::SMOOTH };
+        let bsdf = Bsdf::Dielectric(Dielectric {
+            index: RelativeIndex { eta: eta.into(), dispersive: true },
+            distribution: Ggx::SMOOTH,
+        });
         let ray = bsdf.sample(wo, 0.9, [0.5; 2]).expect("refracts");
         let angle = (-ray.wi.z).acos();
         assert!((angle - (0.8 / indices[hero]).asin()).abs() < 1e-6, "hero {hero}: {angle}");
@@ -82,7 +85,8 @@ fn short_waves_are_bent_more() {
 #[test]
 fn dispersive_reflection_weighs_every_wavelength_by_its_own_fresnel_factor() {
     let eta = SampledSpectrum::from([1.3, 1.5, 1.7, 2.0]);
-    let bsdf = Bsdf::Dielectric { eta, dispersive: true, distribution: Ggx::SMOOTH };
+    let bsdf =
+        Bsdf::Dielectric(Dielectric { index: RelativeIndex { eta, dispersive: true }, distribution: Ggx::SMOOTH });
     assert!(bsdf.is_delta() && !bsdf.needs_single_wavelength());
     for (from, wo) in above() {
         let ray = bsdf.sample(wo, 0.0, [0.5; 2]).expect("reflects");
@@ -130,7 +134,10 @@ fn a_slightly_rough_surface_tends_to_the_smooth_one() {
 #[test]
 fn rough_dispersive_glass_asks_for_a_single_wavelength() {
     let eta = SampledSpectrum::from([1.53, 1.52, 1.51, 1.50]);
-    let bsdf = Bsdf::Dielectric { eta, dispersive: true, distribution: Ggx::new(0.2, 0.2) };
+    let bsdf = Bsdf::Dielectric(Dielectric {
+        index: RelativeIndex { eta, dispersive: true },
+        distribution: Ggx::new(0.2, 0.2),
+    });
     assert!(bsdf.needs_single_wavelength() && !bsdf.is_delta());
     let wo = Vec3::new(0.6, 0.0, 0.8);
     for (u_lobe, wi) in [(0.0, Vec3::new(-0.6, 0.0, 0.8)), (0.9, Vec3::new(-0.4, 0.0, -0.9165))] {

@@ -14,8 +14,8 @@ use photosite::optics::{
 use photosite::sampler::SamplerKind;
 use photosite::scene::Scene;
 use photosite::scene::description::{
-    AlphaMode, CoatDescription, Colour, EmissionDescription, LayeredDescription, MaterialModel, TexturedColour,
-    TexturedFactor,
+    AlphaMode, CoatDescription, Colour, Conductor, Dielectric, Diffuse, EmissionDescription, LayeredDescription,
+    MaterialModel, Mix, Phong, Roughness, TexturedColour, TexturedFactor, ThinDielectric,
 };
 use photosite::spectrum::{Dispersion, Spectrum, library};
 
@@ -29,12 +29,15 @@ pub(crate) fn grey(value: f32) -> TexturedColour {
 }
 
 pub(crate) fn glass(roughness: f32) -> MaterialModel {
-    MaterialModel::Dielectric { index: Dispersion::constant(1.5), roughness }
+    MaterialModel::Dielectric(Dielectric {
+        index: Dispersion::constant(1.5),
+        distribution: Roughness::isotropic(roughness),
+    })
 }
 
 pub(crate) fn gold(roughness: f32) -> MaterialModel {
     let metal = library::conductor("Au").expect("a metal");
-    MaterialModel::Conductor { eta: metal.eta, k: metal.k, roughness, anisotropy: 0.0 }
+    MaterialModel::Conductor(Conductor { eta: metal.eta, k: metal.k, distribution: Roughness::isotropic(roughness) })
 }
 
 fn layers(layers: LayeredDescription) -> MaterialModel {
@@ -50,7 +53,7 @@ pub(crate) fn room(model: MaterialModel) -> Stage {
         .diffuse(sphere(6, -3.0), 0.5, 0.0)
         .mesh(
             square(Vec3::new(-0.2, 1.7, 0.1), Vec3::X, Vec3::Z, 0.35),
-            MaterialModel::Diffuse { reflectance: grey(0.2) },
+            MaterialModel::Diffuse(Diffuse { reflectance: grey(0.2) }),
             Some(emission),
         )
         .mesh(ball.collect(), model, None)
@@ -132,23 +135,32 @@ fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
         ("rough glass", glass(0.3), 10.0),
         (
             "dispersing glass",
-            MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.0 },
+            MaterialModel::Dielectric(Dielectric {
+                index: library::glass("SF11").expect("a glass"),
+                distribution: Roughness::SMOOTH,
+            }),
             10.0,
         ),
         (
             "rough dispersing glass",
-            MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.3 },
+            MaterialModel::Dielectric(Dielectric {
+                index: library::glass("SF11").expect("a glass"),
+                distribution: Roughness::isotropic(0.3),
+            }),
             10.0,
         ),
         ("mirror", gold(0.0), 4.0),
         ("gold", gold(0.3), 3.0),
         (
             "pane",
-            MaterialModel::ThinDielectric { index: Dispersion::constant(1.5), transmittance: Spectrum::constant(0.9) },
+            MaterialModel::ThinDielectric(ThinDielectric {
+                index: Dispersion::constant(1.5),
+                transmittance: Spectrum::constant(0.9),
+            }),
             7.0,
         ),
-        ("Phong", MaterialModel::Phong { diffuse: grey(0.2), specular: grey(0.7), exponent: 100.0 }, 2.0),
-        ("mix", MaterialModel::Mix { models: Box::new([gold(0.1), glass(0.0)]), weight: 0.5 }, 3.0),
+        ("Phong", MaterialModel::Phong(Phong { diffuse: grey(0.2), specular: grey(0.7), exponent: 100.0 }), 2.0),
+        ("mix", MaterialModel::Mix(Box::new(Mix { models: [gold(0.1), glass(0.0)], weight: 0.5 })), 3.0),
         ("varnish", layers(LayeredDescription { coat: Some(varnish), ..LayeredDescription::default() }), 1.5),
         (
             "metal",
@@ -162,7 +174,14 @@ fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
             8.0,
         ),
         // No interface at all, as glTF's index of 1: straight through, whatever the roughness.
-        ("nothing", MaterialModel::Dielectric { index: Dispersion::constant(1.0), roughness: 0.8 }, 2.0),
+        (
+            "nothing",
+            MaterialModel::Dielectric(Dielectric {
+                index: Dispersion::constant(1.0),
+                distribution: Roughness::isotropic(0.8),
+            }),
+            2.0,
+        ),
         // Too dull to gather light: nothing changes.
         ("dull metal", gold(0.8), 0.9),
     ];
@@ -209,11 +228,12 @@ fn paths_from_lamps_come_through_every_lens() {
 fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
     // A lamp of 20 cm a metre above a mirror shines down; the ceiling above it sees its image only, a metre below the mirror.
     let (half, radiance, reflectance) = (0.1f32, 3.0, 0.5);
-    let metal = |eta, k| MaterialModel::Conductor {
-        eta: Spectrum::constant(eta),
-        k: Spectrum::constant(k),
-        roughness: 0.0,
-        anisotropy: 0.0,
+    let metal = |eta, k| {
+        MaterialModel::Conductor(Conductor {
+            eta: Spectrum::constant(eta),
+            k: Spectrum::constant(k),
+            distribution: Roughness::SMOOTH,
+        })
     };
     let scene = Stage::default()
         .diffuse(square(Vec3::Y, Vec3::X, Vec3::Z, half), 0.0, radiance)
@@ -273,7 +293,7 @@ fn paths_that_split_have_their_share_beside_those_from_lamps() {
 fn lamps_of_every_kind_send_paths_out() {
     let emission =
         || EmissionDescription { colour: Colour::Spectrum(Spectrum::constant(1.0)), level: None, texture: None };
-    let dark = || MaterialModel::Diffuse { reflectance: grey(0.0) };
+    let dark = || MaterialModel::Diffuse(Diffuse { reflectance: grey(0.0) });
     let turned = |centre: Vec3| square(centre, Vec3::Z, Vec3::new(0.8, 0.6, 0.0), 0.2);
     let lamps = [
         ("several", room(gold(0.1)).mesh(turned(Vec3::new(-1.5, 0.5, 0.5)), dark(), Some(emission()))),

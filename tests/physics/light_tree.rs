@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use photosite::math::statistics::Moments;
 use photosite::scene::Scene;
 use photosite::scene::description::{
-    Colour, EmissionDescription, LightDescription, LightKind, MaterialModel, TexturedColour,
+    Colour, Diffuse, EmissionDescription, LightDescription, LightKind, MaterialModel, TexturedColour, Translucent,
 };
 use photosite::spectrum::Spectrum;
 use rstest::rstest;
@@ -61,9 +61,9 @@ fn irradiance(squares: &[[Vec3; 4]], normal: DVec3) -> f64 {
 fn sheet(stage: Stage, reflectance: f32, transmittance: f32) -> Stage {
     let plain = |value| TexturedColour::plain(Colour::Spectrum(Spectrum::constant(value)));
     let model = if transmittance > 0.0 {
-        MaterialModel::Translucent { reflectance: plain(reflectance), transmittance: plain(transmittance) }
+        MaterialModel::Translucent(Translucent { reflectance: plain(reflectance), transmittance: plain(transmittance) })
     } else {
-        MaterialModel::Diffuse { reflectance: plain(reflectance) }
+        MaterialModel::Diffuse(Diffuse { reflectance: plain(reflectance) })
     };
     stage.mesh(square(Vec3::ZERO, Vec3::X, Vec3::NEG_Z, 20.0), model, None)
 }

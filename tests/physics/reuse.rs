@@ -4,7 +4,9 @@ use glam::Vec3;
 use photosite::film::Film;
 use photosite::integrator::RenderSettings;
 use photosite::optics::{Focus, LensDescription, LensKind};
-use photosite::scene::description::{AlphaMode, LayeredDescription, MaterialModel, TexturedFactor};
+use photosite::scene::description::{
+    AlphaMode, Dielectric, Diffuse, LayeredDescription, MaterialModel, Mix, Roughness, TexturedFactor,
+};
 use photosite::spectrum::Dispersion;
 
 use crate::light_paths::{RESOLUTION, compare, glass, gold, grey, lens, picture, room};
@@ -15,7 +17,7 @@ fn settings(reuse: u32) -> RenderSettings {
 }
 
 fn matt(reflectance: f32) -> MaterialModel {
-    MaterialModel::Diffuse { reflectance: grey(reflectance) }
+    MaterialModel::Diffuse(Diffuse { reflectance: grey(reflectance) })
 }
 
 /// A ball on a floor beside a wall, under the sky.
@@ -40,13 +42,14 @@ fn neighbours_that_are_close_share_nearly_all() {
 fn light_is_the_same_where_pixels_share_and_quieter() {
     // By how much the variance falls at least, in groups that are half a metre wide or more, as pixels here are. Under an even
     // sky all directions of a path bring the same, which sharing tears apart.
-    let mix = MaterialModel::Mix { models: Box::new([matt(0.9), gold(0.1)]), weight: 0.3 };
+    let mix = MaterialModel::Mix(Box::new(Mix { models: [matt(0.9), gold(0.1)], weight: 0.3 }));
     let dull = MaterialModel::Layered(Box::new(LayeredDescription {
         roughness: TexturedFactor::plain(0.8),
         base_colour: grey(0.7),
         ..LayeredDescription::default()
     }));
-    let pane = MaterialModel::Dielectric { index: Dispersion::constant(1.5), roughness: 0.0 };
+    let pane =
+        MaterialModel::Dielectric(Dielectric { index: Dispersion::constant(1.5), distribution: Roughness::SMOOTH });
     let open = LensDescription::thin(0.01, 0.2, Focus::Distance(1.1));
     let cases = [
         ("matt", room(matt(0.7)), lens(), settings(8), 1.2),

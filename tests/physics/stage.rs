@@ -8,7 +8,7 @@ use photosite::image::Estimate;
 use photosite::integrator::{RenderJob, RenderSettings, render};
 use photosite::optics::{Camera, LensDescription, PixelGrid};
 use photosite::scene::description::{
-    AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LightDescription,
+    AlphaMode, Colour, Diffuse, EmissionDescription, EnvironmentDescription, InstanceDescription, LightDescription,
     MaterialDescription, MaterialModel, MeshDescription, SceneDescription, TexturedColour,
 };
 use photosite::scene::{Scene, build};
@@ -25,7 +25,7 @@ impl Stage {
         let emission =
             EmissionDescription { colour: Colour::Spectrum(Spectrum::constant(radiance)), level: None, texture: None };
         let reflectance = TexturedColour::plain(Colour::Spectrum(Spectrum::constant(reflectance)));
-        let model = MaterialModel::Diffuse { reflectance };
+        let model = MaterialModel::Diffuse(Diffuse { reflectance });
         self.mesh(triangles, model, (radiance > 0.0).then_some(emission))
     }
 

@@ -6,7 +6,7 @@ use glam::{DAffine3, Vec2, Vec3};
 use photosite::integrator::RenderSettings;
 use photosite::optics::{Falloff, Focus, LensDescription, LensKind, PixelGrid};
 use photosite::scene::description::{
-    Colour, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
+    Colour, Diffuse, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
     SceneDescription, TextureDescription, TexturedColour,
 };
 use photosite::scene::{Scene, build};
@@ -29,8 +29,9 @@ fn wall(squares: [u8; 4], filter: Filter) -> Scene {
         transform: UvTransform::default(),
         uv_set: 0,
     };
-    let black =
-        MaterialModel::Diffuse { reflectance: TexturedColour::plain(Colour::Spectrum(Spectrum::constant(0.0))) };
+    let black = MaterialModel::Diffuse(Diffuse {
+        reflectance: TexturedColour::plain(Colour::Spectrum(Spectrum::constant(0.0))),
+    });
     let emission = EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1000.0), texture: Some(texture) };
     let material = MaterialDescription { emission: Some(emission), ..MaterialDescription::new("wall", black) };
     let (sin, cos) = 70f32.to_radians().sin_cos();

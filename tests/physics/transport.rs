@@ -9,8 +9,8 @@ use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::Scene;
 use photosite::scene::description::{
-    AlphaMode, Colour, EmissionDescription, LayeredDescription, LightDescription, LightKind, MaterialModel,
-    TexturedFactor,
+    AlphaMode, Colour, Dielectric, EmissionDescription, LayeredDescription, LightDescription, LightKind, MaterialModel,
+    Roughness, TexturedFactor,
 };
 use photosite::spectrum::{Dispersion, Spectrum, Wavelengths, illuminant, library};
 use rstest::rstest;
@@ -158,7 +158,7 @@ fn clear_glass_in_a_uniform_sky_cannot_be_seen() {
     // off at 200 segments are too rare to matter.
     for glass in ["BK7", "SF11", "diamond"] {
         let index = library::glass(glass).expect("a known glass");
-        let ball = MaterialModel::Dielectric { index, roughness: 0.0 };
+        let ball = MaterialModel::Dielectric(Dielectric { index, distribution: Roughness::SMOOTH });
         let scene = Stage::default().mesh(sphere(16, 1.0), ball, None).environment(3.0).build();
         for offset in [0.1, 0.5, 0.9] {
             let got = along(&scene, Vec3::new(offset, 0.05, 5.0), Vec3::NEG_Z, 200, 5_000);
@@ -229,7 +229,10 @@ fn four_paths_from_a_surface_have_a_quarter_of_the_variance() {
 #[rstest]
 fn a_dispersed_path_carries_its_hero_for_all_four_wavelengths(#[values(1, 3)] splitting: u32) {
     // Where several paths go on from a white floor beside the glass, each loses its wavelengths by itself.
-    let glass = MaterialModel::Dielectric { index: library::glass("SF11").expect("a known glass"), roughness: 0.0 };
+    let glass = MaterialModel::Dielectric(Dielectric {
+        index: library::glass("SF11").expect("a known glass"),
+        distribution: Roughness::SMOOTH,
+    });
     let floor = square(Vec3::new(0.0, 0.0, -1.2), Vec3::X, Vec3::Y, 50.0);
     let stage = Stage::default().mesh(sphere(16, 1.0), glass, None).environment(2.0);
     let (scene, x) = if splitting == 1 { (stage.build(), 0.5) } else { (stage.diffuse(floor, 1.0, 0.0).build(), 1.1) };

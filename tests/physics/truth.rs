@@ -6,7 +6,7 @@ use photosite::colour::ColourSpace;
 use photosite::image::Planes;
 use photosite::optics::{Camera, CameraMotion, Focus, LensDescription, LensKind, PixelGrid, Recording};
 use photosite::scene::Scene;
-use photosite::scene::description::{Colour, MaterialModel, TexturedColour};
+use photosite::scene::description::{Colour, Diffuse, MaterialModel, TexturedColour};
 use photosite::spectrum::{Spectrum, cie, illuminant};
 use rstest::rstest;
 
@@ -297,7 +297,7 @@ fn linear_srgb(reflectance: &Spectrum) -> DVec3 {
 #[case::band(Spectrum::from_fn(|nm| (-((nm - 550.0) / 40.0).powi(2)).exp()))]
 fn albedo_is_the_colour_of_the_reflectance(#[case] reflectance: Spectrum) {
     let expected = linear_srgb(&reflectance);
-    let model = MaterialModel::Diffuse { reflectance: TexturedColour::plain(Colour::Spectrum(reflectance)) };
+    let model = MaterialModel::Diffuse(Diffuse { reflectance: TexturedColour::plain(Colour::Spectrum(reflectance)) });
     let scene = Stage::default().mesh(square(Vec3::new(0.0, 0.0, -2.0), Vec3::X, Vec3::Y, 4.0), model, None).build();
     let camera = pinhole(DAffine3::IDENTITY);
     let planes = ask(&scene, &camera, &camera, &[TruthLayer::Albedo]);

@@ -9,7 +9,7 @@ use photosite::image::{Estimate, Planes};
 use photosite::integrator::{FilterTile, RenderJob, RenderSettings, WavelengthChoice, render};
 use photosite::optics::{Focus, LensDescription, LensKind, PixelGrid, PointSpread};
 use photosite::sampler::SamplerKind;
-use photosite::scene::description::MaterialModel;
+use photosite::scene::description::{Dielectric, MaterialModel, Roughness};
 use photosite::spectrum::{Dispersion, Spectrum, illuminant};
 
 use crate::stage::{Stage, camera, square};
@@ -33,7 +33,7 @@ fn picture(wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
 }
 
 fn picture_through(lens: &LensDescription, wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
-    let glass = MaterialModel::Dielectric { index: dispersion, roughness: 0.0 };
+    let glass = MaterialModel::Dielectric(Dielectric { index: dispersion, distribution: Roughness::SMOOTH });
     let front = square(Vec3::NEG_Z, Vec3::X, Vec3::Y, 100.0);
     let back = square(2.0 * Vec3::NEG_Z, Vec3::Y, Vec3::X, 100.0);
     let scene = Stage::default().mesh([front, back].concat(), glass, None).sky(illuminant::d65().clone()).build();

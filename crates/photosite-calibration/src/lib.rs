@@ -5,6 +5,8 @@
 //! In: the sizes of a target; a [`Scene`](photosite_transport::scene::Scene), a [`Camera`](photosite_transport::optics::Camera). Out: drawings and
 //! meshes; planes of positions, normals, identities, motion. Files are left to [`io`](crate::io).
 
+#![forbid(unsafe_code)]
+
 pub mod camera_files;
 pub mod dataset;
 pub mod layouts;

@@ -7,7 +7,7 @@ use super::mesh::flatten;
 use super::tangents::with_tangents;
 use photosite_core::warnings::Warnings;
 use photosite_transport::scene::description::{
-    LayeredDescription, MaterialDescription, MaterialModel, SceneDescription,
+    LayeredDescription, MaterialDescription, Roughness, SceneDescription, Visit,
 };
 use photosite_transport::texture::UvTransform;
 
@@ -51,26 +51,26 @@ fn tangent_frame(material: &MaterialDescription) -> Option<(usize, UvTransform)>
     if let Some((texture, _)) = &material.normal_map {
         return Some((texture.uv_set, texture.transform));
     }
-    tangent_frame_of(&material.model)
+    let mut frame = TangentFrame(None);
+    material.model.visit(&mut frame);
+    frame.0
 }
 
-fn tangent_frame_of(model: &MaterialModel) -> Option<(usize, UvTransform)> {
-    let coat_bumps = |layers: &LayeredDescription| layers.coat.as_ref().and_then(|coat| coat.normal_map.clone());
-    match model {
-        MaterialModel::Conductor { anisotropy, .. } => (*anisotropy != 0.0).then(|| (0, UvTransform::default())),
-        MaterialModel::Layered(layers) => match (coat_bumps(layers), &layers.anisotropy) {
-            (Some((texture, _)), _) => Some((texture.uv_set, texture.transform)),
-            (None, Some(grooves)) => {
-                Some(grooves.texture.as_ref().map_or((0, UvTransform::default()), |t| (t.uv_set, t.transform)))
-            }
-            (None, None) => None,
-        },
-        MaterialModel::Mix { models, .. } => models.iter().find_map(tangent_frame_of),
-        MaterialModel::Diffuse { .. }
-        | MaterialModel::Dielectric { .. }
-        | MaterialModel::OrenNayar { .. }
-        | MaterialModel::Phong { .. }
-        | MaterialModel::Translucent { .. }
-        | MaterialModel::ThinDielectric { .. } => None,
+/// The first UV set and transform that tangents of a model follow.
+struct TangentFrame(Option<(usize, UvTransform)>);
+
+impl Visit for TangentFrame {
+    fn roughness(&mut self, roughness: &Roughness) {
+        if roughness.anisotropy != 0.0 {
+            self.0.get_or_insert((0, UvTransform::default()));
+        }
+    }
+
+    fn layered(&mut self, layers: &LayeredDescription) {
+        let bumps = layers.coat.as_ref().and_then(|coat| coat.normal_map.as_ref()).map(|(texture, _)| texture);
+        let grooves = layers.anisotropy.as_ref().map(|anisotropy| anisotropy.texture.as_ref());
+        if let Some(texture) = bumps.map(Some).or(grooves) {
+            self.0.get_or_insert(texture.map_or((0, UvTransform::default()), |t| (t.uv_set, t.transform)));
+        }
     }
 }

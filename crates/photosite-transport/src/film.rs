@@ -15,7 +15,7 @@ use glam::Vec4;
 use photosite_core::image::{Channel, Estimate, Planes};
 use photosite_core::math::double_double::{DoubleDouble, DoubleDoubles};
 use photosite_core::spectrum::{LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
-use photosite_simd::with_widest_registers;
+use photosite_simd::{Simd, WithSimd, dispatch};
 
 /// A response function with the name of the plane that it fills.
 #[derive(Clone, Debug)]
@@ -296,8 +296,24 @@ impl FilmBand<'_> {
     }
 }
 
-with_widest_registers! {
-    fn add_values(sums: &mut [Sums], groups: usize, values: &[Vec4]) -> () = add_values_inline
+fn add_values(sums: &mut [Sums], groups: usize, values: &[Vec4]) {
+    dispatch(AddValues { sums, groups, values });
+}
+
+/// The arguments of [`add_values_inline`].
+struct AddValues<'a> {
+    sums: &'a mut [Sums],
+    groups: usize,
+    values: &'a [Vec4],
+}
+
+impl WithSimd for AddValues<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        add_values_inline(self.sums, self.groups, self.values);
+    }
 }
 
 /// Adds values of several samples, group by group, to the sums of the channels: four channels side by side.

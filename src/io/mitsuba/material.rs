@@ -2,10 +2,9 @@
 
 use super::picture::{bitmap, planes};
 use super::{Element, Output, quoted};
-use crate::bsdf::Ggx;
 use crate::scene::description::{
-    AlphaMode, Colour, LayeredDescription, MaterialDescription, MaterialModel, SceneDescription, TextureDescription,
-    TexturedColour,
+    AlphaMode, Colour, Conductor, Dielectric, Diffuse, LayeredDescription, MaterialDescription, MaterialModel,
+    OrenNayar, Phong, SceneDescription, TextureDescription, TexturedColour, ThinDielectric, Translucent,
 };
 use crate::spectrum::upsampling::reflectance_spectrum;
 use crate::texture::{Bitmap, Filter, UvTransform};
@@ -30,12 +29,13 @@ pub(super) fn materials(scene: &SceneDescription, out: &mut Output) -> Vec<Expor
 
 fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>, out: &mut Output) -> ExportedMaterial {
     let name = quoted("material", &material.name);
-    let mut used = material.textures();
+    let textures_used = material.textures();
+    let mut used = textures_used.iter();
     let (uv_set, uv_transform) = used.next().map_or((0, UvTransform::default()), |t| (t.uv_set, t.transform));
     if used.any(|t| (t.uv_set, t.transform) != (uv_set, uv_transform)) {
         out.approximate(format!("textures of {name} with UVs of their own: those of the first serve all"));
     }
-    let mut bsdf = scattering(&material.model, &name, textures, out);
+    let (mut bsdf, sides) = scattering(&material.model, &name, textures, out);
     if let Some((texture, scale)) = &material.normal_map {
         let image = textures.image(texture);
         let file = textures.file("normal", image, &["R", "G", "B"], out, |i| {
@@ -52,7 +52,7 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
             .child(bsdf);
     }
     // A dielectric has two sides of its own; of everything else we look at both, and Mitsuba at the front alone.
-    if !has_two_sides(&material.model) {
+    if sides == Sides::One {
         bsdf = Element::object("bsdf", "twosided").child(bsdf);
     }
     bsdf = masked(bsdf, material, &name, textures, out);
@@ -60,27 +60,18 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
     ExportedMaterial { bsdf: bsdf.attribute("id", &id), id, uv_set, uv_transform }
 }
 
-/// Whether Mitsuba's model is one for both sides, which "twosided" refuses.
-fn has_two_sides(model: &MaterialModel) -> bool {
-    match model {
-        MaterialModel::Dielectric { .. } | MaterialModel::ThinDielectric { .. } => true,
-        MaterialModel::Mix { models, .. } => models.iter().any(has_two_sides),
-        MaterialModel::Diffuse { .. }
-        | MaterialModel::Conductor { .. }
-        | MaterialModel::OrenNayar { .. }
-        | MaterialModel::Phong { .. }
-        | MaterialModel::Translucent { .. }
-        | MaterialModel::Layered(_) => false,
-    }
+/// Which sides Mitsuba's model is for: "twosided" refuses those that are for both.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sides {
+    One,
+    Both,
 }
 
-fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &mut Output) -> Element {
+fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &mut Output) -> (Element, Sides) {
     match model {
-        MaterialModel::Diffuse { reflectance } => {
-            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, name, out)
-        }
-        MaterialModel::Conductor { eta, k, roughness, anisotropy } => {
-            let microfacets = Ggx::from_roughness(*roughness, *anisotropy);
+        MaterialModel::Diffuse(Diffuse { reflectance }) => (textures.diffuse(reflectance, name, out), Sides::One),
+        MaterialModel::Conductor(Conductor { eta, k, distribution }) => {
+            let microfacets = distribution.distribution();
             let bsdf = if microfacets.is_smooth() {
                 Element::object("bsdf", "conductor")
             } else {
@@ -88,50 +79,50 @@ fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &
                 let [u, v] = microfacets.alpha().map(f64::from);
                 ggx(Element::object("bsdf", "roughconductor")).float("alpha_u", u).float("alpha_v", v)
             };
-            bsdf.spectrum("eta", eta).spectrum("k", k)
+            (bsdf.spectrum("eta", eta).spectrum("k", k), Sides::One)
         }
-        MaterialModel::Dielectric { index, roughness } => {
+        MaterialModel::Dielectric(Dielectric { index, distribution }) => {
             if !index.is_constant() {
                 out.approximate(format!("the dispersion of {name}: its index is that at {SODIUM_NM} nm"));
             }
-            let microfacets = Ggx::from_roughness(*roughness, 0.0);
+            let microfacets = distribution.distribution();
             let bsdf = if microfacets.is_smooth() {
                 Element::object("bsdf", "dielectric")
             } else {
                 out.approximate(shadowing(name));
                 ggx(Element::object("bsdf", "roughdielectric")).float("alpha", microfacets.alpha()[0].into())
             };
-            bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0)
+            (bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0), Sides::Both)
         }
-        MaterialModel::OrenNayar { reflectance, .. } => {
+        MaterialModel::OrenNayar(OrenNayar { reflectance, roughness: _ }) => {
             out.approximate(format!("the relief of {name}: it becomes \"diffuse\""));
-            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, name, out)
+            (textures.diffuse(reflectance, name, out), Sides::One)
         }
-        MaterialModel::Phong { diffuse, .. } => {
+        MaterialModel::Phong(Phong { diffuse, specular: _, exponent: _ }) => {
             out.approximate(format!("Phong's lobe of {name}: it is left out"));
-            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", diffuse, name, out)
+            (textures.diffuse(diffuse, name, out), Sides::One)
         }
-        MaterialModel::Translucent { reflectance, .. } => {
+        MaterialModel::Translucent(Translucent { reflectance, transmittance: _ }) => {
             out.approximate(format!("the light that passes {name}: it is left out"));
-            textures.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, name, out)
+            (textures.diffuse(reflectance, name, out), Sides::One)
         }
-        MaterialModel::ThinDielectric { index, transmittance } => {
+        MaterialModel::ThinDielectric(ThinDielectric { index, transmittance }) => {
             if !index.is_constant() {
                 out.approximate(format!("the dispersion of {name}: its index is that at {SODIUM_NM} nm"));
             }
             if transmittance.min() < 1.0 {
                 out.approximate(format!("the absorption of {name}: it is left out"));
             }
-            Element::object("bsdf", "thindielectric").float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0)
+            let bsdf = Element::object("bsdf", "thindielectric");
+            (bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0), Sides::Both)
         }
-        MaterialModel::Mix { models, weight } => {
-            let [first, second] = models.as_ref();
-            Element::object("bsdf", "blendbsdf")
-                .float("weight", f64::from(*weight))
-                .child(scattering(first, name, textures, out))
-                .child(scattering(second, name, textures, out))
+        MaterialModel::Mix(mix) => {
+            let [first, second] = mix.models.each_ref().map(|model| scattering(model, name, textures, out));
+            let blend = Element::object("bsdf", "blendbsdf").float("weight", f64::from(mix.weight));
+            let sides = if [first.1, second.1].contains(&Sides::Both) { Sides::Both } else { Sides::One };
+            (blend.child(first.0).child(second.0), sides)
         }
-        MaterialModel::Layered(layers) => principled(layers, name, textures, out),
+        MaterialModel::Layered(layers) => (principled(layers, name, textures, out), Sides::One),
     }
 }
 
@@ -224,6 +215,11 @@ impl<'a> Textures<'a> {
         texel: impl Fn(usize) -> [f32; 3],
     ) -> String {
         out.exr(format!("textures/material-{}-{what}.exr", self.index), &planes(image, channels, texel))
+    }
+
+    /// Lambert's law.
+    fn diffuse(&self, reflectance: &TexturedColour, name: &str, out: &mut Output) -> Element {
+        self.colour(Element::object("bsdf", "diffuse"), "reflectance", reflectance, name, out)
     }
 
     /// A BSDF with a reflectance: a spectrum, or a texture of colours.

@@ -3,8 +3,8 @@
 use glam::{DAffine3, DMat4, DVec3};
 
 use super::{Element, Output};
+use crate::capture::{Capture, ExposureTime};
 use crate::integrator::RenderSettings;
-use crate::io::capture::{Capture, ExposureTime};
 use crate::optics::{Camera, Falloff, LensKind, Projection};
 use crate::spectrum::Spectrum;
 

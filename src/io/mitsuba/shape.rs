@@ -3,8 +3,7 @@
 use super::material::ExportedMaterial;
 use super::sensor::rows;
 use super::{Element, Output, quoted};
-use crate::bsdf::Ggx;
-use crate::scene::description::{AlphaMode, MaterialModel, MeshDescription, SceneDescription};
+use crate::scene::description::{AlphaMode, MaterialDescription, MeshDescription, Roughness, SceneDescription, Visit};
 use crate::scene::emission_spectrum;
 use crate::texture::UvTransform;
 
@@ -47,7 +46,7 @@ fn shape(
     let material = &materials[mesh.material];
     let described = &scene.materials[mesh.material];
     if mesh.is_sphere {
-        if described.textures().next().is_some() || is_anisotropic(&described.model) {
+        if is_anisotropic(described) || !described.textures().is_empty() {
             let name = quoted("sphere", &mesh.name);
             out.approximate(format!("the texture of {name} or its grooves: its UVs are others"));
         }
@@ -60,7 +59,7 @@ fn shape(
         .boolean("face_normals", is_flat(mesh))
         .child(Element::reference(&material.id));
     let name = quoted("material", &described.name);
-    if !has_uvs(mesh) && is_anisotropic(&described.model) {
+    if !has_uvs(mesh) && is_anisotropic(described) {
         out.approximate(format!("the anisotropy of {name} on a mesh without UVs: its direction is another one"));
     }
     let Some(emission) = &described.emission else { return shape };
@@ -82,22 +81,19 @@ fn shape(
     shape.child(Element::object("emitter", "area").spectrum("radiance", &radiance))
 }
 
-/// Whether the microfacets of a material have a direction.
-fn is_anisotropic(model: &MaterialModel) -> bool {
-    match model {
-        MaterialModel::Conductor { roughness, anisotropy, .. } => {
-            let [along, across] = Ggx::from_roughness(*roughness, *anisotropy).alpha();
-            along != across
-        }
-        // The anisotropy of layers is left out, which their export tells.
-        MaterialModel::Mix { models, .. } => models.iter().any(is_anisotropic),
-        MaterialModel::Diffuse { .. }
-        | MaterialModel::Dielectric { .. }
-        | MaterialModel::OrenNayar { .. }
-        | MaterialModel::Phong { .. }
-        | MaterialModel::Translucent { .. }
-        | MaterialModel::ThinDielectric { .. }
-        | MaterialModel::Layered(_) => false,
+/// Whether the microfacets of a material have a direction. The anisotropy of layers is left out, which their export tells.
+fn is_anisotropic(material: &MaterialDescription) -> bool {
+    let mut found = IsAnisotropic(false);
+    material.model.visit(&mut found);
+    found.0
+}
+
+struct IsAnisotropic(bool);
+
+impl Visit for IsAnisotropic {
+    fn roughness(&mut self, roughness: &Roughness) {
+        let [along, across] = roughness.distribution().alpha();
+        self.0 |= along != across;
     }
 }
 

@@ -16,7 +16,7 @@ use photosite_core::spectrum::Spectrum;
 use photosite_transport::optics::{Intrinsics, Projection};
 use photosite_transport::scene;
 use photosite_transport::scene::description::{
-    Colour, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, TexturedColour,
+    Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, TexturedColour,
 };
 
 /// Files in memory.
@@ -106,7 +106,7 @@ fn rectangle(width: f32, height: f32) -> MeshDescription {
 fn scene_of(instances: &[(&str, usize, DAffine3)]) -> SceneDescription {
     let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
     SceneDescription {
-        materials: vec![MaterialDescription::new("matt", MaterialModel::Diffuse { reflectance })],
+        materials: vec![MaterialDescription::new("matt", MaterialModel::Diffuse(Diffuse { reflectance }))],
         meshes: vec![rectangle(1.0, 0.5), rectangle(2.0, 1.0)],
         instances: instances
             .iter()

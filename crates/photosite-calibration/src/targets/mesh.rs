@@ -10,7 +10,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::Target;
 use photosite_transport::scene::description::{
-    Colour, MaterialDescription, MaterialModel, MeshDescription, TexturedColour,
+    Colour, Diffuse, MaterialDescription, MaterialModel, MeshDescription, TexturedColour,
 };
 
 /// Corners nearer than this become one, m: what is computed twice may differ in its last bits.
@@ -24,7 +24,7 @@ impl Target {
         let inks = self.inks.iter().enumerate().map(|(index, ink)| {
             let name = format!("{name}-{}", ink.name);
             let reflectance = TexturedColour::plain(Colour::Spectrum(ink.reflectance.clone()));
-            let material = MaterialDescription::new(name.clone(), MaterialModel::Diffuse { reflectance });
+            let material = MaterialDescription::new(name.clone(), MaterialModel::Diffuse(Diffuse { reflectance }));
             let mut mesh = MeshDescription { name, uvs: vec![Vec::new()], ..MeshDescription::default() };
             let mut places = HashMap::new();
             for (triangle, _) in triangles.iter().filter(|(_, ink)| *ink == index) {

@@ -12,7 +12,7 @@ use photosite_core::spectrum::upsampling::reflectance_spectrum;
 use photosite_core::spectrum::{Dispersion, Spectrum};
 use photosite_core::warnings::Warnings;
 use photosite_transport::scene::description::{
-    AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, EmissionDescription, FilmDescription,
+    AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, Diffuse, EmissionDescription, FilmDescription,
     LayeredDescription, MaterialDescription, MaterialModel, TextureDescription, TexturedColour, TexturedFactor,
 };
 
@@ -41,7 +41,7 @@ pub(super) fn read_material(
     let model = if unlit.is_some() {
         let TexturedColour { colour, texture } = layers.base_colour;
         emission = Some(EmissionDescription { colour, level: Some(UNLIT_WHITE_NIT), texture });
-        MaterialModel::Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.0; 3])) }
+        MaterialModel::Diffuse(Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.0; 3])) })
     } else {
         reader.layers(&mut layers)?;
         MaterialModel::Layered(Box::new(layers))

@@ -28,8 +28,9 @@ use photosite_core::spectrum::upsampling::reflectance_spectrum;
 use photosite_core::spectrum::{Dispersion, Spectrum};
 use photosite_core::warnings::Warnings;
 use photosite_transport::scene::description::{
-    AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, EmissionDescription, LayeredDescription,
-    MaterialDescription, MaterialModel, TextureDescription, TexturedColour, TexturedFactor,
+    AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, Dielectric, Diffuse, EmissionDescription,
+    LayeredDescription, MaterialDescription, MaterialModel, Mix, Roughness, TextureDescription, TexturedColour,
+    TexturedFactor, ThinDielectric,
 };
 
 /// Perceptual roughness of sheen, of which the format says nothing.
@@ -46,7 +47,10 @@ const WHITE: [f32; 3] = [1.0; 3];
 /// A diffuse grey material, for faces whose material is not described.
 pub(super) fn undescribed(name: &str) -> MaterialDescription {
     let reflectance = TexturedColour::plain(Colour::Rgb([DEFAULT_REFLECTANCE; 3]));
-    MaterialDescription { double_sided: true, ..MaterialDescription::new(name, MaterialModel::Diffuse { reflectance }) }
+    MaterialDescription {
+        double_sided: true,
+        ..MaterialDescription::new(name, MaterialModel::Diffuse(Diffuse { reflectance }))
+    }
 }
 
 /// The material that the module's table gives.
@@ -69,8 +73,8 @@ pub(super) fn describe(
         _ if is_glass(mtl) => {}
         Some(filter) => {
             let (index, transmittance) = (Dispersion::constant(1.0), reflectance_spectrum(filter));
-            let models = Box::new([material.model, MaterialModel::ThinDielectric { index, transmittance }]);
-            material.model = MaterialModel::Mix { models, weight: 1.0 - opacity };
+            let models = [material.model, MaterialModel::ThinDielectric(ThinDielectric { index, transmittance })];
+            material.model = MaterialModel::Mix(Box::new(Mix { models, weight: 1.0 - opacity }));
         }
         None if opacity < 1.0 || opacity_map.is_some() => {
             (material.alpha, material.alpha_factor) = (AlphaMode::Blend, opacity);
@@ -97,7 +101,7 @@ fn filter(mtl: &MtlMaterial) -> Option<[f32; 3]> {
 fn glass(mtl: &MtlMaterial) -> MaterialModel {
     let (index, roughness) = (index(mtl), unit(mtl.roughness, 0.0));
     match filter(mtl) {
-        None => MaterialModel::Dielectric { index, roughness },
+        None => MaterialModel::Dielectric(Dielectric { index, distribution: Roughness::isotropic(roughness) }),
         Some(filter) => MaterialModel::Layered(Box::new(LayeredDescription {
             base_colour: TexturedColour::plain(Colour::Rgb(filter)),
             roughness: TexturedFactor::plain(roughness),
@@ -154,7 +158,7 @@ fn opaque(mtl: &MtlMaterial, mut textures: MaterialTextures, warnings: &mut Warn
         return layered(physically_based(mtl, textures), diffuse, specular);
     }
     if is_black(&specular) || !mirrors && (!shines || matches!(mtl.illumination_model, Some(0 | 1))) {
-        return MaterialModel::Diffuse { reflectance: diffuse };
+        return MaterialModel::Diffuse(Diffuse { reflectance: diffuse });
     }
     let plain = LayeredDescription {
         roughness: roughness(mtl, &mut textures, if mirrors { 0.0 } else { 1.0 }),
@@ -274,7 +278,7 @@ mod tests {
     #[test]
     fn matt_and_shiny_surfaces_are_told_apart() {
         for matt in [plain(), MtlMaterial { illumination_model: Some(1), ..shiny() }] {
-            let MaterialModel::Diffuse { reflectance } = model(&matt) else { panic!("{:?}", model(&matt)) };
+            let MaterialModel::Diffuse(Diffuse { reflectance }) = model(&matt) else { panic!("{:?}", model(&matt)) };
             assert_eq!(rgb(&reflectance), [0.2, 0.4, 0.6]);
         }
         // α = √(2/32) = 1/4, so the perceptual roughness is 1/2; a Ks of ½ is an ordinary surface.
@@ -321,12 +325,12 @@ mod tests {
             |illumination_model, opacity| MtlMaterial { index: Some(1.5), illumination_model, opacity, ..plain() };
         for (illumination_model, opacity) in [(Some(6), None), (Some(7), Some(1.0)), (None, Some(0.1))] {
             let found = model(&glass(illumination_model, opacity));
-            assert!(matches!(found, MaterialModel::Dielectric { .. }), "{illumination_model:?}: {found:?}");
+            assert!(matches!(found, MaterialModel::Dielectric(_)), "{illumination_model:?}: {found:?}");
         }
         for (illumination_model, opacity) in [(Some(2), Some(1.0)), (Some(2), Some(0.3)), (Some(4), None), (None, None)]
         {
             let found = model(&glass(illumination_model, opacity));
-            assert!(matches!(found, MaterialModel::Diffuse { .. }), "{illumination_model:?}: {found:?}");
+            assert!(matches!(found, MaterialModel::Diffuse(_)), "{illumination_model:?}: {found:?}");
         }
         let stained = layers(&MtlMaterial { transmission_filter: Some([1.0, 0.2, 0.1]), ..glass(Some(7), None) });
         assert_eq!((rgb(&stained.base_colour), stained.transmission.value), ([1.0, 0.2, 0.1], 1.0));
@@ -340,8 +344,8 @@ mod tests {
         let film = MtlMaterial { transmission_filter: Some([0.9, 0.2, 0.2]), ..veil };
         let material = describe(&film, MaterialTextures::default(), &mut Warnings::default());
         assert_eq!(material.alpha, AlphaMode::Opaque);
-        let MaterialModel::Mix { models, weight } = &material.model else { panic!("{:?}", material.model) };
-        assert!(matches!(models[1], MaterialModel::ThinDielectric { .. }) && *weight == 0.75);
+        let MaterialModel::Mix(mix) = &material.model else { panic!("{:?}", material.model) };
+        assert!(matches!(mix.models[1], MaterialModel::ThinDielectric(_)) && mix.weight == 0.75);
     }
 
     #[test]
@@ -350,7 +354,7 @@ mod tests {
         let bright = MtlMaterial { diffuse: Some([1.5, 0.5, -0.1]), ..MtlMaterial::default() };
         let material = describe(&bright, MaterialTextures::default(), &mut warnings);
         assert!(
-            matches!(material.model, MaterialModel::Diffuse { reflectance } if rgb(&reflectance) == [1.0, 0.5, 0.0])
+            matches!(material.model, MaterialModel::Diffuse(Diffuse { reflectance }) if rgb(&reflectance) == [1.0, 0.5, 0.0])
         );
         assert_eq!(warnings.into_messages().len(), 1);
     }

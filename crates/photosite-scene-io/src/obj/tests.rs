@@ -7,7 +7,7 @@ use rstest::rstest;
 use tempfile::TempDir;
 
 use super::*;
-use photosite_transport::scene::description::{AlphaMode, Colour, MaterialModel};
+use photosite_transport::scene::description::{AlphaMode, Colour, Diffuse, MaterialModel};
 use photosite_transport::texture::Texels;
 
 /// A folder with `scene.obj` and what else a test needs.
@@ -92,7 +92,7 @@ fn materials_come_from_the_library_and_pictures_from_beside_it() {
     assert!(file.undescribed_materials.is_empty());
     let wood = &scene.materials[0];
     assert_eq!((wood.name.as_str(), wood.alpha), ("my wood", AlphaMode::Blend));
-    let MaterialModel::Diffuse { reflectance } = &wood.model else { panic!("{:?}", wood.model) };
+    let MaterialModel::Diffuse(Diffuse { reflectance }) = &wood.model else { panic!("{:?}", wood.model) };
     let (Colour::Rgb([1.0, 0.5, 0.25]), Some(texture)) = (&reflectance.colour, &reflectance.texture) else {
         panic!("{reflectance:?}")
     };

@@ -7,36 +7,66 @@
 use glam::Vec3;
 
 use super::fresnel;
-use super::microfacet::Ggx;
+use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
 use super::{BsdfEval, BsdfSample, is_above};
 use photosite_core::math::Pdf;
-use photosite_core::spectrum::SampledSpectrum;
 
-#[inline]
-pub(super) fn eval(eta: SampledSpectrum, k: SampledSpectrum, distribution: Ggx, wo: Vec3, wi: Vec3) -> BsdfEval {
-    if distribution.is_smooth() || !(is_above(wo) && is_above(wi)) {
-        return BsdfEval::ZERO;
-    }
-    let kernel = distribution.reflection(wo, wi);
-    BsdfEval { f: fresnel::conductor(kernel.cos_facet, eta, k) * kernel.value, pdf: Pdf::new(kernel.pdf) }
+/// A metal.
+#[derive(Clone, Copy, Debug)]
+pub struct Conductor<F: Form = Sampled> {
+    /// Real part of the refractive index, relative to the medium outside.
+    pub eta: F::Spectrum,
+    /// Imaginary part (extinction coefficient), relative to the medium outside.
+    pub k: F::Spectrum,
+    /// Roughness of its microfacets.
+    pub distribution: F::Distribution,
 }
 
-#[inline]
-pub(super) fn sample(
-    eta: SampledSpectrum,
-    k: SampledSpectrum,
-    distribution: Ggx,
-    wo: Vec3,
-    u: [f32; 2],
-) -> Option<BsdfSample> {
-    if !is_above(wo) {
-        return None;
+impl<F: Form> Conductor<F> {
+    #[inline]
+    pub(super) fn map<T: Form>(&self, map: &mut impl Map<F, T>) -> Conductor<T> {
+        let (eta, k) = (map.spectrum(&self.eta), map.spectrum(&self.k));
+        Conductor { eta, k, distribution: map.distribution(&self.distribution) }
     }
-    if distribution.is_smooth() {
-        let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-        return Some(BsdfSample::mirrored(fresnel::conductor(wo.z.min(1.0), eta, k), wi, 1.0));
+}
+
+impl<F: TableForm> SceneTraits for Conductor<F> {
+    fn may_cast_caustics(&self) -> bool {
+        self.distribution.is_near_specular()
     }
-    let (wi, kernel) = distribution.sample_reflection(wo, u)?;
-    let f = fresnel::conductor(kernel.cos_facet, eta, k) * kernel.value;
-    Some(BsdfSample::reflected(f, wi, Pdf::new(kernel.pdf)))
+}
+
+impl Lobe for Conductor {
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if self.distribution.is_smooth() || !(is_above(wo) && is_above(wi)) {
+            return BsdfEval::ZERO;
+        }
+        let kernel = self.distribution.reflection(wo, wi);
+        let f = fresnel::conductor(kernel.cos_facet, self.eta, self.k) * kernel.value;
+        BsdfEval { f, pdf: Pdf::new(kernel.pdf) }
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, _u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        if !is_above(wo) {
+            return None;
+        }
+        if self.distribution.is_smooth() {
+            let wi = Vec3::new(-wo.x, -wo.y, wo.z);
+            return Some(BsdfSample::mirrored(fresnel::conductor(wo.z.min(1.0), self.eta, self.k), wi, 1.0));
+        }
+        let (wi, kernel) = self.distribution.sample_reflection(wo, u)?;
+        let f = fresnel::conductor(kernel.cos_facet, self.eta, self.k) * kernel.value;
+        Some(BsdfSample::reflected(f, wi, Pdf::new(kernel.pdf)))
+    }
+
+    #[inline]
+    fn traits(&self) -> Traits {
+        Traits {
+            is_delta: self.distribution.is_smooth(),
+            casts_caustics: self.distribution.is_near_specular(),
+            ..Traits::default()
+        }
+    }
 }

@@ -25,6 +25,7 @@ use glam::Vec3;
 
 use super::fresnel::{self, Interface};
 use super::microfacet::{self, Ggx};
+use super::model::{Form, Lobe, Map, RelativeIndex, Sampled, SceneTraits, TableForm, Traits};
 use super::{BsdfEval, BsdfSample, GRAZING, is_grazing};
 use photosite_core::math::Pdf;
 use photosite_core::spectrum::SampledSpectrum;
@@ -56,46 +57,83 @@ pub(super) fn lanes(value: f32, dispersive: bool) -> SampledSpectrum {
     if dispersive { SampledSpectrum::from([value, 0.0, 0.0, 0.0]) } else { SampledSpectrum::splat(value) }
 }
 
-#[inline]
-pub(super) fn eval(eta: SampledSpectrum, dispersive: bool, distribution: Ggx, wo: Vec3, wi: Vec3) -> BsdfEval {
-    if is_delta(eta, distribution) || is_grazing(wo) || is_grazing(wi) {
-        return BsdfEval::ZERO;
-    }
-    let wi = if wo.z < 0.0 { mirrored(wi) } else { wi };
-    let (eta, wo) = seen_from_above(eta[0], wo);
-    let (f, pdf) = if wi.z > 0.0 {
-        let kernel = distribution.reflection(wo, wi);
-        let reflectance = fresnel::dielectric(kernel.cos_facet, eta).reflectance;
-        (kernel.value * reflectance, kernel.pdf * reflectance)
-    } else {
-        let Some(facet) = Refraction::between(eta, wo, wi) else { return BsdfEval::ZERO };
-        let transmittance = fresnel::between(facet.cos_o.min(1.0), facet.cos_i.min(1.0), eta).transmittance;
-        refraction(distribution, wo, wi, &Refraction { transmittance, ..facet })
-    };
-    BsdfEval { f: lanes(f, dispersive), pdf: Pdf::new(pdf) }
+/// A clear medium on the side that the normal points away from.
+#[derive(Clone, Copy, Debug)]
+pub struct Dielectric<F: Form = Sampled> {
+    /// n_inside/n_outside.
+    pub index: F::Index,
+    /// Roughness of its microfacets.
+    pub distribution: F::Distribution,
 }
 
-#[inline]
-pub(super) fn sample(
-    eta: SampledSpectrum,
-    dispersive: bool,
-    distribution: Ggx,
-    wo: Vec3,
-    u_lobe: f32,
-    u: [f32; 2],
-) -> Option<BsdfSample> {
-    if is_grazing(wo) {
-        return None;
+impl<F: Form> Dielectric<F> {
+    #[inline]
+    pub(super) fn map<T: Form>(&self, map: &mut impl Map<F, T>) -> Dielectric<T> {
+        Dielectric { index: map.index(&self.index), distribution: map.distribution(&self.distribution) }
     }
-    let below = wo.z < 0.0;
-    let sample = if is_delta(eta, distribution) {
-        let (eta, wo) = if below { (SampledSpectrum::ONE / eta, mirrored(wo)) } else { (eta, wo) };
-        sample_smooth(eta, dispersive, wo, u_lobe)
-    } else {
+}
+
+impl<F: TableForm> SceneTraits for Dielectric<F> {
+    fn disperses(&self) -> bool {
+        self.index.dispersive
+    }
+
+    fn may_cast_caustics(&self) -> bool {
+        true
+    }
+}
+
+impl Lobe for Dielectric {
+    const REFRACTS: bool = true;
+
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        let &Self { index: RelativeIndex { eta, dispersive }, distribution } = self;
+        if is_delta(eta, distribution) || is_grazing(wo) || is_grazing(wi) {
+            return BsdfEval::ZERO;
+        }
+        let wi = if wo.z < 0.0 { mirrored(wi) } else { wi };
         let (eta, wo) = seen_from_above(eta[0], wo);
-        sample_rough(eta, dispersive, distribution, wo, u_lobe, u)
-    };
-    sample.map(|sample| if below { BsdfSample { wi: mirrored(sample.wi), ..sample } } else { sample })
+        let (f, pdf) = if wi.z > 0.0 {
+            let kernel = distribution.reflection(wo, wi);
+            let reflectance = fresnel::dielectric(kernel.cos_facet, eta).reflectance;
+            (kernel.value * reflectance, kernel.pdf * reflectance)
+        } else {
+            let Some(facet) = Refraction::between(eta, wo, wi) else { return BsdfEval::ZERO };
+            let transmittance = fresnel::between(facet.cos_o.min(1.0), facet.cos_i.min(1.0), eta).transmittance;
+            refraction(distribution, wo, wi, &Refraction { transmittance, ..facet })
+        };
+        BsdfEval { f: lanes(f, dispersive), pdf: Pdf::new(pdf) }
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let &Self { index: RelativeIndex { eta, dispersive }, distribution } = self;
+        if is_grazing(wo) {
+            return None;
+        }
+        let below = wo.z < 0.0;
+        let sample = if is_delta(eta, distribution) {
+            let (eta, wo) = if below { (SampledSpectrum::ONE / eta, mirrored(wo)) } else { (eta, wo) };
+            sample_smooth(eta, dispersive, wo, u_lobe)
+        } else {
+            let (eta, wo) = seen_from_above(eta[0], wo);
+            sample_rough(eta, dispersive, distribution, wo, u_lobe, u)
+        };
+        sample.map(|sample| if below { BsdfSample { wi: mirrored(sample.wi), ..sample } } else { sample })
+    }
+
+    #[inline]
+    fn traits(&self) -> Traits {
+        let is_delta = is_delta(self.index.eta, self.distribution);
+        Traits {
+            has_lobes: true,
+            transmits: true,
+            is_delta,
+            casts_caustics: self.distribution.is_near_specular() || is_delta,
+            needs_single_wavelength: self.index.dispersive && !is_delta,
+        }
+    }
 }
 
 /// One interface, `wo` above it: reflection with the hero's probability R, refraction with 1 − R.

@@ -7,21 +7,44 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
+use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
 use super::{BsdfEval, BsdfSample, is_above};
 use photosite_core::math::{Pdf, warp};
-use photosite_core::spectrum::SampledSpectrum;
 
-#[inline]
-pub(super) fn eval(reflectance: SampledSpectrum, wo: Vec3, wi: Vec3) -> BsdfEval {
-    if !(is_above(wo) && is_above(wi)) {
-        return BsdfEval::ZERO;
-    }
-    BsdfEval { f: reflectance * FRAC_1_PI, pdf: Pdf::new(wi.z * FRAC_1_PI) }
+/// Lambert's law.
+#[derive(Clone, Copy, Debug)]
+pub struct Diffuse<F: Form = Sampled> {
+    /// 0–1.
+    pub reflectance: F::Colour,
 }
 
-#[inline]
-pub(super) fn sample(reflectance: SampledSpectrum, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
-    let wi = Vec3::from(warp::cosine_hemisphere(u));
-    (is_above(wo) && is_above(wi))
-        .then(|| BsdfSample::reflected(reflectance * FRAC_1_PI, wi, Pdf::new(wi.z * FRAC_1_PI)))
+impl<F: Form> Diffuse<F> {
+    #[inline]
+    pub(super) fn map<T: Form>(&self, map: &mut impl Map<F, T>) -> Diffuse<T> {
+        Diffuse { reflectance: map.colour(&self.reflectance) }
+    }
+}
+
+impl<F: TableForm> SceneTraits for Diffuse<F> {}
+
+impl Lobe for Diffuse {
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if !(is_above(wo) && is_above(wi)) {
+            return BsdfEval::ZERO;
+        }
+        BsdfEval { f: self.reflectance * FRAC_1_PI, pdf: Pdf::new(wi.z * FRAC_1_PI) }
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, _u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let wi = Vec3::from(warp::cosine_hemisphere(u));
+        (is_above(wo) && is_above(wi))
+            .then(|| BsdfSample::reflected(self.reflectance * FRAC_1_PI, wi, Pdf::new(wi.z * FRAC_1_PI)))
+    }
+
+    #[inline]
+    fn traits(&self) -> Traits {
+        Traits::default()
+    }
 }

@@ -83,9 +83,9 @@ impl Ggx {
     }
 
     /// Whether light that they throw on stays so close together that it makes caustics, α < 0.3: see
-    /// [`Bsdf::focuses`](super::Bsdf::focuses).
+    /// [`Bsdf::casts_caustics`](super::Bsdf::casts_caustics).
     #[inline]
-    pub(crate) fn is_narrow(&self) -> bool {
+    pub(crate) fn is_near_specular(&self) -> bool {
         self.mean_alpha() < 0.3
     }
 

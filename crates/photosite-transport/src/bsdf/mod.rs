@@ -8,40 +8,49 @@
 //!
 //! | model | file | lobes |
 //! |---|---|---|
-//! | [`Bsdf::Diffuse`] | `diffuse` | Lambert |
-//! | [`Bsdf::Conductor`] | `conductor` | mirror or GGX reflection, exact Fresnel |
-//! | [`Bsdf::Dielectric`] | `dielectric` | mirror or GGX reflection and refraction, exact Fresnel |
-//! | [`Bsdf::OrenNayar`] | `oren_nayar` | matt with relief |
-//! | [`Bsdf::Phong`] | [`phong`] | Lambert and a power of the cosine to the mirror direction |
-//! | [`Bsdf::Translucent`] | `translucent` | Lambert on both sides |
-//! | [`Bsdf::ThinDielectric`] | `thin_dielectric` | mirror and straight on, as a pane |
-//! | [`Bsdf::Layered`] | [`layered`] | glTF: coat, sheen, facets, and a metallic, coloured or clear base |
+//! | [`Diffuse`] | `diffuse` | Lambert |
+//! | [`Conductor`] | `conductor` | mirror or GGX reflection, exact Fresnel |
+//! | [`Dielectric`] | `dielectric` | mirror or GGX reflection and refraction, exact Fresnel |
+//! | [`OrenNayar`] | `oren_nayar` | diffuse with relief |
+//! | [`Phong`] | `phong` | Lambert and a power of the cosine to the mirror direction |
+//! | [`Translucent`] | `translucent` | Lambert on both sides |
+//! | [`ThinDielectric`] | `thin_dielectric` | mirror and straight on, as a pane |
+//! | [`Layered`] | [`layered`] | glTF: coat, sheen, microfacets, and a metallic, coloured or clear base |
 //!
-//! [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
+//! [`model`] has the list of them. [`fresnel`] says how much an interface reflects, [`microfacet`] what roughness does to it.
 //!
-//! What refracts is seen from both sides; all else is black from behind, though it may transmit light from there. The integrator turns the frame
-//! round where a surface has two equal sides, and guards against light that leaks through shading normals.
+//! What refracts is seen from both sides; all else is black from behind, though it may transmit light from there. The
+//! integrator turns the frame round where a surface has two equal sides, and guards against light that leaks through
+//! shading normals.
 
 pub mod fresnel;
 pub mod layered;
 pub mod microfacet;
-pub mod phong;
+pub mod model;
 
 mod albedo;
 mod conductor;
 mod dielectric;
 mod diffuse;
 mod oren_nayar;
+mod phong;
 mod thin_dielectric;
 mod translucent;
 
 use glam::Vec3;
 
+pub use conductor::Conductor;
+pub use dielectric::Dielectric;
+pub use diffuse::Diffuse;
 pub use layered::{Coat, Film, Layered, Sheen, Volume};
 pub use microfacet::Ggx;
+pub use model::{Form, Map, MapAll, Mix, Model, RelativeIndex, Sampled, SceneTraits, TableForm, Traits};
+pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
 use photosite_core::math::{Pdf, SolidAngle};
 use photosite_core::spectrum::SampledSpectrum;
+pub use thin_dielectric::ThinDielectric;
+pub use translucent::Translucent;
 
 /// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are is
 /// no longer known, a unit vector being rounded to 6e-8.
@@ -51,57 +60,7 @@ pub(crate) const GRAZING: f32 = 1e-7;
 const EDGE_ON: f32 = 2e-3;
 
 /// How the surface scatters at one shading point: the model with its parameters looked up.
-#[derive(Clone, Copy, Debug)]
-pub enum Bsdf {
-    /// Lambert's law.
-    Diffuse {
-        /// 0–1.
-        reflectance: SampledSpectrum,
-    },
-    /// A metal.
-    Conductor {
-        /// Real part of the refractive index, relative to the medium outside.
-        eta: SampledSpectrum,
-        /// Imaginary part (extinction coefficient), relative to the medium outside.
-        k: SampledSpectrum,
-        /// Roughness.
-        distribution: Ggx,
-    },
-    /// A clear medium on the side that +Z points away from.
-    Dielectric {
-        /// n_inside/n_outside. Equal in all lanes unless dispersive.
-        eta: SampledSpectrum,
-        /// Whether the index depends on wavelength.
-        dispersive: bool,
-        /// Roughness.
-        distribution: Ggx,
-    },
-    /// A matt surface with relief.
-    OrenNayar {
-        /// 0–1.
-        reflectance: SampledSpectrum,
-        /// 0–1; 0 is Lambert's law.
-        roughness: f32,
-    },
-    /// Phong's model.
-    Phong(Phong),
-    /// A thin matt sheet.
-    Translucent {
-        /// 0–1.
-        reflectance: SampledSpectrum,
-        /// 0–1; with the reflectance at most 1.
-        transmittance: SampledSpectrum,
-    },
-    /// A polished pane.
-    ThinDielectric {
-        /// n_inside/n_outside.
-        eta: SampledSpectrum,
-        /// What is left of light that crosses it along the normal, but for its surfaces, 0–1.
-        transmittance: SampledSpectrum,
-    },
-    /// glTF's material.
-    Layered(Layered),
-}
+pub type Bsdf = Model<Sampled>;
 
 /// Value and density for a pair of directions. Zero for lobes that are a single direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -157,113 +116,37 @@ impl BsdfSample {
 }
 
 impl Bsdf {
-    /// Value and density of scattering between `wo` and `wi`. Both are zero where the model does not scatter that way,
-    /// for mirrors and polished interfaces, and for directions in the surface.
-    #[inline]
-    pub fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        match *self {
-            Self::Diffuse { reflectance } => diffuse::eval(reflectance, wo, wi),
-            Self::Conductor { eta, k, distribution } => conductor::eval(eta, k, distribution, wo, wi),
-            Self::Dielectric { eta, dispersive, distribution } => {
-                dielectric::eval(eta, dispersive, distribution, wo, wi)
-            }
-            Self::OrenNayar { reflectance, roughness } => oren_nayar::eval(reflectance, roughness, wo, wi),
-            Self::Phong(ref phong) => phong.eval(wo, wi),
-            Self::Translucent { reflectance, transmittance } => translucent::eval(reflectance, transmittance, wo, wi),
-            Self::ThinDielectric { .. } => BsdfEval::ZERO,
-            Self::Layered(ref layered) => layered.eval(wo, wi),
-        }
-    }
-
-    /// Density with which [`Self::sample`] finds `wo` for light that goes the other way round. What is black from behind counts
-    /// as seen from its other side there.
+    /// Density with which [`Self::sample`] finds `wo` for light that goes the other way round. What is black from behind
+    /// counts as seen from its other side there.
     #[inline]
     pub fn reverse_pdf(&self, wo: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
         let [wo, wi] = if wi.z < 0.0 && !self.refracts() { [wo, wi].map(dielectric::mirrored) } else { [wo, wi] };
         self.eval(wi, wo).pdf
     }
 
-    /// Draws `wi` from three numbers in [0, 1): one to choose a lobe, two for the direction in it. None where the
-    /// direction drawn leads nowhere; the light of such a draw counts as lost.
-    #[inline]
-    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        match *self {
-            Self::Diffuse { reflectance } => diffuse::sample(reflectance, wo, u),
-            Self::Conductor { eta, k, distribution } => conductor::sample(eta, k, distribution, wo, u),
-            Self::Dielectric { eta, dispersive, distribution } => {
-                dielectric::sample(eta, dispersive, distribution, wo, u_lobe, u)
-            }
-            Self::OrenNayar { reflectance, roughness } => oren_nayar::sample(reflectance, roughness, wo, u_lobe, u),
-            Self::Phong(ref phong) => phong.sample(wo, u_lobe, u),
-            Self::Translucent { reflectance, transmittance } => {
-                translucent::sample(reflectance, transmittance, wo, u_lobe, u)
-            }
-            Self::ThinDielectric { eta, transmittance } => thin_dielectric::sample(eta, transmittance, wo, u_lobe),
-            Self::Layered(ref layered) => layered.sample(wo, u_lobe, u),
-        }
-    }
-
     /// Whether [`Self::sample`] chooses among lobes, so that its first number matters.
     #[inline]
     pub fn has_lobes(&self) -> bool {
-        !matches!(self, Self::Diffuse { .. } | Self::Conductor { .. })
+        self.traits().has_lobes
     }
 
     /// Whether light passes through.
     #[inline]
     pub fn transmits(&self) -> bool {
-        match *self {
-            Self::Diffuse { .. } | Self::Conductor { .. } | Self::OrenNayar { .. } | Self::Phong(_) => false,
-            Self::Dielectric { .. } | Self::Translucent { .. } | Self::ThinDielectric { .. } => true,
-            Self::Layered(ref layered) => layered.transmits(),
-        }
+        self.traits().transmits
     }
 
     /// Whether every lobe is a single direction: sampling lights is then in vain.
     #[inline]
     pub fn is_delta(&self) -> bool {
-        match *self {
-            Self::Diffuse { .. } | Self::OrenNayar { .. } | Self::Phong(_) | Self::Translucent { .. } => false,
-            Self::ThinDielectric { .. } => true,
-            Self::Conductor { distribution, .. } => distribution.is_smooth(),
-            Self::Dielectric { eta, distribution, .. } => dielectric::is_delta(eta, distribution),
-            Self::Layered(ref layered) => layered.is_delta(),
-        }
+        self.traits().is_delta
     }
 
-    /// Whether it throws light from a lamp on in bundles, or lets it through where no path from elsewhere to the lamp goes
-    /// straight: mirrors, glass, and facets of α < 0.3, whether or not other lobes go with them.
+    /// Whether it throws light on in bundles, or lets it through where no path from elsewhere to the light goes straight:
+    /// mirrors, glass, and microfacets of α < 0.3, whether or not other lobes go with them.
     #[inline]
-    pub fn focuses(&self) -> bool {
-        match *self {
-            Self::Diffuse { .. } | Self::OrenNayar { .. } | Self::Translucent { .. } => false,
-            Self::ThinDielectric { .. } => true,
-            Self::Phong(ref phong) => Phong::is_narrow(phong.exponent) && !phong.specular.is_black(),
-            Self::Conductor { distribution, .. } => distribution.is_narrow(),
-            Self::Dielectric { eta, distribution, .. } => {
-                distribution.is_narrow() || dielectric::is_delta(eta, distribution)
-            }
-            Self::Layered(ref layered) => {
-                layered.distribution.is_narrow()
-                    || layered.coat.is_some_and(|coat| coat.distribution.is_narrow())
-                    || layered.refracting().is_some_and(|volume| dielectric::is_delta(volume.eta, layered.distribution))
-            }
-        }
-    }
-
-    /// Whether both sides are of different media, so that the frame stays on its side, whichever is seen.
-    #[inline]
-    fn refracts(&self) -> bool {
-        match *self {
-            Self::Dielectric { .. } => true,
-            Self::Layered(ref layered) => !layered.is_two_sided(),
-            Self::Diffuse { .. }
-            | Self::Conductor { .. }
-            | Self::OrenNayar { .. }
-            | Self::Phong(_)
-            | Self::Translucent { .. }
-            | Self::ThinDielectric { .. } => false,
-        }
+    pub fn casts_caustics(&self) -> bool {
+        self.traits().casts_caustics
     }
 
     /// Whether `wo` sees the surface so much edge-on that its frame may be one for this direction alone.
@@ -276,18 +159,7 @@ impl Bsdf {
     /// others before it calls them: rough dielectrics whose index depends on wavelength.
     #[inline]
     pub fn needs_single_wavelength(&self) -> bool {
-        match *self {
-            Self::Diffuse { .. }
-            | Self::Conductor { .. }
-            | Self::OrenNayar { .. }
-            | Self::Phong(_)
-            | Self::Translucent { .. }
-            | Self::ThinDielectric { .. } => false,
-            Self::Dielectric { eta, dispersive, distribution } => {
-                dispersive && !dielectric::is_delta(eta, distribution)
-            }
-            Self::Layered(ref layered) => layered.needs_single_wavelength(),
-        }
+        self.traits().needs_single_wavelength
     }
 }
 

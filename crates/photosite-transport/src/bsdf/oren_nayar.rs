@@ -13,6 +13,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
+use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
 use super::{BsdfEval, BsdfSample, is_above};
 use photosite_core::math::{Pdf, warp};
 use photosite_core::spectrum::SampledSpectrum;
@@ -26,36 +27,56 @@ const NOTHING_LOST: f32 = 1e-5;
 /// How much is sampled evenly over the hemisphere, not by the cosine: what goes back along the surface needs it.
 const EVEN_PART: f32 = 0.5;
 
-#[inline]
-pub(super) fn eval(reflectance: SampledSpectrum, roughness: f32, wo: Vec3, wi: Vec3) -> BsdfEval {
-    if !(is_above(wo) && is_above(wi)) {
-        return BsdfEval::ZERO;
-    }
-    let a = 1.0 / (1.0 + C1 * roughness);
-    let s = wo.dot(wi) - wo.z * wi.z;
-    let t = if s > 0.0 { wo.z.max(wi.z) } else { 1.0 };
-    // Where both graze the surface and s is minus the product of the sines, rounding may go below 0.
-    let mut f = reflectance * (a * (1.0 + roughness * s / t)).max(0.0);
-    let mean = a * (1.0 + C2 * roughness);
-    if 1.0 - mean > NOTHING_LOST {
-        let lost = |z: f32| (1.0 - a * (1.0 + roughness * FRAC_1_PI * g(z))).max(0.0);
-        let bounced = reflectance * reflectance * mean / (SampledSpectrum::ONE - reflectance * (1.0 - mean));
-        f += bounced * (lost(wo.z) * lost(wi.z) / (1.0 - mean));
-    }
-    BsdfEval { f: f * FRAC_1_PI, pdf: Pdf::new(((1.0 - EVEN_PART) * wi.z + EVEN_PART * 0.5) * FRAC_1_PI) }
+/// A diffuse surface with relief.
+#[derive(Clone, Copy, Debug)]
+pub struct OrenNayar<F: Form = Sampled> {
+    /// 0–1.
+    pub reflectance: F::Colour,
+    /// 0–1; 0 is Lambert's law.
+    pub roughness: f32,
 }
 
-#[inline]
-pub(super) fn sample(
-    reflectance: SampledSpectrum,
-    roughness: f32,
-    wo: Vec3,
-    u_lobe: f32,
-    u: [f32; 2],
-) -> Option<BsdfSample> {
-    let wi = if u_lobe < EVEN_PART { warp::uniform_cone(u, 0.0) } else { warp::cosine_hemisphere(u).into() };
-    let BsdfEval { f, pdf } = eval(reflectance, roughness, wo, wi);
-    (pdf.0 > 0.0).then(|| BsdfSample::reflected(f, wi, pdf))
+impl<F: Form> OrenNayar<F> {
+    #[inline]
+    pub(super) fn map<T: Form>(&self, map: &mut impl Map<F, T>) -> OrenNayar<T> {
+        OrenNayar { reflectance: map.colour(&self.reflectance), roughness: self.roughness }
+    }
+}
+
+impl<F: TableForm> SceneTraits for OrenNayar<F> {}
+
+impl Lobe for OrenNayar {
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        if !(is_above(wo) && is_above(wi)) {
+            return BsdfEval::ZERO;
+        }
+        let &Self { reflectance, roughness } = self;
+        let a = 1.0 / (1.0 + C1 * roughness);
+        let s = wo.dot(wi) - wo.z * wi.z;
+        let t = if s > 0.0 { wo.z.max(wi.z) } else { 1.0 };
+        // Where both graze the surface and s is minus the product of the sines, rounding may go below 0.
+        let mut f = reflectance * (a * (1.0 + roughness * s / t)).max(0.0);
+        let mean = a * (1.0 + C2 * roughness);
+        if 1.0 - mean > NOTHING_LOST {
+            let lost = |z: f32| (1.0 - a * (1.0 + roughness * FRAC_1_PI * g(z))).max(0.0);
+            let bounced = reflectance * reflectance * mean / (SampledSpectrum::ONE - reflectance * (1.0 - mean));
+            f += bounced * (lost(wo.z) * lost(wi.z) / (1.0 - mean));
+        }
+        BsdfEval { f: f * FRAC_1_PI, pdf: Pdf::new(((1.0 - EVEN_PART) * wi.z + EVEN_PART * 0.5) * FRAC_1_PI) }
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let wi = if u_lobe < EVEN_PART { warp::uniform_cone(u, 0.0) } else { warp::cosine_hemisphere(u).into() };
+        let BsdfEval { f, pdf } = self.eval(wo, wi);
+        (pdf.0 > 0.0).then(|| BsdfSample::reflected(f, wi, pdf))
+    }
+
+    #[inline]
+    fn traits(&self) -> Traits {
+        Traits { has_lobes: true, ..Traits::default() }
+    }
 }
 
 /// G at the cosine `z`.

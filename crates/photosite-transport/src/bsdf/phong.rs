@@ -8,29 +8,43 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use glam::Vec3;
 
+use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
 use super::{BsdfEval, BsdfSample, is_above};
 use photosite_core::math::{Frame, Pdf, warp};
-use photosite_core::spectrum::SampledSpectrum;
 
-/// How it scatters at one point.
+/// Phong's model.
 #[derive(Clone, Copy, Debug)]
-pub struct Phong {
-    /// ρ_d, 0–1.
-    pub diffuse: SampledSpectrum,
-    /// ρ_s, 0–1.
-    pub specular: SampledSpectrum,
+pub struct Phong<F: Form = Sampled> {
+    /// ρ_d, the part that is scattered by Lambert's law, 0–1.
+    pub diffuse: F::Colour,
+    /// ρ_s, the part in the lobe, 0–1; with the other at most 1.
+    pub specular: F::Colour,
     /// n, at least 0.
     pub exponent: f32,
 }
 
-impl Phong {
-    /// Whether the lobe of an exponent is as narrow as that of facets of which [`Ggx::is_narrow`](super::Ggx::is_narrow) says so:
-    /// their α is √(2/(n + 2)).
+impl<F: Form> Phong<F> {
     #[inline]
-    pub(crate) fn is_narrow(exponent: f32) -> bool {
-        exponent > 20.0
+    pub(super) fn map<T: Form>(&self, map: &mut impl Map<F, T>) -> Phong<T> {
+        let (diffuse, specular) = (map.colour(&self.diffuse), map.colour(&self.specular));
+        Phong { diffuse, specular, exponent: self.exponent }
     }
+}
 
+impl<F: TableForm> SceneTraits for Phong<F> {
+    fn may_cast_caustics(&self) -> bool {
+        is_near_specular(self.exponent)
+    }
+}
+
+/// Whether the lobe of an exponent is as narrow as that of microfacets of which
+/// [`Ggx::is_near_specular`](super::Ggx::is_near_specular) says so: their α is √(2/(n + 2)).
+#[inline]
+fn is_near_specular(exponent: f32) -> bool {
+    exponent > 20.0
+}
+
+impl Phong {
     /// The part of the samples that go to the lobe; None where all is black.
     #[inline]
     fn lobe_part(&self) -> Option<f32> {
@@ -38,9 +52,11 @@ impl Phong {
         let sum = diffuse + specular;
         (sum > 0.0).then(|| specular / sum)
     }
+}
 
+impl Lobe for Phong {
     #[inline]
-    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+    fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
         let Some(lobe) = self.lobe_part().filter(|_| is_above(wo) && is_above(wi)) else { return BsdfEval::ZERO };
         let power = mirrored(wo).dot(wi).clamp(0.0, 1.0).powf(self.exponent);
         let f = self.diffuse * FRAC_1_PI + self.specular * ((self.exponent + 2.0) / TAU * power);
@@ -49,7 +65,7 @@ impl Phong {
     }
 
     #[inline]
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, [u, v]: [f32; 2]) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u_lobe: f32, [u, v]: [f32; 2]) -> Option<BsdfSample> {
         let wi = if u_lobe < self.lobe_part()? {
             let cos = (1.0 - v).powf(1.0 / (self.exponent + 1.0));
             let (sin_phi, cos_phi) = (TAU * u).sin_cos();
@@ -60,6 +76,12 @@ impl Phong {
         };
         let BsdfEval { f, pdf } = self.eval(wo, wi);
         (pdf.0 > 0.0).then(|| BsdfSample::reflected(f, wi, pdf))
+    }
+
+    #[inline]
+    fn traits(&self) -> Traits {
+        let casts_caustics = is_near_specular(self.exponent) && !self.specular.is_black();
+        Traits { has_lobes: true, casts_caustics, ..Traits::default() }
     }
 }
 

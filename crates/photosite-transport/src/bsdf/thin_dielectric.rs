@@ -11,46 +11,74 @@
 use glam::Vec3;
 
 use super::fresnel;
-use super::{BsdfSample, is_above};
+use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
+use super::{BsdfEval, BsdfSample, is_above};
 use photosite_core::spectrum::SampledSpectrum;
 
-/// Reflectance and transmittance of the pane at the cosine `cos`.
-#[inline]
-pub(super) fn parts(
-    eta: SampledSpectrum,
-    transmittance: SampledSpectrum,
-    cos: f32,
-) -> (SampledSpectrum, SampledSpectrum) {
-    let lane = |i: usize| {
-        let interface = fresnel::dielectric(cos, eta[i]);
-        let (r, t) = (interface.reflectance, interface.transmittance);
-        if interface.cos_transmitted <= 0.0 {
-            return (1.0, 0.0);
-        }
-        let once = transmittance[i].powf(1.0 / interface.cos_transmitted);
-        // 1 − R²a² = (1 − Ra)(1 + Ra), its first factor from what does not cancel.
-        let passed = t * t * once / ((t + r * (1.0 - once)) * (1.0 + r * once)).max(f32::MIN_POSITIVE);
-        (r + r * once * passed, passed)
-    };
-    let lanes = [0, 1, 2, 3].map(lane);
-    (SampledSpectrum::from(lanes.map(|(r, _)| r)), SampledSpectrum::from(lanes.map(|(_, t)| t)))
+/// A polished pane with two parallel surfaces.
+#[derive(Clone, Copy, Debug)]
+pub struct ThinDielectric<F: Form = Sampled> {
+    /// Index of its glass.
+    pub index: F::Index,
+    /// What is left of light that crosses it along the normal, but for its surfaces, 0–1.
+    pub transmittance: F::Spectrum,
 }
 
-#[inline]
-pub(super) fn sample(
-    eta: SampledSpectrum,
-    transmittance: SampledSpectrum,
-    wo: Vec3,
-    u_lobe: f32,
-) -> Option<BsdfSample> {
-    if !is_above(wo) {
-        return None;
+impl<F: Form> ThinDielectric<F> {
+    #[inline]
+    pub(super) fn map<T: Form>(&self, map: &mut impl Map<F, T>) -> ThinDielectric<T> {
+        ThinDielectric { index: map.index(&self.index), transmittance: map.spectrum(&self.transmittance) }
     }
-    let (reflected, passed) = parts(eta, transmittance, wo.z.min(1.0));
-    let part = reflected.mean() / (reflected.mean() + passed.mean());
-    if u_lobe < part {
-        return Some(BsdfSample::mirrored(reflected, Vec3::new(-wo.x, -wo.y, wo.z), part));
+}
+
+impl<F: TableForm> SceneTraits for ThinDielectric<F> {
+    fn may_cast_caustics(&self) -> bool {
+        true
     }
-    let straight = BsdfSample { is_transmission: true, ..BsdfSample::mirrored(passed, -wo, 1.0 - part) };
-    (straight.pdf.0 > 0.0).then_some(straight)
+}
+
+impl ThinDielectric {
+    /// Reflectance and transmittance of the pane at the cosine `cos`.
+    #[inline]
+    fn parts(&self, cos: f32) -> (SampledSpectrum, SampledSpectrum) {
+        let lane = |i: usize| {
+            let interface = fresnel::dielectric(cos, self.index.eta[i]);
+            let (r, t) = (interface.reflectance, interface.transmittance);
+            if interface.cos_transmitted <= 0.0 {
+                return (1.0, 0.0);
+            }
+            let once = self.transmittance[i].powf(1.0 / interface.cos_transmitted);
+            // 1 − R²a² = (1 − Ra)(1 + Ra), its first factor from what does not cancel.
+            let passed = t * t * once / ((t + r * (1.0 - once)) * (1.0 + r * once)).max(f32::MIN_POSITIVE);
+            (r + r * once * passed, passed)
+        };
+        let lanes = [0, 1, 2, 3].map(lane);
+        (SampledSpectrum::from(lanes.map(|(r, _)| r)), SampledSpectrum::from(lanes.map(|(_, t)| t)))
+    }
+}
+
+impl Lobe for ThinDielectric {
+    #[inline]
+    fn eval(&self, _wo: Vec3, _wi: Vec3) -> BsdfEval {
+        BsdfEval::ZERO
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u_lobe: f32, _u: [f32; 2]) -> Option<BsdfSample> {
+        if !is_above(wo) {
+            return None;
+        }
+        let (reflected, passed) = self.parts(wo.z.min(1.0));
+        let part = reflected.mean() / (reflected.mean() + passed.mean());
+        if u_lobe < part {
+            return Some(BsdfSample::mirrored(reflected, Vec3::new(-wo.x, -wo.y, wo.z), part));
+        }
+        let straight = BsdfSample { is_transmission: true, ..BsdfSample::mirrored(passed, -wo, 1.0 - part) };
+        (straight.pdf.0 > 0.0).then_some(straight)
+    }
+
+    #[inline]
+    fn traits(&self) -> Traits {
+        Traits { has_lobes: true, transmits: true, is_delta: true, casts_caustics: true, ..Traits::default() }
+    }
 }

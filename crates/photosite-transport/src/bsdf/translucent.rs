@@ -1,4 +1,4 @@
-//! Thin matt sheets: paper, leaves, lamp shades. Lambert's law on both sides, f = ρ/π where light is reflected and τ/π
+//! Thin diffuse sheets: paper, leaves, lamp shades. Lambert's law on both sides, f = ρ/π where light is reflected and τ/π
 //! where it comes out behind, ρ + τ at most 1. These are what a spectrometer with an integrating sphere measures.
 
 use std::f32::consts::FRAC_1_PI;
@@ -6,38 +6,60 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::dielectric::mirrored;
+use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
 use super::{BsdfEval, BsdfSample, is_above, is_grazing};
 use photosite_core::math::{Pdf, warp};
-use photosite_core::spectrum::SampledSpectrum;
 
-/// The part of the samples that stay on the side of `wo`; None where all is black.
-#[inline]
-fn reflected_part(reflectance: SampledSpectrum, transmittance: SampledSpectrum) -> Option<f32> {
-    let sum = reflectance.mean() + transmittance.mean();
-    (sum > 0.0).then(|| reflectance.mean() / sum)
+/// A thin diffuse sheet.
+#[derive(Clone, Copy, Debug)]
+pub struct Translucent<F: Form = Sampled> {
+    /// 0–1.
+    pub reflectance: F::Colour,
+    /// 0–1; with the reflectance at most 1.
+    pub transmittance: F::Colour,
 }
 
-#[inline]
-pub(super) fn eval(reflectance: SampledSpectrum, transmittance: SampledSpectrum, wo: Vec3, wi: Vec3) -> BsdfEval {
-    let Some(part) = reflected_part(reflectance, transmittance).filter(|_| is_above(wo) && !is_grazing(wi)) else {
-        return BsdfEval::ZERO;
-    };
-    let (albedo, part) = if wi.z > 0.0 { (reflectance, part) } else { (transmittance, 1.0 - part) };
-    let pdf = part * wi.z.abs() * FRAC_1_PI;
-    if pdf > 0.0 { BsdfEval { f: albedo * FRAC_1_PI, pdf: Pdf::new(pdf) } } else { BsdfEval::ZERO }
+impl<F: Form> Translucent<F> {
+    #[inline]
+    pub(super) fn map<T: Form>(&self, map: &mut impl Map<F, T>) -> Translucent<T> {
+        let (reflectance, transmittance) = (map.colour(&self.reflectance), map.colour(&self.transmittance));
+        Translucent { reflectance, transmittance }
+    }
 }
 
-#[inline]
-pub(super) fn sample(
-    reflectance: SampledSpectrum,
-    transmittance: SampledSpectrum,
-    wo: Vec3,
-    u_lobe: f32,
-    u: [f32; 2],
-) -> Option<BsdfSample> {
-    let is_transmission = u_lobe >= reflected_part(reflectance, transmittance)?;
-    let up = Vec3::from(warp::cosine_hemisphere(u));
-    let wi = if is_transmission { mirrored(up) } else { up };
-    let BsdfEval { f, pdf } = eval(reflectance, transmittance, wo, wi);
-    (pdf.0 > 0.0).then(|| BsdfSample { is_transmission, ..BsdfSample::reflected(f, wi, pdf) })
+impl<F: TableForm> SceneTraits for Translucent<F> {}
+
+impl Translucent {
+    /// The part of the samples that stay on the side of `wo`; None where all is black.
+    #[inline]
+    fn reflected_part(&self) -> Option<f32> {
+        let sum = self.reflectance.mean() + self.transmittance.mean();
+        (sum > 0.0).then(|| self.reflectance.mean() / sum)
+    }
+}
+
+impl Lobe for Translucent {
+    #[inline]
+    fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
+        let Some(part) = self.reflected_part().filter(|_| is_above(wo) && !is_grazing(wi)) else {
+            return BsdfEval::ZERO;
+        };
+        let (albedo, part) = if wi.z > 0.0 { (self.reflectance, part) } else { (self.transmittance, 1.0 - part) };
+        let pdf = part * wi.z.abs() * FRAC_1_PI;
+        if pdf > 0.0 { BsdfEval { f: albedo * FRAC_1_PI, pdf: Pdf::new(pdf) } } else { BsdfEval::ZERO }
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let is_transmission = u_lobe >= self.reflected_part()?;
+        let up = Vec3::from(warp::cosine_hemisphere(u));
+        let wi = if is_transmission { mirrored(up) } else { up };
+        let BsdfEval { f, pdf } = self.eval(wo, wi);
+        (pdf.0 > 0.0).then(|| BsdfSample { is_transmission, ..BsdfSample::reflected(f, wi, pdf) })
+    }
+
+    #[inline]
+    fn traits(&self) -> Traits {
+        Traits { has_lobes: true, transmits: true, ..Traits::default() }
+    }
 }

@@ -14,7 +14,7 @@
 //!
 //! For each sample of all pixels as many paths set out, with numbers of their own. What they bring to a pixel belongs to its
 //! sample of that number, so that the variance of samples is that of both together. A path ends at the first surface if that
-//! does not [focus](crate::bsdf::Bsdf::focuses): there is no more to it than paths from the camera find well.
+//! does not [focus](crate::bsdf::Bsdf::casts_caustics): there is no more to it than paths from the camera find well.
 
 use std::ops::Range;
 
@@ -100,7 +100,7 @@ impl<'a> LightTracer<'a> {
         let share = job.settings.light_paths;
         // The shortest path is of three segments: lamp, surface that focuses, surface that is seen, lens.
         let is_still = !job.camera.moves() && !job.camera.scans();
-        let may_find_any = job.scene.lights().has_emitters() && job.scene.may_focus();
+        let may_find_any = job.scene.lights().has_emitters() && job.scene.may_cast_caustics();
         if share <= 0.0 || limits.max_depth < 3 || !is_still || !may_find_any {
             return None;
         }
@@ -282,7 +282,7 @@ impl<'a> LightWave<'a> {
         if shading.bsdf.needs_single_wavelength() {
             terminate_secondary(&mut path.wavelengths, &mut path.power);
         }
-        if path.depth == 1 && !shading.bsdf.focuses() {
+        if path.depth == 1 && !shading.bsdf.casts_caustics() {
             return None;
         }
         sampler.resume(path.place);

@@ -16,7 +16,7 @@
 //! where a mirror has 1, and a smooth interface 1/η² with η the index towards the lamp over that towards the camera. Any weights
 //! that sum to one are right, so that κ may stand for all of the picture, and roulette may be left out.
 //!
-//! Paths from lamps look for caustics only: x_{k−1} is a surface that [focuses](crate::bsdf::Bsdf::focuses), and not the one that
+//! Paths from lamps look for caustics only: x_{k−1} is a surface that [focuses](crate::bsdf::Bsdf::casts_caustics), and not the one that
 //! the camera sees first. That is no mirror: towards the lens there is no other way to it than from it.
 
 /// q without the factor p_E, of the surfaces that a path has come by.

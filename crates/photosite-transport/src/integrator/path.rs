@@ -8,7 +8,7 @@ use glam::Vec3;
 pub(super) use self::matt::MattSurfaces;
 use super::odds::{Crossing, Odds};
 use super::reuse::{FirstSurface, Place, SecondSurface, Side};
-use crate::bsdf::{Bsdf, BsdfSample};
+use crate::bsdf::{Bsdf, BsdfSample, Diffuse};
 use crate::geometry::{Hit, Ray, SurfacePoint, offset, offset_origin};
 use crate::light::{Facing, LightSample, Receiver};
 use crate::sampler::{SamplePlace, Sampler};
@@ -230,7 +230,7 @@ impl Path {
     #[inline(never)]
     fn share(&mut self, number: u32, group: u32, vertex: &Vertex<'_>, postponed: &mut Postponed) {
         self.sharing = Sharing::Nothing;
-        let Bsdf::Diffuse { reflectance } = vertex.shading.bsdf else { return };
+        let Bsdf::Diffuse(Diffuse { reflectance }) = vertex.shading.bsdf else { return };
         let Some(side) = Side::new(vertex.point, vertex.shading.frame.z, vertex.wo) else { return };
         if self.medium.is_some() {
             return;
@@ -372,7 +372,7 @@ impl Path {
             (true, true) => Odds::NONE,
             (true, false) => self.odds.after_delta(sample.eta),
             (false, true) => self.odds.after_first(&crossing(), vertex.distance),
-            (false, false) => self.odds.after(&crossing(), vertex.shading.bsdf.focuses()),
+            (false, false) => self.odds.after(&crossing(), vertex.shading.bsdf.casts_caustics()),
         }
     }
 
@@ -414,7 +414,7 @@ impl Path {
         }
         let mut weight = if light.is_delta { 1.0 } else { light.pdf.power_heuristic(scattering.pdf) };
         let is_shared = self.odds.are_shared() && self.depth > 1 && !light.is_delta;
-        if is_shared && shading.bsdf.focuses() && !shading.bsdf.is_edge_on(*wo_local) {
+        if is_shared && shading.bsdf.casts_caustics() && !shading.bsdf.is_edge_on(*wo_local) {
             let crossing = vertex.crossing(light.wi, wi_local, scattering.pdf.0);
             let density = scene.emission_density(light.light, point.time);
             weight *= self.odds.weight_of_looked_at(&crossing, density, light.pdf.0);
@@ -487,5 +487,5 @@ pub(super) fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Ve
 #[inline(always)]
 fn towards_light<R: Real>(position: Vector<R>, normal: Vector<R>, wi: Vector<R>) -> Vector<R> {
     // A few roundings lie between the light's corners and its sampled point.
-    offset(position, position.abs() * R::splat(gamma(8)), normal, -wi)
+    offset(position, position.abs() * position.x.broadcast(gamma(8)), normal, -wi)
 }

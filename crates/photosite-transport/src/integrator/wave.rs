@@ -209,8 +209,9 @@ mod tests {
     use crate::sampler::SamplerKind;
     use crate::scene::build;
     use crate::scene::description::{
-        Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LightDescription, LightKind,
-        MaterialDescription, MaterialModel, MeshDescription, SceneDescription, TexturedColour,
+        Colour, Conductor, Dielectric, Diffuse, EmissionDescription, EnvironmentDescription, InstanceDescription,
+        LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, Roughness, SceneDescription,
+        TexturedColour,
     };
     use photosite_core::spectrum::{Spectrum, library};
 
@@ -235,10 +236,28 @@ mod tests {
         };
         let silver = library::conductor("Ag").expect("a metal");
         let materials = [
-            (-1.0, MaterialModel::Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.7, 0.5, 0.3])) }),
-            (0.0, MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.0 }),
-            (0.5, MaterialModel::Dielectric { index: library::glass("SF11").expect("a glass"), roughness: 0.3 }),
-            (1.5, MaterialModel::Conductor { eta: silver.eta, k: silver.k, roughness: 0.0, anisotropy: 0.0 }),
+            (
+                -1.0,
+                MaterialModel::Diffuse(Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.7, 0.5, 0.3])) }),
+            ),
+            (
+                0.0,
+                MaterialModel::Dielectric(Dielectric {
+                    index: library::glass("SF11").expect("a glass"),
+                    distribution: Roughness::SMOOTH,
+                }),
+            ),
+            (
+                0.5,
+                MaterialModel::Dielectric(Dielectric {
+                    index: library::glass("SF11").expect("a glass"),
+                    distribution: Roughness::isotropic(0.3),
+                }),
+            ),
+            (
+                1.5,
+                MaterialModel::Conductor(Conductor { eta: silver.eta, k: silver.k, distribution: Roughness::SMOOTH }),
+            ),
         ];
         let leaning = [[0.0, 0.0], [3.0, -1.0], [0.5, 0.5], [-8.0, 0.2]].map(|[x, y]| Vec3::new(x, y, 1.0));
         for (z, model) in materials {
@@ -261,7 +280,8 @@ mod tests {
         for (x, level, double_sided) in
             [(-0.9f32, Some(80.0), false), (0.9, Some(90.0), true), (-1.1, None, false), (1.1, None, true)]
         {
-            let grey = MaterialModel::Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.4, 0.5, 0.6])) };
+            let grey =
+                MaterialModel::Diffuse(Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.4, 0.5, 0.6])) });
             let material = MaterialDescription {
                 emission: level.map(emission),
                 double_sided,

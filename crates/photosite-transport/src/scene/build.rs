@@ -6,15 +6,15 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::description::{
-    AlphaMode, Colour, EmissionDescription, EnvironmentDescription, InstanceDescription, LayeredDescription,
-    LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, PictureLevel, SceneDescription,
+    AlphaMode, Colour, Described, EmissionDescription, EnvironmentDescription, InstanceDescription, LayeredDescription,
+    LightDescription, LightKind, MaterialDescription, MeshDescription, PictureLevel, Roughness, SceneDescription,
     ShapeDescription, TextureDescription, TexturedColour, TexturedFactor,
 };
 use super::{
     Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, InstanceTable, LayeredMaterial,
-    Material, Mix, NormalMap, ScatteringModel, Scene,
+    Material, NormalMap, Scene, Tabled,
 };
-use crate::bsdf::Ggx;
+use crate::bsdf::{Ggx, Map, MapAll, Mix, Model, RelativeIndex};
 use crate::geometry::{Accel, Deformation, Geometry, MeshRange, Motion, Place, Placement, Sphere, Transform, Triangle};
 use crate::light::{
     Environment, EnvironmentPicture, Lamps, Light, Lights, Projector, Sky, SurfaceEmission, Tint, TriangleLight,
@@ -22,11 +22,11 @@ use crate::light::{
 use crate::texture::{Bitmap, Texture};
 use photosite_core::spectrum::dispersion::lines;
 use photosite_core::spectrum::upsampling::{reflectance_spectrum, rgb_illuminant};
-use photosite_core::spectrum::{Spectrum, SpectrumTable, cie, illuminant};
+use photosite_core::spectrum::{Dispersion, Spectrum, SpectrumId, SpectrumTable, cie, illuminant};
 
 /// Builds a scene. `importance` says how much each wavelength matters to the sensor (any unit, not negative): lights are
 /// chosen by their power weighed with it. Coordinates must lie within 10¹⁸ m of the origin, as those that
-/// [`Capture::read`](crate::io::capture::Capture::read) returns do.
+/// [`Capture::load_with`](crate::capture::Capture::load_with) returns do.
 pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
     let mut builder = Builder {
@@ -117,7 +117,7 @@ struct Builder<'a> {
     images: Vec<Arc<Bitmap>>,
     textures: Vec<Texture>,
     layered: Vec<LayeredMaterial>,
-    mixes: Vec<Mix>,
+    mixes: Vec<Mix<Tabled>>,
     lamps: Lamps,
     spectra: SpectrumTable,
     importance: &'a Spectrum,
@@ -132,17 +132,6 @@ impl Builder<'_> {
 
     fn optional_texture(&mut self, t: &Option<TextureDescription>) -> Option<u32> {
         t.as_ref().map(|t| self.texture(t))
-    }
-
-    fn colour(&mut self, TexturedColour { colour, texture }: &TexturedColour) -> ColourSource {
-        match (colour, self.optional_texture(texture)) {
-            (Colour::Rgb(rgb), None) => ColourSource::Spectrum(self.spectra.add(&reflectance_spectrum(*rgb))),
-            (Colour::Rgb(factor), Some(texture)) => ColourSource::Texture { factor: *factor, texture },
-            (Colour::Spectrum(spectrum), None) => ColourSource::Spectrum(self.spectra.add(spectrum)),
-            (Colour::Spectrum(spectrum), Some(texture)) => {
-                ColourSource::SpectrumTexture { spectrum: self.spectra.add(spectrum), texture }
-            }
-        }
     }
 
     fn factor(&mut self, TexturedFactor { value, texture }: &TexturedFactor) -> FactorSource {
@@ -199,64 +188,11 @@ impl Builder<'_> {
         }
     }
 
-    fn model(&mut self, model: &MaterialModel) -> ScatteringModel {
-        match model {
-            MaterialModel::Diffuse { reflectance } => {
-                ScatteringModel::Diffuse { reflectance: self.colour(reflectance) }
-            }
-            MaterialModel::Conductor { eta, k, roughness, anisotropy } => ScatteringModel::Conductor {
-                eta: self.spectra.add(eta),
-                k: self.spectra.add(k),
-                distribution: Ggx::from_roughness(*roughness, *anisotropy),
-            },
-            MaterialModel::Dielectric { index, roughness } => ScatteringModel::Dielectric {
-                eta: self.spectra.add(&index.to_spectrum()),
-                dispersive: !index.is_constant(),
-                distribution: Ggx::from_roughness(*roughness, 0.0),
-            },
-            MaterialModel::OrenNayar { reflectance, roughness } => {
-                ScatteringModel::OrenNayar { reflectance: self.colour(reflectance), roughness: *roughness }
-            }
-            MaterialModel::Phong { diffuse, specular, exponent } => ScatteringModel::Phong {
-                diffuse: self.colour(diffuse),
-                specular: self.colour(specular),
-                exponent: *exponent,
-            },
-            MaterialModel::Translucent { reflectance, transmittance } => ScatteringModel::Translucent {
-                reflectance: self.colour(reflectance),
-                transmittance: self.colour(transmittance),
-            },
-            MaterialModel::ThinDielectric { index, transmittance } => ScatteringModel::ThinDielectric {
-                eta: self.spectra.add(&index.to_spectrum()),
-                transmittance: self.spectra.add(transmittance),
-            },
-            MaterialModel::Mix { models, weight } => {
-                let [first, second] = models.as_ref();
-                let mix = Mix { models: [self.model(first), self.model(second)], weight: *weight };
-                self.mixes.push(mix);
-                ScatteringModel::Mix((self.mixes.len() - 1) as u32)
-            }
-            MaterialModel::Layered(layers) => {
-                let layers = self.layers(layers);
-                self.layered.push(layers);
-                ScatteringModel::Layered((self.layered.len() - 1) as u32)
-            }
-        }
-    }
-
     fn material(&mut self, m: &MaterialDescription, emission: Option<SurfaceEmission>) -> Material {
-        let model = self.model(&m.model);
-        let absorption = match &m.model {
-            MaterialModel::Layered(layers) => layers.absorption_per_m.as_ref().map(|a| self.spectra.add(a)),
-            MaterialModel::Diffuse { .. }
-            | MaterialModel::Conductor { .. }
-            | MaterialModel::Dielectric { .. }
-            | MaterialModel::OrenNayar { .. }
-            | MaterialModel::Phong { .. }
-            | MaterialModel::Translucent { .. }
-            | MaterialModel::ThinDielectric { .. }
-            | MaterialModel::Mix { .. } => None,
-        };
+        let model = m.model.map(self);
+        // Only glTF's material bounds volumes.
+        let layers = if let Model::Layered(layers) = &m.model { Some(layers) } else { None };
+        let absorption = layers.and_then(|l| l.absorption_per_m.as_ref()).map(|a| self.spectra.add(a));
         let factor = m.alpha_factor;
         let alpha = match m.alpha {
             AlphaMode::Opaque => Alpha::Opaque,
@@ -364,6 +300,45 @@ impl Builder<'_> {
         };
         list.add(Light::Environment, None, disk_m2(scene_radius) * solid_angle, &spectrum, self.importance);
         environment
+    }
+}
+
+impl Map<Described, Tabled> for Builder<'_> {
+    fn colour(&mut self, TexturedColour { colour, texture }: &TexturedColour) -> ColourSource {
+        match (colour, self.optional_texture(texture)) {
+            (Colour::Rgb(rgb), None) => ColourSource::Spectrum(self.spectra.add(&reflectance_spectrum(*rgb))),
+            (Colour::Rgb(factor), Some(texture)) => ColourSource::Texture { factor: *factor, texture },
+            (Colour::Spectrum(spectrum), None) => ColourSource::Spectrum(self.spectra.add(spectrum)),
+            (Colour::Spectrum(spectrum), Some(texture)) => {
+                ColourSource::SpectrumTexture { spectrum: self.spectra.add(spectrum), texture }
+            }
+        }
+    }
+
+    fn spectrum(&mut self, spectrum: &Spectrum) -> SpectrumId {
+        self.spectra.add(spectrum)
+    }
+
+    fn index(&mut self, index: &Dispersion) -> RelativeIndex<SpectrumId> {
+        RelativeIndex { eta: self.spectra.add(&index.to_spectrum()), dispersive: !index.is_constant() }
+    }
+
+    fn distribution(&mut self, roughness: &Roughness) -> Ggx {
+        roughness.distribution()
+    }
+}
+
+impl MapAll<Described, Tabled> for Builder<'_> {
+    fn layered(&mut self, layers: &Box<LayeredDescription>) -> u32 {
+        let layers = self.layers(layers);
+        self.layered.push(layers);
+        (self.layered.len() - 1) as u32
+    }
+
+    fn mix(&mut self, mix: &Box<Mix<Described>>) -> u32 {
+        let mix = Mix { models: mix.models.each_ref().map(|model| model.map(self)), weight: mix.weight };
+        self.mixes.push(mix);
+        (self.mixes.len() - 1) as u32
     }
 }
 

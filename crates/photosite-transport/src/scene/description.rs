@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 
+pub use crate::bsdf::{Conductor, Dielectric, Diffuse, Mix, Model, OrenNayar, Phong, ThinDielectric, Translucent};
+use crate::bsdf::{Form, Ggx, Map, MapAll};
 use crate::geometry::Motion;
 use crate::light::{Profile, SkyConditions};
 use crate::texture::{Bitmap, SamplerSettings, UvTransform};
@@ -179,110 +181,173 @@ impl MaterialDescription {
     }
 
     /// All textures that the material uses.
-    pub fn textures(&self) -> impl Iterator<Item = &TextureDescription> {
+    pub fn textures(&self) -> Vec<TextureDescription> {
+        let mut all = Textures::default();
+        self.model.visit(&mut all);
         let normal = self.normal_map.as_ref().map(|(texture, _)| texture);
         let emission = self.emission.as_ref().and_then(|emission| emission.texture.as_ref());
-        self.model.textures().into_iter().chain([normal, emission, self.alpha_texture.as_ref()]).flatten()
+        all.0.extend([normal, emission, self.alpha_texture.as_ref()].into_iter().flatten().cloned());
+        all.0
     }
 
-    /// All textures that the material uses, to be changed.
-    pub fn textures_mut(&mut self) -> impl Iterator<Item = &mut TextureDescription> {
+    /// Changes all textures that the material uses.
+    pub fn change_textures(&mut self, change: &mut dyn FnMut(&mut TextureDescription)) {
+        self.model = self.model.map(&mut ChangedTextures(change));
         let normal = self.normal_map.as_mut().map(|(texture, _)| texture);
         let emission = self.emission.as_mut().and_then(|emission| emission.texture.as_mut());
-        self.model.textures_mut().into_iter().chain([normal, emission, self.alpha_texture.as_mut()]).flatten()
+        [normal, emission, self.alpha_texture.as_mut()].into_iter().flatten().for_each(change);
     }
 }
 
-/// Scattering models; one arm each in [`crate::bsdf`].
-#[derive(Clone, Debug)]
-pub enum MaterialModel {
-    /// Lambert's law.
-    Diffuse {
-        /// Reflectance, 0–1.
-        reflectance: TexturedColour,
-    },
-    /// A metal, GGX microfacets; smooth where the roughness is 0.
-    Conductor {
-        /// Real part of the refractive index.
-        eta: Spectrum,
-        /// Imaginary part (extinction coefficient).
-        k: Spectrum,
-        /// Perceptual roughness 0–1; α = roughness² (glTF convention).
-        roughness: f32,
-        /// Anisotropy −1–1: α along the tangent grows, across shrinks. 0 is isotropic.
-        anisotropy: f32,
-    },
-    /// Clear glass or liquid, GGX microfacets; smooth where the roughness is 0.
-    Dielectric {
-        /// Index of the side that the normal points away from, relative to the other.
-        index: Dispersion,
-        /// Perceptual roughness 0–1; α = roughness².
-        roughness: f32,
-    },
-    /// A matt surface with relief.
-    OrenNayar {
-        /// Reflectance, 0–1.
-        reflectance: TexturedColour,
-        /// 0–1; 0 is Lambert's law.
-        roughness: f32,
-    },
-    /// Phong's model.
-    Phong {
-        /// The part that is scattered by Lambert's law, 0–1.
-        diffuse: TexturedColour,
-        /// The part in the lobe, 0–1; with the other at most 1.
-        specular: TexturedColour,
-        /// Exponent of the lobe, at least 0.
-        exponent: f32,
-    },
-    /// A thin matt sheet.
-    Translucent {
-        /// Reflectance, 0–1.
-        reflectance: TexturedColour,
-        /// Transmittance, 0–1; with the reflectance at most 1.
-        transmittance: TexturedColour,
-    },
-    /// A polished pane with two parallel surfaces.
-    ThinDielectric {
-        /// Index of its glass.
-        index: Dispersion,
-        /// Internal transmittance along the normal, 0–1.
-        transmittance: Spectrum,
-    },
-    /// Two models side by side, finer than the eye sees.
-    Mix {
-        /// Both.
-        models: Box<[MaterialModel; 2]>,
-        /// The part of the second, 0–1.
-        weight: f32,
-    },
-    /// glTF 2.0's material with its extensions.
-    Layered(Box<LayeredDescription>),
+/// A scattering model as files describe it.
+pub type MaterialModel = Model<Described>;
+
+/// Parameters as files state them.
+#[derive(Clone, Copy, Debug)]
+pub struct Described;
+
+impl Form for Described {
+    type Colour = TexturedColour;
+    type Spectrum = Spectrum;
+    type Index = Dispersion;
+    type Distribution = Roughness;
+    type Layered = Box<LayeredDescription>;
+    type Mix = Box<Mix<Described>>;
 }
 
-/// All textures of a model, by shared or by mutable reference.
-macro_rules! model_textures {
-    ($name:ident, $textured:ident, $iter:ident $(, $mutable:tt)?) => {
-        fn $name(& $($mutable)? self) -> Vec<Option<& $($mutable)? TextureDescription>> {
-            match self {
-                Self::Diffuse { reflectance } | Self::OrenNayar { reflectance, roughness: _ } => {
-                    vec![reflectance.texture.$textured()]
-                }
-                Self::Phong { diffuse: first, specular: second, exponent: _ }
-                | Self::Translucent { reflectance: first, transmittance: second } => {
-                    vec![first.texture.$textured(), second.texture.$textured()]
-                }
-                Self::Conductor { .. } | Self::Dielectric { .. } | Self::ThinDielectric { .. } => Vec::new(),
-                Self::Mix { models, weight: _ } => models.$iter().flat_map(Self::$name).collect(),
-                Self::Layered(layers) => layers.$name(),
-            }
-        }
-    };
+/// Roughness of GGX microfacets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roughness {
+    /// Perceptual roughness 0–1; α = value² (glTF's convention). Smooth where it is 0.
+    pub value: f32,
+    /// −1–1: α along the tangent grows, across it shrinks. 0 is isotropic.
+    pub anisotropy: f32,
+}
+
+impl Roughness {
+    /// A polished surface.
+    pub const SMOOTH: Self = Self::isotropic(0.0);
+
+    /// The same roughness in all directions.
+    pub const fn isotropic(value: f32) -> Self {
+        Self { value, anisotropy: 0.0 }
+    }
+
+    /// The microfacets.
+    pub fn distribution(self) -> Ggx {
+        Ggx::from_roughness(self.value, self.anisotropy)
+    }
+}
+
+/// What is done with each parameter of a model and of the models that it is made of. The default is nothing.
+pub trait Visit {
+    /// A reflectance.
+    fn colour(&mut self, _colour: &TexturedColour) {}
+    /// A spectrum.
+    fn spectrum(&mut self, _spectrum: &Spectrum) {}
+    /// A roughness.
+    fn roughness(&mut self, _roughness: &Roughness) {}
+    /// glTF's material.
+    fn layered(&mut self, _layers: &LayeredDescription) {}
 }
 
 impl MaterialModel {
-    model_textures!(textures, as_ref, iter);
-    model_textures!(textures_mut, as_mut, iter_mut, mut);
+    /// Shows a visitor all parameters.
+    pub fn visit(&self, visitor: &mut impl Visit) {
+        self.map(&mut Visited(visitor));
+    }
+}
+
+/// The form in which nothing is left of a model but its name.
+#[derive(Clone, Copy, Debug)]
+struct Nothing;
+
+impl Form for Nothing {
+    type Colour = ();
+    type Spectrum = ();
+    type Index = ();
+    type Distribution = ();
+    type Layered = ();
+    type Mix = ();
+}
+
+/// A visitor as a map.
+struct Visited<'a, V>(&'a mut V);
+
+impl<V: Visit> Map<Described, Nothing> for Visited<'_, V> {
+    fn colour(&mut self, colour: &TexturedColour) {
+        self.0.colour(colour);
+    }
+
+    fn spectrum(&mut self, spectrum: &Spectrum) {
+        self.0.spectrum(spectrum);
+    }
+
+    // No visitor asks for it so far.
+    fn index(&mut self, _index: &Dispersion) {}
+
+    fn distribution(&mut self, roughness: &Roughness) {
+        self.0.roughness(roughness);
+    }
+}
+
+impl<V: Visit> MapAll<Described, Nothing> for Visited<'_, V> {
+    fn layered(&mut self, layers: &Box<LayeredDescription>) {
+        self.0.layered(layers);
+    }
+
+    fn mix(&mut self, mix: &Box<Mix<Described>>) {
+        mix.models.iter().for_each(|model| model.visit(self.0));
+    }
+}
+
+/// The textures of a model.
+#[derive(Default)]
+struct Textures(Vec<TextureDescription>);
+
+impl Visit for Textures {
+    fn colour(&mut self, colour: &TexturedColour) {
+        self.0.extend(colour.texture.clone());
+    }
+
+    fn layered(&mut self, layers: &LayeredDescription) {
+        self.0.extend(layers.textures().into_iter().flatten().cloned());
+    }
+}
+
+/// Leaves a model as it is but for its textures.
+struct ChangedTextures<'a>(&'a mut dyn FnMut(&mut TextureDescription));
+
+impl Map<Described, Described> for ChangedTextures<'_> {
+    fn colour(&mut self, colour: &TexturedColour) -> TexturedColour {
+        let mut colour = colour.clone();
+        colour.texture.iter_mut().for_each(&mut *self.0);
+        colour
+    }
+
+    fn spectrum(&mut self, spectrum: &Spectrum) -> Spectrum {
+        spectrum.clone()
+    }
+
+    fn index(&mut self, index: &Dispersion) -> Dispersion {
+        index.clone()
+    }
+
+    fn distribution(&mut self, roughness: &Roughness) -> Roughness {
+        *roughness
+    }
+}
+
+impl MapAll<Described, Described> for ChangedTextures<'_> {
+    fn layered(&mut self, layers: &Box<LayeredDescription>) -> Box<LayeredDescription> {
+        let mut layers = layers.clone();
+        layers.textures_mut().into_iter().flatten().for_each(&mut *self.0);
+        layers
+    }
+
+    fn mix(&mut self, mix: &Box<Mix<Described>>) -> Box<Mix<Described>> {
+        Box::new(Mix { models: mix.models.each_ref().map(|model| model.map(self)), weight: mix.weight })
+    }
 }
 
 /// A colour, times an sRGB-encoded texture.

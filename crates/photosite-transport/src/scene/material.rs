@@ -1,6 +1,6 @@
 //! Materials as light transport reads them: handles instead of descriptions.
 
-use crate::bsdf::Ggx;
+use crate::bsdf::{Diffuse, Form, Ggx, Model, RelativeIndex, SceneTraits, TableForm};
 use crate::light::SurfaceEmission;
 use photosite_core::spectrum::SpectrumId;
 
@@ -22,7 +22,7 @@ pub struct Material {
 impl Material {
     /// The reflectance of what scatters by Lambert's law, without bumps or light of its own, and is nothing else.
     pub(super) fn reflectance_alone(&self) -> Option<ColourSource> {
-        let ScatteringModel::Diffuse { reflectance } = self.model else { return None };
+        let Model::Diffuse(Diffuse { reflectance }) = self.model else { return None };
         (self.normal_map.is_none() && self.emission.is_none()).then_some(reflectance)
     }
 }
@@ -48,76 +48,25 @@ pub enum ColourSource {
     },
 }
 
-/// Scattering models with what they need at a shading point.
+/// A scattering model with handles.
+pub type ScatteringModel = Model<Tabled>;
+
+/// Parameters as handles into the tables of a scene.
 #[derive(Clone, Copy, Debug)]
-pub enum ScatteringModel {
-    /// Lambert's law.
-    Diffuse {
-        /// Reflectance.
-        reflectance: ColourSource,
-    },
-    /// A metal.
-    Conductor {
-        /// Real part of the index.
-        eta: SpectrumId,
-        /// Imaginary part of the index.
-        k: SpectrumId,
-        /// Microfacets.
-        distribution: Ggx,
-    },
-    /// Clear glass.
-    Dielectric {
-        /// Relative index, inside over outside.
-        eta: SpectrumId,
-        /// Whether the index depends on wavelength.
-        dispersive: bool,
-        /// Microfacets.
-        distribution: Ggx,
-    },
-    /// A matt surface with relief.
-    OrenNayar {
-        /// Reflectance.
-        reflectance: ColourSource,
-        /// 0–1.
-        roughness: f32,
-    },
-    /// Phong's model.
-    Phong {
-        /// The part scattered by Lambert's law.
-        diffuse: ColourSource,
-        /// The part in the lobe.
-        specular: ColourSource,
-        /// Exponent of the lobe.
-        exponent: f32,
-    },
-    /// A thin matt sheet.
-    Translucent {
-        /// Reflectance.
-        reflectance: ColourSource,
-        /// Transmittance.
-        transmittance: ColourSource,
-    },
-    /// A polished pane.
-    ThinDielectric {
-        /// Relative index.
-        eta: SpectrumId,
-        /// Internal transmittance along the normal.
-        transmittance: SpectrumId,
-    },
-    /// Two models side by side: handle among the mixes.
-    Mix(u32),
-    /// glTF's material: handle among the layered materials.
-    Layered(u32),
+pub struct Tabled;
+
+impl Form for Tabled {
+    type Colour = ColourSource;
+    type Spectrum = SpectrumId;
+    type Index = RelativeIndex<SpectrumId>;
+    type Distribution = Ggx;
+    /// Handle among the layered materials.
+    type Layered = u32;
+    /// Handle among the mixes.
+    type Mix = u32;
 }
 
-/// Two models side by side.
-#[derive(Clone, Copy, Debug)]
-pub struct Mix {
-    /// Both.
-    pub models: [ScatteringModel; 2],
-    /// The part of the second, 0–1.
-    pub weight: f32,
-}
+impl TableForm for Tabled {}
 
 /// A number, times a channel of a linear texture.
 #[derive(Clone, Copy, Debug)]
@@ -165,16 +114,19 @@ pub struct LayeredMaterial {
     pub coat: Option<CoatSource>,
 }
 
-impl LayeredMaterial {
-    /// Whether it may throw light on in bundles at some of its points.
-    pub(super) fn may_focus(&self) -> bool {
+impl SceneTraits for LayeredMaterial {
+    fn disperses(&self) -> bool {
+        self.dispersive
+    }
+
+    fn may_cast_caustics(&self) -> bool {
         // Textures only make it smoother.
-        let may_be_narrow = |roughness: FactorSource| {
+        let may_be_near_specular = |roughness: FactorSource| {
             let alpha = roughness.value * roughness.value;
-            roughness.texture.is_some() || Ggx::new(alpha, alpha).is_narrow()
+            roughness.texture.is_some() || Ggx::new(alpha, alpha).is_near_specular()
         };
-        may_be_narrow(self.roughness)
-            || self.coat.is_some_and(|coat| may_be_narrow(coat.roughness))
+        may_be_near_specular(self.roughness)
+            || self.coat.is_some_and(|coat| may_be_near_specular(coat.roughness))
             || self.has_volume && self.transmission.value > 0.0
     }
 }

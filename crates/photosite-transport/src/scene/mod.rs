@@ -13,13 +13,13 @@ pub mod spectral_coverage;
 pub use build::build;
 pub use build::{emission_spectrum, nit_per_unit};
 pub use material::{
-    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, Mix,
-    NormalMap, ScatteringModel,
+    Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
+    ScatteringModel, Tabled,
 };
 pub(crate) use shading::EDGE_ON;
 pub use shading::Shading;
 
-use crate::bsdf::Phong;
+use crate::bsdf::{Mix, Model, SceneTraits};
 use crate::geometry::{self, Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Ray, SurfacePoint};
 use crate::light::{Choice, Emission, LightSample, Lights, Receiver, SurfaceEmission, Tint, TriangleLight};
 use crate::texture::Texture;
@@ -36,7 +36,7 @@ pub struct Scene {
     /// Of each mesh that is matt and nothing else, its reflectance.
     matt: Vec<Option<ColourSource>>,
     layered: Vec<LayeredMaterial>,
-    mixes: Vec<Mix>,
+    mixes: Vec<Mix<Tabled>>,
     textures: Vec<Texture>,
     spectra: SpectrumTable,
     lights: Lights,
@@ -81,36 +81,23 @@ impl Scene {
 
     /// Whether any material leaves paths with one wavelength.
     pub fn disperses(&self) -> bool {
-        self.models().any(|model| match *model {
-            ScatteringModel::Dielectric { dispersive, .. } => dispersive,
-            ScatteringModel::Layered(layers) => self.layered[layers as usize].dispersive,
-            ScatteringModel::Diffuse { .. }
-            | ScatteringModel::Conductor { .. }
-            | ScatteringModel::OrenNayar { .. }
-            | ScatteringModel::Phong { .. }
-            | ScatteringModel::Translucent { .. }
-            | ScatteringModel::ThinDielectric { .. }
-            | ScatteringModel::Mix(_) => false,
-        })
+        self.scene_traits().any(SceneTraits::disperses)
     }
 
-    /// Whether any material may throw light on in bundles ([`Bsdf::focuses`](crate::bsdf::Bsdf::focuses)).
-    pub fn may_focus(&self) -> bool {
-        self.models().any(|model| match *model {
-            ScatteringModel::Dielectric { .. } | ScatteringModel::ThinDielectric { .. } => true,
-            ScatteringModel::Conductor { distribution, .. } => distribution.is_narrow(),
-            ScatteringModel::Phong { exponent, .. } => Phong::is_narrow(exponent),
-            ScatteringModel::Layered(layers) => self.layered[layers as usize].may_focus(),
-            ScatteringModel::Diffuse { .. }
-            | ScatteringModel::OrenNayar { .. }
-            | ScatteringModel::Translucent { .. }
-            | ScatteringModel::Mix(_) => false,
-        })
+    /// Whether any material may cast caustics ([`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics)).
+    pub fn may_cast_caustics(&self) -> bool {
+        self.scene_traits().any(SceneTraits::may_cast_caustics)
     }
 
     /// Whether any material scatters by Lambert's law alone, so that pixels can share what is seen from it.
     pub fn has_diffuse(&self) -> bool {
-        self.models().any(|model| matches!(model, ScatteringModel::Diffuse { .. }))
+        self.models().any(|model| matches!(model, Model::Diffuse(_)))
+    }
+
+    /// What the models say of themselves.
+    fn scene_traits(&self) -> impl Iterator<Item = &dyn SceneTraits> {
+        let layered = self.layered.iter().map(|layers| layers as &dyn SceneTraits);
+        self.models().filter_map(Model::scene_traits).chain(layered)
     }
 
     /// The models of all materials, and those that mixes are made of, which tell all that there is to tell of these.

@@ -3,14 +3,14 @@
 use glam::{Vec2, Vec3};
 
 use super::{
-    AnisotropySource, ColourSource, FactorSource, LayeredMaterial, Material, Mix, NormalMap, ScatteringModel, Scene,
+    AnisotropySource, ColourSource, FactorSource, LayeredMaterial, Material, NormalMap, ScatteringModel, Scene, Tabled,
 };
-use crate::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Phong, Sheen, Volume};
+use crate::bsdf::{Bsdf, Coat, Film, Ggx, Layered, Map, Mix, Model, RelativeIndex, Sampled, Sheen, Volume};
 use crate::geometry::SurfacePoint;
 use photosite_core::math::Frame;
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::spectrum::upsampling::reflectance_polynomial;
-use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
+use photosite_core::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 
 /// Smallest cosine of a shading normal to who sees the surface.
 pub(crate) const EDGE_ON: f32 = 1e-3;
@@ -34,55 +34,23 @@ impl Scene {
     pub fn shading(&self, point: &SurfacePoint, wo: Vec3, wavelengths: &Wavelengths) -> Shading {
         let material = &self.materials[point.material as usize];
         let mut model = &material.model;
-        while let ScatteringModel::Mix(mix) = model {
+        while let Model::Mix(mix) = model {
             model = self.chosen(&self.mixes[*mix as usize], point);
         }
-        // Each arm makes the whole, so that none copies a `Bsdf`, which is large.
-        let two_sided = || self.frame(material, point, wo, true);
-        match *model {
-            ScatteringModel::Diffuse { reflectance } => Shading {
-                frame: two_sided(),
-                bsdf: Bsdf::Diffuse { reflectance: self.colour(reflectance, point, wavelengths) },
-            },
-            ScatteringModel::Conductor { eta, k, distribution } => {
-                let (eta, k) = (self.spectra.sample(eta, wavelengths), self.spectra.sample(k, wavelengths));
-                Shading { frame: two_sided(), bsdf: Bsdf::Conductor { eta, k, distribution } }
-            }
-            ScatteringModel::Dielectric { eta, dispersive, distribution } => {
-                let frame = self.frame(material, point, wo, false);
-                let eta = self.spectra.sample(eta, wavelengths);
-                Shading { frame, bsdf: Bsdf::Dielectric { eta, dispersive, distribution } }
-            }
-            ScatteringModel::OrenNayar { reflectance, roughness } => {
-                let reflectance = self.colour(reflectance, point, wavelengths);
-                Shading { frame: two_sided(), bsdf: Bsdf::OrenNayar { reflectance, roughness } }
-            }
-            ScatteringModel::Phong { diffuse, specular, exponent } => {
-                let (diffuse, specular) =
-                    (self.colour(diffuse, point, wavelengths), self.colour(specular, point, wavelengths));
-                Shading { frame: two_sided(), bsdf: Bsdf::Phong(Phong { diffuse, specular, exponent }) }
-            }
-            ScatteringModel::Translucent { reflectance, transmittance } => {
-                let (reflectance, transmittance) =
-                    (self.colour(reflectance, point, wavelengths), self.colour(transmittance, point, wavelengths));
-                Shading { frame: two_sided(), bsdf: Bsdf::Translucent { reflectance, transmittance } }
-            }
-            ScatteringModel::ThinDielectric { eta, transmittance } => {
-                let (eta, transmittance) =
-                    (self.spectra.sample(eta, wavelengths), self.spectra.sample(transmittance, wavelengths));
-                Shading { frame: two_sided(), bsdf: Bsdf::ThinDielectric { eta, transmittance } }
-            }
-            ScatteringModel::Mix(_) => unreachable!("a mix was chosen from"),
-            ScatteringModel::Layered(layers) => {
-                self.layers(material, &self.layered[layers as usize], point, wo, wavelengths)
-            }
+        if let Model::Layered(layers) = *model {
+            return self.layers(material, &self.layered[layers as usize], point, wo, wavelengths);
         }
+        let shading = |refracts: bool, bsdf| Shading { frame: self.frame(material, point, wo, !refracts), bsdf };
+        let mut look_up = LookUp { scene: self, point, wavelengths };
+        model
+            .look_up(&mut look_up, shading)
+            .unwrap_or_else(|| unreachable!("models made of others are taken apart above"))
     }
 
     /// One of two models, the second with the probability of its weight: the expected radiance is that of both. The
     /// choice is a function of the point, so that it is the same from wherever a path comes.
     #[inline(never)]
-    fn chosen<'a>(&self, mix: &'a Mix, point: &SurfacePoint) -> &'a ScatteringModel {
+    fn chosen<'a>(&self, mix: &'a Mix<Tabled>, point: &SurfacePoint) -> &'a ScatteringModel {
         let [u, v] = point.barycentric.map(|c| u64::from(c.to_bits()));
         let key = hash64(u << 32 | v, u64::from(point.triangle));
         // Mixes within mixes choose by their own bits.
@@ -256,5 +224,34 @@ impl Scene {
         } else {
             Frame::from_normal_tangent(normal, point.tangent)
         }
+    }
+}
+
+/// The values of parameters at a point.
+struct LookUp<'a> {
+    scene: &'a Scene,
+    point: &'a SurfacePoint,
+    wavelengths: &'a Wavelengths,
+}
+
+impl Map<Tabled, Sampled> for LookUp<'_> {
+    #[inline]
+    fn colour(&mut self, colour: &ColourSource) -> SampledSpectrum {
+        self.scene.colour(*colour, self.point, self.wavelengths)
+    }
+
+    #[inline]
+    fn spectrum(&mut self, spectrum: &SpectrumId) -> SampledSpectrum {
+        self.scene.spectra.sample(*spectrum, self.wavelengths)
+    }
+
+    #[inline]
+    fn index(&mut self, index: &RelativeIndex<SpectrumId>) -> RelativeIndex {
+        RelativeIndex { eta: self.spectrum(&index.eta), dispersive: index.dispersive }
+    }
+
+    #[inline]
+    fn distribution(&mut self, distribution: &Ggx) -> Ggx {
+        *distribution
     }
 }

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 
 use super::description::{
     Colour, EmissionDescription, EnvironmentDescription, LayeredDescription, MaterialModel, SceneDescription,
-    TexturedColour,
+    TexturedColour, Visit,
 };
 use crate::light::Sky;
 use photosite_core::spectrum::Spectrum;
@@ -98,20 +98,31 @@ fn of_emission(emission: &EmissionDescription) -> Range {
 }
 
 fn of_model(model: &MaterialModel) -> Range {
-    match model {
-        MaterialModel::Diffuse { reflectance } | MaterialModel::OrenNayar { reflectance, roughness: _ } => {
-            of_textured(reflectance)
-        }
-        MaterialModel::Conductor { eta, k, roughness: _, anisotropy: _ } => both(eta.known_nm(), k.known_nm()),
-        // Formulas of glasses hold as far as silicon sees.
-        MaterialModel::Dielectric { .. } => Spectrum::EVERYWHERE_NM,
-        MaterialModel::Phong { diffuse: first, specular: second, exponent: _ }
-        | MaterialModel::Translucent { reflectance: first, transmittance: second } => {
-            both(of_textured(first), of_textured(second))
-        }
-        MaterialModel::ThinDielectric { index: _, transmittance } => transmittance.known_nm(),
-        MaterialModel::Mix { models, weight: _ } => models.iter().map(of_model).fold(Spectrum::EVERYWHERE_NM, both),
-        MaterialModel::Layered(layers) => of_layers(layers),
+    let mut known = Known(None);
+    model.visit(&mut known);
+    known.0.unwrap_or(Spectrum::EVERYWHERE_NM)
+}
+
+/// Where all spectra of a model are known. Formulas of glasses hold as far as silicon sees, so that indices do not count.
+struct Known(Option<Range>);
+
+impl Known {
+    fn limit(&mut self, range: Range) {
+        self.0 = Some(self.0.map_or(range, |known| both(known, range)));
+    }
+}
+
+impl Visit for Known {
+    fn colour(&mut self, colour: &TexturedColour) {
+        self.limit(of_textured(colour));
+    }
+
+    fn spectrum(&mut self, spectrum: &Spectrum) {
+        self.limit(spectrum.known_nm());
+    }
+
+    fn layered(&mut self, layers: &LayeredDescription) {
+        self.limit(of_layers(layers));
     }
 }
 
@@ -127,11 +138,11 @@ fn of_layers(layers: &LayeredDescription) -> Range {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::description::{MaterialDescription, MeshDescription};
+    use crate::scene::description::{Diffuse, MaterialDescription, MeshDescription};
     use photosite_core::spectrum::{Outside, illuminant};
 
     fn scene(light: &str, reflectance: Colour) -> SceneDescription {
-        let model = MaterialModel::Diffuse { reflectance: TexturedColour::plain(reflectance) };
+        let model = MaterialModel::Diffuse(Diffuse { reflectance: TexturedColour::plain(reflectance) });
         let colour = Colour::Spectrum(illuminant::illuminant(light).expect("known"));
         SceneDescription {
             materials: vec![MaterialDescription::new("wall", model)],

@@ -52,6 +52,7 @@ pub use film::Film;
 
 use super::dielectric::{self, mirrored};
 use super::microfacet::Ggx;
+use super::model::Traits;
 use super::{BsdfEval, BsdfSample, is_grazing};
 use photosite_core::spectrum::SampledSpectrum;
 use view::View;
@@ -143,7 +144,7 @@ impl Layered {
 
     /// The volume behind, where light gets into it by refraction.
     #[inline]
-    pub(super) fn refracting(&self) -> Option<Volume> {
+    fn refracting(&self) -> Option<Volume> {
         self.volume.filter(|_| self.transmission > 0.0)
     }
 
@@ -154,12 +155,12 @@ impl Layered {
     }
 
     #[inline]
-    pub(super) fn transmits(&self) -> bool {
+    fn transmits(&self) -> bool {
         self.metallic < 1.0 && (self.transmission > 0.0 || self.diffuse_transmission > 0.0)
     }
 
     #[inline]
-    pub(super) fn is_delta(&self) -> bool {
+    fn is_delta(&self) -> bool {
         let [_, coloured, _] = self.parts();
         self.distribution.is_smooth()
             && coloured == 0.0
@@ -168,8 +169,17 @@ impl Layered {
     }
 
     #[inline]
-    pub(super) fn needs_single_wavelength(&self) -> bool {
-        self.refracting().is_some_and(|v| v.dispersive && !dielectric::is_delta(v.eta, self.distribution))
+    pub(super) fn traits(&self) -> Traits {
+        let refracts_smoothly = |volume: Volume| dielectric::is_delta(volume.eta, self.distribution);
+        Traits {
+            has_lobes: true,
+            transmits: self.transmits(),
+            is_delta: self.is_delta(),
+            casts_caustics: self.distribution.is_near_specular()
+                || self.coat.is_some_and(|coat| coat.distribution.is_near_specular())
+                || self.refracting().is_some_and(refracts_smoothly),
+            needs_single_wavelength: self.refracting().is_some_and(|v| v.dispersive && !refracts_smoothly(v)),
+        }
     }
 
     #[inline]

@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::{Path, PathLimits, Postponed, Vertex, towards_light};
-use crate::bsdf::{Bsdf, GRAZING};
+use crate::bsdf::{Bsdf, Diffuse, GRAZING};
 use crate::geometry::{Geometry, Hit, Ray, SurfacePoint, interpolate, offset, on_triangle};
 use crate::light::{Choice, Facets, Facing, Receiver};
 use crate::sampler::Sampler;
@@ -17,7 +17,7 @@ use crate::scene::{ColourSource, EDGE_ON, Scene, Shading};
 use photosite_core::math::pdf::power_heuristic;
 use photosite_core::math::{Frame, Pdf, Vector, frame, warp};
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
-use photosite_simd::{LaneMask, Lanes, Vectors, with_widest_lanes};
+use photosite_simd::{LaneMask, Lanes, Real, Simd, Vectors, WithSimd, dispatch};
 
 /// Lanes.
 const WIDTH: usize = 8;
@@ -248,7 +248,7 @@ impl MattSurfaces {
             let Some(light) = scene.sample_chosen_light(&choice, &receiver, time, v, &path.wavelengths) else { return };
             let point = arrival.point(lane, points, scene);
             let frame = Frame::from_normal(points.normal.get(lane));
-            let shading = Shading { frame, bsdf: Bsdf::Diffuse { reflectance } };
+            let shading = Shading { frame, bsdf: Bsdf::Diffuse(Diffuse { reflectance }) };
             let vertex = Vertex::new(arrival.hit.t, &point, &shading, self.meetings.wo.get(lane));
             if let Some((ray, light)) = path.light_from(scene, &vertex, &light) {
                 postponed.shadow_rays.push(ray);
@@ -334,51 +334,81 @@ impl Points {
     }
 }
 
-with_widest_lanes! {
-    fn points(meetings: &Meetings) -> Points = points_in
+fn points(meetings: &Meetings) -> Points {
+    dispatch(ToPoints { meetings })
+}
+
+/// The arguments of [`points_in`].
+struct ToPoints<'a> {
+    meetings: &'a Meetings,
+}
+
+impl WithSimd for ToPoints<'_> {
+    type Output = Points;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Points {
+        points_in(simd, self.meetings)
+    }
 }
 
 #[inline(always)]
-fn points_in<L: Lanes>(meetings: &Meetings) -> Points {
+fn points_in<S: Simd>(simd: S, meetings: &Meetings) -> Points {
     let [a, b, c] = &meetings.corners;
-    let barycentric = [L::load(&meetings.barycentric[0]), L::load(&meetings.barycentric[1])];
-    let (position, error, across) = on_triangle([a.load::<L>(), b.load(), c.load()], barycentric);
-    let geometric_normal = across.normalize_or(Vector::splat(Vec3::ZERO));
+    let barycentric = [simd.load(&meetings.barycentric[0]), simd.load(&meetings.barycentric[1])];
+    let (position, error, across) = on_triangle([a.load(simd), b.load(simd), c.load(simd)], barycentric);
+    let geometric_normal = across.normalize_or(across.broadcast(Vec3::ZERO));
     let mut normal = geometric_normal;
     if meetings.has_normals != 0 {
         let [a, b, c] = &meetings.normals;
-        normal = interpolate([a.load::<L>(), b.load(), c.load()], barycentric).normalize_or(geometric_normal);
+        normal = interpolate([a.load(simd), b.load(simd), c.load(simd)], barycentric).normalize_or(geometric_normal);
     }
-    let wo = meetings.wo.load::<L>();
-    normal = Vector::select(wo.dot(geometric_normal).is_below(L::splat(0.0)), -normal, normal);
+    let wo = meetings.wo.load(simd);
+    normal = Vector::select(wo.dot(geometric_normal).lt(simd.broadcast(0.0)), -normal, normal);
     Points {
         position: Vectors::store(position),
         error: Vectors::store(error),
         geometric_normal: Vectors::store(geometric_normal),
         normal: Vectors::store(normal),
-        is_seen: L::splat(EDGE_ON).is_at_most(wo.dot(normal)).bits(),
+        is_seen: simd.broadcast(EDGE_ON).le(wo.dot(normal)).bits(),
     }
 }
 
-with_widest_lanes! {
-    fn lit(points: &Points, wo: &Vectors, looks: &Looks) -> Lit = lit_in
+fn lit(points: &Points, wo: &Vectors, looks: &Looks) -> Lit {
+    dispatch(ToLit { points, wo, looks })
+}
+
+/// The arguments of [`lit_in`].
+struct ToLit<'a> {
+    points: &'a Points,
+    wo: &'a Vectors,
+    looks: &'a Looks,
+}
+
+impl WithSimd for ToLit<'_> {
+    type Output = Lit;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Lit {
+        lit_in(simd, self.points, self.wo, self.looks)
+    }
 }
 
 #[inline(always)]
-fn lit_in<L: Lanes>(points: &Points, wo: &Vectors, looks: &Looks) -> Lit {
-    let zero = L::splat(0.0);
-    let (position, geometric_normal) = (points.position.load::<L>(), points.geometric_normal.load());
-    let facet = looks.facets.load::<L>();
-    let barycentric = warp::uniform_triangle([L::load(&looks.u_light[0]), L::load(&looks.u_light[1])]);
+fn lit_in<S: Simd>(simd: S, points: &Points, wo: &Vectors, looks: &Looks) -> Lit {
+    let zero = simd.broadcast(0.0);
+    let (position, geometric_normal) = (points.position.load(simd), points.geometric_normal.load(simd));
+    let facet = looks.facets.load(simd);
+    let barycentric = warp::uniform_triangle([simd.load(&looks.u_light[0]), simd.load(&looks.u_light[1])]);
     let sight = facet.sight(barycentric, position);
-    let pdf = sight.density * L::load(&looks.probability);
-    let cos = points.normal.load::<L>().dot(sight.wi);
-    let is_above = L::splat(GRAZING).is_below(cos) & !crosses(wo.load(), sight.wi, geometric_normal);
-    let is_lit = (zero.is_below(pdf) & is_above).bits();
-    let (front, back) = (zero.is_below(sight.cos).bits(), sight.cos.is_below(zero).bits());
-    let scattered_pdf = cos * L::splat(FRAC_1_PI);
+    let pdf = sight.density * simd.load(&looks.probability);
+    let cos = points.normal.load(simd).dot(sight.wi);
+    let is_above = simd.broadcast(GRAZING).lt(cos) & !crosses(wo.load(simd), sight.wi, geometric_normal);
+    let is_lit = (zero.lt(pdf) & is_above).bits();
+    let (front, back) = (zero.lt(sight.cos).bits(), sight.cos.lt(zero).bits());
+    let scattered_pdf = cos * simd.broadcast(FRAC_1_PI);
     let weighted_cos = cos.abs();
-    let origin = offset(position, points.error.load(), geometric_normal, sight.wi);
+    let origin = offset(position, points.error.load(simd), geometric_normal, sight.wi);
     let target = towards_light(sight.position, facet.normal, sight.wi);
     Lit {
         is_lit: is_lit & looks.is_facet & (front | back & looks.two_sided),
@@ -390,20 +420,36 @@ fn lit_in<L: Lanes>(points: &Points, wo: &Vectors, looks: &Looks) -> Lit {
     }
 }
 
-with_widest_lanes! {
-    fn scattered(points: &Points, wo: &Vectors, u: &[[f32; WIDTH]; 2]) -> Scattered = scattered_in
+fn scattered(points: &Points, wo: &Vectors, u: &[[f32; WIDTH]; 2]) -> Scattered {
+    dispatch(ToScattered { points, wo, u })
+}
+
+/// The arguments of [`scattered_in`].
+struct ToScattered<'a> {
+    points: &'a Points,
+    wo: &'a Vectors,
+    u: &'a [[f32; WIDTH]; 2],
+}
+
+impl WithSimd for ToScattered<'_> {
+    type Output = Scattered;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Scattered {
+        scattered_in(simd, self.points, self.wo, self.u)
+    }
 }
 
 #[inline(always)]
-fn scattered_in<L: Lanes>(points: &Points, wo: &Vectors, [u, v]: &[[f32; WIDTH]; 2]) -> Scattered {
-    let local = warp::cosine_hemisphere([L::load(u), L::load(v)]);
-    let (normal, geometric_normal) = (points.normal.load::<L>(), points.geometric_normal.load::<L>());
+fn scattered_in<S: Simd>(simd: S, points: &Points, wo: &Vectors, [u, v]: &[[f32; WIDTH]; 2]) -> Scattered {
+    let local = warp::cosine_hemisphere([simd.load(u), simd.load(v)]);
+    let (normal, geometric_normal) = (points.normal.load(simd), points.geometric_normal.load(simd));
     let [x, y] = frame::tangents(normal);
     let wi = x * local.x + y * local.y + normal * local.z;
-    let pdf = local.z * L::splat(FRAC_1_PI);
-    let origin = offset(points.position.load(), points.error.load(), geometric_normal, wi);
+    let pdf = local.z * simd.broadcast(FRAC_1_PI);
+    let origin = offset(points.position.load(simd), points.error.load(simd), geometric_normal, wi);
     Scattered {
-        goes_on: (L::splat(GRAZING).is_below(local.z) & !crosses(wo.load(), wi, geometric_normal)).bits(),
+        goes_on: (simd.broadcast(GRAZING).lt(local.z) & !crosses(wo.load(simd), wi, geometric_normal)).bits(),
         origin: Vectors::store(origin),
         wi: Vectors::store(wi),
         pdf: pdf.store(),
@@ -414,7 +460,8 @@ fn scattered_in<L: Lanes>(points: &Points, wo: &Vectors, [u, v]: &[[f32; WIDTH];
 /// Where light on its way from one direction to the other would come through the surface, as [`leaks`](super::leaks) has it.
 #[inline(always)]
 fn crosses<L: Lanes>(wo: Vector<L>, wi: Vector<L>, normal: Vector<L>) -> L::Mask {
-    (wo.dot(normal) * wi.dot(normal)).is_below(L::splat(0.0))
+    let product = wo.dot(normal) * wi.dot(normal);
+    product.lt(product.broadcast(0.0))
 }
 
 /// A function rather than a path to the trait's, which would not be inlined into a function for wide registers.

@@ -7,7 +7,7 @@ use super::{Camera, CameraRay, turned};
 use crate::geometry::Ray;
 use photosite_core::projection::{Projection, through_plane};
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
-use photosite_simd::with_widest_registers;
+use photosite_simd::{Simd, WithSimd, dispatch};
 
 /// What a ray of the camera is made from.
 #[derive(Clone, Copy, Debug)]
@@ -103,8 +103,24 @@ impl Rays {
     }
 }
 
-with_widest_registers! {
-    fn rays_of_eight(camera: &Camera, samples: &Samples, rays: &mut Rays) -> () = rays_of_eight_in
+fn rays_of_eight(camera: &Camera, samples: &Samples, rays: &mut Rays) {
+    dispatch(RaysOfEight { camera, samples, rays });
+}
+
+/// The arguments of [`rays_of_eight_in`].
+struct RaysOfEight<'a> {
+    camera: &'a Camera,
+    samples: &'a Samples,
+    rays: &'a mut Rays,
+}
+
+impl WithSimd for RaysOfEight<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        rays_of_eight_in(self.camera, self.samples, self.rays);
+    }
 }
 
 #[inline(always)]
