@@ -268,9 +268,8 @@ mod tests {
     use super::*;
     use crate::capture::tree::parse;
 
-    #[derive(Debug, Deserialize)]
+    #[derive(Debug, Deserialize, PartialEq)]
     #[serde(deny_unknown_fields)]
-    #[expect(dead_code, reason = "only whether it can be read matters")]
     struct Sample {
         f_number: f64,
         count: Option<u32>,
@@ -280,7 +279,7 @@ mod tests {
         seed: Option<u64>,
     }
 
-    #[derive(Debug, Deserialize)]
+    #[derive(Debug, Deserialize, PartialEq)]
     #[serde(rename_all = "kebab-case")]
     enum Mode {
         OneWay,
@@ -291,7 +290,26 @@ mod tests {
     fn values_of_every_type_are_read() {
         let text =
             "f_number = 4\ncount = 3\nplace = [1, 2.5, -3]\nmode = 'one-way'\nflag = true\nseed = 18446744073709551615";
-        Sample::deserialize(Reader(&parse(text, 0).expect("TOML"))).expect("fits");
+        let read = |text: &str| Sample::deserialize(Reader(&parse(text, 0).expect("TOML"))).expect("fits");
+        let expected = Sample {
+            f_number: 4.0,
+            count: Some(3),
+            place: Some([1.0, 2.5, -3.0]),
+            mode: Some(Mode::OneWay),
+            flag: Some(true),
+            seed: Some(u64::MAX),
+        };
+        assert_eq!(read(text), expected);
+        let others = "mode = 'another'\nflag = false\nf_number = 0.5";
+        let expected = Sample {
+            f_number: 0.5,
+            count: None,
+            place: None,
+            mode: Some(Mode::Another),
+            flag: Some(false),
+            seed: None,
+        };
+        assert_eq!(read(others), expected);
     }
 
     #[test]

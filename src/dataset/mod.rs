@@ -96,6 +96,12 @@ impl DataSet {
         let pictures = frames.iter().flat_map(|(number, frame)| {
             self.cameras().zip(frame).map(move |(camera, overrides)| (*number, camera, overrides))
         });
+        if self.captures.iter().any(|capture| capture.sensor.image_lag.is_some()) {
+            monitor.report(Event::Warning(
+                "the pictures of a data set are made one by one, maybe by several processes: each starts without the charge that \
+                 sensor.charge.image_lag keeps from the frame before",
+            ));
+        }
         let mut todo: Vec<_> = pictures.filter(|&(number, camera, _)| !folder.is_done(camera, number)).collect();
         monitor.report(Event::SetBegins { pictures: todo.len() as u64 });
         let _until_end = UntilSetEnds(monitor);

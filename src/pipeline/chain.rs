@@ -10,7 +10,7 @@ use crate::optics::{Camera, LensDescription};
 use crate::raw::RawImage;
 use crate::scene::Scene;
 use crate::sensor::{
-    Exposure, Neighbours, NoiseKey, NoiseMap, NoiseMaps, SensorModel, Window, auto_exposure, expose_with_maps,
+    Exposure, LeftCharge, Neighbours, NoiseKey, NoiseMap, NoiseMaps, SensorModel, Window, auto_exposure, expose_after,
     noise_ratio, samples_needed, smoothed_mean,
 };
 use crate::spectrum::{Spectrum, illuminant};
@@ -179,21 +179,25 @@ impl<'a> Chain<'a> {
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
-        self.read_out_with_maps(exposed, frame, &[]).map(|(raw, _)| raw)
+        self.read_out_with_maps(exposed, frame, &[], &mut None).map(|(raw, _)| raw)
     }
 
-    /// The same with maps of what some effects did.
+    /// The same with maps of what some effects did. `left` is the charge that the frame before has left in the sensor, and then
+    /// what this one leaves.
     pub(super) fn read_out_with_maps(
         &self,
         exposed: &Exposed,
         frame: u32,
         maps: &[NoiseMap],
+        left: &mut Option<LeftCharge>,
     ) -> Result<(RawImage, NoiseMaps)> {
         let Settings { sensor, exposure: ExposureSettings { stages, .. }, seed, .. } = self.settings;
         let Exposed { exposure, electrons, .. } = exposed;
         let key = NoiseKey { seed, frame: u64::from(frame) };
-        let exposed = expose_with_maps(&electrons.mean, sensor, exposure, *stages, key, maps);
-        let (mut raw, maps) = exposed.map_err(|e| self.in_exposure(e))?;
+        let shot = expose_after(&electrons.mean, sensor, exposure, *stages, key, maps, left.as_ref());
+        let shot = shot.map_err(|e| self.in_exposure(e))?;
+        *left = shot.left;
+        let (mut raw, maps) = (shot.raw, shot.maps);
         raw.metadata.f_number = self.optics.f_number;
         raw.metadata.focal_length_m = self.optics.focal_length_m;
         if let Some(colour) = &self.colours.camera {

@@ -117,7 +117,8 @@ fn expose_into(
     timings.expose_s = start.elapsed().as_secs_f64();
     let of = 1 + later.len() as u32;
     let frames = if of > 1 { Frames::One { number: 0, of } } else { Frames::All(capture.exposure.frames) };
-    let first = write_results(&chain, exposed, frames, folder, &mut timings, |_, _| Ok(()))?;
+    let mut left = None;
+    let first = write_results(&chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
     for (number, path) in (1..).zip(&later) {
         let start = Instant::now();
         let light = StoredLight::read(path)?;
@@ -125,7 +126,8 @@ fn expose_into(
         let (exposed, _) = expose(light)?;
         exposure = exposed.exposure;
         timings.expose_s += start.elapsed().as_secs_f64();
-        write_results(&chain, exposed, Frames::One { number, of }, folder, &mut timings, |_, _| Ok(()))?;
+        let frames = Frames::One { number, of };
+        write_results(&chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
     }
 
     let report = Report {

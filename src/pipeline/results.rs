@@ -6,7 +6,7 @@ use crate::Result;
 use crate::develop::merge::merge;
 use crate::image::{Estimate, Planes};
 use crate::raw::RawImage;
-use crate::sensor::Exposure;
+use crate::sensor::{Exposure, LeftCharge};
 use crate::units::Seconds;
 
 use super::chain::{Chain, Exposed};
@@ -44,6 +44,9 @@ impl Frames {
 /// bracket whose time is nearest to that of `exposed`, which is returned; merges a bracket to a map of the light.
 /// `write_light` writes what is left of the light beside the electrons, numbered where there are several.
 ///
+/// `left` is the charge that the frame before has left in the sensor, and then what the last one leaves: the images of a
+/// bracket are taken one after the other, too.
+///
 /// Raw files and light are there before anything is developed: they take the longest to get, whatever becomes of the
 /// development, and the light's memory is free again.
 pub(super) fn write_results(
@@ -52,6 +55,7 @@ pub(super) fn write_results(
     frames: Frames,
     folder: &mut OutputFolder,
     timings: &mut Timings,
+    left: &mut Option<LeftCharge>,
     write_light: impl FnOnce(&mut OutputFolder, Option<u32>) -> Result<()>,
 ) -> Result<RawImage> {
     let output = chain.settings.output;
@@ -66,7 +70,7 @@ pub(super) fn write_results(
     let first = numbers.start;
     for number in numbers {
         let start = Instant::now();
-        let read_out = |exposed| chain.read_out_with_maps(exposed, number, &output.noise.maps);
+        let mut read_out = |exposed| chain.read_out_with_maps(exposed, number, &output.noise.maps, left);
         let (raw, maps) = match &times {
             Some(times) => read_out(&shot(&exposed, times[number as usize]))?,
             None => read_out(&exposed)?,

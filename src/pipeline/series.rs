@@ -25,7 +25,7 @@ use crate::optics::Camera;
 use crate::raw::RawImage;
 use crate::report::{NoiseReport, Timings};
 use crate::scene::{self, Scene};
-use crate::sensor::Exposure;
+use crate::sensor::{Exposure, LeftCharge};
 use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
 
@@ -74,10 +74,12 @@ impl Series<'_> {
         let count = capture.exposure.frames;
         let Some(recording) = &capture.recording else {
             let next = self.next(first_scene, View::of(first_scene, still, pixels(capture)));
-            return self.picture(first_scene, still, next, Frames::All(count), folder, timings);
+            return self.picture(first_scene, still, next, Frames::All(count), folder, timings, &mut None);
         };
         let mut all = Recorded { exposed: None, paths: 0, warnings: Vec::new() };
         let mut now = Moment { recording: recording.clone(), scene: None };
+        // Charge that stays in the sensor from frame to frame.
+        let mut left = None;
         for number in 0..count {
             // Only flow looks ahead.
             let mut next = match &self.common {
@@ -93,7 +95,7 @@ impl Series<'_> {
             let next_scene = next.as_ref().and_then(|next| next.scene.as_ref()).unwrap_or(scene);
             let view = self.next(scene, View::of(next_scene, &next_camera, pixels(capture)));
             let frames = Frames::One { number, of: count };
-            let recorded = self.picture(scene, &camera, view, frames, folder, timings)?;
+            let recorded = self.picture(scene, &camera, view, frames, folder, timings, &mut left)?;
             let first = all.exposed.map(|ExposedSeries { first, .. }| first);
             all.exposed = recorded.exposed.map(|last| ExposedSeries { first: first.unwrap_or(last.first), ..last });
             all.paths += recorded.paths;
@@ -155,6 +157,7 @@ impl Series<'_> {
         frames: Frames,
         folder: &mut OutputFolder,
         timings: &mut Timings,
+        left: &mut Option<LeftCharge>,
     ) -> Result<Recorded> {
         let prepared = self.prepared;
         let (capture, chain, monitor) = (&prepared.capture, &prepared.chain(), self.request.monitor);
@@ -243,7 +246,7 @@ impl Series<'_> {
             monitor.report(Event::Warning(&warning));
             warnings.push(warning);
         }
-        let first = write_results(chain, exposed, frames, folder, timings, |folder, number| {
+        let first = write_results(chain, exposed, frames, folder, timings, left, |folder, number| {
             if capture.output.ideal {
                 let seen = light.means(ideal::NAMES).to_planes();
                 let seen = seen.map_err(|reason| Error::io(folder.path(), "read from", reason))?;

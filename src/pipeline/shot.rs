@@ -14,7 +14,7 @@ use crate::develop::DevelopSettings;
 use crate::image::{Estimate, Planes};
 use crate::io::light_rows::LightRows;
 use crate::raw::RawImage;
-use crate::sensor::{Exposure, NoiseMaps};
+use crate::sensor::{Exposure, LeftCharge, NoiseMaps};
 use crate::units::Seconds;
 use crate::{Picture, Result};
 
@@ -93,6 +93,8 @@ pub struct Shot {
     pub electrons: Estimate,
     /// What each effect that `output.noise_maps` names has added to every number.
     pub noise_maps: NoiseMaps,
+    /// Charge that stays in the sensor for the frame after this one; `None` of a sensor without image lag.
+    pub left: Option<LeftCharge>,
     /// What is to be said of the exposure.
     pub warnings: Vec<String>,
 }
@@ -139,17 +141,29 @@ impl Prepared {
         Ok(Light { rows, rates, samples, paths: paths + pilot_paths, trace_s: start.elapsed().as_secs_f64() })
     }
 
-    /// Exposes to that light; each frame has temporal noise of its own, and all share the fixed pattern of the sensor.
+    /// Exposes to that light; each frame has temporal noise of its own, and all share the fixed pattern of the sensor, which
+    /// has been in the dark before.
     ///
     /// # Errors
     ///
     /// An exposure that the sensor cannot make, or for which there is too little light.
     pub fn expose(&self, light: &Light, frame: u32) -> Result<Shot> {
+        self.expose_after(light, frame, None)
+    }
+
+    /// The same after a frame that has [left](Shot::left) charge in the sensor.
+    ///
+    /// # Errors
+    ///
+    /// As [`expose`](Self::expose).
+    pub fn expose_after(&self, light: &Light, frame: u32, before: Option<LeftCharge>) -> Result<Shot> {
         let chain = self.chain();
         let exposed = chain.expose(light.rates.clone(), Seconds(1.0), None)?;
-        let (raw, noise_maps) = chain.read_out_with_maps(&exposed, frame, &self.capture.output.noise.maps)?;
+        let mut left = before;
+        let maps = &self.capture.output.noise.maps;
+        let (raw, noise_maps) = chain.read_out_with_maps(&exposed, frame, maps, &mut left)?;
         let Exposed { exposure, electrons, warning } = exposed;
-        Ok(Shot { raw, exposure, electrons, noise_maps, warnings: warning.into_iter().collect() })
+        Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings: warning.into_iter().collect() })
     }
 
     /// The same capture with another exposure, for light that was traced already.
