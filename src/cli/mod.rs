@@ -119,7 +119,7 @@ pub(crate) fn run() -> ExitCode {
             // Who asked the work to stop, the program alone knows.
             let error = match error {
                 Error::Cancelled { help, .. } => Error::Cancelled { message: signals::stopped_by().to_owned(), help },
-                error => error,
+                error @ (Error::Input(_) | Error::Io { .. } | Error::Usage { .. } | Error::Temporary(_)) => error,
             };
             eprintln!("{:?}", miette::Report::new(error));
             ExitCode::from(status)

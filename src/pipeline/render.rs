@@ -66,7 +66,7 @@ pub fn render_into(
     let layers = &capture.output.truth.layers;
     let common = layers
         .contains(&TruthLayer::Flow)
-        .then(|| Common { surfaces: prepared.surfaces, importance: &prepared.importance });
+        .then_some(Common { surfaces: prepared.surfaces, importance: &prepared.importance });
     let changed = common
         .as_ref()
         .map(|common| ChangedPicture::read(request.input, &request.overrides, capture, scene, common))

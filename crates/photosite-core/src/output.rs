@@ -36,7 +36,7 @@ pub fn write_new(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()
 }
 
 /// Writes a file whole that need not survive a power cut: a picture of what is under way, or one of a folder that is
-/// synced when it is finished ([`UnfinishedFolder`](super::unfinished::UnfinishedFolder)).
+/// synced when it is finished (`UnfinishedFolder` of the files of data sets).
 pub fn write_unsynced(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<()> {
     Temporary::write(path, write)?.persist(path).map(|_| ())
 }

@@ -18,7 +18,7 @@
 //! A model is used within its [`Reach`] only, in which it is one to one; both directions agree there to the precision of
 //! f64.
 //!
-//! A new model is a file with a [`Model`], a variant of [`Projection`], an arm of `each_model!` and one of
+//! A new model is a file with a `Model`, a variant of [`Projection`], an arm of `each_model!` and one of
 //! [`Projection::named`], the keys of capture files, and a row in the tests.
 
 mod brown_conrady;
@@ -176,7 +176,7 @@ trait Model {
     fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen>;
 }
 
-/// The value of an expression in which `$model` is the [`Model`] of a projection: the only place that tells models apart.
+/// The value of an expression in which `$model` is the `Model` of a projection: the only place that tells models apart.
 macro_rules! each_model {
     ($projection:expr, $model:ident => $value:expr) => {
         match $projection {

@@ -3,9 +3,9 @@
 //! A model is one type with its parameters in one of three [`Form`]s: as a file states them, as handles into the tables of
 //! a scene, and as values at a shading point. [`Model::map`] takes them from one form to the next; what the steps are for a
 //! colour, a spectrum, an index or a roughness is a [`Map`], the same for all models. At a shading point, where the form is
-//! [`Sampled`], the model is a [`Bsdf`](super::Bsdf) and every type is a [`Lobe`].
+//! [`Sampled`], the model is a [`Bsdf`](super::Bsdf) and every type is a `Lobe`.
 //!
-//! To add a model: a file with its parameters, `map`, [`SceneTraits`] and [`Lobe`]; its row in the list at the end of this
+//! To add a model: a file with its parameters, `map`, [`SceneTraits`] and `Lobe`; its row in the list at the end of this
 //! file; its table and its row in those of capture files; its element for Mitsuba; its cases in `tests/physics`.
 
 use std::convert::Infallible;

@@ -26,7 +26,7 @@ use photosite_core::spectrum::{Dispersion, Spectrum, SpectrumId, SpectrumTable, 
 
 /// Builds a scene. `importance` says how much each wavelength matters to the sensor (any unit, not negative): lights are
 /// chosen by their power weighed with it. Coordinates must lie within 10¹⁸ m of the origin, as those that
-/// [`Capture::load_with`](crate::capture::Capture::load_with) returns do.
+/// `photosite::Capture::load` returns do.
 pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
     let mut builder = Builder {
