@@ -2,6 +2,19 @@
 //! lens, falls on an image sensor as irradiance, becomes electrons, then digital numbers in a raw file, then an RGB
 //! picture. Every stage is a physical quantity with a unit and can be written out on its own.
 //!
+//! ```no_run
+//! # fn main() -> photosite::Result<()> {
+//! let capture = photosite::Capture::load("scenes/cornell-box/capture.toml")?;
+//! let shot = photosite::render(&capture, photosite::Options::default())?;
+//! shot.raw.save("raw.dng")?;
+//! shot.develop(&capture.develop)?.save("image.png")?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `examples/` has five more programs: an own sensor, one noise stage at a time, a scene that no file holds, stored light
+//! that is exposed many times, a raw file that becomes a picture.
+//!
 //! # The chain
 //!
 //! | stage | quantity | unit | modules |
@@ -12,16 +25,22 @@
 //! | sensor | charge, voltage, digital number | e⁻, V, DN | [`sensor`], [`raw`] |
 //! | development | linear and display-referred RGB | – | [`develop`] |
 //!
-//! # What depends on what
+//! [`pipeline`] takes a [`Capture`] through all of them, in memory or into a folder; [`dataset`] does so again and again.
 //!
-//! [`units`], [`math`] → [`spectrum`], [`image`] → [`colour`]; → [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] →
-//! [`optics`], [`film`], [`sampler`] → [`integrator`]. [`sensor`], [`raw`] and [`develop`] see only units, math,
-//! spectrum, image and, of lenses, [`projection`]: no scene, no ray. Only [`io`], `cli` and [`raw`] touch files. `tests/architecture.rs` holds
-//! these edges. [`calibration`] draws targets and asks a scene what is really there at each pixel. [`validation`]
-//! compares pictures and sees units, math, image and raw; [`measure`] takes
-//! figures from pictures; [`characterisation`] takes and evaluates
-//! images of even light as EMVA 1288 has it and sees sensor and what sensor sees; [`io::mitsuba`] describes a capture to
-//! an independent renderer.
+//! # The crates
+//!
+//! | crate | holds | sees |
+//! |---|---|---|
+//! | `photosite-simd` | lanes of numbers; the only `unsafe` code | – |
+//! | `photosite-core` | [`units`], [`math`], [`spectrum`], [`colour`], [`image`], [`projection`], errors | simd |
+//! | `photosite-transport` | [`geometry`] … [`integrator`]: light from its sources to the sensor | simd, core |
+//! | `photosite-imaging` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`] | core |
+//! | `photosite-scene-io` | glTF, OBJ, environments, IES | core, transport |
+//! | `photosite-calibration` | [`calibration`]: targets, poses, ground truth, camera files | core, transport |
+//! | `photosite` | this crate: the [`capture`] language, the [`pipeline`], [`report`]s, files ([`io`]), and the command | all |
+//!
+//! Transport and imaging do not know each other. Only this crate, the readers of scenes and those of raw files touch
+//! files; only the command prints.
 //!
 //! # Invariants
 //!
@@ -34,10 +53,21 @@
 //! - A [`scene::Scene`] is immutable once built: flat tables with `u32` handles.
 //! - No input file panics the program; what a user can cause is an [`Error`]. No output is half-written.
 
-pub mod io;
+#![forbid(unsafe_code)]
 
+pub mod capture;
+pub mod dataset;
+pub mod emva1288;
+pub mod io;
+mod picture;
+pub mod pipeline;
+pub mod report;
+
+pub use capture::Capture;
 pub use photosite_calibration as calibration;
 pub use photosite_core::{Error, Invalid, Result};
 pub use photosite_core::{colour, error, image, math, projection, references, spectrum, units};
 pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, validation};
 pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};
+pub use picture::Picture;
+pub use pipeline::{Options, Shot, render};

@@ -1,5 +1,7 @@
 //! The `photosite` command: parses the command line, calls the library, prints, exits.
 
+#![forbid(unsafe_code)]
+
 mod cli;
 
 use std::process::ExitCode;

@@ -7,13 +7,12 @@ use photosite::Result;
 use photosite::calibration::camera_files::{
     CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
 };
-use photosite::io::capture::Capture;
+use photosite::capture::Capture;
 use photosite::io::lock::Lock;
 use photosite::io::output::create_folder;
 
-use super::lens_corrections::LensSeen;
-use super::render::lone_recording_camera;
 use super::{println_out, refuse_existing, write_result};
+use photosite::pipeline::{LensSeen, standalone_recording_camera};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///
@@ -56,8 +55,8 @@ enum Format {
 }
 
 pub(super) fn run(args: &CameraArgs) -> Result<()> {
-    let capture = Capture::read(&args.input, &args.overrides)?;
-    let placed = lone_recording_camera(&capture)?.halfway();
+    let capture = Capture::load_with(&args.input, &args.overrides)?;
+    let placed = standalone_recording_camera(&capture)?.halfway();
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.window);
     if let Some(done) = seen.resampled(&capture.develop) {
         eprintln!(

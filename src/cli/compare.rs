@@ -13,9 +13,8 @@ use photosite::validation::{
     ChannelDifference, Comparison, FalseColour, Limits, Picture, Settings, VarianceOf, compare, failures, false_colour,
 };
 use photosite::{Error, Invalid, Result};
-use serde::Serialize;
 
-use super::compare_text::text;
+use super::compare_report::{FileReport, PictureReport, Report, Untested, text};
 use super::{print_json, println_out, refuse_existing};
 
 /// Compare two pictures: errors per channel, and where variances are known whether noise explains them.
@@ -92,49 +91,6 @@ pub(super) struct CompareArgs {
     /// Print nothing but errors: the exit status tells.
     #[arg(short, long, conflicts_with = "json")]
     quiet: bool,
-}
-
-/// The object that `--json` prints.
-#[derive(Serialize)]
-pub(super) struct Report {
-    pub(super) a: FileReport,
-    pub(super) b: FileReport,
-    #[serde(flatten)]
-    pub(super) comparison: Comparison,
-    /// "agree", "differ", or "not judged" without variances and limits.
-    pub(super) outcome: &'static str,
-    /// Why the pictures differ.
-    pub(super) failures: Vec<String>,
-    /// What noise cannot be asked about.
-    pub(super) untested: Vec<Untested>,
-    pub(super) picture: Option<PictureReport>,
-}
-
-/// A picture that was compared.
-#[derive(Serialize)]
-pub(super) struct FileReport {
-    pub(super) file: String,
-    /// `null` where the file does not say.
-    pub(super) unit: Option<String>,
-    pub(super) channels: Vec<String>,
-    pub(super) variances: bool,
-}
-
-/// Channels that cannot be tested against noise.
-#[derive(Serialize)]
-pub(super) struct Untested {
-    pub(super) channels: Vec<String>,
-    pub(super) missing: String,
-    pub(super) help: String,
-}
-
-/// The picture that was written.
-#[derive(Serialize)]
-pub(super) struct PictureReport {
-    pub(super) file: String,
-    pub(super) shows: &'static str,
-    /// The ends of its colours lie at ± this.
-    pub(super) range: f64,
 }
 
 pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite::Result;
+use photosite::capture::{CaptureSource, read_develop_settings};
 use photosite::develop::DevelopSettings;
-use photosite::io::capture::{CaptureSource, read_develop_settings};
 use photosite::io::output::Sink;
 
 use super::{refuse_existing, start_threads, write_result};

@@ -1,24 +1,18 @@
 //! `photosite emva1288`: the image sets that EMVA 1288 asks for, of a sensor's model, and the figures that they must show.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use photosite::characterisation::{
-    Descriptor, FlatField, OperatingPoint, Plan, Series, Shot, doubling_temperature, effects_left_out,
-    expected_figures, quantum_efficiency,
-};
-use photosite::io::capture::read_named_sensor;
-use photosite::io::image_sets::{CONTENTS, ChannelSets, ImageFormat, ImageSets, SetWriter, SpectralSet, ThermalSet};
-use photosite::io::lock::Lock;
-use photosite::io::output::{create_folder, write_unsynced};
-use photosite::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
-use photosite::sensor::SensorModel;
+use photosite::Result;
+use photosite::capture::read_named_sensor;
+use photosite::characterisation::effects_left_out;
+use photosite::emva1288::{SetPlan, SetRequest, refuse_image_sets};
+use photosite::io::image_sets::ImageFormat;
+use photosite::pipeline::{Event, Monitor};
 use photosite::units::{Celsius, Decibels, Seconds};
-use photosite::{Error, Invalid, Result};
 
 use super::figures_text::expected_text;
-use super::progress::Progress;
+use super::monitor::TerminalMonitor;
 use super::{print_json, println_out};
 
 /// Take the images that EMVA 1288 asks for, and tell what they must show.
@@ -102,66 +96,42 @@ impl Range {
     }
 }
 
-/// Exposure times of a set for the dark current.
-const THERMAL_STEPS: u32 = 10;
 /// Most values of a range.
 const MOST_VALUES: f64 = 10_000.0;
 
 pub(super) fn run(args: &Emva1288Args) -> Result<()> {
     let (sensor, warnings) = read_named_sensor(&args.sensor, &args.overrides)?;
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("emva1288-{}", sensor.name)));
-    let size = image_size(&sensor, args.size)?;
-    let work = works(args, &sensor)?;
-    refuse_output(&output, args.force)?;
-    if !args.quiet {
-        warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-        for key in effects_left_out(&sensor) {
-            eprintln!("warning: {key} is in the images, but not in the figures that are expected of them");
-        }
-    }
-
-    create_folder(output.parent().unwrap_or(Path::new("")))?;
-    let lock = Lock::beside(&output)?;
-    // Another process may have finished in the meantime.
-    refuse_output(&output, args.force)?;
-    if lock.is_proven() {
-        // Of dead processes; nothing depends on it.
-        unfinished_folders(&output).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
-    }
-    let folder = UnfinishedFolder::beside(&output, |_| false)?;
-    let images = work.iter().map(Work::images).sum();
-    let progress = Progress::over_images(images, args.quiet || args.json);
-    let mut camera = Camera {
-        sensor: &sensor,
-        size,
-        writer: SetWriter::new(folder.path(), args.format.into(), args.seed),
-        progress: &progress,
-    };
-    let channels = work.iter().map(|work| camera.take_channel(work)).collect::<Result<_>>()?;
-    progress.finish();
-
-    let sets = ImageSets {
-        photosite_version: env!("CARGO_PKG_VERSION").to_owned(),
-        sensor: sensor.name.clone(),
-        description: sensor.description.clone(),
-        overrides: args.overrides.clone(),
+    let request = SetRequest {
+        channels: args.channels.clone(),
+        wavelength_nm: args.wavelength_nm,
+        steps: args.steps,
+        spatial: args.spatial,
+        saturation_time: args.saturation_time_s.map(Seconds),
+        sweep_nm: args.sweep.map_or_else(Vec::new, Range::values),
+        temperatures_c: args.temperatures.map_or_else(Vec::new, Range::values),
+        temperature: Celsius(args.temperature_c),
+        gain: Decibels(args.gain_db),
+        size: args.size,
         seed: args.seed,
-        size_px: size,
-        gain_db: args.gain_db,
-        channels,
+        format: args.format.into(),
+        overrides: args.overrides.clone(),
     };
-    write_unsynced(&folder.path().join(CONTENTS), |to| {
-        serde_json::to_writer_pretty(&mut *to, &sets)?;
-        writeln!(to)
-    })?;
-    move_into_place(folder, &output, args.force)?;
+    let plan = SetPlan::new(&sensor, request)?;
+    refuse_image_sets(&output, args.force)?;
+    let monitor = TerminalMonitor::new(args.quiet, args.json);
+    let left_out = effects_left_out(&sensor);
+    let left_out =
+        left_out.iter().map(|key| format!("{key} is in the images, but not in the figures that are expected of them"));
+    warnings.into_iter().chain(left_out).for_each(|warning| monitor.report(Event::Warning(&warning)));
+    let sets = plan.take_into(&output, args.force, &monitor)?;
     if args.json {
         print_json(&sets)
     } else if args.quiet {
         Ok(())
     } else {
         println_out(&expected_text(&sets))?;
-        println_out(&format!("\n{images} images in {}", output.display()))
+        println_out(&format!("\n{} images in {}", plan.images(), output.display()))
     }
 }
 
@@ -173,224 +143,6 @@ impl From<Format> for ImageFormat {
             Format::Png => ImageFormat::Png,
         }
     }
-}
-
-/// All that is to be taken of one channel.
-struct Work {
-    point: OperatingPoint,
-    linear: Plan,
-    /// Wavelengths with their plans; none where the channel is blind.
-    spectral: Vec<(f64, Option<Plan>)>,
-    /// Temperatures with their plans.
-    thermal: Vec<(f64, Plan)>,
-}
-
-impl Work {
-    fn images(&self) -> u64 {
-        let plans = std::iter::once(&self.linear)
-            .chain(self.spectral.iter().filter_map(|(_, plan)| plan.as_ref()))
-            .chain(self.thermal.iter().map(|(_, plan)| plan));
-        plans.flat_map(|plan| &plan.shots).map(|shot| u64::from(shot.images)).sum()
-    }
-}
-
-/// Settles what is to be done before anything is.
-fn works(args: &Emva1288Args, sensor: &SensorModel) -> Result<Vec<Work>> {
-    let names = sensor.cfa.channels();
-    let usage = |Invalid { key, message, help }: Invalid| {
-        let message = if key.is_empty() { message } else { format!("{key}: {message}") };
-        Error::Usage { message, help }
-    };
-    let work = |channel: usize| {
-        let wavelength_nm = args.wavelength_nm.unwrap_or_else(|| peak(sensor, channel));
-        let (gain, temperature) = (Decibels(args.gain_db), Celsius(args.temperature_c));
-        let point = OperatingPoint { channel, wavelength_nm, gain, temperature };
-        point.validate(sensor)?;
-        let linear = Plan::linear(sensor, &point, args.steps, args.spatial, args.saturation_time_s.map(Seconds))?;
-        let half = linear.half_time;
-        let spectral = |nm: f64| (nm, Plan::spectral(sensor, &OperatingPoint { wavelength_nm: nm, ..point }, half));
-        let thermal = |celsius: f64| -> Result<(f64, Plan), Invalid> {
-            let point = OperatingPoint { temperature: Celsius(celsius), ..point };
-            point.validate(sensor)?;
-            Ok((celsius, Plan::dark_current(sensor, &point, THERMAL_STEPS)?))
-        };
-        Ok(Work {
-            point,
-            spectral: args.sweep.map_or_else(Vec::new, Range::values).into_iter().map(spectral).collect(),
-            thermal: args
-                .temperatures
-                .map_or_else(Vec::new, Range::values)
-                .into_iter()
-                .map(thermal)
-                .collect::<Result<_, _>>()?,
-            linear,
-        })
-    };
-    let find = |name: &String| {
-        names.iter().position(|n| n == name).ok_or_else(|| Error::Usage {
-            message: format!("sensor {} has no channel {name:?}", sensor.name),
-            help: Some(format!("its channels are {}", names.join(", "))),
-        })
-    };
-    let wanted: Vec<usize> = match &args.channels {
-        Some(names) => names.iter().map(find).collect::<Result<_>>()?,
-        None => (0..names.len()).collect(),
-    };
-    wanted.into_iter().map(|channel| work(channel).map_err(usage)).collect()
-}
-
-/// Wavelength at which a channel's quantum efficiency is greatest, nm.
-fn peak(sensor: &SensorModel, channel: usize) -> f64 {
-    let response = &sensor.responses()[channel].1;
-    // The response counts electrons per energy; per photon it is smaller by the wavelength.
-    let greatest = response.iter().max_by(|(l, a), (m, b)| (a / l).total_cmp(&(b / m)));
-    greatest.map_or(550.0, |(lambda_nm, _)| lambda_nm)
-}
-
-fn image_size(sensor: &SensorModel, wanted: Option<[usize; 2]>) -> Result<[usize; 2]> {
-    let largest = FlatField::largest_size(sensor);
-    if largest.iter().any(|&side| side < 3) {
-        return Err(Error::Usage {
-            message: format!("sensor {} is a line of pixels, and EMVA 1288 measures areas", sensor.name),
-            help: Some("photosite noise takes the figures of its pictures".to_owned()),
-        });
-    }
-    let size = wanted.unwrap_or(largest.map(|side| side.min(512)));
-    if (0..2).any(|axis| size[axis] > largest[axis] || size[axis] < 3) {
-        let [[w, h], [most_w, most_h]] = [size, largest];
-        return Err(Error::Usage {
-            message: format!("images of {w} × {h} pixels cannot be taken of one channel of sensor {}", sensor.name),
-            help: Some(format!("it has {most_w} × {most_h} pixels of each; write at least 3x3")),
-        });
-    }
-    Ok(size)
-}
-
-/// A sensor in front of a lamp, and the folder that its images go to.
-struct Camera<'a> {
-    sensor: &'a SensorModel,
-    size: [usize; 2],
-    writer: SetWriter,
-    progress: &'a Progress,
-}
-
-impl Camera<'_> {
-    fn take_channel(&mut self, work: &Work) -> Result<ChannelSets> {
-        let Work { point, linear, spectral, thermal } = work;
-        let sensor = self.sensor;
-        let channel = sensor.cfa.channels()[point.channel].clone();
-        let descriptor = format!("{channel}/emva1288.txt");
-        self.take_set(&descriptor, &channel, point, &linear.shots)?;
-
-        let folder = format!("{channel}/wavelengths");
-        let mut wavelengths = Vec::new();
-        for (wavelength_nm, plan) in spectral {
-            let point = OperatingPoint { wavelength_nm: *wavelength_nm, ..*point };
-            let mut path = None;
-            if let Some(plan) = plan {
-                let name = format!("{wavelength_nm:04}");
-                self.take_set(
-                    path.insert(format!("{folder}/{name}.txt")),
-                    &folder,
-                    &point,
-                    &named(&name, &plan.shots),
-                )?;
-            }
-            wavelengths.push(SpectralSet {
-                wavelength_nm: *wavelength_nm,
-                descriptor: path,
-                quantum_efficiency: quantum_efficiency(sensor, point.channel, *wavelength_nm),
-            });
-        }
-
-        let folder = format!("{channel}/temperatures");
-        let mut temperatures = Vec::new();
-        for (temperature_c, plan) in thermal {
-            let point = OperatingPoint { temperature: Celsius(*temperature_c), ..*point };
-            let name = format!("{temperature_c:+}");
-            let descriptor = format!("{folder}/{name}.txt");
-            self.take_set(&descriptor, &folder, &point, &named(&name, &plan.shots))?;
-            temperatures.push(ThermalSet {
-                temperature_c: *temperature_c,
-                descriptor,
-                dark_current_e_per_s: sensor.noise.dark_current(point.temperature),
-            });
-        }
-        Ok(ChannelSets {
-            descriptor,
-            wavelength_nm: point.wavelength_nm,
-            temperature_c: point.temperature.0,
-            expected: expected_figures(sensor, point, linear),
-            wavelengths,
-            doubling_temperature_k: doubling_temperature(
-                temperatures.iter().map(|set| (set.temperature_c, set.dark_current_e_per_s)),
-            ),
-            temperatures,
-            channel,
-        })
-    }
-
-    /// Takes the images of a set into the folder `set` and describes them.
-    fn take_set(&mut self, descriptor: &str, set: &str, point: &OperatingPoint, shots: &[Shot]) -> Result<()> {
-        let flat = FlatField::new(self.sensor, point, self.size);
-        let taken = || self.progress.advance(1);
-        let series: Vec<Series> =
-            shots.iter().map(|shot| self.writer.take(set, &flat, shot, &taken)).collect::<Result<_>>()?;
-        let [width, height] = self.size;
-        self.writer.describe(descriptor, &Descriptor { bits: self.sensor.converter.bits, width, height, series })
-    }
-}
-
-/// Shots whose names begin with that of their set.
-fn named(set: &str, shots: &[Shot]) -> Vec<Shot> {
-    shots.iter().map(|shot| Shot { name: format!("{set}-{}", shot.name), ..shot.clone() }).collect()
-}
-
-/// Only image sets may be replaced, and only if asked for.
-fn refuse_output(output: &Path, force: bool) -> Result<()> {
-    let usage = |message, help: &str| Err(Error::Usage { message, help: Some(help.to_owned()) });
-    let Ok(mut entries) = fs::read_dir(output) else {
-        if output.exists() {
-            return usage(format!("{} is no folder", output.display()), "choose another name with -o");
-        }
-        return Ok(());
-    };
-    if entries.next().is_none() {
-        return Ok(());
-    }
-    if !output.join(CONTENTS).exists() {
-        return usage(format!("{} holds other files", output.display()), "choose a new folder with -o");
-    }
-    if !force {
-        let help = "add --force to replace them, or choose another folder with -o";
-        return usage(format!("{} holds image sets already", output.display()), help);
-    }
-    Ok(())
-}
-
-/// Gives the finished folder its name, in the place of an older one if that may be replaced.
-fn move_into_place(folder: UnfinishedFolder, output: &Path, force: bool) -> Result<()> {
-    if force && is_filled(output) {
-        // Out of the way in one step, so that it is never there in part.
-        let older = UnfinishedFolder::beside(output, |_| false)?;
-        if !older.take_over(output) {
-            let message = "cannot be replaced";
-            return Err(Invalid::new("", message).help("choose another folder with -o").in_file(output));
-        }
-        return give_name(folder, output).inspect_err(|_| {
-            // As it was, as far as that is possible.
-            let _ = fs::rename(older.path(), output);
-        });
-    }
-    give_name(folder, output)
-}
-
-fn give_name(folder: UnfinishedFolder, output: &Path) -> Result<()> {
-    if folder.finish()? {
-        return Ok(());
-    }
-    let message = format!("{} was filled by another process", output.display());
-    Err(Error::Usage { message, help: Some("choose another folder with -o".to_owned()) })
 }
 
 fn positive(text: &str) -> Result<f64, String> {

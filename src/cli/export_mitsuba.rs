@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photosite::io::capture::Capture;
+use photosite::capture::Capture;
 use photosite::io::lock::Lock;
 use photosite::io::mitsuba::export;
 use photosite::io::output::{create_folder, write_whole};
 use photosite::{Error, Result};
 
-use super::render::lone_camera;
+use photosite::pipeline::standalone_camera;
 
 /// Describe a capture to Mitsuba 3, an independent renderer.
 ///
@@ -43,10 +43,10 @@ const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
 
 pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
     refuse_scene(&args.output, args.force)?;
-    let capture = Capture::read(&args.input, &args.overrides)?;
+    let capture = Capture::load_with(&args.input, &args.overrides)?;
     let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
     warnings.for_each(|warning| eprintln!("warning: {warning}"));
-    let camera = lone_camera(&capture)?;
+    let camera = standalone_camera(&capture)?;
     let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;
     let _lock = Lock::of_folder(&args.output)?;
     // Another process may have finished in the meantime.

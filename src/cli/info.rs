@@ -6,8 +6,8 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use photosite::capture::{Capture, ExposureTime, read_sensor_file};
 use photosite::image::Planes;
-use photosite::io::capture::{Capture, ExposureTime, read_sensor_file};
 use photosite::io::exr::{Attribute, read_exr};
 use photosite::optics::{Focus, LensKind};
 use photosite::raw::{self, RawImage};
@@ -17,8 +17,8 @@ use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
-use super::render::camera_of;
 use super::{print_json, println_out, rounded};
+use photosite::pipeline::camera_of;
 
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
@@ -47,9 +47,9 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
         }
         "toml" => match read_sensor_file(path)? {
             Some(sensor) => Ok(of_sensor(&sensor)),
-            None => Ok(of_capture(&Capture::read(path, &[])?)),
+            None => Ok(of_capture(&Capture::load_with(path, &[])?)),
         },
-        "gltf" | "glb" | "obj" | "json" => Ok(of_capture(&Capture::read(path, &[])?)),
+        "gltf" | "glb" | "obj" | "json" => Ok(of_capture(&Capture::load_with(path, &[])?)),
         "exr" => {
             let picture = read_exr(open(path)?).map_err(|invalid| invalid.in_file(path))?;
             let mut facts = of_planes(&picture.planes);

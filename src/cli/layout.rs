@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use photosite::Result;
 use photosite::calibration::layouts::Layout;
-use photosite::io::finished_dataset::read_dataset;
+use photosite::dataset::{LayoutFolder, read_dataset};
 use serde_json::json;
 
-use super::layout_folder::LayoutFolder;
 use super::print_json;
 
 /// Lay out a finished data set as other tools read it: folders, pictures, calibration, ground truth.

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use glam::{DVec2, DVec3};
+use photosite::capture::Capture;
 use photosite::colour::adaptation::bradford;
 use photosite::colour::{ColourSpace, cielab, difference};
 use photosite::develop::Resampling;
 use photosite::image::{Channel, Planes};
-use photosite::io::capture::Capture;
 use photosite::io::linear_picture::read_linear_picture;
 use photosite::io::picture_file::read_picture_file;
 use photosite::measure::{CheckerReport, EdgeResponse, Histogram, checker, histogram, slanted_edge, ssim};
@@ -22,9 +22,8 @@ use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
-use super::lens_corrections::LensSeen;
-use super::render::{pixels, place_camera};
 use super::{print_json, println_out};
+use photosite::pipeline::{LensSeen, pixels, place_camera};
 
 /// Measure pictures: sharpness, colours, likeness, histograms.
 #[derive(Args)]
@@ -189,7 +188,7 @@ fn histogram_text(histograms: &[Histogram]) -> String {
 const MARGIN: usize = 3;
 
 fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result<CheckerReport> {
-    let mut capture = Capture::read(path, &[])?;
+    let mut capture = Capture::load_with(path, &[])?;
     let size = [picture.width(), picture.height()];
     let description = std::mem::take(&mut capture.scene);
     let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();

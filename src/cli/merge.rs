@@ -4,16 +4,16 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use photosite::io::capture::{Capture, relative_path};
+use photosite::capture::{Capture, relative_path};
+use photosite::dataset::{DataSet, PartFolder};
+use photosite::pipeline::{LightSource, OutputFolder, Parts, Request, render_into};
+use photosite::report::Timings;
 use photosite::{Error, Result};
 
-use super::dataset::{DataSet, Talk};
-use super::dataset_folder::{DatasetFolder, PartFolder};
-use super::film_memory::FilmMemory;
-use super::output_folder::OutputFolder;
-use super::parts::Parts;
-use super::render::{Light, Request, finish, render};
-use super::report::Timings;
+use super::dataset::SetReport;
+use super::film_memory::FilmMemoryArgs;
+use super::monitor::TerminalMonitor;
+use super::render::finish;
 use super::start_threads;
 
 /// Put together what several runs of `photosite render --samples A..B`, or of `photosite dataset --samples A..B`, have
@@ -36,7 +36,7 @@ pub(super) struct MergeArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     #[command(flatten)]
-    film_memory: FilmMemory,
+    film_memory: FilmMemoryArgs,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -58,7 +58,7 @@ fn merge_pictures(args: &MergeArgs) -> Result<()> {
     let start = Instant::now();
     let part = parts.first();
     let (input, overrides) = (args.input.clone().unwrap_or_else(|| part.path.clone()), part.overrides.clone());
-    let capture = Capture::read(&input, &overrides)?;
+    let capture = Capture::load_with(&input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let mut folder = OutputFolder::claim(&args.output, args.force)?;
     let request = Request {
@@ -66,12 +66,11 @@ fn merge_pictures(args: &MergeArgs) -> Result<()> {
         named: relative_path(&input, folder.path()),
         overrides,
         is_timed: parts.trace_s().is_some(),
-        light: Light::Merged(parts),
-        film_memory: args.film_memory,
-        quiet: args.quiet,
-        silent: args.quiet || args.json,
+        light: LightSource::Merged(parts),
+        film_memory: args.film_memory.value(),
+        monitor: &TerminalMonitor::new(args.quiet, args.json),
     };
-    let rendered = render(capture, &request, &mut folder, timings)?;
+    let rendered = render_into(capture, &request, &mut folder, timings)?;
     finish(&rendered, &folder, args.quiet, args.json)
 }
 
@@ -85,9 +84,9 @@ fn merge_sets(args: &MergeArgs) -> Result<()> {
     }
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
     let input = args.input.clone().unwrap_or_else(|| parts[0].input());
-    let set = DataSet::read(&input, &parts[0].arguments(), args.film_memory)?;
-    parts.iter().try_for_each(|part| part.check(&set.identity))?;
-    let frames = set.frames(0..set.plan.frames())?;
+    let set = DataSet::read(&input, &parts[0].arguments(), args.film_memory.value())?;
+    parts.iter().try_for_each(|part| set.check_part(part))?;
+    let frames = set.frames(0..set.frame_count())?;
     let of_picture = |camera: &str, number: u32| {
         let found: Vec<PathBuf> = parts.iter().filter_map(|part| part.picture(camera, number)).collect();
         if found.is_empty() {
@@ -101,8 +100,9 @@ fn merge_sets(args: &MergeArgs) -> Result<()> {
     for &number in frames.keys() {
         set.cameras().try_for_each(|camera| of_picture(camera, number).map(|_| ()))?;
     }
-    let folder = DatasetFolder::claim(&args.output, &set.identity, &set.plan)?;
-    let talk = Talk { quiet: args.quiet, json: args.json };
-    let made = set.make(&frames, &folder, talk, |camera, number| of_picture(camera, number).map(Light::Merged))?;
-    set.finish(&folder, made, talk)
+    let folder = set.claim(&args.output)?;
+    let monitor = TerminalMonitor::new(args.quiet, args.json);
+    let made =
+        set.make(&frames, &folder, &monitor, |camera, number| of_picture(camera, number).map(LightSource::Merged))?;
+    SetReport::of(args.quiet, args.json).finish(&set, &folder, made)
 }

@@ -2,49 +2,32 @@
 //! library's.
 
 mod camera;
-mod chain;
-mod checkpoint;
 mod compare;
-mod compare_text;
+mod compare_report;
 mod dataset;
-mod dataset_folder;
 mod develop;
 mod develop_args;
-mod due;
 mod emva1288;
 mod emva1288_report;
 mod export_mitsuba;
 mod expose;
 mod figures_text;
 mod film_memory;
-mod fingerprint;
-mod ideal;
 mod info;
-mod kept_rows;
 mod layout;
-mod layout_folder;
-mod lens_corrections;
 mod listing;
 mod measure;
 mod merge;
 mod merge_hdr;
+mod monitor;
 mod noise;
-mod other_pictures;
-mod output_folder;
-mod parts;
-mod pretty_json;
-mod progress;
 mod project;
 mod render;
-mod report;
-mod results;
 mod run_args;
 mod schema;
 mod sensors;
 mod signals;
-mod stored_light;
 mod target;
-mod trace;
 
 use std::io::IsTerminal;
 use std::ops::Range;
@@ -54,6 +37,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use photosite::Error;
 use photosite::io::output::{Sink, write_new, write_whole};
+use photosite::io::pretty_json::pretty_json;
 
 /// What scripts and schedulers go by.
 const EXIT_STATUS: &str = "\
@@ -132,6 +116,11 @@ pub(crate) fn run() -> ExitCode {
         Ok(()) => done,
         Err(error) => {
             let status = status(&error);
+            // Who asked the work to stop, the program alone knows.
+            let error = match error {
+                Error::Cancelled { help, .. } => Error::Cancelled { message: signals::stopped_by().to_owned(), help },
+                error @ (Error::Input(_) | Error::Io { .. } | Error::Usage { .. } | Error::Temporary(_)) => error,
+            };
             eprintln!("{:?}", miette::Report::new(error));
             ExitCode::from(status)
         }
@@ -203,7 +192,7 @@ fn write_result(
 
 /// Prints an object as JSON on standard output.
 fn print_json(value: &impl serde::Serialize) -> photosite::Result<()> {
-    println_out(&pretty_json::pretty_json(value))
+    println_out(&pretty_json(value))
 }
 
 /// Prints a line on standard output. A reader that has seen enough and went away, as `head` does, is no error.

@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use glam::{DVec2, DVec3};
 use photosite::calibration::truth::project;
-use photosite::io::capture::Capture;
+use photosite::capture::Capture;
 use photosite::optics::Camera;
 use photosite::{Error, Invalid, Result};
 
 use super::println_out;
-use super::render::lone_recording_camera;
+use photosite::pipeline::standalone_recording_camera;
 
 /// Say where points appear in the picture of a camera, or what its pixels look at.
 ///
@@ -39,8 +39,8 @@ pub(super) struct ProjectArgs {
 }
 
 pub(super) fn run(args: &ProjectArgs) -> Result<()> {
-    let capture = Capture::read(&args.input, &args.overrides)?;
-    let camera = lone_recording_camera(&capture)?;
+    let capture = Capture::load_with(&args.input, &args.overrides)?;
+    let camera = standalone_recording_camera(&capture)?;
     let text = read(&args.points)?;
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or("").trim()));
     let mut out = String::new();

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use photosite::Result;
 
+use super::monitor::TerminalMonitor;
 use super::start_threads;
 
 #[derive(Args)]
@@ -41,6 +42,11 @@ impl RunArgs {
         let seed = self.seed.map(|seed| format!("render.seed={seed}"));
         let frames = self.frames.map(|frames| format!("exposure.frames={frames}"));
         self.overrides.iter().cloned().chain(seed).chain(frames).collect()
+    }
+
+    /// Hears of the work, and stops it on a signal.
+    pub(super) fn monitor(&self) -> TerminalMonitor {
+        TerminalMonitor::new(self.quiet, self.json)
     }
 
     /// Starts as many threads as are asked for.

@@ -1,4 +1,4 @@
-//! `photosite schema`: the JSON Schema of capture files, by which editors complete and check them.
+//! `photosite schema`: the JSON Schemas of capture files, by which editors complete and check them, and of `capture.json`.
 
 use clap::Args;
 
@@ -6,10 +6,14 @@ use super::println_out;
 
 /// Print the JSON Schema of capture files, for editors.
 #[derive(Args)]
-pub(super) struct SchemaArgs {}
+pub(super) struct SchemaArgs {
+    /// Print that of capture.json, which each render leaves.
+    #[arg(long)]
+    report: bool,
+}
 
-pub(super) fn run(_: &SchemaArgs) -> photosite::Result<()> {
-    let schema = photosite::io::capture::capture_schema();
-    // The layout of the copy that ships, which other tools write, too.
+pub(super) fn run(args: &SchemaArgs) -> photosite::Result<()> {
+    let schema = if args.report { photosite::report::report_schema() } else { photosite::capture::capture_schema() };
+    // The layout of the copies that ship, which other tools write, too.
     println_out(&serde_json::to_string_pretty(&schema).expect("a schema has string keys and finite numbers"))
 }

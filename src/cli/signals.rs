@@ -1,14 +1,11 @@
 //! Signals that ask the program to end: SIGINT (130), SIGTERM (143), and SIGHUP (129) unless it is ignored, as under `nohup`.
 //!
-//! Work that can be kept is left to stop by itself ([`Patience`]): it looks at [`stop`] some times a second, keeps what is done
-//! in a checkpoint, and fails with [`stopped`]. All other work ends at once, without its temporary files. A second signal ends
-//! everything at once.
+//! Work that can be kept is left to stop by itself ([`become_patient`]): it looks at [`came`] some times a second, and keeps
+//! what is done in a checkpoint. All other work ends at once, without its temporary files. A second signal ends everything
+//! at once.
 
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-
-use photosite::Error;
 
 /// Added to a signal's number, this is the exit status that shells give it.
 const BASE: i32 = 128;
@@ -22,42 +19,29 @@ fn patient() -> MutexGuard<'static, bool> {
     PATIENT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// While it lives, a first signal does not end the program: the work stops by itself.
-pub(super) struct Patience(());
-
-impl Patience {
-    pub(super) fn begin() -> Self {
-        *patient() = true;
-        Self(())
-    }
-
-    /// Whether no signal has come. From now on it ends the program at once again.
-    pub(super) fn end(self) -> ControlFlow<()> {
-        *patient() = false;
-        stop()
-    }
+/// From now on a first signal does not end the program: the work stops by itself.
+pub(super) fn become_patient() {
+    *patient() = true;
 }
 
-impl Drop for Patience {
-    fn drop(&mut self) {
-        *patient() = false;
+/// From now on a signal ends the program at once again. Whether one has come since [`become_patient`] is known when this
+/// returns.
+pub(super) fn become_impatient() {
+    *patient() = false;
+}
+
+/// Whether a signal has come.
+pub(super) fn came() -> bool {
+    CAME.load(Ordering::Relaxed) != 0
+}
+
+/// The signal that came, in words.
+pub(super) fn stopped_by() -> &'static str {
+    match CAME.load(Ordering::Relaxed) {
+        1 => "stopped by SIGHUP",
+        2 => "stopped by SIGINT",
+        _ => "stopped by SIGTERM",
     }
-}
-
-/// Whether work shall stop.
-pub(super) fn stop() -> ControlFlow<()> {
-    if CAME.load(Ordering::Relaxed) == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-}
-
-/// What work that was stopped fails with; `help` says how it goes on.
-pub(super) fn stopped(help: String) -> Error {
-    let number = CAME.load(Ordering::Relaxed);
-    let name = match number {
-        1 => "SIGHUP",
-        2 => "SIGINT",
-        _ => "SIGTERM",
-    };
-    Error::Cancelled { message: format!("stopped by {name}"), help: Some(help) }
 }
 
 /// The exit status of a program that was stopped.

@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use photosite::Result;
 use photosite::calibration::targets::TargetKind;
-use photosite::io::capture::read_target;
+use photosite::capture::read_target;
 use photosite::io::lock::Lock;
 use photosite::io::target_file::{target_files, write_target};
 

@@ -1,12 +1,11 @@
 //! The files: capture files, scenes, pictures. With [`raw`](crate::raw) the only modules that read or write any.
 
-pub mod capture;
-pub mod cleanup;
 pub mod developed;
 pub mod electrons;
 pub mod exr;
 pub mod film_file;
-pub mod finished_dataset;
+#[cfg(all(test, target_os = "linux"))]
+mod full_disk_tests;
 mod icc;
 pub mod image_sets;
 pub mod light_rows;
@@ -15,10 +14,10 @@ pub mod lock;
 pub mod mitsuba;
 pub mod noise_maps;
 mod npy;
-pub mod output;
 pub mod picture_file;
 pub mod picture_rows;
 pub mod plain_png;
+pub mod pretty_json;
 pub mod raw_exr;
 pub mod raw_file;
 pub mod spectral_exr;
@@ -26,5 +25,6 @@ pub mod target_file;
 pub mod truth;
 pub mod unfinished;
 
+pub use photosite_core::{cleanup, output};
 pub use photosite_scene_io::complete;
 pub use photosite_scene_io::{gltf, obj};

@@ -5,7 +5,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use super::output::write_whole;
 use crate::calibration::targets::{Target, TargetDescription, print};
@@ -45,7 +47,7 @@ pub fn write_target(path: &Path, description: &TargetDescription, target: &Targe
             let bytes = print::pdf(target, name).map_err(|invalid| invalid.in_file(path))?;
             write_whole(path, |to| to.write_all(&bytes))
         }
-        Format::Json => text(path, format!("{:#}\n", facts(description, target))),
+        Format::Json => text(path, format!("{:#}\n", json!(TargetFacts::new(description, target)))),
         Format::Toml => text(path, capture(description, target)),
         Format::Obj => {
             let library = path.with_extension("mtl");
@@ -65,24 +67,57 @@ fn format(path: &Path) -> Result<Format> {
     })
 }
 
-/// What is known of a target in its own frame.
-pub fn facts(description: &TargetDescription, target: &Target) -> Value {
-    let millimetres = |p: DVec2| p.to_array().map(|x| (x * 1e9).round() / 1e6 + 0.0);
-    let points =
-        target.points.iter().map(|point| json!({ "name": point.name, "xy_mm": millimetres(point.position_m) }));
-    let markers = target.markers.iter().map(|marker| {
-        json!({
-            "dictionary": marker.dictionary,
-            "id": marker.id,
-            "corners_xy_mm": marker.corners_m.map(millimetres),
-        })
-    });
-    json!({
-        "target": description,
-        "sheet_mm": target.sheet.map(millimetres),
-        "points": points.collect::<Vec<_>>(),
-        "markers": markers.collect::<Vec<_>>(),
-    })
+/// What is known of a target in its own frame (x right, y down, z into the sheet).
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct TargetFacts {
+    /// Its keys.
+    pub target: TargetDescription,
+    /// The top-left and the bottom-right corner of the sheet.
+    pub sheet_mm: [[f64; 2]; 2],
+    /// Its points, in OpenCV's order.
+    pub points: Vec<PointFacts>,
+    /// Its markers.
+    pub markers: Vec<MarkerFacts>,
+}
+
+/// A point of a target.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct PointFacts {
+    /// What it is called.
+    pub name: String,
+    /// Where it is.
+    pub xy_mm: [f64; 2],
+}
+
+/// A marker of a target.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct MarkerFacts {
+    /// The dictionary that its pattern is from.
+    pub dictionary: String,
+    /// Its number there.
+    pub id: u32,
+    /// Its corners, in OpenCV's order.
+    pub corners_xy_mm: [[f64; 2]; 4],
+}
+
+impl TargetFacts {
+    /// Of a target of that description.
+    pub fn new(description: &TargetDescription, target: &Target) -> Self {
+        let millimetres = |p: DVec2| p.to_array().map(|x| (x * 1e9).round() / 1e6 + 0.0);
+        let points = target.points.iter();
+        let points = points.map(|point| PointFacts { name: point.name.clone(), xy_mm: millimetres(point.position_m) });
+        let markers = target.markers.iter().map(|marker| MarkerFacts {
+            dictionary: marker.dictionary.to_string(),
+            id: marker.id,
+            corners_xy_mm: marker.corners_m.map(millimetres),
+        });
+        Self {
+            target: description.clone(),
+            sheet_mm: target.sheet.map(millimetres),
+            points: points.collect(),
+            markers: markers.collect(),
+        }
+    }
 }
 
 /// Linear sRGB for programs that know no spectra.

@@ -72,7 +72,9 @@ fn every_format_and_setting_can_be_chosen() {
         &folder,
         "out/raw.dng -o warm.png --set develop.white_balance=temperature --set develop.temperature_k=4000",
     );
-    assert!((warm["temperature_k"].as_f64().expect("known") / 4000.0 - 1.0).abs() < 0.02, "{warm}");
+    // The white of the temperature, through the matrix at that white, and back: the fixed point settles to 1e-6, which reciprocal
+    // temperature feels to some 1e-5.
+    assert!((warm["temperature_k"].as_f64().expect("known") / 4000.0 - 1.0).abs() < 1e-4, "{warm}");
 }
 
 #[test]

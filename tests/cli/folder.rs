@@ -48,6 +48,17 @@ impl Folder {
         command
     }
 
+    /// The command, which ends as if it had been killed when it reaches a fail point for the `count`-th time; whether it did.
+    pub(crate) fn killed_at(&self, point: &str, count: u32, arguments: &str) -> bool {
+        let mut command = self.command(arguments);
+        let output = command.env("PHOTOSITE_FAIL_POINT", format!("{point}:{count}")).output().expect("the binary runs");
+        match output.status.code() {
+            Some(0) => false,
+            Some(137) => true,
+            _ => panic!("{arguments} at {point}:{count}: {}", String::from_utf8_lossy(&output.stderr)),
+        }
+    }
+
     pub(crate) fn run(&self, arguments: &str) -> Outcome {
         let output = self.command(arguments).output().expect("the binary runs");
         let text = |bytes| String::from_utf8(bytes).expect("UTF-8");

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rstest::rstest;
 
@@ -67,7 +67,7 @@ fn a_killed_render_goes_on_from_its_checkpoint(#[case] settings: &str) {
         folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "damaged checkpoint", "remove it"]);
     }
     let nothing =
-        "{\"elapsed_s\":1,\"has_pilot\":false,\"is_part\":false,\"samples\":[0,1],\"rows\":[0,1],\"makings\":{}}\n";
+        "{\"elapsed_s\":1,\"has_pilot\":false,\"is_part\":false,\"samples\":[0,1],\"rows\":[0,1],\"provenance\":{}}\n";
     fs::write(&checkpoint, nothing).expect("written");
     folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "another render"]);
     fs::write(&checkpoint, &bytes).expect("written");
@@ -76,39 +76,32 @@ fn a_killed_render_goes_on_from_its_checkpoint(#[case] settings: &str) {
     assert_same(&folder, "whole", "out");
 }
 
-/// Killed at any moment: every file that is there is whole, and `capture.json` is there only if all are.
-#[test]
-fn a_killed_render_leaves_no_half_written_file() {
-    let folder = room(
-        "[render]\nsamples_per_pixel = 1\n[output]\nraw = ['dng', 'tiff', 'npy']\nirradiance = true\npreview_interval_s = 0.001",
-    );
-    let arguments = "render capture.toml --quiet --set sensor.resolution_px=[200,150] -o";
-    let start = Instant::now();
+/// Killed at every file that it writes, before and after that has its name: every file that is there is whole, and
+/// `capture.json` is there only if all are.
+#[rstest]
+fn a_killed_render_leaves_no_half_written_file(#[values("file-written", "file-named")] point: &str) {
+    let folder = room("[render]\nsamples_per_pixel = 1\n[output]\nraw = ['dng', 'tiff', 'npy']\nirradiance = true\n");
+    let arguments = "render capture.toml --quiet -o";
     folder.succeed(&format!("{arguments} whole"));
-    let duration = start.elapsed();
     let whole = folder.results("whole");
     let mut killed = 0;
-    for step in 0..12 {
-        let name = format!("killed-{step}");
-        let mut render = folder.command(&format!("{arguments} {name}")).spawn().expect("the binary runs");
-        sleep(duration * step / 10);
-        render.kill().expect("still ours");
-        killed += u32::from(!render.wait().expect("ended").success());
-        let Ok(entries) = fs::read_dir(folder.path(&name)) else { continue };
+    while folder.killed_at(point, killed + 1, &format!("{arguments} killed-{killed}")) {
+        let name = format!("killed-{killed}");
+        killed += 1;
+        let entries = fs::read_dir(folder.path(&name)).expect("a folder");
         let names = entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
-        let names: Vec<String> = names.filter(|name| !name.starts_with('.') && name != "preview.png").collect();
+        let names: Vec<String> = names.filter(|name| !name.starts_with('.')).collect();
         for file in names.iter().filter(|file| *file != "capture.json") {
-            assert!(folder.results(&name)[file] == whole[file], "{file} is not whole after {step}");
+            assert!(folder.results(&name)[file] == whole[file], "{file} is not whole after {killed}");
         }
         if names.iter().any(|file| file == "capture.json") {
             assert_eq!(names.len(), whole.len(), "{names:?}");
-            assert_eq!(timeless(folder.report(&name)), timeless(folder.report("whole")));
         } else {
             // Another try fills the folder.
             folder.succeed(&format!("{arguments} {name} --force"));
-            assert_eq!(timeless(folder.report(&name)), timeless(folder.report("whole")));
-            assert!(!folder.path(&name).join("preview.png").exists());
         }
+        assert_eq!(timeless(folder.report(&name)), timeless(folder.report("whole")));
     }
-    assert!(killed > 2, "only {killed} were still running");
+    // Three raw files, electrons, irradiance, the picture and the report.
+    assert_eq!(killed as usize, whole.len());
 }

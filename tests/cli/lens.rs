@@ -30,6 +30,9 @@ const K: &str = "intrinsics = { fx = 400, fy = 400, cx = 319.5, cy = 239.5 }";
 #[case::polynomial("distortion = { model = 'polynomial', k = [1] }", 319.5 + 400.0 * 0.423_853_799_069_783_2)]
 #[case::division("distortion = { model = 'division', k = [-0.5] }", 319.5 + 400.0 * (1.5_f64.sqrt() - 1.0) / 0.5)]
 #[case::fisheye("projection = 'fisheye'", 319.5 + 400.0 * 0.463_647_609_000_806_1)]
+#[case::equisolid("projection = 'equisolid'", 319.5 + 400.0 * (2.0 - 4.0 / 5.0_f64.sqrt()).sqrt())]
+#[case::stereographic("projection = 'stereographic'", 319.5 + 800.0 * (5.0_f64.sqrt() - 2.0))]
+#[case::orthographic("projection = 'orthographic'", 319.5 + 400.0 / 5.0_f64.sqrt())]
 #[case::panorama("projection = 'equirectangular'", 319.5 + 400.0 * 0.463_647_609_000_806_1)]
 #[case::mirror("projection = 'omnidirectional'\nxi = 1", 319.5 + 400.0 / (2.0 + 5.0_f64.sqrt()))]
 fn points_appear_where_the_model_puts_them(#[case] lens: &str, #[case] column: f64) {
@@ -49,6 +52,7 @@ fn points_appear_where_the_model_puts_them(#[case] lens: &str, #[case] column: f
 #[case::model("distortion = { model = 'kannala-brandt', k = [1, 2, 3, 4, 5] }", &["lens.distortion.k", "4 of these"])]
 #[case::prism("distortion = { model = 'division', k = [0.1], s = [1] }", &["lens.distortion.s", "no such coefficients"])]
 #[case::misfit("projection = 'fisheye'\ndistortion = { model = 'brown-conrady', k = [0.1] }", &["kannala-brandt"])]
+#[case::law("projection = 'equisolid'\ndistortion = { model = 'kannala-brandt', k = [0.1] }", &["equisolid", "\"fisheye\""])]
 #[case::xi("xi = 1\nprojection = 'fisheye'", &["lens.xi", "omnidirectional"])]
 #[case::no_xi("projection = 'omnidirectional'", &["the key `xi` is missing"])]
 #[case::angle("max_angle_deg = -3", &["lens.max_angle_deg"])]
@@ -63,6 +67,52 @@ fn what_no_lens_can_be_is_refused(#[case] lens: &str, #[case] words: &[&str]) {
     let folder = capture(&format!("{K}\n{lens}"));
     folder.add("points.csv", "");
     folder.fail("project capture.toml --points points.csv", 1, words);
+}
+
+/// Column of the middle of the light of a lamp of 0.04 m that stands 70° off the axis, 1 m away, facing the camera.
+#[rstest]
+#[case::equisolid("equisolid", |theta: f64| 2.0 * (theta / 2.0).sin())]
+#[case::stereographic("stereographic", |theta: f64| 2.0 * (theta / 2.0).tan())]
+#[case::orthographic("orthographic", f64::sin)]
+#[case::equidistant("fisheye", |theta: f64| theta)]
+fn light_lands_where_the_law_of_a_fisheye_says(#[case] projection: &str, #[case] radius: fn(f64) -> f64) {
+    const FX: f64 = 100.0;
+    let (sin, cos) = 70.0_f64.to_radians().sin_cos();
+    // A square about (sin 70°, 0, −cos 70°), across the way there: along (cos 70°, 0, sin 70°) and along y.
+    let corner = |a: f64, b: f64| format!("v {} {} {}\n", sin + a * cos, b, -cos + a * sin);
+    let h = 0.02;
+    let lamp: String = [(-h, -h), (h, -h), (h, h), (-h, h)].map(|(a, b)| corner(a, b)).concat();
+    let capture = format!(
+        "[scene]\ngeometry = ['lamp.obj']\n[materials.lamp]\ntype = 'diffuse'\nreflectance = 0.0\ndouble_sided = true\n\
+         emission = {{ illuminant = 'D65', luminance_nit = 1000 }}\n[camera]\nposition_m = [0, 0, 0]\n\
+         look_at_m = [0, 0, -1]\n[lens]\ntype = 'pinhole'\nprojection = '{projection}'\n\
+         intrinsics = {{ fx = {FX}, fy = {FX}, cx = 15.5, cy = 7.5 }}\n[sensor]\npreset = 'sony-imx249-mono'\n\
+         resolution_px = [192, 16]\n[exposure]\ntime_s = 0.01\n[render]\nsamples_per_pixel = 256\nmax_depth = 1\n"
+    );
+    let lamp = format!("{lamp}usemtl lamp\nf 1 2 3 4\n");
+    let folder = Folder::new([("lamp.obj", lamp.into()), ("capture.toml", capture.into())]);
+    folder.succeed("render capture.toml -o out --quiet");
+    let mean = folder.electrons("out").mean;
+    let electrons = &mean.channels()[0].data;
+    let moment = |of: &dyn Fn(usize) -> f64| -> f64 {
+        electrons.iter().enumerate().map(|(i, &e)| f64::from(e) * of(i)).sum::<f64>()
+    };
+    let total = moment(&|_| 1.0);
+    let found = [moment(&|i| (i % 192) as f64) / total, moment(&|i| (i / 192) as f64) / total];
+    // Electrons are L·dΩ of each piece of the square: its area over distance³, as it faces the camera at 1 m.
+    let (mut column, mut weight) = (0.0, 0.0);
+    for i in 0..100 * 100 {
+        let [a, b] = [i % 100, i / 100].map(|n| h * ((f64::from(n) + 0.5) / 50.0 - 1.0));
+        let (x, y, z) = (sin + a * cos, b, cos - a * sin);
+        let across = x.hypot(y);
+        let part = (1.0 + a * a + b * b).powf(-1.5);
+        column += part * (15.5 + FX * radius(across.atan2(z)) * x / across);
+        weight += part;
+    }
+    // 4 columns and rows of light with 256 stratified samples each. Only pixels on the edges are uncertain, each to 1/√256 at
+    // worst, which are 16 of some 16 at an arm of 2 px: 2·√16/16/16 = 0.03; stratified points do far better.
+    assert!((found[0] - column / weight).abs() < 0.03, "{found:?} {}", column / weight);
+    assert!((found[1] - 7.5).abs() < 0.03, "{found:?}");
 }
 
 #[test]

@@ -17,6 +17,7 @@ mod frames;
 mod geometry_alone;
 mod gltf;
 mod gltf_features;
+mod image_lag;
 mod info;
 mod interruption;
 mod layout;

@@ -30,6 +30,7 @@ mod sampling;
 mod sensor_cases;
 mod sensor_ccd;
 mod sensor_kinds;
+mod sensor_lag;
 mod sensor_light;
 mod sensor_noise;
 mod sensor_noise_maps;

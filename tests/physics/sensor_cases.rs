@@ -3,7 +3,7 @@
 use photosite::image::Planes;
 use photosite::sensor::{
     Architecture, Ccd, CcdArchitecture, Converter, Counting, Defects, DualGain, Exposure, FixedPattern, Flicker,
-    FlickerOrder, Kernel, Noise, Overscan, ResetNoise, SensorModel, Spad, Stage, Telegraph, presets,
+    FlickerOrder, ImageLag, Kernel, Noise, Overscan, ResetNoise, SensorModel, Spad, Stage, Telegraph, presets,
 };
 use photosite::units::{Decibels, Electrons, Seconds};
 
@@ -92,6 +92,9 @@ pub(crate) fn noisy_sensor_with(stage: Stage) -> SensorModel {
                 ..ideal_ccd()
             });
         }
+        Stage::ImageLag => {
+            sensor.image_lag = Some(ImageLag { fraction: 0.02, electrons: Electrons(30.0), decay: 0.3 });
+        }
         Stage::PhotonCounting => {
             let counting = Counting::FreeRunning { dead_time: Seconds(1e-4) };
             sensor.architecture = Architecture::Spad(Spad { counting, afterpulsing: 0.02 });
@@ -165,6 +168,7 @@ pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> Option<SensorModel>
         Stage::HotPixels => noise.defects.hot = 0.0,
         // The amplifiers bend with the charge over the full well, so that it cannot be changed alone.
         Stage::FullWell => return None,
+        Stage::ImageLag => ideal.image_lag = None,
         Stage::ResetNoise => noise.reset = ResetNoise::Cancelled,
         Stage::Telegraph => noise.telegraph.pixels = 0.0,
         Stage::Flicker => noise.flicker.noise = none,

@@ -62,6 +62,7 @@ fn window(factor: [usize; 2], method: BinningMethod) -> Exposure {
 #[rstest]
 #[case::cmos(noisy_sensor_with(Stage::BrighterFatter))]
 #[case::ccd(noisy_sensor_with(Stage::Smear))]
+#[case::lag(noisy_sensor_with(Stage::ImageLag))]
 #[case::photon_counter(noisy_sensor_with(Stage::PhotonCounting))]
 #[case::two_gains(noisy_sensor_with(Stage::LowGainReadNoise))]
 #[case::logarithmic(SensorModel { logarithmic: Some(Logarithmic { reference_e_per_s: 500.0 }), ..noisy_sensor() })]

@@ -157,9 +157,13 @@ mod tests {
     }
 
     #[test]
-    fn malformed_text_is_given_up_quietly() {
+    fn malformed_text_does_not_panic_and_shows_nothing_beyond_its_end() {
+        let whole = find(TEXT, "nodes[1].b[2]").expect("there");
         for len in 0..TEXT.len() {
-            let _ = find(&TEXT[..len], "nodes[1].b[2]");
+            // The value, or what it should be in.
+            if let Some(found) = find(&TEXT[..len], "nodes[1].b[2]") {
+                assert!(found.start <= whole.start && found.end <= len, "{len}: {found:?}");
+            }
         }
     }
 

@@ -4,11 +4,16 @@
 //!
 //! SI units throughout, wavelengths in nanometres.
 
+#![forbid(unsafe_code)]
+
+pub mod cleanup;
 pub mod colour;
 pub mod error;
+pub mod fail_point;
 pub mod image;
 pub mod json;
 pub mod math;
+pub mod output;
 pub mod projection;
 pub mod references;
 pub mod spectrum;

@@ -211,6 +211,10 @@
 //! ## Janesick01
 //! J. R. Janesick, *Scientific Charge-Coupled Devices*, SPIE Press (2001).
 //!
+//! ## Fossum14
+//! E. R. Fossum, D. B. Hondongwa, "A Review of the Pinned Photodiode for CCD and CMOS Image Sensors", IEEE Journal of the
+//! Electron Devices Society 2(3), 33–43 (2014).
+//!
 //! ## Varshni67
 //! Y. P. Varshni, "Temperature dependence of the energy gap in semiconductors", Physica 34(1), 149–154 (1967).
 //!

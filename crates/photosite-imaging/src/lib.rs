@@ -4,6 +4,8 @@
 //! [`develop`] makes pictures of them; [`measure`], [`validation`] and [`characterisation`] take figures from pictures and
 //! raw images. Scenes and rays are left to others.
 
+#![forbid(unsafe_code)]
+
 pub mod characterisation;
 pub mod develop;
 pub mod measure;

@@ -1,6 +1,8 @@
 //! Scene files: glTF, OBJ with MTL, environment pictures and IES profiles become the descriptions of
 //! [`photosite_transport::scene`].
 
+#![forbid(unsafe_code)]
+
 mod complete;
 mod environment;
 pub mod gltf;

@@ -7,34 +7,35 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use glam::Vec3;
 
-/// A number, or one in each lane.
+/// A number, or one in each lane of a register.
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// What comparisons find.
+    /// The result of a comparison, in each lane.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
 
-    /// The same number in all lanes.
-    fn splat(value: f32) -> Self;
-    /// √self.
+    /// `value` in as many lanes as `self` has: constants of a formula. Existing lanes are the evidence that there are such.
+    #[must_use]
+    fn broadcast(self, value: f32) -> Self;
+    /// Square root.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// |self|.
+    /// Magnitude.
     #[must_use]
     fn abs(self) -> Self;
-    /// |self| with the sign of another.
+    /// The magnitude with the sign of another number.
     #[must_use]
     fn copysign(self, sign: Self) -> Self;
     /// The smaller of the two; `other` where either is NaN.
     #[must_use]
-    fn least(self, other: Self) -> Self;
+    fn min(self, other: Self) -> Self;
     /// The larger of the two; `other` where either is NaN.
     #[must_use]
-    fn most(self, other: Self) -> Self;
-    /// Where self < other; not where either is NaN.
-    fn is_below(self, other: Self) -> Self::Mask;
-    /// Where self ≤ other; not where either is NaN.
-    fn is_at_most(self, other: Self) -> Self::Mask;
+    fn max(self, other: Self) -> Self;
+    /// Where `self` < `other`; not where either is NaN.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// Where `self` ≤ `other`; not where either is NaN.
+    fn le(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is set, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 }
@@ -43,7 +44,7 @@ impl Real for f32 {
     type Mask = bool;
 
     #[inline(always)]
-    fn splat(value: f32) -> Self {
+    fn broadcast(self, value: f32) -> Self {
         value
     }
     #[inline(always)]
@@ -59,19 +60,19 @@ impl Real for f32 {
         self.copysign(sign)
     }
     #[inline(always)]
-    fn least(self, other: Self) -> Self {
+    fn min(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
     #[inline(always)]
-    fn most(self, other: Self) -> Self {
+    fn max(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
     #[inline(always)]
-    fn is_below(self, other: Self) -> bool {
+    fn lt(self, other: Self) -> bool {
         self < other
     }
     #[inline(always)]
-    fn is_at_most(self, other: Self) -> bool {
+    fn le(self, other: Self) -> bool {
         self <= other
     }
     #[inline(always)]
@@ -98,10 +99,11 @@ impl<R: Real> Vector<R> {
         Self { x, y, z }
     }
 
-    /// The same vector in all lanes.
+    /// `v` in as many lanes as `self` has.
     #[inline(always)]
-    pub fn splat(v: Vec3) -> Self {
-        Self::new(R::splat(v.x), R::splat(v.y), R::splat(v.z))
+    #[must_use]
+    pub fn broadcast(self, v: Vec3) -> Self {
+        Self::new(self.x.broadcast(v.x), self.x.broadcast(v.y), self.x.broadcast(v.z))
     }
 
     /// Scalar product.
@@ -132,8 +134,9 @@ impl<R: Real> Vector<R> {
     #[inline(always)]
     #[must_use]
     pub fn normalize_or(self, other: Self) -> Self {
-        let inverse = R::splat(1.0) / self.dot(self).sqrt();
-        let has_length = R::splat(0.0).is_below(inverse) & inverse.is_below(R::splat(f32::INFINITY));
+        let squared = self.dot(self);
+        let inverse = squared.broadcast(1.0) / squared.sqrt();
+        let has_length = squared.broadcast(0.0).lt(inverse) & inverse.lt(squared.broadcast(f32::INFINITY));
         Self::select(has_length, self * inverse, other)
     }
 

@@ -15,6 +15,8 @@
 //!   the order of its samples, and random numbers are keyed by what they are for, never drawn from shared state.
 //! - A [`scene::Scene`] is immutable once built: flat tables with `u32` handles.
 
+#![forbid(unsafe_code)]
+
 pub mod bsdf;
 pub mod film;
 pub mod geometry;
@@ -24,3 +26,4 @@ pub mod optics;
 pub mod sampler;
 pub mod scene;
 pub mod texture;
+mod tuning;

@@ -31,8 +31,8 @@ mod shape;
 use std::io::Cursor;
 
 use crate::Invalid;
+use crate::capture::Capture;
 use crate::image::Planes;
-use crate::io::capture::Capture;
 use crate::io::exr::write_exr;
 use crate::optics::Camera;
 

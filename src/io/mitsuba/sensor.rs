@@ -3,8 +3,8 @@
 use glam::{DAffine3, DMat4, DVec3};
 
 use super::{Element, Output};
+use crate::capture::{Capture, ExposureTime};
 use crate::integrator::RenderSettings;
-use crate::io::capture::{Capture, ExposureTime};
 use crate::optics::{Camera, Falloff, LensKind, Projection};
 use crate::spectrum::Spectrum;
 
@@ -55,16 +55,10 @@ pub(super) fn sensor(
     if lens.falloff != Falloff::None {
         out.approximate("the falloff of [lens]: Mitsuba's cameras have none, as with falloff = \"none\"");
     }
-    match lens.projection {
-        Projection::Perspective => {}
-        Projection::BrownConrady(_) | Projection::Polynomial { .. } | Projection::Division { .. } => {
-            out.approximate("the distortion of [lens]: it is left out");
-        }
-        projection @ (Projection::KannalaBrandt { .. }
-        | Projection::Equirectangular
-        | Projection::Omnidirectional { .. }) => {
-            out.approximate(format!("the {} projection of [lens]: it becomes perspective", projection.name()));
-        }
+    if !lens.projection.is_flat() {
+        out.approximate(format!("the {} projection of [lens]: it becomes perspective", lens.projection.name()));
+    } else if lens.projection != Projection::Perspective {
+        out.approximate("the distortion of [lens]: it is left out");
     }
     for (is_there, what) in [
         (lens.point_spread.is_some(), "psf of [lens]: points stay points"),

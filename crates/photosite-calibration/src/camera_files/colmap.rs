@@ -6,7 +6,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 
 use super::{CalibratedCamera, opencv_pose};
 use photosite_core::Invalid;
-use photosite_transport::optics::{BrownConrady, Intrinsics, Projection};
+use photosite_core::projection::{BrownConrady, CalibrationModel, Intrinsics};
 
 /// A picture that a camera took.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,22 +38,20 @@ pub fn colmap_cameras(cameras: &[CalibratedCamera]) -> Result<String, Invalid> {
     for (i, camera) in cameras.iter().enumerate() {
         camera.without_skew("COLMAP")?;
         let Intrinsics { fx, fy, cx, cy, .. } = camera.intrinsics;
-        let (model, coefficients) = match camera.projection {
-            Projection::Perspective => ("PINHOLE", Vec::new()),
-            Projection::BrownConrady(BrownConrady {
+        let (model, coefficients) = match camera.projection.calibration_model() {
+            Some(CalibrationModel::Pinhole) => ("PINHOLE", Vec::new()),
+            Some(CalibrationModel::BrownConrady(BrownConrady {
                 k: [k1, k2, 0.0, 0.0, 0.0, 0.0],
                 p: [p1, p2],
                 s: [0.0, 0.0, 0.0, 0.0],
-            }) => ("OPENCV", vec![k1, k2, p1, p2]),
-            Projection::BrownConrady(BrownConrady { k: [k1, k2, rest @ ..], p: [p1, p2], s: [0.0, 0.0, 0.0, 0.0] }) => {
-                ("FULL_OPENCV", [&[k1, k2, p1, p2], rest.as_slice()].concat())
-            }
-            Projection::KannalaBrandt { k } => ("OPENCV_FISHEYE", k.to_vec()),
-            Projection::BrownConrady(_)
-            | Projection::Polynomial { .. }
-            | Projection::Division { .. }
-            | Projection::Equirectangular
-            | Projection::Omnidirectional { .. } => {
+            })) => ("OPENCV", vec![k1, k2, p1, p2]),
+            Some(CalibrationModel::BrownConrady(BrownConrady {
+                k: [k1, k2, rest @ ..],
+                p: [p1, p2],
+                s: [0.0, 0.0, 0.0, 0.0],
+            })) => ("FULL_OPENCV", [&[k1, k2, p1, p2], rest.as_slice()].concat()),
+            Some(CalibrationModel::KannalaBrandt { k }) => ("OPENCV_FISHEYE", k.to_vec()),
+            Some(CalibrationModel::BrownConrady(_) | CalibrationModel::Omnidirectional { .. }) | None => {
                 return Err(camera.no_model("COLMAP", "take brown-conrady without s, or kannala-brandt"));
             }
         };

@@ -3,7 +3,7 @@
 use super::yaml::{list, quoted};
 use super::{CalibratedCamera, four, opencv_pose, rows};
 use photosite_core::Invalid;
-use photosite_transport::optics::Projection;
+use photosite_core::projection::CalibrationModel;
 
 /// The cameras of a rig, in order: each but the first with the pose from the one before it, `T_cn_cnm1`, which takes
 /// points from that camera's coordinates to its own.
@@ -13,21 +13,19 @@ pub fn kalibr(cameras: &[CalibratedCamera]) -> Result<String, Invalid> {
         camera.without_skew("Kalibr")?;
         let intrinsics = camera.at_centres();
         let no_model = || camera.no_model("Kalibr", "take k1, k2, p1 and p2 of brown-conrady, or kannala-brandt");
-        let (model, intrinsics, distortion, coefficients) = match camera.projection {
-            Projection::Perspective => ("pinhole", intrinsics.to_vec(), "none", Vec::new()),
-            Projection::KannalaBrandt { k } => ("pinhole", intrinsics.to_vec(), "equidistant", k.to_vec()),
-            Projection::Omnidirectional { xi, .. } => {
-                let coefficients = four(&camera.projection).ok_or_else(no_model)?;
-                ("omni", [&[xi], intrinsics.as_slice()].concat(), "radtan", coefficients.to_vec())
-            }
-            Projection::BrownConrady(_) => {
-                let coefficients = four(&camera.projection).ok_or_else(no_model)?;
-                ("pinhole", intrinsics.to_vec(), "radtan", coefficients.to_vec())
-            }
-            Projection::Polynomial { .. } | Projection::Division { .. } | Projection::Equirectangular => {
-                return Err(no_model());
-            }
-        };
+        let (model, intrinsics, distortion, coefficients) =
+            match camera.projection.calibration_model().ok_or_else(no_model)? {
+                CalibrationModel::Pinhole => ("pinhole", intrinsics.to_vec(), "none", Vec::new()),
+                CalibrationModel::KannalaBrandt { k } => ("pinhole", intrinsics.to_vec(), "equidistant", k.to_vec()),
+                CalibrationModel::Omnidirectional { xi, distortion } => {
+                    let coefficients = four(&distortion).ok_or_else(no_model)?;
+                    ("omni", [&[xi], intrinsics.as_slice()].concat(), "radtan", coefficients.to_vec())
+                }
+                CalibrationModel::BrownConrady(distortion) => {
+                    let coefficients = four(&distortion).ok_or_else(no_model)?;
+                    ("pinhole", intrinsics.to_vec(), "radtan", coefficients.to_vec())
+                }
+            };
         let [width, height] = camera.resolution;
         text += &format!("cam{i}:\n");
         if let Some(before) = i.checked_sub(1).map(|i| &cameras[i]) {

@@ -23,7 +23,7 @@ pub(super) mod yaml;
 #[cfg(test)]
 mod tests;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 pub use colmap::{ColmapImage, ColmapPoint, colmap_cameras, colmap_images, colmap_points};
 pub use euroc::euroc;
@@ -93,7 +93,34 @@ impl CalibratedCamera {
         let name = self.projection.name();
         let message =
             format!("{format} files have no model for the {name} lens of {} with these coefficients", self.name);
-        Invalid::new("lens", message).help(instead)
+        let help = match self.nearest_fisheye() {
+            Some(nearest) => format!("{instead}; {nearest}"),
+            None => instead.to_owned(),
+        };
+        Invalid::new("lens", message).help(help)
+    }
+
+    /// What to write to get the fisheye with coefficients that comes nearest to a classical one in this image.
+    fn nearest_fisheye(&self) -> Option<String> {
+        let Projection::ClassicalFisheye(law) = self.projection else { return None };
+        let (k, error) = law.kannala_brandt(self.largest_angle()?)?;
+        let k = k.map(|k| k.to_string()).join(", ");
+        let error_px = error * self.intrinsics.fx.abs().max(self.intrinsics.fy.abs());
+        Some(format!(
+            "projection = \"fisheye\" with distortion = {{ model = \"kannala-brandt\", k = [{k}] }} is the same lens to \
+             {error_px:.2e} px in this image"
+        ))
+    }
+
+    /// Angle from the axis that the farthest corner of the image shows, or at which the lens ends before it, rad.
+    fn largest_angle(&self) -> Option<f64> {
+        let reach = self.projection.reach(None);
+        let [width, height] = self.resolution.map(f64::from);
+        let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]].map(|corner| {
+            let seen = self.projection.unproject(self.intrinsics.place(DVec2::from_array(corner)), &reach);
+            seen.map_or(reach.angle, |seen| seen.direction.truncate().length().atan2(seen.direction.z))
+        });
+        corners.into_iter().max_by(f64::total_cmp).filter(|angle| *angle > 0.0)
     }
 }
 
@@ -102,19 +129,10 @@ pub(super) fn opencv_pose(to_world: &DAffine3) -> DAffine3 {
     *to_world * DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)))
 }
 
-/// k₁ k₂ p₁ p₂ of a lens that has no more than these.
-fn four(projection: &Projection) -> Option<[f64; 4]> {
-    match projection {
-        Projection::Perspective => Some([0.0; 4]),
-        Projection::BrownConrady(distortion) | Projection::Omnidirectional { distortion, .. } => {
-            let BrownConrady { k: [k1, k2, rest @ ..], p: [p1, p2], s } = *distortion;
-            (rest == [0.0; 4] && s == [0.0; 4]).then_some([k1, k2, p1, p2])
-        }
-        Projection::Polynomial { .. }
-        | Projection::Division { .. }
-        | Projection::KannalaBrandt { .. }
-        | Projection::Equirectangular => None,
-    }
+/// k₁ k₂ p₁ p₂ of a distortion that has no more than these.
+fn four(distortion: &BrownConrady) -> Option<[f64; 4]> {
+    let BrownConrady { k: [k1, k2, rest @ ..], p: [p1, p2], s } = *distortion;
+    (rest == [0.0; 4] && s == [0.0; 4]).then_some([k1, k2, p1, p2])
 }
 
 /// A matrix row by row. Adding zero makes zeros of negative ones.

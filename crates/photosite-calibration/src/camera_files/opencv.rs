@@ -3,16 +3,16 @@
 use super::yaml::{list, number, quoted};
 use super::{CalibratedCamera, StereoPair, by_rows};
 use photosite_core::Invalid;
-use photosite_transport::optics::Projection;
+use photosite_core::projection::CalibrationModel;
 
 /// Matrix, coefficients and pose (x_camera = R·x_world + t). `distortion_model` names the functions that take the
 /// coefficients: `calib3d`, `fisheye` or `omnidir`, the last with `xi`.
 pub fn opencv(camera: &CalibratedCamera) -> Result<String, Invalid> {
-    let (model, xi) = match camera.projection {
-        Projection::Perspective | Projection::BrownConrady(_) => ("calib3d", None),
-        Projection::KannalaBrandt { .. } => ("fisheye", None),
-        Projection::Omnidirectional { xi, .. } => ("omnidir", Some(xi)),
-        Projection::Polynomial { .. } | Projection::Division { .. } | Projection::Equirectangular => {
+    let (model, xi) = match camera.projection.calibration_model() {
+        Some(CalibrationModel::Pinhole | CalibrationModel::BrownConrady(_)) => ("calib3d", None),
+        Some(CalibrationModel::KannalaBrandt { .. }) => ("fisheye", None),
+        Some(CalibrationModel::Omnidirectional { xi, .. }) => ("omnidir", Some(xi)),
+        None => {
             return Err(camera.no_model("OpenCV", "take brown-conrady, kannala-brandt or an omnidirectional lens"));
         }
     };
@@ -38,13 +38,10 @@ pub fn opencv(camera: &CalibratedCamera) -> Result<String, Invalid> {
 /// cameras (M1, D1, M2, D2), R and T from the first to the second, R1, R2, P1, P2 and Q. `distortion_model` is that of both.
 pub fn opencv_pair(pair: &StereoPair<'_>) -> Result<String, Invalid> {
     let [first, second] = pair.cameras;
-    let model = |camera: &CalibratedCamera| match camera.projection {
-        Projection::Perspective | Projection::BrownConrady(_) => Ok("calib3d"),
-        Projection::KannalaBrandt { .. } => Ok("fisheye"),
-        Projection::Polynomial { .. }
-        | Projection::Division { .. }
-        | Projection::Equirectangular
-        | Projection::Omnidirectional { .. } => {
+    let model = |camera: &CalibratedCamera| match camera.projection.calibration_model() {
+        Some(CalibrationModel::Pinhole | CalibrationModel::BrownConrady(_)) => Ok("calib3d"),
+        Some(CalibrationModel::KannalaBrandt { .. }) => Ok("fisheye"),
+        Some(CalibrationModel::Omnidirectional { .. }) | None => {
             Err(camera.no_model("OpenCV's stereo", "take brown-conrady or kannala-brandt"))
         }
     };

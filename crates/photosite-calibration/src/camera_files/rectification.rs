@@ -8,7 +8,6 @@ use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 
 use super::CalibratedCamera;
 use photosite_core::Invalid;
-use photosite_transport::optics::Projection;
 
 /// A pair of cameras and how it is rectified.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,15 +101,8 @@ impl<'a> StereoPair<'a> {
 fn mean_direction(camera: &CalibratedCamera, rotation: DMat3) -> Option<DVec2> {
     let reach = camera.projection.reach(None);
     let last = DVec2::from_array(camera.resolution.map(|n| f64::from(n) - 1.0));
-    let parts: &[DVec2] = match camera.projection {
-        Projection::Perspective
-        | Projection::BrownConrady(_)
-        | Projection::Polynomial { .. }
-        | Projection::Division { .. } => &[DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE],
-        Projection::KannalaBrandt { .. } | Projection::Equirectangular | Projection::Omnidirectional { .. } => {
-            &[DVec2::splat(0.5)]
-        }
-    };
+    let parts: &[DVec2] =
+        if camera.projection.is_flat() { &[DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE] } else { &[DVec2::splat(0.5)] };
     let on_plane = |part: &DVec2| {
         // Positions count from the corner of the first pixel, whole numbers from its centre.
         let place = camera.intrinsics.place(*part * last + 0.5);
@@ -127,7 +119,7 @@ mod tests {
     use rstest::rstest;
 
     use super::*;
-    use photosite_transport::optics::{BrownConrady, Intrinsics};
+    use photosite_core::projection::{BrownConrady, Intrinsics, Projection};
 
     fn camera(projection: Projection, at: DVec3, turned: DVec3) -> CalibratedCamera {
         CalibratedCamera {

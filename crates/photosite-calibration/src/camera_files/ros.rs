@@ -5,7 +5,7 @@ use glam::DMat3;
 use super::yaml::list;
 use super::{CalibratedCamera, StereoPair, by_rows};
 use photosite_core::Invalid;
-use photosite_transport::optics::{BrownConrady, Projection};
+use photosite_core::projection::{BrownConrady, CalibrationModel};
 
 /// The camera on its own: rectification is the identity, and the projection matrix is the camera's.
 pub fn ros(camera: &CalibratedCamera) -> Result<String, Invalid> {
@@ -23,16 +23,14 @@ pub fn ros_pair(pair: &StereoPair<'_>) -> Result<[String; 2], Invalid> {
 }
 
 fn camera_info(camera: &CalibratedCamera, rectification: &DMat3, projection: &[f64; 12]) -> Result<String, Invalid> {
-    let model = match camera.projection {
-        Projection::Perspective => "plumb_bob",
-        Projection::BrownConrady(BrownConrady { k: [.., 0.0, 0.0, 0.0], s: [0.0, 0.0, 0.0, 0.0], .. }) => "plumb_bob",
-        Projection::BrownConrady(BrownConrady { s: [0.0, 0.0, 0.0, 0.0], .. }) => "rational_polynomial",
-        Projection::KannalaBrandt { .. } => "equidistant",
-        Projection::BrownConrady(_)
-        | Projection::Polynomial { .. }
-        | Projection::Division { .. }
-        | Projection::Equirectangular
-        | Projection::Omnidirectional { .. } => {
+    let model = match camera.projection.calibration_model() {
+        Some(CalibrationModel::Pinhole) => "plumb_bob",
+        Some(CalibrationModel::BrownConrady(BrownConrady {
+            k: [.., 0.0, 0.0, 0.0], s: [0.0, 0.0, 0.0, 0.0], ..
+        })) => "plumb_bob",
+        Some(CalibrationModel::BrownConrady(BrownConrady { s: [0.0, 0.0, 0.0, 0.0], .. })) => "rational_polynomial",
+        Some(CalibrationModel::KannalaBrandt { .. }) => "equidistant",
+        Some(CalibrationModel::BrownConrady(_) | CalibrationModel::Omnidirectional { .. }) | None => {
             return Err(camera.no_model("ROS", "take brown-conrady without s, or kannala-brandt"));
         }
     };

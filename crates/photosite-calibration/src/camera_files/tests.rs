@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::*;
+use photosite_core::projection::FisheyeLaw;
 
 fn camera(projection: Projection) -> CalibratedCamera {
     CalibratedCamera {
@@ -37,6 +38,9 @@ fn formats_refuse_what_they_have_no_words_for() {
         (mirror, [true, false, true, false, false]),
         (Projection::Polynomial { k: [0.1, 0.0] }, [false; 5]),
         (Projection::Division { lambda: -0.1 }, [false; 5]),
+        (Projection::ClassicalFisheye(FisheyeLaw::Equisolid), [false; 5]),
+        (Projection::ClassicalFisheye(FisheyeLaw::Stereographic), [false; 5]),
+        (Projection::ClassicalFisheye(FisheyeLaw::Orthographic), [false; 5]),
         (Projection::Equirectangular, [false; 5]),
     ] {
         assert_eq!(all(&camera(projection)), can, "{projection:?}");
@@ -65,6 +69,35 @@ fn pairs_are_told_of_lenses_that_their_formats_know() {
         second.to_world.translation.x = 0.1;
         let pair = StereoPair::new(&first, &second).expect("side by side");
         assert_eq!([ros_pair(&pair).is_ok(), opencv_pair(&pair).is_ok()], can, "{lenses:?}");
+    }
+}
+
+#[test]
+fn a_classical_fisheye_is_refused_with_the_series_that_comes_nearest() {
+    for law in [FisheyeLaw::Equisolid, FisheyeLaw::Stereographic, FisheyeLaw::Orthographic] {
+        let exact = CalibratedCamera {
+            intrinsics: Intrinsics { fx: 200.0, fy: 200.0, cx: 320.5, cy: 240.0, skew: 0.0 },
+            ..camera(Projection::ClassicalFisheye(law))
+        };
+        let help = ros(&exact).expect_err("no model").help.expect("what to write");
+        let between = |from: &str, to: &str| help.split(from).nth(1).and_then(|rest| rest.split(to).next());
+        let k: Vec<f64> = between("k = [", "]").expect("k").split(", ").map(|k| k.parse().expect("a number")).collect();
+        let told_px: f64 = between("same lens to ", " px").expect("px").parse().expect("a number");
+        let series = Projection::KannalaBrandt { k: k.try_into().expect("four") };
+        let near = CalibratedCamera { projection: series, ..exact.clone() };
+        assert!(ros(&near).is_ok());
+        // The same directions in both images, up to the corners or the rim of the lens.
+        let reach = exact.projection.reach(None);
+        let mut largest: f64 = 0.0;
+        for i in 0..=500 {
+            let place = exact.intrinsics.place(DVec2::new(0.64, 0.48) * f64::from(i * 2));
+            let Some(seen) = exact.projection.unproject(place, &reach) else { continue };
+            let found = series.project(seen.direction, &series.reach(None)).expect("beyond the image");
+            largest = largest.max((found - place).length() * 200.0);
+        }
+        // Three digits are written, and the farthest corner is one of the places.
+        assert!(largest <= told_px * 1.01, "{law:?}: {largest} {help}");
+        assert!(largest > 0.1 * told_px, "{law:?}: {largest} {help}");
     }
 }
 

@@ -30,9 +30,9 @@ use super::silhouette::Silhouette;
 use super::{LayoutFiles, PictureSet, SceneObject, Shot};
 use crate::truth::TruthLayer;
 use photosite_core::image::Planes;
+use photosite_core::projection::CalibrationModel;
 use photosite_core::spectrum::Spectrum;
 use photosite_core::{Invalid, Result};
-use photosite_transport::optics::Projection;
 use photosite_transport::scene::description::SceneDescription;
 use photosite_transport::scene::{self, Scene};
 
@@ -68,15 +68,15 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
 
 /// What the format has no words for.
 fn check(shot: &Shot) -> Result<(), Invalid> {
-    match shot.calibrated.projection {
-        Projection::Perspective => {}
-        Projection::BrownConrady(distortion) if distortion.is_none() => {}
-        Projection::BrownConrady(_)
-        | Projection::Polynomial { .. }
-        | Projection::Division { .. }
-        | Projection::KannalaBrandt { .. }
-        | Projection::Equirectangular
-        | Projection::Omnidirectional { .. } => {
+    match shot.calibrated.projection.calibration_model() {
+        Some(CalibrationModel::Pinhole) => {}
+        Some(CalibrationModel::BrownConrady(distortion)) if distortion.is_none() => {}
+        Some(
+            CalibrationModel::BrownConrady(_)
+            | CalibrationModel::KannalaBrandt { .. }
+            | CalibrationModel::Omnidirectional { .. },
+        )
+        | None => {
             return Err(shot.calibrated.no_model("BOP", "make a data set with lens.distortion left out"));
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! In: a [`PictureSet`], what is known of the pictures of a data set; and [`LayoutFiles`], by which pictures and ground truth
 //! are read and files are written. Out: files. Reading the data set is left to
-//! [`io::finished_dataset`](crate::io::finished_dataset).
+//! `photosite::dataset`.
 //!
 //! | layout | poses | corners of targets | ground truth that it needs |
 //! |---|---|---|---|

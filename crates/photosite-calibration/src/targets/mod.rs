@@ -51,7 +51,7 @@ use photosite_core::Invalid;
 macro_rules! kinds {
     ($($(#[doc = $doc:literal])* $variant:ident = $name:literal,)*) => {
         /// A calibration target: what it is and how large.
-        #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+        #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
         #[serde(tag = "type")]
         pub enum TargetDescription {
             $($(#[doc = $doc])* #[serde(rename = $name)] $variant($variant),)*

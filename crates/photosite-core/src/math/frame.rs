@@ -49,7 +49,7 @@ impl Frame {
 /// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
 #[inline(always)]
 pub fn tangents<R: Real>(z: Vector<R>) -> [Vector<R>; 2] {
-    let one = R::splat(1.0);
+    let one = z.z.broadcast(1.0);
     let sign = one.copysign(z.z);
     let a = -one / (sign + z.z);
     let b = z.x * z.y * a;

@@ -52,16 +52,16 @@ impl Pdf<Area> {
 /// [`Pdf::power_heuristic`] of any numbers.
 #[inline(always)]
 pub fn power_heuristic<R: Real>(own: R, other: R) -> R {
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let (zero, one) = (own.broadcast(0.0), own.broadcast(1.0));
     let ratio = other / own;
-    R::select(zero.is_below(own), one / (one + ratio * ratio), zero)
+    R::select(zero.lt(own), one / (one + ratio * ratio), zero)
 }
 
 /// [`Pdf::to_solid_angle`] of any numbers.
 #[inline(always)]
 pub fn to_solid_angle<R: Real>(area_density: R, distance_squared: R, cos_surface: R) -> R {
-    let zero = R::splat(0.0);
-    R::select(zero.is_below(cos_surface), area_density * distance_squared / cos_surface, zero)
+    let zero = cos_surface.broadcast(0.0);
+    R::select(zero.lt(cos_surface), area_density * distance_squared / cos_surface, zero)
 }
 
 #[cfg(test)]

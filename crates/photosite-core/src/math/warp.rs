@@ -9,13 +9,13 @@ use super::{Real, Vector};
 /// Unit square → unit disk, density 1/π; keeps neighbouring points together (Shirley & Chiu 1997).
 #[inline(always)]
 pub fn concentric_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
-    let (zero, one, two) = (R::splat(0.0), R::splat(1.0), R::splat(2.0));
+    let (zero, one, two) = (u.broadcast(0.0), u.broadcast(1.0), u.broadcast(2.0));
     let (x, y) = (two * u - one, two * v - one);
     // The angle is counted from the axis of the larger one.
-    let is_x = y.abs().is_below(x.abs());
+    let is_x = y.abs().lt(x.abs());
     let (larger, smaller) = (R::select(is_x, x, y), R::select(is_x, y, x));
-    let is_centre = larger.abs().is_at_most(zero);
-    let (sin, cos) = sin_cos_of_eighth(R::splat(FRAC_PI_4) * (smaller / R::select(is_centre, one, larger)));
+    let is_centre = larger.abs().le(zero);
+    let (sin, cos) = sin_cos_of_eighth(u.broadcast(FRAC_PI_4) * (smaller / R::select(is_centre, one, larger)));
     let (along, aside) = (larger * cos, larger * sin);
     [R::select(is_x, along, aside), R::select(is_x, aside, along)]
 }
@@ -24,11 +24,20 @@ pub fn concentric_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
 /// out is 2·10⁻⁹ and 10⁻¹⁰ of the whole at most. The same on every machine, and cheaper than functions of any angle.
 #[inline(always)]
 fn sin_cos_of_eighth<R: Real>(x: R) -> (R, R) {
-    let c = R::splat;
+    // Written out, since a closure would not be compiled for wide registers.
+    let one = x.broadcast(1.0);
+    let [s3, s5, s7, s9] =
+        [x.broadcast(-1.0 / 6.0), x.broadcast(1.0 / 120.0), x.broadcast(-1.0 / 5040.0), x.broadcast(1.0 / 362_880.0)];
+    let [c2, c4, c6, c8, c10] = [
+        x.broadcast(-0.5),
+        x.broadcast(1.0 / 24.0),
+        x.broadcast(-1.0 / 720.0),
+        x.broadcast(1.0 / 40_320.0),
+        x.broadcast(1.0 / 3_628_800.0),
+    ];
     let x2 = x * x;
-    let sin = x + x * x2 * (c(-1.0 / 6.0) + x2 * (c(1.0 / 120.0) + x2 * (c(-1.0 / 5040.0) + x2 * c(1.0 / 362_880.0))));
-    let of_eighth_power = c(1.0 / 40_320.0) - x2 * c(1.0 / 3_628_800.0);
-    let cos = c(1.0) + x2 * (c(-0.5) + x2 * (c(1.0 / 24.0) + x2 * (c(-1.0 / 720.0) + x2 * of_eighth_power)));
+    let sin = x + x * x2 * (s3 + x2 * (s5 + x2 * (s7 + x2 * s9)));
+    let cos = one + x2 * (c2 + x2 * (c4 + x2 * (c6 + x2 * (c8 - x2 * c10))));
     (sin, cos)
 }
 
@@ -36,7 +45,7 @@ fn sin_cos_of_eighth<R: Real>(x: R) -> (R, R) {
 #[inline(always)]
 pub fn cosine_hemisphere<R: Real>(u: [R; 2]) -> Vector<R> {
     let [x, y] = concentric_disk(u);
-    Vector::new(x, y, (R::splat(1.0) - (x * x + y * y)).most(R::splat(0.0)).sqrt())
+    Vector::new(x, y, (x.broadcast(1.0) - (x * x + y * y)).max(x.broadcast(0.0)).sqrt())
 }
 
 /// Unit square → unit sphere, density 1/(4π) per steradian.
@@ -61,8 +70,8 @@ pub fn uniform_cone([u, v]: [f32; 2], cos_max: f32) -> Vec3 {
 /// (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
 #[inline(always)]
 pub fn uniform_triangle<R: Real>([u, v]: [R; 2]) -> [R; 2] {
-    let is_below = u.is_below(v);
-    let half = R::splat(0.5) * R::select(is_below, u, v);
+    let is_below = u.lt(v);
+    let half = u.broadcast(0.5) * R::select(is_below, u, v);
     let rest = R::select(is_below, v, u) - half;
     [R::select(is_below, half, rest), R::select(is_below, rest, half)]
 }

@@ -4,17 +4,50 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::Seen;
+use super::{CalibrationModel, Model, Reach, ReachEnd, Seen};
+
+/// The model, which has no coefficients.
+pub(super) struct Equirectangular;
+
+impl Model for Equirectangular {
+    const IS_FLAT: bool = false;
+
+    fn name(&self) -> &'static str {
+        "equirectangular"
+    }
+
+    fn coefficients(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn calibration_model(&self) -> Option<CalibrationModel> {
+        None
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::new(PI, ReachEnd::Sees, PI)
+    }
+
+    #[inline]
+    fn project(&self, direction: DVec3, _: &Reach) -> Option<DVec2> {
+        Some(project(direction))
+    }
+
+    #[inline]
+    fn unproject(&self, place: DVec2, _: &Reach) -> Option<Seen> {
+        unproject(place)
+    }
+}
 
 #[inline]
-pub(super) fn project(direction: DVec3) -> DVec2 {
+fn project(direction: DVec3) -> DVec2 {
     let DVec3 { x, y, z } = direction;
     DVec2::new(x.atan2(z), y.atan2(x.hypot(z)))
 }
 
 /// dΩ/dA is the cosine of the latitude. Beyond the poles and the meridian behind there is nothing.
 #[inline]
-pub(super) fn unproject(place: DVec2) -> Option<Seen> {
+fn unproject(place: DVec2) -> Option<Seen> {
     let (sin_x, cos_x) = place.x.sin_cos();
     let (sin_y, cos_y) = place.y.sin_cos();
     let direction = DVec3::new(cos_y * sin_x, sin_y, cos_y * cos_x);

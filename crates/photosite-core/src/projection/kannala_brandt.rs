@@ -7,7 +7,40 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
 use super::rising::{first_loss, solve};
-use super::{Reach, ReachEnd, Seen};
+use super::{CalibrationModel, Model, Reach, ReachEnd, Seen};
+
+/// k₁ … k₄.
+pub(super) struct KannalaBrandt(pub(super) [f64; 4]);
+
+impl Model for KannalaBrandt {
+    const IS_FLAT: bool = false;
+
+    fn name(&self) -> &'static str {
+        "kannala-brandt"
+    }
+
+    fn coefficients(&self) -> Vec<f64> {
+        self.0.to_vec()
+    }
+
+    fn calibration_model(&self) -> Option<CalibrationModel> {
+        Some(CalibrationModel::KannalaBrandt { k: self.0 })
+    }
+
+    fn reach(&self) -> Reach {
+        reach(self.0)
+    }
+
+    #[inline]
+    fn project(&self, direction: DVec3, _: &Reach) -> Option<DVec2> {
+        Some(project(self.0, direction))
+    }
+
+    #[inline]
+    fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
+        unproject(self.0, place, reach.radius)
+    }
+}
 
 /// d and its derivative.
 #[inline]
@@ -18,7 +51,7 @@ fn radius([k1, k2, k3, k4]: [f64; 4], theta: f64) -> (f64, f64) {
     (theta * value, slope)
 }
 
-pub(super) fn reach(k: [f64; 4]) -> Reach {
+fn reach(k: [f64; 4]) -> Reach {
     match first_loss(|theta| radius(k, theta).1 > 0.0, PI, 8192) {
         Some(angle) => Reach::new(angle, ReachEnd::Folds, angle),
         None => Reach::new(PI, ReachEnd::Sees, PI),
@@ -26,7 +59,7 @@ pub(super) fn reach(k: [f64; 4]) -> Reach {
 }
 
 #[inline]
-pub(super) fn project(k: [f64; 4], direction: DVec3) -> DVec2 {
+fn project(k: [f64; 4], direction: DVec3) -> DVec2 {
     let across = DVec2::new(direction.x, direction.y);
     let sin = across.length();
     let theta = sin.atan2(direction.z);
@@ -36,7 +69,7 @@ pub(super) fn project(k: [f64; 4], direction: DVec3) -> DVec2 {
 
 /// dΩ = sin θ dθ dφ and dA = d·dd·dφ, so dΩ/dA = sin θ/(d·d').
 #[inline]
-pub(super) fn unproject(k: [f64; 4], place: DVec2, largest_angle: f64) -> Option<Seen> {
+fn unproject(k: [f64; 4], place: DVec2, largest_angle: f64) -> Option<Seen> {
     let distance = place.length();
     if distance == 0.0 {
         return Some(Seen::all_round(DVec3::Z, 1.0));

@@ -11,30 +11,47 @@
 //! | polynomial | distorted → ideal | up to its first fold | `polynomial.rs` |
 //! | division | distorted → ideal | up to its first fold, or Z > 0 | `division.rs` |
 //! | Kannala–Brandt | angle → radius | up to its first fold, or everywhere | `kannala_brandt.rs` |
+//! | equisolid, stereographic, orthographic | angle → radius | everywhere, orthographic Z ≥ 0 | `classical_fisheye.rs` |
 //! | equirectangular | longitude, latitude | everywhere | `equirectangular.rs` |
 //! | omnidirectional | a sphere, then a pinhole | what its mirror shows | `omnidirectional.rs` |
 //!
 //! A model is used within its [`Reach`] only, in which it is one to one; both directions agree there to the precision of
 //! f64.
+//!
+//! A new model is a file with a `Model`, a variant of [`Projection`], an arm of `each_model!` and one of
+//! [`Projection::named`], the keys of capture files, and a row in the tests.
 
 mod brown_conrady;
+mod calibration_model;
+mod classical_fisheye;
 mod division;
 mod equirectangular;
 mod intrinsics;
 mod kannala_brandt;
 mod omnidirectional;
+mod perspective;
 mod polynomial;
 mod rising;
 
 #[cfg(test)]
 mod tests;
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
 
+use division::Division;
+use equirectangular::Equirectangular;
+use kannala_brandt::KannalaBrandt;
+use omnidirectional::Omnidirectional;
+use perspective::Perspective;
+use polynomial::Polynomial;
+
 pub use brown_conrady::BrownConrady;
+pub use calibration_model::CalibrationModel;
+pub use classical_fisheye::FisheyeLaw;
 pub use intrinsics::Intrinsics;
+pub use perspective::through_plane;
 
 /// The largest angle from the axis that a flat picture is followed to, rad: 89.99°, where it is 5730 focal lengths wide.
 const FLAT_ANGLE: f64 = FRAC_PI_2 * (1.0 - 0.01 / 90.0);
@@ -63,6 +80,8 @@ pub enum Projection {
         /// k₁ … k₄.
         k: [f64; 4],
     },
+    /// A fisheye that follows one of the classical laws but r = θ, which is that of Kannala and Brandt without coefficients.
+    ClassicalFisheye(FisheyeLaw),
     /// Longitude and latitude in radians.
     Equirectangular,
     /// The unified model of mirrors and fisheyes, OpenCV's `omnidir` ([MeiRives07](crate::references#meirives07)):
@@ -131,45 +150,69 @@ pub enum ReachEnd {
     Flat,
 }
 
+/// What a model of a lens says of itself. [`Projection`] has the same methods, documented there.
+trait Model {
+    /// Whether the lens is focused on a plane.
+    const IS_FLAT: bool;
+
+    fn name(&self) -> &'static str;
+    fn coefficients(&self) -> Vec<f64>;
+    /// Mirror parameter ξ of models that have one.
+    fn xi(&self) -> Option<f64> {
+        None
+    }
+    fn calibration_model(&self) -> Option<CalibrationModel>;
+    /// How far the model is one to one.
+    fn reach(&self) -> Reach;
+    /// Where a direction of any length within the reach appears.
+    fn project(&self, direction: DVec3, reach: &Reach) -> Option<DVec2>;
+    /// What a place sees. The reach's angle is checked by the caller, its radius by the model where it needs one.
+    fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen>;
+}
+
+/// The value of an expression in which `$model` is the `Model` of a projection: the only place that tells models apart.
+macro_rules! each_model {
+    ($projection:expr, $model:ident => $value:expr) => {
+        match $projection {
+            Projection::Perspective => each_model!(@ Perspective, $model => $value),
+            Projection::BrownConrady(distortion) => each_model!(@ *distortion, $model => $value),
+            Projection::Polynomial { k } => each_model!(@ Polynomial(*k), $model => $value),
+            Projection::Division { lambda } => each_model!(@ Division(*lambda), $model => $value),
+            Projection::KannalaBrandt { k } => each_model!(@ KannalaBrandt(*k), $model => $value),
+            Projection::ClassicalFisheye(law) => each_model!(@ *law, $model => $value),
+            Projection::Equirectangular => each_model!(@ Equirectangular, $model => $value),
+            Projection::Omnidirectional { xi, distortion } => {
+                each_model!(@ Omnidirectional { xi: *xi, distortion }, $model => $value)
+            }
+        }
+    };
+    (@ $made:expr, $model:ident => $value:expr) => {{
+        let $model = &$made;
+        $value
+    }};
+}
+
+/// Whether a model's lens is focused on a plane.
+#[inline]
+fn is_flat<M: Model>(_: &M) -> bool {
+    M::IS_FLAT
+}
+
 impl Projection {
     /// What a capture file calls it: its distortion's model, or the projection without one.
     pub fn name(&self) -> &'static str {
-        match self {
-            Self::Perspective => "perspective",
-            Self::BrownConrady(_) => "brown-conrady",
-            Self::Polynomial { .. } => "polynomial",
-            Self::Division { .. } => "division",
-            Self::KannalaBrandt { .. } => "kannala-brandt",
-            Self::Equirectangular => "equirectangular",
-            Self::Omnidirectional { .. } => "omnidirectional",
-        }
+        each_model!(self, model => model.name())
     }
 
     /// The coefficients in OpenCV's order, as few as say all: k₁ k₂ p₁ p₂ k₃, then k₄ k₅ k₆, then s₁ … s₄; k₁ … k₄ of a
     /// fisheye; k₁ k₂ p₁ p₂ of an omnidirectional lens. Those of models that OpenCV lacks are in their own order.
     pub fn coefficients(&self) -> Vec<f64> {
-        match self {
-            Self::Perspective => vec![0.0; 5],
-            Self::BrownConrady(BrownConrady { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2], s }) => {
-                let all = [&[*k1, *k2, *p1, *p2, *k3, *k4, *k5, *k6], s.as_slice()].concat();
-                let last = all.iter().rposition(|c| *c != 0.0).map_or(0, |i| i + 1);
-                let count = if last > 8 {
-                    12
-                } else if last > 5 {
-                    8
-                } else {
-                    5
-                };
-                all[..count].to_vec()
-            }
-            Self::Polynomial { k } => k.to_vec(),
-            Self::Division { lambda } => vec![*lambda],
-            Self::KannalaBrandt { k } => k.to_vec(),
-            Self::Equirectangular => Vec::new(),
-            Self::Omnidirectional { distortion: BrownConrady { k: [k1, k2, ..], p: [p1, p2], .. }, .. } => {
-                vec![*k1, *k2, *p1, *p2]
-            }
-        }
+        each_model!(self, model => model.coefficients())
+    }
+
+    /// Mirror parameter ξ of an omnidirectional lens; `None` of others.
+    pub fn xi(&self) -> Option<f64> {
+        each_model!(self, model => model.xi())
     }
 
     /// The model of that [`name`](Self::name) with those [`coefficients`](Self::coefficients); `xi` is the mirror parameter of an
@@ -186,48 +229,32 @@ impl Projection {
             ("kannala-brandt", None) => Some(Self::KannalaBrandt { k: std::array::from_fn(c) }),
             ("equirectangular", None) => Some(Self::Equirectangular),
             ("omnidirectional", Some(xi)) => Some(Self::Omnidirectional { xi, distortion }),
-            _ => None,
+            (law, None) => FisheyeLaw::named(law).map(Self::ClassicalFisheye),
+            (_, Some(_)) => None,
         }
+    }
+
+    /// The model under which calibration tools know the lens; `None` where none of them has it.
+    pub fn calibration_model(&self) -> Option<CalibrationModel> {
+        each_model!(self, model => model.calibration_model())
     }
 
     /// How large the middle of the picture is, as a part of what a pinhole of the same matrix would show there: 1 but for an
     /// omnidirectional lens, whose ξ moves the pinhole away.
     pub fn magnification(&self) -> f64 {
-        match self {
-            Self::Perspective
-            | Self::BrownConrady(_)
-            | Self::Polynomial { .. }
-            | Self::Division { .. }
-            | Self::KannalaBrandt { .. }
-            | Self::Equirectangular => 1.0,
-            Self::Omnidirectional { xi, .. } => 1.0 / (1.0 + xi),
-        }
+        self.xi().map_or(1.0, |xi| 1.0 / (1.0 + xi))
     }
 
     /// Whether the lens is focused on a plane and its pupil stands across the axis, as for the thin lens. What sees more
     /// than a half-space is focused on a sphere, and its pupil faces each direction.
+    #[inline]
     pub fn is_flat(&self) -> bool {
-        match self {
-            Self::Perspective | Self::BrownConrady(_) | Self::Polynomial { .. } | Self::Division { .. } => true,
-            Self::KannalaBrandt { .. } | Self::Equirectangular | Self::Omnidirectional { .. } => false,
-        }
+        each_model!(self, model => is_flat(model))
     }
 
     /// How far from the axis the model is one to one, and no farther than `largest_angle`, rad.
     pub fn reach(&self, largest_angle: Option<f64>) -> Reach {
-        let flat = |radius: f64, end| Reach::new(radius.atan(), end, radius);
-        let model = match self {
-            Self::Perspective => flat(FLAT_ANGLE.tan(), ReachEnd::Flat),
-            Self::BrownConrady(distortion) => match distortion.fold() {
-                Some(radius) => flat(radius, ReachEnd::Folds),
-                None => flat(FLAT_ANGLE.tan(), ReachEnd::Flat),
-            },
-            Self::Polynomial { k } => polynomial::reach(*k),
-            Self::Division { lambda } => division::reach(*lambda),
-            Self::KannalaBrandt { k } => kannala_brandt::reach(*k),
-            Self::Equirectangular => Reach::new(PI, ReachEnd::Sees, PI),
-            Self::Omnidirectional { xi, distortion } => omnidirectional::reach(*xi, distortion),
-        };
+        let model = each_model!(self, model => model.reach());
         match largest_angle {
             Some(angle) if angle <= model.angle => Reach::new(angle, ReachEnd::Sees, model.radius),
             Some(_) | None => model,
@@ -241,53 +268,13 @@ impl Projection {
         if across.length().atan2(direction.z) > reach.angle {
             return None;
         }
-        match self {
-            Self::Perspective => Some(across / direction.z),
-            Self::BrownConrady(distortion) => Some(distortion.distort(across / direction.z)),
-            Self::Polynomial { k } => polynomial::distort(*k, across / direction.z, reach.radius),
-            Self::Division { lambda } => Some(division::distort(*lambda, across / direction.z)),
-            Self::KannalaBrandt { k } => Some(kannala_brandt::project(*k, direction)),
-            Self::Equirectangular => Some(equirectangular::project(direction)),
-            Self::Omnidirectional { xi, distortion } => {
-                Some(distortion.distort(omnidirectional::project(*xi, direction)))
-            }
-        }
+        each_model!(self, model => model.project(direction, reach))
     }
 
     /// What a place in the picture sees; `None` out of reach.
     #[inline]
     pub fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
-        let seen = match self {
-            Self::Perspective => through_plane(place, 1.0),
-            Self::BrownConrady(distortion) => {
-                let (ideal, growth) = distortion.undistort(place, reach.radius)?;
-                through_plane(ideal, 1.0 / growth)
-            }
-            Self::Polynomial { k } => {
-                let (ideal, growth) = polynomial::undistort(*k, place, reach.radius)?;
-                through_plane(ideal, growth)
-            }
-            Self::Division { lambda } => {
-                let (ideal, growth) = division::undistort(*lambda, place, reach.radius)?;
-                through_plane(ideal, growth)
-            }
-            Self::KannalaBrandt { k } => kannala_brandt::unproject(*k, place, reach.radius)?,
-            Self::Equirectangular => equirectangular::unproject(place)?,
-            Self::Omnidirectional { xi, distortion } => {
-                let (ideal, growth) = distortion.undistort(place, reach.radius)?;
-                let seen = omnidirectional::unproject(*xi, ideal)?;
-                Seen { solid_angle: seen.solid_angle / growth, ..seen }
-            }
-        };
+        let seen = each_model!(self, model => model.unproject(place, reach))?;
         reach.sees(seen.direction).then_some(seen)
     }
-}
-
-/// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth` times as
-/// large in area as on the sensor: dΩ = cos³θ·dA.
-#[inline(always)]
-pub fn through_plane(ideal: DVec2, growth: f64) -> Seen {
-    let cos = 1.0 / (1.0 + ideal.length_squared()).sqrt();
-    let chief = ideal.extend(1.0);
-    Seen { direction: chief * cos, chief, solid_angle: cos * cos * cos * growth }
 }

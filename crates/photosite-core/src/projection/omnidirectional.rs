@@ -3,11 +3,54 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{BrownConrady, FLAT_ANGLE, Reach, ReachEnd, Seen};
+use super::{BrownConrady, CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+
+/// ξ, and the distortion behind the mirror.
+pub(super) struct Omnidirectional<'a> {
+    pub(super) xi: f64,
+    pub(super) distortion: &'a BrownConrady,
+}
+
+impl Model for Omnidirectional<'_> {
+    const IS_FLAT: bool = false;
+
+    fn name(&self) -> &'static str {
+        "omnidirectional"
+    }
+
+    fn coefficients(&self) -> Vec<f64> {
+        let BrownConrady { k: [k1, k2, ..], p: [p1, p2], .. } = *self.distortion;
+        vec![k1, k2, p1, p2]
+    }
+
+    fn xi(&self) -> Option<f64> {
+        Some(self.xi)
+    }
+
+    fn calibration_model(&self) -> Option<CalibrationModel> {
+        Some(CalibrationModel::Omnidirectional { xi: self.xi, distortion: *self.distortion })
+    }
+
+    fn reach(&self) -> Reach {
+        reach(self.xi, self.distortion)
+    }
+
+    #[inline]
+    fn project(&self, direction: DVec3, _: &Reach) -> Option<DVec2> {
+        Some(self.distortion.distort(project(self.xi, direction)))
+    }
+
+    #[inline]
+    fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
+        let (ideal, growth) = self.distortion.undistort(place, reach.radius)?;
+        let seen = unproject(self.xi, ideal)?;
+        Some(Seen { solid_angle: seen.solid_angle / growth, ..seen })
+    }
+}
 
 /// The picture grows until cos θ = −ξ, where it is infinitely large (ξ ≤ 1), or cos θ = −1/ξ, where it turns back
 /// (ξ > 1): the rim of the mirror.
-pub(super) fn reach(xi: f64, distortion: &BrownConrady) -> Reach {
+fn reach(xi: f64, distortion: &BrownConrady) -> Reach {
     let largest = FLAT_ANGLE.tan();
     let rim = if xi > 1.0 { 1.0 / (xi * xi - 1.0).sqrt() } else { largest };
     let folds = distortion.fold().filter(|fold| *fold < rim);
@@ -21,14 +64,14 @@ pub(super) fn reach(xi: f64, distortion: &BrownConrady) -> Reach {
 }
 
 #[inline]
-pub(super) fn project(xi: f64, direction: DVec3) -> DVec2 {
+fn project(xi: f64, direction: DVec3) -> DVec2 {
     DVec2::new(direction.x, direction.y) / (direction.z + xi * direction.length())
 }
 
 /// The point of the sphere is α·(x, y, 1) − (0, 0, ξ) with α = (ξ + √(1 + (1 − ξ²)r²))/(1 + r²). With
 /// r = sin θ/(cos θ + ξ), dΩ/dA = sin θ/(r·dr/dθ) = (cos θ + ξ)³/(1 + ξ·cos θ).
 #[inline]
-pub(super) fn unproject(xi: f64, place: DVec2) -> Option<Seen> {
+fn unproject(xi: f64, place: DVec2) -> Option<Seen> {
     let r2 = place.length_squared();
     let under = 1.0 + (1.0 - xi * xi) * r2;
     if under < 0.0 {

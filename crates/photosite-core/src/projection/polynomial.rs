@@ -3,10 +3,45 @@
 //! The opposite direction of OpenCV's model, so that the same numbers mean the opposite: k₁ > 0 is a barrel here. Radii
 //! are those of the distorted picture.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
+use super::perspective::{on_plane, through_plane};
 use super::rising::{first_loss, solve};
-use super::{FLAT_ANGLE, Reach, ReachEnd};
+use super::{CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+
+/// k₁, k₂.
+pub(super) struct Polynomial(pub(super) [f64; 2]);
+
+impl Model for Polynomial {
+    const IS_FLAT: bool = true;
+
+    fn name(&self) -> &'static str {
+        "polynomial"
+    }
+
+    fn coefficients(&self) -> Vec<f64> {
+        self.0.to_vec()
+    }
+
+    fn calibration_model(&self) -> Option<CalibrationModel> {
+        None
+    }
+
+    fn reach(&self) -> Reach {
+        reach(self.0)
+    }
+
+    #[inline]
+    fn project(&self, direction: DVec3, reach: &Reach) -> Option<DVec2> {
+        distort(self.0, on_plane(direction), reach.radius)
+    }
+
+    #[inline]
+    fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
+        let (ideal, growth) = undistort(self.0, place, reach.radius)?;
+        Some(through_plane(ideal, growth))
+    }
+}
 
 /// Factor 1 + k₁r² + k₂r⁴, and the derivative of r times it.
 #[inline]
@@ -22,7 +57,7 @@ fn ideal_radius(k: [f64; 2], r: f64) -> (f64, f64) {
 }
 
 /// The derivative vanishes where 1 + 3k₁r² + 5k₂r⁴ = 0.
-pub(super) fn reach(k: [f64; 2]) -> Reach {
+fn reach(k: [f64; 2]) -> Reach {
     let flat = FLAT_ANGLE.tan();
     let [a, b] = [5.0 * k[1], 3.0 * k[0]];
     // Its smallest root above 0 in r², without cancellation; there is none where the parabola stays above 0.
@@ -41,7 +76,7 @@ pub(super) fn reach(k: [f64; 2]) -> Reach {
 
 /// Ideal → distorted within a radius of the distorted picture.
 #[inline]
-pub(super) fn distort(k: [f64; 2], ideal: DVec2, radius: f64) -> Option<DVec2> {
+fn distort(k: [f64; 2], ideal: DVec2, radius: f64) -> Option<DVec2> {
     let distance = ideal.length();
     if distance == 0.0 {
         return Some(ideal);
@@ -51,7 +86,7 @@ pub(super) fn distort(k: [f64; 2], ideal: DVec2, radius: f64) -> Option<DVec2> {
 
 /// Distorted → ideal, and area in the ideal over area in the distorted picture.
 #[inline]
-pub(super) fn undistort(k: [f64; 2], distorted: DVec2, radius: f64) -> Option<(DVec2, f64)> {
+fn undistort(k: [f64; 2], distorted: DVec2, radius: f64) -> Option<(DVec2, f64)> {
     let r = distorted.length();
     let (factor, slope) = factor(k, r);
     (r <= radius).then_some((distorted * factor, factor * slope))

@@ -29,6 +29,9 @@ fn radial(k1: f64) -> Projection {
 #[case(Projection::KannalaBrandt { k: [0.0; 4] })]
 #[case(Projection::KannalaBrandt { k: [-0.02, 0.003, -1e-3, 1e-4] })]
 #[case(Projection::KannalaBrandt { k: [0.1, 0.01, 0.0, 0.0] })]
+#[case(Projection::ClassicalFisheye(FisheyeLaw::Equisolid))]
+#[case(Projection::ClassicalFisheye(FisheyeLaw::Stereographic))]
+#[case(Projection::ClassicalFisheye(FisheyeLaw::Orthographic))]
 #[case(Projection::Equirectangular)]
 #[case(Projection::Omnidirectional { xi: 0.0, distortion: BrownConrady::default() })]
 #[case(Projection::Omnidirectional { xi: 1.0, distortion: BrownConrady::default() })]
@@ -123,6 +126,13 @@ fn closed_forms() {
     let close = |found: DVec2, x: f64, y: f64| assert!((found - DVec2::new(x, y)).length() < 1e-14, "{found} {x} {y}");
     close(at(Projection::KannalaBrandt { k: [0.0; 4] }, right), FRAC_PI_2, 0.0);
     close(at(Projection::KannalaBrandt { k: [0.0; 4] }, behind), 0.75 * PI, 0.0);
+    let fisheye = |law| Projection::ClassicalFisheye(law);
+    close(at(fisheye(FisheyeLaw::Equisolid), right), 2.0_f64.sqrt(), 0.0);
+    close(at(fisheye(FisheyeLaw::Equisolid), -DVec3::Z), 2.0, 0.0);
+    close(at(fisheye(FisheyeLaw::Stereographic), right), 2.0, 0.0);
+    close(at(fisheye(FisheyeLaw::Stereographic), behind), 2.0 * (0.375 * PI).tan(), 0.0);
+    close(at(fisheye(FisheyeLaw::Orthographic), right), 1.0, 0.0);
+    close(at(fisheye(FisheyeLaw::Orthographic), DVec3::new(3.0, 4.0, 12.0)), 3.0 / 13.0, 4.0 / 13.0);
     close(at(Projection::Equirectangular, behind), 0.75 * PI, 0.0);
     close(at(Projection::Equirectangular, DVec3::Y), 0.0, FRAC_PI_2);
     let parabolic = Projection::Omnidirectional { xi: 1.0, distortion: BrownConrady::default() };
@@ -148,6 +158,9 @@ fn models_are_told_by_name_and_coefficients() {
         (Projection::Polynomial { k: [0.1, 0.2] }, None),
         (Projection::Division { lambda: -0.1 }, None),
         (Projection::KannalaBrandt { k: [0.1, 0.2, 0.3, 0.4] }, None),
+        (Projection::ClassicalFisheye(FisheyeLaw::Equisolid), None),
+        (Projection::ClassicalFisheye(FisheyeLaw::Stereographic), None),
+        (Projection::ClassicalFisheye(FisheyeLaw::Orthographic), None),
         (Projection::Equirectangular, None),
         (Projection::Omnidirectional { xi: 1.1, distortion: short }, Some(1.1)),
     ] {

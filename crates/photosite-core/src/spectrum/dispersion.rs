@@ -2,7 +2,7 @@
 //!
 //! In: coefficients as glass makers publish them, wavelengths in nm. Out: the index relative to the medium that the
 //! coefficients refer to, normally air. What a surface makes of it (Fresnel, refraction) is left to
-//! `bsdf`; the coefficients of named glasses are in [`library`](super::library).
+//! the BSDFs of `photosite-transport`; the coefficients of named glasses are in [`library`](super::library).
 
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum};
 use crate::Invalid;

@@ -13,8 +13,8 @@
 
 use std::sync::OnceLock;
 
+pub use super::planck::planck;
 use super::{Outside, Spectrum, library};
-use crate::units::{BOLTZMANN, PLANCK, SPEED_OF_LIGHT};
 
 /// Ratio of today's second radiation constant to the one by which D50, D55, D65 and D75 were named: D65 has a correlated
 /// colour temperature of 6500 K × 1.4388/1.4380 (CIE 015:2018, 4.1.2).
@@ -108,14 +108,6 @@ pub fn daylight_chromaticity(cct_k: f64) -> Option<[f64; 2]> {
 /// unless the temperature is a number from 1 to 10⁶ K.
 pub fn blackbody(temperature_k: f64) -> Option<Spectrum> {
     (1.0..=1e6).contains(&temperature_k).then(|| Spectrum::from_fn(|lambda| planck(lambda, temperature_k)))
-}
-
-/// Planck's law: B(λ, T) = 2hc²/λ⁵ / (exp(hc/(λkT)) − 1) in W·m⁻²·sr⁻¹·nm⁻¹, λ in nm and T in K, both above 0.
-pub fn planck(lambda_nm: f64, temperature_k: f64) -> f64 {
-    let lambda = lambda_nm * 1e-9;
-    let exponent = PLANCK * SPEED_OF_LIGHT / (lambda * BOLTZMANN * temperature_k);
-    // W·m⁻²·sr⁻¹ per metre of wavelength, then per nanometre.
-    2.0 * PLANCK * SPEED_OF_LIGHT.powi(2) / lambda.powi(5) / exponent.exp_m1() * 1e-9
 }
 
 #[cfg(test)]

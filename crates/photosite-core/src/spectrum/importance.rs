@@ -20,7 +20,7 @@
 //! in each pixel. The logarithm counts by how many times each variance falls, so that one that cannot, of a narrow band, does not
 //! take all the care. What comes with G is there for more responses than four wavelengths can tell: none is given up for others.
 
-use super::wavelengths::{PIECES, probabilities};
+use super::wavelength_sampler::{PIECES, probabilities};
 use super::{LANES, Spectrum, TABLE_LEN};
 
 /// Equal parts of the range of u in which g is known, a multiple of [`LANES`].

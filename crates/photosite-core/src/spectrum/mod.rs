@@ -12,10 +12,12 @@ mod flat;
 pub mod illuminant;
 mod importance;
 pub mod library;
+mod planck;
 pub mod rgb;
 mod sampled;
 mod table;
 pub mod upsampling;
+mod wavelength_sampler;
 mod wavelengths;
 
 pub use csv::{CsvError, SpectralTable};
@@ -24,7 +26,8 @@ pub use flat::{SpectrumId, SpectrumTable};
 pub use importance::importance;
 pub use sampled::SampledSpectrum;
 pub use table::{Outside, Spectrum};
-pub use wavelengths::{WavelengthSampler, Wavelengths};
+pub use wavelength_sampler::WavelengthSampler;
+pub use wavelengths::Wavelengths;
 
 /// Shortest wavelength that the program knows, nm: below it glass, air and silicon sensors see nothing.
 pub const LAMBDA_MIN_NM: f32 = 300.0;

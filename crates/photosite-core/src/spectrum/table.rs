@@ -1,6 +1,7 @@
 //! A function of wavelength at rest: one value every nanometre.
 
-use super::illuminant::planck;
+use super::planck::planck;
+use super::wavelengths::place_in_table;
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, SampledSpectrum, TABLE_LEN, Wavelengths};
 use crate::Invalid;
 
@@ -169,15 +170,6 @@ impl Spectrum {
     pub fn max(&self) -> f32 {
         self.values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
     }
-}
-
-/// Where a wavelength of 300 to 1100 nm lies in a table: the entry at or below it, at most the last but one, and how far it is
-/// from there to the next, 0 to 1.
-#[inline]
-pub(super) fn place_in_table(lambda_nm: f32) -> (u32, f32) {
-    let x = lambda_nm - LAMBDA_MIN_NM;
-    let entry = (x as u32).min(TABLE_LEN as u32 - 2);
-    (entry, x - entry as f32)
 }
 
 #[cfg(test)]

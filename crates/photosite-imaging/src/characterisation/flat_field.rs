@@ -1,7 +1,7 @@
 //! Images of even light: the same number of photons on every pixel, exactly.
 
 use crate::raw::{BlackLevel, Cfa, RawImage, RawMetadata};
-use crate::sensor::{NoiseKey, SensorModel, Stages, expose};
+use crate::sensor::{NoiseKey, SensorModel, Stages, expose_after};
 use photosite_core::Invalid;
 use photosite_core::image::{Channel, Planes};
 use photosite_core::units::Seconds;
@@ -46,7 +46,7 @@ impl<'a> FlatField<'a> {
         [sensor.resolution[0] / columns, sensor.resolution[1] / rows]
     }
 
-    /// Images of `photons` on every pixel, one for each frame number.
+    /// Images of `photons` on every pixel, one for each frame number, one after the other under steady light.
     pub fn images(
         &self,
         photons: f64,
@@ -64,10 +64,20 @@ impl<'a> FlatField<'a> {
         let channels = self.sensor.cfa.channels().iter().zip(&self.efficiencies).map(electrons).collect();
         let planes = Planes::new(width, height, channels);
         let exposure = self.point.exposure(time);
-        frames.map(move |frame| {
+        let mut left = None;
+        let mut next = move |frame| -> Result<RawImage, Invalid> {
             let planes = planes.as_ref().map_err(Clone::clone)?;
-            let mosaic = expose(planes, self.sensor, &exposure, Stages::ALL, NoiseKey { seed, frame })?;
-            Ok(self.plane(&mosaic))
+            let key = NoiseKey { seed, frame };
+            let exposed = expose_after(planes, self.sensor, &exposure, Stages::ALL, key, &[], left.as_ref())?;
+            left = exposed.left;
+            Ok(exposed.raw)
+        };
+        // The numbers of these frames are those of no image.
+        let settling = self.sensor.image_lag.map_or(0, |lag| u64::from(lag.settling_frames()));
+        let mut before = (0..settling).map(|i| u64::MAX - i).collect::<Vec<_>>();
+        frames.map(move |frame| {
+            before.drain(..).try_for_each(|frame| next(frame).map(drop))?;
+            Ok(self.plane(&next(frame)?))
         })
     }
 

@@ -14,7 +14,7 @@
 //! sensor's. Photons are counted on the whole area of a pixel, as the standard does. Symbols are the standard's: μ and σ²
 //! are mean and temporal variance, s² is spatial variance, y is in DN, e in electrons, p in photons.
 //!
-//! [`report`] makes a page of it; [`noise`] estimates the noise of any picture. Files are left to [`io`](crate::io).
+//! [`report`] makes a page of it; [`noise`] estimates the noise of any picture. Files are left to `photosite`.
 
 mod descriptor;
 mod evaluation;

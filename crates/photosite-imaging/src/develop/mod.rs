@@ -23,7 +23,7 @@
 //!
 //! [`with_layout`] turns a mosaic into one that more developers know. [`colour_matrix`] computes what a raw file says
 //! about its colours from the sensor's spectral responses, and [`SensorCalibration`] keeps it. Files are left to
-//! [`raw`](crate::raw) and [`io`](crate::io).
+//! [`raw`](crate::raw) and `photosite`.
 
 mod black_level;
 mod colour;

@@ -143,7 +143,7 @@ mod tests {
 
     use super::*;
     use crate::raw::{LensModel, WarpKind};
-    use photosite_core::projection::{BrownConrady, Intrinsics, Projection};
+    use photosite_core::projection::{BrownConrady, FisheyeLaw, Intrinsics, Projection};
 
     const SIZE: [usize; 2] = [60, 40];
 
@@ -215,6 +215,9 @@ mod tests {
     )]
     #[case::polynomial(Projection::Polynomial { k: [0.0, 0.0] }, |r: f64| r)]
     #[case::division(Projection::Division { lambda: -0.5 }, |r: f64| ((1.0 + 2.0 * r * r).sqrt() - 1.0) / r)]
+    #[case::equisolid(Projection::ClassicalFisheye(FisheyeLaw::Equisolid), |r: f64| 2.0 * (0.5 * r.atan()).sin())]
+    #[case::stereographic(Projection::ClassicalFisheye(FisheyeLaw::Stereographic), |r: f64| 2.0 * (0.5 * r.atan()).tan())]
+    #[case::orthographic(Projection::ClassicalFisheye(FisheyeLaw::Orthographic), |r: f64| r / (1.0 + r * r).sqrt())]
     #[case::fisheye(Projection::KannalaBrandt { k: [0.1, 0.0, 0.0, 0.0] }, |r: f64| r.atan() + 0.1 * r.atan().powi(3))]
     #[case::omnidirectional(
         Projection::Omnidirectional { xi: 1.0, distortion: BrownConrady::default() },

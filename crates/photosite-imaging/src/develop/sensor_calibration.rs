@@ -5,6 +5,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -14,7 +15,7 @@ use photosite_core::Invalid;
 use photosite_core::spectrum::Spectrum;
 
 /// The calibrations of a sensor behind a lens, and which sensor that is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SensorCalibration {
     /// SHA-256 of the version of photosite and the responses, hexadecimal.
     responses_sha256: String,

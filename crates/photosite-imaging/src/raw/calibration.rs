@@ -1,9 +1,10 @@
 //! What a camera's numbers mean in the lights that it was measured in.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A light, by EXIF's number for it ([Dng16](photosite_core::references#dng16), CalibrationIlluminant1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct LightSource(pub u16);
 
 impl LightSource {
@@ -39,7 +40,7 @@ impl LightSource {
 }
 
 /// What a camera's numbers mean in one light.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ColourCalibration {
     /// The light.
     pub light: LightSource,

@@ -1,11 +1,12 @@
-//! Any raw file, told by what it begins with.
+//! Any raw file: read as what it begins with, written as its name ends.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use super::dng::is_dng;
-use super::{RawImage, read_dng, read_npy, read_pnm, read_tiff};
+use super::{RawImage, read_dng, read_npy, read_pnm, read_tiff, write_dng, write_npy, write_pgm, write_tiff};
+use photosite_core::output::write_whole;
 use photosite_core::{Error, Invalid, Result};
 
 /// Reads a DNG, TIFF, PBM, PGM, PPM or NPY file. Only DNG says more than the numbers: of the others, grey ones are taken
@@ -13,6 +14,29 @@ use photosite_core::{Error, Invalid, Result};
 pub fn read(path: &Path) -> Result<RawImage> {
     let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
     read_any(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
+}
+
+impl RawImage {
+    /// Writes it in the format that the extension asks for: .dng, which holds all that is known of it, or .tiff, .pgm or
+    /// .npy, which hold its numbers. The file appears whole or not at all; an older one is replaced.
+    ///
+    /// # Errors
+    ///
+    /// Another extension, an image that the format cannot hold, a folder that is not there.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        let path = path.as_ref();
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        match extension.as_str() {
+            "dng" => write_whole(path, |to| write_dng(self, to)),
+            "tif" | "tiff" => write_whole(path, |to| write_tiff(self, to)),
+            "pgm" => write_whole(path, |to| write_pgm(self, to)),
+            "npy" => write_whole(path, |to| write_npy(self, to)),
+            _ => {
+                let message = format!("{extension:?} is no kind of raw file that can be written");
+                Err(Invalid::new("", message).help("end the name in .dng, .tiff, .pgm or .npy").in_file(path))
+            }
+        }
+    }
 }
 
 fn read_any<R: Read + Seek>(mut from: BufReader<R>) -> std::result::Result<RawImage, Invalid> {
@@ -48,7 +72,7 @@ mod tests {
         let mut random = Philox::new(7, 0);
         for cfa in ["mono", "full:RGB", "RGGB"] {
             let cfa = Cfa::parse(cfa).expect("known");
-            let data = (0..12 * cfa.samples_per_pixel() as u16).map(|i| i * 3_000).collect();
+            let data = (0..12 * cfa.samples_per_pixel() as u16).map(|i| i.wrapping_mul(3_000)).collect();
             let raw = RawImage { width: 4, height: 3, data, cfa, ..RawImage::default() };
             let [mut dng, mut tiff, mut pgm, mut npy] = [const { Vec::new() }; 4];
             write_dng(&raw, Cursor::new(&mut dng)).expect("written");

@@ -183,6 +183,7 @@ fn places(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use photosite_core::projection::FisheyeLaw;
 
     const SIZE: [usize; 2] = [640, 480];
 
@@ -228,6 +229,9 @@ mod tests {
             ("polynomial", lens(Projection::Polynomial { k: [0.1, 0.02] }, 600.0, 600.0, 0.0), 1.0),
             ("division", lens(Projection::Division { lambda: -0.2 }, 600.0, 600.0, 0.0), 1.0),
             ("fisheye", lens(fisheye, 500.0, 500.0, 0.0), 1.0),
+            ("equisolid", lens(Projection::ClassicalFisheye(FisheyeLaw::Equisolid), 500.0, 500.0, 0.0), 1.0),
+            ("stereographic", lens(Projection::ClassicalFisheye(FisheyeLaw::Stereographic), 500.0, 500.0, 0.0), 1.0),
+            ("orthographic", lens(Projection::ClassicalFisheye(FisheyeLaw::Orthographic), 500.0, 500.0, 0.0), 1.0),
             ("fisheye of wide pixels", lens(fisheye, 500.0, 700.0, 0.0), 1.4),
         ] {
             let warp = Warp::of_lens(&lens, SIZE, aspect).unwrap_or_else(|| panic!("{what}"));

@@ -34,6 +34,7 @@ mod fixed_pattern;
 mod flicker;
 mod format;
 mod full_well;
+mod image_lag;
 mod iso;
 mod layers;
 mod light_noise;
@@ -43,6 +44,7 @@ mod logarithmic;
 mod masked_pixels;
 mod model;
 mod noise_key;
+mod noise_map;
 mod noise_maps;
 mod noise_model;
 mod photo_response;
@@ -69,8 +71,9 @@ pub use description::{
     TelegraphDescription,
 };
 pub use dual_gain::DualGain;
-pub use expose::{expose, expose_with_maps};
+pub use expose::{Exposed, expose, expose_after, expose_with_maps};
 pub use exposure::{Exposure, Window};
+pub use image_lag::{ImageLag, ImageLagDescription, LeftCharge};
 pub use light_noise::{Neighbours, noise_ratio, samples_needed, smoothed_mean};
 pub use linearisation::Linearisation;
 pub use logarithmic::Logarithmic;
@@ -79,7 +82,8 @@ pub use model::{
     Architecture, Converter, DarkCurrentLaw, Defects, FixedPattern, Flicker, Noise, ResetNoise, SensorModel, Telegraph,
 };
 pub use noise_key::NoiseKey;
-pub use noise_maps::{MapUnit, NoiseMap, NoiseMaps};
+pub use noise_map::{MapUnit, NoiseMap};
+pub use noise_maps::NoiseMaps;
 pub use photon_counting::{Counting, Spad};
 pub use shutter::Shutter;
 pub use stage::{Stage, Stages};

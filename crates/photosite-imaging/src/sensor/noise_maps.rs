@@ -10,9 +10,6 @@
 
 use std::sync::{Mutex, MutexGuard};
 
-use schemars::JsonSchema;
-use serde::Deserialize;
-
 use crate::raw::{Area, Cfa};
 use photosite_core::Invalid;
 use photosite_core::image::{Channel, Planes};
@@ -21,181 +18,8 @@ use super::amplifiers::Gain;
 use super::charge_plane::{ChargePlane, Row, RowStage};
 use super::dark_current::DarkCurrent;
 use super::digital_gain::DigitalGain;
+use super::noise_map::{MapUnit, NoiseMap};
 use super::{Binning, BinningMethod, Converter, SensorModel};
-
-/// An effect whose part of a picture can be told. Its name ends with its unit, but for those that have none.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum NoiseMap {
-    /// The noise-free mean photo-electrons of the pixel: what the others are added to, e⁻.
-    PhotoElectronsE,
-    /// Electrons that neighbours collect, e⁻.
-    CrosstalkE,
-    /// Light that reaches charge on the move, e⁻.
-    SmearE,
-    /// Photo response non-uniformity, e⁻.
-    PrnuE,
-    /// What dead pixels do not see, e⁻.
-    DeadPixelsE,
-    /// Photon shot noise, e⁻.
-    PhotonShotNoiseE,
-    /// Of single-photon counters: shot noise, dark counts, what is lost in dead times and what afterpulses add, e⁻.
-    PhotonCountingE,
-    /// Mean dark current, e⁻.
-    DarkCurrentE,
-    /// Dark current non-uniformity, e⁻.
-    DarkCurrentNonuniformityE,
-    /// Shot noise of the dark current, e⁻.
-    DarkShotNoiseE,
-    /// What hot pixels have more, with its shot noise, e⁻.
-    HotPixelsE,
-    /// Boundaries between pixels that move with their charge, e⁻.
-    BrighterFatterE,
-    /// Charge that overflows along columns, e⁻.
-    BloomingE,
-    /// What does not fit into the full well, e⁻.
-    FullWellE,
-    /// The bend of logarithmic pixels, e⁻.
-    LogarithmicResponseE,
-    /// Charge that stays behind, or arrives late, when it is shifted, e⁻.
-    ChargeTransferE,
-    /// 1/f noise, e⁻.
-    FlickerNoiseE,
-    /// Reset noise (kTC), e⁻.
-    ResetNoiseE,
-    /// Random telegraph noise, e⁻.
-    TelegraphNoiseE,
-    /// Dark signal non-uniformity of the read-out, e⁻.
-    DsnuE,
-    /// Noise that rows share, e⁻.
-    RowNoiseE,
-    /// Noise that columns share, e⁻.
-    ColumnNoiseE,
-    /// The bend of the amplifiers, e⁻.
-    AmplifierNonlinearityE,
-    /// Read noise, e⁻; with two gains, that of the amplifier that counts.
-    ReadNoiseE,
-    /// Gains and offsets of column amplifiers, DN.
-    ColumnAmplifiersDn,
-    /// What lies beyond the ends of the converter, DN.
-    ClippingDn,
-    /// Steps of the converter that are not of equal width, DN.
-    AdcNonlinearityDn,
-    /// Rounding to whole numbers, DN; with two gains, all that their converters do.
-    QuantisationDn,
-    /// What stuck pixels read in place of the signal, DN.
-    StuckPixelsDn,
-    /// Rounding and ends of numbers that are binned and multiplied, DN.
-    RoundingDn,
-    /// Companding, DN.
-    CompandingDn,
-    /// Transmission errors, DN.
-    TransmissionErrorsDn,
-    /// The gain map behind `prnu_e`: response over the mean response. It is no part of the sum.
-    PrnuGain,
-    /// 1 where a full well or the end of the converter has cut the signal, 0 elsewhere. It is no part of the sum.
-    Saturated,
-}
-
-/// What the numbers of a map count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MapUnit {
-    /// Electrons: K of them are a digital number.
-    Electrons,
-    /// Digital numbers.
-    DigitalNumbers,
-    /// Neither; the map is no part of the sum.
-    None,
-}
-
-impl NoiseMap {
-    /// All maps, in the order of the chain.
-    pub const ALL: [Self; 34] = [
-        Self::PhotoElectronsE,
-        Self::CrosstalkE,
-        Self::SmearE,
-        Self::PrnuE,
-        Self::DeadPixelsE,
-        Self::PhotonShotNoiseE,
-        Self::PhotonCountingE,
-        Self::DarkCurrentE,
-        Self::DarkCurrentNonuniformityE,
-        Self::DarkShotNoiseE,
-        Self::HotPixelsE,
-        Self::BrighterFatterE,
-        Self::BloomingE,
-        Self::FullWellE,
-        Self::LogarithmicResponseE,
-        Self::ChargeTransferE,
-        Self::FlickerNoiseE,
-        Self::ResetNoiseE,
-        Self::TelegraphNoiseE,
-        Self::DsnuE,
-        Self::RowNoiseE,
-        Self::ColumnNoiseE,
-        Self::AmplifierNonlinearityE,
-        Self::ReadNoiseE,
-        Self::ColumnAmplifiersDn,
-        Self::ClippingDn,
-        Self::AdcNonlinearityDn,
-        Self::QuantisationDn,
-        Self::StuckPixelsDn,
-        Self::RoundingDn,
-        Self::CompandingDn,
-        Self::TransmissionErrorsDn,
-        Self::PrnuGain,
-        Self::Saturated,
-    ];
-
-    /// Its name in files, which ends with its unit.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PhotoElectronsE => "photo_electrons_e",
-            Self::CrosstalkE => "crosstalk_e",
-            Self::SmearE => "smear_e",
-            Self::PrnuE => "prnu_e",
-            Self::DeadPixelsE => "dead_pixels_e",
-            Self::PhotonShotNoiseE => "photon_shot_noise_e",
-            Self::PhotonCountingE => "photon_counting_e",
-            Self::DarkCurrentE => "dark_current_e",
-            Self::DarkCurrentNonuniformityE => "dark_current_nonuniformity_e",
-            Self::DarkShotNoiseE => "dark_shot_noise_e",
-            Self::HotPixelsE => "hot_pixels_e",
-            Self::BrighterFatterE => "brighter_fatter_e",
-            Self::BloomingE => "blooming_e",
-            Self::FullWellE => "full_well_e",
-            Self::LogarithmicResponseE => "logarithmic_response_e",
-            Self::ChargeTransferE => "charge_transfer_e",
-            Self::FlickerNoiseE => "flicker_noise_e",
-            Self::ResetNoiseE => "reset_noise_e",
-            Self::TelegraphNoiseE => "telegraph_noise_e",
-            Self::DsnuE => "dsnu_e",
-            Self::RowNoiseE => "row_noise_e",
-            Self::ColumnNoiseE => "column_noise_e",
-            Self::AmplifierNonlinearityE => "amplifier_nonlinearity_e",
-            Self::ReadNoiseE => "read_noise_e",
-            Self::ColumnAmplifiersDn => "column_amplifiers_dn",
-            Self::ClippingDn => "clipping_dn",
-            Self::AdcNonlinearityDn => "adc_nonlinearity_dn",
-            Self::QuantisationDn => "quantisation_dn",
-            Self::StuckPixelsDn => "stuck_pixels_dn",
-            Self::RoundingDn => "rounding_dn",
-            Self::CompandingDn => "companding_dn",
-            Self::TransmissionErrorsDn => "transmission_errors_dn",
-            Self::PrnuGain => "prnu_gain",
-            Self::Saturated => "saturated",
-        }
-    }
-
-    /// What it counts, as the end of its name says.
-    pub fn unit(self) -> MapUnit {
-        match self.name().rsplit_once('_') {
-            Some((_, "e")) => MapUnit::Electrons,
-            Some((_, "dn")) => MapUnit::DigitalNumbers,
-            Some(_) | None => MapUnit::None,
-        }
-    }
-}
 
 /// The maps of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -286,8 +110,11 @@ impl Recorder {
     }
 
     /// Tells the mean of thermal electrons from their shot noise.
-    pub(super) fn split_dark_current(&self, dark_current: Option<&DarkCurrent>) {
-        let Some(DarkCurrent { electrons, .. }) = dark_current else { return };
+    pub(super) fn split_dark_current(&self, dark_current: impl FnOnce() -> Option<DarkCurrent>) {
+        let Some(DarkCurrent { electrons, .. }) = Some(dark_current).filter(|_| !self.is_off()).and_then(|make| make())
+        else {
+            return;
+        };
         let (mean, of_pixel) = (electrons.mean(), |x, y| electrons.of_pixel(x, y));
         self.map(NoiseMap::DarkCurrentE, |_, _, value| *value += mean as f32);
         self.map(NoiseMap::DarkCurrentNonuniformityE, |x, y, value| *value += (of_pixel(x, y) - mean) as f32);
@@ -295,8 +122,9 @@ impl Recorder {
     }
 
     /// Takes down the response of every pixel.
-    pub(super) fn gains(&self, photo_response: &impl RowStage) {
+    pub(super) fn gains<S: RowStage>(&self, photo_response: impl FnOnce() -> S) {
         let Some(index) = self.index(NoiseMap::PrnuGain) else { return };
+        let photo_response = photo_response();
         for y in 0..self.rows.len() {
             let values = &mut self.row(y)[index];
             values.fill(1.0);

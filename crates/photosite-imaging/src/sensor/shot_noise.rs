@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 use rand::distr::Distribution;
-use rand_distr::{Poisson, StandardNormal};
+use rand_distr::{Binomial, Poisson, StandardNormal};
 
 use photosite_core::math::philox::Philox;
 
@@ -29,6 +29,12 @@ impl RowStage for ShotNoise {
     fn apply(&self, row: &mut Row<'_>) {
         self.streams.pixels(row, |_, mean, random| poisson(f64::from(mean), random) as f32);
     }
+}
+
+/// How many of `count` electrons, each with this probability. The count is whole, not negative and far below 2⁵³, the
+/// probability within 0–1.
+pub(super) fn binomial(count: f64, probability: f64, random: &mut Philox) -> f64 {
+    Binomial::new(count as u64, probability).map_or(0.0, |distribution| distribution.sample(random) as f64)
 }
 
 /// A Poisson-distributed number. `mean` is finite and not negative.

@@ -3,12 +3,26 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A physical effect between mean electrons and digital numbers that can be left out, in the order of
-/// [`expose`](super::expose()). Its number keys its random numbers and is part of what a seed means: it stays when others
-/// come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stage {
+/// Declares [`Stage`] by its table: what a stage does, its name and its number.
+macro_rules! stages {
+    ($($(#[$doc:meta])* $stage:ident = $number:literal,)+) => {
+        /// A physical effect between mean electrons and digital numbers that can be left out, in the order of
+        /// [`expose`](super::expose()). Its number keys its random numbers and is part of what a seed means: it stays when
+        /// others come.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Stage {
+            $($(#[$doc])* $stage = $number,)+
+        }
+
+        impl Stage {
+            /// All stages, in the order of the chain.
+            pub const ALL: [Self; [$($number),+].len()] = [$(Self::$stage),+];
+        }
+    };
+}
+
+stages! {
     /// Electrons that are collected by a neighbour of the pixel that the light fell on.
     Crosstalk = 7,
     /// Light that reaches the columns of a CCD while their charge is on the move.
@@ -33,6 +47,8 @@ pub enum Stage {
     Blooming = 43,
     /// The end of what a pixel can hold.
     FullWell = 6,
+    /// Charge that stays in the pixel when it is read out, and comes with later frames.
+    ImageLag = 47,
     /// Electrons that stay behind when rows are shifted.
     VerticalTransfer = 44,
     /// Electrons that stay behind in the read-out register.
@@ -63,39 +79,6 @@ pub enum Stage {
     StuckPixels = 19,
     /// Numbers that arrive as others.
     TransmissionErrors = 20,
-}
-
-impl Stage {
-    /// All stages, in the order of the chain.
-    pub const ALL: [Self; 27] = [
-        Self::Crosstalk,
-        Self::Smear,
-        Self::PhotoResponse,
-        Self::DeadPixels,
-        Self::ShotNoise,
-        Self::DarkCurrent,
-        Self::DarkCurrentNonuniformity,
-        Self::HotPixels,
-        Self::PhotonCounting,
-        Self::BrighterFatter,
-        Self::Blooming,
-        Self::FullWell,
-        Self::VerticalTransfer,
-        Self::HorizontalTransfer,
-        Self::Flicker,
-        Self::ResetNoise,
-        Self::Telegraph,
-        Self::DarkOffset,
-        Self::ReadNoise,
-        Self::LowGainReadNoise,
-        Self::RowNoise,
-        Self::ColumnNoise,
-        Self::AmplifierNonlinearity,
-        Self::ColumnAmplifiers,
-        Self::ConverterNonlinearity,
-        Self::StuckPixels,
-        Self::TransmissionErrors,
-    ];
 }
 
 /// Which stages take part. Leaving one out leaves the random numbers of all others as they were.

@@ -4,7 +4,7 @@
 //! with the variance of every pixel (of both: a difference has none without). Out: a [`Comparison`] of numbers per channel with z-scores ([`ZScores`]) and a
 //! [`Verdict`], what of it is past the [`Limits`] that a user sets, and a [`FalseColour`] picture of the differences.
 //!
-//! Files are left to [`io::picture_file`](crate::io::picture_file) and [`io::developed`](crate::io::developed).
+//! Files are left to `photosite::io`.
 
 mod compare;
 mod false_colour;

@@ -6,9 +6,12 @@
 //!
 //! [`wide_bvh`]: super::wide_bvh
 
+mod filter;
+mod interleaved;
 mod packet;
-mod query;
-mod turns;
+pub(super) mod query;
+mod single;
+mod strategy;
 
 use std::ops::Range;
 
@@ -23,16 +26,16 @@ use rayon::prelude::*;
 use super::bounds::{Bounds, union};
 use super::chunks::Chunks;
 use super::collapse::{BinaryTree, LEAF_SIZE};
+use super::linear_scan::LinearScan;
 use super::motion::{Motion, Transform};
-use super::sweep::Sweep;
 use super::triangle_block::TriangleBlock;
 use super::wide_bvh::WideBvh;
 use super::{Geometry, Sphere};
 use photosite_core::math::float::gamma;
 use photosite_simd::{compact, prefer_huge_pages};
-use query::SPHERE;
+use single::SPHERE;
 
-pub use query::{AcceptAll, HitFilter};
+pub use filter::{AcceptAll, HitFilter};
 
 /// A group of triangles somewhere in the world.
 #[derive(Clone, Debug)]
@@ -74,7 +77,7 @@ pub struct Accel {
     /// Over the placements; `None` where there is none, or a single one of a rigid group in world space.
     top: Option<TopLevel>,
     /// All triangles, where they are so few that several rays together need no hierarchy.
-    pub(super) sweep: Option<Sweep>,
+    pub(super) linear_scan: Option<LinearScan>,
     /// Whether rays often wait for the memory.
     pub(super) exceeds_caches: bool,
 }
@@ -107,16 +110,16 @@ impl Accel {
     /// deforms are a group of their own.
     pub fn build(geometry: &Geometry, ranges: &[Range<u32>], placements: Vec<Placement>) -> Self {
         let groups: Vec<_> = ranges.iter().map(|range| Group::build(geometry, range)).collect();
-        let is_alone =
+        let is_single =
             matches!((&placements[..], &groups[..]), ([Placement { place: Place::World, .. }], [Group::Rigid(_)]));
-        let top = (!placements.is_empty() && !is_alone).then(|| TopLevel::build(&groups, &placements));
-        let sweep = is_alone.then(|| {
+        let top = (!placements.is_empty() && !is_single).then(|| TopLevel::build(&groups, &placements));
+        let linear_scan = is_single.then(|| {
             let range = ranges[placements[0].group as usize].clone();
-            Sweep::new(geometry, range, groups[0].bounds())
+            LinearScan::new(geometry, range, groups[0].bounds())
         });
-        let sweep = sweep.flatten();
-        let exceeds_caches = turns::exceed_caches(groups.iter().map(Group::blocks).sum());
-        Self { groups, placements, top, sweep, exceeds_caches }
+        let linear_scan = linear_scan.flatten();
+        let exceeds_caches = interleaved::exceed_caches(groups.iter().map(Group::blocks).sum());
+        Self { groups, placements, top, linear_scan, exceeds_caches }
     }
 
     /// The placements.

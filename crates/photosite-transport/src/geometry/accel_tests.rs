@@ -166,7 +166,7 @@ fn spheres() -> Accel {
 }
 
 #[test]
-fn rays_that_take_turns_meet_what_each_meets_alone() {
+fn interleaved_rays_hit_what_each_hits_alone() {
     let mut numbers = Numbers(5);
     let g = sphere(16, 32);
     let nothing = Accel::build(&g, &[], vec![]);
@@ -181,7 +181,7 @@ fn rays_that_take_turns_meet_what_each_meets_alone() {
         ("nothing", nothing.clone()),
         ("nothing large", as_if_large(nothing)),
     ] {
-        // More and fewer than take turns at once, and some that are short.
+        // More and fewer than are interleaved, and some that are short.
         for count in [0, 1, 7, 8, 9, 23, 24, 25, 300] {
             let ray = |i: usize| {
                 let direction = warp::uniform_sphere([numbers.next(), numbers.next()]);

@@ -8,9 +8,7 @@ use glam::Vec3;
 
 use super::bounds::{Bounds, NOTHING, half_area, union};
 use super::collapse::BinaryTree;
-
-/// Primitives of a part, at most.
-const CHUNK_SIZE: usize = 1 << 16;
+use crate::tuning::BUILD_CHUNK_SIZE;
 
 /// Planes that are tried along each axis, and one.
 const BINS: usize = 32;
@@ -48,7 +46,7 @@ impl Chunks {
         while let Some((node, range)) = open.pop() {
             let primitives = &mut chunks.primitives[range.clone()];
             let all = primitives.iter().map(|&p| bounds(p)).fold(NOTHING, union);
-            let content = if range.len() <= CHUNK_SIZE {
+            let content = if range.len() <= BUILD_CHUNK_SIZE {
                 chunks.chunks.push(range);
                 Content::Chunk(chunks.chunks.len() as u32 - 1)
             } else {

@@ -7,6 +7,7 @@
 use super::bounds::{Bounds, half_area};
 use super::triangle_block::BLOCK_SIZE;
 use super::wide_node::WIDTH;
+use crate::tuning::LEAF_COST;
 
 /// A binary hierarchy; its root is node 0.
 pub(super) trait BinaryTree {
@@ -22,9 +23,6 @@ pub(super) trait BinaryTree {
 
 /// Primitives in a leaf of the wide tree, at most: as many as are tested at once.
 pub(super) const LEAF_SIZE: usize = BLOCK_SIZE;
-
-/// Cost of a leaf, in visits of a node.
-const LEAF_COST: f32 = 0.7;
 
 /// The wide tree that costs least.
 pub(super) struct Collapse<'a, T> {

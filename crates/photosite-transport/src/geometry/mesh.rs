@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::Sphere;
+use crate::tuning::TRIANGLES_BEYOND_CACHES;
 use photosite_core::math::Real;
 use photosite_simd::prefetch;
 
@@ -93,8 +94,7 @@ impl Geometry {
     /// Whether there are more triangles than the caches have room for, so that it is worth asking the memory for some ahead of
     /// time.
     pub(crate) fn exceeds_caches(&self) -> bool {
-        const MANY: usize = 1 << 15;
-        self.triangles.len() > MANY
+        self.triangles.len() > TRIANGLES_BEYOND_CACHES
     }
 
     /// Asks the memory for what [`Self::prefetch_corners`] needs.
@@ -229,5 +229,5 @@ where
     R: Real,
     T: std::ops::Mul<R, Output = T> + std::ops::Add<Output = T>,
 {
-    a * (R::splat(1.0) - b1 - b2) + b * b1 + c * b2
+    a * (b1.broadcast(1.0) - b1 - b2) + b * b1 + c * b2
 }

@@ -113,8 +113,8 @@ impl SurfacePoint {
 #[inline(always)]
 pub(crate) fn on_triangle<R: Real>([a, b, c]: [Vector<R>; 3], [b1, b2]: [R; 2]) -> (Vector<R>, Vector<R>, Vector<R>) {
     // pbrt4 §6.8.5: seven roundings at most lie between the corners and their weighted sum.
-    let of_first = (R::splat(1.0) - b1 - b2).abs();
-    let error = (a.abs() * of_first + b.abs() * b1 + c.abs() * b2) * R::splat(gamma(7));
+    let of_first = (b1.broadcast(1.0) - b1 - b2).abs();
+    let error = (a.abs() * of_first + b.abs() * b1 + c.abs() * b2) * b1.broadcast(gamma(7));
     (interpolate([a, b, c], [b1, b2]), error, (b - a).cross(c - a))
 }
 

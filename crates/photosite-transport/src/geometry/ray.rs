@@ -67,7 +67,7 @@ pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec
 pub(crate) fn offset<R: Real>(p: Vector<R>, error: Vector<R>, normal: Vector<R>, direction: Vector<R>) -> Vector<R> {
     let u = 0.5 * f32::EPSILON;
     // Twice u for p, and four times for d, pay for the roundings of these products too.
-    let distance = normal.abs().dot(error + p.abs() * R::splat(2.0 * u)) * R::splat(1.0 + 4.0 * u);
+    let distance = normal.abs().dot(error + p.abs() * p.x.broadcast(2.0 * u)) * p.x.broadcast(1.0 + 4.0 * u);
     p + normal * distance.copysign(direction.dot(normal))
 }
 

@@ -29,18 +29,16 @@ impl Sphere {
     /// Haines et al., "Precision Improvements for Ray/Sphere Intersection", in Ray Tracing Gems, 2019).
     #[inline(always)]
     pub(super) fn sides<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
-        let zero = R::splat(0.0);
-        let radius = R::splat(self.radius);
-        let from_centre = origin - Vector::splat(self.centre);
+        let from_centre = origin - origin.broadcast(self.centre);
         let a = direction.dot(direction);
+        let (zero, radius, nowhere) = (a.broadcast(0.0), a.broadcast(self.radius), a.broadcast(f32::NAN));
         let b = -from_centre.dot(direction);
         let nearest = from_centre + direction * (b / a);
         let discriminant = radius * radius - nearest.dot(nearest);
-        let q = b + (a * discriminant.most(zero)).sqrt().copysign(b);
+        let q = b + (a * discriminant.max(zero)).sqrt().copysign(b);
         let (t0, t1) = ((from_centre.dot(from_centre) - radius * radius) / q, q / a);
-        let is_met = zero.is_at_most(discriminant);
-        let nowhere = R::splat(f32::NAN);
-        [R::select(is_met, t0.least(t1), nowhere), R::select(is_met, t0.most(t1), nowhere)]
+        let is_met = zero.le(discriminant);
+        [R::select(is_met, t0.min(t1), nowhere), R::select(is_met, t0.max(t1), nowhere)]
     }
 
     /// The numbers of the point that a ray meets at t.

@@ -11,7 +11,7 @@ use glam::Vec3;
 use super::Sphere;
 use photosite_core::math::Real;
 use photosite_core::math::float::gamma;
-use photosite_simd::{LaneMask, Lanes};
+use photosite_simd::{LaneMask, Lanes, Simd};
 
 /// Triangles in a block, at most, and vertices.
 pub(super) const BLOCK_SIZE: usize = 8;
@@ -90,49 +90,51 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
 
     /// Vertices along an axis, so far on the way from the first shape to the second.
     #[inline(always)]
-    fn along<L: Lanes>(&self, axis: usize, part: f32) -> L {
-        let from = L::load(&self.vertices[0][axis]);
+    fn along<S: Simd>(&self, simd: S, axis: usize, part: f32) -> S::Lanes {
+        let from = simd.load(&self.vertices[0][axis]);
         if SHAPES == 1 {
             return from;
         }
-        from * L::splat(1.0 - part) + L::load(&self.vertices[1][axis]) * L::splat(part)
+        from * simd.broadcast(1.0 - part) + simd.load(&self.vertices[1][axis]) * simd.broadcast(part)
     }
 
     /// Vertices relative to the origin of the ray, sheared so that it runs along z.
     #[inline(always)]
-    fn shear<L: Lanes>(&self, ray: &ShearedRay, part: f32) -> [L; 3] {
+    fn shear<S: Simd>(&self, simd: S, ray: &ShearedRay, part: f32) -> [S::Lanes; 3] {
         let [kx, ky, kz] = ray.axes;
-        let x = self.along::<L>(kx, part) - L::splat(ray.origin[kx]);
-        let y = self.along::<L>(ky, part) - L::splat(ray.origin[ky]);
-        let z = self.along::<L>(kz, part) - L::splat(ray.origin[kz]);
+        let x = self.along(simd, kx, part) - simd.broadcast(ray.origin[kx]);
+        let y = self.along(simd, ky, part) - simd.broadcast(ray.origin[ky]);
+        let z = self.along(simd, kz, part) - simd.broadcast(ray.origin[kz]);
         let [sx, sy, sz] = ray.shear;
-        [x - L::splat(sx) * z, y - L::splat(sy) * z, L::splat(sz) * z]
+        [x - simd.broadcast(sx) * z, y - simd.broadcast(sy) * z, simd.broadcast(sz) * z]
     }
 
     /// Where the ray meets the triangles, from either side; `None` where it does not.
     #[inline(always)]
-    pub(super) fn intersect<L: Lanes>(&self, ray: &ShearedRay, part: f32, t_max: f32) -> Option<BlockHits> {
-        let vertices = self.shear::<L>(ray, part);
-        let a = permute(vertices, &self.corners[0]);
-        let b = permute(vertices, &self.corners[1]);
-        let c = permute(vertices, &self.corners[2]);
+    pub(super) fn intersect<S: Simd>(&self, simd: S, ray: &ShearedRay, part: f32, t_max: f32) -> Option<BlockHits> {
+        let vertices = self.shear(simd, ray, part);
+        // Each vertex is sheared once; the triangles pick theirs.
+        let a = permute(simd, vertices, &self.corners[0]);
+        let b = permute(simd, vertices, &self.corners[1]);
+        let c = permute(simd, vertices, &self.corners[2]);
+        // Edge functions: all of one sign where the ray passes inside.
         let (u, v, w) = (double_area(c, b), double_area(a, c), double_area(b, a));
-        let (smallest, largest) = (u.least(v).least(w), u.most(v).most(w));
-        let zero = L::splat(0.0);
-        let inside = zero.is_at_most(smallest).bits() | largest.is_at_most(zero).bits();
+        let (smallest, largest) = (u.min(v).min(w), u.max(v).max(w));
+        let zero = simd.broadcast(0.0);
+        let inside = zero.le(smallest).bits() | largest.le(zero).bits();
         if inside == 0 {
             return None;
         }
         let sum = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
-        let edge_on = sum.is_at_most(zero) & zero.is_at_most(sum);
-        let mut mask = inside & (!edge_on & zero.is_below(t) & t.is_at_most(L::splat(t_max))).bits();
+        let edge_on = sum.le(zero) & zero.le(sum);
+        let mut mask = inside & (!edge_on & zero.lt(t) & t.le(simd.broadcast(t_max))).bits();
         if mask == 0 {
             return None;
         }
         // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
-        let inverse_scale = L::splat(1.0 / ray.shear[2].abs());
-        mask &= distance_error([a, b, c], [u, v, w], sum, inverse_scale).is_below(t).bits();
+        let inverse_scale = simd.broadcast(1.0 / ray.shear[2].abs());
+        mask &= distance_error([a, b, c], [u, v, w], sum, inverse_scale).lt(t).bits();
         if mask == 0 {
             return None;
         }
@@ -142,8 +144,8 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
 
 /// A function rather than a closure, which would not be inlined into a function for wide registers.
 #[inline(always)]
-fn permute<L: Lanes>([x, y, z]: [L; 3], indices: &[u8; BLOCK_SIZE]) -> [L; 3] {
-    let indices = L::indices(indices);
+fn permute<S: Simd>(simd: S, [x, y, z]: [S::Lanes; 3], indices: &[u8; BLOCK_SIZE]) -> [S::Lanes; 3] {
+    let indices = simd.indices(indices);
     [x.permute(indices), y.permute(indices), z.permute(indices)]
 }
 
@@ -169,18 +171,18 @@ pub(super) fn distance_error<R: Real>([a, b, c]: [[R; 3]; 3], [u, v, w]: [R; 3],
 /// ones it is not smaller.
 #[inline(always)]
 pub(super) fn error_of_sum<R: Real>([x, y, z]: [R; 3], e: R, inverse_scale: R) -> R {
-    let (g2, g3, g5) = (R::splat(gamma(2)), R::splat(gamma(3)), R::splat(gamma(5)));
+    let (g2, g3, g5) = (e.broadcast(gamma(2)), e.broadcast(gamma(3)), e.broadcast(gamma(5)));
     let before_scaling = z * inverse_scale;
     let dx = (x + before_scaling) * g5;
     let dy = (y + before_scaling) * g5;
     let dz = z * g3;
-    let de = (g2 * x * y + dy * x + dx * y) * R::splat(2.0);
-    (g3 * e * z + de * z + dz * e) * R::splat(3.0)
+    let de = (g2 * x * y + dy * x + dx * y) * e.broadcast(2.0);
+    (g3 * e * z + de * z + dz * e) * e.broadcast(3.0)
 }
 
 #[inline(always)]
 fn largest_magnitude<R: Real>(a: R, b: R, c: R) -> R {
-    a.abs().most(b.abs()).most(c.abs())
+    a.abs().max(b.abs()).max(c.abs())
 }
 
 /// The axis along which a direction is longest.

@@ -8,7 +8,7 @@ use super::bounds::half_area;
 use super::collapse::{BinaryTree, Collapse, LEAF_SIZE, Member};
 use super::traversal_stack::{Entry, TraversalStack};
 use super::wide_node::{SlabLanes, SlabRay, WideNode, beyond_rounding};
-use photosite_simd::{Lanes, compact, prefer_huge_pages, prefetch};
+use photosite_simd::{Lanes, Simd, compact, prefer_huge_pages, prefetch};
 
 /// Set in the number of a child that is a leaf, beside what the leaf visitor knows it by.
 const LEAF: u32 = 1 << 31;
@@ -111,17 +111,18 @@ impl WideBvh {
     /// visitor takes any order, and returns whether the visitor ended the traversal. The visitor may shorten `t_max`, unless
     /// it takes any order.
     #[inline(always)]
-    pub(super) fn traverse<L: Lanes, V: LeafVisitor>(
+    pub(super) fn traverse<S: Simd, V: LeafVisitor>(
         &self,
+        simd: S,
         origin: Vec3,
         direction: Vec3,
         t_max: &mut f32,
         visitor: &mut V,
     ) -> bool {
-        let ray = SlabRay::new(origin, direction).in_lanes();
+        let ray = SlabRay::new(origin, direction).in_lanes(simd);
         let (mut next, mut stack) = (0, TraversalStack::new());
         loop {
-            match self.step::<L, V, false>(&ray, &mut next, &mut stack, t_max, visitor) {
+            match self.step::<S, V, false>(simd, &ray, &mut next, &mut stack, t_max, visitor) {
                 ControlFlow::Continue(()) => {}
                 ControlFlow::Break(is_ended) => return is_ended,
             }
@@ -131,18 +132,19 @@ impl WideBvh {
     /// The same a step at a time: visits the node or leaf that is `next`, at first number 0, and puts what comes then in its
     /// place. Breaks with whether the visitor has ended the traversal.
     ///
-    /// `ALTERNATES` says whether other rays make steps between two of this one: then it is the next step that is worth asking the
-    /// memory for, and later ones can wait.
+    /// `INTERLEAVED` says whether other rays make steps between two of this one: then the next node is prefetched, and later ones
+    /// can wait.
     #[inline(always)]
-    pub(super) fn step<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
+    pub(super) fn step<S: Simd, V: LeafVisitor, const INTERLEAVED: bool>(
         &self,
-        ray: &SlabLanes<L>,
+        simd: S,
+        ray: &SlabLanes<S>,
         next: &mut u32,
         stack: &mut TraversalStack,
         t_max: &mut f32,
         visitor: &mut V,
     ) -> ControlFlow<bool> {
-        match self.visit::<L, V, ALTERNATES>(ray, *next, stack, t_max, visitor) {
+        match self.visit::<S, V, INTERLEAVED>(simd, ray, *next, stack, t_max, visitor) {
             ControlFlow::Continue(Some(child)) => *next = child,
             ControlFlow::Continue(None) => loop {
                 match stack.pop() {
@@ -156,7 +158,7 @@ impl WideBvh {
             },
             ControlFlow::Break(()) => return ControlFlow::Break(true),
         }
-        if ALTERNATES {
+        if INTERLEAVED {
             self.prefetch(*next, visitor);
         }
         ControlFlow::Continue(())
@@ -165,33 +167,34 @@ impl WideBvh {
     /// Visits a node, of which it returns the child to visit first if the ray enters any, or a leaf. Breaks where the visitor
     /// ends the traversal.
     #[inline(always)]
-    fn visit<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
+    fn visit<S: Simd, V: LeafVisitor, const INTERLEAVED: bool>(
         &self,
-        ray: &SlabLanes<L>,
+        simd: S,
+        ray: &SlabLanes<S>,
         current: u32,
         stack: &mut TraversalStack,
         t_max: &mut f32,
         visitor: &mut V,
     ) -> ControlFlow<(), Option<u32>> {
         if current & LEAF != 0 {
-            let is_ended = visitor.visit::<L>(current & !LEAF, t_max);
+            let is_ended = visitor.visit(simd, current & !LEAF, t_max);
             return if is_ended { ControlFlow::Break(()) } else { ControlFlow::Continue(None) };
         }
         let node = &self.nodes[current as usize];
-        let (hits, near) = node.enter(ray, *t_max);
+        let (hits, near) = node.enter(simd, ray, *t_max);
         if hits == 0 {
             return ControlFlow::Continue(None);
         }
         ControlFlow::Continue(Some(if V::ANY_ORDER {
-            self.choose_largest::<V, ALTERNATES>(node, hits, stack, visitor)
+            self.choose_largest::<V, INTERLEAVED>(node, hits, stack, visitor)
         } else {
-            self.choose_nearest::<L, V, ALTERNATES>(node, hits, near, stack, visitor)
+            self.choose_nearest::<S::Lanes, V, INTERLEAVED>(node, hits, near, stack, visitor)
         }))
     }
 
     /// The largest child that the ray enters, which is the likeliest to hold a hit. The others are left for later.
     #[inline(always)]
-    fn choose_largest<V: LeafVisitor, const ALTERNATES: bool>(
+    fn choose_largest<V: LeafVisitor, const INTERLEAVED: bool>(
         &self,
         node: &WideNode,
         mut hits: u32,
@@ -204,7 +207,7 @@ impl WideBvh {
         while hits != 0 {
             let child = node.children[hits.trailing_zeros() as usize];
             hits &= hits - 1;
-            if !ALTERNATES {
+            if !INTERLEAVED {
                 self.prefetch(child, visitor);
             }
             stack.push(Entry::new(0.0, child));
@@ -214,7 +217,7 @@ impl WideBvh {
 
     /// The nearest child that the ray enters. The others are left for later, sorted.
     #[inline(always)]
-    fn choose_nearest<L: Lanes, V: LeafVisitor, const ALTERNATES: bool>(
+    fn choose_nearest<L: Lanes, V: LeafVisitor, const INTERLEAVED: bool>(
         &self,
         node: &WideNode,
         mut hits: u32,
@@ -235,7 +238,7 @@ impl WideBvh {
                 let entry = Entry::new(near[slot], node.children[slot]);
                 let farther = nearest.max(entry);
                 nearest = nearest.min(entry);
-                if !ALTERNATES {
+                if !INTERLEAVED {
                     self.prefetch(farther.child(), visitor);
                 }
                 stack.push_sorted(base, farther);
@@ -263,7 +266,7 @@ pub(super) trait LeafVisitor {
     /// Whether leaves may come in any order, since the ray is never shortened.
     const ANY_ORDER: bool;
     /// Visits a leaf; may shorten the ray. Returning true ends the traversal.
-    fn visit<L: Lanes>(&mut self, leaf: u32, t_max: &mut f32) -> bool;
+    fn visit<S: Simd>(&mut self, simd: S, leaf: u32, t_max: &mut f32) -> bool;
     /// Asks the memory for a leaf that may be visited soon.
     fn prefetch(&self, leaf: u32);
 }

@@ -6,7 +6,7 @@ use super::Ray;
 use super::bounds::Bounds;
 use photosite_core::math::Real;
 use photosite_core::math::float::gamma;
-use photosite_simd::{LaneMask, Lanes, MOST_LANES, ManyLanes};
+use photosite_simd::{LaneMask, MAX_LANES, Simd, WideLanes};
 
 /// Children of a node, at most.
 pub(super) const WIDTH: usize = 8;
@@ -17,7 +17,7 @@ const ENLARGED: f32 = 1.0 + 2.0 * gamma(3);
 /// So far away a box may seem that holds what is at `t_max`.
 #[inline(always)]
 pub(super) fn beyond_rounding<R: Real>(t_max: R) -> R {
-    t_max * R::splat(ENLARGED)
+    t_max * t_max.broadcast(ENLARGED)
 }
 
 /// Boxes of up to eight children and where they are.
@@ -42,7 +42,7 @@ pub(super) struct SlabRay {
 }
 
 impl SlabRay {
-    /// That of no ray.
+    /// Placeholder of no ray.
     pub(super) const NONE: Self =
         Self { origin: Vec3::ZERO, inverse: Vec3::ZERO, enlarged: Vec3::ZERO, near_planes: [0; 3] };
 
@@ -57,30 +57,35 @@ impl SlabRay {
 
     /// The same in all lanes.
     #[inline(always)]
-    pub(super) fn in_lanes<L: Lanes>(&self) -> SlabLanes<L> {
+    pub(super) fn in_lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
         let Self { origin, inverse, enlarged, near_planes } = *self;
-        SlabLanes { origin: splat(origin), inverse: splat(inverse), enlarged: splat(enlarged), near_planes }
+        SlabLanes {
+            origin: broadcast(simd, origin),
+            inverse: broadcast(simd, inverse),
+            enlarged: broadcast(simd, enlarged),
+            near_planes,
+        }
     }
 }
 
 /// A [`SlabRay`] in lanes.
-pub(super) struct SlabLanes<L> {
-    origin: [L; 3],
-    inverse: [L; 3],
-    enlarged: [L; 3],
+pub(super) struct SlabLanes<S: Simd> {
+    origin: [S::Lanes; 3],
+    inverse: [S::Lanes; 3],
+    enlarged: [S::Lanes; 3],
     near_planes: [usize; 3],
 }
 
 #[inline(always)]
-fn splat<L: Lanes>(v: Vec3) -> [L; 3] {
-    [L::splat(v.x), L::splat(v.y), L::splat(v.z)]
+fn broadcast<S: Simd>(simd: S, v: Vec3) -> [S::Lanes; 3] {
+    [simd.broadcast(v.x), simd.broadcast(v.y), simd.broadcast(v.z)]
 }
 
 /// Rays whose directions have the same signs and no component of 0, one in each lane, with a beam around them.
-pub(super) struct SlabPacket<L> {
-    origin: [L; 3],
-    inverse: [L; 3],
-    enlarged: [L; 3],
+pub(super) struct SlabPacket<S: Simd> {
+    origin: [S::Wide; 3],
+    inverse: [S::Wide; 3],
+    enlarged: [S::Wide; 3],
     near_planes: [usize; 3],
     beam: Beam,
 }
@@ -95,40 +100,40 @@ struct Beam {
     enlarged: [[f32; 2]; 3],
 }
 
-impl<L: ManyLanes> SlabPacket<L> {
-    /// Without rays.
-    pub(super) fn nothing() -> Self {
-        let zero = [L::splat(0.0); 3];
+impl<S: Simd> SlabPacket<S> {
+    /// Placeholder of no rays.
+    pub(super) fn none(simd: S) -> Self {
+        let zero = [simd.broadcast_wide(0.0); 3];
         Self { origin: zero, inverse: zero, enlarged: zero, near_planes: [0; 3], beam: Beam::default() }
     }
 
     /// Of a ray for each lane.
     #[inline(always)]
-    pub(super) fn new(rays: &[Ray]) -> Self {
-        let mut origins = [[0.0; MOST_LANES]; 3];
-        let mut directions = [[0.0; MOST_LANES]; 3];
-        for lane in 0..L::COUNT {
+    pub(super) fn new(simd: S, rays: &[Ray]) -> Self {
+        let mut origins = [[0.0; MAX_LANES]; 3];
+        let mut directions = [[0.0; MAX_LANES]; 3];
+        for lane in 0..S::Wide::COUNT {
             let Ray { origin, direction, .. } = rays[lane];
             for axis in 0..3 {
                 origins[axis][lane] = origin[axis];
                 directions[axis][lane] = direction[axis];
             }
         }
-        let mut packet = Self::nothing();
+        let mut packet = Self::none(simd);
         for axis in 0..3 {
-            let inverse = L::splat(1.0) / L::load_many(&directions[axis]);
-            let enlarged = inverse * L::splat(ENLARGED);
+            let inverse = simd.broadcast_wide(1.0) / simd.load_wide(&directions[axis]);
+            let enlarged = inverse * simd.broadcast_wide(ENLARGED);
             let is_negative = directions[axis][0] < 0.0;
             packet.near_planes[axis] = 2 * axis + usize::from(is_negative);
-            packet.origin[axis] = L::load_many(&origins[axis]);
+            packet.origin[axis] = simd.load_wide(&origins[axis]);
             packet.inverse[axis] = inverse;
             packet.enlarged[axis] = enlarged;
-            let [low, high] = extent::<L>(&origins[axis]);
+            let [low, high] = extent::<S::Wide>(&origins[axis]);
             let (near, far) = if is_negative { (low, high) } else { (high, low) };
             packet.beam.near_origin[axis] = near;
             packet.beam.far_origin[axis] = far;
-            packet.beam.inverse[axis] = extent::<L>(&inverse.store_many());
-            packet.beam.enlarged[axis] = extent::<L>(&enlarged.store_many());
+            packet.beam.inverse[axis] = extent::<S::Wide>(&inverse.store_wide());
+            packet.beam.enlarged[axis] = extent::<S::Wide>(&enlarged.store_wide());
         }
         packet
     }
@@ -136,7 +141,7 @@ impl<L: ManyLanes> SlabPacket<L> {
 
 /// The smallest and the largest of the numbers in all lanes.
 #[inline(always)]
-fn extent<L: ManyLanes>(values: &[f32; MOST_LANES]) -> [f32; 2] {
+fn extent<L: WideLanes>(values: &[f32; MAX_LANES]) -> [f32; 2] {
     let (mut low, mut high) = (*values, *values);
     let mut half = L::COUNT / 2;
     while half > 0 {
@@ -154,32 +159,39 @@ impl WideNode {
     ///
     /// Rounding keeps the order of numbers: what any of the rays finds of a box lies between what the beam does.
     #[inline(always)]
-    pub(super) fn enter_any<L: ManyLanes>(&self, rays: &SlabPacket<L>) -> u32 {
+    pub(super) fn enter_any<S: Simd>(&self, simd: S, rays: &SlabPacket<S>) -> u32 {
         let Beam { near_origin, far_origin, inverse, enlarged } = rays.beam;
-        let mut near = L::Eight::splat(0.0);
-        let mut far = L::Eight::splat(f32::INFINITY);
+        let mut near = simd.broadcast(0.0);
+        let mut far = simd.broadcast(f32::INFINITY);
         for axis in 0..3 {
             let first = rays.near_planes[axis];
-            let to_near = L::Eight::load(&self.planes[first]) - L::Eight::splat(near_origin[axis]);
-            let to_far = L::Eight::load(&self.planes[first ^ 1]) - L::Eight::splat(far_origin[axis]);
+            let to_near = simd.load(&self.planes[first]) - simd.broadcast(near_origin[axis]);
+            let to_far = simd.load(&self.planes[first ^ 1]) - simd.broadcast(far_origin[axis]);
             let ([low, high], [low_far, high_far]) = (inverse[axis], enlarged[axis]);
-            near = (to_near * L::Eight::splat(low)).least(to_near * L::Eight::splat(high)).most(near);
-            far = (to_far * L::Eight::splat(low_far)).most(to_far * L::Eight::splat(high_far)).least(far);
+            near = (to_near * simd.broadcast(low)).min(to_near * simd.broadcast(high)).max(near);
+            far = (to_far * simd.broadcast(low_far)).max(to_far * simd.broadcast(high_far)).min(far);
         }
-        near.is_at_most(far).bits()
+        near.le(far).bits()
     }
 
     /// Which rays enter a child at t ≤ `reach`, and where.
     #[inline(always)]
-    pub(super) fn enter_slot<L: ManyLanes>(&self, slot: usize, rays: &SlabPacket<L>, reach: L) -> (u32, L) {
-        let mut near = L::splat(0.0);
+    pub(super) fn enter_slot<S: Simd>(
+        &self,
+        simd: S,
+        slot: usize,
+        rays: &SlabPacket<S>,
+        reach: S::Wide,
+    ) -> (u32, S::Wide) {
+        let mut near = simd.broadcast_wide(0.0);
         let mut far = reach;
         for axis in 0..3 {
             let first = rays.near_planes[axis];
-            near = ((L::splat(self.planes[first][slot]) - rays.origin[axis]) * rays.inverse[axis]).most(near);
-            far = ((L::splat(self.planes[first ^ 1][slot]) - rays.origin[axis]) * rays.enlarged[axis]).least(far);
+            near = ((simd.broadcast_wide(self.planes[first][slot]) - rays.origin[axis]) * rays.inverse[axis]).max(near);
+            far = ((simd.broadcast_wide(self.planes[first ^ 1][slot]) - rays.origin[axis]) * rays.enlarged[axis])
+                .min(far);
         }
-        (near.is_at_most(far).bits(), near)
+        (near.le(far).bits(), near)
     }
 
     /// Without children.
@@ -211,14 +223,14 @@ impl WideNode {
     /// direction component of 0 gives ±∞ · 0 = NaN where the origin lies on the plane; min and max then keep their second
     /// operand, which counts the origin as inside that slab.
     #[inline(always)]
-    pub(super) fn enter<L: Lanes>(&self, ray: &SlabLanes<L>, t_max: f32) -> (u32, L) {
-        let mut near = L::splat(0.0);
-        let mut far = L::splat(beyond_rounding(t_max));
+    pub(super) fn enter<S: Simd>(&self, simd: S, ray: &SlabLanes<S>, t_max: f32) -> (u32, S::Lanes) {
+        let mut near = simd.broadcast(0.0);
+        let mut far = simd.broadcast(beyond_rounding(t_max));
         for axis in 0..3 {
             let first = ray.near_planes[axis];
-            near = ((L::load(&self.planes[first]) - ray.origin[axis]) * ray.inverse[axis]).most(near);
-            far = ((L::load(&self.planes[first ^ 1]) - ray.origin[axis]) * ray.enlarged[axis]).least(far);
+            near = ((simd.load(&self.planes[first]) - ray.origin[axis]) * ray.inverse[axis]).max(near);
+            far = ((simd.load(&self.planes[first ^ 1]) - ray.origin[axis]) * ray.enlarged[axis]).min(far);
         }
-        (near.is_at_most(far).bits(), near)
+        (near.le(far).bits(), near)
     }
 }

@@ -524,5 +524,5 @@ pub(super) fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Ve
 #[inline(always)]
 fn towards_light<R: Real>(position: Vector<R>, normal: Vector<R>, wi: Vector<R>) -> Vector<R> {
     // A few roundings lie between the light's corners and its sampled point.
-    offset(position, position.abs() * R::splat(gamma(8)), normal, -wi)
+    offset(position, position.abs() * position.x.broadcast(gamma(8)), normal, -wi)
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use photosite_core::math::pdf::to_solid_angle;
 use photosite_core::math::{Real, Vector};
-use photosite_simd::{Lanes, Vectors};
+use photosite_simd::{Simd, Vectors};
 
 /// A triangle where it is at a time.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +66,7 @@ impl<R: Real> EmissiveTriangle<R> {
         let distance_squared = towards.dot(towards);
         let wi = towards.over(distance_squared.sqrt());
         let cos = -self.normal.dot(wi);
-        let density = to_solid_angle(R::splat(2.0) / self.double_area, distance_squared, cos.abs());
+        let density = to_solid_angle(self.double_area.broadcast(2.0) / self.double_area, distance_squared, cos.abs());
         VisiblePoint { position, wi, cos, density }
     }
 }
@@ -91,12 +91,12 @@ impl EmissiveTriangles {
     }
 
     #[inline(always)]
-    pub(crate) fn load<L: Lanes>(&self) -> EmissiveTriangle<L> {
+    pub(crate) fn load<S: Simd>(&self, simd: S) -> EmissiveTriangle<S::Lanes> {
         EmissiveTriangle {
-            corner: self.corner.load(),
-            edges: [self.edges[0].load(), self.edges[1].load()],
-            normal: self.normal.load(),
-            double_area: L::load(&self.double_area),
+            corner: self.corner.load(simd),
+            edges: [self.edges[0].load(simd), self.edges[1].load(simd)],
+            normal: self.normal.load(simd),
+            double_area: simd.load(&self.double_area),
         }
     }
 }

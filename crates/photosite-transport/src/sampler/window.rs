@@ -5,7 +5,7 @@
 
 use super::{request_key, sobol};
 use photosite_core::math::hash::unit_f32;
-use photosite_simd::with_widest_registers;
+use photosite_simd::{Simd, WithSimd, dispatch};
 
 /// Samples that are computed together.
 const WIDTH: usize = 8;
@@ -65,24 +65,48 @@ impl Window {
     #[inline(never)]
     fn fill_firsts(&mut self, dimension: u32) {
         let place = dimension as usize % KEPT;
-        self.numbers[place][0] = firsts(self.first_index, request_key(self.sequence_key, dimension));
+        self.numbers[place][0] =
+            dispatch(Firsts { first_index: self.first_index, key: request_key(self.sequence_key, dimension) });
         (self.first_of[place], self.pair_of[place]) = (dimension, 0);
     }
 
     #[inline(never)]
     fn fill_pairs(&mut self, dimension: u32) {
         let place = dimension as usize % KEPT;
-        self.numbers[place] = pairs(self.first_index, request_key(self.sequence_key, dimension));
+        self.numbers[place] =
+            dispatch(Pairs { first_index: self.first_index, key: request_key(self.sequence_key, dimension) });
         (self.first_of[place], self.pair_of[place]) = (dimension, dimension);
     }
 }
 
-with_widest_registers! {
-    fn firsts(first_index: u32, key: u64) -> [f32; WIDTH] = firsts_inline
+/// The first of each pair of numbers of [`WIDTH`] samples.
+struct Firsts {
+    first_index: u32,
+    key: u64,
 }
 
-with_widest_registers! {
-    fn pairs(first_index: u32, key: u64) -> Numbers = pairs_inline
+impl WithSimd for Firsts {
+    type Output = [f32; WIDTH];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [f32; WIDTH] {
+        firsts_inline(self.first_index, self.key)
+    }
+}
+
+/// The pairs of numbers of [`WIDTH`] samples.
+struct Pairs {
+    first_index: u32,
+    key: u64,
+}
+
+impl WithSimd for Pairs {
+    type Output = Numbers;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Numbers {
+        pairs_inline(self.first_index, self.key)
+    }
 }
 
 // Loops rather than closures, which would not be inlined into a function for wide registers.

@@ -25,9 +25,9 @@ use photosite_core::spectrum::dispersion::lines;
 use photosite_core::spectrum::upsampling::{reflectance_spectrum, rgb_illuminant};
 use photosite_core::spectrum::{Dispersion, Spectrum, SpectrumId, SpectrumTable, cie, illuminant};
 
-/// Builds a scene. `importance` says how much each wavelength matters to the sensor (any unit, not negative): lights
-/// are chosen by their power weighed with it. Coordinates must lie within 10¹⁸ m of the origin, as those that
-/// `Capture::read` returns do.
+/// Builds a scene. `importance` says how much each wavelength matters to the sensor (any unit, not negative): lights are
+/// chosen by their power weighed with it. Coordinates must lie within 10¹⁸ m of the origin, as those that
+/// `photosite::Capture::load` returns do.
 pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
     let mut builder = Builder {

@@ -1,7 +1,7 @@
 //! What the files say, before anything is prepared for rendering: meshes, instances, materials, textures, lights and
 //! cameras in SI units and world axes (metres, right-handed, +Y up).
 //!
-//! Readers of files fill these structures; [`scene::build`](crate::scene) turns them into tables.
+//! The readers in `photosite-scene-io` fill these structures; [`scene::build`](crate::scene) turns them into tables.
 //! Indices refer to the `Vec`s of the same [`SceneDescription`] and are checked by the readers.
 
 use std::sync::Arc;

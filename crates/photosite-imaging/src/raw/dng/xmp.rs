@@ -62,9 +62,7 @@ fn lens_facts(lens: &LensModel, size_px: [usize; 2]) -> Vec<(&'static str, Strin
         ("lens:SkewPx", list(&[skew])),
         ("lens:PictureSizePx", list(&size_px.map(|n| n as f64))),
     ];
-    if let Projection::Omnidirectional { xi, .. } = lens.projection {
-        facts.push(("lens:Xi", list(&[xi])));
-    }
+    facts.extend(lens.projection.xi().map(|xi| ("lens:Xi", list(&[xi]))));
     facts.extend(lens.max_angle_rad.map(|angle| ("lens:MaxAngleRad", list(&[angle]))));
     facts
 }
@@ -121,8 +119,9 @@ fn facts_of(packet: &str) -> Option<Vec<(String, String)>> {
                     facts.push((open, text.as_ref().to_owned()));
                 }
             }
-            Event::End(_)
-            | Event::CData(_)
+            // Models without coefficients have an element without text.
+            Event::End(_) => facts.extend(open.take().map(|open| (open, String::new()))),
+            Event::CData(_)
             | Event::Comment(_)
             | Event::Decl(_)
             | Event::PI(_)
@@ -135,7 +134,7 @@ fn facts_of(packet: &str) -> Option<Vec<(String, String)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use photosite_core::projection::BrownConrady;
+    use photosite_core::projection::{BrownConrady, FisheyeLaw};
 
     fn lenses() -> Vec<LensModel> {
         let intrinsics = Intrinsics { fx: 512.25, fy: 1.0 / 3.0 + 500.0, cx: 320.5, cy: -7.125, skew: 0.1 };
@@ -149,6 +148,9 @@ mod tests {
             lens(Projection::Division { lambda: -0.1 }, None),
             lens(Projection::KannalaBrandt { k: [0.1, 0.2, 0.3, -1e-9] }, Some(1.4)),
             lens(Projection::Omnidirectional { xi: 1.1, distortion }, None),
+            lens(Projection::ClassicalFisheye(FisheyeLaw::Equisolid), None),
+            lens(Projection::ClassicalFisheye(FisheyeLaw::Stereographic), Some(1.4)),
+            lens(Projection::ClassicalFisheye(FisheyeLaw::Orthographic), None),
         ]
     }
 
@@ -169,19 +171,20 @@ mod tests {
 
     #[test]
     fn properties_may_be_elements_of_another_prefix() {
-        let lens = lenses()[4];
-        let elements: String = lens_facts(&lens, [640, 480])
-            .into_iter()
-            .map(|(name, value)| {
-                let name = name.replace("lens:", "L:");
-                format!("  <{name}>{value}</{name}>\n")
-            })
-            .collect();
-        let packet = format!(
-            "<x:xmpmeta xmlns:x='adobe:ns:meta/'><rdf:RDF xmlns:rdf='http://www.w3.org/1999/02/22-rdf-syntax-ns#'>\n\
-             <rdf:Description rdf:about='' xmlns:L='{LENS}'>\n{elements}</rdf:Description></rdf:RDF></x:xmpmeta>"
-        );
-        assert_eq!(read_lens(packet.as_bytes(), [640, 480]), Some(lens));
+        for lens in lenses() {
+            let elements: String = lens_facts(&lens, [640, 480])
+                .into_iter()
+                .map(|(name, value)| {
+                    let name = name.replace("lens:", "L:");
+                    format!("  <{name}>{value}</{name}>\n")
+                })
+                .collect();
+            let packet = format!(
+                "<x:xmpmeta xmlns:x='adobe:ns:meta/'><rdf:RDF xmlns:rdf='http://www.w3.org/1999/02/22-rdf-syntax-ns#'>\n\
+                 <rdf:Description rdf:about='' xmlns:L='{LENS}'>\n{elements}</rdf:Description></rdf:RDF></x:xmpmeta>"
+            );
+            assert_eq!(read_lens(packet.as_bytes(), [640, 480]), Some(lens));
+        }
     }
 
     #[test]

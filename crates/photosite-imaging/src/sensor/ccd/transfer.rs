@@ -11,10 +11,9 @@
 //! electron is drawn for itself, so charge is conserved to the electron and Poisson-distributed charge stays so.
 //! Traps that fill up, whose inefficiency depends on the charge, are left out.
 
-use rand::distr::Distribution;
-use rand_distr::Binomial;
-
 use photosite_core::math::philox::Philox;
+
+use crate::sensor::shot_noise::binomial;
 
 /// Shifts the packets of a line, of which the first is next to its end, until all are out: `line` holds packets before,
 /// and what arrives in their place after. Packet i is shifted `shifts + i` times, `shifts` of at least 1. Returns the
@@ -55,12 +54,6 @@ pub(super) fn shift_out(line: &mut [f64], inefficiency: f64, shifts: usize, rand
         }
     }
     late
-}
-
-/// How many of `count` electrons, each with this probability.
-fn binomial(count: f64, probability: f64, random: &mut Philox) -> f64 {
-    // Counts are whole and far below 2⁵³, and the probability lies within 0–1, which is all that the distribution asks.
-    Binomial::new(count as u64, probability).map_or(0.0, |distribution| distribution.sample(random) as f64)
 }
 
 #[cfg(test)]

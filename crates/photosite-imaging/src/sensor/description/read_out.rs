@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::DualGainDescription;
+use crate::sensor::image_lag::ImageLagDescription;
 
 /// Charge storage.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -15,6 +16,8 @@ pub struct ChargeDescription {
     /// signal, 1/e⁻. Left out: none.
     #[serde(default)]
     pub brighter_fatter_per_e: [f64; 2],
+    /// Image lag. Left out: none.
+    pub image_lag: Option<ImageLagDescription>,
     /// Makes the pixels logarithmic: their voltage follows log(1 + i/i₀), with this photocurrent i₀, e⁻/s. Left out: they are
     /// linear.
     pub logarithmic_reference_e_per_s: Option<f64>,

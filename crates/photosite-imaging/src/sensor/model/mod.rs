@@ -18,7 +18,7 @@ use super::crosstalk::Kernel;
 use super::description::{ChannelDescription, SensorDescription, SensorKind, SpectrumSource};
 use super::format;
 use super::layers;
-use super::{Logarithmic, MaskedPixels, Shutter};
+use super::{ImageLag, Logarithmic, MaskedPixels, Shutter};
 pub use architecture::Architecture;
 use checks::{fraction, not_negative, positive};
 pub use converter::Converter;
@@ -62,6 +62,8 @@ pub struct SensorModel {
     pub full_well: Electrons,
     /// Brighter-fatter effect: correlation of neighbours along x and y for each electron of a flat field, 1/e⁻.
     pub brighter_fatter_per_e: [f64; 2],
+    /// Charge that stays in the pixel when it is read out; `None` for none.
+    pub image_lag: Option<ImageLag>,
     /// Response of the pixels where it is logarithmic; `None` for linear ones.
     pub logarithmic: Option<Logarithmic>,
     /// Gain and converter.
@@ -142,6 +144,7 @@ impl SensorModel {
             noise: Noise::new(&d.noise, &d.defects)?,
             full_well: Electrons(d.charge.full_well_e),
             brighter_fatter_per_e: brighter_fatter(d)?,
+            image_lag: ImageLag::new(d, &shutter)?,
             logarithmic,
             converter,
         })
@@ -400,6 +403,26 @@ mod tests {
             ("bits = 12", "bits = 12, amplifier_nonlinearity_percent = [-60]", "adc.amplifier_nonlinearity_percent"),
             ("bits = 12", "bits = 12, column_gain_percent = nan", "adc.column_gain_percent"),
             ("full_well_e = 10000.0", "full_well_e = 0", "charge.full_well_e"),
+            (
+                "full_well_e = 10000.0",
+                "full_well_e = 10000.0\ncharge.image_lag.percent = 100",
+                "charge.image_lag.percent",
+            ),
+            (
+                "full_well_e = 10000.0",
+                "full_well_e = 10000.0\ncharge.image_lag = { percent = 1, decay = 1 }",
+                "charge.image_lag.decay",
+            ),
+            (
+                "full_well_e = 10000.0",
+                "full_well_e = 10000.0\ncharge.image_lag.electrons = -1",
+                "charge.image_lag.electrons",
+            ),
+            (
+                "full_well_e = 10000.0",
+                "full_well_e = 10000.0\ncharge.image_lag.percent = 1\ncharge.logarithmic_reference_e_per_s = 100",
+                "charge.image_lag",
+            ),
             ("bits = 12", "bits = 0", "adc.bits"),
             ("bits = 12", "bits = 40", "adc.bits"),
             ("gain_dn_per_e = 0.4", "gain_dn_per_e = 0", "adc.conversion_gain_dn_per_e"),

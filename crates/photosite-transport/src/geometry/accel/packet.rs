@@ -1,87 +1,87 @@
-//! Rays that run close together, such as those of a pixel or those to a small lamp, go through the hierarchy as one: a beam
-//! around them finds the boxes that some of them may enter, and each of these is shown to all of them, a ray in each lane. Rays
-//! of a camera take half the time that they take alone, or in turns in a mesh of 1.3 million triangles.
+//! Packets: rays that run close together, such as those of a pixel or those to a small lamp, go through the hierarchy as one. A beam
+//! around them finds the boxes that some of them may enter, and each of these boxes is tested against all of them, a ray in each
+//! lane. Rays of a camera take half the time that they take alone, or interleaved in a mesh of 1.3 million triangles; whole renders
+//! are 1.03 to 1.06 times as fast.
 
 use std::ops::Range;
 
-use super::TriangleBvh;
-use super::query::{SPHERE, TriangleQuery};
+use super::query::{Query, RayQuery};
+use super::single::SPHERE;
+use super::{HitFilter, TriangleBvh};
 use crate::geometry::Ray;
 use crate::geometry::triangle_block::ShearedRay;
 use crate::geometry::wide_bvh::Child;
 use crate::geometry::wide_node::{SlabPacket, beyond_rounding};
-use photosite_simd::{LaneMask, MOST_LANES, ManyLanes, prefetch};
+use crate::tuning::{PACKET_MAX_DISTANCE, PACKET_MIN_COSINE_SQUARED};
+use photosite_core::math::Real;
+use photosite_simd::{LaneMask, MAX_LANES, Simd, WideLanes, prefetch};
 
-/// Rays that are looked at together.
-const TOGETHER: usize = MOST_LANES;
+/// Rays that are coherent or not together: as many as a packet has on any machine, so that a run is whole packets.
+const GROUP: usize = MAX_LANES;
 
-/// How far from the first they may begin, as a part of the diagonal of the group.
-const NEAR: f32 = 0.01;
-
-/// Consecutive rays that run close together through the group, or do not, with whether they do.
-pub(super) fn runs(group: &TriangleBvh<1>, rays: &[Ray]) -> impl Iterator<Item = (Range<usize>, bool)> {
-    let (low, high) = group.bounds;
-    let near = (high - low).length() * NEAR;
-    let mut all = rays.chunks(TOGETHER).map(move |rays| run_together(rays, near)).peekable();
+/// Runs of consecutive rays, each with whether they are coherent.
+pub(super) fn coherent_runs(bvh: &TriangleBvh<1>, rays: &[Ray]) -> impl Iterator<Item = (Range<usize>, bool)> {
+    let (low, high) = bvh.bounds;
+    let max_distance = (high - low).length() * PACKET_MAX_DISTANCE;
+    let mut groups = rays.chunks(GROUP).map(move |rays| are_coherent(rays, max_distance)).peekable();
     let mut start = 0;
     std::iter::from_fn(move || {
-        let is_close = all.next()?;
-        let mut chunks = 1;
-        while all.next_if_eq(&is_close).is_some() {
-            chunks += 1;
+        let is_coherent = groups.next()?;
+        let mut count = 1;
+        while groups.next_if_eq(&is_coherent).is_some() {
+            count += 1;
         }
-        let run = start..rays.len().min(start + chunks * TOGETHER);
+        let run = start..rays.len().min(start + count * GROUP);
         start = run.end;
-        Some((run, is_close))
+        Some((run, is_coherent))
     })
 }
 
-/// Whether so many rays begin near the first, within a cube of twice that size, and run within a degree of it, none of them
-/// along a plane between two axes.
-fn run_together(rays: &[Ray], near: f32) -> bool {
-    /// Square of the cosine of a degree. In fine meshes rays that are farther from each other soon go ways of their own, and
-    /// take less time in turns: through 10 million triangles half of it, where the first of sixteen is 2° from the last.
-    const LEAST: f32 = 0.9997;
+/// Whether a full group of rays begin near the first of them and run in nearly its direction, none of them along a plane between two
+/// axes.
+fn are_coherent(rays: &[Ray], max_distance: f32) -> bool {
     let Ray { origin, direction: first, .. } = rays[0];
-    let least = LEAST * first.length_squared();
+    let min_squared = PACKET_MIN_COSINE_SQUARED * first.length_squared();
     let is_close = |ray: &Ray| {
         let along = ray.direction.dot(first);
         along > 0.0
-            && along * along > least * ray.direction.length_squared()
+            && along * along > min_squared * ray.direction.length_squared()
             && ray.direction.is_negative_bitmask() == first.is_negative_bitmask()
             && ray.direction.abs().min_element() >= f32::MIN_POSITIVE
-            && (ray.origin - origin).abs().max_element() <= near
+            && (ray.origin - origin).abs().max_element() <= max_distance
     };
-    rays.len() == TOGETHER && rays.iter().all(is_close)
+    rays.len() == GROUP && rays.iter().all(is_close)
 }
 
-/// Asks of rays that run close together, with a query of its own for each.
+/// Answers a query about each of several coherent rays.
 #[inline(always)]
-pub(super) fn ask_together<'a, L: ManyLanes, Q: TriangleQuery>(
-    group: &TriangleBvh<1>,
+pub(super) fn trace_packets<'a, S: Simd, Q: RayQuery<'a, F>, F: HitFilter>(
+    simd: S,
+    bvh: &TriangleBvh<1>,
     rays: &'a [Ray],
-    query: impl Fn(&'a Ray) -> Q,
+    filter: &'a F,
     answers: &mut [Q::Answer],
 ) {
-    let mut packet = Packet::<L, Q>::empty();
-    for (rays, answers) in rays.chunks(L::COUNT).zip(answers.chunks_mut(L::COUNT)) {
-        packet.start(rays, &query);
-        while packet.step(group) {}
-        for (answer, (query, is_ended)) in answers.iter_mut().zip(packet.queries.iter().flatten()) {
-            *answer = query.answer(*is_ended);
+    let mut packet = Packet::<S, Q>::empty(simd);
+    for (rays, answers) in rays.chunks(S::Wide::COUNT).zip(answers.chunks_mut(S::Wide::COUNT)) {
+        packet.start(rays, filter);
+        while packet.step(bvh) {}
+        for (answer, (query, has_ended)) in answers.iter_mut().zip(packet.queries.iter().flatten()) {
+            *answer = query.answer(*has_ended);
         }
     }
 }
 
-/// Rays on their way.
-struct Packet<L, Q> {
-    slabs: SlabPacket<L>,
-    sheared: [ShearedRay; MOST_LANES],
-    /// What is asked along each, and whether that has ended.
-    queries: [Option<(Q, bool)>; MOST_LANES],
-    /// Where each ends; below 0 where its query has ended.
-    t_max: [f32; MOST_LANES],
-    /// What they have yet to visit, the next one last.
+/// Traversal state of a packet.
+struct Packet<S: Simd, Q> {
+    simd: S,
+    slabs: SlabPacket<S>,
+    sheared: [ShearedRay; MAX_LANES],
+    /// The query of each ray, and whether it has ended.
+    queries: [Option<(Q, bool)>; MAX_LANES],
+    /// Where each ray ends; negative where its query has ended.
+    t_max: [f32; MAX_LANES],
+    /// Children to visit, the next one last.
     stack: Vec<Visit>,
 }
 
@@ -89,100 +89,107 @@ struct Packet<L, Q> {
 #[derive(Clone, Copy)]
 struct Visit {
     child: Child,
-    /// Which rays do.
+    /// A bit for each of the rays.
     rays: u32,
-    /// Where each of them does.
-    near: [f32; MOST_LANES],
-    /// Where the first of all that entered the node does, by which its children are in order.
+    /// Where each ray enters it.
+    near: [f32; MAX_LANES],
+    /// Where the first active ray enters it: children of a node are visited in this order.
     order: f32,
 }
 
-impl<L: ManyLanes, Q: TriangleQuery> Packet<L, Q> {
-    fn empty() -> Self {
+impl<S: Simd, Q: Query> Packet<S, Q> {
+    fn empty(simd: S) -> Self {
         Self {
-            slabs: SlabPacket::nothing(),
-            sheared: [ShearedRay::NONE; MOST_LANES],
-            queries: [const { None }; MOST_LANES],
-            t_max: [-1.0; MOST_LANES],
+            simd,
+            slabs: SlabPacket::none(simd),
+            sheared: [ShearedRay::NONE; MAX_LANES],
+            queries: [const { None }; MAX_LANES],
+            t_max: [-1.0; MAX_LANES],
             stack: Vec::with_capacity(64),
         }
     }
 
-    /// Begins with a ray for each lane.
+    /// Begins at the root with a ray for each lane.
     #[inline(always)]
-    fn start<'a>(&mut self, rays: &'a [Ray], query: &impl Fn(&'a Ray) -> Q) {
-        self.slabs = SlabPacket::new(rays);
+    fn start<'a, F: HitFilter>(&mut self, rays: &'a [Ray], filter: &'a F)
+    where
+        Q: RayQuery<'a, F>,
+    {
+        self.slabs = SlabPacket::new(self.simd, rays);
         for (lane, ray) in rays.iter().enumerate() {
             self.sheared[lane] = ShearedRay::new(ray.origin, ray.direction);
-            self.queries[lane] = Some((query(ray), false));
+            self.queries[lane] = Some((Q::new(ray, filter), false));
             self.t_max[lane] = ray.t_max;
         }
         self.stack.push(Visit {
             child: Child::ROOT,
-            rays: u32::MAX >> (32 - L::COUNT),
-            near: [0.0; MOST_LANES],
+            rays: u32::MAX >> (32 - S::Wide::COUNT),
+            near: [0.0; MAX_LANES],
             order: 0.0,
         });
     }
 
     /// Visits the next node or leaf; returns whether there was one.
     #[inline(always)]
-    fn step(&mut self, group: &TriangleBvh<1>) -> bool {
-        let t_max = L::load_many(&self.t_max);
-        let reach = beyond_rounding(t_max);
+    fn step(&mut self, bvh: &TriangleBvh<1>) -> bool {
+        let reach = beyond_rounding(self.simd.load_wide(&self.t_max));
         while let Some(Visit { child, rays, near, .. }) = self.stack.pop() {
-            let rays = rays & L::load_many(&near).is_at_most(reach).bits();
+            // Rays that have been shortened since no longer enter it.
+            let rays = rays & self.simd.load_wide(&near).le(reach).bits();
             if rays == 0 {
                 continue;
             }
             match child.leaf() {
-                Some(leaf) => self.visit_leaf(group, leaf, rays),
-                None => self.visit_node(group, child, rays, reach),
+                Some(leaf) => self.visit_leaf(bvh, leaf, rays),
+                None => self.visit_node(bvh, child, rays, reach),
             }
             return true;
         }
         false
     }
 
+    /// Tests the triangles of a leaf against one ray after the other: eight triangles fill the lanes.
     #[inline(always)]
-    fn visit_leaf(&mut self, group: &TriangleBvh<1>, leaf: u32, mut rays: u32) {
-        let block = &group.blocks[(leaf & !SPHERE) as usize];
+    fn visit_leaf(&mut self, bvh: &TriangleBvh<1>, leaf: u32, mut rays: u32) {
+        let block = &bvh.blocks[(leaf & !SPHERE) as usize];
         while rays != 0 {
-            let lane = rays.trailing_zeros() as usize % MOST_LANES;
+            let lane = rays.trailing_zeros() as usize % MAX_LANES;
             rays &= rays - 1;
-            let Some((query, is_ended)) = &mut self.queries[lane] else { continue };
+            let Some((query, has_ended)) = &mut self.queries[lane] else { continue };
             let t_max = &mut self.t_max[lane];
             if leaf & SPHERE != 0 {
-                *is_ended = query.consider_sphere(block.ids[0], &block.sphere(), 0, t_max);
-            } else if let Some(hits) = block.intersect::<L::Eight>(&self.sheared[lane], 0.0, *t_max) {
-                *is_ended = query.consider(&block.ids, &hits, 0, t_max);
+                *has_ended = query.on_sphere(block.ids[0], &block.sphere(), 0, t_max);
+            } else if let Some(hits) = block.intersect(self.simd, &self.sheared[lane], 0.0, *t_max) {
+                *has_ended = query.on_hits(&block.ids, &hits, 0, t_max);
             }
-            if *is_ended {
+            if *has_ended {
                 *t_max = -1.0;
             }
         }
     }
 
+    /// Finds the children that the rays enter and puts them on the stack, the nearest last.
     #[inline(always)]
-    fn visit_node(&mut self, group: &TriangleBvh<1>, node: Child, rays: u32, reach: L) {
-        let node = group.bvh.node(node);
-        let first = rays.trailing_zeros() as usize % MOST_LANES;
+    fn visit_node(&mut self, bvh: &TriangleBvh<1>, node: Child, rays: u32, reach: S::Wide) {
+        let node = bvh.bvh.node(node);
+        let first = rays.trailing_zeros() as usize % MAX_LANES;
         let children = self.stack.len();
-        let mut slots = node.enter_any(&self.slabs);
+        // Eight children at a time against the beam, then each that it enters against all rays.
+        let mut slots = node.enter_any(self.simd, &self.slabs);
         while slots != 0 {
             let slot = slots.trailing_zeros() as usize;
             slots &= slots - 1;
-            let (entering, near) = node.enter_slot(slot, &self.slabs, reach);
+            let (entering, near) = node.enter_slot(self.simd, slot, &self.slabs, reach);
             let rays = entering & rays;
             if rays != 0 {
-                let near = near.store_many();
+                let near = near.store_wide();
                 let (child, order) = (Child(node.children[slot]), near[first]);
                 match child.leaf() {
-                    Some(leaf) => prefetch(&group.blocks[(leaf & !SPHERE) as usize]),
-                    None => prefetch(group.bvh.node(child)),
+                    Some(leaf) => prefetch(&bvh.blocks[(leaf & !SPHERE) as usize]),
+                    None => prefetch(bvh.bvh.node(child)),
                 }
-                let place = self.stack[children..].partition_point(|other| other.order >= order);
-                self.stack.insert(children + place, Visit { child, rays, near, order });
+                let position = self.stack[children..].partition_point(|other| other.order >= order);
+                self.stack.insert(children + position, Visit { child, rays, near, order });
             }
         }
     }
@@ -193,7 +200,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::geometry::accel::query::{closest_together_in, occluded_together_in};
+    use crate::geometry::accel::query::{Closest, Occluded};
     use crate::geometry::accel_tests::{Numbers, Sieve, geometry, in_world, mixed};
     use crate::geometry::{Accel, AcceptAll, HitFilter};
     use photosite_simd::Portable;
@@ -202,8 +209,8 @@ mod tests {
     fn rays(numbers: &mut Numbers, count: usize) -> Vec<Ray> {
         let mut ray = Ray::new(Vec3::ZERO, Vec3::Z);
         let next = |i: usize| {
-            let (group, is_wild) = (i / TOGETHER, i / TOGETHER % 7 == 6);
-            if i.is_multiple_of(TOGETHER) {
+            let (group, is_wild) = (i / GROUP, i / GROUP % 7 == 6);
+            if i.is_multiple_of(GROUP) {
                 ray.origin = numbers.point() * 5.0 - 2.0;
                 ray.direction = numbers.point() - ray.origin;
                 // Along a plane between axes.
@@ -229,12 +236,12 @@ mod tests {
         accel.occluded_each(rays, filter, &mut occluded);
         assert_eq!(hits, alone, "{what}");
         assert_eq!(occluded, is_occluded, "{what}");
-        let group = accel.alone().expect("one group");
-        for (run, _) in runs(group, rays).filter(|&(_, is_close)| is_close) {
+        let group = accel.single_bvh().expect("one group");
+        for (run, _) in coherent_runs(group, rays).filter(|&(_, is_close)| is_close) {
             let (alone, is_occluded) = (&alone[run.clone()], &is_occluded[run.clone()]);
             let (mut hits, mut occluded) = (vec![None; run.len()], vec![false; run.len()]);
-            closest_together_in::<Portable, F>(group, &rays[run.clone()], filter, &mut hits);
-            occluded_together_in::<Portable, F>(group, &rays[run], filter, &mut occluded);
+            trace_packets::<_, Closest<_>, F>(Portable, group, &rays[run.clone()], filter, &mut hits);
+            trace_packets::<_, Occluded<_>, F>(Portable, group, &rays[run], filter, &mut occluded);
             assert_eq!(hits, alone, "{what}, portable");
             assert_eq!(occluded, is_occluded, "{what}, portable");
         }
@@ -258,8 +265,9 @@ mod tests {
                 let rays = rays(&mut numbers, count);
                 let hits = compare(&accel, &rays, &AcceptAll, what);
                 compare(&accel, &rays, &Sieve, what);
-                let group = accel.alone().expect("one group");
-                let close: usize = runs(group, &rays).filter(|(_, is_close)| *is_close).map(|(run, _)| run.len()).sum();
+                let group = accel.single_bvh().expect("one group");
+                let close: usize =
+                    coherent_runs(group, &rays).filter(|(_, is_close)| *is_close).map(|(run, _)| run.len()).sum();
                 let is_mixed = (1000..4500).contains(&close) && hits > 1000;
                 assert!(count < 5000 || is_mixed, "{what}: {close} close of {count}, {hits} hits");
             }
@@ -269,8 +277,8 @@ mod tests {
     #[test]
     fn runs_are_all_rays_in_their_order() {
         let accel = in_world(&geometry(&[[Vec3::ZERO, Vec3::X, Vec3::Y]]));
-        let group = accel.alone().expect("one group");
-        let along = |direction: Vec3| vec![Ray::new(Vec3::ZERO, direction); TOGETHER];
+        let group = accel.single_bvh().expect("one group");
+        let along = |direction: Vec3| vec![Ray::new(Vec3::ZERO, direction); GROUP];
         let (forward, right) = (Vec3::new(0.1, 0.2, 1.0), Vec3::new(1.0, 0.2, 0.1));
         let (mut wild, mut elsewhere) = (along(forward), along(forward));
         wild[7].direction = right;
@@ -279,9 +287,9 @@ mod tests {
         through_zero[3].direction.x = -1e-4;
         let all =
             [along(forward), along(right), wild, elsewhere, along(Vec3::X), through_zero, along(-forward)].concat();
-        let found: Vec<_> = runs(group, &all[..all.len() - 1]).collect();
+        let found: Vec<_> = coherent_runs(group, &all[..all.len() - 1]).collect();
         assert_eq!(found, [(0..32, true), (32..111, false)]);
-        assert_eq!(runs(group, &all).last(), Some((96..112, true)));
-        assert_eq!(runs(group, &[]).next(), None);
+        assert_eq!(coherent_runs(group, &all).last(), Some((96..112, true)));
+        assert_eq!(coherent_runs(group, &[]).next(), None);
     }
 }

@@ -24,7 +24,7 @@ use crate::scene::{ColourSource, Scene, Shading};
 use photosite_core::math::pdf::power_heuristic;
 use photosite_core::math::{Frame, Pdf, Vector, frame, warp};
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
-use photosite_simd::{LaneMask, Lanes, Vectors, with_widest_lanes};
+use photosite_simd::{LaneMask, Lanes, Real, Simd, Vectors, WithSimd, dispatch};
 
 /// Lanes.
 const WIDTH: usize = 8;
@@ -356,55 +356,86 @@ impl SurfacePoints {
     }
 }
 
-with_widest_lanes! {
-    fn interpolate_points(hits: &Hits) -> SurfacePoints = interpolate_points_in
+fn interpolate_points(hits: &Hits) -> SurfacePoints {
+    dispatch(InterpolatePoints { hits })
+}
+
+/// The arguments of [`interpolate_points_in`].
+struct InterpolatePoints<'a> {
+    hits: &'a Hits,
+}
+
+impl WithSimd for InterpolatePoints<'_> {
+    type Output = SurfacePoints;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> SurfacePoints {
+        interpolate_points_in(simd, self.hits)
+    }
 }
 
 #[inline(always)]
-fn interpolate_points_in<L: Lanes>(hits: &Hits) -> SurfacePoints {
+fn interpolate_points_in<S: Simd>(simd: S, hits: &Hits) -> SurfacePoints {
     let [a, b, c] = &hits.corners;
-    let barycentric = [L::load(&hits.barycentric[0]), L::load(&hits.barycentric[1])];
-    let (position, error, across) = on_triangle([a.load::<L>(), b.load(), c.load()], barycentric);
-    let geometric_normal = across.normalize_or(Vector::splat(Vec3::ZERO));
+    let barycentric = [simd.load(&hits.barycentric[0]), simd.load(&hits.barycentric[1])];
+    let (position, error, across) = on_triangle([a.load(simd), b.load(simd), c.load(simd)], barycentric);
+    let geometric_normal = across.normalize_or(across.broadcast(Vec3::ZERO));
     let mut normal = geometric_normal;
     if hits.has_normals != 0 {
         let [a, b, c] = &hits.normals;
-        normal = interpolate([a.load::<L>(), b.load(), c.load()], barycentric).normalize_or(geometric_normal);
+        normal = interpolate([a.load(simd), b.load(simd), c.load(simd)], barycentric).normalize_or(geometric_normal);
     }
-    let wo = hits.wo.load::<L>();
-    normal = Vector::select(wo.dot(geometric_normal).is_below(L::splat(0.0)), -normal, normal);
+    let wo = hits.wo.load(simd);
+    normal = Vector::select(wo.dot(geometric_normal).lt(simd.broadcast(0.0)), -normal, normal);
     SurfacePoints {
         position: Vectors::store(position),
         error: Vectors::store(error),
         geometric_normal: Vectors::store(geometric_normal),
         normal: Vectors::store(normal),
-        seen: L::splat(MIN_SHADING_COSINE).is_at_most(wo.dot(normal)).bits(),
+        seen: simd.broadcast(MIN_SHADING_COSINE).le(wo.dot(normal)).bits(),
     }
 }
 
-with_widest_lanes! {
-    fn evaluate_direct_light(
-        points: &SurfacePoints,
-        wo: &Vectors,
-        samples: &LightSamples,
-    ) -> DirectLight = evaluate_direct_light_in
+fn evaluate_direct_light(points: &SurfacePoints, wo: &Vectors, samples: &LightSamples) -> DirectLight {
+    dispatch(EvaluateDirectLight { points, wo, samples })
+}
+
+/// The arguments of [`evaluate_direct_light_in`].
+struct EvaluateDirectLight<'a> {
+    points: &'a SurfacePoints,
+    wo: &'a Vectors,
+    samples: &'a LightSamples,
+}
+
+impl WithSimd for EvaluateDirectLight<'_> {
+    type Output = DirectLight;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> DirectLight {
+        evaluate_direct_light_in(simd, self.points, self.wo, self.samples)
+    }
 }
 
 #[inline(always)]
-fn evaluate_direct_light_in<L: Lanes>(points: &SurfacePoints, wo: &Vectors, samples: &LightSamples) -> DirectLight {
-    let zero = L::splat(0.0);
-    let (position, geometric_normal) = (points.position.load::<L>(), points.geometric_normal.load());
-    let triangle = samples.triangles.load::<L>();
-    let barycentric = warp::uniform_triangle([L::load(&samples.u_light[0]), L::load(&samples.u_light[1])]);
+fn evaluate_direct_light_in<S: Simd>(
+    simd: S,
+    points: &SurfacePoints,
+    wo: &Vectors,
+    samples: &LightSamples,
+) -> DirectLight {
+    let zero = simd.broadcast(0.0);
+    let (position, geometric_normal) = (points.position.load(simd), points.geometric_normal.load(simd));
+    let triangle = samples.triangles.load(simd);
+    let barycentric = warp::uniform_triangle([simd.load(&samples.u_light[0]), simd.load(&samples.u_light[1])]);
     let light_point = triangle.seen_from(barycentric, position);
-    let pdf = light_point.density * L::load(&samples.probability);
-    let cos = points.normal.load::<L>().dot(light_point.wi);
-    let is_above = L::splat(GRAZING).is_below(cos) & !crosses(wo.load(), light_point.wi, geometric_normal);
-    let is_lit = (zero.is_below(pdf) & is_above).bits();
-    let (active, back) = (zero.is_below(light_point.cos).bits(), light_point.cos.is_below(zero).bits());
-    let scattered_pdf = cos * L::splat(FRAC_1_PI);
+    let pdf = light_point.density * simd.load(&samples.probability);
+    let cos = points.normal.load(simd).dot(light_point.wi);
+    let is_above = simd.broadcast(GRAZING).lt(cos) & !crosses(wo.load(simd), light_point.wi, geometric_normal);
+    let is_lit = (zero.lt(pdf) & is_above).bits();
+    let (active, back) = (zero.lt(light_point.cos).bits(), light_point.cos.lt(zero).bits());
+    let scattered_pdf = cos * simd.broadcast(FRAC_1_PI);
     let weighted_cos = cos.abs();
-    let origin = offset(position, points.error.load(), geometric_normal, light_point.wi);
+    let origin = offset(position, points.error.load(simd), geometric_normal, light_point.wi);
     let target = towards_light(light_point.position, triangle.normal, light_point.wi);
     DirectLight {
         is_lit: is_lit & samples.is_static_triangle & (active | back & samples.two_sided),
@@ -416,24 +447,41 @@ fn evaluate_direct_light_in<L: Lanes>(points: &SurfacePoints, wo: &Vectors, samp
     }
 }
 
-with_widest_lanes! {
-    fn sample_directions(
-        points: &SurfacePoints,
-        wo: &Vectors,
-        u: &[[f32; WIDTH]; 2],
-    ) -> ScatteredRays = sample_directions_in
+fn sample_directions(points: &SurfacePoints, wo: &Vectors, u: &[[f32; WIDTH]; 2]) -> ScatteredRays {
+    dispatch(SampleDirections { points, wo, u })
+}
+
+/// The arguments of [`sample_directions_in`].
+struct SampleDirections<'a> {
+    points: &'a SurfacePoints,
+    wo: &'a Vectors,
+    u: &'a [[f32; WIDTH]; 2],
+}
+
+impl WithSimd for SampleDirections<'_> {
+    type Output = ScatteredRays;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ScatteredRays {
+        sample_directions_in(simd, self.points, self.wo, self.u)
+    }
 }
 
 #[inline(always)]
-fn sample_directions_in<L: Lanes>(points: &SurfacePoints, wo: &Vectors, [u, v]: &[[f32; WIDTH]; 2]) -> ScatteredRays {
-    let local = warp::cosine_hemisphere([L::load(u), L::load(v)]);
-    let (normal, geometric_normal) = (points.normal.load::<L>(), points.geometric_normal.load::<L>());
+fn sample_directions_in<S: Simd>(
+    simd: S,
+    points: &SurfacePoints,
+    wo: &Vectors,
+    [u, v]: &[[f32; WIDTH]; 2],
+) -> ScatteredRays {
+    let local = warp::cosine_hemisphere([simd.load(u), simd.load(v)]);
+    let (normal, geometric_normal) = (points.normal.load(simd), points.geometric_normal.load(simd));
     let [x, y] = frame::tangents(normal);
     let wi = x * local.x + y * local.y + normal * local.z;
-    let pdf = local.z * L::splat(FRAC_1_PI);
-    let origin = offset(points.position.load(), points.error.load(), geometric_normal, wi);
+    let pdf = local.z * simd.broadcast(FRAC_1_PI);
+    let origin = offset(points.position.load(simd), points.error.load(simd), geometric_normal, wi);
     ScatteredRays {
-        continues: (L::splat(GRAZING).is_below(local.z) & !crosses(wo.load(), wi, geometric_normal)).bits(),
+        continues: (simd.broadcast(GRAZING).lt(local.z) & !crosses(wo.load(simd), wi, geometric_normal)).bits(),
         origin: Vectors::store(origin),
         wi: Vectors::store(wi),
         pdf: pdf.store(),
@@ -445,7 +493,8 @@ fn sample_directions_in<L: Lanes>(points: &SurfacePoints, wo: &Vectors, [u, v]: 
 /// [`leaks`](super::leaks).
 #[inline(always)]
 fn crosses<L: Lanes>(wo: Vector<L>, wi: Vector<L>, normal: Vector<L>) -> L::Mask {
-    (wo.dot(normal) * wi.dot(normal)).is_below(L::splat(0.0))
+    let product = wo.dot(normal) * wi.dot(normal);
+    product.lt(product.broadcast(0.0))
 }
 
 /// A function rather than a path to the trait's, which would not be inlined into a function for wide registers.

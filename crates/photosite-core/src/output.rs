@@ -1,0 +1,287 @@
+//! Writing files so that each appears whole or not at all, and is there after a power cut.
+//!
+//! A file is written under a name that no other process has, synced, and renamed; then its folder is synced.
+
+use std::fs::{self, File, Metadata};
+use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use tempfile::NamedTempFile;
+
+use crate::cleanup::Cleanup;
+use crate::fail_point;
+use crate::{Error, Invalid, Result};
+
+/// What names of files begin and end with that are being written.
+const PREFIX: &str = ".photosite-";
+/// The same of folders, too.
+pub const PARTIAL: &str = ".partial";
+
+/// A file being written, as encoders see it.
+pub trait Sink: Write + Seek {}
+impl<T: Write + Seek> Sink for T {}
+
+/// Writes `path` through a temporary file beside it, renamed into place once `write` has succeeded. On failure nothing
+/// is left behind and an older file of that name stays as it was.
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<()> {
+    Temporary::write(path, write)?.synced(path)?.persist(path)?;
+    sync_folder(folder_of(path)?)
+}
+
+/// The same unless there is a file of that name by then, which stays as it is: whether it was written.
+pub fn write_new(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<bool> {
+    let is_new = Temporary::write(path, write)?.synced(path)?.persist_new(path)?;
+    sync_folder(folder_of(path)?)?;
+    Ok(is_new)
+}
+
+/// Writes a file whole that need not survive a power cut: a picture of what is under way, or one of a folder that is
+/// synced when it is finished (`UnfinishedFolder` of the files of data sets).
+pub fn write_unsynced(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<()> {
+    Temporary::write(path, write)?.persist(path).map(|_| ())
+}
+
+/// The same as [`write_whole`], or as [`write_unsynced`]; what tells the file from one that another process puts in its place.
+pub fn write_stamped(
+    path: &Path,
+    is_synced: bool,
+    write: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
+) -> Result<Stamp> {
+    let file = Temporary::write(path, write)?;
+    if !is_synced {
+        return file.persist(path);
+    }
+    let stamp = file.synced(path)?.persist(path)?;
+    sync_folder(folder_of(path)?)?;
+    Ok(stamp)
+}
+
+/// What tells a file from others that had its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    bytes: u64,
+    inode: u64,
+}
+
+impl Stamp {
+    fn of(file: &Metadata) -> Self {
+        #[cfg(unix)]
+        let inode = std::os::unix::fs::MetadataExt::ino(file);
+        #[cfg(not(unix))]
+        let inode = 0;
+        Self { bytes: file.len(), inode }
+    }
+
+    /// Whether it is still this file that has the name.
+    pub fn is_of(self, path: &Path) -> bool {
+        fs::metadata(path).is_ok_and(|file| Self::of(&file) == self)
+    }
+}
+
+/// A file that is complete, but has not its name yet.
+struct Temporary {
+    file: NamedTempFile,
+    cleanup: Cleanup,
+}
+
+impl Temporary {
+    fn write(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<Self> {
+        let failed = |reason| Error::io(path, "write", reason);
+        // Its reasons do not name the temporary file, which nobody knows.
+        let open = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
+        let named = tempfile::Builder::new().prefix(PREFIX).suffix(PARTIAL).make_in(folder_of(path)?, open);
+        let mut file = named.map_err(failed)?;
+        let temporary = file.path().to_owned();
+        let cleanup = Cleanup::new(move || {
+            let _ = fs::remove_file(&temporary);
+        });
+        let mut buffered = BufWriter::new(Remembering::new(file.as_file_mut()));
+        let written = write(&mut buffered).and_then(|()| buffered.flush());
+        let (remembering, _) = buffered.into_parts();
+        // What the file said comes before what an encoder has made of it.
+        if let Err(reason) = written {
+            return Err(failed(remembering.failure.unwrap_or(reason)));
+        }
+        #[cfg(unix)]
+        {
+            // Temporary files are private; a picture is not.
+            use std::os::unix::fs::PermissionsExt;
+            file.as_file().set_permissions(fs::Permissions::from_mode(0o644)).map_err(failed)?;
+        }
+        fail_point::reach("file-written");
+        Ok(Self { file, cleanup })
+    }
+
+    fn synced(self, path: &Path) -> Result<Self> {
+        self.file.as_file().sync_all().map_err(|reason| Error::io(path, "write", reason))?;
+        Ok(self)
+    }
+
+    fn persist(self, path: &Path) -> Result<Stamp> {
+        let failed = |reason| Error::io(path, "write", reason);
+        let stamp = Stamp::of(&self.file.as_file().metadata().map_err(failed)?);
+        self.file.persist(path).map_err(|e| failed(e.error))?;
+        self.cleanup.disarm();
+        fail_point::reach("file-named");
+        Ok(stamp)
+    }
+
+    fn persist_new(self, path: &Path) -> Result<bool> {
+        match self.file.persist_noclobber(path) {
+            Ok(_) => {
+                self.cleanup.disarm();
+                Ok(true)
+            }
+            Err(e) if e.error.kind() == ErrorKind::AlreadyExists => Ok(false),
+            Err(e) => Err(Error::io(path, "write", e.error)),
+        }
+    }
+}
+
+/// A file that remembers why it first refused something: encoders wrap that beyond recognition.
+pub struct Remembering<W> {
+    inner: W,
+    failure: Option<io::Error>,
+}
+
+impl<W> Remembering<W> {
+    /// Around a file that nothing was written to.
+    pub fn new(inner: W) -> Self {
+        Self { inner, failure: None }
+    }
+
+    /// Why it first refused something.
+    pub fn into_failure(self) -> Option<io::Error> {
+        self.failure
+    }
+
+    fn remember<T>(&mut self, outcome: io::Result<T>) -> io::Result<T> {
+        if let Err(reason) = &outcome
+            && reason.kind() != ErrorKind::Interrupted
+            && self.failure.is_none()
+        {
+            self.failure = Some(same(reason));
+        }
+        outcome
+    }
+}
+
+impl<W: Write> Write for Remembering<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.inner.write(bytes);
+        self.remember(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.inner.flush();
+        self.remember(flushed)
+    }
+}
+
+impl<W: Seek> Seek for Remembering<W> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let place = self.inner.seek(to);
+        self.remember(place)
+    }
+}
+
+/// The same reason once more.
+fn same(reason: &io::Error) -> io::Error {
+    reason.raw_os_error().map_or_else(|| reason.kind().into(), io::Error::from_raw_os_error)
+}
+
+/// The folder that a file is written to.
+pub fn folder_of(path: &Path) -> Result<&Path> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        let help = "make it first, or choose another name";
+        return Err(Invalid::new("", "is no folder to write to").help(help).in_file(folder));
+    }
+    Ok(folder)
+}
+
+/// Creates a folder and its parents.
+pub fn create_folder(path: &Path) -> Result<()> {
+    let created: Vec<&Path> = path.ancestors().take_while(|part| !part.exists()).collect();
+    fs::create_dir_all(path).map_err(|reason| Error::io(path, "create the folder", reason))?;
+    created.into_iter().try_for_each(|folder| folder_of(folder).and_then(sync_folder))
+}
+
+/// Makes sure that names in a folder are what they are after a power cut, too.
+pub fn sync_folder(path: &Path) -> Result<()> {
+    // Elsewhere folders cannot be opened.
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    match File::open(path).and_then(|folder| folder.sync_all()) {
+        Err(reason) if !is_no_need(reason.kind()) => Err(Error::io(path, "write to the folder", reason)),
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
+
+/// Whether a file system says so that it does not sync folders, or that this one must not be read.
+fn is_no_need(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied)
+}
+
+/// Removes files that a process was writing to a folder when it died. No living one may be writing to it.
+pub fn remove_leftovers(folder: &Path) {
+    let names = fs::read_dir(folder).into_iter().flatten().flatten();
+    let leftovers = names.filter(|entry| is_temporary(&entry.file_name().to_string_lossy()));
+    // Nothing depends on it.
+    leftovers.for_each(|entry| drop(fs::remove_file(entry.path())));
+}
+
+fn is_temporary(name: &str) -> bool {
+    name.starts_with(PREFIX) && name.ends_with(PARTIAL)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("picture.dng");
+        write_whole(&path, |sink| sink.write_all(b"first")).expect("written");
+        let failure = write_whole(&path, |sink| {
+            sink.write_all(b"sec")?;
+            Err(std::io::Error::other("disk full"))
+        });
+        assert!(failure.is_err());
+        assert_eq!(fs::read(&path).expect("still there"), b"first");
+        assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+    }
+
+    #[test]
+    fn a_new_file_replaces_none() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("dataset.json");
+        let write = |text: &'static [u8]| write_new(&path, |sink| sink.write_all(text));
+        assert!(write(b"first").expect("written") && !write(b"second").expect("refused"));
+        assert_eq!(fs::read(&path).expect("still there"), b"first");
+        assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+    }
+
+    #[test]
+    fn a_file_that_another_process_replaced_is_known() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("raw.dng");
+        let stamp = write_stamped(&path, true, |sink| sink.write_all(b"ours!!")).expect("written");
+        assert!(stamp.is_of(&path));
+        write_whole(&path, |sink| sink.write_all(b"theirs")).expect("written");
+        assert!(!stamp.is_of(&path));
+        fs::remove_file(&path).expect("removed");
+        assert!(!stamp.is_of(&path));
+    }
+
+    #[test]
+    fn what_a_killed_process_was_writing_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let names = [".photosite-x1y2z3.partial", ".000001.x1y2z3.partial", "raw.dng", ".photosite.lock"];
+        names.iter().for_each(|name| fs::write(folder.path().join(name), name).expect("written"));
+        remove_leftovers(folder.path());
+        assert_eq!(names.map(|name| folder.path().join(name).exists()), [false, true, true, true]);
+    }
+}

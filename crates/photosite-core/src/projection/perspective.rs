@@ -1,0 +1,58 @@
+//! Rectilinear lenses: (x, y) = (X, Y)/Z.
+
+use glam::{DVec2, DVec3};
+
+use super::{CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+
+/// The model without distortion.
+pub(super) struct Perspective;
+
+impl Model for Perspective {
+    const IS_FLAT: bool = true;
+
+    fn name(&self) -> &'static str {
+        "perspective"
+    }
+
+    fn coefficients(&self) -> Vec<f64> {
+        vec![0.0; 5]
+    }
+
+    fn calibration_model(&self) -> Option<CalibrationModel> {
+        Some(CalibrationModel::Pinhole)
+    }
+
+    fn reach(&self) -> Reach {
+        flat_reach(FLAT_ANGLE.tan(), ReachEnd::Flat)
+    }
+
+    #[inline]
+    fn project(&self, direction: DVec3, _: &Reach) -> Option<DVec2> {
+        Some(on_plane(direction))
+    }
+
+    #[inline]
+    fn unproject(&self, place: DVec2, _: &Reach) -> Option<Seen> {
+        Some(through_plane(place, 1.0))
+    }
+}
+
+/// Where a direction meets the plane z = 1.
+#[inline]
+pub(super) fn on_plane(direction: DVec3) -> DVec2 {
+    DVec2::new(direction.x, direction.y) / direction.z
+}
+
+/// A reach that ends at a radius of the ideal picture.
+pub(super) fn flat_reach(radius: f64, end: ReachEnd) -> Reach {
+    Reach::new(radius.atan(), end, radius)
+}
+
+/// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth` times as
+/// large in area as on the sensor: dΩ = cos³θ·dA.
+#[inline(always)]
+pub fn through_plane(ideal: DVec2, growth: f64) -> Seen {
+    let cos = 1.0 / (1.0 + ideal.length_squared()).sqrt();
+    let chief = ideal.extend(1.0);
+    Seen { direction: chief * cos, chief, solid_angle: cos * cos * cos * growth }
+}

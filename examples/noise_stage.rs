@@ -1,0 +1,40 @@
+//! One noise stage at a time: how much of the noise of an even grey image comes from each.
+//!
+//! `cargo run --release --example noise_stage`
+
+use photosite::image::{Channel, Planes};
+use photosite::math::statistics::Moments;
+use photosite::sensor::{Exposure, NoiseKey, Stage, Stages, Window, expose, presets};
+use photosite::units::{Celsius, Decibels, Seconds};
+
+const SIZE: usize = 200;
+/// Mean electrons of every pixel.
+const ELECTRONS: f32 = 500.0;
+
+fn main() -> photosite::Result<(), photosite::Invalid> {
+    let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
+    sensor.resolution = [SIZE, SIZE];
+    let exposure = Exposure {
+        time: Seconds(0.1),
+        gain: Decibels(0.0),
+        digital_gain: Decibels(0.0),
+        temperature: Celsius(40.0),
+        frame_interval: None,
+        window: Window::WHOLE,
+    };
+    let channel = Channel { name: sensor.cfa.channels()[0].clone(), data: vec![ELECTRONS; SIZE * SIZE] };
+    let light = Planes::new(SIZE, SIZE, vec![channel])?;
+
+    let deviation_dn = |stages: Stages| -> photosite::Result<f64, photosite::Invalid> {
+        let raw = expose(&light, &sensor, &exposure, stages, NoiseKey { seed: 1, frame: 0 })?;
+        let mut numbers = Moments::default();
+        raw.data.iter().for_each(|&dn| numbers.add(f64::from(dn)));
+        Ok(numbers.variance().sqrt())
+    };
+    println!("all stages: σ = {:.2} DN", deviation_dn(Stages::ALL)?);
+    for stage in Stage::ALL {
+        // Gain and converter are there in any case; the rounding to whole numbers leaves 0.29 DN.
+        println!("{stage:?} alone: σ = {:.2} DN", deviation_dn(Stages::only(&[stage]))?);
+    }
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! A converter of other bits than the preset's: what the preset states in digital numbers follows.
+//!
+//! A number of 12 bits is four of 10 bits. Where a capture changes `adc.bits` alone, every figure of the preset in DN is
+//! multiplied by 2^(new − old), so that the converter still takes the same charge; what the capture states itself stays as it
+//! is stated. So it is with the two converters of `adc.dual_gain`, whose numbers have bits of their own.
+
+use super::tree::{Node, Value};
+
+/// Figures in the numbers of the converter.
+const IN_MERGED_DN: [&[&str]; 3] =
+    [&["adc", "conversion_gain_dn_per_e"], &["adc", "black_level_dn"], &["adc", "column_offset_dn"]];
+
+/// The same of each of the two of dual gain.
+const IN_DUAL_DN: [&[&str]; 3] = [
+    &["adc", "dual_gain", "black_level_dn"],
+    &["adc", "dual_gain", "high_gain_dn_per_e"],
+    &["adc", "dual_gain", "low_gain_dn_per_e"],
+];
+
+const BITS: &[&str] = &["adc", "bits"];
+const DUAL_BITS: &[&str] = &["adc", "dual_gain", "bits"];
+/// Of the converters that measure charge: both of dual gain where there are two.
+const BEND: &[&str] = &["adc", "inl_dn"];
+const KNEES: &[&str] = &["adc", "companding", "knee_points_dn"];
+const STEPS: &[&str] = &["adc", "dnl_dn"];
+
+/// Makes the figures of `base` follow the bits in `changes`, but for those that are given there; returns what is to be said of
+/// those that cannot.
+pub(super) fn follow_bits(base: &mut Node, changes: &Node) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let is_dual = base.at(&["adc", "dual_gain"]).is_some();
+    let change = |key| Some([bits(base, key)?, bits(changes, key)?]).filter(|[old, new]| old != new);
+    let [merged, dual] = [BITS, DUAL_BITS].map(change);
+    let kind = changes.at(&["kind"]).or_else(|| base.at(&["kind"]));
+    // Numbers of single-photon detectors are counts, whatever their bits.
+    if kind.and_then(Node::as_str) == Some("spad") {
+        warnings.extend(merged.and_then(|[_, new]| short_counter(base, changes, new)));
+        return warnings;
+    }
+    let mut follow = |keys: &[&[&str]], [old, new]: [u32; 2]| {
+        let factor = 2f64.powi(new as i32 - old as i32);
+        for key in keys.iter().filter(|key| changes.at(key).is_none()) {
+            base.at_mut(key).into_iter().for_each(|node| scale(node, key, factor));
+        }
+    };
+    if let Some(change) = merged {
+        follow(&IN_MERGED_DN, change);
+    }
+    if let Some(change) = dual {
+        follow(&IN_DUAL_DN, change);
+    }
+    let of_converters = if is_dual { dual } else { merged };
+    if let Some(change @ [_, new]) = of_converters {
+        follow(&[BEND], change);
+        let steps = base.at(STEPS).and_then(Node::as_number).filter(|dnl| *dnl != 0.0 && changes.at(STEPS).is_none());
+        warnings.extend(steps.map(|dnl| {
+            format!(
+                "sensor.adc.dnl_dn: {dnl} is that of a converter of other bits, and is taken to hold for the steps of {new} \
+                 bits; state that of yours"
+            )
+        }));
+    }
+    if let (Some(change), None) = (merged, changes.at(KNEES)) {
+        base.at_mut(KNEES).into_iter().for_each(|knees| move_knees(knees, change));
+    }
+    warnings
+}
+
+/// Bits that a converter can have; others are refused elsewhere.
+fn bits(sensor: &Node, key: &[&str]) -> Option<u32> {
+    let Value::Integer(bits) = sensor.at(key)?.value else { return None };
+    u32::try_from(bits).ok().filter(|bits| (8..=16).contains(bits))
+}
+
+/// Multiplies the number at a key; black levels stay whole.
+fn scale(node: &mut Node, key: &[&str], factor: f64) {
+    let Some(scaled) = node.as_number().map(|number| number * factor) else { return };
+    let is_whole = key.last() == Some(&"black_level_dn");
+    node.value = if is_whole { Value::Integer(scaled.round() as i128) } else { Value::Float(scaled) };
+}
+
+/// Moves the knees of a companding curve: its ends are the largest numbers.
+fn move_knees(knees: &mut Node, [old, new]: [u32; 2]) {
+    let (factor, last) = (2f64.powi(new as i32 - old as i32), |bits: u32| (1i128 << bits) - 1);
+    let Value::Array(knees) = &mut knees.value else { return };
+    for knee in knees {
+        let Value::Array(knee) = &mut knee.value else { continue };
+        let Some(Node { value: Value::Integer(number), .. }) = knee.first_mut() else { continue };
+        *number = if *number == last(old) { last(new) } else { (*number as f64 * factor).round() as i128 };
+    }
+}
+
+/// The warning of a counter that ends before its pixels do.
+fn short_counter(base: &Node, changes: &Node, bits: u32) -> Option<String> {
+    let number = |key: &[&str]| changes.at(key).or_else(|| base.at(key)).and_then(Node::as_number);
+    let (gain, black) = (number(IN_MERGED_DN[0])?, number(IN_MERGED_DN[1])?);
+    let (end, most) = ((f64::from((1u32 << bits) - 1) - black) / gain, number(&["charge", "full_well_e"])?);
+    (end < most)
+        .then(|| format!("sensor.adc.bits: {bits} bits count to {end}, and pixels of this sensor can count to {most}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::capture::read_named_sensor;
+    use crate::sensor::{Exposure, presets};
+    use crate::units::Seconds;
+
+    /// Whatever the bits, the sensor holds the same charge. The largest number is 2^b − 1 rather than 2^b, and the black level
+    /// is whole: the ends of the range are off by up to |2^Δ − 1| and by ½ of the new numbers, each of 1/K electrons.
+    #[test]
+    fn every_preset_holds_the_same_charge_with_any_bits() {
+        let exposure = Exposure::of(Seconds(0.01));
+        for name in presets::names() {
+            let preset = presets::model(name).expect("listed");
+            for bits in 8..=16 {
+                let (sensor, warnings) = read_named_sensor(name, &[format!("adc.bits={bits}")]).expect("valid");
+                assert!(warnings.is_empty(), "{name}: {warnings:?}");
+                let [before, after] = [&preset, &sensor].map(|s| s.saturation_capacity(&exposure).0);
+                let factor = 2f64.powi(bits - preset.converter.bits as i32);
+                let bound = ((factor - 1.0).abs() + 0.5) / sensor.converter.conversion_gain_dn_per_e;
+                assert!((before - after).abs() <= bound, "{name}, {bits} bits: {after} e⁻, not {before}");
+                let is_counter = sensor.architecture.spad().is_some();
+                let gain = preset.converter.conversion_gain_dn_per_e * if is_counter { 1.0 } else { factor };
+                assert_eq!(sensor.converter.conversion_gain_dn_per_e, gain, "{name}, {bits} bits");
+            }
+        }
+    }
+
+    /// Each of two converters holds the same charge.
+    #[test]
+    fn the_converters_of_dual_gain_follow_their_own_bits() {
+        let preset = presets::model("andor-zyla-55").expect("listed");
+        let set = ["adc.dual_gain.bits=10", "adc.dual_gain.low_gain_dn_per_e=0.03"].map(str::to_owned);
+        let (sensor, _) = read_named_sensor("andor-zyla-55", &set).expect("valid");
+        let [before, after] = [&preset, &sensor].map(|s| s.converter.dual_gain.as_ref().expect("two converters"));
+        let gains = |dual: &crate::sensor::DualGain| [&dual.high, &dual.low].map(|c| c.conversion_gain_dn_per_e);
+        assert_eq!(gains(after), [gains(before)[0] / 4.0, 0.03]);
+        // 50/4 = 12.5.
+        assert_eq!((before.high.black_level_dn, after.high.black_level_dn), (50, 13));
+        assert_eq!(sensor.converter.bits, preset.converter.bits);
+        assert_eq!(sensor.converter.conversion_gain_dn_per_e, preset.converter.conversion_gain_dn_per_e);
+    }
+}

@@ -1,0 +1,67 @@
+//! Data set files, with the errors of capture files: every one names the file, the key and its line.
+
+use std::path::Path;
+
+use super::source::CaptureSource;
+use super::source::shown;
+use super::text_file::read_text;
+use crate::calibration::dataset::DatasetDescription;
+use crate::{Error, Invalid, Result};
+
+/// A data set file as read.
+#[derive(Debug)]
+pub struct DatasetFile {
+    /// What it says.
+    pub description: DatasetDescription,
+    /// The same as JSON, without comments and order.
+    pub values: serde_json::Value,
+    source: CaptureSource,
+}
+
+impl DatasetFile {
+    /// Reads a data set file.
+    pub fn read(path: &Path) -> Result<Self> {
+        let source = CaptureSource::parse(path, read_text(path)?)?;
+        if !source.has("capture") {
+            let help = "for example capture = \"capture.toml\"";
+            return Err(source.error(Invalid::new("", "the key `capture` is missing").help(help)));
+        }
+        Ok(Self { description: source.read_whole()?, values: source.read_whole()?, source })
+    }
+
+    /// The error of a change that this file makes to the capture of a camera, at the key that asks for it, with the frame
+    /// where the change is that of one. Other errors stay as they are.
+    pub fn error_of_change(&self, error: Error, camera: &str, frame: Option<u32>, changes: &[String]) -> Error {
+        let said = match &error {
+            Error::Input(error) => error.path.to_string_lossy().into_owned(),
+            Error::Usage { message, .. } => message.clone(),
+            Error::Io { .. } | Error::Temporary(_) | Error::Cancelled { .. } => return error,
+        };
+        let is_of = |change: &&String| {
+            said.strip_prefix(&shown(change)).is_some_and(|rest| rest.is_empty() || rest.starts_with(": "))
+        };
+        let index = self.description.cameras.iter().position(|other| other.name == camera).unwrap_or(0);
+        let change = changes.iter().rev().find(is_of);
+        let Some((change, key)) = change.and_then(|c| Some((c, self.description.key_of(index, c)?))) else {
+            return error;
+        };
+        let (message, help) = match error {
+            Error::Input(error) => (format!("{}: {}", error.key, error.message), error.help),
+            // A file has no `--set` before what it sets.
+            Error::Usage { message, help } => {
+                (message.replacen(&format!("{}: ", shown(change)), "", 1), help.map(|help| help.replace("--set ", "")))
+            }
+            Error::Io { .. } | Error::Temporary(_) | Error::Cancelled { .. } => return error,
+        };
+        let frame = frame.map(|frame| format!("in frame {frame}")).into_iter();
+        let camera = (!self.description.cameras.is_empty()).then(|| format!("of camera {camera}"));
+        let place: String = frame.chain(camera).map(|part| part + " ").collect();
+        let place = if place.is_empty() { place } else { format!("{}: ", place.trim_end()) };
+        self.error(Invalid { key, message: place + &message, help })
+    }
+
+    /// An error that shows up later, at its line.
+    pub fn error(&self, invalid: Invalid) -> Error {
+        self.source.error(invalid)
+    }
+}

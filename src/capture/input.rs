@@ -1,0 +1,40 @@
+//! The file that stands for a capture: a capture file, the report of one that was rendered, or a scene.
+
+use std::fs;
+use std::path::Path;
+
+use super::source::CaptureSource;
+use super::stored_report::StoredReport;
+use super::text_file::{read_text, unknown_kind};
+use super::{lens, tree};
+use crate::{Error, Result};
+
+/// What a path holds: a capture file, a report of one that was rendered, or a scene file that stands for one.
+pub(super) fn read_source(path: &Path) -> Result<CaptureSource> {
+    if is_scene_file(path) {
+        fs::metadata(path).map_err(|reason| Error::io(path, "read", reason))?;
+        return Ok(CaptureSource::of_scene_file(path));
+    }
+    let is_of_kind = |kind: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(kind));
+    if is_of_kind("json") {
+        return Ok(StoredReport::read(path)?.source(path));
+    }
+    let source = CaptureSource::parse(path, read_text(path)?);
+    // Syntax errors help nobody who gave a file of another kind.
+    if is_of_kind("toml") { source } else { source.map_err(|_| unknown_kind(path)) }
+}
+
+/// Focuses the lens on the middle of a scene that stands for a capture, unless something says otherwise.
+pub(super) fn focus_on_scene(source: &mut CaptureSource) {
+    let is_said = ["lens.focus_distance_m", "lens.autofocus_px"].iter().any(|key| source.has(key));
+    let is_pinhole = source.get("lens.type").and_then(tree::Node::as_str) == Some("pinhole");
+    if !is_said && !is_pinhole {
+        source.set_default("lens", "focus_distance_m", &lens::ON_SCENE.into());
+    }
+}
+
+/// Whether a path names a file of geometry rather than a capture file.
+pub(super) fn is_scene_file(path: &Path) -> bool {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    matches!(extension.as_deref(), Some("gltf" | "glb" | "obj"))
+}

@@ -1,0 +1,266 @@
+//! The capture file: a scene, the camera that looks at it and what to make of it, as TOML.
+//!
+//! In: the path of a capture file, or of a scene file (`.gltf`, `.glb`, `.obj`) that stands for a capture of defaults,
+//! and `--set key=value` arguments. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
+//! the key and its line, or the argument.
+//!
+//! The text becomes a tree of values that know their lines (`tree.rs`, `source.rs`), the tree becomes tables of keys
+//! (`reader.rs`, `file.rs`, `tables/`), and the tables are given their meaning:
+//!
+//! | table | holds | given its meaning in |
+//! |---|---|---|
+//! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
+//! | `[[lights]]` | lights without a surface | `light.rs` |
+//! | `[[targets]]` | calibration targets | `target.rs` |
+//! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
+//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs`, `aberrations.rs` |
+//! | `[sensor]` | a preset and changes to it | `sensor.rs` |
+//! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
+//! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
+//!
+//! The keys are documented where they are declared, in `tables/`; [`capture_schema`] makes a JSON Schema of that.
+//! Rendering is left to others.
+
+mod aberrations;
+mod camera;
+mod colour;
+mod converter_bits;
+mod dataset;
+mod develop;
+mod file;
+mod framing;
+mod input;
+mod lens;
+mod light;
+mod material;
+mod motion;
+mod overrides;
+mod projection;
+mod reader;
+mod relocate;
+mod scene;
+mod schema;
+mod sensor;
+mod settings;
+mod source;
+mod stored;
+mod stored_report;
+mod tables;
+mod target;
+mod text_file;
+mod tree;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use glam::DAffine3;
+
+use crate::calibration::targets::PlacedTarget;
+use crate::develop::DevelopSettings;
+use crate::integrator::RenderSettings;
+use crate::optics::{LensDescription, Recording};
+use crate::scene::description::SceneDescription;
+use crate::sensor::SensorModel;
+use crate::{Invalid, Result};
+use photosite_core::warnings::Warnings;
+
+use camera::place_camera;
+use colour::Finder;
+use input::{focus_on_scene, is_scene_file, read_source};
+use relocate::keys_of;
+pub use relocate::{real_path, relative_path};
+use scene::ReadScene;
+use sensor::sensor_model;
+use tables::CaptureFile;
+use target::place_targets;
+
+pub use dataset::DatasetFile;
+pub use develop::read_develop_settings;
+pub use schema::capture_schema;
+pub use sensor::{read_named_sensor, read_sensor_file};
+pub use settings::{
+    Bracket, ExposureSettings, ExposureTime, NextPicture, NoiseOutput, OutputSettings, SpectralBands, TruthOutput,
+};
+pub use source::CaptureSource;
+pub use stored::StoredCapture;
+pub use stored_report::StoredReport;
+pub use tables::RawFormat;
+pub use target::read_target;
+
+/// Everything that a capture file, the files it names and the command line say.
+#[derive(Clone, Debug)]
+pub struct Capture {
+    /// What is in front of the camera. Its warnings are those of the whole capture.
+    pub scene: SceneDescription,
+    /// Calibration targets in it.
+    pub targets: Vec<PlacedTarget>,
+    /// Camera → world; the camera looks along −Z.
+    pub camera_to_world: DAffine3,
+    /// The picture of a camera or a scene that moves; `None` where all stands still.
+    pub recording: Option<Recording>,
+    /// Whether the scene is that of one picture only, so that others need [`Capture::load_frame`].
+    pub scene_moves: bool,
+    /// The lens.
+    pub lens: LensDescription,
+    /// The sensor.
+    pub sensor: SensorModel,
+    /// How it is exposed.
+    pub exposure: ExposureSettings,
+    /// How light is traced.
+    pub render: RenderSettings,
+    /// How the raw picture is developed.
+    pub develop: DevelopSettings,
+    /// What is written.
+    pub output: OutputSettings,
+    /// Where all this stands: for errors that show up later.
+    pub source: CaptureSource,
+}
+
+impl Capture {
+    /// Loads a capture file (`.toml`), a report of one that was rendered (`capture.json`) or a scene file (`.gltf`,
+    /// `.glb`, `.obj`), which stands for a capture of defaults.
+    ///
+    /// # Errors
+    ///
+    /// Whatever is wrong with the file or one that it names, with key and line, and what to write instead.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        Self::load_with(path.as_ref(), &[])
+    }
+
+    /// The same with changes to its keys laid over it, `key=value` as in `exposure.time_s=0.02`.
+    pub fn load_with(path: &Path, overrides: &[String]) -> Result<Self> {
+        Self::load_frame(path, overrides, 0)
+    }
+
+    /// The same for the picture of that number, in whose time an animated scene has gone on.
+    pub fn load_frame(path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
+        Self::of_source(read_source(path)?, path, overrides, frame)
+    }
+
+    /// A capture from the text of a capture file, which names files relative to `folder`.
+    pub fn parse(text: &str, folder: &Path, overrides: &[String]) -> Result<Self> {
+        let path = folder.join("capture.toml");
+        Self::of_source(CaptureSource::parse(&path, text.to_owned())?, &path, overrides, 0)
+    }
+
+    /// A capture of a scene that no file holds; `text` is a capture file with all but its geometry. Names of materials and
+    /// of cameras in it are those of the scene.
+    pub fn of_scene(scene: SceneDescription, text: &str) -> Result<Self> {
+        let path = Path::new("capture.toml");
+        let mut source = CaptureSource::parse(path, text.to_owned())?;
+        let file = CaptureFile::read(&mut source, Path::new(""))?;
+        if !file.scene.geometry.is_empty() {
+            let invalid = Invalid::new("scene.geometry", "cannot go with a scene that is given");
+            return Err(source.error(invalid.help("remove it, or load the capture file")));
+        }
+        Self::of_geometry(&file, ReadScene::of_description(scene), &source, Path::new(""), 0)
+    }
+
+    fn of_source(mut source: CaptureSource, path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
+        for argument in overrides {
+            overrides::set(&mut source, argument)?;
+        }
+        if is_scene_file(path) {
+            focus_on_scene(&mut source);
+        }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut file = CaptureFile::read(&mut source, folder)?;
+        let moment = motion::moment(&file, frame).map_err(|invalid| source.error(invalid))?;
+        let geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
+        if is_scene_file(path) {
+            geometry.surround(&mut source)?;
+            file.scene = source.read("scene")?.unwrap_or_default();
+        }
+        Self::of_geometry(&file, geometry, &source, folder, frame)
+    }
+
+    /// With the geometry that its file names.
+    fn of_geometry(
+        file: &CaptureFile,
+        mut geometry: ReadScene,
+        source: &CaptureSource,
+        folder: &Path,
+        frame: u32,
+    ) -> Result<Self> {
+        let placed = || -> Result<Self, Invalid> {
+            let targets = place_targets(&file.targets)?;
+            geometry.add_spheres(&file.scene.spheres, &file.materials)?;
+            geometry.add_targets(&targets)?;
+            Self::assemble(file, geometry, targets, source, folder, frame)
+        };
+        placed().map_err(|invalid| source.error(invalid))
+    }
+
+    /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. They stand for
+    /// themselves: the sensor is whole and names no preset. Paths become relative to `folder`, where this is going to be kept.
+    pub fn to_json(&self, folder: &Path) -> Result<serde_json::Value> {
+        keys_of(&self.source, &self.sensor.name, folder)
+    }
+
+    /// Makes of the tables what they mean.
+    fn assemble(
+        file: &CaptureFile,
+        geometry: ReadScene,
+        targets: Vec<PlacedTarget>,
+        source: &CaptureSource,
+        folder: &Path,
+        frame: u32,
+    ) -> Result<Self, Invalid> {
+        let finder = Finder::new(folder, Vec::new());
+        let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
+        let motion = motion::motion(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
+        let mut warnings = Warnings::default();
+        source.displaced().iter().for_each(|message| warnings.once(message));
+        let (camera_to_world, lens) =
+            place_camera(file, motion.as_ref(), &finder, &geometry.scene, &sensor, &mut warnings)?;
+        let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
+        let scene_moves = file.scene.animation.is_some();
+        let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
+        let moves = motion.is_some() || scene_moves;
+        if moves && exposure.bracket.is_some() {
+            let key = if file.exposure.bracket_ev.is_some() { "bracket_ev" } else { "bracket_times_s" };
+            let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves, as the pictures differ");
+            return Err(invalid.help(format!("remove it, or {mover}")).within("exposure"));
+        }
+        let recording = moves.then(|| motion::recording(mover, motion, &exposure, &sensor)).transpose()?;
+        let recording = recording.map(|recording| recording.later(frame)).map(|recording| {
+            let of_file = motion::motion_of_file(&file.camera, &geometry.scene.cameras, &recording);
+            Recording { motion: recording.motion.clone().or(of_file), ..recording }
+        });
+        let output = settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?;
+        if output.truth.next != NextPicture::OfSeries && exposure.frames != 1 {
+            let invalid =
+                Invalid::new("truth_next", "cannot go with exposure.frames: pictures of a series are the next");
+            return Err(invalid.help("remove it, or exposure.frames").within("output"));
+        }
+        let render = settings::render(&file.render).map_err(|invalid| invalid.within("render"))?;
+        let still_only = [("light_paths", render.light_paths > 0.0), ("reuse", render.reuse > 1)];
+        if let (true, Some((key, _))) = (moves, still_only.into_iter().find(|(_, is_set)| *is_set)) {
+            let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves");
+            return Err(invalid.help(format!("remove it, or {mover}")).within("render"));
+        }
+        if sensor.shutter.scans() && render.light_paths > 0.0 {
+            let invalid = Invalid::new("light_paths", "cannot go with a sensor that scans line by line");
+            return Err(invalid.help("remove it, or sensor.shutter").within("render"));
+        }
+        let mut scene = geometry.with_tables(file, folder)?;
+        scene.warnings.extend(warnings.into_messages());
+        scene.warnings.extend_from_slice(&file.sensor.warnings);
+        Ok(Self {
+            recording,
+            scene_moves,
+            exposure,
+            render,
+            develop: develop::checked(&file.develop)?,
+            output,
+            scene,
+            targets,
+            camera_to_world,
+            lens,
+            sensor,
+            source: source.clone(),
+        })
+    }
+}

@@ -1,0 +1,113 @@
+//! `--set key=value`: values of the command line in place of those of the file.
+
+use toml::de::DeValue;
+
+use super::source::{CaptureSource, shown};
+use crate::{Error, Result};
+
+/// Lays `key=value` over the values of a capture file. The key is a path of keys, where elements of arrays are numbered
+/// from 0 (`lights.0.intensity_cd`); the value is TOML, or a bare word that stands for itself.
+pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
+    let (key, value) = argument.split_once('=').unwrap_or((argument, ""));
+    if let Some((table, key)) = key.trim().split_once('.') {
+        let mut lost = Vec::new();
+        for other in alternatives(table, key, value.trim()) {
+            let Some(node) = source.remove(table, other) else { continue };
+            // Poses and focus of a file give way to those of data sets and sweeps all the time, and a time that is given
+            // means that none is found.
+            if table == "exposure" && (*other != "auto" || source.is_of_argument(&node)) {
+                lost.push(format!("{table}.{other}"));
+            }
+        }
+        source.note_displaced(argument, &lost);
+    }
+    set_in(source, "", "lens.f_number=4", argument)
+}
+
+/// Keys of the same table that say in another way what this one says. In a file the two cannot stand together; on the command
+/// line, where nothing can be taken away, the one takes the place of the other.
+fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] {
+    match table {
+        "exposure" => alternatives_in_exposure(key, value),
+        "camera" => match key {
+            "position_m" | "look_at_m" | "up" => &["gltf_camera"],
+            "gltf_camera" => &["position_m", "look_at_m", "up"],
+            // A motion as a whole takes the place of another as a whole.
+            "motion" => &["motion", "position_m", "look_at_m", "up", "gltf_camera"],
+            _ => &[],
+        },
+        "lens" => match key {
+            "focus_distance_m" => &["autofocus_px"],
+            "autofocus_px" => &["focus_distance_m"],
+            _ => &[],
+        },
+        _ => &[],
+    }
+}
+
+fn alternatives_in_exposure(key: &str, value: &str) -> &'static [&'static str] {
+    match (key, value) {
+        ("iso", _) => &["gain_db", "digital_gain_db"],
+        ("gain_db" | "digital_gain_db", _) => &["iso"],
+        ("auto", "true") | ("max_time_s" | "max_gain_db", _) => &["time_s", "bracket_times_s"],
+        ("auto_mean", _) => &["time_s", "bracket_times_s", "auto_target", "auto_brighter_part"],
+        ("auto_target" | "auto_brighter_part", _) => &["time_s", "bracket_times_s", "auto_mean"],
+        ("bracket_ev", _) => &["bracket_times_s"],
+        ("time_s", _) => {
+            &["auto", "auto_target", "auto_brighter_part", "auto_mean", "max_time_s", "max_gain_db", "bracket_times_s"]
+        }
+        ("bracket_times_s", _) => &[
+            "auto",
+            "auto_target",
+            "auto_brighter_part",
+            "auto_mean",
+            "max_time_s",
+            "max_gain_db",
+            "time_s",
+            "bracket_ev",
+        ],
+        _ => &[],
+    }
+}
+
+/// The same for keys below `table`.
+pub(super) fn set_below(source: &mut CaptureSource, table: &str, argument: &str) -> Result<()> {
+    // With the name of the table, as a capture file has it, it is the same key.
+    let prefix =
+        if argument.trim_start().starts_with(&format!("{table}.")) { String::new() } else { format!("{table}.") };
+    set_in(source, &prefix, "noise.read_noise_e=2", argument)
+}
+
+/// The same for keys of a calibration target.
+pub(super) fn set_target(source: &mut CaptureSource, argument: &str) -> Result<()> {
+    set_in(source, "target.", "square_mm=20", argument)
+}
+
+fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &str) -> Result<()> {
+    let wrong = |what: String| {
+        let message = format!("{}: {what}", shown(argument));
+        Error::Usage { message, help: Some(format!("for example --set {example}")) }
+    };
+    let Some((key, value)) = argument.split_once('=') else {
+        return Err(wrong("there is no value".to_owned()));
+    };
+    let (key, value) = (key.trim(), value.trim());
+    // A key may not smuggle in a document of its own.
+    if key.is_empty() || key.contains(['\n', '\r', '=', '#', '[', ']']) {
+        return Err(wrong(format!("{key:?} is no key")));
+    }
+    let is_toml = DeValue::parse(value).is_ok() && !value.contains(['\n', '\r']);
+    let toml = if is_toml {
+        format!("{prefix}{key} = {value}")
+    } else if is_bare_word(value) {
+        format!("{prefix}{key} = {value:?}")
+    } else {
+        return Err(wrong(format!("{value:?} is neither a TOML value nor a word")));
+    };
+    source.set(argument, toml)
+}
+
+/// Words, names and paths, that need no quotes to be told from TOML.
+fn is_bare_word(value: &str) -> bool {
+    !value.is_empty() && value.chars().all(|c| c.is_alphanumeric() || "_-./:+ ".contains(c))
+}

@@ -1,0 +1,112 @@
+//! Paths in the values of a capture, made to lead to the same files from another folder.
+
+use std::path::{Component, Path, PathBuf, absolute};
+
+use serde_json::Value;
+
+use super::sensor::close_sensor;
+use super::source::CaptureSource;
+use crate::Result;
+
+/// Keys whose text is the path of a file.
+const PATHS: [&str; 3] = ["file", "image", "texture"];
+
+/// Rewrites every path in `value` that is relative to the folder `from` so that it is relative to `to`. Where there is
+/// no way from one to the other, as between drives, it becomes absolute.
+pub(super) fn relocate(value: &mut Value, from: &Path, to: &Path) {
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map {
+                match value {
+                    Value::String(path) if PATHS.contains(&key.as_str()) => *path = relocated(path, from, to),
+                    Value::Array(items) if key == "geometry" => {
+                        for item in items {
+                            if let Value::String(path) = item {
+                                *path = relocated(path, from, to);
+                            }
+                        }
+                    }
+                    Value::Object(_) | Value::Array(_) => relocate(value, from, to),
+                    Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+                }
+            }
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| relocate(item, from, to)),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
+}
+
+fn relocated(path: &str, from: &Path, to: &Path) -> String {
+    let (Some(file), Some(to)) = (whole(&from.join(path)), whole(to)) else { return path.to_owned() };
+    pathdiff::diff_paths(&file, to).unwrap_or(file).to_string_lossy().into_owned()
+}
+
+/// A path as it reads from a folder, which must exist, however it was typed: the way from the one real folder to the other.
+/// Where there is none, as between drives, the path from the root.
+pub fn relative_path(path: &Path, folder: &Path) -> String {
+    let path = real_path(path);
+    let relative = folder.canonicalize().ok().and_then(|folder| pathdiff::diff_paths(&path, folder));
+    relative.unwrap_or(path).to_string_lossy().into_owned()
+}
+
+/// The path from the root without links to folders. The file itself may be one: what it names is sought beside the link.
+pub fn real_path(path: &Path) -> PathBuf {
+    let absolute = absolute(path).unwrap_or_else(|_| path.to_owned());
+    match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
+        (Some(Ok(folder)), Some(name)) => folder.join(name),
+        _ => absolute,
+    }
+}
+
+/// The path from the root, without links and steps back where it exists, and without steps back where it does not.
+/// `None` where there is no current folder.
+fn whole(path: &Path) -> Option<PathBuf> {
+    if let Ok(path) = path.canonicalize() {
+        return Some(path);
+    }
+    let mut whole = PathBuf::new();
+    for part in absolute(path).ok()?.components() {
+        if part == Component::ParentDir {
+            whole.pop();
+        } else {
+            whole.push(part);
+        }
+    }
+    Some(whole)
+}
+
+/// All keys of a capture, with paths relative to the folder `to`.
+pub(super) fn keys_of(source: &CaptureSource, sensor: &str, to: &Path) -> Result<serde_json::Value> {
+    let mut keys: serde_json::Value = source.read_whole()?;
+    close_sensor(&mut keys["sensor"], sensor);
+    for (section, value) in keys.as_object_mut().into_iter().flatten() {
+        // Curves of the sensor, which may come from a file of its own, are relative to the current folder already.
+        let from = if section == "sensor" { None } else { source.path().parent() };
+        relocate(value, from.unwrap_or(Path::new("")), to);
+    }
+    Ok(keys)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn paths_lead_to_the_same_files() {
+        let mut value = json!({
+            "scene": { "geometry": ["room.obj", "/data/vase.obj"], "environment": { "image": "skies/noon.hdr" } },
+            "materials": { "file": { "type": "diffuse", "reflectance": { "file": "../red.csv" } } },
+            "lights": [{ "spectrum": { "file": "lamp.csv" } }],
+            "sensor": { "preset": "file" },
+        });
+        relocate(&mut value, Path::new("scenes/room"), Path::new("out/first"));
+        assert_eq!(value["scene"]["geometry"][0], "../../scenes/room/room.obj");
+        assert!(value["scene"]["geometry"][1].as_str().expect("a path").ends_with("../data/vase.obj"));
+        assert_eq!(value["scene"]["environment"]["image"], "../../scenes/room/skies/noon.hdr");
+        assert_eq!(value["materials"]["file"]["reflectance"]["file"], "../../scenes/red.csv");
+        assert_eq!(value["lights"][0]["spectrum"]["file"], "../../scenes/room/lamp.csv");
+        assert_eq!(value["sensor"]["preset"], "file");
+    }
+}

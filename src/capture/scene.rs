@@ -1,0 +1,334 @@
+//! `[scene]`: reading geometry and laying the tables of a capture file over it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use serde_json::json;
+
+use super::colour::Finder;
+use super::light::{describe_environment, describe_lights};
+use super::material::override_materials;
+use super::source::CaptureSource;
+use super::tables::{CaptureFile, MaterialTable, NormalsName, SceneTable, SphereTable};
+use super::target::scene_of;
+use crate::calibration::targets::PlacedTarget;
+use crate::io::gltf::{self, Choice, Moment};
+use crate::io::obj;
+use crate::io::obj::MissingNormals;
+use crate::scene::description::{
+    Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
+    TexturedColour,
+};
+use crate::{Invalid, Result};
+use photosite_core::suggest::{did_you_mean, list};
+use photosite_core::warnings::Warnings;
+
+/// Illuminance of the surroundings of scenes that have no light, lux: a bright room.
+const DEFAULT_ILLUMINANCE_LUX: f64 = 500.0;
+
+/// Geometry as read, before the tables of a capture file change it.
+#[derive(Debug, Default)]
+pub(super) struct ReadScene {
+    pub(super) scene: SceneDescription,
+    /// Materials of OBJ files that nothing has described yet.
+    undescribed_materials: Vec<String>,
+    /// Material variants of glTF files.
+    variants: Vec<String>,
+    /// Animations of glTF files.
+    animations: Vec<String>,
+}
+
+impl ReadScene {
+    /// Reads all geometry of a capture file.
+    pub(super) fn of_capture(
+        source: &CaptureSource,
+        table: &SceneTable,
+        moment: Option<&Moment>,
+        folder: &Path,
+    ) -> Result<Self> {
+        let mut read = Self::default();
+        for (i, file) in table.geometry.iter().enumerate() {
+            let path = folder.join(file);
+            if !path.is_file() {
+                let message = format!("there is no file {}", path.display());
+                let help = "paths are relative to the capture file";
+                return Err(source.error(Invalid::new(format!("scene.geometry[{i}]"), message).help(help)));
+            }
+            read.add(source, table, moment, &path, i)?;
+        }
+        read.check_names(table).map_err(|invalid| source.error(invalid))?;
+        Ok(read)
+    }
+
+    /// Geometry that comes from no file.
+    pub(super) fn of_description(scene: SceneDescription) -> Self {
+        Self { scene, ..Self::default() }
+    }
+
+    /// Gives a scene that stands for a capture its surroundings, unless its files have lights of their own.
+    pub(super) fn surround(&self, source: &mut CaptureSource) -> Result<()> {
+        if self.scene.meshes.is_empty() {
+            let help = "give a scene with geometry, or a capture file";
+            return Err(Invalid::new("", "has no triangles").help(help).in_file(source.path()));
+        }
+        if self.scene.lights.is_empty() {
+            let daylight = json!({ "illuminant": "D65", "illuminance_lux": DEFAULT_ILLUMINANCE_LUX });
+            source.set_default("scene", "environment", &daylight);
+        }
+        Ok(())
+    }
+
+    /// Reads a file of geometry and adds what it holds.
+    fn add(
+        &mut self,
+        source: &CaptureSource,
+        table: &SceneTable,
+        moment: Option<&Moment>,
+        path: &Path,
+        index: usize,
+    ) -> Result<()> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        let scene = match extension.as_deref() {
+            Some("gltf" | "glb") => {
+                let mut file = gltf::read(path, Choice { variant: table.variant.as_deref(), moment })?;
+                self.variants.append(&mut file.variants);
+                self.animations.append(&mut file.animations);
+                file.scene
+            }
+            Some("obj") => {
+                let missing = match table.generate_normals {
+                    None | Some(NormalsName::Flat) => MissingNormals::Flat,
+                    Some(NormalsName::Smooth) => MissingNormals::Smooth,
+                };
+                let mut file = obj::read(path, missing)?;
+                let scale = unit_length(table).map_err(|invalid| source.error(invalid.within("scene")))?;
+                for instance in &mut file.scene.instances {
+                    instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;
+                }
+                self.undescribed_materials.append(&mut file.undescribed_materials);
+                file.scene
+            }
+            _ => {
+                let message = format!("{} is no scene of a known kind", path.display());
+                let invalid = Invalid::new(format!("scene.geometry[{index}]"), message);
+                return Err(source.error(invalid.help("geometry is read from .gltf, .glb and .obj files")));
+            }
+        };
+        if !within_reach(&scene) {
+            let invalid = Invalid::new("", format!("reaches farther than {FARTHEST_M:e} m, too far to compute with"));
+            let help = "export it in metres, or correct the scale of its nodes or meters_per_unit";
+            return Err(invalid.help(help).in_file(path));
+        }
+        self.merge(scene);
+        Ok(())
+    }
+
+    /// Adds calibration targets.
+    pub(super) fn add_targets(&mut self, targets: &[PlacedTarget]) -> Result<(), Invalid> {
+        for (i, target) in targets.iter().enumerate() {
+            let scene = scene_of(target);
+            if !within_reach(&scene) {
+                let message = format!("lies farther out than {FARTHEST_M:e} m, too far to compute with");
+                return Err(Invalid::new(format!("targets[{i}].position_m"), message));
+            }
+            self.merge(scene);
+        }
+        Ok(())
+    }
+
+    /// Adds spheres. Materials that no file of the geometry has are those of `described` names.
+    pub(super) fn add_spheres(
+        &mut self,
+        spheres: &[SphereTable],
+        described: &BTreeMap<String, MaterialTable>,
+    ) -> Result<(), Invalid> {
+        for (i, table) in spheres.iter().enumerate() {
+            let invalid = |key: &str, message: String| Invalid::new(format!("scene.spheres[{i}].{key}"), message);
+            let (centre, radius) = (DVec3::from_array(table.position_m), table.radius_m);
+            if !(centre.is_finite() && (centre.abs() + radius.abs()).max_element() <= FARTHEST_M) {
+                return Err(invalid(
+                    "position_m",
+                    format!("lies farther out than {FARTHEST_M:e} m, too far to compute with"),
+                ));
+            }
+            // The square of a smaller one has no digits in single precision.
+            if radius.is_nan() || radius < SMALLEST_RADIUS_M {
+                return Err(invalid("radius_m", format!("must be at least {SMALLEST_RADIUS_M:e}, got {radius}")));
+            }
+            let materials = &mut self.scene.materials;
+            let of_geometry = materials.iter().position(|material| material.name == table.material);
+            let material = match (of_geometry, described.get(&table.material)) {
+                (Some(material), _) => material,
+                (None, Some(MaterialTable::Kept(_))) => {
+                    let invalid = Invalid::new(format!("materials.{}", table.material), "the key `type` is missing");
+                    return Err(invalid.help("no file of the geometry says what the material is"));
+                }
+                (None, Some(MaterialTable::Typed(_))) => {
+                    let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
+                    materials.push(MaterialDescription::new(
+                        &table.material,
+                        MaterialModel::Diffuse(Diffuse { reflectance }),
+                    ));
+                    materials.len() - 1
+                }
+                (None, None) => {
+                    let of_files = materials.iter().map(|material| &material.name);
+                    let known: Vec<&str> = of_files.chain(described.keys()).map(String::as_str).collect();
+                    let hint = did_you_mean(&table.material, known.iter().copied());
+                    let help = match known[..] {
+                        [] => format!("describe it in a table [materials.{}]", table.material),
+                        _ => {
+                            let known = list(&table.material, known);
+                            format!("describe it in a table [materials.{}]; there are {known}", table.material)
+                        }
+                    };
+                    return Err(
+                        invalid("material", format!("there is no material {:?}{hint}", table.material)).help(help)
+                    );
+                }
+            };
+            let name = table.name.clone().unwrap_or_else(|| format!("sphere-{i}"));
+            let mesh = self.scene.meshes.len();
+            self.scene.meshes.push(MeshDescription::unit_sphere(name.clone(), material));
+            let to_world = DAffine3::from_scale_rotation_translation(DVec3::splat(radius), DQuat::IDENTITY, centre);
+            self.scene.instances.push(InstanceDescription { name, mesh, to_world, later: vec![] });
+        }
+        Ok(())
+    }
+
+    /// Refuses names of variants and animations that no file has.
+    fn check_names(&self, table: &SceneTable) -> Result<(), Invalid> {
+        check_name("variant", "material variant", table.variant.as_deref(), &self.variants)?;
+        check_name("animation", "animation", table.animation.as_deref(), &self.animations)
+    }
+
+    /// Appends another scene, whose indices move behind those that are there.
+    fn merge(&mut self, other: SceneDescription) {
+        let scene = &mut self.scene;
+        let (images, materials, meshes) = (scene.images.len(), scene.materials.len(), scene.meshes.len());
+        scene.images.extend(other.images);
+        scene.materials.extend(other.materials.into_iter().map(|mut material| {
+            material.change_textures(&mut |texture| texture.image += images);
+            material
+        }));
+        scene.meshes.extend(other.meshes.into_iter().map(|mut mesh| {
+            mesh.material += materials;
+            mesh
+        }));
+        scene.instances.extend(other.instances.into_iter().map(|mut instance| {
+            instance.mesh += meshes;
+            instance
+        }));
+        scene.lights.extend(other.lights);
+        scene.cameras.extend(other.cameras);
+        scene.warnings.extend(other.warnings);
+    }
+
+    /// Lays materials, lights and environment of the capture file over the geometry.
+    pub(super) fn with_tables(mut self, file: &CaptureFile, folder: &Path) -> Result<SceneDescription, Invalid> {
+        let mut finder = Finder::new(folder, std::mem::take(&mut self.scene.images));
+        override_materials(&file.materials, &mut finder, &mut self.scene.materials)?;
+        describe_lights(&file.lights, &finder, &mut self.scene)?;
+        let mut warnings = Warnings::default();
+        for name in self.undescribed_materials.iter().filter(|name| !file.materials.contains_key(*name)) {
+            warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));
+        }
+        if let Some((i, sphere)) = shining_sphere(&self.scene) {
+            let message = format!("{:?} shines, but a sphere cannot", self.scene.materials[sphere.material].name);
+            let help = "give the lamp as a mesh, or as a light of [[lights]]";
+            return Err(Invalid::new(format!("scene.spheres[{i}].material"), message).help(help));
+        }
+        if let Some(environment) = &file.scene.environment {
+            let described = describe_environment(&finder, environment, &mut warnings);
+            self.scene.environment = described.map_err(|e| e.within("environment").within("scene"))?;
+        }
+        self.scene.images = finder.into_images();
+        self.scene.warnings.extend(warnings.into_messages());
+        crate::io::complete(&mut self.scene);
+        if !shines(&self.scene) {
+            self.scene.warnings.push("nothing in the scene gives light, so the picture will be black".to_owned());
+        }
+        // Warnings stand in reports, which do not depend on how the path to the capture was typed.
+        self.scene.warnings.iter_mut().for_each(|warning| *warning = seen_from(folder, warning));
+        Ok(self.scene)
+    }
+}
+
+/// A sphere whose material gives light, with its number.
+fn shining_sphere(scene: &SceneDescription) -> Option<(usize, &MeshDescription)> {
+    let mut spheres = scene.meshes.iter().filter(|mesh| mesh.is_sphere).enumerate();
+    spheres.find(|(_, mesh)| scene.materials[mesh.material].emission.is_some())
+}
+
+/// Refuses a name that is not among those of its kind in the files.
+fn check_name(key: &str, kind: &str, name: Option<&str>, known: &[String]) -> Result<(), Invalid> {
+    let Some(name) = name.filter(|name| !known.iter().any(|known| known == name)) else { return Ok(()) };
+    let names = || known.iter().map(String::as_str);
+    let message = format!("the geometry has no {kind} {name:?}{}", did_you_mean(name, names()));
+    let help = match known {
+        [] => "its files have none; remove the key".to_owned(),
+        _ => format!("its {key}s are {}", list(name, names())),
+    };
+    Err(Invalid::new(format!("scene.{key}"), message).help(help))
+}
+
+/// Coordinates beyond this have squares, such as areas, that come close to the largest number of single precision.
+const FARTHEST_M: f64 = 1e18;
+
+/// Spheres of a smaller radius, m, have squares without digits of single precision.
+const SMALLEST_RADIUS_M: f64 = 1e-15;
+
+/// Whether all geometry lies within [`FARTHEST_M`] of the origin along each axis.
+fn within_reach(scene: &SceneDescription) -> bool {
+    let largest = |mesh: &MeshDescription| mesh.positions.iter().fold(Vec3::ZERO, |max, p| max.max(p.abs()));
+    let extents: Vec<DVec3> = scene.meshes.iter().map(|mesh| largest(mesh).as_dvec3()).collect();
+    scene.instances.iter().all(|instance| {
+        let DAffine3 { matrix3: m, translation } = instance.to_world;
+        let turned = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs()) * extents[instance.mesh];
+        (turned + translation.abs()).max_element() <= FARTHEST_M
+    })
+}
+
+/// Length of the unit of OBJ files, m.
+fn unit_length(table: &SceneTable) -> Result<f64, Invalid> {
+    let scale = table.meters_per_unit.unwrap_or(1.0);
+    if scale.is_finite() && scale > 0.0 {
+        return Ok(scale);
+    }
+    let message = format!("must be above 0, got {scale}");
+    Err(Invalid::new("meters_per_unit", message).help("for example meters_per_unit = 0.001 for millimetres"))
+}
+
+/// Whether there is any light.
+fn shines(scene: &SceneDescription) -> bool {
+    let shining_mesh = scene.meshes.iter().any(|mesh| scene.materials[mesh.material].emission.is_some());
+    scene.environment.is_some() || !scene.lights.is_empty() || shining_mesh
+}
+/// A text with paths into a folder as they read from there.
+fn seen_from(folder: &Path, text: &str) -> String {
+    // With a separator at its end.
+    let typed = folder.join("").display().to_string();
+    let (mut seen, mut from) = (String::new(), 0);
+    for (i, _) in text.match_indices(&typed).filter(|_| !typed.is_empty()) {
+        if i == 0 || text[..i].ends_with(' ') {
+            seen.push_str(&text[from..i]);
+            from = i + typed.len();
+        }
+    }
+    seen + &text[from..]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_in_warnings_read_from_the_folder_of_the_capture() {
+        let warning = "in/room.obj: line 1: the library in/my parts/a.mtl is missing; begin/end, /in/x";
+        let seen = "room.obj: line 1: the library my parts/a.mtl is missing; begin/end, /in/x";
+        assert_eq!(seen_from(Path::new("in"), warning), seen);
+        assert_eq!(seen_from(Path::new(""), warning), warning);
+        assert_eq!(seen_from(Path::new("/a b/c"), "/a b/c/d.hdr: 3 values"), "d.hdr: 3 values");
+    }
+}

@@ -1,0 +1,237 @@
+//! `[sensor]`: a preset or sensor file, with the keys of the table laid over it.
+//!
+//! A preset is taken as a whole, without some of its keys (`without`), or not at all (`preset = "none"`). The sensor that a
+//! report holds is whole; changes are laid over it as over a preset.
+
+use std::marker::PhantomData;
+use std::path::Path;
+
+use serde_json::json;
+
+use super::colour::Finder;
+use super::converter_bits::follow_bits;
+use super::overrides;
+use super::source::CaptureSource;
+use super::tables::MergedSensor;
+use super::text_file::read_text;
+use super::tree::{Node, Table, Value, parse};
+use crate::sensor::{SensorModel, presets};
+use crate::spectrum::Outside;
+use crate::{Error, Invalid, Result};
+use photosite_core::suggest::{did_you_mean, list};
+
+/// Makes the model of a sensor.
+pub(super) fn sensor_model(sensor: &MergedSensor) -> Result<SensorModel, Invalid> {
+    // Its paths start at no folder any more.
+    let finder = Finder::new(Path::new(""), Vec::new());
+    SensorModel::new(&sensor.name, &sensor.description, |spectrum| finder.spectrum(spectrum, Outside::Zero))
+}
+
+/// The preset of sensors that begin from nothing.
+const NOTHING: &str = "none";
+
+/// What a sensor is called that begins from nothing and has no name.
+pub(super) const UNNAMED: &str = "sensor";
+
+/// Reads the sensor and puts the merged table in the place of `[sensor]`, so that errors of its keys find their line.
+/// Paths of curves are relative to `folder` no more, but can be used as they are.
+pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<MergedSensor> {
+    let mut changes = match source.get("sensor") {
+        Some(node) if node.as_table().is_some() => node.clone(),
+        Some(_) => {
+            let help = format!("write [sensor] with preset = {:?}", presets::DEFAULT);
+            return Err(source.error(Invalid::new("sensor", "expected a table").help(help)));
+        }
+        None => empty_table(),
+    };
+    let (preset, without) = (changes.remove("preset"), changes.remove("without"));
+    let (mut merged, name) = base(source, folder, preset.as_ref(), &changes)?;
+    if let Some(without) = without {
+        take_away(source, &mut merged, &name, &without)?;
+    }
+    anchor_files(&mut changes, folder);
+    let warnings = follow_bits(&mut merged, &changes);
+    let changed = |key| changes.as_table().is_some_and(|table| table.contains_key(key));
+    for [key, other] in ALTERNATIVES.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
+        if changed(key) && !changed(other) {
+            merged.remove(other);
+        }
+    }
+    for (key, tables) in KINDS {
+        let said = |sensor: &Node| sensor.at(key).and_then(Node::as_str).map(str::to_owned);
+        if said(&changes).is_some_and(|new| said(&merged) != Some(new)) {
+            tables.iter().for_each(|table| drop(merged.remove(table)));
+        }
+    }
+    merged.lay_over(changes);
+    // The place of the table as a whole is where the capture file speaks of it.
+    if let Some(node) = source.get("sensor") {
+        merged.span = node.span.clone();
+    }
+    source.replace("sensor", merged);
+
+    let table = source.get("sensor").ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
+    let description = source.read_beside("sensor", table, PhantomData, &["preset", "without"])?;
+    Ok(MergedSensor { name, description, warnings })
+}
+
+/// Makes a sensor of which all keys are there stand for itself: read again, nothing else comes in.
+pub(super) fn close_sensor(sensor: &mut serde_json::Value, name: &str) {
+    let head = json!({ "preset": NOTHING, "name": name });
+    if let (serde_json::Value::Object(keys), serde_json::Value::Object(mut closed)) = (sensor, head) {
+        let keys_but_the_head = std::mem::take(keys).into_iter().filter(|(key, _)| !closed.contains_key(key));
+        let rest: Vec<_> = keys_but_the_head.collect();
+        closed.extend(rest);
+        *keys = closed;
+    }
+}
+
+/// Keys of a sensor that say the same thing in two ways: one of them in a capture file takes the place of the other.
+const ALTERNATIVES: [[&str; 2]; 1] = [["pixel_pitch_um", "format"]];
+
+/// Keys that say what whole tables mean: where a capture file changes one, the preset's own tables do not stay.
+const KINDS: [(&[&str], &[&str]); 3] =
+    [(&["kind"], &["ccd", "spad"]), (&["shutter", "kind"], &["shutter"]), (&["spad", "counting"], &["spad"])];
+
+/// Takes the keys of a list away from a preset.
+fn take_away(source: &CaptureSource, base: &mut Node, name: &str, without: &Node) -> Result<()> {
+    let keys: Vec<String> = source.read_node("sensor.without", without)?;
+    for (i, key) in keys.iter().enumerate() {
+        let path: Vec<&str> = key.split('.').map(str::trim).collect();
+        let taken = path.split_last().and_then(|(last, tables)| base.at_mut(tables)?.remove(last));
+        if taken.is_none() {
+            let there = base.paths();
+            let there = || there.iter().map(String::as_str);
+            let message = format!("sensor {name} has no {key:?} to take away{}", did_you_mean(key, there()));
+            let help = match list(key, there()) {
+                keys if keys.is_empty() => "there is nothing in it; remove the key".to_owned(),
+                keys => format!("it has {keys}"),
+            };
+            return Err(source.error(Invalid::new(format!("sensor.without[{i}]"), message).help(help)));
+        }
+    }
+    Ok(())
+}
+
+fn empty_table() -> Node {
+    Node { span: 0..0, value: Value::Table(Table::new()) }
+}
+
+/// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.
+pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
+    let source = CaptureSource::parse(path, read_text(path)?)?;
+    if !source.sections().any(|(key, _)| key == "adc") {
+        return Ok(None);
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let finder = Finder::new(folder, Vec::new());
+    let model = SensorModel::new(&stem, &source.read_whole()?, |spectrum| finder.spectrum(spectrum, Outside::Zero));
+    model.map(Some).map_err(|invalid| source.error(invalid))
+}
+
+/// A sensor by the name of a preset or the path of a sensor file, with the `key=value` of every `--set` laid over its
+/// keys; and what is to be said of them.
+pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<(SensorModel, Vec<String>)> {
+    if is_path(name) {
+        std::fs::metadata(name).map_err(|reason| Error::io(Path::new(name), "read", reason))?;
+    } else if presets::table(name).is_none() {
+        let Invalid { message, help, .. } = unknown_preset(name);
+        return Err(Error::Usage { message, help });
+    }
+    let mut source = CaptureSource::empty(Path::new(name));
+    source.set("", format!("sensor.preset = {}", toml::Value::from(name)))?;
+    for argument in overrides {
+        overrides::set_below(&mut source, "sensor", argument)?;
+    }
+    let merged = read_sensor(&mut source, Path::new(""))?;
+    let sensor = sensor_model(&merged).map_err(|invalid| source.error(invalid.within("sensor")))?;
+    Ok((sensor, merged.warnings))
+}
+
+/// What the changes are laid over, and its name: the sensor that a report holds, else the default, unless a preset is named.
+fn base(source: &mut CaptureSource, folder: &Path, preset: Option<&Node>, changes: &Node) -> Result<(Node, String)> {
+    let name = match preset.map(|node| node.as_str().ok_or(node)) {
+        None => None,
+        Some(Ok(name)) => Some(name.to_owned()),
+        Some(Err(_)) => {
+            let help = format!("for example preset = {:?}", presets::DEFAULT);
+            return Err(source.error(Invalid::new("sensor.preset", "expected the name of a sensor").help(help)));
+        }
+    };
+    let stored = source.stored_sensor().cloned();
+    match (name, stored) {
+        (None, None) => named(source, folder, presets::DEFAULT, preset.unwrap_or(changes)),
+        (None, Some(mut stored)) => {
+            anchor_files(&mut stored, source.path().parent().unwrap_or(Path::new("")));
+            let name = stored.at(&["name"]).and_then(Node::as_str).unwrap_or(UNNAMED).to_owned();
+            Ok((stored, name))
+        }
+        (Some(name), None) => named(source, folder, &name, preset.unwrap_or(changes)),
+        (Some(name), Some(mut stored)) => {
+            let (mut other, name) = named(source, folder, &name, preset.unwrap_or(changes))?;
+            // Stored light has its number of pixels, and so has all that is said of places in the picture; cameras of a rig stay
+            // different specimens.
+            for key in ["resolution_px", "serial"] {
+                if let Some(value) = stored.remove(key) {
+                    other.remove(key);
+                    other.insert_new(key, value);
+                }
+            }
+            Ok((other, name))
+        }
+    }
+}
+
+/// The table of a preset or of a sensor file, and its name. Values of a preset are placed where it is named.
+fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) -> Result<(Node, String)> {
+    if name == NOTHING {
+        return Ok((empty_table(), UNNAMED.to_owned()));
+    }
+    if is_path(name) {
+        let path = folder.join(name);
+        let text = std::fs::read_to_string(&path).map_err(|reason| {
+            let message = format!("cannot read {}: {reason}", path.display());
+            let help = "paths are relative to the file that they are written in";
+            source.error(Invalid::new("sensor.preset", message).help(help))
+        })?;
+        let mut node = source.add_file(&path, text)?;
+        anchor_files(&mut node, path.parent().unwrap_or(Path::new("")));
+        return Ok((node, path.file_stem().unwrap_or_default().to_string_lossy().into_owned()));
+    }
+    let table = presets::table(name).ok_or_else(|| source.error(unknown_preset(name)))?;
+    // A preset is known to be good; what can be wrong is what a capture file makes of it.
+    let mut node =
+        parse(&table.to_string(), 0).map_err(|(_, message)| source.error(Invalid::new("sensor.preset", message)))?;
+    node.place_at(&place.span);
+    Ok((node, name.to_owned()))
+}
+
+/// Whether a sensor is named by a file, not as a preset.
+fn is_path(name: &str) -> bool {
+    name.contains(['/', '\\']) || name.to_ascii_lowercase().ends_with(".toml")
+}
+
+fn unknown_preset(name: &str) -> Invalid {
+    let message = format!("photosite has no sensor {name:?}{}", did_you_mean(name, presets::names()));
+    let help =
+        format!("known are {}; a file is written with its ending, \"{name}.toml\"", list(name, presets::names()));
+    Invalid::new("sensor.preset", message).help(help)
+}
+
+/// Makes the paths of `{ file = "…" }` relative to `folder` rather than to the file that they stand in.
+pub(super) fn anchor_files(node: &mut Node, folder: &Path) {
+    let Value::Table(table) = &mut node.value else { return };
+    for (key, entry) in table {
+        match &mut entry.node.value {
+            Value::String(file) if key == "file" => *file = folder.join(&*file).to_string_lossy().into_owned(),
+            Value::Table(_) => anchor_files(&mut entry.node, folder),
+            Value::String(_)
+            | Value::Integer(_)
+            | Value::Float(_)
+            | Value::Boolean(_)
+            | Value::Datetime(_)
+            | Value::Array(_) => {}
+        }
+    }
+}

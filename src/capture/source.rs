@@ -1,0 +1,267 @@
+//! What a capture file and the command line say, as one tree of values that remembers where each of them stands.
+//!
+//! The texts (the file, a sensor file, every `--set`) lie one after the other in an imagined long text, and a span is a
+//! range of that. So values of several texts can be laid over each other, and an error about any of them still points
+//! to the right line of the right file, or to the argument.
+//!
+//! The sensor of a report stands beside the tree: it is complete, and what the tree says of the sensor changes it.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::de::{DeserializeOwned, DeserializeSeed};
+
+use super::reader::{ReadError, Reader};
+use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
+use crate::{Error, Invalid, Result};
+use photosite_core::json;
+use photosite_core::suggest::{did_you_mean, list};
+
+/// The values of a capture and where they come from.
+#[derive(Clone, Debug)]
+pub struct CaptureSource {
+    /// The capture file, or the scene file that was given in its place.
+    path: PathBuf,
+    texts: Vec<Text>,
+    root: Node,
+    /// What is to be said of keys that `--set` has put others in the place of.
+    displaced: Vec<String>,
+    /// The whole sensor that a report holds.
+    stored_sensor: Option<Node>,
+}
+
+/// A text and where it begins in the imagined long one.
+#[derive(Clone, Debug)]
+struct Text {
+    origin: Origin,
+    start: usize,
+    text: String,
+}
+
+#[derive(Clone, Debug)]
+enum Origin {
+    File(PathBuf),
+    /// No text: values that stand for what nobody wrote.
+    Nothing,
+    /// A report (`capture.json`), which holds the values at its key `capture`.
+    Report(PathBuf),
+    /// `--set` and what was written after it.
+    Argument(String),
+}
+
+impl CaptureSource {
+    /// A source without values, for errors of the file at `path`.
+    pub(super) fn empty(path: &Path) -> Self {
+        let texts = vec![Text { origin: Origin::Nothing, start: 0, text: String::new() }];
+        let root = Node { span: 0..0, value: Value::Table(Table::new()) };
+        Self { path: path.to_owned(), texts, root, stored_sensor: None, displaced: Vec::new() }
+    }
+
+    /// A scene file that stands in for the capture file: its geometry.
+    pub(super) fn of_scene_file(path: &Path) -> Self {
+        let mut source = Self::empty(path);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        source.root = from_json(&serde_json::json!({ "scene": { "geometry": [name] } }), &(0..0));
+        source
+    }
+
+    /// From the text of a capture file.
+    pub(super) fn parse(path: &Path, text: String) -> Result<Self> {
+        let mut source = Self::empty(path);
+        source.root = source.add_file(path, text)?;
+        Ok(source)
+    }
+
+    /// From the values that a report holds, whose text is given for messages. The sensor in it is whole, whatever preset it
+    /// names; it is called `sensor` unless it says otherwise.
+    pub(super) fn of_report(path: &Path, text: String, capture: &serde_json::Value, sensor: &str) -> Self {
+        let mut root = from_json(capture, &(0..0));
+        let stored_sensor = root.remove("sensor").map(|mut node| {
+            node.remove("preset");
+            node.insert_new("name", from_json(&sensor.into(), &(0..0)));
+            node
+        });
+        let texts = vec![Text { origin: Origin::Report(path.to_owned()), start: 0, text }];
+        Self { path: path.to_owned(), texts, root, stored_sensor, displaced: Vec::new() }
+    }
+
+    /// The whole sensor that a report holds.
+    pub(super) fn stored_sensor(&self) -> Option<&Node> {
+        self.stored_sensor.as_ref()
+    }
+
+    /// The capture file, or the scene file that was given in its place.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The text of the capture file; empty where a scene file was given.
+    pub fn text(&self) -> &str {
+        let is_file = |text: &&Text| matches!(&text.origin, Origin::File(path) if *path == self.path);
+        self.texts.iter().find(is_file).map_or("", |text| &text.text)
+    }
+
+    /// Adds a TOML file to the texts and returns its values.
+    pub(super) fn add_file(&mut self, path: &Path, text: String) -> Result<Node> {
+        self.add(Origin::File(path.to_owned()), text)
+    }
+
+    /// Lays a `--set` argument, written as the TOML document `toml`, over the tree.
+    pub(super) fn set(&mut self, argument: &str, toml: String) -> Result<()> {
+        let over = self.add(Origin::Argument(argument.to_owned()), toml)?;
+        self.root.lay_over(over);
+        Ok(())
+    }
+
+    /// Takes a key out of a table at the top of the tree, if it is there.
+    pub(super) fn remove(&mut self, table: &str, key: &str) -> Option<Node> {
+        let Value::Table(tables) = &mut self.root.value else { return None };
+        tables.get_mut(table)?.node.remove(key)
+    }
+
+    /// Whether a value was given by `--set`.
+    pub(super) fn is_of_argument(&self, node: &Node) -> bool {
+        let text = self.texts.iter().rev().find(|text| text.start <= node.span.start);
+        text.is_some_and(|text| matches!(text.origin, Origin::Argument(_)))
+    }
+
+    /// Keeps for a warning that a `--set` argument has taken the place of other keys.
+    pub(super) fn note_displaced(&mut self, argument: &str, keys: &[String]) {
+        if !keys.is_empty() {
+            let keys = keys.join(", ");
+            self.displaced.push(format!("--set {argument} takes the place of {keys}, which cannot hold beside it"));
+        }
+    }
+
+    /// What [`Self::note_displaced`] has kept.
+    pub(super) fn displaced(&self) -> &[String] {
+        &self.displaced
+    }
+
+    /// Gives a key of a table at the top of the tree a value, unless it has one.
+    pub(super) fn set_default(&mut self, table: &str, key: &str, value: &serde_json::Value) {
+        if self.get(table).is_none() {
+            self.replace(table, from_json(&serde_json::json!({}), &(0..0)));
+        }
+        if let Value::Table(tables) = &mut self.root.value
+            && let Some(entry) = tables.get_mut(table)
+        {
+            entry.node.insert_new(key, from_json(value, &(0..0)));
+        }
+    }
+
+    fn add(&mut self, origin: Origin, text: String) -> Result<Node> {
+        let start = self.texts.last().map_or(0, |last| last.start + last.text.len() + 1);
+        let parsed = parse(&text, start);
+        self.texts.push(Text { origin, start, text });
+        parsed.map_err(|(span, message)| {
+            self.error_at(span.as_ref(), Invalid::new("", format!("is not valid TOML: {message}")))
+        })
+    }
+
+    /// Whether a value is given at a path such as `lens.f_number`.
+    pub fn has(&self, path: &str) -> bool {
+        self.get(path).is_some()
+    }
+
+    /// The value at a path such as `materials.red.reflectance` or `lights[0].type`.
+    pub(super) fn get(&self, path: &str) -> Option<&Node> {
+        Some(self.root.find(path)).filter(|(_, is_exact)| *is_exact).map(|(node, _)| node)
+    }
+
+    /// The keys and values at the top.
+    pub(super) fn sections(&self) -> impl Iterator<Item = (&str, &Node)> {
+        self.root.as_table().into_iter().flatten().map(|(key, entry)| (key.as_str(), &entry.node))
+    }
+
+    /// Replaces a value at the top of the tree.
+    pub(super) fn replace(&mut self, key: &str, node: Node) {
+        if let Value::Table(table) = &mut self.root.value {
+            table.insert(key.to_owned(), Entry { key_span: node.span.clone(), node });
+        }
+    }
+
+    /// Reads the value at a path.
+    pub(super) fn read<T: DeserializeOwned>(&self, path: &str) -> Result<Option<T>> {
+        self.get(path).map(|node| self.read_node(path, node)).transpose()
+    }
+
+    /// Reads all values together.
+    pub(super) fn read_whole<T: DeserializeOwned>(&self) -> Result<T> {
+        self.read_node("", &self.root)
+    }
+
+    /// Reads a value. `path` is where it is, for messages.
+    pub(super) fn read_node<T: DeserializeOwned>(&self, path: &str, node: &Node) -> Result<T> {
+        T::deserialize(Reader(node)).map_err(|error| self.type_error(path, error))
+    }
+
+    /// Reads a table as `seed` has it. Keys that belong there but are read elsewhere are suggested, too.
+    pub(super) fn read_beside<S: for<'de> DeserializeSeed<'de, Value = T>, T>(
+        &self,
+        path: &str,
+        node: &Node,
+        seed: S,
+        elsewhere: &[&str],
+    ) -> Result<T> {
+        seed.deserialize(Reader(node)).map_err(|mut error| {
+            if let Some(key) = error.unknown_key.as_ref().filter(|_| error.path.is_empty()) {
+                if !error.message.contains(';') {
+                    error.message += &did_you_mean(key, elsewhere.iter().copied());
+                }
+                error.help = error.help.map(|help| format!("{help}; and {}", list(key, elsewhere.iter().copied())));
+            }
+            self.type_error(path, error)
+        })
+    }
+
+    /// The error of a value that does not fit its type.
+    fn type_error(&self, path: &str, error: ReadError) -> Error {
+        let ReadError { message, help, path: inner, unknown_key } = error;
+        let table = join(path, &inner);
+        let Some(key) = unknown_key else { return self.error(Invalid { key: table, message, help }) };
+        let entries = self.get(&table).and_then(Node::as_table);
+        let span = entries.and_then(|entries| entries.get(&key)).map(|entry| &entry.key_span);
+        // A key that is right one table deeper, as `sensor.bits` for `sensor.adc.bits`.
+        let holds_key = |entry: &Entry| entry.node.as_table().is_some_and(|inner| inner.contains_key(&key));
+        let deeper = entries.into_iter().flatten().find(|(_, entry)| holds_key(entry));
+        // "unknown key `x`; did you mean `y`?" gets the name of the table in its middle.
+        let (unknown, suggestion) = message.split_at(message.find(';').unwrap_or(message.len()));
+        let suggestion =
+            deeper.map_or(suggestion.to_owned(), |(name, _)| format!("; did you mean `{}`?", join(name, &key)));
+        let message = format!("{unknown} in [{table}]{suggestion}");
+        self.error_at(span, Invalid { key: join(&table, &key), message, help })
+    }
+
+    /// The error of a value that cannot be used, placed at its key, or at the innermost table around it.
+    pub fn error(&self, invalid: Invalid) -> Error {
+        let (node, is_exact) = self.root.find(&invalid.key);
+        let is_root = std::ptr::eq(node, &raw const self.root);
+        // The file as a whole is better named without a line than by its first.
+        let span = Some(&node.span).filter(|_| is_exact || !is_root).filter(|_| !invalid.key.is_empty());
+        self.error_at(span, invalid)
+    }
+
+    /// An error at a span of the imagined text.
+    fn error_at(&self, span: Option<&Range<usize>>, invalid: Invalid) -> Error {
+        let text = span.and_then(|span| self.texts.iter().rev().find(|text| text.start <= span.start));
+        let (Some(span), Some(text)) = (span, text) else { return invalid.in_file(&self.path) };
+        let end = (span.end - text.start).min(text.text.len());
+        let start = (span.start - text.start).min(end);
+        match &text.origin {
+            Origin::File(path) => invalid.in_text(path, &text.text, start..end),
+            Origin::Report(path) => json::located(invalid.within("capture"), path, text.text.as_bytes()),
+            Origin::Nothing => invalid.in_file(&self.path),
+            Origin::Argument(argument) => invalid.in_file(shown(argument).as_ref()),
+        }
+    }
+}
+
+/// An argument as messages name it. What is longer than a line is cut: its key is what tells it from others.
+pub(super) fn shown(argument: &str) -> String {
+    const LONGEST: usize = 80;
+    match argument.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("--set {}…", &argument[..end]),
+        None => format!("--set {argument}"),
+    }
+}

@@ -1,0 +1,121 @@
+//! A capture whose light is stored: what remains to be decided is the sensor, its exposure, and what is written.
+//!
+//! In: the report of a render (`capture.json`), whose `capture` holds all keys that were given, or nothing but the size
+//! of the stored picture; and `--set key=value` arguments, whose paths are relative to where the command is given. Out: a [`StoredCapture`]. The scene is neither read nor needed.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::colour::Finder;
+use super::file::refuse_unknown_sections;
+use super::lens::describe_lens;
+use super::relocate::keys_of;
+use super::sensor::{read_sensor, sensor_model};
+use super::settings::{ExposureSettings, OutputSettings};
+use super::source::{CaptureSource, shown};
+use super::stored_report::StoredReport;
+use super::tables::{LensTable, SECTIONS};
+use super::{develop, overrides, settings};
+use crate::develop::DevelopSettings;
+use crate::optics::{Focus, LensDescription};
+use crate::sensor::SensorModel;
+use crate::{Error, Invalid, Result};
+use photosite_core::warnings::Warnings;
+
+/// The part of a capture that stored light leaves open.
+#[derive(Debug)]
+pub struct StoredCapture {
+    /// The sensor.
+    pub sensor: SensorModel,
+    /// How it is exposed.
+    pub exposure: ExposureSettings,
+    /// What is written.
+    pub output: OutputSettings,
+    /// How the raw picture is developed.
+    pub develop: DevelopSettings,
+    /// Seed of sensor noise.
+    pub seed: u64,
+    /// The lens that the stored light has passed. What a glTF camera or autofocus decided of it is not known here.
+    pub lens: LensDescription,
+    /// What is to be said of it.
+    pub warnings: Vec<String>,
+    /// Where all this stands: for errors that show up later.
+    pub source: CaptureSource,
+}
+
+impl StoredCapture {
+    /// What a report at `path` says, with the `key=value` of every `--set` laid over it.
+    pub fn of_report(path: &Path, report: &StoredReport, arguments: &[String]) -> Result<Self> {
+        check(path, arguments)?;
+        let mut source = report.source(path);
+        lay_over(&mut source, arguments)?;
+        Self::assemble(source)
+    }
+
+    /// What holds where nothing is known of a stored picture but its size, with the `key=value` of every `--set`.
+    pub fn of_picture(path: &Path, resolution_px: [usize; 2], arguments: &[String]) -> Result<Self> {
+        check(path, arguments)?;
+        let mut source = CaptureSource::empty(path);
+        source.set_default("sensor", "resolution_px", &json!(resolution_px));
+        lay_over(&mut source, arguments)?;
+        Self::assemble(source)
+    }
+
+    fn assemble(mut source: CaptureSource) -> Result<Self> {
+        refuse_unknown_sections(&source)?;
+        let merged = read_sensor(&mut source, Path::new(""))?;
+        let lens: LensTable = source.read("lens")?.unwrap_or_default();
+        let render = settings::render(&source.read("render")?.unwrap_or_default());
+        let (exposure, output) =
+            (source.read("exposure")?.unwrap_or_default(), source.read("output")?.unwrap_or_default());
+        let finder = Finder::new(source.path().parent().unwrap_or(Path::new("")), Vec::new());
+        let at = |table: &'static str| {
+            let source = &source;
+            move |invalid: Invalid| source.error(invalid.within(table))
+        };
+        let sensor = sensor_model(&merged).map_err(at("sensor"))?;
+        // What is to be said of the lens was said when light was traced.
+        let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity), &mut Warnings::default());
+        let lens = lens.map_err(at("lens"))?;
+        Ok(Self {
+            exposure: settings::exposure(&exposure, &sensor).map_err(at("exposure"))?,
+            output: settings::output(&output, &sensor).map_err(at("output"))?,
+            develop: develop::checked(&source.read("develop")?.unwrap_or_default()).map_err(|e| source.error(e))?,
+            seed: render.map_err(at("render"))?.seed,
+            sensor,
+            lens,
+            warnings: source.displaced().iter().chain(&merged.warnings).cloned().collect(),
+            source: source.clone(),
+        })
+    }
+
+    /// All keys as they now are, as in [`Capture::to_json`](super::Capture::to_json).
+    pub fn to_json(&self, folder: &Path) -> Result<Value> {
+        keys_of(&self.source, &self.sensor.name, folder)
+    }
+}
+
+fn lay_over(source: &mut CaptureSource, arguments: &[String]) -> Result<()> {
+    arguments.iter().try_for_each(|argument| overrides::set(source, argument))
+}
+
+/// Refuses arguments that light transport has already used.
+fn check(path: &Path, arguments: &[String]) -> Result<()> {
+    for argument in arguments {
+        let mut one = CaptureSource::empty(path);
+        overrides::set(&mut one, argument)?;
+        let is_open = ["sensor", "exposure", "develop", "output"].iter().any(|table| one.get(table).is_some())
+            || one.get("render.seed").is_some();
+        // An unknown table gets its own message later.
+        let is_known = SECTIONS.iter().any(|section| one.get(section).is_some());
+        if is_known && !is_open {
+            let shown = shown(argument);
+            return Err(Error::Usage {
+                message: format!("{shown}: the light is traced already, and this cannot change it any more"),
+                help: Some("set keys of sensor, exposure, develop or output, or render again".to_owned()),
+            });
+        }
+    }
+    Ok(())
+}

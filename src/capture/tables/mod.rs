@@ -1,0 +1,107 @@
+//! The tables of a capture file: their keys, types and documentation. The JSON Schema is made of the doc comments here,
+//! so they speak to who writes a capture file.
+//!
+//! What values mean, and which of them go together, is settled in the modules beside this folder.
+
+mod camera;
+mod colour;
+mod light;
+mod material;
+mod scene;
+mod settings;
+mod target;
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+
+use crate::develop::DevelopSettings;
+use crate::sensor::SensorDescription;
+
+pub(super) use camera::{
+    AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType, MotionTable,
+    PoseTable,
+};
+pub(super) use camera::{
+    DistortionModel, FalloffName, KernelOrigin, LateralColourTable, PointSpreadTable, ProjectionName, StopTable,
+};
+pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
+pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable};
+pub(super) use material::*;
+pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable, SphereTable};
+pub use settings::RawFormat;
+pub(super) use settings::{
+    ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
+    SamplerName, TruthSource, WavelengthsName,
+};
+pub(super) use target::{PlacementTable, TargetTable};
+
+/// A capture: a scene, the camera that looks at it, and what to make of it. All quantities are in the unit that their
+/// key names; lengths in metres, angles in degrees.
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields, title = "photosite capture")]
+pub(crate) struct CaptureFile {
+    /// What is there: geometry and surroundings.
+    #[schemars(with = "Option<SceneTable>")]
+    pub(crate) scene: SceneTable,
+    /// Lights without a surface, besides those of the geometry's files.
+    #[schemars(with = "Option<Vec<LightTable>>")]
+    pub(crate) lights: Vec<LightTable>,
+    /// Calibration targets, flat sheets of exact patterns whose points `capture.json` lists.
+    #[schemars(with = "Option<Vec<TargetTable>>")]
+    pub(crate) targets: Vec<TargetTable>,
+    /// Materials by the names that the geometry uses; each replaces what the geometry's file says.
+    #[schemars(with = "Option<BTreeMap<String, MaterialTable>>")]
+    pub(crate) materials: BTreeMap<String, MaterialTable>,
+    /// Where the camera stands. Without it, the first camera of the geometry's files is used, or one that frames all of
+    /// it.
+    #[schemars(with = "Option<CameraTable>")]
+    pub(crate) camera: CameraTable,
+    /// The lens.
+    #[schemars(with = "Option<LensTable>")]
+    pub(crate) lens: LensTable,
+    /// The sensor: a preset, and any keys that shall differ from it. That of `capture.json` is whole, without a preset.
+    #[schemars(with = "Option<SensorTable>")]
+    pub(crate) sensor: MergedSensor,
+    /// How long, at what gain and temperature. Without it, the time is chosen automatically.
+    #[schemars(with = "Option<ExposureTable>")]
+    pub(crate) exposure: ExposureTable,
+    /// How light is traced.
+    #[schemars(with = "Option<RenderTable>")]
+    pub(crate) render: RenderTable,
+    /// How the raw picture is developed.
+    #[schemars(with = "Option<DevelopSettings>")]
+    pub(crate) develop: DevelopSettings,
+    /// What is written.
+    #[schemars(with = "Option<OutputTable>")]
+    pub(crate) output: OutputTable,
+}
+
+/// Names of the tables of a capture file.
+pub(super) const SECTIONS: [&str; 11] =
+    ["scene", "lights", "targets", "materials", "camera", "lens", "sensor", "exposure", "render", "develop", "output"];
+
+/// A preset or sensor file with the changes of `[sensor]` laid over it.
+#[derive(Debug)]
+pub(crate) struct MergedSensor {
+    /// Of the preset or file.
+    pub(crate) name: String,
+    pub(crate) description: SensorDescription,
+    /// What is to be said of the changes.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// A preset with changes.
+#[derive(Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+#[expect(dead_code, reason = "the shape of a table, for the JSON Schema; it is merged before it is read")]
+struct SensorTable {
+    /// Name of a sensor that ships with photosite (`photosite sensors` lists them), or the path of a sensor file,
+    /// relative to this file; "none" begins from nothing. Left out: "generic-cmos-color".
+    preset: Option<String>,
+    /// Keys and tables of the preset that this sensor does not have, such as ["filter", "channels.G", "noise.prnu_percent"].
+    /// They are taken away before the keys here are laid over the preset.
+    without: Option<Vec<String>>,
+    #[schemars(flatten)]
+    changes: SensorDescription,
+}

@@ -1,0 +1,145 @@
+//! What `photosite dataset` has made, read back: its manifest and the reports of its pictures.
+//!
+//! In: the folder. Out: a [`PictureSet`], from which [layouts](crate::calibration::layouts) are made.
+
+use std::fs;
+use std::path::Path;
+
+use glam::{DVec2, DVec3};
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::calibration::camera_files::CalibratedCamera;
+use crate::calibration::layouts::{EPOCH_NS, PictureSet, SceneObject, SeenPoint, SeenTarget, Shot};
+use crate::optics::{CameraMotion, Projection, Recording};
+use crate::report::{REPORT, Report, TargetReport, TracedReport};
+use crate::{Error, Invalid, Result};
+
+/// The list of pictures in the folder of a data set, a line each.
+pub(super) const MANIFEST: &str = "manifest.jsonl";
+
+/// Reads a data set all of whose pictures are there.
+pub fn read_dataset(folder: &Path) -> Result<PictureSet> {
+    let (set, frames) = read(folder)?;
+    let all = frames as usize * set.cameras.len();
+    if set.shots.len() != all || all == 0 {
+        let message = format!("{} of {all} pictures are there", set.shots.len());
+        let help = "give the command that makes the data set again: it goes on where it stopped";
+        return Err(Invalid::new("", message).help(help).in_file(&folder.join(MANIFEST)));
+    }
+    if let Some(shot) = set.shots.iter().find(|shot| shot.is_resampled) {
+        let message = "the picture was developed without the distortion, or the shape of pixels, that its camera and its ground \
+                       truth have";
+        let invalid = Invalid::new("capture.develop", message);
+        let help = "make the data set without setting develop.distortion and develop.square_pixels";
+        return Err(invalid.help(help).in_file(&folder.join(&shot.folder).join(REPORT)));
+    }
+    Ok(set)
+}
+
+/// Reads those pictures of a data set that are there.
+pub fn read_present(folder: &Path) -> Result<PictureSet> {
+    read(folder).map(|(set, _)| set)
+}
+
+/// With the number of frames that the whole has.
+fn read(folder: &Path) -> Result<(PictureSet, u32)> {
+    let path = folder.join(MANIFEST);
+    if !path.is_file() {
+        let help = "give the folder that `photosite dataset` has filled to the end";
+        return Err(Invalid::new("", format!("holds no {MANIFEST}")).help(help).in_file(folder));
+    }
+    let text = fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+    let mut set = PictureSet { folder: folder.to_owned(), cameras: Vec::new(), shots: Vec::new() };
+    let mut frames = 0;
+    for (number, line) in (1..).zip(text.lines()) {
+        let line: Line = serde_json::from_str(line).map_err(|e| {
+            let help = "give the command that makes the data set again, which writes it anew";
+            Invalid::new("", format!("is damaged: {e}")).help(help).at_line(&path, number)
+        })?;
+        let camera = set.cameras.iter().position(|name| *name == line.camera).unwrap_or_else(|| {
+            set.cameras.push(line.camera.clone());
+            set.cameras.len() - 1
+        });
+        frames = line.frames;
+        let report = folder.join(&line.folder).join(REPORT);
+        set.shots.push(shot(&report, line, camera)?);
+    }
+    Ok((set, frames))
+}
+
+/// A line of the manifest.
+#[derive(Deserialize)]
+struct Line {
+    frame: u32,
+    frames: u32,
+    camera: String,
+    time_s: Option<f64>,
+    folder: String,
+}
+
+fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
+    let damaged = |why: &str| {
+        let help = "remove its folder, and give the command that makes the data set again";
+        Invalid::new("", format!("is damaged: {why}")).help(help).in_file(path)
+    };
+    let report = Report::read(path)?;
+    let TracedReport { camera: Some(reported), targets, truth, .. } = report.traced else {
+        return Err(damaged("it says nothing of the camera"));
+    };
+    let projection =
+        reported.projection().ok_or_else(|| damaged(&format!("there is no projection {:?}", reported.projection)))?;
+    let told = reported.to_world();
+    // Earlier reports have the pose at time 0.
+    let told_s = reported.pose_time_s.unwrap_or(0.0);
+    let recording = reported.motion.as_ref().map(|motion| motion.recording(reported.resolution_px[1]));
+    let time_s = recording.as_ref().map_or(0.0, Recording::middle_s);
+    let pose = |time_s: f64| match recording.as_ref().and_then(|recording| recording.motion.as_ref()) {
+        None => told,
+        Some(motion @ CameraMotion::Steady { .. }) => motion.pose(&told, time_s - told_s),
+        Some(motion @ CameraMotion::Poses(_)) => motion.pose(&told, time_s),
+    };
+    // Short against any change of a velocity, and long against the last bits of a position.
+    const STEP_S: f64 = 1e-4;
+    let velocity = (pose(time_s + STEP_S).translation - pose(time_s).translation) / STEP_S;
+    let since_start_s = line.time_s.unwrap_or(f64::from(line.frame)) + time_s;
+    // Reports that say nothing of it are of a time when this lens's distortion alone was undone.
+    let undid_distortion = || {
+        matches!(projection, Projection::BrownConrady(_))
+            && report.capture["develop"]["distortion"] != Value::Bool(false)
+    };
+    let is_resampled = report.image.as_ref().map_or_else(undid_distortion, |image| image.is_resampled);
+    Ok(Shot {
+        folder: line.folder,
+        frame: line.frame,
+        camera,
+        stamp_ns: EPOCH_NS + (since_start_s * 1e9).round() as u64,
+        calibrated: CalibratedCamera {
+            name: line.camera,
+            intrinsics: reported.intrinsics(),
+            projection,
+            resolution: reported.resolution_px,
+            to_world: pose(time_s),
+        },
+        start: pose(0.0),
+        velocity_m_per_s: velocity,
+        is_resampled,
+        is_skewed: recording.is_some_and(|recording| recording.row_time_s != 0.0),
+        targets: targets.into_iter().flatten().map(seen).collect(),
+        objects: truth.map_or_else(Vec::new, |truth| SceneObject::of_instances(truth.objects())),
+    })
+}
+
+/// A target as a picture shows it.
+fn seen(target: TargetReport) -> SeenTarget {
+    let to_world = target.to_world();
+    let places = target.points_world_m.into_iter().zip(target.points_px);
+    let points = target.facts.points.into_iter().zip(places).zip(target.points_visible);
+    let seen = points.map(|((point, (world, pixel)), is_visible)| SeenPoint {
+        name: point.name,
+        world: DVec3::from_array(world),
+        pixel: pixel.map(DVec2::from_array),
+        is_visible,
+    });
+    SeenTarget { name: target.name, description: target.facts.target, to_world, points: seen.collect() }
+}

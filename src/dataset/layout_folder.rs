@@ -1,0 +1,166 @@
+//! The folder of a layout. It is made beside and renamed when it is complete.
+
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::calibration::layouts::{LayoutFiles, Shot};
+use crate::calibration::truth::TruthLayer;
+use crate::capture::Capture;
+use crate::image::Planes;
+use crate::io::exr::read_exr;
+use crate::io::lock::Lock;
+use crate::io::output::{create_folder, write_unsynced};
+use crate::io::plain_png::{is_grey, picture_size, read_grey, write_grey8, write_grey16};
+use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
+use crate::report::{REPORT, Report};
+use crate::scene::description::SceneDescription;
+use crate::{Error, Invalid, Result};
+use serde_json::Value;
+
+/// The developed picture in the folder of a picture.
+const PICTURE: &str = "image.png";
+/// Its ground truth.
+const TRUTH: &str = "truth.exr";
+
+/// A folder that is being filled. One that is given up is removed.
+pub struct LayoutFolder {
+    folder: UnfinishedFolder,
+    _lock: Lock,
+    dataset: PathBuf,
+    /// The scene that was read last, with the keys that it was read from.
+    scene: Option<(Vec<Value>, Arc<SceneDescription>)>,
+}
+
+impl LayoutFolder {
+    /// Refuses what cannot become a folder, or has become one that is not empty.
+    pub fn check(path: &Path) -> Result<()> {
+        let message = if path.is_file() {
+            format!("{} is a file, where a folder is needed", path.display())
+        } else if is_filled(path) {
+            format!("{} is not empty", path.display())
+        } else if path.file_name().is_none() {
+            format!("{} is no name for a new folder", path.display())
+        } else {
+            return Ok(());
+        };
+        Err(Error::Usage { message, help: Some("choose a new folder with -o".to_owned()) })
+    }
+
+    /// Begins a folder that is not there yet, or empty.
+    pub fn begin(path: &Path, dataset: &Path) -> Result<Self> {
+        create_folder(path.parent().unwrap_or(Path::new("")))?;
+        let lock = Lock::beside(path)?;
+        // Another process may have finished in the meantime.
+        Self::check(path)?;
+        if lock.is_proven() {
+            // Of dead processes; nothing depends on it.
+            unfinished_folders(path).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
+        }
+        let folder = UnfinishedFolder::beside(path, |_| false)?;
+        Ok(Self { folder, _lock: lock, dataset: dataset.to_owned(), scene: None })
+    }
+
+    /// Gives the complete folder its name.
+    pub fn finish(self, path: &Path) -> Result<()> {
+        if self.folder.finish()? {
+            return Ok(());
+        }
+        let help = "choose a new folder with -o".to_owned();
+        let message = format!("{} was filled by another process", path.display());
+        Err(Error::Usage { message, help: Some(help) })
+    }
+
+    /// A file of the layout, whose folder is made.
+    fn place(&self, name: &str) -> Result<PathBuf> {
+        let path = self.folder.path().join(name);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(|reason| Error::io(folder, "create the folder", reason))?;
+        }
+        Ok(path)
+    }
+
+    /// A file of a picture; what to write into the capture for it to be there.
+    fn source(&self, shot: &Shot, name: &str, help: &str) -> Result<PathBuf> {
+        let path = self.dataset.join(&shot.folder).join(name);
+        if path.is_file() {
+            return Ok(path);
+        }
+        Err(Invalid::new("", "is missing").help(help).in_file(&path))
+    }
+
+    fn picture(&self, shot: &Shot) -> Result<PathBuf> {
+        let help = "make the data set with a develop.colour_space whose pictures are PNG files, not xyz";
+        let path = self.source(shot, PICTURE, help)?;
+        let ([width, height], [columns, rows]) = (picture_size(&path)?, shot.calibrated.resolution);
+        if [width, height] == [columns, rows] {
+            return Ok(path);
+        }
+        let message = format!("has {width} × {height} pixels, and the camera {columns} × {rows}");
+        let help = "make the data set without exposure.binning and exposure.region_px";
+        Err(Invalid::new("", message).help(help).in_file(&path))
+    }
+}
+
+impl LayoutFiles for LayoutFolder {
+    fn write_text(&mut self, path: &str, text: &str) -> Result<()> {
+        write_unsynced(&self.place(path)?, |to| to.write_all(text.as_bytes()))
+    }
+
+    fn copy_picture(&mut self, path: &str, shot: &Shot) -> Result<()> {
+        let (from, to) = (self.picture(shot)?, self.place(path)?);
+        fs::copy(&from, &to).map_err(|reason| Error::io(&to, "write", reason)).map(|_| ())
+    }
+
+    fn write_grey_picture(&mut self, path: &str, shot: &Shot) -> Result<()> {
+        let grey = read_grey(&self.picture(shot)?)?;
+        write_unsynced(&self.place(path)?, |to| write_grey8(grey.size, &grey.values, to))
+    }
+
+    fn is_grey(&mut self, shot: &Shot) -> Result<bool> {
+        is_grey(&self.picture(shot)?)
+    }
+
+    fn write_mask(&mut self, path: &str, size: [u32; 2], inside: &[bool]) -> Result<()> {
+        let values: Vec<u8> = inside.iter().map(|&inside| if inside { 255 } else { 0 }).collect();
+        write_unsynced(&self.place(path)?, |to| write_grey8(size, &values, to))
+    }
+
+    fn write_grey16(&mut self, path: &str, size: [u32; 2], values: &[u16]) -> Result<()> {
+        write_unsynced(&self.place(path)?, |to| write_grey16(size, values, to))
+    }
+
+    fn truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<Planes> {
+        let names: Vec<String> = layers.iter().map(|layer| format!("\"{}\"", layer.name())).collect();
+        let help = format!(
+            "this layout needs output.truth = [{}] in the capture, with truth_formats = [\"exr\"]",
+            names.join(", ")
+        );
+        let path = self.source(shot, TRUTH, &help)?;
+        let file = File::open(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let planes = read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(&path))?.planes;
+        let mut channels = layers.iter().flat_map(|layer| layer.channels());
+        if let Some(missing) = channels.find(|name| planes.plane(name).is_none()) {
+            return Err(Invalid::new("", format!("has no layer {missing}")).help(help).in_file(&path));
+        }
+        if [planes.width(), planes.height()] != shot.calibrated.resolution.map(|n| n as usize) {
+            return Err(Invalid::new("", "is not of the size of the picture").in_file(&path));
+        }
+        Ok(planes)
+    }
+
+    fn scene(&mut self, shot: &Shot) -> Result<Arc<SceneDescription>> {
+        let path = self.dataset.join(&shot.folder).join(REPORT);
+        let capture = Report::read(&path)?.capture;
+        let keys: Vec<Value> = ["scene", "targets", "materials"].map(|table| capture[table].clone()).to_vec();
+        if let Some((known, scene)) = &self.scene
+            && *known == keys
+        {
+            return Ok(scene.clone());
+        }
+        let scene = Arc::new(Capture::load_with(&path, &[])?.scene);
+        self.scene = Some((keys, scene.clone()));
+        Ok(scene)
+    }
+}

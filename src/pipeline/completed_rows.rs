@@ -1,0 +1,50 @@
+//! Where rows go that have all their samples, so that their film can be given up.
+
+use std::fs::File;
+use std::io::{BufWriter, Cursor};
+use std::path::{Path, PathBuf};
+
+use crate::capture::Capture;
+use crate::film::{Film, Response};
+use crate::io::film_file::write_film;
+use crate::io::light_rows::{LightRows, Store};
+use crate::{Error, Result};
+
+use super::camera::pixels;
+
+/// Rows that are done.
+pub(super) enum CompletedRows {
+    /// The light of a picture, and the file that it is in if it is in one.
+    Light(LightRows, Option<PathBuf>),
+    /// The sums of a part: `film.npy` as far as it has come.
+    Sums { file: File, path: PathBuf, height: usize },
+}
+
+impl CompletedRows {
+    /// Light in a store, or in memory where the whole picture is one film that fits into it.
+    pub(super) fn light(capture: &Capture, responses: &[Response], store: Option<Box<dyn Store>>) -> LightRows {
+        let size = pixels(capture).map(|n| n as usize);
+        let channels: Vec<String> = responses.iter().map(|response| response.name.clone()).collect();
+        // The sensor's channels come first. Of others nobody asks for the variance.
+        let with_variance = capture.sensor.cfa.channels().len();
+        let in_memory = || -> Box<dyn Store> {
+            let bytes = size[0] * size[1] * LightRows::bytes_per_pixel(channels.len(), with_variance);
+            Box::new(Cursor::new(Vec::with_capacity(bytes)))
+        };
+        let store = store.unwrap_or_else(in_memory);
+        LightRows::new(store, size, channels, with_variance)
+    }
+
+    /// Keeps the rows of a film.
+    pub(super) fn write(&mut self, film: &Film) -> Result<()> {
+        match self {
+            Self::Light(rows, path) => rows.write(film).map_err(|reason| {
+                // Memory takes what it is given.
+                Error::io(path.as_deref().unwrap_or(Path::new("")), "write", reason)
+            }),
+            Self::Sums { file, path, height } => {
+                write_film(film, *height, BufWriter::new(file)).map_err(|reason| Error::io(path, "write", reason))
+            }
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! What raw files say of the lens, so that developers can correct it, and what becomes of the picture when they do.
+
+use crate::capture::{OutputSettings, RawFormat};
+use crate::develop::{DevelopSettings, Resampling};
+use crate::optics::{Camera, Falloff, Intrinsics, LensDescription, Projection};
+use crate::raw::{Area, Distortion, GainMap, LensModel, RawMetadata, Warp};
+use crate::sensor::{SensorModel, Window};
+use glam::DVec2;
+
+use crate::report::ImageReport;
+
+/// Points of the gain map along each side: straight lines between so many miss 1/cos⁴θ by less than 0.3 % up to 45° from
+/// the axis.
+const POINTS: [usize; 2] = [33, 25];
+
+/// A lens as a window of the sensor sees through it.
+pub struct LensSeen<'a> {
+    lens: &'a LensDescription,
+    camera: &'a Camera,
+    /// The part of the sensor that is read out, px.
+    area: Area,
+    /// Pixels of the sensor in one of the raw picture.
+    factor: [usize; 2],
+    /// Pixel pitch of the raw picture, m.
+    pitch_m: [f64; 2],
+}
+
+/// What a developer has done to the places of things.
+pub struct Resampled {
+    /// "freed of the distortion of the lens".
+    pub what: String,
+    /// What to write so that it is not done.
+    pub keys: String,
+}
+
+impl<'a> LensSeen<'a> {
+    /// A lens as a window of a sensor sees through it.
+    pub fn new(lens: &'a LensDescription, camera: &'a Camera, sensor: &SensorModel, window: &Window) -> Self {
+        let [width, height] = sensor.resolution;
+        let area = window.region.unwrap_or(Area { x: 0, y: 0, width, height });
+        let factor = window.binning.factor;
+        let pitch_m = [0, 1].map(|axis| sensor.pixel_pitch_m[axis] * factor[axis] as f64);
+        Self { lens, camera, area, factor, pitch_m }
+    }
+
+    /// Puts falloff and distortion into what is said of a raw picture of this window.
+    pub(super) fn tell(&self, metadata: &mut RawMetadata) {
+        metadata.gain_map = match self.lens.falloff {
+            Falloff::None if self.lens.stops.is_empty() => None,
+            Falloff::None | Falloff::Cos4 => self.gain_map(),
+        };
+        metadata.distortion = self.model().map(Distortion::Lens);
+    }
+
+    /// How a developer resamples the picture; `None` where it stays as it is.
+    pub fn resampling(&self, settings: &DevelopSettings) -> Option<Resampling> {
+        Resampling::new(&self.metadata(), self.size_px(), settings)
+    }
+
+    /// The same in words.
+    pub fn resampled(&self, settings: &DevelopSettings) -> Option<Resampled> {
+        let metadata = self.metadata();
+        let of_lens = settings.distortion && metadata.distortion.is_some();
+        let of_pixels = settings.square_pixels && metadata.pixel_aspect() != 1.0;
+        let both = |first: &str, and: &str, second: &str| match (of_lens, of_pixels) {
+            (true, true) => Some(format!("{first}{and}{second}")),
+            (true, false) => Some(first.to_owned()),
+            (false, true) => Some(second.to_owned()),
+            (false, false) => None,
+        };
+        Some(Resampled {
+            what: both("freed of the distortion of the lens", " and ", "brought to square pixels")?,
+            keys: both("develop.distortion = false", " and ", "develop.square_pixels = false")?,
+        })
+    }
+
+    /// What is to be said of pictures and files that do not tell, or show, what one might expect.
+    pub(super) fn warnings(&self, settings: &DevelopSettings, output: &OutputSettings) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let name = self.lens.projection.name();
+        let has_dng = output.raw.contains(&RawFormat::Dng);
+        match self.model() {
+            None if settings.distortion && self.is_distorted() => {
+                let why = if self.camera.scans() {
+                    "a line of a line-scan camera does not know what lies beside it"
+                } else {
+                    "its picture reaches 90° from the axis, which a picture without distortion cannot show"
+                };
+                warnings.push(format!("image.png keeps the distortion of the {name} lens: {why}"));
+            }
+            Some(model) if has_dng => {
+                if Warp::of_lens(&model, self.size_px(), self.metadata().pixel_aspect()).is_none() {
+                    warnings.push(format!(
+                        "of the {name} lens, raw.dng tells photosite alone: what DNG has for all developers comes no nearer to \
+                         it than {} px",
+                        Warp::LARGEST_ERROR_PX
+                    ));
+                }
+            }
+            None | Some(_) => {}
+        }
+        if let Some(Resampled { what, keys }) = self.resampled(settings) {
+            if !output.truth.layers.is_empty() {
+                warnings.push(format!(
+                    "image.png is {what}, where ground truth is not; write {keys}, and both show things in the same places"
+                ));
+            }
+            if !has_dng && !output.raw.is_empty() {
+                warnings.push(format!(
+                    "image.png is {what}, which photosite develop cannot do with these raw files: DNG files alone tell of lens \
+                     and pixels"
+                ));
+            }
+        }
+        warnings
+    }
+
+    /// The camera that the developed picture is a picture of.
+    pub(super) fn image_report(&self, settings: &DevelopSettings) -> ImageReport {
+        let metadata = self.metadata();
+        let model = self.model().filter(|_| settings.distortion);
+        let (on_grid, projection) = match &model {
+            Some(model) => (model.pinhole(), Projection::Perspective),
+            None => (self.intrinsics(), self.lens.projection),
+        };
+        let resampling = self.resampling(settings);
+        let (size, [across, down]) = match &resampling {
+            Some(resampling) => (resampling.size_px(), resampling.scale()),
+            None => (self.size_px(), [1.0; 2]),
+        };
+        let intrinsics = on_grid.on_grid([0.0; 2], [1.0 / across, 1.0 / down]);
+        ImageReport::new(size, settings.pixel_aspect(&metadata), &intrinsics, &projection, resampling.is_some())
+    }
+
+    /// Columns and rows of the raw picture.
+    fn size_px(&self) -> [usize; 2] {
+        [self.area.width / self.factor[0], self.area.height / self.factor[1]]
+    }
+
+    /// The matrix of the lens on the grid of the raw picture.
+    fn intrinsics(&self) -> Intrinsics {
+        let first = [self.area.x, self.area.y].map(|n| n as f64);
+        self.camera.intrinsics().on_grid(first, self.factor.map(|n| n as f64))
+    }
+
+    /// What is known of lens and pixels.
+    fn metadata(&self) -> RawMetadata {
+        RawMetadata {
+            pixel_pitch_m: Some(self.pitch_m),
+            distortion: self.model().map(Distortion::Lens),
+            ..RawMetadata::default()
+        }
+    }
+
+    /// Whether straight lines are bent, but for a panorama, whose picture is meant to be as it is.
+    fn is_distorted(&self) -> bool {
+        !matches!(self.lens.projection, Projection::Perspective | Projection::Equirectangular)
+    }
+
+    /// The model that a developer corrects: of a lens whose picture a pinhole could take as well.
+    fn model(&self) -> Option<LensModel> {
+        let model = LensModel {
+            intrinsics: self.intrinsics(),
+            projection: self.lens.projection,
+            max_angle_rad: self.lens.max_angle_rad,
+        };
+        let can_correct = self.is_distorted() && !self.camera.scans() && model.is_within_a_half_space(self.size_px());
+        can_correct.then_some(model)
+    }
+
+    /// 1 over the relative illumination. Where distortion leaves a pixel without light, there is nothing to correct.
+    fn gain_map(&self) -> Option<GainMap> {
+        let [columns, rows] = POINTS;
+        let [width, height] = self.size_px();
+        let seen = [width * self.factor[0], height * self.factor[1]].map(|n| n as f64);
+        let gain = |i: usize| {
+            let part = [i % columns, i / columns].map(|n| n as f64);
+            let x = self.area.x as f64 + part[0] / (columns - 1) as f64 * seen[0];
+            let y = self.area.y as f64 + part[1] / (rows - 1) as f64 * seen[1];
+            let illumination = self.camera.relative_illumination(DVec2::new(x, y)).filter(|part| *part > 0.0);
+            illumination.map_or(1.0, |illumination| 1.0 / illumination as f32)
+        };
+        GainMap::new(columns, rows, (0..columns * rows).map(gain).collect()).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::develop::DevelopSettings;
+    use crate::optics::{BrownConrady, Focus, PixelGrid};
+    use crate::sensor::Binning;
+    use glam::DAffine3;
+
+    use super::*;
+
+    const SIZE: [u32; 2] = [640, 480];
+
+    fn brown_conrady([k1, k2]: [f64; 2], p: [f64; 2]) -> Projection {
+        Projection::BrownConrady(BrownConrady { k: [k1, k2, 0.0, 0.0, 0.0, 0.0], p, ..BrownConrady::default() })
+    }
+
+    fn camera(projection: Projection, f_number: f64, pitch_m: [f64; 2]) -> (LensDescription, Camera) {
+        let mut lens = LensDescription::thin(0.004, f_number, Focus::Infinity);
+        lens.projection = projection;
+        let grid = PixelGrid { resolution: SIZE, pitch_m };
+        let camera = Camera::new(&lens, &grid, DAffine3::IDENTITY, 1.0).expect("a lens");
+        (lens, camera)
+    }
+
+    fn seen<'a>(lens: &'a LensDescription, camera: &'a Camera, window: Window, pitch_m: [f64; 2]) -> LensSeen<'a> {
+        let area = window.region.unwrap_or(Area { x: 0, y: 0, width: 640, height: 480 });
+        let factor = window.binning.factor;
+        let pitch_m = [0, 1].map(|axis| pitch_m[axis] * factor[axis] as f64);
+        LensSeen { lens, camera, area, factor, pitch_m }
+    }
+
+    #[test]
+    fn the_picture_shows_what_the_camera_of_its_report_sees() {
+        let part = Window {
+            region: Some(Area { x: 100, y: 60, width: 400, height: 300 }),
+            binning: Binning { factor: [2, 2], ..Binning::NONE },
+        };
+        for projection in [
+            brown_conrady([-0.12, 0.03], [1e-3, -5e-4]),
+            Projection::Division { lambda: -0.1 },
+            Projection::KannalaBrandt { k: [0.02, 0.0, 0.0, 0.0] },
+            Projection::Omnidirectional { xi: 1.1, distortion: BrownConrady::default() },
+        ] {
+            for pitch_m in [[6e-6; 2], [8.3e-6, 6.2e-6]] {
+                let (lens, distorting) = camera(projection, 4.0, pitch_m);
+                for window in [Window::WHOLE, part] {
+                    let seen = seen(&lens, &distorting, window, pitch_m);
+                    let settings = DevelopSettings::default();
+                    let resampling = seen.resampling(&settings).expect("distortion");
+                    let report = serde_json::to_value(seen.image_report(&settings)).expect("numbers");
+                    let number =
+                        |row: usize, column: usize| report["camera_matrix"][row][column].as_f64().expect("one");
+                    let (width, height) = (resampling.size_px()[0] as f64, resampling.size_px()[1] as f64);
+                    assert_eq!(report["resolution_px"][0], resampling.size_px()[0]);
+                    for (x, y) in [(0.5, 0.5), (0.8, 0.3), (0.2, 0.7), (0.33, 0.1)] {
+                        let pixel = DVec2::new(x * width, y * height);
+                        let source = resampling.source_px(pixel).expect("seen");
+                        // Back to the whole sensor.
+                        let [across, down] = window.binning.factor.map(|n| n as f64);
+                        let first = window.region.map_or(DVec2::ZERO, |area| DVec2::new(area.x as f64, area.y as f64));
+                        let on_sensor = source * DVec2::new(across, down) + first;
+                        let found = distorting.seen(on_sensor).expect("light").direction;
+                        // A pinhole, with whole numbers at the centres of pixels and y down.
+                        let down = (pixel.y - 0.5 - number(1, 2)) / number(1, 1);
+                        let right = (pixel.x - 0.5 - number(0, 2) - number(0, 1) * down) / number(0, 0);
+                        let wanted = glam::DVec3::new(right, -down, -1.0).normalize();
+                        assert!((found - wanted).length() < 1e-12, "{projection:?} {pixel}: {found} {wanted}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_gains_undo_cos4() {
+        let (lens, camera) = camera(Projection::Perspective, 22.0, [6e-6; 2]);
+        let mut metadata = RawMetadata::default();
+        seen(&lens, &camera, Window::WHOLE, [6e-6; 2]).tell(&mut metadata);
+        let map = metadata.gain_map.expect("falloff");
+        for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.25), (0.73, 0.4)] {
+            let across = DVec2::new((x - 0.5) * 640.0, (y - 0.5) * 480.0) * 6e-6 / 0.004;
+            let gain = (1.0 + across.length_squared()).powi(2);
+            // Straight lines miss a function by its second derivative times the step² over 8. Here that is at most
+            // 6.7/32²/8 along x and 3.4/24²/8 along y, 1.6e-3 together; the opening adds (D/2v)² = 5e-4 at most.
+            assert!((f64::from(map.at(x, y)) - gain).abs() < 2.1e-3, "{x} {y}: {} {gain}", map.at(x, y));
+        }
+    }
+
+    #[test]
+    fn lenses_that_no_pinhole_stands_for_keep_their_picture() {
+        for (projection, is_corrected) in [
+            (Projection::Perspective, false),
+            (Projection::Equirectangular, false),
+            (Projection::KannalaBrandt { k: [0.0; 4] }, true),
+            (Projection::KannalaBrandt { k: [8.0, 0.0, 0.0, 0.0] }, true),
+            (Projection::KannalaBrandt { k: [-0.15, 0.0, 0.0, 0.0] }, true),
+        ] {
+            let (lens, camera) = camera(projection, 4.0, [6e-6; 2]);
+            let seen = seen(&lens, &camera, Window::WHOLE, [6e-6; 2]);
+            assert_eq!(seen.model().is_some(), is_corrected, "{projection:?}");
+        }
+        let (mut lens, _) = camera(Projection::KannalaBrandt { k: [0.0; 4] }, 4.0, [6e-6; 2]);
+        lens.focal_length_m = 0.0015;
+        let grid = PixelGrid { resolution: SIZE, pitch_m: [6e-6; 2] };
+        let wide = Camera::new(&lens, &grid, DAffine3::IDENTITY, 1.0).expect("a lens");
+        // The corner is 2.4 mm from the axis, 92° of it.
+        assert!(seen(&lens, &wide, Window::WHOLE, [6e-6; 2]).model().is_none());
+        let middle = Window { region: Some(Area { x: 100, y: 100, width: 400, height: 300 }), ..Window::WHOLE };
+        assert!(seen(&lens, &wide, middle, [6e-6; 2]).model().is_some());
+    }
+}

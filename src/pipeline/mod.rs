@@ -1,0 +1,54 @@
+//! The pipeline: a capture becomes light, light becomes raw images, raw images become pictures.
+//!
+//! | step | from | to | module |
+//! |---|---|---|---|
+//! | load | files | [`Capture`](crate::Capture) | [`capture`](crate::capture) |
+//! | prepare | capture | [`Prepared`]: scene, camera, the sensor's colours, warnings | `prepare` |
+//! | trace | prepared | light with its variance | `trace` |
+//! | expose | light | raw images, noise maps | `chain`, `results` |
+//! | develop | raw image | picture | [`develop`](crate::develop) |
+//! | write | all of these | a folder | [`OutputFolder`] |
+//!
+//! [`render`](crate::render) takes all steps in memory, for one picture; [`render_into`] takes them into a folder, with
+//! strips, checkpoints, parts and series. [`StoredRender`] begins with light that was traced before. What is heard of them
+//! goes through a [`Monitor`], which may stop them.
+
+mod camera;
+mod chain;
+mod checkpoint;
+mod completed_rows;
+mod file_names;
+mod ideal;
+mod lens_corrections;
+mod monitor;
+mod output_folder;
+mod parts;
+mod prepare;
+mod provenance;
+mod reexpose;
+mod render;
+mod request;
+mod responses;
+mod results;
+mod series;
+mod shot;
+mod stored_light;
+mod strips;
+mod throttle;
+mod trace;
+mod truth_views;
+
+pub use camera::{camera_of, pixels, place_camera, standalone_camera, standalone_recording_camera};
+pub(crate) use checkpoint::are_in as are_checkpoints_in;
+pub use file_names::PART;
+pub use lens_corrections::{LensSeen, Resampled};
+pub use monitor::{Event, Monitor, Silent};
+pub use output_folder::OutputFolder;
+pub use parts::{Parts, check_samples};
+pub use prepare::Prepared;
+pub(crate) use provenance::{difference, fingerprinted, keys_and_files};
+pub use reexpose::StoredRender;
+pub use render::{Rendered, render_into};
+pub use request::{LightSource, Request};
+pub use shot::{Light, Options, Shot, render};
+pub use strips::FilmMemory;

@@ -1,0 +1,85 @@
+//! What a caller hears of work that takes long, and how it stops it.
+
+use std::path::Path;
+
+use crate::Error;
+
+/// Watches work under way. One method takes everything that is reported, the other is asked whether to stop.
+///
+/// Both are called from several threads. Tracing asks [`is_cancelled`](Self::is_cancelled) some hundred times a second on
+/// each thread; when it says yes, the work keeps what is done in its checkpoint, if it has one, and fails with
+/// [`Error::Cancelled`].
+pub trait Monitor: Sync {
+    /// Takes a report.
+    fn report(&self, event: Event<'_>);
+
+    /// Whether the work shall stop.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// What is reported of work under way.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// What the user should know of the result. Each is said once, and stands in the report, too.
+    Warning(&'a str),
+    /// Tracing begins: of so many camera paths these are traced already.
+    TraceBegins {
+        /// Paths from before a checkpoint.
+        traced: u64,
+        /// Paths of the whole picture, as far as is known.
+        expected: u64,
+        /// The checkpoint that it goes on from.
+        resumed: Option<&'a Path>,
+        /// Samples a pixel in that checkpoint.
+        samples_per_pixel: u64,
+    },
+    /// So many more camera paths are traced.
+    Traced(u64),
+    /// Another pass over the image is done.
+    PassEnds {
+        /// Samples that each pixel has on average.
+        samples_per_pixel: f64,
+        /// Paths that are expected in all.
+        expected: u64,
+    },
+    /// Tracing is over, or broken off.
+    TraceEnds,
+    /// So many pictures of a data set are to be made.
+    SetBegins {
+        /// Their number.
+        pictures: u64,
+    },
+    /// Another picture of it is there.
+    PictureEnds,
+    /// Other processes are making so many of its pictures, which are waited for.
+    Waiting {
+        /// Their number.
+        pictures: usize,
+    },
+    /// All pictures of it are there, or the work is broken off.
+    SetEnds,
+}
+
+/// Hears nothing and never stops anything.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Monitor for Silent {
+    fn report(&self, _: Event<'_>) {}
+}
+
+/// Reports the end of tracing whichever way it ends.
+pub(super) struct UntilTraceEnds<'a>(pub(super) &'a dyn Monitor);
+
+impl Drop for UntilTraceEnds<'_> {
+    fn drop(&mut self) {
+        self.0.report(Event::TraceEnds);
+    }
+}
+
+/// The error of work that its monitor has stopped; `help` says how it goes on.
+pub(super) fn cancelled(help: String) -> Error {
+    Error::Cancelled { message: "the work was cancelled".to_owned(), help: Some(help) }
+}

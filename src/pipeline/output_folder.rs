@@ -1,0 +1,384 @@
+//! The folder that a render fills.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::fs::File;
+use std::io::{ErrorKind, Result as IoResult, Seek};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::calibration::truth::TruthLayer;
+use crate::capture::{NoiseOutput, OutputSettings, RawFormat, SpectralBands, TruthOutput};
+use crate::colour::ColourSpace;
+use crate::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
+use crate::image::Planes;
+use crate::io::cleanup::Cleanup;
+use crate::io::developed::{write_hdr, write_linear, write_png};
+use crate::io::electrons::write_electrons;
+use crate::io::film_file::write_samples;
+use crate::io::light_rows::{LightRows, Store};
+use crate::io::lock::Lock;
+use crate::io::noise_maps::{NoiseFormat, write_noise_exr, write_noise_npy};
+use crate::io::output::{Sink, Stamp, remove_leftovers, write_stamped, write_unsynced};
+use crate::io::raw_exr::write_raw_exr;
+use crate::io::spectral_exr::write_irradiance;
+use crate::io::truth::{TruthFormat, write_truth_exr, write_truth_npy, write_truth_png};
+use crate::raw::{RawImage, write_compressed_dng, write_npy, write_pgm, write_tiff};
+use crate::sensor::{NoiseMap, NoiseMaps};
+use crate::units::Seconds;
+use crate::{Error, Invalid, Result};
+use serde::Serialize;
+
+use super::chain::Exposed;
+use super::checkpoint;
+use super::file_names::{PART, named};
+use crate::io::pretty_json::pretty_json;
+use crate::report::{PartReport, REPORT, Report, listed_files};
+
+/// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
+/// unasked: a texture may be called `image.png`.
+const RESULTS: [(&str, &[&str]); 10] = [
+    ("film", &["npy"]),
+    ("image", &["png"]),
+    ("hdr", &["exr"]),
+    ("ideal", &["exr", "png"]),
+    ("electrons", &["exr"]),
+    ("irradiance", &["exr"]),
+    ("samples", &["npy"]),
+    ("raw", &["dng", "tiff", "pgm", "npy", "exr"]),
+    (TRUTH, &["exr"]),
+    (NOISE, &["exr"]),
+];
+/// What the names of files of ground truth begin with.
+const TRUTH: &str = "truth";
+/// The same of noise maps.
+const NOISE: &str = "noise";
+/// The picture that is there while a render runs.
+const PREVIEW: &str = "preview.png";
+
+/// Is there while results are written, so that those of a process that was killed do not pass for somebody's files.
+const UNFINISHED: &str = ".photosite.unfinished";
+
+/// A folder for results. One that is given up before they are complete holds none of them, but for those that a checkpoint
+/// goes on from.
+pub struct OutputFolder {
+    path: PathBuf,
+    force: bool,
+    written: Vec<String>,
+    /// What tells the files that were written from any that another process writes.
+    stamps: BTreeMap<String, Stamp>,
+    /// The files that were written, until they are complete; removed before another process can claim the folder.
+    unfinished: Arc<Mutex<Vec<PathBuf>>>,
+    _removal: Option<Cleanup>,
+    /// Keeps other processes out, of a folder that they know. Let go of before the folder is given up.
+    lock: Option<Lock>,
+    _cleanup: Cleanup,
+}
+
+impl OutputFolder {
+    /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given, or a
+    /// render was broken off there; one that another process is writing to is refused in any case.
+    pub fn claim(path: &Path, force: bool) -> Result<Self> {
+        refuse_results(path, force)?;
+        if let Some(file) = path.ancestors().find(|part| part.is_file()) {
+            return Err(unusable(file, "is a file, where a folder is needed for the results"));
+        }
+        let created: Vec<_> = path.ancestors().take_while(|part| !part.exists()).map(Path::to_owned).collect();
+        let mut folder = Self::inside(path, force, created);
+        fs::create_dir_all(path).map_err(|reason| unusable(path, format!("cannot create the folder: {reason}")))?;
+        // Whether files can be made here shows now rather than after an hour of tracing.
+        tempfile::tempfile_in(path)
+            .map_err(|reason| unusable(path, format!("cannot write into the folder: {reason}")))?;
+        let lock = Lock::of_folder(path)?;
+        // Another process may have finished in the meantime.
+        refuse_results(path, force)?;
+        folder.lock = Some(lock);
+        let (path, unfinished) = (path.to_owned(), Arc::clone(&folder.unfinished));
+        folder._removal = Some(Cleanup::new(move || {
+            let is_kept = checkpoint::are_in(&path);
+            for file in locked(&unfinished).drain(..).filter(|file| !is_kept || file.ends_with(UNFINISHED)) {
+                let _ = fs::remove_file(file);
+            }
+        }));
+        Ok(folder)
+    }
+
+    /// A folder that no other process knows.
+    pub fn own(path: &Path) -> Self {
+        Self::inside(path, true, Vec::new())
+    }
+
+    /// With what of its path was made for this render, itself first.
+    fn inside(path: &Path, force: bool, created: Vec<PathBuf>) -> Self {
+        let preview = path.join(PREVIEW);
+        // Takes away what only a render under way needs.
+        let cleanup = Cleanup::new(move || {
+            let _ = fs::remove_file(&preview);
+            // Only folders without files can be removed so.
+            created.iter().try_for_each(fs::remove_dir).unwrap_or_default();
+        });
+        let (written, stamps) = (Vec::new(), BTreeMap::new());
+        let unfinished = Arc::default();
+        let path = path.to_owned();
+        Self { path, force, written, stamps, unfinished, _removal: None, lock: None, _cleanup: cleanup }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether what is there may be overwritten.
+    pub(super) fn is_forced(&self) -> bool {
+        self.force
+    }
+
+    /// A file without a name, for what does not fit into memory.
+    pub(super) fn store(&self) -> Result<Box<dyn Store>> {
+        let file = tempfile::tempfile_in(&self.path).map_err(|reason| Error::io(&self.path, "write into", reason))?;
+        Ok(Box::new(file))
+    }
+
+    /// Names of the files written so far.
+    pub fn files(&self) -> Vec<String> {
+        self.written.clone()
+    }
+
+    /// Removes the results of an earlier render, its report first: none may pass for results of this one.
+    pub(super) fn remove_earlier(&self) -> Result<()> {
+        for report_name in [REPORT, PART] {
+            let files = listed_files(&self.path.join(report_name)).unwrap_or_default();
+            // A report that somebody edited must not reach beyond the folder.
+            let files =
+                files.iter().map(String::as_str).filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
+            for path in std::iter::once(report_name).chain(files).map(|name| self.path.join(name)) {
+                match fs::remove_file(&path) {
+                    Err(reason) if reason.kind() != ErrorKind::NotFound => {
+                        return Err(Error::io(&path, "remove the earlier file", reason));
+                    }
+                    Ok(()) | Err(_) => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A raw picture in all formats that are asked for, numbered where there are several.
+    pub(super) fn write_frame(&mut self, output: &OutputSettings, number: Option<u32>, raw: &RawImage) -> Result<()> {
+        let raw = &*with_layout(raw, output.raw_layout).map_err(|invalid| invalid.in_file(&self.path))?;
+        output.raw.iter().try_for_each(|format| match format {
+            RawFormat::Dng => {
+                self.write(&named("raw", number, "dng"), |to| write_compressed_dng(raw, output.dng_compression, to))
+            }
+            RawFormat::Tiff => self.write(&named("raw", number, "tiff"), |to| write_tiff(raw, to)),
+            RawFormat::Pgm => self.write(&named("raw", number, "pgm"), |to| write_pgm(raw, to)),
+            RawFormat::Npy => self.write(&named("raw", number, "npy"), |to| write_npy(raw, to)),
+            RawFormat::Exr => self.write(&named("raw", number, "exr"), |to| write_raw_exr(raw, to)),
+        })
+    }
+
+    pub(super) fn write_electrons(&mut self, number: Option<u32>, exposed: &Exposed) -> Result<()> {
+        self.write(&named("electrons", number, "exr"), |to| {
+            write_electrons(&exposed.electrons, exposed.exposure.time, to)
+        })
+    }
+
+    pub(super) fn write_irradiance(
+        &mut self,
+        number: Option<u32>,
+        bands: &SpectralBands,
+        light: &LightRows,
+    ) -> Result<()> {
+        let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
+        let irradiance = light.means(names.iter().map(String::as_str));
+        self.write(&named("irradiance", number, "exr"), |to| write_irradiance(&irradiance, to))
+    }
+
+    /// Noise maps, in all formats that are asked for.
+    pub(super) fn write_noise(&mut self, number: Option<u32>, output: &NoiseOutput, maps: &NoiseMaps) -> Result<()> {
+        if output.maps.is_empty() {
+            return Ok(());
+        }
+        output.formats.iter().try_for_each(|format| match format {
+            NoiseFormat::Exr => self.write(&named(NOISE, number, "exr"), |to| write_noise_exr(maps, to)),
+            NoiseFormat::Npy => output.maps.iter().try_for_each(|&map| {
+                let name = named(&format!("{NOISE}-{}", map.name()), number, "npy");
+                self.write(&name, |to| write_noise_npy(maps, map, to))
+            }),
+        })
+    }
+
+    /// Ground truth, in all formats that are asked for.
+    pub(super) fn write_truth(&mut self, number: Option<u32>, output: &TruthOutput, truth: &Planes) -> Result<()> {
+        for format in &output.formats {
+            let layers = output.layers.iter().filter(|layer| format.check(**layer).is_ok());
+            let name = |layer: TruthLayer, kind| named(&format!("{TRUTH}-{}", layer.name()), number, kind);
+            match format {
+                TruthFormat::Exr => self.write(&named(TRUTH, number, "exr"), |to| write_truth_exr(truth, to))?,
+                TruthFormat::Npy => layers
+                    .copied()
+                    .try_for_each(|layer| self.write(&name(layer, "npy"), |to| write_truth_npy(truth, layer, to)))?,
+                TruthFormat::Png => layers.copied().try_for_each(|layer| {
+                    self.write(&name(layer, "png"), |to| write_truth_png(truth, layer, output.depth_unit_m, to))
+                })?,
+            }
+        }
+        Ok(())
+    }
+
+    /// How many samples each pixel has.
+    pub(super) fn write_samples(&mut self, number: Option<u32>, size: [usize; 2], counts: &[u32]) -> Result<()> {
+        self.write(&named("samples", number, "npy"), |to| write_samples(size, counts, to))
+    }
+
+    /// The sums of a part of a render, from the file in which they were kept. That one stays until the part is there as a
+    /// whole.
+    pub(super) fn write_film(&mut self, number: Option<u32>, mut kept: File) -> Result<()> {
+        self.write(&named("film", number, "npy"), |mut to| {
+            kept.rewind()?;
+            std::io::copy(&mut kept, &mut to).map(|_| ())
+        })
+    }
+
+    /// The last file of a part.
+    pub(super) fn write_part(&mut self, part: &PartReport) -> Result<()> {
+        self.write_last(PART, part)
+    }
+
+    /// The light of a bracket, in which 1 saturates the longest exposure.
+    pub(super) fn write_hdr(
+        &mut self,
+        light: &Planes,
+        space: ColourSpace,
+        pixel_aspect: f64,
+        longest: Seconds,
+    ) -> Result<()> {
+        self.write("hdr.exr", |to| write_hdr(light, space, pixel_aspect, longest, to))
+    }
+
+    /// The picture of an ideal observer: linear, and as it is shown. Codes cannot hold X, Y and Z.
+    pub(super) fn write_ideal(
+        &mut self,
+        number: Option<u32>,
+        picture: Planes,
+        pixel_aspect: f64,
+        settings: &DevelopSettings,
+    ) -> Result<()> {
+        self.write(&named("ideal", number, "exr"), |to| {
+            write_linear(&picture, settings.colour_space, pixel_aspect, to)
+        })?;
+        if settings.colour_space == ColourSpace::Xyz {
+            return Ok(());
+        }
+        let encoded = EncodedPicture { pixel_aspect, ..encode(picture, &settings.encoding()) };
+        self.write(&named("ideal", number, "png"), |to| write_png(&encoded, to))
+    }
+
+    pub(super) fn write_picture(&mut self, number: Option<u32>, picture: &EncodedPicture) -> Result<()> {
+        self.write(&named("image", number, "png"), |to| write_png(picture, to))
+    }
+
+    /// The picture as far as it has come.
+    pub(super) fn write_preview(&self, picture: &EncodedPicture) -> Result<()> {
+        write_unsynced(&self.path.join(PREVIEW), |to| write_png(picture, to))
+    }
+
+    /// The last file: what the others are.
+    pub(super) fn write_report(&mut self, report: &Report) -> Result<()> {
+        self.write_last(REPORT, report)
+    }
+
+    /// The file that names the others, and is there only if all are.
+    fn write_last(&mut self, name: &str, content: &impl Serialize) -> Result<()> {
+        self.check_written()?;
+        // There is none of what is finished.
+        let _ = fs::remove_file(self.path.join(PREVIEW));
+        self.stamp(name, |to| writeln!(to, "{}", pretty_json(content)))?;
+        locked(&self.unfinished).clear();
+        let _ = fs::remove_file(self.path.join(UNFINISHED));
+        checkpoint::remove(&self.path)?;
+        if self.lock.as_ref().is_some_and(Lock::is_proven) {
+            remove_leftovers(&self.path);
+        }
+        Ok(())
+    }
+
+    /// Refuses to vouch for files that are gone, or are not those that were written here: where the file system knows no
+    /// locks, another process may be writing to the folder.
+    fn check_written(&self) -> Result<()> {
+        let Some((name, _)) = self.stamps.iter().find(|(name, stamp)| !stamp.is_of(&self.path.join(name))) else {
+            return Ok(());
+        };
+        let path = self.path.join(name);
+        let what = if path.exists() { "was replaced by another process" } else { "was removed by another process" };
+        let help = "give each process a folder of its own with -o";
+        Err(Invalid::new("", what).help(help).in_file(&path).temporary())
+    }
+
+    fn write(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {
+        self.stamp(name, write)?;
+        self.written.push(name.to_owned());
+        Ok(())
+    }
+
+    fn stamp(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {
+        // One that no other process knows is synced as a whole before it gets its name.
+        let is_synced = self.lock.is_some();
+        if is_synced && self.stamps.is_empty() {
+            let mark = self.path.join(UNFINISHED);
+            let marked = fs::write(&mark, "").map_err(|reason| Error::io(&mark, "write", reason));
+            marked.map_err(|error| self.since_claimed(error))?;
+            locked(&self.unfinished).push(mark);
+        }
+        let path = self.path.join(name);
+        let stamp = write_stamped(&path, is_synced, write).map_err(|error| self.since_claimed(error))?;
+        locked(&self.unfinished).push(path);
+        self.stamps.insert(name.to_owned(), stamp);
+        Ok(())
+    }
+
+    /// What has failed since the folder was claimed: if it is gone, it was there then.
+    pub(super) fn since_claimed(&self, error: Error) -> Error {
+        if self.path.is_dir() { error } else { error.temporary() }
+    }
+}
+
+fn locked(files: &Mutex<Vec<PathBuf>>) -> MutexGuard<'_, Vec<PathBuf>> {
+    files.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Refuses a folder with files that a render may leave, which are somebody's.
+fn refuse_results(path: &Path, force: bool) -> Result<()> {
+    let in_the_way = results().find(|name| path.join(name).exists());
+    let is_broken_off = || checkpoint::are_in(path) || path.join(UNFINISHED).exists();
+    let Some(name) = in_the_way.filter(|_| !force && !is_broken_off()) else { return Ok(()) };
+    Err(Error::Usage {
+        message: match name.as_str() {
+            REPORT => format!("{} holds the results of an earlier render", path.display()),
+            PART => format!("{} holds a part of a render", path.display()),
+            _ => format!("{} holds a file {name} already", path.display()),
+        },
+        help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
+    })
+}
+
+/// The names of all that a render may leave, of series by that of their first, the report's before all.
+fn results() -> impl Iterator<Item = String> {
+    let names = |stem: String, kinds: &'static [&str]| {
+        kinds.iter().flat_map(move |kind| [named(&stem, None, kind), named(&stem, Some(0), kind)])
+    };
+    let of_layer = move |layer: TruthLayer| names(format!("{TRUTH}-{}", layer.name()), &["npy", "png"]);
+    let of_map = move |map: NoiseMap| names(format!("{NOISE}-{}", map.name()), &["npy"]);
+    let of_maps = NoiseMap::ALL.into_iter().flat_map(of_map);
+    let fixed = RESULTS.into_iter().flat_map(move |(stem, kinds)| names(stem.to_owned(), kinds));
+    [REPORT, PART]
+        .map(str::to_owned)
+        .into_iter()
+        .chain(fixed)
+        .chain(TruthLayer::ALL.into_iter().flat_map(of_layer))
+        .chain(of_maps)
+}
+
+fn unusable(path: &Path, message: impl Into<String>) -> Error {
+    Invalid::new("", message).help("choose another folder with -o").in_file(path)
+}

@@ -1,0 +1,175 @@
+//! Parts of a render: some samples of every pixel, which are no picture yet.
+//!
+//! A part is a folder with the sums of its samples, `film.npy` (numbered where a camera moves), and `part.json`, written
+//! last, which says what they are the sums of. Sensor, noise and development come when all are together.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use crate::capture::Capture;
+use crate::film::{Film, FilmResponses, Response};
+use crate::io::film_file::FilmReader;
+use crate::io::light_rows::LightRows;
+use crate::{Error, Invalid, Result};
+use serde_json::Value;
+
+use super::camera::pixels;
+use super::completed_rows::CompletedRows;
+use super::file_names::{PART, named};
+use super::output_folder::OutputFolder;
+use super::provenance::{difference, provenance};
+use super::strips::Strips;
+use crate::report::{PartReport, REPORT};
+
+/// Refuses samples that are no part of what a capture asks for.
+pub fn check_samples(samples: &Range<u32>, capture: &Capture) -> Result<()> {
+    let refuse = |key: &str, message: &str, help: &str| {
+        Err(capture.source.error(Invalid::new(key, message).help(help).within("render")))
+    };
+    let help = "remove it, and write samples_per_pixel";
+    if capture.render.noise_target.is_some() {
+        return refuse("noise_target", "cannot go with --samples: no part knows the noise of the whole", help);
+    }
+    if capture.render.time_limit.is_some() {
+        return refuse("time_limit_s", "cannot go with --samples: parts would end anywhere", help);
+    }
+    let count = capture.render.samples_per_pixel;
+    if samples.end > count {
+        let message = format!("--samples {}..{}: there are {count} samples a pixel", samples.start, samples.end);
+        let help = format!("write at most 0..{count}, or add --set render.samples_per_pixel={}", samples.end);
+        return Err(Error::Usage { message, help: Some(help) });
+    }
+    Ok(())
+}
+
+/// All parts of a render, in the order of their samples.
+pub struct Parts {
+    parts: Vec<(PathBuf, PartReport)>,
+}
+
+impl Parts {
+    /// Reads folders that hold all samples of one render, each of them once.
+    pub fn read(folders: &[PathBuf]) -> Result<Self> {
+        let read = |folder: &PathBuf| Ok((folder.clone(), read_report(folder)?));
+        let mut parts = folders.iter().map(read).collect::<Result<Vec<_>>>()?;
+        parts.sort_by_key(|(_, part)| part.samples);
+        let refuse = |message: String, help: &str| Err(Error::Usage { message, help: Some(help.to_owned()) });
+        let range = |[a, b]: [u32; 2]| format!("{a}..{b}");
+        for ((folder, part), (next_folder, next)) in parts.iter().zip(&parts[1..]) {
+            let [one, two] = [folder, next_folder].map(|folder| folder.display());
+            if part.provenance["fingerprint"] != next.provenance["fingerprint"] {
+                let [earlier, now] = [part, next].map(|part| Value::Object(part.provenance.clone()));
+                let difference = difference(&earlier, &now);
+                let message = format!("{one} and {two} are no parts of the same render: in {two}, {difference}");
+                return refuse(message, "give parts of the same capture, seed and version");
+            }
+            if next.samples[0] < part.samples[1] {
+                let both = [next.samples[0], part.samples[1].min(next.samples[1])];
+                let message = format!("{one} and {two} both hold the samples {}", range(both));
+                return refuse(message, "give each sample once");
+            }
+        }
+        // Gaps between neighbours, and before the first and after the last.
+        let (first, last) = (&parts[0], &parts[parts.len() - 1]);
+        let missing = |from: u32, to: u32, place: String| {
+            let part = range([from, to]);
+            let message = format!("the samples {part} are missing {place}");
+            refuse(message, &format!("render them with --samples {part}"))
+        };
+        if first.1.samples[0] > 0 {
+            return missing(0, first.1.samples[0], format!("before those of {}", first.0.display()));
+        }
+        for ((folder, part), (next_folder, next)) in parts.iter().zip(&parts[1..]) {
+            if part.samples[1] < next.samples[0] {
+                let place = format!("between {} and {}", folder.display(), next_folder.display());
+                return missing(part.samples[1], next.samples[0], place);
+            }
+        }
+        if last.1.samples[1] < last.1.samples_per_pixel {
+            let place = format!("after those of {}", last.0.display());
+            return missing(last.1.samples[1], last.1.samples_per_pixel, place);
+        }
+        Ok(Self { parts })
+    }
+
+    /// What the first says, which all say but for their samples.
+    pub fn first(&self) -> &PartReport {
+        &self.parts[0].1
+    }
+
+    /// Seconds that all of them were traced for, where that is known.
+    pub fn trace_s(&self) -> Option<f64> {
+        self.parts.iter().map(|(_, part)| part.trace_s).sum()
+    }
+
+    /// Refuses a capture that is not, or no longer, the one that the parts were made of.
+    pub(super) fn check(&self, capture: &Capture) -> Result<()> {
+        let now = provenance(capture)?;
+        let (folder, part) = &self.parts[0];
+        if part.provenance["fingerprint"] == now["fingerprint"] {
+            return Ok(());
+        }
+        let difference = difference(&Value::Object(part.provenance.clone()), &Value::Object(now));
+        let message = format!(
+            "{} is a part of something else than {} is now: {difference}",
+            folder.display(),
+            capture.source.path().display()
+        );
+        Err(Error::Usage { message, help: Some("render its parts again, or undo the change".to_owned()) })
+    }
+
+    /// The light of all samples, of the picture of that number where a camera moves.
+    pub(super) fn light(
+        &self,
+        number: Option<u32>,
+        capture: &Capture,
+        responses: &[Response],
+        strips: Strips,
+        folder: &OutputFolder,
+    ) -> Result<LightRows> {
+        let size = pixels(capture).map(|n| n as usize);
+        let open = |(folder, part): &(PathBuf, PartReport)| {
+            let path = folder.join(named("film", number, "npy"));
+            let file = File::open(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+            let sums = FilmReader::new(size, responses.len(), BufReader::new(file));
+            let sums = sums.map_err(|invalid| invalid.in_file(&path))?;
+            Ok((path, part.samples[1] - part.samples[0], sums))
+        };
+        let mut parts = self.parts.iter().map(open).collect::<Result<Vec<_>>>()?;
+        let light = CompletedRows::light(capture, responses, strips.are_several().then(|| folder.store()).transpose()?);
+        let responses = FilmResponses::new(responses);
+        for rows in strips.from(0) {
+            let mut film = Film::of_rows(size[0], rows, responses.clone());
+            for (path, count, sums) in &mut parts {
+                sums.add_to(&mut film, *count).map_err(|invalid| invalid.in_file(path))?;
+            }
+            light.write(&film).map_err(|reason| Error::io(folder.path(), "write into", reason))?;
+        }
+        Ok(light)
+    }
+}
+
+fn read_report(folder: &Path) -> Result<PartReport> {
+    let path = folder.join(PART);
+    if !path.exists() {
+        let whole = folder.join(REPORT).exists();
+        let message = if whole {
+            "holds a whole picture and no part of one".to_owned()
+        } else {
+            format!("holds no part of a render: there is no {PART}")
+        };
+        let help = "give folders that photosite render --samples A..B filled; one that was broken off has to be rendered \
+                    again";
+        return Err(Invalid::new("", message).help(help).in_file(folder));
+    }
+    let text = std::fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+    let damaged =
+        |what: String| Invalid::new("", format!("is damaged: {what}")).help("render that part again").in_file(&path);
+    let part: PartReport = serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
+    if part.samples[0] >= part.samples[1] || part.samples[1] > part.samples_per_pixel {
+        return Err(damaged(format!("samples {:?} of {}", part.samples, part.samples_per_pixel)));
+    }
+    Ok(part)
+}

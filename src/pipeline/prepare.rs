@@ -1,0 +1,148 @@
+//! Everything of a capture that is made once, before light is traced: scene, camera, the sensor's colours, warnings.
+
+use super::camera::place_camera;
+use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
+use super::responses::{filters, importance, responses, seen_through_lens};
+use crate::Result;
+use crate::capture::{Capture, NextPicture};
+use crate::film::Response;
+use crate::integrator::{FilterTile, WavelengthChoice};
+use crate::optics::{Camera, Focus};
+use crate::report::TruthReport;
+use crate::scene::{self, Scene, spectral_coverage};
+use crate::spectrum::Spectrum;
+
+/// A capture that is ready to be traced.
+pub struct Prepared {
+    /// The capture. Its scene has become [`scene`](Self::scene).
+    pub(super) capture: Capture,
+    pub(super) scene: Scene,
+    /// Standing still; where it moves, [`Capture::recording`] says how.
+    pub(super) camera: Camera,
+    /// What the film is summed for: the sensor's channels first.
+    pub(super) responses: Vec<Response>,
+    /// How much each wavelength matters.
+    pub(super) importance: Spectrum,
+    pub(super) filters: Option<FilterTile>,
+    /// Spectrum of all light of the scene, the largest value 1.
+    pub(super) light: Spectrum,
+    pub(super) optics: Optics,
+    pub(super) colours: SensorColours,
+    /// Of the [surfaces](crate::scene::description::SceneDescription::surfaces) that flow follows.
+    pub(super) surfaces: u64,
+    pub(super) truth: Option<TruthReport>,
+    warnings: Vec<String>,
+}
+
+impl Prepared {
+    /// Builds the scene of a capture, puts its camera in place and finds what its sensor takes for white.
+    ///
+    /// # Errors
+    ///
+    /// What only the whole scene shows: a lens that cannot focus where autofocus looks, lights too large to compute with.
+    pub fn new(mut capture: Capture) -> Result<Self> {
+        let responses = responses(&capture);
+        let importance = importance(&responses);
+        let filters = filters(&capture);
+        let description = std::mem::take(&mut capture.scene);
+        let mut warnings = description.warnings.clone();
+        warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
+        let wanted = &capture.output.truth;
+        let truth = TruthReport::new(
+            &wanted.layers,
+            wanted.depth_unit_m,
+            wanted.next != NextPicture::None,
+            &description,
+            capture.recording.as_ref(),
+        );
+        let surfaces = description.surfaces();
+        let scene = scene::build(description, &importance);
+        let camera = place_camera(&capture, |ray| scene.closest(ray))?;
+        if let (Focus::Autofocus { pixel: [x, y] }, true) =
+            (capture.lens.focus, camera.focus_distance_m().is_infinite())
+        {
+            warnings.push(format!(
+                "autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"
+            ));
+        }
+        warnings.extend(ineffective_settings(&capture, &scene));
+        let light = scene_light(&capture, &scene)?;
+        let optics = Optics {
+            f_number: Some(capture.lens.f_number),
+            focal_length_m: Some(capture.lens.focal_length_m),
+            transmittance: capture.lens.transmittance.clone(),
+        };
+        let colours = SensorColours::find(Settings::from(&capture), &optics, &light, None, &mut warnings)?;
+        let mut prepared = Self {
+            capture,
+            scene,
+            camera,
+            responses,
+            importance,
+            filters,
+            light,
+            optics,
+            colours,
+            surfaces,
+            truth,
+            warnings,
+        };
+        prepared.warnings.extend(prepared.chain().lens_warnings());
+        Ok(prepared)
+    }
+
+    /// What is to be said of the capture, each once.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The capture, whose scene has become [`scene`](Self::scene).
+    pub fn capture(&self) -> &Capture {
+        &self.capture
+    }
+
+    /// The scene, ready for rays.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The camera, taking the first picture.
+    pub fn camera(&self) -> Camera {
+        match &self.capture.recording {
+            Some(recording) => self.camera.clone().recording(recording.clone()),
+            None => self.camera.clone(),
+        }
+    }
+
+    /// The steps after light transport.
+    pub(super) fn chain(&self) -> Chain<'_> {
+        let lens = Some((&self.capture.lens, &self.camera));
+        Chain::new((&self.capture).into(), &self.optics, &self.colours, lens)
+    }
+}
+
+/// What is to be said of settings that change nothing in this scene and with this sensor.
+fn ineffective_settings(capture: &Capture, scene: &Scene) -> Vec<String> {
+    let render = &capture.render;
+    let (light_paths, shines) = (render.light_paths > 0.0, scene.lights().has_emitters());
+    let own_filter = render.wavelengths == WavelengthChoice::OwnFilter;
+    let focusing = "nothing focuses light, as mirrors, glass and polished metal do, so that no paths set out";
+    [
+        ("light_paths", light_paths && !shines, "no surface shines, so that no paths set out"),
+        ("light_paths", light_paths && shines && !scene.may_cast_caustics(), focusing),
+        (
+            "reuse",
+            render.reuse > 1 && !scene.has_diffuse(),
+            "no material is purely diffuse, so that pixels share nothing",
+        ),
+        (
+            "wavelengths",
+            own_filter && !capture.sensor.cfa.is_mosaic(),
+            "all pixels see the same, so that \"own-filter\" changes nothing",
+        ),
+    ]
+    .into_iter()
+    .filter(|(_, is_ineffective, _)| *is_ineffective)
+    .map(|(key, _, why)| format!("render.{key}: {why}"))
+    .collect()
+}

@@ -1,0 +1,71 @@
+//! Provenance: what decides the bytes of a result, that is the keys of its capture and the files that these name.
+
+use std::fs;
+use std::path::Path;
+
+use crate::capture::Capture;
+use crate::{Error, Result};
+use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
+
+/// Everything that decides what a render gives.
+pub(crate) fn provenance(capture: &Capture) -> Result<Map<String, Value>> {
+    let mut hashes = Map::new();
+    let keys = keys_and_files(capture, &mut hashes)?;
+    Ok(fingerprinted(json!({
+        "photosite_version": env!("CARGO_PKG_VERSION"),
+        "capture": keys,
+        "files_sha256": hashes,
+    })))
+}
+
+/// The keys of a capture, with paths relative to its own folder. The hashes of all files that they name are added to
+/// `hashes`.
+pub(crate) fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>) -> Result<Value> {
+    let folder = capture.source.path().parent().unwrap_or(Path::new(""));
+    let values = capture.to_json(folder)?;
+    add_files(&values, folder, hashes)?;
+    Ok(values)
+}
+
+fn add_files(values: &Value, folder: &Path, hashes: &mut Map<String, Value>) -> Result<()> {
+    match values {
+        Value::String(name) => {
+            let path = folder.join(name);
+            if !name.is_empty() && path.is_file() { add_file(name, &path, hashes) } else { Ok(()) }
+        }
+        Value::Array(values) => values.iter().try_for_each(|value| add_files(value, folder, hashes)),
+        Value::Object(table) => table.values().try_for_each(|value| add_files(value, folder, hashes)),
+        Value::Null | Value::Bool(_) | Value::Number(_) => Ok(()),
+    }
+}
+
+fn add_file(name: &str, path: &Path, hashes: &mut Map<String, Value>) -> Result<()> {
+    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    hashes.insert(name.to_owned(), hex(&Sha256::digest(bytes)).into());
+    Ok(())
+}
+
+/// An object with the hash of all that it says at its head.
+pub(crate) fn fingerprinted(whole: Value) -> Map<String, Value> {
+    let fingerprint = hex(&Sha256::digest(whole.to_string()));
+    let keys = if let Value::Object(keys) = whole { keys } else { Map::new() };
+    std::iter::once(("fingerprint".to_owned(), Value::from(fingerprint))).chain(keys).collect()
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The first thing in which the provenance of two results differs, of the later one.
+pub(crate) fn difference(earlier: &Value, now: &Value) -> &'static str {
+    let parts = [
+        ("photosite_version", "it was made by another version of photosite"),
+        ("dataset", "the data set file says something else"),
+        ("overrides", "--set says something else"),
+        ("captures", "the capture says something else"),
+        ("capture", "the capture says something else"),
+        ("files_sha256", "a file that the capture names has changed"),
+    ];
+    parts.into_iter().find(|(key, _)| earlier[key] != now[key]).map_or("it is not the same", |(_, what)| what)
+}

@@ -1,0 +1,168 @@
+//! A whole render into a folder: prepare, trace, expose, develop, write, the report last.
+
+use std::time::Instant;
+
+use serde_json::{Map, Value};
+
+use super::camera::pixels;
+use super::monitor::Event;
+use super::output_folder::OutputFolder;
+use super::parts::check_samples;
+use super::prepare::Prepared;
+use super::provenance::provenance;
+use super::request::{LightSource, Request};
+use super::series::{ExposedSeries, Reached, Recorded, Series};
+use super::truth_views::{ChangedPicture, Common, partner_camera};
+use crate::Result;
+use crate::calibration::targets::PlacedTarget;
+use crate::calibration::truth::{TruthLayer, View};
+use crate::capture::{Capture, real_path};
+use crate::film::Response;
+use crate::report::{
+    CameraReport, LensReport, LightReport, PartReport, RenderReport, Report, SCHEMA_VERSION, TargetReport, Timings,
+    TracedReport,
+};
+use crate::scene::Scene;
+
+/// A render that is done and written.
+pub enum Rendered {
+    /// Its report, and the wall-clock time of its steps.
+    Picture {
+        /// What `capture.json` holds.
+        report: Box<Report>,
+        /// Wall-clock seconds, also where the report leaves them out.
+        timings: Timings,
+    },
+    /// A part of it: what `part.json` holds.
+    Part(PartReport),
+}
+
+/// Renders a capture into a folder, the report last. `timings` holds what has passed before.
+///
+/// # Errors
+///
+/// Whatever is wrong with the capture, with the folder, or with parts that are merged; that the monitor cancelled it.
+pub fn render_into(
+    capture: Capture,
+    request: &Request<'_>,
+    folder: &mut OutputFolder,
+    mut timings: Timings,
+) -> Result<Rendered> {
+    match &request.light {
+        LightSource::Traced => {}
+        LightSource::Part(samples) => check_samples(samples, &capture)?,
+        LightSource::Merged(parts) => parts.check(&capture)?,
+    }
+    let start = Instant::now();
+    let strips = request.film_memory.strips(&capture, super::responses::responses(&capture).len())?;
+    let mut prepared = Prepared::new(capture)?;
+    let truth = prepared.truth.take();
+    let prepared = &prepared;
+    let capture = &prepared.capture;
+    prepared.warnings().iter().for_each(|warning| request.monitor.report(Event::Warning(warning)));
+    timings.build_s = start.elapsed().as_secs_f64();
+
+    let Prepared { scene, camera, .. } = prepared;
+    let layers = &capture.output.truth.layers;
+    let common = layers
+        .contains(&TruthLayer::Flow)
+        .then_some(Common { surfaces: prepared.surfaces, importance: &prepared.importance });
+    let changed = common
+        .as_ref()
+        .map(|common| ChangedPicture::read(request.input, &request.overrides, capture, scene, common))
+        .transpose()?
+        .flatten();
+    let place = capture.output.truth.partner.filter(|_| layers.contains(&TruthLayer::Disparity));
+    let partner = place.map(|place| Ok((partner_camera(capture, camera, place, scene)?, place))).transpose()?;
+    let provenance = provenance(capture)?;
+    let series = Series { request, provenance: &provenance, prepared, strips, common, changed, partner };
+    let recorded = series.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
+    let Recorded { exposed, paths, warnings } = recorded;
+    let Some(ExposedSeries { exposure, first, reached }) = exposed else {
+        let part = part_report(request, prepared, provenance, folder.files(), timings.trace_s);
+        folder.write_part(&part)?;
+        return Ok(Rendered::Part(part));
+    };
+    if let LightSource::Merged(parts) = &request.light {
+        timings.trace_s = parts.trace_s().unwrap_or(0.0);
+    }
+
+    let first_camera = prepared.camera();
+    let view = View::of(scene, &first_camera, pixels(capture));
+    let report_target = |target: &PlacedTarget| TargetReport::new(target, &view);
+    let recording = capture.recording.as_ref();
+    let traced = TracedReport {
+        camera: Some(CameraReport::new(&capture.lens, &first_camera.halfway(), pixels(capture), recording)),
+        lens: Some(LensReport::new(&capture.lens, camera)),
+        render: Some(render_report(capture, scene, reached)),
+        scene_light: Some(LightReport::new(&prepared.light)),
+        targets: Some(capture.targets.iter().map(report_target).collect()),
+        truth,
+        paths: Some(paths),
+        paths_per_s: request.is_timed.then(|| paths as f64 / timings.trace_s),
+    };
+    let chain = prepared.chain();
+    let report = Report {
+        schema_version: SCHEMA_VERSION,
+        photosite_version: env!("CARGO_PKG_VERSION").to_owned(),
+        input: request.named.clone(),
+        overrides: request.overrides.clone(),
+        capture: capture.to_json(folder.path())?,
+        seed: capture.render.seed,
+        traced,
+        sensor: chain.sensor_report(&exposure, &first),
+        image: chain.image_report(),
+        exposure: chain.exposure_report(&exposure),
+        files: folder.files(),
+        warnings: [prepared.warnings(), &warnings].concat(),
+        timings: request.is_timed.then_some(timings),
+    };
+    folder.write_report(&report)?;
+    Ok(Rendered::Picture { report: Box::new(report), timings })
+}
+
+/// What `part.json` says; `trace_s` is kept where the request is timed.
+fn part_report(
+    request: &Request<'_>,
+    prepared: &Prepared,
+    provenance: Map<String, Value>,
+    files: Vec<String>,
+    trace_s: f64,
+) -> PartReport {
+    let samples_per_pixel = prepared.capture.render.samples_per_pixel;
+    let samples = match &request.light {
+        LightSource::Part(samples) => [samples.start, samples.end],
+        LightSource::Traced | LightSource::Merged(_) => [0, samples_per_pixel],
+    };
+    PartReport {
+        samples,
+        samples_per_pixel,
+        input: request.named.clone(),
+        path: real_path(request.input),
+        overrides: request.overrides.clone(),
+        trace_s: request.is_timed.then_some(trace_s),
+        files,
+        channels: prepared.responses.iter().map(|response: &Response| response.name.clone()).collect(),
+        provenance,
+    }
+}
+
+fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderReport {
+    let settings = &capture.render;
+    let Reached { samples_per_pixel, noise_ratio, noise } = reached;
+    RenderReport {
+        seed: settings.seed,
+        samples_per_pixel,
+        max_depth: settings.max_depth,
+        roulette_depth: settings.roulette_depth,
+        splitting: settings.splitting,
+        reuse: settings.reuse,
+        light_paths: settings.light_paths,
+        wavelengths: settings.wavelengths.name().to_owned(),
+        sampler: settings.sampler.name().to_owned(),
+        triangles: scene.geometry().triangles.len(),
+        lights: scene.lights().len(),
+        noise_ratio,
+        noise,
+    }
+}

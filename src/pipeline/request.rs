@@ -1,0 +1,36 @@
+//! What of a render does not stand in its capture.
+
+use std::ops::Range;
+use std::path::Path;
+
+use super::monitor::Monitor;
+use super::parts::Parts;
+use super::strips::FilmMemory;
+
+/// Where the light of a render comes from.
+pub enum LightSource {
+    /// It is traced.
+    Traced,
+    /// These samples of it are, which make no picture yet.
+    Part(Range<u32>),
+    /// It was, in parts.
+    Merged(Parts),
+}
+
+/// What of a render into a folder does not stand in its capture.
+pub struct Request<'a> {
+    /// The file that the capture was read from.
+    pub input: &'a Path,
+    /// The same as reports call it: as it reads from their folder, or from the data set file.
+    pub named: String,
+    /// The changes that the capture was read with, `key=value`.
+    pub overrides: Vec<String>,
+    /// Where its light comes from.
+    pub light: LightSource,
+    /// Memory for its film.
+    pub film_memory: FilmMemory,
+    /// Hears of it, and may stop it.
+    pub monitor: &'a dyn Monitor,
+    /// Whether the report says how long it took, which differs from run to run.
+    pub is_timed: bool,
+}

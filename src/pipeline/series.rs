@@ -1,0 +1,294 @@
+//! The pictures of a series, one after the other: traced, exposed, developed and written into a folder.
+
+use std::time::{Duration, Instant};
+
+use glam::DAffine3;
+use serde_json::{Map, Value};
+
+use super::camera::pixels;
+use super::checkpoint::Checkpoints;
+use super::completed_rows::CompletedRows;
+use super::ideal;
+use super::monitor::Event;
+use super::output_folder::OutputFolder;
+use super::prepare::Prepared;
+use super::request::{LightSource, Request};
+use super::results::{Frames, write_results};
+use super::strips::Strips;
+use super::trace::{Trace, Traced, trace};
+use super::truth_views::{ChangedPicture, Common, Moment};
+use crate::calibration::truth::{TruthJob, TruthLayer, View, truth};
+use crate::capture::{Capture, NextPicture, TruthOutput};
+use crate::io::truth::{TruthFormat, fits_png, lost_in_png};
+use crate::math::hash::hash64;
+use crate::optics::Camera;
+use crate::raw::RawImage;
+use crate::report::{NoiseReport, Timings};
+use crate::scene::{self, Scene};
+use crate::sensor::{Exposure, LeftCharge};
+use crate::units::Seconds;
+use crate::{Error, Invalid, Result};
+
+/// All that the pictures of a series are made of.
+pub(super) struct Series<'a> {
+    pub(super) request: &'a Request<'a>,
+    pub(super) provenance: &'a Map<String, Value>,
+    pub(super) prepared: &'a Prepared,
+    pub(super) strips: Strips,
+    /// Where flow is asked for.
+    pub(super) common: Option<Common<'a>>,
+    /// The next picture, if it is that of a changed capture and flow is asked for.
+    pub(super) changed: Option<ChangedPicture>,
+    /// The camera of the partner where this one stands, and partner → camera, if disparity is asked for.
+    pub(super) partner: Option<(Camera, DAffine3)>,
+}
+
+/// What has become of a series.
+pub(super) struct Recorded {
+    /// `None` for parts, which are not exposed.
+    pub(super) exposed: Option<ExposedSeries>,
+    /// Paths, over all light that was traced.
+    pub(super) paths: u64,
+    /// What turned out on the way, each once.
+    pub(super) warnings: Vec<String>,
+}
+
+/// The last exposure and the first picture.
+pub(super) struct ExposedSeries {
+    pub(super) exposure: Exposure,
+    pub(super) first: RawImage,
+    pub(super) reached: Reached,
+}
+
+/// What the samples have given.
+pub(super) struct Reached {
+    pub(super) samples_per_pixel: u32,
+    pub(super) noise_ratio: Option<f64>,
+    pub(super) noise: Option<NoiseReport>,
+}
+
+impl Series<'_> {
+    /// Traces, exposes and writes. Where nothing moves, all frames see the same light, which is traced once.
+    pub(super) fn record(&self, folder: &mut OutputFolder, timings: &mut Timings) -> Result<Recorded> {
+        let Prepared { capture, scene: first_scene, camera: still, importance, .. } = self.prepared;
+        let count = capture.exposure.frames;
+        let Some(recording) = &capture.recording else {
+            let next = self.next(first_scene, View::of(first_scene, still, pixels(capture)));
+            return self.picture(first_scene, still, next, Frames::All(count), folder, timings, &mut None);
+        };
+        let mut all = Recorded { exposed: None, paths: 0, warnings: Vec::new() };
+        let mut now = Moment { recording: recording.clone(), scene: None };
+        // Charge that stays in the sensor from frame to frame.
+        let mut left = None;
+        for number in 0..count {
+            // Only flow looks ahead.
+            let mut next = match &self.common {
+                Some(common) if capture.scene_moves => {
+                    Some(self.moment(number + 1, |next| common.build(next), timings)?)
+                }
+                Some(_) | None => None,
+            };
+            let later = now.recording.later(1);
+            let [camera, next_camera] = [&now.recording, next.as_ref().map_or(&later, |next| &next.recording)]
+                .map(|recording| still.clone().recording(recording.clone()));
+            let scene = now.scene.as_ref().unwrap_or(first_scene);
+            let next_scene = next.as_ref().and_then(|next| next.scene.as_ref()).unwrap_or(scene);
+            let view = self.next(scene, View::of(next_scene, &next_camera, pixels(capture)));
+            let frames = Frames::One { number, of: count };
+            let recorded = self.picture(scene, &camera, view, frames, folder, timings, &mut left)?;
+            let first = all.exposed.map(|ExposedSeries { first, .. }| first);
+            all.exposed = recorded.exposed.map(|last| ExposedSeries { first: first.unwrap_or(last.first), ..last });
+            all.paths += recorded.paths;
+            for warning in recorded.warnings {
+                if !all.warnings.contains(&warning) {
+                    all.warnings.push(warning);
+                }
+            }
+            if number + 1 == count {
+                break;
+            }
+            if next.is_none() && capture.scene_moves {
+                // Two scenes need twice the memory.
+                now.scene = None;
+                let build = |next: &mut Capture| Ok(scene::build(std::mem::take(&mut next.scene), importance));
+                next = Some(self.moment(number + 1, build, timings)?);
+            }
+            now = next.unwrap_or(Moment { recording: later, scene: None });
+        }
+        Ok(all)
+    }
+
+    /// The picture of that number of an animated scene.
+    fn moment(
+        &self,
+        number: u32,
+        build: impl Fn(&mut Capture) -> Result<Scene>,
+        timings: &mut Timings,
+    ) -> Result<Moment> {
+        let start = Instant::now();
+        let mut capture =
+            Capture::load_frame(self.request.input, &self.request.overrides, number).map_err(Error::since_begun)?;
+        timings.load_s += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let scene = Some(build(&mut capture)?);
+        timings.build_s += start.elapsed().as_secs_f64();
+        let still = || self.prepared.capture.recording.as_ref().map(|recording| recording.later(number));
+        let recording = capture.recording.clone().or_else(still);
+        let recording = recording.expect("what is animated is recorded");
+        Ok(Moment { recording, scene })
+    }
+
+    /// The picture that flow leads to from one of `scene`, after which `of_series` comes.
+    fn next<'b>(&'b self, scene: &'b Scene, of_series: View<'b>) -> Option<View<'b>> {
+        match &self.prepared.capture.output.truth.next {
+            NextPicture::OfSeries => Some(of_series),
+            NextPicture::Changed(_) => self.changed.as_ref().map(|changed| changed.view(scene)),
+            NextPicture::None => None,
+        }
+    }
+
+    /// One picture, with the view of the next one.
+    #[expect(clippy::too_many_arguments, reason = "a picture, where it goes, and what is told of it")]
+    fn picture(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        next: Option<View<'_>>,
+        frames: Frames,
+        folder: &mut OutputFolder,
+        timings: &mut Timings,
+        left: &mut Option<LeftCharge>,
+    ) -> Result<Recorded> {
+        let prepared = self.prepared;
+        let (capture, chain, monitor) = (&prepared.capture, &prepared.chain(), self.request.monitor);
+        let mut settings = capture.render.clone();
+        if let Frames::One { number: number @ 1.., .. } = frames {
+            // Noise of light that stays in its place from frame to frame would pass for a pattern.
+            settings.seed = hash64(settings.seed, u64::from(number));
+        }
+        if let LightSource::Part(samples) = &self.request.light {
+            settings.part = Some(samples.clone());
+        }
+        let resolution = pixels(capture);
+        let partner = self.partner.as_ref().map(|(partner, place)| (partner.clone().moving_as(camera), *place));
+        let partner = partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution });
+        let truth_job = TruthJob { view: View::of(scene, camera, resolution), next, partner };
+        let mut warnings = check_png(&truth_job, &capture.output.truth)
+            .map_err(|invalid| capture.source.error(invalid.within("output")))?;
+        warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+        let start = Instant::now();
+        let traced = match &self.request.light {
+            LightSource::Merged(parts) => {
+                let light = parts.light(frames.light_number(), capture, &prepared.responses, self.strips, folder)?;
+                let [width, height] = pixels(capture).map(u64::from);
+                let paths = width * height * u64::from(settings.samples_per_pixel);
+                Traced { rows: CompletedRows::Light(light, None), paths, pilot_paths: 0, earlier: Duration::ZERO }
+            }
+            LightSource::Traced | LightSource::Part(_) => {
+                let interval = capture.output.checkpoint_interval;
+                let number = frames.light_number();
+                let is_part = matches!(self.request.light, LightSource::Part(_));
+                let checkpoints = Checkpoints::new(
+                    folder.path(),
+                    folder.is_forced(),
+                    number,
+                    is_part,
+                    settings.samples(),
+                    self.provenance,
+                    interval,
+                );
+                let traced = Trace {
+                    capture,
+                    settings: &settings,
+                    scene,
+                    camera,
+                    responses: &prepared.responses,
+                    filters: prepared.filters.as_ref(),
+                    strips: self.strips,
+                    is_part,
+                    chain,
+                    folder: Some(folder),
+                    monitor,
+                };
+                trace(&traced, Some(checkpoints))?
+            }
+        };
+        timings.trace_s += (traced.earlier + start.elapsed()).as_secs_f64();
+        let Traced { rows, paths, pilot_paths, .. } = traced;
+        let all_paths = paths + pilot_paths;
+        let start = Instant::now();
+        let light = match rows {
+            CompletedRows::Light(light, _) => light,
+            CompletedRows::Sums { file, .. } => {
+                if frames.numbers().0.start == 0 {
+                    folder.remove_earlier()?;
+                }
+                folder.write_film(frames.light_number(), file)?;
+                timings.write_s += start.elapsed().as_secs_f64();
+                return Ok(Recorded { exposed: None, paths: all_paths, warnings });
+            }
+        };
+        let in_folder = |reason: std::io::Error| Error::io(folder.path(), "read from", reason);
+        let rates = light.estimate(chain.channels()).map_err(in_folder)?;
+        let counts = light.counts().map_err(in_folder)?;
+        let reached = Reached {
+            samples_per_pixel: counts.iter().copied().max().unwrap_or(0),
+            noise_ratio: chain.noise_ratio(&rates, counts.iter().copied().min().unwrap_or(0)),
+            noise: settings.noise_target.map(|target| chain.noise_report(&rates, &counts, target, pilot_paths)),
+        };
+        // Where no pixel stops by itself, all have the same number.
+        let counts = settings.noise_target.map(|_| counts);
+        let exposed = chain.expose(rates, Seconds(1.0), None)?;
+        timings.expose_s += start.elapsed().as_secs_f64();
+        let exposure = exposed.exposure;
+        // An automatic exposure is one for all pictures.
+        if let Some(warning) = exposed.warning.clone().filter(|_| frames.numbers().0.start == 0) {
+            monitor.report(Event::Warning(&warning));
+            warnings.push(warning);
+        }
+        let first = write_results(chain, exposed, frames, folder, timings, left, |folder, number| {
+            if capture.output.ideal {
+                let seen = light.means(ideal::NAMES).to_planes();
+                let seen = seen.map_err(|reason| Error::io(folder.path(), "read from", reason))?;
+                let picture = ideal::picture(seen, capture, &prepared.light, &exposure)?;
+                let picture = match chain.ideal_resampling() {
+                    Some(resampling) => resampling.apply(picture),
+                    None => picture,
+                };
+                let [x, y] = capture.sensor.pixel_pitch_m;
+                let aspect = if capture.develop.square_pixels { 1.0 } else { x / y };
+                folder.write_ideal(number, picture, aspect, &capture.develop)?;
+            }
+            if !capture.output.truth.layers.is_empty() {
+                let planes = truth(&truth_job, &capture.output.truth.layers);
+                folder.write_truth(number, &capture.output.truth, &planes)?;
+            }
+            if let Some(counts) = &counts {
+                folder.write_samples(number, capture.sensor.resolution, counts)?;
+            }
+            match &capture.output.irradiance {
+                Some(bands) => folder.write_irradiance(number, bands, &light),
+                None => Ok(()),
+            }
+        })?;
+        Ok(Recorded { exposed: Some(ExposedSeries { exposure, first, reached }), paths: all_paths, warnings })
+    }
+}
+
+/// Finds truth that no PNG file can hold before light is traced, which may take an hour; returns what is to be said of what they
+/// leave out.
+fn check_png(job: &TruthJob<'_>, output: &TruthOutput) -> Result<Vec<String>, Invalid> {
+    if !output.formats.contains(&TruthFormat::Png) {
+        return Ok(Vec::new());
+    }
+    let is_bounded = |layer: &TruthLayer| {
+        matches!(layer, TruthLayer::Depth | TruthLayer::Distance | TruthLayer::Flow | TruthLayer::Disparity)
+    };
+    let bounded: Vec<TruthLayer> = output.layers.iter().copied().filter(is_bounded).collect();
+    if bounded.is_empty() {
+        return Ok(Vec::new());
+    }
+    let planes = truth(job, &bounded);
+    fits_png(&planes, output.depth_unit_m)?;
+    Ok(lost_in_png(&planes))
+}

@@ -1,0 +1,73 @@
+//! Light that a render has stored: electrons of one sensor, or irradiance for any.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use crate::capture::StoredCapture;
+use crate::image::{Estimate, Planes};
+use crate::io::electrons::electrons;
+use crate::io::exr::read_exr;
+use crate::io::spectral_exr::irradiance;
+use crate::units::Seconds;
+use crate::{Error, Invalid, Result};
+
+pub(super) enum StoredLight {
+    /// Mean electrons of the sensor's channels, collected within a time.
+    Electrons { electrons: Estimate, collected: Seconds },
+    /// Irradiance in spectral bands, W·m⁻²·nm⁻¹.
+    Irradiance { path: PathBuf, bands: Planes },
+}
+
+impl StoredLight {
+    /// Reads an EXR file, which says itself what it holds.
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        let at = |invalid: Invalid| invalid.in_file(path);
+        let file = File::open(path).map_err(|reason| Error::io(path, "read", reason))?;
+        let picture = read_exr(BufReader::new(file)).map_err(at)?;
+        if picture.text("spectralLayoutVersion").is_some() {
+            return Ok(Self::Irradiance { path: path.to_owned(), bands: irradiance(picture).map_err(at)? });
+        }
+        if picture.text("unit").is_some() {
+            let (electrons, collected) = electrons(picture).map_err(at)?;
+            return Ok(Self::Electrons { electrons, collected });
+        }
+        let invalid = Invalid::new("", "holds neither electrons nor spectral irradiance on a sensor");
+        Err(at(invalid.help("give an electrons.exr or irradiance.exr that photosite render wrote")))
+    }
+
+    fn planes(&self) -> &Planes {
+        match self {
+            Self::Electrons { electrons, .. } => &electrons.mean,
+            Self::Irradiance { bands, .. } => bands,
+        }
+    }
+
+    /// Columns and rows.
+    pub(super) fn resolution(&self) -> [usize; 2] {
+        [self.planes().width(), self.planes().height()]
+    }
+
+    /// Refuses a sensor that this light does not serve.
+    pub(super) fn check(&self, capture: &StoredCapture) -> Result<()> {
+        let (sensor, at) = (&capture.sensor, |invalid: Invalid| capture.source.error(invalid.within("sensor")));
+        let [width, height] = self.resolution();
+        if sensor.resolution != [width, height] {
+            let [columns, rows] = sensor.resolution;
+            let message = format!("the stored light has {width} × {height} pixels, not {columns} × {rows}");
+            return Err(at(Invalid::new("resolution_px", message).help("leave it as it was rendered")));
+        }
+        let Self::Electrons { electrons, .. } = self else { return Ok(()) };
+        match sensor.cfa.channels().iter().find(|name| electrons.mean.plane(name).is_none()) {
+            None => Ok(()),
+            Some(name) => {
+                let held: Vec<&str> = electrons.mean.channels().iter().map(|c| c.name.as_str()).collect();
+                let message =
+                    format!("has a channel {name}, but the stored electrons are those of {}", held.join(", "));
+                let help =
+                    "electrons serve the sensor that they were counted for; give irradiance.exr, which serves any";
+                Err(at(Invalid::new("cfa", message).help(help)))
+            }
+        }
+    }
+}

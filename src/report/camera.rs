@@ -1,0 +1,117 @@
+//! What a report says of the camera: pose and intrinsics in OpenCV's conventions, motion, field of view.
+
+use glam::{DAffine3, DMat3, DVec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::matrix::{from_rows, rows};
+use super::motion::MotionReport;
+use crate::optics::{Camera, FieldOfView, Intrinsics, LensDescription, Projection, Recording};
+
+/// glTF's camera looks along −z with y up, OpenCV's along z with y down.
+const FLIP: DMat3 = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
+
+/// Pose and intrinsics in OpenCV's conventions: x right, y down, z forward; integer coordinates at pixel centres.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct CameraReport {
+    /// Columns and rows.
+    pub resolution_px: [u32; 2],
+    /// fx, 0, cx; 0, fy, cy; 0, 0, 1 row by row, with the skew in the first row.
+    pub camera_matrix: [[f64; 3]; 3],
+    /// The model of the lens, as `[lens]` names it.
+    pub projection: String,
+    /// Its coefficients in OpenCV's order: k₁ k₂ p₁ p₂ k₃ (then k₄ k₅ k₆, then s₁ … s₄) of a rectilinear lens, k₁ … k₄ of
+    /// a fisheye, k₁ k₂ p₁ p₂ of an omnidirectional lens.
+    pub distortion: Vec<f64>,
+    /// Mirror parameter of an omnidirectional lens.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub xi: Option<f64>,
+    /// What the lens sees.
+    pub field_of_view: FieldOfViewReport,
+    /// When the camera stands as is said here, s from the start of the first picture: halfway between the start of its first
+    /// row's exposure and the end of its last one's, as ground truth and what is told of targets are of the middle of exposures.
+    /// `null` where nothing moves.
+    #[serde(default)]
+    pub pose_time_s: Option<f64>,
+    /// World → camera rotation, row by row: x_camera = R·x_world + t.
+    pub rotation: [[f64; 3]; 3],
+    /// t.
+    pub translation_m: [f64; 3],
+    /// Where the centre of the lens stands in the world (glTF axes, metres).
+    pub position_m: [f64; 3],
+    /// How it moves. `null` where nothing does.
+    pub motion: Option<MotionReport>,
+}
+
+/// Where the model of the lens is one to one, and what of the picture sees something.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct FieldOfViewReport {
+    /// From the left to the right edge and from the top to the bottom one; `null` where an edge sees nothing.
+    pub across_deg: [Option<f64>; 2],
+    /// Largest angle from the axis that the lens reaches.
+    pub reach_deg: f64,
+    /// Smallest and largest distance from the principal point at which that is.
+    pub radius_px: [f64; 2],
+    /// Whether every pixel sees something.
+    pub covers_sensor: bool,
+}
+
+impl FieldOfViewReport {
+    /// Of what a camera sees.
+    pub fn new(field: &FieldOfView) -> Self {
+        Self {
+            across_deg: field.across_rad.map(|angle| angle.map(f64::to_degrees)),
+            reach_deg: field.reach_rad.to_degrees(),
+            radius_px: field.radius_px,
+            covers_sensor: field.blind_px.is_none(),
+        }
+    }
+}
+
+/// Row by row, with pixel centres at whole numbers.
+pub(super) fn camera_matrix(&Intrinsics { fx, fy, cx, cy, skew }: &Intrinsics) -> [[f64; 3]; 3] {
+    [[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]]
+}
+
+impl CameraReport {
+    /// `camera` stands still, where it does halfway through the recording.
+    pub fn new(
+        lens: &LensDescription,
+        camera: &Camera,
+        resolution_px: [u32; 2],
+        recording: Option<&Recording>,
+    ) -> Self {
+        let DAffine3 { matrix3, translation } = camera.to_world();
+        let rotation = FLIP * matrix3.transpose();
+        Self {
+            resolution_px,
+            camera_matrix: camera_matrix(&camera.intrinsics()),
+            projection: lens.projection.name().to_owned(),
+            distortion: lens.projection.coefficients(),
+            xi: lens.projection.xi(),
+            field_of_view: FieldOfViewReport::new(&camera.field_of_view()),
+            pose_time_s: recording.map(Recording::middle_s),
+            rotation: rows(rotation),
+            translation_m: (DVec3::ZERO - rotation * translation).to_array(),
+            position_m: translation.to_array(),
+            motion: recording.map(MotionReport::new),
+        }
+    }
+
+    /// Intrinsics, of which the principal point has its origin at the top-left corner of the picture.
+    pub fn intrinsics(&self) -> Intrinsics {
+        let [[fx, skew, cx], [_, fy, cy], _] = self.camera_matrix;
+        Intrinsics { fx, fy, cx: cx + 0.5, cy: cy + 0.5, skew }
+    }
+
+    /// The model of the lens; `None` where there is none of that name.
+    pub fn projection(&self) -> Option<Projection> {
+        Projection::named(&self.projection, &self.distortion, self.xi)
+    }
+
+    /// Camera → world in glTF's axes, at the time that the pose is of.
+    pub fn to_world(&self) -> DAffine3 {
+        let axes = from_rows(&self.rotation).transpose() * FLIP;
+        DAffine3::from_mat3_translation(axes, DVec3::from_array(self.position_m))
+    }
+}

@@ -1,0 +1,95 @@
+//! What a report says of lens, sensor and exposure.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::develop::SensorCalibration;
+use crate::optics::{Camera, LensDescription, LensKind};
+
+/// The lens.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct LensReport {
+    /// `pinhole` or `thin`.
+    pub kind: String,
+    /// f.
+    pub focal_length_mm: f64,
+    /// N.
+    pub f_number: f64,
+    /// `null`: focused at infinity.
+    pub focus_distance_m: Option<f64>,
+    /// Distance lens → sensor v.
+    pub image_distance_mm: f64,
+}
+
+impl LensReport {
+    /// Of a lens in its place.
+    pub fn new(lens: &LensDescription, camera: &Camera) -> Self {
+        let focus = camera.focus_distance_m();
+        Self {
+            kind: match lens.kind {
+                LensKind::Pinhole => "pinhole".to_owned(),
+                LensKind::Thin => "thin".to_owned(),
+            },
+            focal_length_mm: lens.focal_length_m * 1e3,
+            f_number: lens.f_number,
+            focus_distance_m: focus.is_finite().then_some(focus),
+            image_distance_mm: camera.image_distance_m() * 1e3,
+        }
+    }
+}
+
+/// The sensor at its gains.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct SensorReport {
+    /// Its name.
+    pub name: String,
+    /// Fixed pattern belongs to it.
+    pub serial: u64,
+    /// Columns and rows of the raw image.
+    pub resolution_px: [usize; 2],
+    /// Across and down.
+    pub pixel_pitch_um: [f64; 2],
+    /// Names of its channels.
+    pub channels: Vec<String>,
+    /// Bits of a number.
+    pub bits: u32,
+    /// Mean black level.
+    pub black_level_dn: f32,
+    /// Largest number.
+    pub white_level_dn: u16,
+    /// What makes the numbers linear, which the levels are of; `null` where they are so already.
+    pub linearisation_dn: Option<Vec<u16>>,
+    /// K at the exposure's gains.
+    pub system_gain_dn_per_e: f64,
+    /// The smaller of full well and converter range at these gains.
+    pub saturation_capacity_e: f64,
+    /// σ of the read noise.
+    pub read_noise_e: f64,
+    /// What a neutral surface in this light gives, a number for each channel; `null` without colours.
+    pub as_shot_neutral: Option<Vec<f64>>,
+    /// XYZ to camera under D65, row by row; `null` without colours.
+    pub colour_matrix_d65: Option<Vec<[f64; 3]>>,
+    /// What the channels mean in A, D65 and D50, so that another exposure need not find it again; `null` without colours.
+    pub calibration: Option<SensorCalibration>,
+}
+
+/// The exposure, of an automatic one as it was found.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct ExposureReport {
+    /// Exposure time.
+    pub time_s: f64,
+    /// Whether that was found by itself.
+    pub auto: bool,
+    /// Analogue gain.
+    pub gain_db: f64,
+    /// Digital gain.
+    pub digital_gain_db: f64,
+    /// Saturation-based ISO speed at these gains; `null` for logarithmic sensors.
+    pub iso: Option<f64>,
+    /// Temperature of the sensor.
+    pub temperature_c: f64,
+    /// Pictures of the series.
+    pub frames: u32,
+    /// The times of a bracket; `null` for none.
+    pub bracket_s: Option<Vec<f64>>,
+}

@@ -1,0 +1,166 @@
+//! `capture.json`: everything needed to reproduce a capture and to use its pictures. One set of types that are written
+//! and read; [`report_schema`] makes a JSON Schema of them.
+//!
+//! Poses and intrinsics are in OpenCV's conventions: x right, y down, z forward, pixel centres at integer coordinates.
+
+mod camera;
+mod exposed;
+mod image;
+mod matrix;
+mod motion;
+mod part;
+mod schema;
+mod traced;
+mod truth;
+
+use std::fs;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use camera::{CameraReport, FieldOfViewReport};
+pub use exposed::{ExposureReport, LensReport, SensorReport};
+pub use image::ImageReport;
+pub use motion::{MotionReport, PathReport, PoseReport};
+pub use part::PartReport;
+pub use schema::report_schema;
+pub use traced::{LightReport, NoiseReport, RenderReport};
+pub use truth::{TargetReport, TruthReport};
+
+use crate::{Error, Invalid, Result};
+
+/// The file that holds the report of a render.
+pub const REPORT: &str = "capture.json";
+
+/// The version of the schema that reports of this program have. It grows where a reader of an older version would go
+/// wrong; keys that are added leave it as it is.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// The object that `capture.json` holds and `--json` prints.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Report {
+    /// [`SCHEMA_VERSION`]; 0 in reports of before there was one.
+    #[serde(default)]
+    pub schema_version: u32,
+    /// The version of the program that wrote it.
+    pub photosite_version: String,
+    /// What was rendered or exposed, relative to the folder of the report.
+    pub input: String,
+    /// Changes to its keys, `key=value`.
+    pub overrides: Vec<String>,
+    /// Every key that was given: the capture file, the sensor's preset and `--set`, laid over each other. With the files
+    /// that it names it is a capture file again.
+    pub capture: serde_json::Value,
+    /// Seed of sensor noise.
+    pub seed: u64,
+    /// What holds for the light, whatever sensor it falls on.
+    #[serde(flatten)]
+    pub traced: TracedReport,
+    /// The sensor.
+    pub sensor: SensorReport,
+    /// The developed image; `null` where nothing is known of the lens.
+    #[serde(default)]
+    pub image: Option<ImageReport>,
+    /// The exposure.
+    pub exposure: ExposureReport,
+    /// File names in the output folder.
+    pub files: Vec<String>,
+    /// What the user was warned of.
+    #[serde(default)]
+    pub warnings: Vec<String>,
+    /// Left out where the same input shall give the same bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timings: Option<Timings>,
+}
+
+/// What holds for the light, whatever sensor it falls on. All of it is left out where nothing tells how light was
+/// traced.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct TracedReport {
+    /// Pose and intrinsics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<CameraReport>,
+    /// The lens.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<LensReport>,
+    /// How light was traced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub render: Option<RenderReport>,
+    /// What counts as white.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene_light: Option<LightReport>,
+    /// Calibration targets in the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub targets: Option<Vec<TargetReport>>,
+    /// Ground truth; `null` where none is written.
+    #[serde(default)]
+    pub truth: Option<TruthReport>,
+    /// Camera paths traced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paths: Option<u64>,
+    /// Left out where the same input shall give the same bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paths_per_s: Option<f64>,
+}
+
+/// Wall-clock seconds of the steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct Timings {
+    /// Reading the capture and its files.
+    pub load_s: f64,
+    /// Building the scene.
+    pub build_s: f64,
+    /// Tracing.
+    pub trace_s: f64,
+    /// Exposing.
+    pub expose_s: f64,
+    /// Developing.
+    pub develop_s: f64,
+    /// Writing.
+    pub write_s: f64,
+}
+
+impl Report {
+    /// Reads a report.
+    ///
+    /// # Errors
+    ///
+    /// A file that is missing, is none, or is of a version that this program does not know.
+    pub fn read(path: &Path) -> Result<Self> {
+        let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+        Self::of_json(path, &bytes)
+    }
+
+    /// The same of the bytes of the file at `path`.
+    pub(crate) fn of_json(path: &Path, bytes: &[u8]) -> Result<Self> {
+        let report: Self = serde_json::from_slice(bytes).map_err(|error| {
+            let is_other = |value: serde_json::Value| !value["capture"].is_object();
+            let message = if serde_json::from_slice(bytes).is_ok_and(is_other) {
+                "is no report of a render: it holds no capture".to_owned()
+            } else {
+                format!("is damaged: {error}")
+            };
+            Invalid::new("", message).help("give what photosite render wrote").in_file(path)
+        })?;
+        if report.schema_version > SCHEMA_VERSION {
+            let message = format!("is of version {}, and this program knows {SCHEMA_VERSION}", report.schema_version);
+            let help = format!("use photosite {} or later", report.photosite_version);
+            return Err(Invalid::new("schema_version", message).help(help).in_file(path));
+        }
+        Ok(report)
+    }
+}
+
+/// The files that `capture.json` or `part.json` names.
+#[derive(Deserialize)]
+struct Listing {
+    files: Vec<String>,
+}
+
+/// The names of the files that a report or a part's report at `path` lists.
+pub(crate) fn listed_files(path: &Path) -> Result<Vec<String>> {
+    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let listing: Result<Listing, _> = serde_json::from_slice(&bytes);
+    listing.map(|listing| listing.files).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
+}

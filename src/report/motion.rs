@@ -1,0 +1,105 @@
+//! What a report says of a camera or a scene that moves.
+
+use glam::{DQuat, DVec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::optics::{CameraMotion, Recording, TimedPose};
+
+/// Row y of frame k sees light from t = k·interval + (|y + ½ − first row| − ½)·row time on, for the exposure time.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct MotionReport {
+    /// Where the camera is.
+    #[serde(flatten)]
+    pub path: PathReport,
+    /// Exposure time.
+    pub exposure_s: f64,
+    /// From the start of one row to that of the next.
+    pub row_time_s: f64,
+    /// The row that is exposed first.
+    pub first_row: f64,
+    /// From the start of one picture to that of the next.
+    pub frame_interval_s: f64,
+}
+
+/// The pose at the time t.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum PathReport {
+    /// position + velocity·(t − pose_time_s), and turned about the camera's own glTF axes.
+    Steady {
+        /// Velocity in the world, m/s.
+        velocity_m_per_s: [f64; 3],
+        /// Turn about the camera's own axes, °/s.
+        angular_velocity_deg_per_s: [f64; 3],
+    },
+    /// Between two poses, position linear in t, rotation on the shortest way.
+    Poses {
+        /// In the order of their times.
+        poses: Vec<PoseReport>,
+    },
+    /// The scene moves, not the camera. Stands last, as it says nothing that the others lack.
+    Still {},
+}
+
+/// Where the camera is at a time.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct PoseReport {
+    /// From the start of the first picture.
+    pub time_s: f64,
+    /// In the world.
+    pub position_m: [f64; 3],
+    /// Camera (glTF axes) → world, as a quaternion x, y, z, w.
+    pub rotation_xyzw: [f64; 4],
+}
+
+impl MotionReport {
+    pub(super) fn new(recording: &Recording) -> Self {
+        let path = match &recording.motion {
+            None => PathReport::Still {},
+            Some(CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s }) => PathReport::Steady {
+                velocity_m_per_s: velocity_m_per_s.to_array(),
+                angular_velocity_deg_per_s: angular_velocity_rad_per_s.to_array().map(f64::to_degrees),
+            },
+            Some(CameraMotion::Poses(poses)) => {
+                let poses = poses.iter().map(|pose| PoseReport {
+                    time_s: pose.time_s,
+                    position_m: pose.position_m.to_array(),
+                    rotation_xyzw: pose.rotation.to_array(),
+                });
+                PathReport::Poses { poses: poses.collect() }
+            }
+        };
+        let Recording { exposure_s, row_time_s, first_row, frame_interval_s, .. } = *recording;
+        Self { path, exposure_s, row_time_s, first_row, frame_interval_s }
+    }
+
+    /// The recording of pictures of so many rows.
+    pub fn recording(&self, rows: u32) -> Recording {
+        let pose = |pose: &PoseReport| TimedPose {
+            time_s: pose.time_s,
+            position_m: DVec3::from_array(pose.position_m),
+            rotation: DQuat::from_array(pose.rotation_xyzw),
+        };
+        let motion = match &self.path {
+            PathReport::Steady { velocity_m_per_s, angular_velocity_deg_per_s } => Some(CameraMotion::Steady {
+                velocity_m_per_s: DVec3::from_array(*velocity_m_per_s),
+                angular_velocity_rad_per_s: DVec3::from_array(angular_velocity_deg_per_s.map(f64::to_radians)),
+            }),
+            PathReport::Poses { poses } => Some(CameraMotion::Poses(poses.iter().map(pose).collect())),
+            PathReport::Still {} => None,
+        };
+        let unknown = Recording {
+            motion,
+            start_s: 0.0,
+            exposure_s: self.exposure_s,
+            row_time_s: self.row_time_s,
+            first_row: self.first_row,
+            duration_s: 0.0,
+            frame_interval_s: self.frame_interval_s,
+        };
+        // The last row is at one of the edges.
+        let end = |row: u32| unknown.time_s(f64::from(row), 1.0);
+        Recording { duration_s: end(0).max(end(rows.saturating_sub(1))), ..unknown }
+    }
+}

@@ -1,0 +1,99 @@
+//! What a report says of ground truth and of calibration targets.
+
+use glam::{DAffine3, DVec2, DVec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::matrix::{affine, from_rows, placement, rows};
+use crate::calibration::targets::PlacedTarget;
+use crate::calibration::truth::{Correspondence, TruthLayer, View};
+use crate::io::target_file::TargetFacts;
+use crate::optics::Recording;
+use crate::scene::description::SceneDescription;
+
+/// What the numbers of ground truth stand for.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct TruthReport {
+    /// Names of the layers.
+    pub layers: Vec<String>,
+    /// What one step of depth in a PNG file stands for.
+    pub depth_unit_mm: f64,
+    /// Names of the objects, from number 1 on.
+    pub instances: Vec<String>,
+    /// Their frames → world, row by row without the last row; of those that move at the `pose_time_s` of the camera.
+    pub instances_to_world: Vec<[[f64; 4]; 3]>,
+    /// Names of the materials, from number 1 on.
+    pub materials: Vec<String>,
+    /// Whether there is a next picture, which flow leads to; without, no flow is valid. Left out without flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub has_next: Option<bool>,
+}
+
+impl TruthReport {
+    /// `None` where no truth is asked for.
+    pub fn new(
+        layers: &[TruthLayer],
+        depth_unit_m: f64,
+        has_next: bool,
+        scene: &SceneDescription,
+        recording: Option<&Recording>,
+    ) -> Option<Self> {
+        let part = recording.map_or(0.0, |recording| recording.part(recording.middle_s()));
+        (!layers.is_empty()).then(|| Self {
+            layers: layers.iter().map(|layer| layer.name().to_owned()).collect(),
+            depth_unit_mm: depth_unit_m * 1e3,
+            instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
+            instances_to_world: scene.instances.iter().map(|instance| placement(&instance.at(part))).collect(),
+            materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
+            has_next: layers.contains(&TruthLayer::Flow).then_some(has_next),
+        })
+    }
+
+    /// The objects, numbered from 1: names and transforms to the world.
+    pub fn objects(&self) -> impl Iterator<Item = (String, DAffine3)> {
+        self.instances.iter().cloned().zip(self.instances_to_world.iter().map(affine))
+    }
+}
+
+/// A calibration target: what is known of it, and where it stands.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct TargetReport {
+    /// Its name in the capture.
+    pub name: String,
+    /// Its keys, its points and its markers in its own frame (x right, y down, z into the sheet).
+    #[serde(flatten)]
+    pub facts: TargetFacts,
+    /// Target → world rotation, row by row: x_world = R·x_target + t.
+    pub rotation: [[f64; 3]; 3],
+    /// t.
+    pub translation_m: [f64; 3],
+    /// The points in the world (glTF axes, metres), in the same order.
+    pub points_world_m: Vec<[f64; 3]>,
+    /// Where they appear in the picture, through the whole lens: integer coordinates at pixel centres. `null` for those behind
+    /// the camera. Where something moves: in the middle of the exposure of their rows of the first picture.
+    pub points_px: Vec<Option<[f64; 2]>>,
+    /// Whether they are within the picture, with nothing before them.
+    pub points_visible: Vec<bool>,
+}
+
+impl TargetReport {
+    /// Of a target in the world, as a view shows it.
+    pub fn new(placed: &PlacedTarget, view: &View<'_>) -> Self {
+        let found: Vec<_> = placed.points().map(|(_, point)| view.landmark(point)).collect();
+        let px = |place: &Correspondence| (place.pixel - DVec2::splat(0.5)).to_array();
+        Self {
+            points_px: found.iter().map(|place| place.as_ref().map(px)).collect(),
+            points_visible: found.iter().map(|place| place.is_some_and(|place| place.visible)).collect(),
+            name: placed.name.clone(),
+            facts: TargetFacts::new(&placed.description, &placed.target),
+            rotation: rows(placed.to_world.matrix3),
+            translation_m: placed.to_world.translation.to_array(),
+            points_world_m: placed.points().map(|(_, point)| point.to_array()).collect(),
+        }
+    }
+
+    /// Target → world.
+    pub fn to_world(&self) -> DAffine3 {
+        DAffine3::from_mat3_translation(from_rows(&self.rotation), DVec3::from_array(self.translation_m))
+    }
+}
