@@ -27,12 +27,11 @@ const KNOWN_CIRCLES: &[&str] = &[
     "crates/photosite-imaging/src: sensor::amplifiers",
     "crates/photosite-scene-io/src: obj",
     "crates/photosite-simd/src: avx2",
-    "crates/photosite-transport/src: bsdf::albedo::film_glass",
+    "crates/photosite-transport/src: bsdf",
     "crates/photosite-transport/src: geometry::accel",
     "crates/photosite-transport/src: integrator::light_paths",
     "crates/photosite-transport/src: integrator::path",
     "crates/photosite-transport/src: light::bounds",
-    "crates/photosite-transport/src: light::environment",
     "crates/photosite-transport/src: optics::camera",
     "crates/photosite-transport/src: sampler",
 ];
