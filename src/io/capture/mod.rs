@@ -140,7 +140,7 @@ impl Capture {
         }
         let placed = || -> Result<Self, Invalid> {
             let targets = place_targets(&file.targets)?;
-            geometry.add_spheres(&file.scene.spheres, &file.materials)?;
+            geometry.add_quadrics(&file.scene, &file.materials)?;
             geometry.add_targets(&targets)?;
             Self::assemble(&file, geometry, targets, &source, folder, frame)
         };

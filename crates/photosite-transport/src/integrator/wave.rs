@@ -72,10 +72,10 @@ impl Front {
 fn ask_for_corners(geometry: &Geometry, hits: &[Option<Hit>]) {
     const SOON: usize = 4;
     if let Some(Some(hit)) = hits.get(2 * SOON) {
-        geometry.prefetch_triangle(hit.triangle);
+        geometry.prefetch_primitive(hit.primitive);
     }
     if let Some(Some(hit)) = hits.get(SOON) {
-        geometry.prefetch_corners(hit.triangle);
+        geometry.prefetch_corners(hit.primitive);
     }
 }
 

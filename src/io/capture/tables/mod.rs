@@ -32,7 +32,7 @@ pub(super) use material::{
     MetalSource, MetallicRoughnessTable, MixRest, MixTable, OrenNayarTable, PhongTable, PlasticTable,
     ThinDielectricTable, TranslucentTable, TypedMaterialTable,
 };
-pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable, SphereTable};
+pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
 pub(super) use settings::{
     ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
     SamplerName, TruthSource, WavelengthsName,

@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use super::{Path, PathLimits, Postponed, Vertex, towards_light};
 use crate::bsdf::{Bsdf, GRAZING};
-use crate::geometry::{Geometry, Hit, Ray, SurfacePoint, interpolate, offset, on_triangle};
+use crate::geometry::{Geometry, Hit, Primitive, Ray, SurfacePoint, interpolate, offset, on_triangle};
 use crate::light::{Choice, Facets, Facing, Receiver};
 use crate::sampler::Sampler;
 use crate::scene::{ColourSource, EDGE_ON, Scene, Shading};
@@ -276,19 +276,19 @@ impl Arrival {
     const NONE: Self = Self {
         number: 0,
         ray: Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0 },
-        hit: Hit { t: 0.0, barycentric: [0.0; 2], triangle: 0, placement: 0 },
+        hit: Hit { t: 0.0, uv: [0.0; 2], primitive: Primitive::Triangle(0), placement: 0 },
         reflectance: ColourSource::Texture { factor: [0.0; 3], texture: 0 },
     };
 
     #[inline]
     fn reflectance(&self, scene: &Scene, wavelengths: &Wavelengths) -> SampledSpectrum {
-        scene.colour_at(self.reflectance, self.hit.triangle, self.hit.barycentric, wavelengths)
+        scene.colour_at(self.reflectance, self.hit.primitive, self.hit.uv, wavelengths)
     }
 
     /// Its surface point, that of a lane.
     fn point(&self, lane: usize, points: &Points, scene: &Scene) -> SurfacePoint {
-        let Hit { triangle, barycentric, .. } = self.hit;
-        let mesh = scene.geometry().triangles[triangle as usize].mesh;
+        let Hit { primitive, uv, .. } = self.hit;
+        let mesh = scene.geometry().mesh_of(primitive);
         let geometric_normal = points.geometric_normal.get(lane);
         SurfacePoint {
             position: points.position.get(lane),
@@ -297,10 +297,10 @@ impl Arrival {
             shading_normal: points.normal.get(lane),
             tangent: Vec3::ZERO,
             handedness: 1.0,
-            triangle,
+            primitive,
             mesh,
             material: scene.geometry().meshes[mesh as usize].material,
-            barycentric,
+            parameters: uv,
             time: self.ray.time,
         }
     }
@@ -309,7 +309,8 @@ impl Arrival {
 impl Meetings {
     #[inline]
     fn set(&mut self, lane: usize, ray: &Ray, hit: &Hit, geometry: &Geometry) {
-        let triangle = &geometry.triangles[hit.triangle as usize];
+        let triangle = hit.primitive.triangle().expect("matt surfaces of triangles");
+        let triangle = &geometry.triangles[triangle as usize];
         let mesh = &geometry.meshes[triangle.mesh as usize];
         for (corners, corner) in self.corners.iter_mut().zip(geometry.corners_of(triangle, mesh, ray.time)) {
             corners.set(lane, corner);
@@ -321,7 +322,7 @@ impl Meetings {
                 normals.set(lane, normal);
             }
         }
-        [self.barycentric[0][lane], self.barycentric[1][lane]] = hit.barycentric;
+        [self.barycentric[0][lane], self.barycentric[1][lane]] = hit.uv;
         self.wo.set(lane, -ray.direction);
     }
 }
