@@ -3,6 +3,7 @@
 //! `cargo run --release --example own_scene`
 
 use glam::{DAffine3, DVec3, Vec3};
+use photosite::geometry::QuadricKind;
 use photosite::scene::description::{
     Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
     TexturedColour,
@@ -58,7 +59,7 @@ fn main() -> photosite::Result<()> {
         DAffine3::from_scale_rotation_translation(DVec3::splat(0.5), glam::DQuat::IDENTITY, DVec3::new(0.0, 0.5, 0.0));
     let scene = SceneDescription {
         materials: vec![matt("grey", [0.5; 3]), matt("red", [0.6, 0.05, 0.05])],
-        meshes: vec![floor, MeshDescription::unit_sphere("sphere".to_owned(), 1)],
+        meshes: vec![floor, MeshDescription::of_quadric(QuadricKind::Sphere, "sphere".to_owned(), 1)],
         instances: vec![place("floor", 0, DAffine3::IDENTITY), place("sphere", 1, half_metre)],
         ..SceneDescription::default()
     };

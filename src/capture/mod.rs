@@ -186,7 +186,7 @@ impl Capture {
     ) -> Result<Self> {
         let placed = || -> Result<Self, Invalid> {
             let targets = place_targets(&file.targets)?;
-            geometry.add_spheres(&file.scene.spheres, &file.materials)?;
+            geometry.add_quadrics(&file.scene, &file.materials)?;
             geometry.add_targets(&targets)?;
             Self::assemble(file, geometry, targets, source, folder, frame)
         };

@@ -10,9 +10,10 @@ use super::colour::Finder;
 use super::light::{describe_environment, describe_lights};
 use super::material::override_materials;
 use super::source::CaptureSource;
-use super::tables::{CaptureFile, MaterialTable, NormalsName, SceneTable, SphereTable};
+use super::tables::{CaptureFile, MaterialTable, NormalsName, SceneTable};
 use super::target::scene_of;
 use crate::calibration::targets::PlacedTarget;
+use crate::geometry::QuadricKind;
 use crate::io::gltf::{self, Choice, Moment};
 use crate::io::obj;
 use crate::io::obj::MissingNormals;
@@ -137,64 +138,84 @@ impl ReadScene {
         Ok(())
     }
 
-    /// Adds spheres. Materials that no file of the geometry has are those of `described` names.
-    pub(super) fn add_spheres(
+    /// Adds spheres, disks and cylinders. Materials that no file of the geometry has are those of `described` names.
+    pub(super) fn add_quadrics(
         &mut self,
-        spheres: &[SphereTable],
+        table: &SceneTable,
         described: &BTreeMap<String, MaterialTable>,
     ) -> Result<(), Invalid> {
-        for (i, table) in spheres.iter().enumerate() {
-            let invalid = |key: &str, message: String| Invalid::new(format!("scene.spheres[{i}].{key}"), message);
-            let (centre, radius) = (DVec3::from_array(table.position_m), table.radius_m);
-            if !(centre.is_finite() && (centre.abs() + radius.abs()).max_element() <= FARTHEST_M) {
+        for quadric in quadrics(table) {
+            let Quadric { kind, index, position_m, axis, radius_m, length_m, .. } = quadric;
+            let invalid = |key: &str, message: String| Invalid::new(format!("{}.{key}", place(kind, index)), message);
+            let (centre, reach) = (DVec3::from_array(position_m), radius_m.abs() + length_m.map_or(0.0, f64::abs));
+            if !(centre.is_finite() && (centre.abs() + reach).max_element() <= FARTHEST_M) {
                 return Err(invalid(
                     "position_m",
                     format!("lies farther out than {FARTHEST_M:e} m, too far to compute with"),
                 ));
             }
             // The square of a smaller one has no digits in single precision.
-            if radius.is_nan() || radius < SMALLEST_RADIUS_M {
-                return Err(invalid("radius_m", format!("must be at least {SMALLEST_RADIUS_M:e}, got {radius}")));
+            for (key, size) in [("radius_m", Some(radius_m)), ("length_m", length_m)] {
+                if size.is_some_and(|size| size.is_nan() || size < SMALLEST_SIZE_M) {
+                    let size = size.unwrap_or_default();
+                    return Err(invalid(key, format!("must be at least {SMALLEST_SIZE_M:e}, got {size}")));
+                }
             }
-            let materials = &mut self.scene.materials;
-            let of_geometry = materials.iter().position(|material| material.name == table.material);
-            let material = match (of_geometry, described.get(&table.material)) {
-                (Some(material), _) => material,
-                (None, Some(MaterialTable::Kept(_))) => {
-                    let invalid = Invalid::new(format!("materials.{}", table.material), "the key `type` is missing");
-                    return Err(invalid.help("no file of the geometry says what the material is"));
-                }
-                (None, Some(MaterialTable::Typed(_))) => {
-                    let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
-                    materials.push(MaterialDescription::new(
-                        &table.material,
-                        MaterialModel::Diffuse(Diffuse { reflectance }),
-                    ));
-                    materials.len() - 1
-                }
-                (None, None) => {
-                    let of_files = materials.iter().map(|material| &material.name);
-                    let known: Vec<&str> = of_files.chain(described.keys()).map(String::as_str).collect();
-                    let hint = did_you_mean(&table.material, known.iter().copied());
-                    let help = match known[..] {
-                        [] => format!("describe it in a table [materials.{}]", table.material),
-                        _ => {
-                            let known = list(&table.material, known);
-                            format!("describe it in a table [materials.{}]; there are {known}", table.material)
-                        }
-                    };
-                    return Err(
-                        invalid("material", format!("there is no material {:?}{hint}", table.material)).help(help)
-                    );
-                }
+            let turn = match axis {
+                None => DQuat::IDENTITY,
+                Some((key, axis)) => match DVec3::from_array(axis).try_normalize() {
+                    Some(axis) => DQuat::from_rotation_arc(DVec3::Z, axis),
+                    None => {
+                        let message = format!("must be a direction, got {axis:?}");
+                        return Err(invalid(key, message).help(format!("for example {key} = [0, 1, 0] for upwards")));
+                    }
+                },
             };
-            let name = table.name.clone().unwrap_or_else(|| format!("sphere-{i}"));
+            let material = self.material_of(quadric.material, described, &invalid)?;
+            let name = quadric.name.map_or_else(|| format!("{}-{index}", kind.name()), str::to_owned);
+            // The unit cylinder begins at the origin, and this one at half of its length from its middle.
+            let length = length_m.unwrap_or(radius_m);
+            let origin = centre - turn * DVec3::Z * (length_m.unwrap_or(0.0) / 2.0);
+            let scale = DVec3::new(radius_m, radius_m, length);
+            let to_world = DAffine3::from_scale_rotation_translation(scale, turn, origin);
             let mesh = self.scene.meshes.len();
-            self.scene.meshes.push(MeshDescription::unit_sphere(name.clone(), material));
-            let to_world = DAffine3::from_scale_rotation_translation(DVec3::splat(radius), DQuat::IDENTITY, centre);
+            self.scene.meshes.push(MeshDescription::of_quadric(kind, name.clone(), material));
             self.scene.instances.push(InstanceDescription { name, mesh, to_world, later: vec![] });
         }
         Ok(())
+    }
+
+    /// Index of a material that a quadric names; one that the geometry lacks is added if the capture describes it.
+    fn material_of(
+        &mut self,
+        name: &str,
+        described: &BTreeMap<String, MaterialTable>,
+        invalid: &impl Fn(&str, String) -> Invalid,
+    ) -> Result<usize, Invalid> {
+        let materials = &mut self.scene.materials;
+        let of_geometry = materials.iter().position(|material| material.name == name);
+        match (of_geometry, described.get(name)) {
+            (Some(material), _) => Ok(material),
+            (None, Some(MaterialTable::Kept(_))) => {
+                let invalid = Invalid::new(format!("materials.{name}"), "the key `type` is missing");
+                Err(invalid.help("no file of the geometry says what the material is"))
+            }
+            (None, Some(MaterialTable::Typed(_))) => {
+                let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
+                materials.push(MaterialDescription::new(name, MaterialModel::Diffuse(Diffuse { reflectance })));
+                Ok(materials.len() - 1)
+            }
+            (None, None) => {
+                let of_files = materials.iter().map(|material| &material.name);
+                let known: Vec<&str> = of_files.chain(described.keys()).map(String::as_str).collect();
+                let hint = did_you_mean(name, known.iter().copied());
+                let help = match known[..] {
+                    [] => format!("describe it in a table [materials.{name}]"),
+                    _ => format!("describe it in a table [materials.{name}]; there are {}", list(name, known)),
+                };
+                Err(invalid("material", format!("there is no material {name:?}{hint}")).help(help))
+            }
+        }
     }
 
     /// Refuses names of variants and animations that no file has.
@@ -234,10 +255,13 @@ impl ReadScene {
         for name in self.undescribed_materials.iter().filter(|name| !file.materials.contains_key(*name)) {
             warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));
         }
-        if let Some((i, sphere)) = shining_sphere(&self.scene) {
-            let message = format!("{:?} shines, but a sphere cannot", self.scene.materials[sphere.material].name);
+        let emits = |material: usize| self.scene.materials[material].emission.is_some();
+        let named = |name: &str| self.scene.materials.iter().position(|material| material.name == name);
+        if let Some(quadric) = quadrics(&file.scene).find(|quadric| named(quadric.material).is_some_and(emits)) {
+            let Quadric { kind, index, material, .. } = quadric;
+            let message = format!("{material:?} shines, but a {} cannot", kind.name());
             let help = "give the lamp as a mesh, or as a light of [[lights]]";
-            return Err(Invalid::new(format!("scene.spheres[{i}].material"), message).help(help));
+            return Err(Invalid::new(format!("{}.material", place(kind, index)), message).help(help));
         }
         if let Some(environment) = &file.scene.environment {
             let described = describe_environment(&finder, environment, &mut warnings);
@@ -255,10 +279,58 @@ impl ReadScene {
     }
 }
 
-/// A sphere whose material gives light, with its number.
-fn shining_sphere(scene: &SceneDescription) -> Option<(usize, &MeshDescription)> {
-    let mut spheres = scene.meshes.iter().filter(|mesh| mesh.is_sphere).enumerate();
-    spheres.find(|(_, mesh)| scene.materials[mesh.material].emission.is_some())
+/// A table of a quadric, of whatever kind.
+struct Quadric<'a> {
+    kind: QuadricKind,
+    /// Number among those of its kind.
+    index: usize,
+    name: Option<&'a str>,
+    material: &'a str,
+    position_m: [f64; 3],
+    /// The direction of what is +Z of the unit shape, with its key.
+    axis: Option<(&'static str, [f64; 3])>,
+    radius_m: f64,
+    length_m: Option<f64>,
+}
+
+/// All of them: a row for each kind.
+fn quadrics(table: &SceneTable) -> impl Iterator<Item = Quadric<'_>> {
+    let spheres = table.spheres.iter().enumerate().map(|(index, sphere)| Quadric {
+        kind: QuadricKind::Sphere,
+        index,
+        name: sphere.name.as_deref(),
+        material: &sphere.material,
+        position_m: sphere.position_m,
+        axis: None,
+        radius_m: sphere.radius_m,
+        length_m: None,
+    });
+    let disks = table.disks.iter().enumerate().map(|(index, disk)| Quadric {
+        kind: QuadricKind::Disk,
+        index,
+        name: disk.name.as_deref(),
+        material: &disk.material,
+        position_m: disk.position_m,
+        axis: Some(("normal", disk.normal)),
+        radius_m: disk.radius_m,
+        length_m: None,
+    });
+    let cylinders = table.cylinders.iter().enumerate().map(|(index, cylinder)| Quadric {
+        kind: QuadricKind::Cylinder,
+        index,
+        name: cylinder.name.as_deref(),
+        material: &cylinder.material,
+        position_m: cylinder.position_m,
+        axis: Some(("axis", cylinder.axis)),
+        radius_m: cylinder.radius_m,
+        length_m: Some(cylinder.length_m),
+    });
+    spheres.chain(disks).chain(cylinders)
+}
+
+/// The path of a table in the capture file.
+fn place(kind: QuadricKind, index: usize) -> String {
+    format!("scene.{}s[{index}]", kind.name())
 }
 
 /// Refuses a name that is not among those of its kind in the files.
@@ -276,8 +348,8 @@ fn check_name(key: &str, kind: &str, name: Option<&str>, known: &[String]) -> Re
 /// Coordinates beyond this have squares, such as areas, that come close to the largest number of single precision.
 const FARTHEST_M: f64 = 1e18;
 
-/// Spheres of a smaller radius, m, have squares without digits of single precision.
-const SMALLEST_RADIUS_M: f64 = 1e-15;
+/// Smaller radii and lengths, m, have squares without digits of single precision.
+const SMALLEST_SIZE_M: f64 = 1e-15;
 
 /// Whether all geometry lies within [`FARTHEST_M`] of the origin along each axis.
 fn within_reach(scene: &SceneDescription) -> bool {

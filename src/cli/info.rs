@@ -141,7 +141,7 @@ fn of_capture(capture: &Capture) -> Map<String, Value> {
 }
 
 fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
-    let triangles = |mesh: usize| if scene.meshes[mesh].is_sphere { 0 } else { scene.meshes[mesh].triangles.len() };
+    let triangles = |mesh: usize| scene.meshes[mesh].triangles.len();
     let named = |name: &str| if name.is_empty() { "unnamed".to_owned() } else { name.to_owned() };
     let emits = |m: &&MaterialDescription| m.emission.is_some();
     let kind = |kind: &LightKind| match kind {

@@ -70,6 +70,7 @@ COVERAGE = [
     ("near infrared: silicon, lamp A, a leaf and a dye", ["near-infrared"]),
     ("metallic-roughness", ["metallic-roughness", "texture-transform"]),
     ("true spheres, seen from outside and inside", ["spheres"]),
+    ("true disks and cylinders, seen from outside and inside", ["quadrics"]),
 ]
 
 

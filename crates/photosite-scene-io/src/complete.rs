@@ -18,7 +18,7 @@ pub fn complete(scene: &mut SceneDescription) {
     let mut warnings = Warnings::default();
     for mesh in &mut scene.meshes {
         let material = &scene.materials[mesh.material];
-        if mesh.is_sphere {
+        if mesh.quadric.is_some() {
             // It has UVs and tangents of its own; that there are any here tells that they are wanted.
             if tangent_frame(material).is_some() {
                 mesh.tangents = vec![Vec4::ZERO; mesh.positions.len()];

@@ -155,7 +155,7 @@ pub(crate) fn flatten(mesh: &MeshDescription) -> MeshDescription {
             corners.iter().map(|&corner| mesh.colours[corner]).collect()
         },
         triangles: (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-        is_sphere: false,
+        quadric: None,
     }
 }
 

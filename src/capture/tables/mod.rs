@@ -28,7 +28,7 @@ pub(super) use camera::{
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
 pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable};
 pub(super) use material::*;
-pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable, SphereTable};
+pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
 pub use settings::RawFormat;
 pub(super) use settings::{
     ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,

@@ -28,6 +28,12 @@ pub(crate) struct SceneTable {
     /// Spheres, besides the geometry of the files.
     #[serde(default)]
     pub(crate) spheres: Vec<SphereTable>,
+    /// Disks, likewise.
+    #[serde(default)]
+    pub(crate) disks: Vec<DiskTable>,
+    /// Cylinders, likewise.
+    #[serde(default)]
+    pub(crate) cylinders: Vec<CylinderTable>,
     /// Light from infinitely far in all directions. Left out: none.
     pub(crate) environment: Option<EnvironmentSource>,
 }
@@ -44,6 +50,40 @@ pub(crate) struct SphereTable {
     pub(crate) position_m: [f64; 3],
     /// m.
     pub(crate) radius_m: f64,
+}
+
+/// A disk. It is exact, where one of triangles has corners.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct DiskTable {
+    /// Name, for messages and lists of instances. Left out: "disk-0" …
+    pub(crate) name: Option<String>,
+    /// Name of its material, of `[materials]` or of the geometry's files.
+    pub(crate) material: String,
+    /// Its centre, m.
+    pub(crate) position_m: [f64; 3],
+    /// Direction that its front faces, of any length.
+    pub(crate) normal: [f64; 3],
+    /// m.
+    pub(crate) radius_m: f64,
+}
+
+/// A cylinder without caps, which disks can be. It is exact, where one of triangles has facets.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CylinderTable {
+    /// Name, for messages and lists of instances. Left out: "cylinder-0" …
+    pub(crate) name: Option<String>,
+    /// Name of its material, of `[materials]` or of the geometry's files.
+    pub(crate) material: String,
+    /// The middle of its axis, m.
+    pub(crate) position_m: [f64; 3],
+    /// Direction of its axis, of any length.
+    pub(crate) axis: [f64; 3],
+    /// m.
+    pub(crate) radius_m: f64,
+    /// Distance between both ends, m.
+    pub(crate) length_m: f64,
 }
 
 /// What faces without normals get.

@@ -117,6 +117,21 @@ use super::*;
     5,
     "scene.spheres[0].material: \"hot\" shines, but a sphere cannot"
 )]
+#[case::disk_normal(
+    "[[scene.disks]]\nmaterial = 'wall'\nposition_m = [0, 0, 0]\nnormal = [0, 0, 0]\nradius_m = 1",
+    7,
+    "scene.disks[0].normal: must be a direction, got [0.0, 0.0, 0.0]"
+)]
+#[case::cylinder_length(
+    "[[scene.cylinders]]\nmaterial = 'wall'\nposition_m = [0, 0, 0]\naxis = [0, 1, 0]\nradius_m = 1\nlength_m = -1",
+    9,
+    "scene.cylinders[0].length_m: must be at least 1e-15, got -1"
+)]
+#[case::disk_shines(
+    "[[scene.disks]]\nmaterial = 'hot'\nposition_m = [0, 0, 0]\nnormal = [0, 1, 0]\nradius_m = 1\n[materials.hot]\ntype = 'diffuse'\nreflectance = 0.5\nemission = { illuminant = 'D65', luminance_nit = 1 }",
+    5,
+    "scene.disks[0].material: \"hot\" shines, but a disk cannot"
+)]
 #[case::material_missing("[materials.wall]\ntype = 'diffuse'", 4, "materials.wall: the key `reflectance` is missing")]
 #[case::reflectance(
     "[materials.wall]\ntype = 'diffuse'\nreflectance = 1.5",

@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 use std::fs;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use rstest::rstest;
 
 use super::*;
+use crate::geometry::QuadricKind;
 use crate::integrator::WavelengthChoice;
 use crate::optics::{BrownConrady, Falloff, Focus, LensKind, Projection};
 use crate::sampler::SamplerKind;
@@ -423,7 +424,7 @@ fn spheres_stand_among_the_geometry_with_materials_of_either() {
         index = 1.5";
     let capture = capture(&room(spheres));
     let scene = &capture.scene;
-    let found = scene.instances.iter().filter(|i| scene.meshes[i.mesh].is_sphere).map(|i| {
+    let found = scene.instances.iter().filter(|i| scene.meshes[i.mesh].quadric.is_some()).map(|i| {
         let material = &scene.materials[scene.meshes[i.mesh].material].name;
         let centre = i.to_world.translation.to_array();
         (i.name.as_str(), material.as_str(), centre, i.to_world.transform_vector3(DVec3::X).length())
@@ -431,6 +432,42 @@ fn spheres_stand_among_the_geometry_with_materials_of_either() {
     let expected = [("sphere-0", "wall", [1.0, 2.0, 3.0], 0.5), ("lens", "glass", [0.0, 0.0, -1.0], 0.25)];
     assert_eq!(found.collect::<Vec<_>>(), expected);
     assert_eq!(scene.materials.iter().filter(|material| material.name == "wall").count(), 1);
+}
+
+#[test]
+fn disks_and_cylinders_stand_with_their_axes_where_they_are_put() {
+    let shapes = "
+        [[scene.disks]]
+        material = 'wall'
+        position_m = [1, 2, 3]
+        normal = [0, 5, 0]
+        radius_m = 0.5
+        [[scene.cylinders]]
+        name = 'pipe'
+        material = 'wall'
+        position_m = [0, 0, -1]
+        axis = [-2, 0, 0]
+        radius_m = 0.25
+        length_m = 3";
+    let capture = capture(&room(shapes));
+    let scene = &capture.scene;
+    let found: Vec<_> = scene
+        .instances
+        .iter()
+        .filter_map(|i| Some((i.name.as_str(), scene.meshes[i.mesh].quadric?, i.to_world)))
+        .collect();
+    let [("disk-0", QuadricKind::Disk, disk), ("pipe", QuadricKind::Cylinder, pipe)] = found[..] else {
+        panic!("{found:?}")
+    };
+    let is_near = |to_world: DAffine3, unit: DVec3, world: DVec3| {
+        let found = to_world.transform_point3(unit);
+        assert!((found - world).length() < 1e-12, "{found} {world}");
+    };
+    is_near(disk, DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0));
+    assert!((disk.matrix3.x_axis.cross(disk.matrix3.y_axis) - 0.25 * DVec3::Y).length() < 1e-12);
+    is_near(pipe, DVec3::ZERO, DVec3::new(1.5, 0.0, -1.0));
+    is_near(pipe, DVec3::Z, DVec3::new(-1.5, 0.0, -1.0));
+    assert!((pipe.matrix3.x_axis.length() - 0.25).abs() < 1e-12);
 }
 
 /// Seen from +x with +y up, −z is to the right.

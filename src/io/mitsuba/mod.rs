@@ -16,7 +16,7 @@
 //! | here | in Mitsuba | module |
 //! |---|---|---|
 //! | camera, lens, sensor, settings | `perspective` or `thinlens`, `specfilm`, `path` | `sensor.rs` |
-//! | meshes and their instances, spheres | `ply`, `shapegroup` and `instance`, `sphere` | `shape.rs` |
+//! | meshes and their instances, spheres, disks, cylinders | `ply`, `shapegroup` and `instance`, `sphere`, `disk`, `cylinder` | `shape.rs` |
 //! | materials | `diffuse`, `conductor`, `dielectric` and their rough kin, `twosided`, `mask`, `normalmap` | `material.rs` |
 //! | lights | `area`, `point`, `spot`, `directional`, `constant`, `envmap` | `light.rs` |
 //! | pictures | `bitmap` of an EXR file | `picture.rs` |

@@ -1,4 +1,4 @@
-//! Meshes as PLY files, spheres, and where they stand.
+//! Meshes as PLY files, spheres, disks and cylinders, and where they stand.
 
 use super::material::ExportedMaterial;
 use super::sensor::rows;
@@ -45,12 +45,13 @@ fn shape(
     let mesh = &scene.meshes[index];
     let material = &materials[mesh.material];
     let described = &scene.materials[mesh.material];
-    if mesh.is_sphere {
+    // Mitsuba's unit shapes are the same, each a plugin of its own.
+    if let Some(kind) = mesh.quadric {
         if is_anisotropic(described) || !described.textures().is_empty() {
-            let name = quoted("sphere", &mesh.name);
+            let name = quoted(kind.name(), &mesh.name);
             out.approximate(format!("the texture of {name} or its grooves: its UVs are others"));
         }
-        return Element::object("shape", "sphere").child(Element::reference(&material.id));
+        return Element::object("shape", kind.name()).child(Element::reference(&material.id));
     }
     let name = if mirrored { format!("meshes/{index}-mirrored.ply") } else { format!("meshes/{index}.ply") };
     let file = out.file(name, || ply(mesh, mirrored, material.uv_set, material.uv_transform));

@@ -33,7 +33,7 @@ use photosite_core::image::Planes;
 use photosite_core::projection::CalibrationModel;
 use photosite_core::spectrum::Spectrum;
 use photosite_core::{Invalid, Result};
-use photosite_transport::scene::description::SceneDescription;
+use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
 use photosite_transport::scene::{self, Scene};
 
 pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {
@@ -132,9 +132,10 @@ impl Built {
             let message = "the geometry that the captures name is not that of the pictures any more";
             return Err(Invalid::new("", message).help("put the files back, or make the data set again"));
         }
-        if let Some(instance) = description.instances.iter().find(|i| description.meshes[i.mesh].is_sphere) {
-            let message = format!("{:?} is a sphere, and BOP files have models of triangles", instance.name);
-            return Err(Invalid::new("scene.spheres", message).help("put a mesh in its place"));
+        let quadric = |i: &InstanceDescription| Some((description.meshes[i.mesh].quadric?, i.name.clone()));
+        if let Some((kind, name)) = description.instances.iter().find_map(quadric) {
+            let message = format!("{name:?} is a {}, and BOP files have models of triangles", kind.name());
+            return Err(Invalid::new(format!("scene.{}s", kind.name()), message).help("put a mesh in its place"));
         }
         let build = |object: &SceneObject| {
             let model = Model::new(object, &description);

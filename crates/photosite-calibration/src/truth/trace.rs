@@ -83,7 +83,7 @@ impl<'a> Seen<'a> {
             TruthLayer::Normal => vector(to, towards_camera(self.point.geometric_normal)),
             TruthLayer::ShadingNormal => vector(to, towards_camera(self.point.shading_normal)),
             TruthLayer::Uv => {
-                let uv = scene.geometry().uv(self.point.triangle, self.point.barycentric, 0);
+                let uv = self.point.uv(scene.geometry(), 0);
                 to.copy_from_slice(&uv.to_array());
             }
             TruthLayer::Albedo => {

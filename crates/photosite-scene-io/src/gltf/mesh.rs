@@ -208,7 +208,7 @@ fn read_primitive(
         colours,
         triangles,
         later_shapes: Vec::new(),
-        is_sphere: false,
+        quadric: None,
     };
     morph(&mut mesh, primitive, accessors, weights, key)?;
     Ok(Some(mesh))

@@ -1,5 +1,5 @@
-//! The acceleration structure of a scene: one hierarchy of triangles for all geometry that stands where its file puts
-//! it, one for each mesh that is instanced, and one over their placements.
+//! The acceleration structure of a scene: one hierarchy of primitives for all geometry that stands where its file puts it,
+//!  one for each mesh that is instanced, and one over their placements.
 //!
 //! This is the only file that knows `obvhs`, which builds the binary hierarchies; traversal is that of [`wide_bvh`]
 //! over their collapsed form, since obvhs's own is neither watertight nor scale-free.
@@ -8,6 +8,7 @@
 
 mod filter;
 mod interleaved;
+mod leaf;
 mod packet;
 pub(super) mod query;
 mod single;
@@ -30,14 +31,37 @@ use super::linear_scan::LinearScan;
 use super::motion::{Motion, Transform};
 use super::triangle_block::TriangleBlock;
 use super::wide_bvh::WideBvh;
-use super::{Geometry, Sphere};
+use super::{Geometry, Quadric};
+use leaf::Leaf;
 use photosite_core::math::float::gamma;
 use photosite_simd::{compact, prefer_huge_pages};
-use single::SPHERE;
 
 pub use filter::{AcceptAll, HitFilter};
 
-/// A group of triangles somewhere in the world.
+/// The primitives of a group.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PrimitiveRange {
+    /// Indices into [`Geometry::triangles`].
+    pub triangles: Range<u32>,
+    /// Indices into [`Geometry::quadrics`], which must be in world space.
+    pub quadrics: Range<u32>,
+}
+
+impl From<Range<u32>> for PrimitiveRange {
+    /// Of triangles.
+    fn from(triangles: Range<u32>) -> Self {
+        Self { triangles, quadrics: 0..0 }
+    }
+}
+
+impl PrimitiveRange {
+    /// Number of primitives.
+    pub(super) fn len(&self) -> usize {
+        self.triangles.len() + self.quadrics.len()
+    }
+}
+
+/// A group of primitives somewhere in the world.
 #[derive(Clone, Debug)]
 pub struct Placement {
     /// Index of the group.
@@ -76,7 +100,7 @@ pub struct Accel {
     placements: Vec<Placement>,
     /// Over the placements; `None` where there is none, or a single one of a rigid group in world space.
     top: Option<TopLevel>,
-    /// All triangles, where they are so few that several rays together need no hierarchy.
+    /// All primitives, where they are so few that several rays together need no hierarchy.
     pub(super) linear_scan: Option<LinearScan>,
     /// Whether rays often wait for the memory.
     pub(super) exceeds_caches: bool,
@@ -93,8 +117,11 @@ enum Group {
 
 #[derive(Clone, Debug)]
 struct TriangleBvh<const SHAPES: usize> {
+    /// Its leaves are known by the numbers of [`Leaf`].
     bvh: WideBvh,
     blocks: Vec<TriangleBlock<SHAPES>>,
+    /// With their indices in the geometry.
+    quadrics: Vec<(u32, Quadric)>,
     bounds: Bounds,
 }
 
@@ -106,15 +133,15 @@ struct TopLevel {
 }
 
 impl Accel {
-    /// Builds the hierarchies. `ranges` are groups of triangles of `geometry`, each not empty. The triangles of a mesh that
+    /// Builds the hierarchies. `ranges` are groups of primitives of `geometry`, each not empty. The triangles of a mesh that
     /// deforms are a group of their own.
-    pub fn build(geometry: &Geometry, ranges: &[Range<u32>], placements: Vec<Placement>) -> Self {
+    pub fn build(geometry: &Geometry, ranges: &[PrimitiveRange], placements: Vec<Placement>) -> Self {
         let groups: Vec<_> = ranges.iter().map(|range| Group::build(geometry, range)).collect();
         let is_single =
             matches!((&placements[..], &groups[..]), ([Placement { place: Place::World, .. }], [Group::Rigid(_)]));
         let top = (!placements.is_empty() && !is_single).then(|| TopLevel::build(&groups, &placements));
         let linear_scan = is_single.then(|| {
-            let range = ranges[placements[0].group as usize].clone();
+            let range = &ranges[placements[0].group as usize];
             LinearScan::new(geometry, range, groups[0].bounds())
         });
         let linear_scan = linear_scan.flatten();
@@ -135,12 +162,11 @@ impl Accel {
 }
 
 impl Group {
-    fn build(geometry: &Geometry, range: &Range<u32>) -> Self {
-        let mesh = geometry.triangles[range.start as usize].mesh;
-        let Some(deformation) = geometry.meshes[mesh as usize].deformation else {
+    fn build(geometry: &Geometry, range: &PrimitiveRange) -> Self {
+        let first = geometry.triangles.get(range.triangles.start as usize).filter(|_| !range.triangles.is_empty());
+        let Some(deformation) = first.and_then(|triangle| geometry.meshes[triangle.mesh as usize].deformation) else {
             let corners = |triangle| [geometry.corners(triangle)];
-            let sphere = |triangle| geometry.sphere(triangle);
-            return Self::Rigid(TriangleBvh::build(range, |[corners]| bounds_of(corners), corners, sphere));
+            return Self::Rigid(TriangleBvh::build(geometry, range, |[corners]| bounds_of(corners), corners));
         };
         let deformation = &geometry.deformations[deformation as usize];
         let part = |shape: usize| {
@@ -148,7 +174,7 @@ impl Group {
                 |t: u32| [shape, shape + 1].map(|shape| deformation.corners(shape, &geometry.triangles[t as usize]));
             // Rounding between the shapes may leave their box by a unit in the last place or two.
             let boxes = |[from, to]: &[_; 2]| widened(&bounds_of(from).union(&bounds_of(to)));
-            TriangleBvh::build(range, boxes, corners, |_| None)
+            TriangleBvh::build(geometry, range, boxes, corners)
         };
         Self::Deforming((0..deformation.shape_count() - 1).map(part).collect())
     }
@@ -176,70 +202,94 @@ fn widened(aabb: &Aabb) -> Aabb {
 }
 
 impl<const SHAPES: usize> TriangleBvh<SHAPES> {
-    /// `corners` are those of a triangle in its shapes, `bounds` the box of them all, `sphere` what a triangle may stand for.
+    /// `corners` are those of a triangle in its shapes, `bounds` the box of them all.
     fn build(
-        range: &Range<u32>,
+        geometry: &Geometry,
+        range: &PrimitiveRange,
         bounds: impl Fn(&[[Vec3; 3]; SHAPES]) -> Aabb + Sync,
         corners: impl Fn(u32) -> [[Vec3; 3]; SHAPES] + Sync,
-        sphere: impl Fn(u32) -> Option<Sphere> + Sync,
     ) -> Self {
-        let box_of = |primitive: u32| bounds(&corners(range.start + primitive));
+        // Primitives of the range are numbered from 0: triangles, then quadrics.
+        let triangle_count = range.triangles.len() as u32;
+        let quadric = |primitive: u32| Some(range.quadrics.start + primitive.checked_sub(triangle_count)?);
+        let box_of = |primitive: u32| match quadric(primitive) {
+            None => bounds(&corners(range.triangles.start + primitive)),
+            Some(quadric) => {
+                let (low, high) = geometry.quadrics[quadric as usize].bounds;
+                Aabb::new(low.into(), high.into())
+            }
+        };
         let chunks = Chunks::new(range.len() as u32, |primitive| {
             let aabb = box_of(primitive);
             (aabb.min.into(), aabb.max.into())
         });
         let part = |primitives: &[u32]| {
             let tree = build_binary(primitives.iter().map(|&primitive| box_of(primitive)));
-            // With what leads to it from a node.
-            let block = |members: &[u32]| {
-                let triangles = || members.iter().map(|&member| range.start + primitives[member as usize]);
-                let spheres = triangles().find_map(|triangle| Some((triangle, sphere(triangle)?)));
-                match (spheres, members.len()) {
-                    (Some((id, sphere)), 1) => Some((TriangleBlock::of_sphere(id, &sphere), SPHERE)),
+            // A leaf is a block of triangles or a single quadric.
+            let content = |members: &[u32]| {
+                let members = || members.iter().map(|&member| primitives[member as usize]);
+                match (members().find_map(quadric), members().len()) {
+                    (Some(quadric), 1) => Some(LeafContent::Quadric(quadric)),
                     (Some(_), _) => None,
                     (None, _) => {
-                        let block = TriangleBlock::new(triangles().map(|triangle| (triangle, corners(triangle))));
-                        block.map(|block| (block, 0))
+                        let triangles = members().map(|member| range.triangles.start + member);
+                        TriangleBlock::new(triangles.map(|triangle| (triangle, corners(triangle))))
+                            .map(LeafContent::Triangles)
                     }
                 }
             };
             let mut blocks = Vec::new();
+            let mut quadrics = Vec::new();
             let bvh = WideBvh::collapse(
                 &tree,
-                |members| block(members).is_some(),
-                |members| {
-                    let (block, kind) = block(members).expect("members that fit");
-                    blocks.push(block);
-                    (blocks.len() - 1) as u32 | kind
+                |members| content(members).is_some(),
+                |members| match content(members).expect("members that fit") {
+                    LeafContent::Triangles(block) => {
+                        blocks.push(block);
+                        Leaf::Triangles(blocks.len() as u32 - 1).number()
+                    }
+                    LeafContent::Quadric(quadric) => {
+                        quadrics.push((quadric, geometry.quadrics[quadric as usize].quadric));
+                        Leaf::Quadric(quadrics.len() as u32 - 1).number()
+                    }
                 },
             );
-            (bvh, blocks)
+            Self { bvh, blocks, quadrics, bounds: chunks.bounds() }
         };
         let parts = chunks.parts();
         if let [all] = parts[..] {
-            let (bvh, blocks) = part(all);
-            return Self { bvh: bvh.compact(), blocks: compact(&blocks), bounds: chunks.bounds() };
+            let Self { bvh, blocks, quadrics, bounds } = part(all);
+            return Self { bvh: bvh.compact(), blocks: compact(&blocks), quadrics, bounds };
         }
         let mut bvh = WideBvh::collapse(&chunks, |parts| parts.len() == 1, |parts| parts[0]);
-        let (own_nodes, mut blocks) = (bvh.len(), Vec::new());
+        let (own_nodes, mut blocks, mut quadrics) = (bvh.len(), Vec::new(), Vec::new());
         let mut roots = Vec::with_capacity(parts.len());
         for batch in parts.chunks(rayon::current_num_threads()) {
-            let built: Vec<_> = batch.par_iter().map(|primitives| part(primitives)).collect();
+            let built: Vec<Self> = batch.par_iter().map(|primitives| part(primitives)).collect();
             if roots.is_empty() {
                 // Room that turns out not to be needed is never written to, and takes no memory.
                 let room = |count: usize| count * (parts.len() + 1) / batch.len() * 5 / 4;
-                bvh.reserve(room(built.iter().map(|(bvh, _)| bvh.len()).sum()));
-                blocks.reserve_exact(room(built.iter().map(|(_, blocks)| blocks.len()).sum()));
+                bvh.reserve(room(built.iter().map(|part| part.bvh.len()).sum()));
+                blocks.reserve_exact(room(built.iter().map(|part| part.blocks.len()).sum()));
                 prefer_huge_pages(&blocks);
             }
-            for (part, part_blocks) in built {
-                roots.push(bvh.append(&part, blocks.len() as u32));
-                blocks.extend(part_blocks);
+            for part in built {
+                let renumbered = |leaf| Leaf::of_number(leaf).moved(blocks.len(), quadrics.len()).number();
+                roots.push(bvh.append(&part.bvh, renumbered));
+                blocks.extend(part.blocks);
+                quadrics.extend(part.quadrics);
             }
         }
         bvh.graft(own_nodes, &roots);
-        Self { bvh, blocks, bounds: chunks.bounds() }
+        Self { bvh, blocks, quadrics, bounds: chunks.bounds() }
     }
+}
+
+/// What becomes a leaf.
+enum LeafContent<const SHAPES: usize> {
+    Triangles(TriangleBlock<SHAPES>),
+    /// Index in the geometry.
+    Quadric(u32),
 }
 
 impl TopLevel {

@@ -34,6 +34,7 @@ pub(super) fn geometry(triangles: &[[Vec3; 3]]) -> Geometry {
 fn mesh_of(triangle_count: u32) -> MeshRange {
     MeshRange {
         material: 0,
+        first_primitive: 0,
         first_triangle: 0,
         triangle_count,
         first_light: None,
@@ -42,12 +43,13 @@ fn mesh_of(triangle_count: u32) -> MeshRange {
         uvs_from: [None; 2],
         colours_from: None,
         deformation: None,
-        sphere: None,
+        quadric: None,
     }
 }
 
 pub(super) fn in_world(geometry: &Geometry) -> Accel {
-    let all = 0..geometry.triangles.len() as u32;
+    let all =
+        PrimitiveRange { triangles: 0..geometry.triangles.len() as u32, quadrics: 0..geometry.quadrics.len() as u32 };
     Accel::build(geometry, &[all], vec![Placement { group: 0, place: Place::World }])
 }
 
@@ -119,7 +121,7 @@ fn traversal_finds_what_brute_force_finds() {
         assert_eq!(accel.occluded(&ray, &AcceptAll), found.is_some());
         hits += u32::from(expected.is_some());
         match (expected, found) {
-            (Some((triangle, t)), Some(hit)) if triangle == hit.triangle => {
+            (Some((triangle, t)), Some(hit)) if Primitive::Triangle(triangle) == hit.primitive => {
                 assert!((f64::from(hit.t) - t).abs() < 1e-4 * t.max(1e-2), "{t} {}", hit.t);
             }
             (None, None) => {}
@@ -130,12 +132,13 @@ fn traversal_finds_what_brute_force_finds() {
     assert!(hits > 400 && differing <= 2, "{hits} hits, {differing} differ");
 }
 
-/// Lets every other ray through every other triangle.
+/// Lets every other ray through every other primitive.
 pub(super) struct Sieve;
 
 impl HitFilter for Sieve {
-    fn accept(&self, triangle: u32, _: [f32; 2], ray: &Ray) -> bool {
-        (triangle ^ ray.direction.x.to_bits()) & 1 == 0
+    fn accept(&self, primitive: Primitive, _: [f32; 2], ray: &Ray) -> bool {
+        let (Primitive::Triangle(index) | Primitive::Quadric(index)) = primitive;
+        (index ^ ray.direction.x.to_bits()) & 1 == 0
     }
 }
 
@@ -162,7 +165,7 @@ fn spheres() -> Accel {
         (1, Place::World),
     ];
     let placements = placements.map(|(group, place)| Placement { group, place });
-    Accel::build(&g, &[0..triangles, triangles..2 * triangles], placements.into())
+    Accel::build(&g, &[(0..triangles).into(), (triangles..2 * triangles).into()], placements.into())
 }
 
 #[test]
@@ -221,27 +224,26 @@ pub(super) fn mixed(numbers: &mut Numbers, triangles: usize, spheres: usize) -> 
     let spheres: Vec<_> =
         (0..spheres).map(|_| Sphere { centre: numbers.point(), radius: 0.02 + 0.1 * numbers.next() }).collect();
     for &sphere in &spheres {
-        let (first_corner, first_triangle) = (g.positions.len() as u32, g.triangles.len() as u32);
-        g.positions.extend([sphere.centre - sphere.radius, sphere.centre + sphere.radius]);
-        let corners = [first_corner, first_corner + 1, first_corner];
-        g.triangles.push(Triangle { corners, mesh: g.meshes.len() as u32 });
-        g.meshes.push(MeshRange { first_triangle, sphere: Some(sphere), ..mesh_of(1) });
+        let mesh = g.meshes.len() as u32;
+        let bounds = (sphere.centre - sphere.radius, sphere.centre + sphere.radius);
+        g.meshes.push(MeshRange { quadric: Some(g.quadrics.len() as u32), ..mesh_of(0) });
+        g.quadrics.push(PlacedQuadric { quadric: Quadric::Sphere(sphere), mesh, bounds });
     }
     (g, spheres)
 }
 
 /// The nearest of triangles and spheres in f64.
-fn brute_force_mixed(g: &Geometry, spheres: &[Sphere], ray: &Ray) -> Option<(u32, f64)> {
-    let first = g.triangles.len() as u32 - spheres.len() as u32;
+fn brute_force_mixed(g: &Geometry, spheres: &[Sphere], ray: &Ray) -> Option<(Primitive, f64)> {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-    let of_spheres = (first..).zip(spheres).flat_map(|(id, sphere)| {
+    let of_spheres = (0..).map(Primitive::Quadric).zip(spheres).flat_map(|(id, sphere)| {
         let f = o - sphere.centre.as_dvec3();
         let (a, b, c) = (d.dot(d), f.dot(d), f.dot(f) - f64::from(sphere.radius).powi(2));
         let root = (b * b - a * c).sqrt();
         [(-b - root) / a, (-b + root) / a].map(|t| (id, t))
     });
     let nearest = of_spheres.filter(|&(_, t)| t > 0.0);
-    nearest.chain(brute_force(g, ray)).min_by(|a, b| a.1.total_cmp(&b.1))
+    let of_triangles = brute_force(g, ray).map(|(triangle, t)| (Primitive::Triangle(triangle), t));
+    nearest.chain(of_triangles).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 #[test]
@@ -263,12 +265,12 @@ fn spheres_are_met_among_triangles() {
         for ((ray, hit), occluded) in rays.iter().zip(&hits).zip(occluded) {
             assert_eq!(occluded, hit.is_some());
             match (brute_force_mixed(&g, &spheres, ray), hit) {
-                (Some((id, t)), Some(hit)) if id == hit.triangle => {
+                (Some((primitive, t)), Some(hit)) if primitive == hit.primitive => {
                     assert!((f64::from(hit.t) - t).abs() < 1e-4 * t.max(1e-1), "{t} {}", hit.t);
                     let point = SurfacePoint::new(&g, &accel, hit, 0.0);
                     let tolerance = 1e-5 + 4.0 * point.error.max_element();
                     assert!((point.position - ray.at(hit.t)).length() < tolerance, "{point:?}");
-                    on_spheres += u32::from(g.meshes[point.mesh as usize].sphere.is_some());
+                    on_spheres += u32::from(g.meshes[point.mesh as usize].quadric.is_some());
                 }
                 (None, None) => {}
                 // Rays through an edge or at the rim may be decided differently in f32.
@@ -308,9 +310,9 @@ fn a_mesh_built_in_chunks_is_met_as_its_parts_are() {
     let mut numbers = Numbers(11);
     let g = sphere(200, 400);
     let count = g.triangles.len() as u32;
-    let in_parts: Vec<_> = (0..4).map(|i| count * i / 4..count * (i + 1) / 4).collect();
+    let in_parts = [0, 1, 2, 3].map(|i| count * i / 4..count * (i + 1) / 4);
     let placements = (0..4).map(|group| Placement { group, place: Place::World }).collect();
-    let (whole, parts) = (in_world(&g), Accel::build(&g, &in_parts, placements));
+    let (whole, parts) = (in_world(&g), Accel::build(&g, &in_parts.map(PrimitiveRange::from), placements));
     assert_eq!(whole.bounds(), parts.bounds());
     for _ in 0..5_000 {
         let direction = warp::uniform_sphere([numbers.next(), numbers.next()]);
@@ -333,7 +335,7 @@ fn rays_that_leave_a_surface_do_not_meet_it_again() {
     let placed =
         Placement { group: 0, place: Place::Still(Transform { to_world: transform, to_group: transform.inverse() }) };
     let all = 0..g.triangles.len() as u32;
-    for accel in [in_world(&g), Accel::build(&g, &[all], vec![placed])] {
+    for accel in [in_world(&g), Accel::build(&g, &[all.into()], vec![placed])] {
         let (low, high) = accel.bounds();
         let centre = (low + high) * 0.5;
         for _ in 0..20_000 {
@@ -347,7 +349,7 @@ fn rays_that_leave_a_surface_do_not_meet_it_again() {
             let leaving =
                 Ray::new(offset_origin(point.position, point.error, point.geometric_normal, outward), grazing);
             let again = accel.closest(&leaving, &AcceptAll);
-            assert!(again.is_none_or(|h| h.triangle != hit.triangle), "{leaving:?} {again:?}");
+            assert!(again.is_none_or(|h| h.primitive != hit.primitive), "{leaving:?} {again:?}");
         }
     }
 }
@@ -361,7 +363,7 @@ fn instances_stand_where_their_transforms_put_them() {
     };
     let placements: Vec<_> = (0..40).map(|i| at(4.0 * i as f32, if i % 2 == 0 { 1.0 } else { 0.5 })).collect();
     let all = 0..g.triangles.len() as u32;
-    let accel = Accel::build(&g, &[all], placements);
+    let accel = Accel::build(&g, &[all.into()], placements);
     for i in 0..40 {
         let hit = accel.closest(&Ray::new(Vec3::new(4.0 * i as f32 + 0.1, 5.0, 0.1), Vec3::NEG_Y), &AcceptAll);
         let hit = hit.expect("straight above a sphere");
@@ -385,7 +387,11 @@ fn tiny_trees_are_trees_too() {
         let g = geometry(&column);
         let accel = in_world(&g);
         let hit = accel.closest(&Ray::new(Vec3::new(0.0, 100.0, 0.0), Vec3::NEG_Y), &AcceptAll).expect("a hit");
-        assert_eq!((hit.triangle, hit.t), (count - 1, 100.0 - (count - 1) as f32), "{count} triangles");
+        assert_eq!(
+            (hit.primitive, hit.t),
+            (Primitive::Triangle(count - 1), 100.0 - (count - 1) as f32),
+            "{count} triangles"
+        );
     }
 }
 

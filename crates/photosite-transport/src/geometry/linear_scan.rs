@@ -1,17 +1,15 @@
 //! The strategy for scenes of few primitives: every primitive is tested against as many rays at a time as a register has lanes,
 //! which takes less time than to find those that may be in the way of each ray ([`LINEAR_SCAN_MAX`]).
 //!
-//! The tests are those of [`triangle_block`](super::triangle_block) and [`Sphere`], operation by operation, so that a ray meets a
+//! The tests are those of [`triangle_block`](super::triangle_block) and [`Quadric`], operation by operation, so that a ray meets a
 //! primitive at the same distance in either way.
-
-use std::ops::Range;
 
 use glam::Vec3;
 
-use super::accel::HitFilter;
+use super::accel::{HitFilter, PrimitiveRange};
 use super::bounds::Bounds;
 use super::triangle_block::{distance_error, double_area, error_of_sum, longest_axis};
-use super::{Geometry, Hit, Ray, Sphere};
+use super::{Geometry, Hit, Primitive, Quadric, Ray};
 use crate::tuning::{LINEAR_SCAN_BATCH, LINEAR_SCAN_MAX};
 use photosite_core::math::{Real, Vector};
 use photosite_simd::{IdLanes, LaneMask, MAX_LANES, Simd, WideLanes};
@@ -22,8 +20,8 @@ pub(super) struct LinearScan {
     /// Each once.
     vertices: Vec<Vec3>,
     triangles: Vec<PackedTriangle>,
-    /// Spheres with their triangles' indices in the geometry.
-    spheres: Vec<(Sphere, u32)>,
+    /// With their indices in the geometry.
+    quadrics: Vec<(u32, Quadric)>,
     bounds: Bounds,
 }
 
@@ -39,17 +37,15 @@ struct PackedTriangle {
 const NONE: u32 = u32::MAX;
 
 impl LinearScan {
-    /// Of a range of triangles, with the spheres that some stand for, all within `bounds`; `None` where they are too many.
-    pub(super) fn new(geometry: &Geometry, range: Range<u32>, bounds: Bounds) -> Option<Self> {
+    /// Of a range of primitives, all within `bounds`; `None` where they are too many.
+    pub(super) fn new(geometry: &Geometry, range: &PrimitiveRange, bounds: Bounds) -> Option<Self> {
         if range.len() > LINEAR_SCAN_MAX {
             return None;
         }
-        let mut scan = Self { vertices: Vec::new(), triangles: Vec::new(), spheres: Vec::new(), bounds };
-        for id in range {
-            if let Some(sphere) = geometry.sphere(id) {
-                scan.spheres.push((sphere, id));
-                continue;
-            }
+        let mut scan = Self { vertices: Vec::new(), triangles: Vec::new(), quadrics: Vec::new(), bounds };
+        let quadric = |id: u32| (id, geometry.quadrics[id as usize].quadric);
+        scan.quadrics.extend(range.quadrics.clone().map(quadric));
+        for id in range.triangles.clone() {
             let mut index = |corner: Vec3| {
                 let bits = |v: &Vec3| v.to_array().map(f32::to_bits);
                 let known = scan.vertices.iter().position(|vertex| bits(vertex) == bits(&corner));
@@ -99,12 +95,12 @@ impl LinearScan {
         let zero = packet.simd.broadcast_wide(0.0);
         let ([ox, oy, oz], [dx, dy, dz]) = (packet.origin, packet.direction);
         let (origin, direction) = (Vector::new(ox, oy, oz), Vector::new(dx, dy, dz));
-        for (index, (sphere, id)) in (self.triangles.len()..).zip(&self.spheres) {
+        for (index, (id, quadric)) in (self.triangles.len()..).zip(&self.quadrics) {
             // The nearer side first: the query has shortened the rays before the farther one is looked at.
-            for t in sphere.sides(origin, direction) {
+            for t in quadric.intersect(origin, direction) {
                 let mut hit = zero.lt(t) & t.lt(query.t_max());
                 if !F::ACCEPTS_ALL {
-                    hit = hit & packet.accepted_on(filter, sphere, *id, hit.bits(), &t.store_wide());
+                    hit = hit & packet.accepted_on(filter, quadric, *id, hit.bits(), &t.store_wide());
                 }
                 if hit.bits() != 0 && query.on_hits(hit, index as u32, t, [zero; 3]) {
                     return;
@@ -135,7 +131,8 @@ impl LinearScan {
             }
             if !F::ACCEPTS_ALL {
                 let uv = [(v / sum).store_wide(), (w / sum).store_wide()];
-                hit = hit & packet.accepted(filter, triangle.id, hit.bits(), &uv);
+                let primitive = Primitive::Triangle(triangle.id);
+                hit = hit & packet.accepted(filter, primitive, hit.bits(), &uv);
             }
             if query.on_hits(hit, index as u32, t, [v, w, sum]) {
                 return;
@@ -167,7 +164,7 @@ pub(super) struct ClosestLanes<S: Simd> {
     simd: S,
     nearest: S::Wide,
     weights: [S::Wide; 3],
-    /// Index of the primitive: the triangles of the scan, then its spheres.
+    /// Index of the primitive: the triangles of the scan, then its quadrics.
     primitive: <S::Wide as WideLanes>::Ids,
 }
 
@@ -203,14 +200,14 @@ impl<S: Simd> LaneQuery<S> for ClosestLanes<S> {
         for (lane, &member) in packet.members.iter().enumerate() {
             let (index, t) = (primitives[lane] as usize, t[lane]);
             let hit = match scan.triangles.get(index) {
-                Some(triangle) => Some((triangle.id, [b1[lane], b2[lane]])),
-                None => scan.spheres.get(index.wrapping_sub(scan.triangles.len())).map(|(sphere, id)| {
+                Some(triangle) => Some((Primitive::Triangle(triangle.id), [b1[lane], b2[lane]])),
+                None => scan.quadrics.get(index.wrapping_sub(scan.triangles.len())).map(|(id, quadric)| {
                     let point = packet.rays[usize::from(member)].at(t);
-                    (*id, sphere.numbers(point))
+                    (Primitive::Quadric(*id), quadric.uv(point))
                 }),
             };
-            if let Some((triangle, barycentric)) = hit {
-                answers[usize::from(member)] = Some(Hit { t, barycentric, triangle, placement: 0 });
+            if let Some((primitive, uv)) = hit {
+                answers[usize::from(member)] = Some(Hit { t, uv, primitive, placement: 0 });
             }
         }
     }
@@ -326,30 +323,36 @@ impl<'a, S: Simd> RayPacket<'a, S> {
         }
     }
 
-    /// Lanes of `hit` in which `filter` accepts the hit of a sphere at t.
+    /// Lanes of `hit` in which `filter` accepts the hit of a quadric at t.
     #[inline(always)]
     fn accepted_on<F: HitFilter>(
         &self,
         filter: &F,
-        sphere: &Sphere,
+        quadric: &Quadric,
         id: u32,
         hit: u32,
         t: &[f32; MAX_LANES],
     ) -> Mask<S> {
         let mut uv = [[0.0; MAX_LANES]; 2];
         for (lane, &member) in self.members.iter().enumerate() {
-            [uv[0][lane], uv[1][lane]] = sphere.numbers(self.rays[usize::from(member)].at(t[lane]));
+            [uv[0][lane], uv[1][lane]] = quadric.uv(self.rays[usize::from(member)].at(t[lane]));
         }
-        self.accepted(filter, id, hit, &uv)
+        self.accepted(filter, Primitive::Quadric(id), hit, &uv)
     }
 
     /// Lanes of `hit` in which `filter` accepts a hit.
     #[inline(always)]
-    fn accepted<F: HitFilter>(&self, filter: &F, id: u32, hit: u32, [u, v]: &[[f32; MAX_LANES]; 2]) -> Mask<S> {
+    fn accepted<F: HitFilter>(
+        &self,
+        filter: &F,
+        primitive: Primitive,
+        hit: u32,
+        [u, v]: &[[f32; MAX_LANES]; 2],
+    ) -> Mask<S> {
         let mut accepted = [0.0; MAX_LANES];
         for (lane, &member) in self.members.iter().enumerate() {
             let is_hit = hit >> lane & 1 != 0;
-            if is_hit && filter.accept(id, [u[lane], v[lane]], &self.rays[usize::from(member)]) {
+            if is_hit && filter.accept(primitive, [u[lane], v[lane]], &self.rays[usize::from(member)]) {
                 accepted[lane] = 1.0;
             }
         }
@@ -491,7 +494,9 @@ mod tests {
         for (triangles, spheres) in [(8, 3), (0, 5)] {
             let (g, _) = mixed(&mut numbers, triangles, spheres);
             let accel = in_world(&g);
-            let corners: Vec<_> = (0..g.triangles.len() as u32).map(|triangle| g.corners(triangle)).collect();
+            // Some rays start in a triangle, and some in a sphere.
+            let mut corners: Vec<_> = (0..g.triangles.len() as u32).map(|triangle| g.corners(triangle)).collect();
+            corners.extend(g.quadrics.iter().map(|placed| [placed.bounds.0, placed.bounds.1, placed.bounds.0]));
             let rays = rays(&mut numbers, 3000, &corners);
             let what = format!("{triangles} triangles, {spheres} spheres");
             let hits = compare(&accel, &rays, &AcceptAll, &what);
@@ -505,7 +510,7 @@ mod tests {
     struct Patches;
 
     impl HitFilter for Patches {
-        fn accept(&self, _: u32, [u, v]: [f32; 2], _: &Ray) -> bool {
+        fn accept(&self, _: Primitive, [u, v]: [f32; 2], _: &Ray) -> bool {
             (u * 7.0).sin() * (v * 5.0).cos() > 0.0
         }
     }

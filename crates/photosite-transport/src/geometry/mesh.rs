@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::Sphere;
+use super::{PlacedQuadric, Primitive};
 use crate::tuning::TRIANGLES_BEYOND_CACHES;
 use photosite_core::math::Real;
 use photosite_simd::prefetch;
@@ -21,6 +21,8 @@ pub struct Triangle {
 pub struct MeshRange {
     /// Handle of the material.
     pub material: u32,
+    /// Number of primitives before it, triangles and quadrics.
+    pub first_primitive: u32,
     /// Handle of the first triangle.
     pub first_triangle: u32,
     /// Number of triangles.
@@ -37,15 +39,14 @@ pub struct MeshRange {
     pub colours_from: Option<u32>,
     /// Index into [`Geometry::deformations`], where the mesh changes its shape in the time of the picture.
     pub deformation: Option<u32>,
-    /// The sphere that its only triangle stands for. The corners of that lie on the diagonal of the sphere's box, so that no ray
-    /// meets the triangle itself.
-    pub sphere: Option<Sphere>,
+    /// Index into [`Geometry::quadrics`], of a mesh that is a quadric and has no triangles.
+    pub quadric: Option<u32>,
 }
 
 impl MeshRange {
     /// Whether it is made of triangles that keep their shape, with no direction marked on it.
     pub(crate) fn is_plain(&self) -> bool {
-        self.tangents_from.is_none() && self.deformation.is_none() && self.sphere.is_none()
+        self.tangents_from.is_none() && self.deformation.is_none() && self.quadric.is_none()
     }
 }
 
@@ -78,6 +79,8 @@ pub struct Geometry {
     pub colours: Vec<Vec4>,
     /// All triangles.
     pub triangles: Vec<Triangle>,
+    /// All quadrics.
+    pub quadrics: Vec<PlacedQuadric>,
     /// Their meshes.
     pub meshes: Vec<MeshRange>,
     /// Meshes that change their shape.
@@ -99,22 +102,39 @@ impl Geometry {
 
     /// Asks the memory for what [`Self::prefetch_corners`] needs.
     #[inline]
-    pub(crate) fn prefetch_triangle(&self, triangle: u32) {
-        prefetch(&self.triangles[triangle as usize]);
+    pub(crate) fn prefetch_primitive(&self, primitive: Primitive) {
+        match primitive {
+            Primitive::Triangle(triangle) => prefetch(&self.triangles[triangle as usize]),
+            Primitive::Quadric(quadric) => prefetch(&self.quadrics[quadric as usize]),
+        }
     }
 
     /// Asks the memory for the corners of a triangle.
     #[inline]
-    pub(crate) fn prefetch_corners(&self, triangle: u32) {
+    pub(crate) fn prefetch_corners(&self, primitive: Primitive) {
+        let Primitive::Triangle(triangle) = primitive else { return };
         for corner in self.triangles[triangle as usize].corners {
             prefetch(&self.positions[corner as usize]);
         }
     }
 
-    /// The sphere that a triangle stands for.
+    /// Index of the mesh of a primitive.
     #[inline]
-    pub(super) fn sphere(&self, triangle: u32) -> Option<Sphere> {
-        self.meshes[self.triangles[triangle as usize].mesh as usize].sphere
+    pub fn mesh_of(&self, primitive: Primitive) -> u32 {
+        match primitive {
+            Primitive::Triangle(triangle) => self.triangles[triangle as usize].mesh,
+            Primitive::Quadric(quadric) => self.quadrics[quadric as usize].mesh,
+        }
+    }
+
+    /// The number of a primitive in the order in which meshes were added: another one for each, of whatever kind.
+    #[inline]
+    pub(crate) fn number(&self, primitive: Primitive) -> u32 {
+        let mesh = &self.meshes[self.mesh_of(primitive) as usize];
+        match primitive {
+            Primitive::Triangle(triangle) => mesh.first_primitive + (triangle - mesh.first_triangle),
+            Primitive::Quadric(_) => mesh.first_primitive,
+        }
     }
 
     /// Corner positions of a triangle at a time from 0 to 1.
@@ -162,27 +182,28 @@ impl Geometry {
         })
     }
 
-    /// UV coordinates at a barycentric point, where the mesh has that set.
+    /// UV coordinates of a set at a point of a primitive, where its mesh has that set. Quadrics have the same ones in all sets.
     #[inline]
-    pub fn uv(&self, triangle: u32, barycentric: [f32; 2], set: usize) -> Vec2 {
-        let triangle = &self.triangles[triangle as usize];
-        let uvs = &self.uvs[set];
-        let mesh = &self.meshes[triangle.mesh as usize];
-        if mesh.sphere.is_some() {
-            return Sphere::uv(Sphere::normal(barycentric));
-        }
-        match mesh.uvs_from[set] {
-            Some(from) => interpolate(triangle.corners.map(|c| uvs[(c - from) as usize]), barycentric),
-            None => Vec2::ZERO,
+    pub fn uv(&self, primitive: Primitive, uv: [f32; 2], set: usize) -> Vec2 {
+        match primitive {
+            Primitive::Triangle(triangle) => {
+                let triangle = &self.triangles[triangle as usize];
+                let uvs = &self.uvs[set];
+                match self.meshes[triangle.mesh as usize].uvs_from[set] {
+                    Some(from) => interpolate(triangle.corners.map(|c| uvs[(c - from) as usize]), uv),
+                    None => Vec2::ZERO,
+                }
+            }
+            Primitive::Quadric(quadric) => self.quadrics[quadric as usize].quadric.texture_coordinates(uv),
         }
     }
 
-    /// Linear RGBA at a barycentric point, where the mesh has colours.
+    /// Linear RGBA at a point of a primitive, where its mesh has colours.
     #[inline]
-    pub fn colour(&self, triangle: u32, barycentric: [f32; 2]) -> Option<Vec4> {
-        let triangle = &self.triangles[triangle as usize];
+    pub fn colour(&self, primitive: Primitive, uv: [f32; 2]) -> Option<Vec4> {
+        let triangle = &self.triangles[primitive.triangle()? as usize];
         let from = self.meshes[triangle.mesh as usize].colours_from?;
-        Some(interpolate(triangle.corners.map(|c| self.colours[(c - from) as usize]), barycentric))
+        Some(interpolate(triangle.corners.map(|c| self.colours[(c - from) as usize]), uv))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Rays, triangle meshes, spheres and where they meet.
+//! Rays, triangle meshes, spheres, disks, cylinders, and where they meet.
 //!
 //! In: meshes and placements in metres. Out: the nearest [`Hit`] of a ray, or whether anything is in its way, and the
 //! [`SurfacePoint`] of a hit. What a surface does to light is left to [`bsdf`](crate::bsdf) and [`scene`](crate::scene).
@@ -17,19 +17,21 @@ mod linear_scan;
 mod mesh;
 mod motion;
 mod point;
+mod primitive;
+mod quadric;
 mod ray;
-mod sphere;
 mod traversal_stack;
 mod triangle_block;
 mod wide_bvh;
 mod wide_node;
 
-pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement};
+pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement, PrimitiveRange};
 pub(crate) use mesh::interpolate;
 pub use mesh::{Deformation, Geometry, MeshRange, Triangle};
 pub use motion::{Motion, Transform};
 pub use point::SurfacePoint;
 pub(crate) use point::on_triangle;
+pub use primitive::Primitive;
+pub use quadric::{Cylinder, Disk, PlacedQuadric, Quadric, QuadricKind, Sphere};
 pub(crate) use ray::offset;
 pub use ray::{Hit, Ray, offset_origin};
-pub use sphere::Sphere;

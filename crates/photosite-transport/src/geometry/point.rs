@@ -3,7 +3,8 @@
 use glam::{Vec2, Vec3, Vec3A};
 
 use super::mesh::interpolate;
-use super::{Accel, Geometry, Hit, Sphere};
+use super::quadric::QuadricPoint;
+use super::{Accel, Geometry, Hit, Primitive};
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
 
@@ -14,7 +15,7 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Bound on the rounding error of the position, per axis, m.
     pub error: Vec3,
-    /// Unit normal of the triangle; its front is where the corners run counter-clockwise.
+    /// Unit normal; the front of a triangle is where its corners run counter-clockwise.
     pub geometric_normal: Vec3,
     /// Unit shading normal, on the same side as the geometric one unless the file's normals say otherwise.
     pub shading_normal: Vec3,
@@ -22,14 +23,14 @@ pub struct SurfacePoint {
     pub tangent: Vec3,
     /// ±1: bitangent = handedness · normal × tangent.
     pub handedness: f32,
-    /// Triangle in the geometry.
-    pub triangle: u32,
-    /// Mesh of the triangle.
+    /// The primitive.
+    pub primitive: Primitive,
+    /// Mesh of the primitive.
     pub mesh: u32,
     /// Material of the mesh.
     pub material: u32,
-    /// Where on the triangle.
-    pub barycentric: [f32; 2],
+    /// Where on the primitive, as a [`Hit`] tells it.
+    pub parameters: [f32; 2],
     /// When, from 0 to 1.
     pub time: f32,
 }
@@ -38,32 +39,17 @@ impl SurfacePoint {
     /// The point of a hit by a ray of that time.
     #[inline]
     pub fn new(geometry: &Geometry, accel: &Accel, hit: &Hit, time: f32) -> Self {
-        let triangle = &geometry.triangles[hit.triangle as usize];
+        let triangle = match hit.primitive {
+            Primitive::Triangle(triangle) => &geometry.triangles[triangle as usize],
+            Primitive::Quadric(quadric) => return Self::on_quadric(geometry, quadric, hit, time),
+        };
         let mesh = &geometry.meshes[triangle.mesh as usize];
-        if let Some(sphere) = &mesh.sphere {
-            let normal = Sphere::normal(hit.barycentric);
-            let (position, error) = sphere.point(normal);
-            return Self {
-                position,
-                error,
-                geometric_normal: normal,
-                shading_normal: normal,
-                tangent: mesh.tangents_from.map_or(Vec3::ZERO, |_| Sphere::tangent(normal)),
-                handedness: 1.0,
-                triangle: hit.triangle,
-                mesh: triangle.mesh,
-                material: mesh.material,
-                barycentric: hit.barycentric,
-                time,
-            };
-        }
         let [a, b, c] = geometry.corners_of(triangle, mesh, time);
-        let (position, error, normal) = on_triangle([a, b, c].map(Vector::from), hit.barycentric);
+        let (position, error, normal) = on_triangle([a, b, c].map(Vector::from), hit.uv);
         let (mut position, mut error, mut normal) = (Vec3::from(position), Vec3::from(error), Vec3::from(normal));
-        let mut shading =
-            geometry.corner_normals(triangle, mesh, time).map(|normals| interpolate(normals, hit.barycentric));
+        let mut shading = geometry.corner_normals(triangle, mesh, time).map(|normals| interpolate(normals, hit.uv));
         let tangent = mesh.tangents_from.map(|from| {
-            interpolate(triangle.corners.map(|corner| geometry.tangents[(corner - from) as usize]), hit.barycentric)
+            interpolate(triangle.corners.map(|corner| geometry.tangents[(corner - from) as usize]), hit.uv)
         });
         let mut along = tangent.map_or(Vec3::ZERO, |t| t.truncate());
         let mut handedness = tangent.map_or(1.0, |t| 1f32.copysign(t.w));
@@ -93,10 +79,30 @@ impl SurfacePoint {
             shading_normal: shading.and_then(Vec3::try_normalize).unwrap_or(geometric_normal),
             tangent: along,
             handedness,
-            triangle: hit.triangle,
+            primitive: hit.primitive,
             mesh: triangle.mesh,
             material: mesh.material,
-            barycentric: hit.barycentric,
+            parameters: hit.uv,
+            time,
+        }
+    }
+
+    /// Quadrics are in world space: no transform follows.
+    fn on_quadric(geometry: &Geometry, quadric: u32, hit: &Hit, time: f32) -> Self {
+        let placed = &geometry.quadrics[quadric as usize];
+        let mesh = &geometry.meshes[placed.mesh as usize];
+        let QuadricPoint { position, error, normal, tangent } = placed.quadric.point(hit.uv);
+        Self {
+            position,
+            error,
+            geometric_normal: normal,
+            shading_normal: normal,
+            tangent: mesh.tangents_from.map_or(Vec3::ZERO, |_| tangent),
+            handedness: 1.0,
+            primitive: hit.primitive,
+            mesh: placed.mesh,
+            material: mesh.material,
+            parameters: hit.uv,
             time,
         }
     }
@@ -104,7 +110,7 @@ impl SurfacePoint {
     /// UV coordinates of a set.
     #[inline]
     pub fn uv(&self, geometry: &Geometry, set: usize) -> Vec2 {
-        geometry.uv(self.triangle, self.barycentric, set)
+        geometry.uv(self.primitive, self.parameters, set)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::Primitive;
 use photosite_core::math::{Real, Vector};
 
 /// A ray from `origin` along `direction`; points on it are origin + t·direction for 0 < t < `t_max`.
@@ -38,16 +39,16 @@ impl Ray {
     }
 }
 
-/// Where a ray meets a triangle or a sphere.
+/// Where a ray meets a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Ray parameter.
     pub t: f32,
-    /// Barycentric weights of the triangle's second and third corner; for a [`Sphere`](super::Sphere) what tells the direction from
-    /// its centre.
-    pub barycentric: [f32; 2],
-    /// Index of the triangle in [`Geometry`](super::Geometry).
-    pub triangle: u32,
+    /// Where on the primitive: barycentric weights of a triangle's second and third corner, the parameters of a
+    /// [`Quadric`](super::Quadric).
+    pub uv: [f32; 2],
+    /// The primitive.
+    pub primitive: Primitive,
     /// Index of the placement in [`Accel`](super::Accel).
     pub placement: u32,
 }

@@ -8,7 +8,6 @@
 
 use glam::Vec3;
 
-use super::Sphere;
 use photosite_core::math::Real;
 use photosite_core::math::float::gamma;
 use photosite_simd::{LaneMask, Lanes, Simd};
@@ -71,21 +70,6 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
             }
         }
         Some(block)
-    }
-
-    /// A block that holds a sphere instead: its centre in the place of the first vertex, and its radius beside that.
-    pub(super) fn of_sphere(id: u32, sphere: &Sphere) -> Self {
-        let mut block =
-            Self { vertices: [[[0.0; BLOCK_SIZE]; 3]; SHAPES], corners: [[0; BLOCK_SIZE]; 3], ids: [id; BLOCK_SIZE] };
-        (0..3).for_each(|axis| block.vertices[0][axis][0] = sphere.centre[axis]);
-        block.vertices[0][0][1] = sphere.radius;
-        block
-    }
-
-    /// The sphere of [`of_sphere`](Self::of_sphere).
-    pub(super) fn sphere(&self) -> Sphere {
-        let [[x, radius, ..], [y, ..], [z, ..]] = self.vertices[0];
-        Sphere { centre: Vec3::new(x, y, z), radius }
     }
 
     /// Vertices along an axis, so far on the way from the first shape to the second.

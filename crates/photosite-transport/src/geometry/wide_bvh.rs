@@ -79,10 +79,10 @@ impl WideBvh {
         prefer_huge_pages(&self.nodes);
     }
 
-    /// Takes in another hierarchy, whose leaves' numbers grow by `first_leaf`; returns its root.
-    pub(super) fn append(&mut self, other: &Self, first_leaf: u32) -> u32 {
+    /// Takes in another hierarchy, whose leaves get the numbers that `renumbered` gives for theirs; returns its root.
+    pub(super) fn append(&mut self, other: &Self, renumbered: impl Fn(u32) -> u32) -> u32 {
         let root = self.nodes.len() as u32;
-        let moved = |child: u32| child + if child & LEAF != 0 { first_leaf } else { root };
+        let moved = |child: u32| if child & LEAF != 0 { LEAF | renumbered(child & !LEAF) } else { child + root };
         self.nodes.extend(other.nodes.iter().map(|node| node.with_children(moved)));
         root
     }

@@ -72,10 +72,10 @@ impl ActivePaths {
 fn prefetch_corners(geometry: &Geometry, hits: &[Option<Hit>]) {
     const DISTANCE: usize = 4;
     if let Some(Some(hit)) = hits.get(2 * DISTANCE) {
-        geometry.prefetch_triangle(hit.triangle);
+        geometry.prefetch_primitive(hit.primitive);
     }
     if let Some(Some(hit)) = hits.get(DISTANCE) {
-        geometry.prefetch_corners(hit.triangle);
+        geometry.prefetch_corners(hit.primitive);
     }
 }
 

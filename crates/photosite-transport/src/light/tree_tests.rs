@@ -70,6 +70,7 @@ fn lot(count: u32, seed: u64) -> Lot {
     lot.geometry.deformations.push(Deformation { first_corner: 0, corner_count, positions, normals: Vec::new() });
     lot.geometry.meshes.push(MeshRange {
         material: 0,
+        first_primitive: 0,
         first_triangle: 0,
         triangle_count: corner_count / 3,
         first_light: None,
@@ -78,7 +79,7 @@ fn lot(count: u32, seed: u64) -> Lot {
         uvs_from: [None; 2],
         colours_from: None,
         deformation: Some(0),
-        sphere: None,
+        quadric: None,
     });
     lot
 }

@@ -15,7 +15,10 @@ use super::{
     Material, NormalMap, Scene, Tabled,
 };
 use crate::bsdf::{Ggx, Map, MapAll, Mix, Model, RelativeIndex};
-use crate::geometry::{Accel, Deformation, Geometry, MeshRange, Motion, Place, Placement, Sphere, Transform, Triangle};
+use crate::geometry::{
+    Accel, Deformation, Geometry, MeshRange, Motion, Place, PlacedQuadric, Placement, Primitive, PrimitiveRange,
+    Transform, Triangle,
+};
 use crate::light::{
     DirectionalLight, Environment, EnvironmentPicture, Light, LightTables, Lights, PointLight, ProfileLight, Projector,
     ProjectorLight, Sky, SpotLight, SurfaceEmission, Tint, TriangleLight,
@@ -49,7 +52,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         place(meshes, &instances, |material| emissions[material].is_some());
     let (low, high) = accel.bounds();
     // The size weighs light from afar against tables. Without geometry there is none, and any will do.
-    let radius = if geometry.triangles.is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
+    let radius = if accel.placements().is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
 
     let mut all =
         LightList { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
@@ -234,8 +237,11 @@ impl Builder<'_> {
                 let points = (0..16).map(|i| {
                     let u = [(i % 4) as f32 * 0.25 + 0.125, (i / 4) as f32 * 0.25 + 0.125];
                     let barycentric = photosite_core::math::warp::uniform_triangle(u);
-                    let [r, g, b, _] =
-                        texture.sample_rgba_srgb(geometry.uv(triangle, barycentric, texture.uv_set as usize));
+                    let [r, g, b, _] = texture.sample_rgba_srgb(geometry.uv(
+                        Primitive::Triangle(triangle),
+                        barycentric,
+                        texture.uv_set as usize,
+                    ));
                     f64::from(emission.surface.tinted([r, g, b]).iter().sum::<f32>()) / 3.0
                 });
                 points.sum::<f64>() / 16.0
@@ -426,7 +432,7 @@ fn place(
         let mesh = &meshes[instance.mesh];
         let emitting = emits(mesh.material);
         let range = append(geometry, mesh, &instance.to_world, emitting.then_some(light_count));
-        if emitting {
+        if emitting && !range.is_empty() {
             light_count += range.len() as u32;
             emitters.push(range.clone());
         }
@@ -437,9 +443,10 @@ fn place(
         // All of these have the first placement.
         table.surfaces[index] = [geometry.meshes.len() as u32 - 1, 0];
     }
-    let world_end = geometry.triangles.len() as u32;
-    if world_end > 0 {
-        groups.push(0..world_end);
+    let in_world =
+        PrimitiveRange { triangles: 0..geometry.triangles.len() as u32, quadrics: 0..geometry.quadrics.len() as u32 };
+    if in_world != PrimitiveRange::default() {
+        groups.push(in_world);
         placements.push(Placement { group: 0, place: Place::World });
         table.of_placement.push(None);
     }
@@ -449,13 +456,13 @@ fn place(
         table.surfaces[index] = [geometry.meshes.len() as u32 - 1, placements.len() as u32];
         placements.push(Placement { group: groups.len() as u32, place: Place::World });
         table.of_placement.push(None);
-        groups.push(range);
+        groups.push(range.into());
     }
     for (index, mesh) in meshes.iter().enumerate().filter(|&(index, _)| uses[index] > 0) {
         let mut group = None;
         for (number, i) in laid_out(Layout::Placed).filter(|(_, i)| i.mesh == index) {
             let group = *group.get_or_insert_with(|| {
-                groups.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None));
+                groups.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None).into());
                 (groups.len() - 1) as u32
             });
             let place = match moves_from(&i.to_world, &i.later) {
@@ -527,6 +534,7 @@ fn append(
     let from = |present: bool, at: usize| present.then_some(base.wrapping_sub(at as u32));
     let range = MeshRange {
         material: mesh.material as u32,
+        first_primitive: first_triangle + geometry.quadrics.len() as u32,
         first_triangle,
         triangle_count: mesh.triangles.len() as u32,
         first_light,
@@ -535,11 +543,14 @@ fn append(
         uvs_from: [0, 1].map(|set| from(mesh.uvs.len() > set, geometry.uvs[set].len())),
         colours_from: from(!mesh.colours.is_empty(), geometry.colours.len()),
         deformation: None,
-        sphere: mesh.is_sphere.then(|| Sphere {
-            centre: to_world.translation.as_vec3(),
-            radius: to_world.matrix3.x_axis.length() as f32,
-        }),
+        quadric: None,
     };
+    let mesh_handle = geometry.meshes.len() as u32;
+    if let Some(kind) = mesh.quadric {
+        geometry.meshes.push(MeshRange { quadric: Some(geometry.quadrics.len() as u32), ..range });
+        geometry.quadrics.push(PlacedQuadric::new(kind, to_world, mesh_handle));
+        return first_triangle..first_triangle;
+    }
     geometry.positions.extend(mesh.positions.iter().map(point));
     geometry.normals.extend(mesh.normals.iter().map(normal));
     let mirrored = to_world.matrix3.determinant() < 0.0;
@@ -552,7 +563,6 @@ fn append(
         all.extend_from_slice(own);
     }
     geometry.colours.extend_from_slice(&mesh.colours);
-    let mesh_handle = geometry.meshes.len() as u32;
     geometry.triangles.extend(mesh.triangles.iter().map(|&[a, b, c]| {
         // A mirroring transform turns corners clockwise; the front stays the front.
         let corners = if mirrored { [a, c, b] } else { [a, b, c] };

@@ -11,7 +11,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 pub use crate::bsdf::models::*;
 use crate::bsdf::{Form, Ggx, Map, MapAll};
 pub use crate::bsdf::{Mix, Model};
-use crate::geometry::Motion;
+use crate::geometry::{Motion, QuadricKind};
 use crate::light::{Profile, SkyConditions};
 use crate::texture::{Bitmap, SamplerSettings, UvTransform};
 use photosite_core::Invalid;
@@ -48,7 +48,13 @@ impl SceneDescription {
         let corners =
             |hash: u64, [a, b, c]: &[u32; 3]| hash64(hash, u64::from(*a) << 42 ^ u64::from(*b) << 21 ^ u64::from(*c));
         let of_meshes = self.meshes.iter().fold(self.meshes.len() as u64, |hash, mesh| {
-            let named = hash64(text(hash, &mesh.name), u64::from(mesh.is_sphere));
+            let kind = match mesh.quadric {
+                None => 0,
+                Some(QuadricKind::Sphere) => 1,
+                Some(QuadricKind::Disk) => 2,
+                Some(QuadricKind::Cylinder) => 3,
+            };
+            let named = hash64(text(hash, &mesh.name), kind);
             mesh.triangles.iter().fold(hash64(named, mesh.triangles.len() as u64), corners)
         });
         self.instances.iter().fold(of_meshes, |hash, instance| hash64(text(hash, &instance.name), instance.mesh as u64))
@@ -76,18 +82,14 @@ pub struct MeshDescription {
     pub triangles: Vec<[u32; 3]>,
     /// The shapes that follow in the time of the picture, at evenly spaced times, where the mesh deforms.
     pub later_shapes: Vec<ShapeDescription>,
-    /// Whether it is the sphere of radius 1 about the origin in place of triangles; see
-    /// [`unit_sphere`](Self::unit_sphere).
-    pub is_sphere: bool,
+    /// The unit shape that it is in place of triangles; see [`of_quadric`](Self::of_quadric).
+    pub quadric: Option<QuadricKind>,
 }
 
 impl MeshDescription {
-    /// The sphere of radius 1 about the origin, for one instance that moves it and makes it larger or smaller, no more.
-    /// `positions` are two opposite corners of its box, and `triangles` is one between them, without an area, that
-    /// stands for it.
-    pub fn unit_sphere(name: String, material: usize) -> Self {
-        let positions = vec![Vec3::NEG_ONE, Vec3::ONE];
-        Self { name, material, positions, triangles: vec![[0, 1, 0]], is_sphere: true, ..Self::default() }
+    /// A quadric of unit size, for one instance that moves, turns and scales it. `positions` are corners of a box around it.
+    pub fn of_quadric(kind: QuadricKind, name: String, material: usize) -> Self {
+        Self { name, material, positions: kind.corners(), quadric: Some(kind), ..Self::default() }
     }
 }
 

@@ -19,7 +19,7 @@ pub use material::{
 pub use shading::Shading;
 
 use crate::bsdf::{Mix, Model, SceneTraits};
-use crate::geometry::{self, Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Ray, SurfacePoint};
+use crate::geometry::{self, Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Primitive, Ray, SurfacePoint};
 use crate::light::{
     Choice, LiContext, LightRay, LightSample, LightSampleContext, Lights, SurfaceEmission, Tint, TriangleLight,
 };
@@ -147,7 +147,7 @@ impl Scene {
 
     /// Index of the instance that was hit, in the description that the scene was built from.
     pub fn instance(&self, hit: &Hit) -> u32 {
-        let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
+        let mesh = self.geometry.mesh_of(hit.primitive);
         self.instances.of_placement[hit.placement as usize].unwrap_or_else(|| self.instances.of_mesh[mesh as usize])
     }
 
@@ -158,17 +158,20 @@ impl Scene {
         if std::ptr::eq(self, other) {
             return Some(*hit);
         }
-        let own = self.geometry.triangles[hit.triangle as usize];
-        let number = hit.triangle - self.geometry.meshes[own.mesh as usize].first_triangle;
         let &[mesh, placement] = other.instances.surfaces.get(self.instance(hit) as usize)?;
-        let range = other.geometry.meshes.get(mesh as usize).filter(|range| number < range.triangle_count)?;
-        let triangle = range.first_triangle + number;
+        let range = other.geometry.meshes.get(mesh as usize)?;
+        let Primitive::Triangle(triangle) = hit.primitive else {
+            return Some(Hit { primitive: Primitive::Quadric(range.quadric?), placement, ..*hit });
+        };
+        let own = self.geometry.triangles[triangle as usize];
+        let number = triangle - self.geometry.meshes[own.mesh as usize].first_triangle;
+        let triangle = Some(range.first_triangle + number).filter(|_| number < range.triangle_count)?;
         // Corners of meshes that a mirror put into the world are in the other order.
         let second = |triangle: geometry::Triangle| triangle.corners[1].wrapping_sub(triangle.corners[0]);
         let is_turned = second(own) != second(other.geometry.triangles[triangle as usize]);
-        let [b1, b2] = hit.barycentric;
-        let barycentric = if is_turned { [b2, b1] } else { [b1, b2] };
-        Some(Hit { t: hit.t, barycentric, triangle, placement })
+        let [b1, b2] = hit.uv;
+        let uv = if is_turned { [b2, b1] } else { [b1, b2] };
+        Some(Hit { t: hit.t, uv, primitive: Primitive::Triangle(triangle), placement })
     }
 
     /// Radiance that a surface point emits towards the unit direction `wo`.
@@ -178,7 +181,7 @@ impl Scene {
         if !emission.two_sided && wo.dot(point.geometric_normal) <= 0.0 {
             return SampledSpectrum::ZERO;
         }
-        self.emitted_at(emission, point.triangle, point.barycentric, wavelengths)
+        self.emitted_at(emission, point.primitive, point.parameters, wavelengths)
     }
 
     /// The medium that light from `point` to the unit direction `wo` has come through, where `point` is seen from
@@ -218,7 +221,7 @@ impl Scene {
     /// own, and with nothing that absorbs around it.
     #[inline]
     pub(crate) fn diffuse_surface(&self, hit: &Hit) -> Option<ColourSource> {
-        let mesh = self.geometry.triangles[hit.triangle as usize].mesh;
+        let mesh = self.geometry.mesh_of(hit.primitive);
         let stands_in_world = matches!(self.accel.placements()[hit.placement as usize].place, Place::World);
         self.diffuse[mesh as usize].filter(|_| stands_in_world)
     }
@@ -227,7 +230,8 @@ impl Scene {
     #[inline]
     pub fn light_of(&self, point: &SurfacePoint) -> Option<u32> {
         let mesh = &self.geometry.meshes[point.mesh as usize];
-        mesh.first_light.map(|first| first + (point.triangle - mesh.first_triangle))
+        // Quadrics are no lights.
+        Some(mesh.first_light? + (point.primitive.triangle()? - mesh.first_triangle))
     }
 
     /// Samples a light and a direction to it, at a time, by two random numbers.
@@ -285,9 +289,10 @@ impl Scene {
         barycentric: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> SampledSpectrum {
-        let emitted = self.emitted_at(&light.emission, light.triangle, barycentric, wavelengths);
-        // Shadow rays towards a hole end in front of it.
-        if self.has_alpha { emitted * self.presence(light.triangle, barycentric) } else { emitted }
+        let primitive = Primitive::Triangle(light.triangle);
+        let emitted = self.emitted_at(&light.emission, primitive, barycentric, wavelengths);
+        // Where there are holes, rays that look for the light end in front of them.
+        if self.has_alpha { emitted * self.presence(primitive, barycentric) } else { emitted }
     }
 
     /// Radiance from infinitely far in the unit direction `towards`.
@@ -296,29 +301,29 @@ impl Scene {
         self.lights.environment().map_or(SampledSpectrum::ZERO, |e| e.radiance(&self.spectra, towards, wavelengths))
     }
 
-    /// Radiance of a point of a triangle on the side that shines.
+    /// Radiance of a point of a primitive on the side that shines.
     #[inline]
     fn emitted_at(
         &self,
         emission: &SurfaceEmission,
-        triangle: u32,
-        barycentric: [f32; 2],
+        primitive: Primitive,
+        uv: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> SampledSpectrum {
         let tint = match emission.tint {
             Tint::None => None,
-            Tint::Textured { texture, .. } => Some(emission.tinted(self.texel(texture, triangle, barycentric))),
+            Tint::Textured { texture, .. } => Some(emission.tinted(self.texel(texture, primitive, uv))),
         };
         emission.radiance(&self.spectra, tint, wavelengths)
     }
 
-    /// Probability with which a material's alpha says that there is a surface at a point of a triangle.
+    /// Probability with which a material's alpha says that there is a surface at a point of a primitive.
     #[inline]
-    fn presence(&self, triangle: u32, barycentric: [f32; 2]) -> f32 {
-        let mesh = &self.geometry.meshes[self.geometry.triangles[triangle as usize].mesh as usize];
+    fn presence(&self, primitive: Primitive, uv: [f32; 2]) -> f32 {
+        let mesh = &self.geometry.meshes[self.geometry.mesh_of(primitive) as usize];
         let coverage = |factor: f32, texture: Option<u32>| {
-            let factor = factor * self.geometry.colour(triangle, barycentric).map_or(1.0, |colour| colour.w);
-            factor * texture.map_or(1.0, |texture| self.rgba_linear(texture, triangle, barycentric)[3])
+            let factor = factor * self.geometry.colour(primitive, uv).map_or(1.0, |colour| colour.w);
+            factor * texture.map_or(1.0, |texture| self.rgba_linear(texture, primitive, uv)[3])
         };
         match self.materials[mesh.material as usize].alpha {
             Alpha::Opaque => 1.0,
@@ -327,23 +332,23 @@ impl Scene {
         }
     }
 
-    /// Linear RGB of an sRGB-encoded texture at a point of a triangle.
+    /// Linear RGB of an sRGB-encoded texture at a point of a primitive.
     #[inline]
-    fn texel(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 3] {
-        let [r, g, b, _] = self.rgba_srgb(texture, triangle, barycentric);
+    fn texel(&self, texture: u32, primitive: Primitive, uv: [f32; 2]) -> [f32; 3] {
+        let [r, g, b, _] = self.rgba_srgb(texture, primitive, uv);
         [r, g, b]
     }
 
     #[inline]
-    fn rgba_srgb(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 4] {
+    fn rgba_srgb(&self, texture: u32, primitive: Primitive, uv: [f32; 2]) -> [f32; 4] {
         let texture = &self.textures[texture as usize];
-        texture.sample_rgba_srgb(self.geometry.uv(triangle, barycentric, texture.uv_set as usize))
+        texture.sample_rgba_srgb(self.geometry.uv(primitive, uv, texture.uv_set as usize))
     }
 
     #[inline]
-    fn rgba_linear(&self, texture: u32, triangle: u32, barycentric: [f32; 2]) -> [f32; 4] {
+    fn rgba_linear(&self, texture: u32, primitive: Primitive, uv: [f32; 2]) -> [f32; 4] {
         let texture = &self.textures[texture as usize];
-        texture.sample_rgba_linear(self.geometry.uv(triangle, barycentric, texture.uv_set as usize))
+        texture.sample_rgba_linear(self.geometry.uv(primitive, uv, texture.uv_set as usize))
     }
 }
 
@@ -352,16 +357,16 @@ struct Holes<'a>(&'a Scene);
 
 impl HitFilter for Holes<'_> {
     #[inline]
-    fn accept(&self, triangle: u32, barycentric: [f32; 2], ray: &Ray) -> bool {
-        let presence = self.0.presence(triangle, barycentric);
+    fn accept(&self, primitive: Primitive, uv: [f32; 2], ray: &Ray) -> bool {
+        let presence = self.0.presence(primitive, uv);
         if presence <= 0.0 || presence >= 1.0 {
             return presence > 0.0;
         }
         // There with probability alpha: the expected radiance is that of blending. The decision is a function of ray
-        // and triangle, so that it does not depend on the order of traversal.
+        // and primitive, so that it does not depend on the order of traversal.
         let [x, y, z] = ray.direction.to_array().map(|c| u64::from(c.to_bits()));
         let origin = u64::from(ray.origin.x.to_bits()) << 32 | u64::from(ray.origin.z.to_bits());
-        let key = hash64(hash64(x << 32 | y, z << 32 | u64::from(triangle)), origin);
+        let key = hash64(hash64(x << 32 | y, z << 32 | u64::from(self.0.geometry.number(primitive))), origin);
         unit_f32(key as u32) < presence
     }
 }

@@ -8,7 +8,7 @@ use super::{
 use crate::bsdf::{
     Bsdf, Coat, Ggx, Layered, MIN_SHADING_COSINE, Map, Mix, Model, RelativeIndex, Sampled, Sheen, ThinFilm, Volume,
 };
-use crate::geometry::SurfacePoint;
+use crate::geometry::{Primitive, SurfacePoint};
 use photosite_core::math::Frame;
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::spectrum::upsampling::reflectance_polynomial;
@@ -50,8 +50,8 @@ impl Scene {
     /// choice is a function of the point, so that it is the same from wherever a path comes.
     #[inline(never)]
     fn chosen<'a>(&self, mix: &'a Mix<Tabled>, point: &SurfacePoint) -> &'a ScatteringModel {
-        let [u, v] = point.barycentric.map(|c| u64::from(c.to_bits()));
-        let key = hash64(u << 32 | v, u64::from(point.triangle));
+        let [u, v] = point.parameters.map(|c| u64::from(c.to_bits()));
+        let key = hash64(u << 32 | v, u64::from(self.geometry.number(point.primitive)));
         // Mixes within mixes choose by their own bits.
         let own = hash64(key, u64::from(mix.weight.to_bits()));
         &mix.models[usize::from(unit_f32(own as u32) < mix.weight)]
@@ -88,7 +88,7 @@ impl Scene {
         }
         layers.film = m.film.and_then(|film| {
             let [low, high] = film.thickness_nm;
-            let t = film.texture.map_or(1.0, |t| self.rgba_linear(t, point.triangle, point.barycentric)[1]);
+            let t = film.texture.map_or(1.0, |t| self.rgba_linear(t, point.primitive, point.parameters)[1]);
             let thickness = low + (high - low) * t;
             let waves = SampledSpectrum::from_lanes(|i| 2.0 * film.index * thickness / wavelengths.lambda_nm(i));
             let weight = factor(film.weight);
@@ -127,7 +127,7 @@ impl Scene {
     fn grooves(&self, source: AnisotropySource, point: &SurfacePoint) -> (f32, [f32; 2]) {
         let [cos, sin] = source.rotation;
         let Some(texture) = source.texture else { return (source.strength, source.rotation) };
-        let [r, g, b, _] = self.rgba_linear(texture, point.triangle, point.barycentric);
+        let [r, g, b, _] = self.rgba_linear(texture, point.primitive, point.parameters);
         let direction = Vec2::new(2.0 * r - 1.0, 2.0 * g - 1.0).try_normalize().unwrap_or(Vec2::X);
         (source.strength * b, [cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y])
     }
@@ -136,7 +136,7 @@ impl Scene {
     fn factor(&self, source: FactorSource, point: &SurfacePoint) -> f32 {
         match source.texture {
             Some((texture, channel)) => {
-                source.value * self.rgba_linear(texture, point.triangle, point.barycentric)[channel]
+                source.value * self.rgba_linear(texture, point.primitive, point.parameters)[channel]
             }
             None => source.value,
         }
@@ -145,7 +145,7 @@ impl Scene {
     /// A colour times that of the vertices (§3.7.2.1, `COLOR_0`). An RGB colour is upsampled after the product.
     #[inline]
     fn base_colour(&self, source: ColourSource, point: &SurfacePoint, wavelengths: &Wavelengths) -> SampledSpectrum {
-        let Some(vertex) = self.geometry.colour(point.triangle, point.barycentric) else {
+        let Some(vertex) = self.geometry.colour(point.primitive, point.parameters) else {
             return self.colour(source, point, wavelengths);
         };
         let vertex = [vertex.x, vertex.y, vertex.z];
@@ -162,27 +162,27 @@ impl Scene {
 
     #[inline]
     fn colour(&self, source: ColourSource, point: &SurfacePoint, wavelengths: &Wavelengths) -> SampledSpectrum {
-        self.colour_at(source, point.triangle, point.barycentric, wavelengths)
+        self.colour_at(source, point.primitive, point.parameters, wavelengths)
     }
 
-    /// A colour at a point of a triangle.
+    /// A colour at a point of a primitive.
     #[inline]
     pub(crate) fn colour_at(
         &self,
         source: ColourSource,
-        triangle: u32,
-        barycentric: [f32; 2],
+        primitive: Primitive,
+        uv: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> SampledSpectrum {
         match source {
             ColourSource::Spectrum(id) => self.spectra.sample(id, wavelengths),
             ColourSource::Texture { factor, texture } => {
-                let texel = self.texel(texture, triangle, barycentric);
+                let texel = self.texel(texture, primitive, uv);
                 let rgb = [0, 1, 2].map(|i| (factor[i] * texel[i]).clamp(0.0, 1.0));
                 reflectance_polynomial(rgb).sample(wavelengths)
             }
             ColourSource::SpectrumTexture { spectrum, texture } => {
-                let texel = self.texel(texture, triangle, barycentric);
+                let texel = self.texel(texture, primitive, uv);
                 self.spectra.sample(spectrum, wavelengths) * reflectance_polynomial(texel).sample(wavelengths)
             }
         }
@@ -200,7 +200,7 @@ impl Scene {
         let mut normal = point.shading_normal;
         let mut geometric = point.geometric_normal;
         if let Some(map) = map {
-            let [x, y, z, _] = self.rgba_linear(map.texture, point.triangle, point.barycentric).map(|c| 2.0 * c - 1.0);
+            let [x, y, z, _] = self.rgba_linear(map.texture, point.primitive, point.parameters).map(|c| 2.0 * c - 1.0);
             let base = Frame::from_normal_tangent(normal, point.tangent);
             let bitangent = base.y * point.handedness;
             let bumped = base.x * (x * map.scale) + bitangent * (y * map.scale) + normal * z;

@@ -1,14 +1,14 @@
 //! Which of the primitives that a ray meets are there.
 
-use crate::geometry::Ray;
+use crate::geometry::{Primitive, Ray};
 
-/// Decides whether a triangle that a ray meets is there at that point: alpha masks.
+/// Decides whether a primitive that a ray meets is there at that point: alpha masks.
 pub trait HitFilter {
     /// Whether every hit counts.
     const ACCEPTS_ALL: bool = false;
 
     /// Whether the hit counts.
-    fn accept(&self, triangle: u32, barycentric: [f32; 2], ray: &Ray) -> bool;
+    fn accept(&self, primitive: Primitive, uv: [f32; 2], ray: &Ray) -> bool;
 }
 
 /// The filter that accepts every hit.
@@ -19,7 +19,7 @@ impl HitFilter for AcceptAll {
     const ACCEPTS_ALL: bool = true;
 
     #[inline(always)]
-    fn accept(&self, _: u32, _: [f32; 2], _: &Ray) -> bool {
+    fn accept(&self, _: Primitive, _: [f32; 2], _: &Ray) -> bool {
         true
     }
 }

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use glam::Vec3;
 
 use super::query::{Query, RayQuery};
-use super::single::BlockVisitor;
+use super::single::PrimitiveVisitor;
 use super::{Accel, Group, HitFilter, TopLevel, TriangleBvh};
 use crate::geometry::Ray;
 use crate::geometry::collapse::LEAF_SIZE;
@@ -119,7 +119,7 @@ impl WithinBvh {
         query: &mut Q,
     ) -> ControlFlow<bool> {
         let Self { slab, sheared, next, stack } = self;
-        let mut visitor = BlockVisitor { blocks: &bvh.blocks, part, sheared, placement, query };
+        let mut visitor = PrimitiveVisitor { bvh, part, sheared, placement, query };
         bvh.bvh.step::<S, _, true>(simd, &slab.in_lanes(simd), next, stack, t_max, &mut visitor)
     }
 }

@@ -5,8 +5,8 @@
 
 use std::ops::Range;
 
+use super::leaf::Leaf;
 use super::query::{Query, RayQuery};
-use super::single::SPHERE;
 use super::{HitFilter, TriangleBvh};
 use crate::geometry::Ray;
 use crate::geometry::triangle_block::ShearedRay;
@@ -151,16 +151,23 @@ impl<S: Simd, Q: Query> Packet<S, Q> {
     /// Tests the triangles of a leaf against one ray after the other: eight triangles fill the lanes.
     #[inline(always)]
     fn visit_leaf(&mut self, bvh: &TriangleBvh<1>, leaf: u32, mut rays: u32) {
-        let block = &bvh.blocks[(leaf & !SPHERE) as usize];
+        let leaf = Leaf::of_number(leaf);
         while rays != 0 {
             let lane = rays.trailing_zeros() as usize % MAX_LANES;
             rays &= rays - 1;
             let Some((query, has_ended)) = &mut self.queries[lane] else { continue };
             let t_max = &mut self.t_max[lane];
-            if leaf & SPHERE != 0 {
-                *has_ended = query.on_sphere(block.ids[0], &block.sphere(), 0, t_max);
-            } else if let Some(hits) = block.intersect(self.simd, &self.sheared[lane], 0.0, *t_max) {
-                *has_ended = query.on_hits(&block.ids, &hits, 0, t_max);
+            match leaf {
+                Leaf::Triangles(block) => {
+                    let block = &bvh.blocks[block as usize];
+                    if let Some(hits) = block.intersect(self.simd, &self.sheared[lane], 0.0, *t_max) {
+                        *has_ended = query.on_hits(&block.ids, &hits, 0, t_max);
+                    }
+                }
+                Leaf::Quadric(quadric) => {
+                    let (id, quadric) = &bvh.quadrics[quadric as usize];
+                    *has_ended = query.on_quadric(*id, quadric, 0, t_max);
+                }
             }
             if *has_ended {
                 *t_max = -1.0;
@@ -185,7 +192,7 @@ impl<S: Simd, Q: Query> Packet<S, Q> {
                 let near = near.store_wide();
                 let (child, order) = (Child(node.children[slot]), near[first]);
                 match child.leaf() {
-                    Some(leaf) => prefetch(&bvh.blocks[(leaf & !SPHERE) as usize]),
+                    Some(leaf) => bvh.prefetch(leaf),
                     None => prefetch(bvh.bvh.node(child)),
                 }
                 let position = self.stack[children..].partition_point(|other| other.order >= order);

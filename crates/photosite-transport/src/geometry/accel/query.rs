@@ -3,7 +3,7 @@
 use super::HitFilter;
 use crate::geometry::linear_scan::{ClosestLanes, LaneQuery, OccludedLanes};
 use crate::geometry::triangle_block::{BLOCK_SIZE, BlockHits};
-use crate::geometry::{Hit, Ray, Sphere};
+use crate::geometry::{Hit, Primitive, Quadric, Ray};
 use photosite_core::math::Vector;
 use photosite_simd::Simd;
 
@@ -16,8 +16,8 @@ pub(in crate::geometry) trait Query {
 
     /// Takes the hits in a block of triangles; may shorten the ray. Returns whether the query has ended.
     fn on_hits(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
-    /// Intersects a sphere in the world, likewise.
-    fn on_sphere(&mut self, id: u32, sphere: &Sphere, placement: u32, t_max: &mut f32) -> bool;
+    /// Intersects a quadric, likewise.
+    fn on_quadric(&mut self, id: u32, quadric: &Quadric, placement: u32, t_max: &mut f32) -> bool;
     /// The result of a query that has ended, or of one that has visited everything.
     fn answer(&self, has_ended: bool) -> Self::Answer;
 }
@@ -41,8 +41,8 @@ pub(super) struct Closest<'a, F> {
 impl<F> Closest<'_, F> {
     /// Whether a hit comes before the nearest one, which is at `t_max`.
     #[inline(always)]
-    fn is_nearer(&self, t: f32, triangle: u32, t_max: f32) -> bool {
-        t < t_max || t == t_max && self.nearest.is_some_and(|nearest| triangle < nearest.triangle)
+    fn is_nearer(&self, t: f32, primitive: Primitive, t_max: f32) -> bool {
+        t < t_max || t == t_max && self.nearest.is_some_and(|nearest| primitive < nearest.primitive)
     }
 }
 
@@ -65,12 +65,12 @@ impl<F: HitFilter> Query for Closest<'_, F> {
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            let (t, triangle) = (hits.t[lane], ids[lane]);
-            if self.is_nearer(t, triangle, *t_max) {
-                let barycentric = hits.barycentric(lane);
-                if self.filter.accept(triangle, barycentric, self.ray) {
+            let (t, primitive) = (hits.t[lane], Primitive::Triangle(ids[lane]));
+            if self.is_nearer(t, primitive, *t_max) {
+                let uv = hits.barycentric(lane);
+                if self.filter.accept(primitive, uv, self.ray) {
                     *t_max = t;
-                    self.nearest = Some(Hit { t, barycentric, triangle, placement });
+                    self.nearest = Some(Hit { t, uv, primitive, placement });
                 }
             }
         }
@@ -78,12 +78,13 @@ impl<F: HitFilter> Query for Closest<'_, F> {
     }
 
     #[inline(never)]
-    fn on_sphere(&mut self, id: u32, sphere: &Sphere, placement: u32, t_max: &mut f32) -> bool {
-        let is_nearer = |t| self.is_nearer(t, id, *t_max);
-        let hit = intersect_sphere(sphere, self.ray, is_nearer, |uv| self.filter.accept(id, uv, self.ray));
-        if let Some((t, barycentric)) = hit {
+    fn on_quadric(&mut self, id: u32, quadric: &Quadric, placement: u32, t_max: &mut f32) -> bool {
+        let primitive = Primitive::Quadric(id);
+        let is_nearer = |t| self.is_nearer(t, primitive, *t_max);
+        let hit = intersect_quadric(quadric, self.ray, is_nearer, |uv| self.filter.accept(primitive, uv, self.ray));
+        if let Some((t, uv)) = hit {
             *t_max = t;
-            self.nearest = Some(Hit { t, barycentric, triangle: id, placement });
+            self.nearest = Some(Hit { t, uv, primitive, placement });
         }
         false
     }
@@ -119,7 +120,8 @@ impl<F: HitFilter> Query for Occluded<'_, F> {
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            if hits.t[lane] < *t_max && self.filter.accept(ids[lane], hits.barycentric(lane), self.ray) {
+            let primitive = Primitive::Triangle(ids[lane]);
+            if hits.t[lane] < *t_max && self.filter.accept(primitive, hits.barycentric(lane), self.ray) {
                 return true;
             }
         }
@@ -127,9 +129,9 @@ impl<F: HitFilter> Query for Occluded<'_, F> {
     }
 
     #[inline(never)]
-    fn on_sphere(&mut self, id: u32, sphere: &Sphere, _: u32, t_max: &mut f32) -> bool {
-        let is_before = |t| t < *t_max;
-        intersect_sphere(sphere, self.ray, is_before, |uv| self.filter.accept(id, uv, self.ray)).is_some()
+    fn on_quadric(&mut self, id: u32, quadric: &Quadric, _: u32, t_max: &mut f32) -> bool {
+        let (primitive, is_nearer) = (Primitive::Quadric(id), |t| t < *t_max);
+        intersect_quadric(quadric, self.ray, is_nearer, |uv| self.filter.accept(primitive, uv, self.ray)).is_some()
     }
 
     #[inline(always)]
@@ -138,16 +140,16 @@ impl<F: HitFilter> Query for Occluded<'_, F> {
     }
 }
 
-/// The first hit of a sphere that counts, as t and the direction from its centre: of the two sides the nearer may have a hole.
-fn intersect_sphere(
-    sphere: &Sphere,
+/// The first hit of a quadric that counts, as t and parameters: of the two sides the nearer may have a hole.
+fn intersect_quadric(
+    quadric: &Quadric,
     ray: &Ray,
     is_nearer: impl Fn(f32) -> bool,
     is_there: impl Fn([f32; 2]) -> bool,
 ) -> Option<(f32, [f32; 2])> {
-    let sides = sphere.sides(Vector::from(ray.origin), Vector::from(ray.direction));
+    let sides = quadric.intersect(Vector::from(ray.origin), Vector::from(ray.direction));
     sides.into_iter().filter(|&t| 0.0 < t && is_nearer(t)).find_map(|t| {
-        let uv = sphere.numbers(ray.at(t));
+        let uv = quadric.uv(ray.at(t));
         is_there(uv).then_some((t, uv))
     })
 }

@@ -1,15 +1,13 @@
 //! One ray on its way from the root to the triangles: through the placements, into their groups, down to the blocks.
 
+use super::leaf::Leaf;
 use super::query::Query;
 use super::{Accel, Group, Placement, TopLevel, TriangleBvh};
 use crate::geometry::Ray;
 use crate::geometry::mesh::segment;
-use crate::geometry::triangle_block::{ShearedRay, TriangleBlock};
+use crate::geometry::triangle_block::ShearedRay;
 use crate::geometry::wide_bvh::LeafVisitor;
 use photosite_simd::{Simd, prefetch};
-
-/// Set in the number of a leaf whose block holds a sphere.
-pub(super) const SPHERE: u32 = 1 << 30;
 
 impl Accel {
     /// Answers a query about one ray.
@@ -78,9 +76,9 @@ impl<Q: Query> LeafVisitor for PlacementVisitor<'_, Q> {
     fn prefetch(&self, _: u32) {}
 }
 
-/// Takes a query from the leaves of a group to their triangles.
-pub(super) struct BlockVisitor<'a, Q, const SHAPES: usize> {
-    pub(super) blocks: &'a [TriangleBlock<SHAPES>],
+/// Takes a query from the leaves of a group to their primitives.
+pub(super) struct PrimitiveVisitor<'a, Q, const SHAPES: usize> {
+    pub(super) bvh: &'a TriangleBvh<SHAPES>,
     /// Position of the ray's time between two shapes, from 0 to 1.
     pub(super) part: f32,
     pub(super) sheared: &'a ShearedRay,
@@ -88,25 +86,29 @@ pub(super) struct BlockVisitor<'a, Q, const SHAPES: usize> {
     pub(super) query: &'a mut Q,
 }
 
-impl<Q: Query, const SHAPES: usize> LeafVisitor for BlockVisitor<'_, Q, SHAPES> {
+impl<Q: Query, const SHAPES: usize> LeafVisitor for PrimitiveVisitor<'_, Q, SHAPES> {
     const ANY_ORDER: bool = Q::ANY_ORDER;
 
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, leaf: u32, t_max: &mut f32) -> bool {
-        if leaf & SPHERE != 0 {
-            let block = &self.blocks[(leaf & !SPHERE) as usize];
-            return self.query.on_sphere(block.ids[0], &block.sphere(), self.placement, t_max);
-        }
-        let block = &self.blocks[leaf as usize];
-        match block.intersect(simd, self.sheared, self.part, *t_max) {
-            Some(hits) => self.query.on_hits(&block.ids, &hits, self.placement, t_max),
-            None => false,
+        match Leaf::of_number(leaf) {
+            Leaf::Triangles(block) => {
+                let block = &self.bvh.blocks[block as usize];
+                match block.intersect(simd, self.sheared, self.part, *t_max) {
+                    Some(hits) => self.query.on_hits(&block.ids, &hits, self.placement, t_max),
+                    None => false,
+                }
+            }
+            Leaf::Quadric(quadric) => {
+                let (id, quadric) = &self.bvh.quadrics[quadric as usize];
+                self.query.on_quadric(*id, quadric, self.placement, t_max)
+            }
         }
     }
 
     #[inline(always)]
     fn prefetch(&self, leaf: u32) {
-        prefetch(&self.blocks[(leaf & !SPHERE) as usize]);
+        self.bvh.prefetch(leaf);
     }
 }
 
@@ -126,6 +128,15 @@ impl Group {
 }
 
 impl<const SHAPES: usize> TriangleBvh<SHAPES> {
+    /// Asks the memory for a leaf.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, leaf: u32) {
+        match Leaf::of_number(leaf) {
+            Leaf::Triangles(block) => prefetch(&self.blocks[block as usize]),
+            Leaf::Quadric(quadric) => prefetch(&self.quadrics[quadric as usize]),
+        }
+    }
+
     /// The same in one hierarchy; `part` is the position of the ray's time between two shapes.
     #[inline(always)]
     fn traverse<S: Simd, Q: Query>(
@@ -138,7 +149,7 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
         query: &mut Q,
     ) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
-        let mut visitor = BlockVisitor { blocks: &self.blocks, part, sheared: &sheared, placement, query };
+        let mut visitor = PrimitiveVisitor { bvh: self, part, sheared: &sheared, placement, query };
         self.bvh.traverse(simd, ray.origin, ray.direction, t_max, &mut visitor)
     }
 }

@@ -17,7 +17,7 @@ use glam::Vec3;
 
 use super::{Path, Tracing, Vertex, towards_light};
 use crate::bsdf::{Bsdf, Diffuse, GRAZING, MIN_SHADING_COSINE};
-use crate::geometry::{Geometry, Hit, Ray, SurfacePoint, interpolate, offset, on_triangle};
+use crate::geometry::{Geometry, Hit, Primitive, Ray, SurfacePoint, interpolate, offset, on_triangle};
 use crate::light::{Choice, EmissiveTriangles, Facing, LightSampleContext};
 use crate::sampler::Sampler;
 use crate::scene::{ColourSource, Scene, Shading};
@@ -298,19 +298,19 @@ impl Arrival {
     const NONE: Self = Self {
         index: 0,
         ray: Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0 },
-        hit: Hit { t: 0.0, barycentric: [0.0; 2], triangle: 0, placement: 0 },
+        hit: Hit { t: 0.0, uv: [0.0; 2], primitive: Primitive::Triangle(0), placement: 0 },
         reflectance: ColourSource::Texture { factor: [0.0; 3], texture: 0 },
     };
 
     #[inline]
     fn reflectance(&self, scene: &Scene, wavelengths: &Wavelengths) -> SampledSpectrum {
-        scene.colour_at(self.reflectance, self.hit.triangle, self.hit.barycentric, wavelengths)
+        scene.colour_at(self.reflectance, self.hit.primitive, self.hit.uv, wavelengths)
     }
 
     /// The surface point of a lane.
     fn point(&self, lane: usize, points: &SurfacePoints, scene: &Scene) -> SurfacePoint {
-        let Hit { triangle, barycentric, .. } = self.hit;
-        let mesh = scene.geometry().triangles[triangle as usize].mesh;
+        let Hit { primitive, uv, .. } = self.hit;
+        let mesh = scene.geometry().mesh_of(primitive);
         let geometric_normal = points.geometric_normal.get(lane);
         SurfacePoint {
             position: points.position.get(lane),
@@ -319,10 +319,10 @@ impl Arrival {
             shading_normal: points.normal.get(lane),
             tangent: Vec3::ZERO,
             handedness: 1.0,
-            triangle,
+            primitive,
             mesh,
             material: scene.geometry().meshes[mesh as usize].material,
-            barycentric,
+            parameters: uv,
             time: self.ray.time,
         }
     }
@@ -331,7 +331,8 @@ impl Arrival {
 impl Hits {
     #[inline]
     fn set(&mut self, lane: usize, ray: &Ray, hit: &Hit, geometry: &Geometry) {
-        let triangle = &geometry.triangles[hit.triangle as usize];
+        let triangle = hit.primitive.triangle().expect("diffuse surfaces of triangles");
+        let triangle = &geometry.triangles[triangle as usize];
         let mesh = &geometry.meshes[triangle.mesh as usize];
         for (corners, corner) in self.corners.iter_mut().zip(geometry.corners_of(triangle, mesh, ray.time)) {
             corners.set(lane, corner);
@@ -343,7 +344,7 @@ impl Hits {
                 normals.set(lane, normal);
             }
         }
-        [self.barycentric[0][lane], self.barycentric[1][lane]] = hit.barycentric;
+        [self.barycentric[0][lane], self.barycentric[1][lane]] = hit.uv;
         self.wo.set(lane, -ray.direction);
     }
 }

@@ -1,6 +1,6 @@
 //! Spheres: where a ray meets one, and what its surface is like there.
 //!
-//! A hit tells the direction from the centre by two numbers in place of barycentric weights: the octahedron |x|+|y|+|z| = 1,
+//! The parameters of a hit are its direction from the centre: the octahedron |x|+|y|+|z| = 1,
 //! unfolded into a square (Z. Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors",
 //! JCGT 3(2), 2014, §3).
 
@@ -8,6 +8,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use glam::{Vec2, Vec3};
 
+use super::QuadricPoint;
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
 
@@ -28,7 +29,7 @@ impl Sphere {
     /// keeps the digits of spheres that are small for their distance, and the sign of t for rays that leave the surface (E.
     /// Haines et al., "Precision Improvements for Ray/Sphere Intersection", in Ray Tracing Gems, 2019).
     #[inline(always)]
-    pub(super) fn sides<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
+    pub(super) fn intersect<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
         let from_centre = origin - origin.broadcast(self.centre);
         let a = direction.dot(direction);
         let (zero, radius, nowhere) = (a.broadcast(0.0), a.broadcast(self.radius), a.broadcast(f32::NAN));
@@ -41,43 +42,40 @@ impl Sphere {
         [R::select(is_met, t0.min(t1), nowhere), R::select(is_met, t0.max(t1), nowhere)]
     }
 
-    /// The numbers of the point that a ray meets at t.
+    /// The parameters of a point near its surface.
     #[inline]
-    pub(super) fn numbers(&self, point: Vec3) -> [f32; 2] {
+    pub(super) fn uv(&self, point: Vec3) -> [f32; 2] {
         let from_centre = point - self.centre;
         let [x, y, z] = (from_centre / from_centre.abs().element_sum()).to_array();
         let fold = |a: f32, b: f32| (1.0 - b.abs()).copysign(a);
         if z < 0.0 { [fold(x, y), fold(y, x)] } else { [x, y] }
     }
 
-    /// The unit normal outwards where a hit's numbers say.
+    /// The unit normal outwards of the point with these parameters.
     #[inline]
-    pub(super) fn normal([u, v]: [f32; 2]) -> Vec3 {
+    fn normal([u, v]: [f32; 2]) -> Vec3 {
         let z = 1.0 - u.abs() - v.abs();
         let beyond = (-z).max(0.0);
         Vec3::new(u - beyond.copysign(u), v - beyond.copysign(v), z).normalize()
     }
 
-    /// The point of a normal and the bound on its rounding error. Beyond the roundings of the point that pays for those of
-    /// f² − r² in [`sides`](Self::sides), of which a ray that leaves the point needs the sign: 7u·r², over 2r.
+    /// The point with these parameters. Beyond the roundings of the point, its error pays for those of f² − r² in
+    /// [`intersect`](Self::intersect), of which a ray that leaves the point needs the sign: 7u·r², over 2r.
     #[inline]
-    pub(super) fn point(&self, normal: Vec3) -> (Vec3, Vec3) {
-        let position = self.centre + normal * self.radius;
-        let error = (self.centre.abs() + self.radius) * gamma(3) + self.radius * gamma(12);
-        (position, error)
+    pub(super) fn point(&self, uv: [f32; 2]) -> QuadricPoint {
+        let normal = Self::normal(uv);
+        QuadricPoint {
+            position: self.centre + normal * self.radius,
+            error: (self.centre.abs() + self.radius) * gamma(3) + self.radius * gamma(12),
+            normal,
+            tangent: Vec3::new(normal.z, 0.0, -normal.x),
+        }
     }
 
-    /// UV coordinates of a normal: u runs once around +Y, to the right as seen from outside with +Y up and ½ in the direction
-    /// +Z; v runs down from 0 at +Y to 1.
-    pub(super) fn uv(normal: Vec3) -> Vec2 {
-        let Vec3 { x, y, z } = normal;
+    /// u runs once around +Y, to the right as seen from outside with +Y up and ½ in the direction +Z; v runs down from 0 at +Y to 1.
+    pub(super) fn texture_coordinates(uv: [f32; 2]) -> Vec2 {
+        let Vec3 { x, y, z } = Self::normal(uv);
         Vec2::new(0.5 + x.atan2(z) / TAU, y.clamp(-1.0, 1.0).acos() * FRAC_1_PI)
-    }
-
-    /// The direction of growing u.
-    #[inline]
-    pub(super) fn tangent(normal: Vec3) -> Vec3 {
-        Vec3::new(normal.z, 0.0, -normal.x)
     }
 }
 
@@ -91,7 +89,7 @@ mod tests {
     use photosite_core::math::warp;
 
     fn meet(sphere: &Sphere, origin: Vec3, direction: Vec3, t_max: f32) -> Option<f32> {
-        let sides = sphere.sides(Vector::from(origin), Vector::from(direction));
+        let sides = sphere.intersect(Vector::from(origin), Vector::from(direction));
         sides.into_iter().find(|&t| 0.0 < t && t < t_max)
     }
 
@@ -131,24 +129,27 @@ mod tests {
     }
 
     #[test]
-    fn numbers_lead_back_to_the_point() {
+    fn parameters_lead_back_to_the_point() {
         let mut random = Numbers(3);
         let sphere = Sphere { centre: Vec3::new(-4.0, 2.0, 0.5), radius: 0.7 };
         let axes = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
         let others = (0..1000).map(|_| warp::uniform_sphere([random.next(), random.next()]));
         for normal in axes.into_iter().chain(others) {
-            let (point, error) = sphere.point(normal);
-            let back = Sphere::normal(sphere.numbers(point));
+            let uv = sphere.uv(sphere.centre + normal * sphere.radius);
+            let QuadricPoint { position: point, error, tangent, .. } = sphere.point(uv);
+            let back = Sphere::normal(sphere.uv(point));
             // The centre is seven times as far as the surface, and its rounding is divided by the radius.
             assert!((back - normal).length() < 4e-6, "{normal} {back}");
             assert!(
-                (point.as_dvec3() - sphere.centre.as_dvec3() - normal.as_dvec3() * 0.7)
+                (point.as_dvec3() - sphere.centre.as_dvec3() - Sphere::normal(uv).as_dvec3() * 0.7)
                     .abs()
                     .cmple(error.as_dvec3() + DVec3::splat(1e-7))
                     .all()
             );
-            let [uv, right, down] = [Vec3::ZERO, Sphere::tangent(normal), Vec3::NEG_Y]
-                .map(|step| Sphere::uv((normal + step * 1e-3).normalize()));
+            let [uv, right, down] = [Vec3::ZERO, tangent, Vec3::NEG_Y].map(|step| {
+                let stepped = sphere.centre + (normal + step * 1e-3).normalize() * sphere.radius;
+                Sphere::texture_coordinates(sphere.uv(stepped))
+            });
             if normal.y.abs() < 0.9 && normal.z > -0.9 {
                 assert!(right.x > uv.x && (right.y - uv.y).abs() < 1e-3 && down.y > uv.y, "{normal}");
             }
@@ -162,7 +163,8 @@ mod tests {
             let sphere = Sphere { centre: Vec3::new(centre, -centre, 0.3 * centre), radius };
             for _ in 0..20_000 {
                 let normal = warp::uniform_sphere([numbers.next(), numbers.next()]);
-                let (point, error) = sphere.point(normal);
+                let QuadricPoint { position: point, error, normal, .. } =
+                    sphere.point(sphere.uv(sphere.centre + normal * sphere.radius));
                 let other = warp::uniform_sphere([numbers.next(), numbers.next()]);
                 let direction =
                     (normal * 10f32.powf(-4.0 * numbers.next()) + other - normal * other.dot(normal)).normalize();
