@@ -20,7 +20,7 @@ position_m = [0.0, 1.2, 4.0]
 look_at_m = [0.0, 0.5, 0.0]
 
 [lens]
-focal_length_mm = 8.0
+focal_length_mm = 3.0
 f_number = 4.0
 focus_distance_m = 3.5
 

@@ -6,18 +6,19 @@ use std::path::Path;
 
 use photosite::{Capture, Options, render};
 
-/// A small monochrome sensor. Every key of `[sensor]` is described by `photosite schema`.
+/// A small monochrome sensor, with a lens and an exposure time that suit it. Every key of `[sensor]` is described by `photosite schema`.
 const SENSOR: &str = r#"
 sensor.preset = "none"
 sensor.name = "My sensor"
-sensor.kind = "cmos"
-sensor.resolution_px = [160, 120]
-sensor.pixel_pitch_um = 6.9
+sensor.resolution_px = [200, 200]
+sensor.pixel_pitch_um = [9.0, 9.0]
 sensor.cfa = "mono"
-sensor.quantum_efficiency = { mono = 0.6 }
+sensor.channels.Y = { quantum_efficiency = 0.6 }
 sensor.charge = { full_well_e = 12000 }
-sensor.adc = { bits = 10, black_level_dn = 16, gain_dn_per_e = 0.08 }
+sensor.adc = { bits = 10, black_level_dn = 16, conversion_gain_dn_per_e = 0.08 }
 sensor.noise = { read_noise_e = 4.0 }
+lens.focal_length_mm = 2.5
+exposure.time_s = 0.001
 "#;
 
 fn main() -> photosite::Result<()> {

@@ -1,8 +1,6 @@
 //! Renders and data sets of which several runs trace a part each: put together they are those of one run.
 
 use std::fs;
-use std::thread::sleep;
-use std::time::Duration;
 
 use rstest::rstest;
 
@@ -165,20 +163,16 @@ fn parts_of_a_data_set_make_the_whole_even_if_they_are_killed() {
     folder.succeed(&format!("dataset set.toml -o whole {set}"));
     // One job has all frames, two share them; all are killed again and again.
     let jobs = ["--samples 0..2 -o a", "--samples 2..5 --frames 0..7 -o b", "--samples 2..5 --frames 7..12 -o c"];
-    for (i, job) in jobs.into_iter().enumerate() {
-        for attempt in 0..5u64 {
-            let mut child = folder.command(&format!("dataset set.toml {job} {set} -q")).spawn().expect("started");
-            sleep(Duration::from_millis(3 + (attempt * 37 + i as u64 * 11) % 50));
-            let _ = child.kill();
-            let _ = child.wait();
+    // Each run goes on where the one before was killed.
+    let points = ["picture-begun", "pass-ended", "file-written", "file-named", "picture-complete"];
+    for job in jobs {
+        for point in points {
+            assert!(folder.killed_at(point, 2, &format!("dataset set.toml {job} {set} -q")), "{job} {point}");
         }
         folder.succeed(&format!("dataset set.toml {job} {set}"));
     }
-    for attempt in 0..8u64 {
-        let mut child = folder.command("merge a b c -o merged -q").spawn().expect("started");
-        sleep(Duration::from_millis(3 + attempt * 37 % 60));
-        let _ = child.kill();
-        let _ = child.wait();
+    for point in ["picture-begun", "file-written", "file-named", "picture-complete"] {
+        assert!(folder.killed_at(point, 3, "merge a b c -o merged -q"), "{point}");
     }
     let outcome = folder.succeed("merge a b c -o merged");
     assert!(outcome.text().contains("24 of 24 pictures are in merged"), "{outcome:?}");
