@@ -32,27 +32,27 @@ impl DatasetFile {
     /// The error of a change that this file makes to the capture of a camera, at the key that asks for it, with the frame
     /// where the change is that of one. Other errors stay as they are.
     pub fn error_of_change(&self, error: Error, camera: &str, frame: Option<u32>, changes: &[String]) -> Error {
-        let said = match &error {
-            Error::Input(error) => error.path.to_string_lossy().into_owned(),
-            Error::Usage { message, .. } => message.clone(),
-            Error::Io { .. } | Error::Temporary(_) | Error::Cancelled { .. } => return error,
-        };
-        let is_of = |change: &&String| {
-            said.strip_prefix(&shown(change)).is_some_and(|rest| rest.is_empty() || rest.starts_with(": "))
+        let argument = match &error {
+            Error::Input(error) if error.is_override => error.path.to_string_lossy().into_owned(),
+            Error::Override { argument, .. } => argument.clone(),
+            Error::Input(_)
+            | Error::Io { .. }
+            | Error::Usage { .. }
+            | Error::Temporary(_)
+            | Error::Cancelled { .. } => {
+                return error;
+            }
         };
         let index = self.description.cameras.iter().position(|other| other.name == camera).unwrap_or(0);
-        let change = changes.iter().rev().find(is_of);
-        let Some((change, key)) = change.and_then(|c| Some((c, self.description.key_of(index, c)?))) else {
-            return error;
-        };
+        let change = changes.iter().rev().find(|change| shown(change) == argument);
+        let Some(key) = change.and_then(|change| self.description.key_of(index, change)) else { return error };
         let (message, help) = match error {
             Error::Input(error) => (format!("{}: {}", error.key, error.message), error.help),
-            // A file has no `--set` before what it sets.
-            Error::Usage { message, help } => {
-                (message.replacen(&format!("{}: ", shown(change)), "", 1), help.map(|help| help.replace("--set ", "")))
-            }
-            Error::Io { .. } | Error::Temporary(_) | Error::Cancelled { .. } => return error,
+            Error::Override { message, help, .. } => (message, help),
+            Error::Io { .. } | Error::Usage { .. } | Error::Temporary(_) | Error::Cancelled { .. } => return error,
         };
+        // A file has no options.
+        let help = help.map(|help| help.to_string().into());
         let frame = frame.map(|frame| format!("in frame {frame}")).into_iter();
         let camera = (!self.description.cameras.is_empty()).then(|| format!("of camera {camera}"));
         let place: String = frame.chain(camera).map(|part| part + " ").collect();

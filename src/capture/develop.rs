@@ -1,20 +1,21 @@
 //! `[develop]`: how raw pictures are developed.
 
+use photosite_core::{Help, Remedy};
 use std::path::Path;
 
 use super::overrides;
-use super::source::CaptureSource;
+use super::source::{CaptureSource, shown};
 use super::tables::SECTIONS;
 use crate::develop::DevelopSettings;
 use crate::{Error, Invalid, Result};
 use photosite_core::suggest::{did_you_mean, list};
 
-/// The `[develop]` table alone: of a capture file, if one is given, with `--set` arguments laid over it. Their keys are
+/// The `[develop]` table alone: of a capture file, if one is given, with overrides laid over it. Their keys are
 /// those of a capture file (`develop.demosaic`).
 pub fn read_develop_settings(capture: Option<&Path>, overrides: &[String]) -> Result<(DevelopSettings, CaptureSource)> {
     let mut source = match capture {
         Some(path) => super::read_source(path)?,
-        None => CaptureSource::empty("--set".as_ref()),
+        None => CaptureSource::empty("develop".as_ref()),
     };
     for argument in overrides {
         refuse_other_tables(argument)?;
@@ -33,18 +34,15 @@ fn refuse_other_tables(argument: &str) -> Result<()> {
     }
     let keys = keys();
     let (message, help) = if SECTIONS.contains(&key) {
-        (
-            format!("--set {argument}: [{key}] has no part in development"),
-            "the keys here begin with develop.".to_owned(),
-        )
+        (format!("[{key}] has no part in development"), Help::from("the keys here begin with develop."))
     } else if keys.contains(&key.to_owned()) {
-        (format!("--set {argument}: the key stands in the table [develop]"), format!("write --set develop.{argument}"))
+        ("the key stands in the table [develop]".to_owned(), Remedy::Override(format!("develop.{argument}")).into())
     } else {
         let suggestion = did_you_mean(key, keys.iter().map(String::as_str));
         let help = format!("the keys are develop. and one of {}", list(key, keys.iter().map(String::as_str)));
-        (format!("--set {argument}: unknown key `{key}`{suggestion}"), help)
+        (format!("unknown key `{key}`{suggestion}"), help.into())
     };
-    Err(Error::Usage { message, help: Some(help) })
+    Err(Error::Override { argument: shown(argument), message, help: Some(help) })
 }
 
 /// The keys of `[develop]`.

@@ -1,7 +1,7 @@
 //! The capture file: a scene, the camera that looks at it and what to make of it, as TOML.
 //!
 //! In: the path of a capture file, or of a scene file (`.gltf`, `.glb`, `.obj`) that stands for a capture of defaults,
-//! and `--set key=value` arguments. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
+//! and overrides, `key=value`. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
 //! the key and its line, or the argument.
 //!
 //! The text becomes a tree of values that know their lines (`tree.rs`, `source.rs`), the tree becomes tables of keys
@@ -193,7 +193,7 @@ impl Capture {
         placed().map_err(|invalid| source.error(invalid))
     }
 
-    /// All keys that were given: the capture file, the sensor's preset under it and `--set` over it. They stand for
+    /// All keys that were given: the capture file, the sensor's preset under it and overrides over it. They stand for
     /// themselves: the sensor is whole and names no preset. Paths become relative to `folder`, where this is going to be kept.
     pub fn to_json(&self, folder: &Path) -> Result<serde_json::Value> {
         keys_of(&self.source, &self.sensor.name, folder)

@@ -1,5 +1,6 @@
-//! `--set key=value`: values of the command line in place of those of the file.
+//! Overrides, `key=value`: values of the caller in place of those of the file.
 
+use photosite_core::Remedy;
 use toml::de::DeValue;
 
 use super::source::{CaptureSource, shown};
@@ -85,8 +86,8 @@ pub(super) fn set_target(source: &mut CaptureSource, argument: &str) -> Result<(
 
 fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &str) -> Result<()> {
     let wrong = |what: String| {
-        let message = format!("{}: {what}", shown(argument));
-        Error::Usage { message, help: Some(format!("for example --set {example}")) }
+        let help = Some(Remedy::Example(example.to_owned()).into());
+        Error::Override { argument: shown(argument), message: what, help }
     };
     let Some((key, value)) = argument.split_once('=') else {
         return Err(wrong("there is no value".to_owned()));

@@ -130,7 +130,7 @@ pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
     model.map(Some).map_err(|invalid| source.error(invalid))
 }
 
-/// A sensor by the name of a preset or the path of a sensor file, with the `key=value` of every `--set` laid over its
+/// A sensor by the name of a preset or the path of a sensor file, with overrides, `key=value`, laid over its
 /// keys; and what is to be said of them.
 pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<(SensorModel, Vec<String>)> {
     if is_path(name) {

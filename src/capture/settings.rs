@@ -144,7 +144,7 @@ pub struct TruthOutput {
 pub enum NextPicture {
     /// That of the same series, in which what moves has moved on.
     OfSeries,
-    /// That of the capture with these changes, as `--set` has them.
+    /// That of the capture with these overrides.
     Changed(Vec<String>),
     /// There is none.
     None,

@@ -1,11 +1,12 @@
 //! What a capture file and the command line say, as one tree of values that remembers where each of them stands.
 //!
-//! The texts (the file, a sensor file, every `--set`) lie one after the other in an imagined long text, and a span is a
+//! The texts (the file, a sensor file, every override) lie one after the other in an imagined long text, and a span is a
 //! range of that. So values of several texts can be laid over each other, and an error about any of them still points
 //! to the right line of the right file, or to the argument.
 //!
 //! The sensor of a report stands beside the tree: it is complete, and what the tree says of the sensor changes it.
 
+use photosite_core::Help;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +25,7 @@ pub struct CaptureSource {
     path: PathBuf,
     texts: Vec<Text>,
     root: Node,
-    /// What is to be said of keys that `--set` has put others in the place of.
+    /// What is to be said of keys that overrides have put others in the place of.
     displaced: Vec<String>,
     /// The whole sensor that a report holds.
     stored_sensor: Option<Node>,
@@ -45,7 +46,7 @@ enum Origin {
     Nothing,
     /// A report (`capture.json`), which holds the values at its key `capture`.
     Report(PathBuf),
-    /// `--set` and what was written after it.
+    /// An override, `key=value`.
     Argument(String),
 }
 
@@ -106,7 +107,7 @@ impl CaptureSource {
         self.add(Origin::File(path.to_owned()), text)
     }
 
-    /// Lays a `--set` argument, written as the TOML document `toml`, over the tree.
+    /// Lays an override, written as the TOML document `toml`, over the tree.
     pub(super) fn set(&mut self, argument: &str, toml: String) -> Result<()> {
         let over = self.add(Origin::Argument(argument.to_owned()), toml)?;
         self.root.lay_over(over);
@@ -119,17 +120,17 @@ impl CaptureSource {
         tables.get_mut(table)?.node.remove(key)
     }
 
-    /// Whether a value was given by `--set`.
+    /// Whether a value was given by an override.
     pub(super) fn is_of_argument(&self, node: &Node) -> bool {
         let text = self.texts.iter().rev().find(|text| text.start <= node.span.start);
         text.is_some_and(|text| matches!(text.origin, Origin::Argument(_)))
     }
 
-    /// Keeps for a warning that a `--set` argument has taken the place of other keys.
+    /// Keeps for a warning that an override has taken the place of other keys.
     pub(super) fn note_displaced(&mut self, argument: &str, keys: &[String]) {
         if !keys.is_empty() {
             let keys = keys.join(", ");
-            self.displaced.push(format!("--set {argument} takes the place of {keys}, which cannot hold beside it"));
+            self.displaced.push(format!("{argument} takes the place of {keys}, which cannot hold beside it"));
         }
     }
 
@@ -218,6 +219,7 @@ impl CaptureSource {
     /// The error of a value that does not fit its type.
     fn type_error(&self, path: &str, error: ReadError) -> Error {
         let ReadError { message, help, path: inner, unknown_key } = error;
+        let help = help.map(Help::from);
         let table = join(path, &inner);
         let Some(key) = unknown_key else { return self.error(Invalid { key: table, message, help }) };
         let entries = self.get(&table).and_then(Node::as_table);
@@ -252,7 +254,7 @@ impl CaptureSource {
             Origin::File(path) => invalid.in_text(path, &text.text, start..end),
             Origin::Report(path) => json::located(invalid.within("capture"), path, text.text.as_bytes()),
             Origin::Nothing => invalid.in_file(&self.path),
-            Origin::Argument(argument) => invalid.in_file(shown(argument).as_ref()),
+            Origin::Argument(argument) => invalid.in_override(&shown(argument)),
         }
     }
 }
@@ -261,7 +263,7 @@ impl CaptureSource {
 pub(super) fn shown(argument: &str) -> String {
     const LONGEST: usize = 80;
     match argument.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("--set {}…", &argument[..end]),
-        None => format!("--set {argument}"),
+        Some((end, _)) => format!("{}…", &argument[..end]),
+        None => argument.to_owned(),
     }
 }

@@ -1,7 +1,7 @@
 //! A capture whose light is stored: what remains to be decided is the sensor, its exposure, and what is written.
 //!
 //! In: the report of a render (`capture.json`), whose `capture` holds all keys that were given, or nothing but the size
-//! of the stored picture; and `--set key=value` arguments, whose paths are relative to where the command is given. Out: a [`StoredCapture`]. The scene is neither read nor needed.
+//! of the stored picture; and overrides, `key=value`, whose paths are relative to where the command is given. Out: a [`StoredCapture`]. The scene is neither read nor needed.
 
 use std::path::Path;
 
@@ -45,7 +45,7 @@ pub struct StoredCapture {
 }
 
 impl StoredCapture {
-    /// What a report at `path` says, with the `key=value` of every `--set` laid over it.
+    /// What a report at `path` says, with overrides, `key=value`, laid over it.
     pub fn of_report(path: &Path, report: &StoredReport, arguments: &[String]) -> Result<Self> {
         check(path, arguments)?;
         let mut source = report.source(path);
@@ -53,7 +53,7 @@ impl StoredCapture {
         Self::assemble(source)
     }
 
-    /// What holds where nothing is known of a stored picture but its size, with the `key=value` of every `--set`.
+    /// What holds where nothing is known of a stored picture but its size, with overrides, `key=value`.
     pub fn of_picture(path: &Path, resolution_px: [usize; 2], arguments: &[String]) -> Result<Self> {
         check(path, arguments)?;
         let mut source = CaptureSource::empty(path);
@@ -110,10 +110,10 @@ fn check(path: &Path, arguments: &[String]) -> Result<()> {
         // An unknown table gets its own message later.
         let is_known = SECTIONS.iter().any(|section| one.get(section).is_some());
         if is_known && !is_open {
-            let shown = shown(argument);
-            return Err(Error::Usage {
-                message: format!("{shown}: the light is traced already, and this cannot change it any more"),
-                help: Some("set keys of sensor, exposure, develop or output, or render again".to_owned()),
+            return Err(Error::Override {
+                argument: shown(argument),
+                message: "the light is traced already, and this cannot change it any more".to_owned(),
+                help: Some("set keys of sensor, exposure, develop or output, or render again".into()),
             });
         }
     }

@@ -160,7 +160,7 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
         Ok(variance) if variance.is_finite() && variance >= 0.0 => Ok(picture.with_constant_variance(variance)),
         Ok(_) => Err(Error::Usage {
             message: format!("{text} is no variance"),
-            help: Some("write a number of at least 0, or the name of an EXR file".to_owned()),
+            help: Some("write a number of at least 0, or the name of an EXR file".into()),
         }),
         Err(_) => picture.with_variances_from(&read_picture_file(Path::new(text), pixels)?).map_err(unfit),
     }
@@ -199,7 +199,7 @@ fn file_report(picture: &Picture) -> FileReport {
 fn refuse_picture(path: &Path, force: bool) -> Result<()> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
         let message = format!("{} is no name of a PNG file", path.display());
-        return Err(Error::Usage { message, help: Some("give a name that ends with .png".to_owned()) });
+        return Err(Error::Usage { message, help: Some("give a name that ends with .png".into()) });
     }
     refuse_existing(path, force)
 }

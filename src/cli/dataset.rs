@@ -58,7 +58,7 @@ pub(super) fn run(args: &DatasetArgs) -> Result<()> {
     let numbers = args.frames.clone().unwrap_or(0..set.frame_count());
     if numbers.end > set.frame_count() {
         let message = format!("--frames {}..{}: there are {} frames", numbers.start, numbers.end, set.frame_count());
-        return Err(Error::Usage { message, help: Some(format!("write at most 0..{}", set.frame_count())) });
+        return Err(Error::Usage { message, help: Some(format!("write at most 0..{}", set.frame_count()).into()) });
     }
     let frames = set.frames(numbers)?;
     set.check_first(&frames)?;

@@ -76,6 +76,6 @@ fn refuse_scene(folder: &Path, force: bool) -> Result<()> {
     }
     Err(Error::Usage {
         message: format!("{} holds a scene already", folder.display()),
-        help: Some("add --force to overwrite it, or choose another folder with -o".to_owned()),
+        help: Some("add --force to overwrite it, or choose another folder with -o".into()),
     })
 }

@@ -63,6 +63,6 @@ fn refuse_own_folder(output: &Path, input: &Path) -> Result<()> {
     }
     Err(Error::Usage {
         message: format!("the results would take the place of the light in {}", folder.display()),
-        help: Some("choose another folder with -o".to_owned()),
+        help: Some("choose another folder with -o".into()),
     })
 }

@@ -327,7 +327,7 @@ fn similarity(args: &PictureArgs, b_path: &Path) -> Result<Similarity> {
             format!("{} × {} numbers{full_scale}", p.mean.width(), p.mean.height())
         });
         let message = format!("the two pictures have different sizes or bits: {of_a}, {of_b}");
-        return Err(Error::Usage { message, help: Some("compare pictures of one size and kind".to_owned()) });
+        return Err(Error::Usage { message, help: Some("compare pictures of one size and kind".into()) });
     }
     let mut channels = Vec::new();
     for theirs in b.mean.channels() {

@@ -77,10 +77,7 @@ fn merge_pictures(args: &MergeArgs) -> Result<()> {
 fn merge_sets(args: &MergeArgs) -> Result<()> {
     if args.force {
         let message = "--force: a data set goes on where it was broken off, and nothing is overwritten".to_owned();
-        return Err(Error::Usage {
-            message,
-            help: Some("remove --force, or choose another folder with -o".to_owned()),
-        });
+        return Err(Error::Usage { message, help: Some("remove --force, or choose another folder with -o".into()) });
     }
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
     let input = args.input.clone().unwrap_or_else(|| parts[0].input());
@@ -92,7 +89,7 @@ fn merge_sets(args: &MergeArgs) -> Result<()> {
         if found.is_empty() {
             let message = format!("frame {number} of camera {camera} is in none of the folders");
             let help = "give the command of the missing part again: it goes on where it was broken off";
-            return Err(Error::Usage { message, help: Some(help.to_owned()) });
+            return Err(Error::Usage { message, help: Some(help.into()) });
         }
         Parts::read(&found)
     };

@@ -61,7 +61,7 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
     if PictureFormat::of(&args.output)? != PictureFormat::Exr {
         return Err(Error::Usage {
             message: format!("{} cannot hold the range of a bracket", args.output.display()),
-            help: Some("give a name that ends with .exr".to_owned()),
+            help: Some("give a name that ends with .exr".into()),
         });
     }
     let (settings, source) = args.common.settings()?;

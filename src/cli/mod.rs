@@ -35,9 +35,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use photosite::Error;
 use photosite::io::output::{Sink, write_new, write_whole};
 use photosite::io::pretty_json::pretty_json;
+use photosite::{Error, Remedy};
 
 /// What scripts and schedulers go by.
 const EXIT_STATUS: &str = "\
@@ -119,8 +119,13 @@ pub(crate) fn run() -> ExitCode {
             // Who asked the work to stop, the program alone knows.
             let error = match error {
                 Error::Cancelled { help, .. } => Error::Cancelled { message: signals::stopped_by().to_owned(), help },
-                error @ (Error::Input(_) | Error::Io { .. } | Error::Usage { .. } | Error::Temporary(_)) => error,
+                error @ (Error::Input(_)
+                | Error::Io { .. }
+                | Error::Override { .. }
+                | Error::Usage { .. }
+                | Error::Temporary(_)) => error,
             };
+            let error = error.in_words(&in_options, "--set");
             eprintln!("{:?}", miette::Report::new(error));
             ExitCode::from(status)
         }
@@ -132,9 +137,29 @@ fn status(error: &Error) -> u8 {
     const ANOTHER_TRY: u8 = 75;
     match error {
         Error::Cancelled { .. } => signals::status(),
-        Error::Usage { .. } => 2,
+        Error::Override { .. } | Error::Usage { .. } => 2,
         Error::Input(_) | Error::Io { .. } | Error::Temporary(_) if error.is_temporary() => ANOTHER_TRY,
         Error::Input(_) | Error::Io { .. } | Error::Temporary(_) => 1,
+    }
+}
+
+/// What to do about an error, as the options of the command line that do it.
+fn in_options(remedy: &Remedy) -> String {
+    match remedy {
+        Remedy::Say(words) => words.clone(),
+        Remedy::Overwrite => "add --force to overwrite".to_owned(),
+        Remedy::StartAnew => "add --force to start anew".to_owned(),
+        Remedy::Elsewhere(place) => format!("choose {place} with -o"),
+        Remedy::Override(change) => format!("add --set {change}"),
+        Remedy::Example(change) => format!("for example --set {change}"),
+        Remedy::FilmMemory(gib) => format!("add --film-memory {gib}"),
+        Remedy::Samples([from, to]) => format!("render them with --samples {from}..{to}"),
+        Remedy::Channels(names) => format!("name channels that both have: --channels {}", names.join(",")),
+        Remedy::Masked { name, area } => {
+            format!("of {name} the active area is looked at, {area}; --masked looks at its masked pixels, too")
+        }
+        Remedy::Nearest => "add --approximate for the nearest that Mitsuba has".to_owned(),
+        Remedy::Linear => "say --linear where its codes are in proportion to light".to_owned(),
     }
 }
 
@@ -172,7 +197,7 @@ fn refuse_existing(path: &Path, force: bool) -> photosite::Result<()> {
 
 fn exists_already(path: &Path) -> Error {
     let message = format!("{} exists already", path.display());
-    Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".to_owned()) }
+    Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".into()) }
 }
 
 /// Writes a file whole. One that another process has put there in the meantime is not overwritten unasked, either.

@@ -81,7 +81,7 @@ pub(super) fn run(args: &NoiseArgs) -> Result<()> {
         if size(input) != size(first) || names(input) != names(first) || input.picture.mosaic != first.picture.mosaic {
             return Err(Error::Usage {
                 message: format!("{} differs from {} in size or channels", path.display(), args.files[0].display()),
-                help: Some("several pictures must show the same scene, taken by the same camera".to_owned()),
+                help: Some("several pictures must show the same scene, taken by the same camera".into()),
             });
         }
     }
@@ -92,7 +92,7 @@ pub(super) fn run(args: &NoiseArgs) -> Result<()> {
     if x.checked_add(w).is_none_or(|end| end > width) || y.checked_add(h).is_none_or(|end| end > height) {
         return Err(Error::Usage {
             message: format!("the patch {x},{y},{w},{h} reaches beyond the {width} × {height} pixels of the {whole}"),
-            help: Some("write left, top, width and height, for example --patch 100,100,64,64".to_owned()),
+            help: Some("write left, top, width and height, for example --patch 100,100,64,64".into()),
         });
     }
     let known = Knowledge {

@@ -8,6 +8,7 @@
 //! one has left; what concerns the whole has the lock of the folder. Nothing is lost where the file system knows no locks:
 //! each process makes a picture under a name of its own, the first to finish gives it its number, and the other drops its own.
 
+use photosite_core::Remedy;
 use std::collections::BTreeSet;
 use std::fs;
 use std::ops::Range;
@@ -83,7 +84,7 @@ impl PartFolder {
     /// Reads what a folder is a part of.
     pub fn read(path: &Path) -> Result<Self> {
         let refuse = |message: &str| {
-            let help = "give folders that photosite dataset --samples A..B filled";
+            let help = "give folders that hold a part of a data set";
             Err(Invalid::new("", message).help(help).in_file(path))
         };
         if !Self::is_one(path) {
@@ -101,7 +102,7 @@ impl PartFolder {
         PathBuf::from(self.identity[OF_PART]["path"].as_str().unwrap_or_default())
     }
 
-    /// The `--set` arguments that it was made with.
+    /// The overrides that it was made with.
     pub fn arguments(&self) -> Vec<String> {
         let arguments = self.identity["overrides"].as_array().into_iter().flatten();
         arguments.filter_map(Value::as_str).map(str::to_owned).collect()
@@ -114,7 +115,7 @@ impl PartFolder {
         }
         let difference = difference(&self.identity, whole);
         let message = format!("{} is a part of another data set: {difference}", self.path.display());
-        Err(Error::Usage { message, help: Some("give parts of one data set, and its file as it was".to_owned()) })
+        Err(Error::Usage { message, help: Some("give parts of one data set, and its file as it was".into()) })
     }
 
     /// The part of a picture, if it is there.
@@ -142,8 +143,8 @@ impl DatasetFolder {
     /// Takes a new or empty folder, or one of the same data set; no other.
     pub fn claim(path: &Path, identity: &Value, plan: &Plan) -> Result<Self> {
         let refuse = |message: String| {
-            let help = "choose another folder with -o; pictures of two data sets must not be mixed";
-            Err(Error::Usage { message, help: Some(help.to_owned()) })
+            let help = Remedy::Elsewhere("another folder, as pictures of two data sets must not be mixed".to_owned());
+            Err(Error::Usage { message, help: Some(help.into()) })
         };
         if path.is_file() {
             return refuse(format!("{} is a file, where a folder is needed", path.display()));

@@ -1,5 +1,6 @@
 //! The folder of a layout. It is made beside and renamed when it is complete.
 
+use photosite_core::Remedy;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -45,7 +46,7 @@ impl LayoutFolder {
         } else {
             return Ok(());
         };
-        Err(Error::Usage { message, help: Some("choose a new folder with -o".to_owned()) })
+        Err(Error::Usage { message, help: Some(Remedy::Elsewhere("a new folder".to_owned()).into()) })
     }
 
     /// Begins a folder that is not there yet, or empty.
@@ -67,9 +68,9 @@ impl LayoutFolder {
         if self.folder.finish()? {
             return Ok(());
         }
-        let help = "choose a new folder with -o".to_owned();
+        let help = Remedy::Elsewhere("a new folder".to_owned());
         let message = format!("{} was filled by another process", path.display());
-        Err(Error::Usage { message, help: Some(help) })
+        Err(Error::Usage { message, help: Some(help.into()) })
     }
 
     /// A file of the layout, whose folder is made.

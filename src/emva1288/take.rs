@@ -1,5 +1,6 @@
 //! The image sets that EMVA 1288 asks for, taken of a sensor's model in front of an even light.
 
+use photosite_core::{Help, Remedy};
 use std::fs;
 use std::path::Path;
 
@@ -160,7 +161,7 @@ fn works(request: &SetRequest, sensor: &SensorModel) -> Result<Vec<Work>> {
     let find = |name: &String| {
         names.iter().position(|n| n == name).ok_or_else(|| Error::Usage {
             message: format!("sensor {} has no channel {name:?}", sensor.name),
-            help: Some(format!("its channels are {}", names.join(", "))),
+            help: Some(format!("its channels are {}", names.join(", ")).into()),
         })
     };
     let wanted: Vec<usize> = match &request.channels {
@@ -183,7 +184,7 @@ fn image_size(sensor: &SensorModel, wanted: Option<[usize; 2]>) -> Result<[usize
     if largest.iter().any(|&side| side < 3) {
         return Err(Error::Usage {
             message: format!("sensor {} is a line of pixels, and EMVA 1288 measures areas", sensor.name),
-            help: Some("photosite noise takes the figures of its pictures".to_owned()),
+            help: Some("photosite noise takes the figures of its pictures".into()),
         });
     }
     let size = wanted.unwrap_or(largest.map(|side| side.min(512)));
@@ -191,7 +192,7 @@ fn image_size(sensor: &SensorModel, wanted: Option<[usize; 2]>) -> Result<[usize
         let [[w, h], [most_w, most_h]] = [size, largest];
         return Err(Error::Usage {
             message: format!("images of {w} × {h} pixels cannot be taken of one channel of sensor {}", sensor.name),
-            help: Some(format!("it has {most_w} × {most_h} pixels of each; write at least 3x3")),
+            help: Some(format!("it has {most_w} × {most_h} pixels of each; write at least 3x3").into()),
         });
     }
     Ok(size)
@@ -279,10 +280,13 @@ fn named(set: &str, shots: &[Shot]) -> Vec<Shot> {
 
 /// Only image sets may be replaced, and only if asked for.
 pub fn refuse_image_sets(output: &Path, force: bool) -> Result<()> {
-    let usage = |message, help: &str| Err(Error::Usage { message, help: Some(help.to_owned()) });
+    let usage = |message, help: Help| Err(Error::Usage { message, help: Some(help) });
     let Ok(mut entries) = fs::read_dir(output) else {
         if output.exists() {
-            return usage(format!("{} is no folder", output.display()), "choose another name with -o");
+            return usage(
+                format!("{} is no folder", output.display()),
+                Remedy::Elsewhere("another name".to_owned()).into(),
+            );
         }
         return Ok(());
     };
@@ -290,10 +294,13 @@ pub fn refuse_image_sets(output: &Path, force: bool) -> Result<()> {
         return Ok(());
     }
     if !output.join(CONTENTS).exists() {
-        return usage(format!("{} holds other files", output.display()), "choose a new folder with -o");
+        return usage(
+            format!("{} holds other files", output.display()),
+            Remedy::Elsewhere("a new folder".to_owned()).into(),
+        );
     }
     if !force {
-        let help = "add --force to replace them, or choose another folder with -o";
+        let help = Help::any([Remedy::Overwrite, elsewhere()]);
         return usage(format!("{} holds image sets already", output.display()), help);
     }
     Ok(())
@@ -306,7 +313,7 @@ fn move_into_place(folder: UnfinishedFolder, output: &Path, force: bool) -> Resu
         let older = UnfinishedFolder::beside(output, |_| false)?;
         if !older.take_over(output) {
             let message = "cannot be replaced";
-            return Err(Invalid::new("", message).help("choose another folder with -o").in_file(output));
+            return Err(Invalid::new("", message).help(elsewhere()).in_file(output));
         }
         return give_name(folder, output).inspect_err(|_| {
             // As it was, as far as that is possible.
@@ -321,5 +328,9 @@ fn give_name(folder: UnfinishedFolder, output: &Path) -> Result<()> {
         return Ok(());
     }
     let message = format!("{} was filled by another process", output.display());
-    Err(Error::Usage { message, help: Some("choose another folder with -o".to_owned()) })
+    Err(Error::Usage { message, help: Some(elsewhere().into()) })
+}
+
+fn elsewhere() -> Remedy {
+    Remedy::Elsewhere("another folder".to_owned())
 }

@@ -61,7 +61,7 @@ impl PictureFormat {
             "exr" => Ok(Self::Exr),
             _ => Err(Error::Usage {
                 message: format!("{} is no name of a picture that photosite can write", path.display()),
-                help: Some("give a name that ends with .png, .tiff, .jpg, .pgm, .ppm or .exr".to_owned()),
+                help: Some("give a name that ends with .png, .tiff, .jpg, .pgm, .ppm or .exr".into()),
             }),
         }
     }

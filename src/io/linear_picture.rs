@@ -9,6 +9,7 @@
 //! What says nothing is sRGB, and of EXR linear sRGB, as its specification has it. Profiles of tables and curves for high
 //! dynamic range are refused by name.
 
+use photosite_core::{Help, Remedy};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -188,7 +189,7 @@ fn of_code_points(primaries: u8, transfer: u8) -> Result<Meaning, Invalid> {
 
 fn of_profile(bytes: &[u8]) -> Result<Meaning, Invalid> {
     let damaged =
-        |error: moxcms::CmsError| Invalid::new("ICC profile", format!("cannot be read: {error}")).help(CONVERT);
+        |error: moxcms::CmsError| Invalid::new("ICC profile", format!("cannot be read: {error}")).help(convert());
     let profile = ColorProfile::new_from_slice(bytes).map_err(damaged)?;
     let curve = |trc: &Option<ToneReprCurve>| -> Result<Curve, Invalid> {
         let Some(trc) = trc else { return Err(not_read("ICC profile", "tables in place of curves and a matrix")) };
@@ -209,10 +210,12 @@ fn of_profile(bytes: &[u8]) -> Result<Meaning, Invalid> {
     Err(not_read("ICC profile", &format!("colours of the kind {:?}", profile.color_space)))
 }
 
-const CONVERT: &str = "convert the picture to sRGB first, or say --linear where its codes are in proportion to light";
+fn convert() -> Help {
+    Help::any(["convert the picture to sRGB first".into(), Remedy::Linear])
+}
 
 fn not_read(key: &str, what: &str) -> Invalid {
-    Invalid::new(key, format!("{what} are not read")).help(CONVERT)
+    Invalid::new(key, format!("{what} are not read")).help(convert())
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! Not every network file system knows locks. There each process gets one that proves nothing ([`Lock::is_proven`]), and
 //! what is right must be right without it: names that no other process has, and renames that replace nothing.
 
+use photosite_core::{Help, Remedy};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -109,7 +110,7 @@ fn has_name(_: &File, path: &Path) -> bool {
 
 /// Another process may soon be done with it.
 fn busy(path: &Path, what: &str) -> Error {
-    let help = format!("wait until that one has ended, or choose another {what} with -o");
+    let help = Help::any(["wait until that one has ended".into(), Remedy::Elsewhere(format!("another {what}"))]);
     Invalid::new("", "another process is writing here").help(help).in_file(path).temporary()
 }
 

@@ -63,7 +63,7 @@ fn format(path: &Path) -> Result<Format> {
     let format = FORMATS.iter().find(|(known, _)| extension.as_deref() == Some(*known));
     format.map(|(_, format)| *format).ok_or_else(|| Error::Usage {
         message: format!("{} does not say in which format to write the target", path.display()),
-        help: Some("end the name in .svg or .pdf (to print), .toml (a capture), .obj or .json (its points)".to_owned()),
+        help: Some("end the name in .svg or .pdf (to print), .toml (a capture), .obj or .json (its points)".into()),
     })
 }
 

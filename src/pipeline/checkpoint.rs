@@ -6,6 +6,7 @@
 //! there, and goes with the last of them. Samples have their random numbers by their place in the whole render and sums
 //! are exact, so that what goes on gives the bytes of a render in one go.
 
+use photosite_core::{Help, Remedy};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read};
 use std::ops::Range;
@@ -157,7 +158,7 @@ impl<'a> Checkpoints<'a> {
         } else if header.samples != self.samples {
             Some(format!("it has the samples {from_sample}..{to_sample}"))
         } else if has_films && strips.from(first_row).next() != Some(first_row..end) {
-            Some(format!("it has the rows {first_row}..{end}, as another --film-memory gives"))
+            Some(format!("it has the rows {first_row}..{end}, as another film memory gives"))
         } else {
             None
         };
@@ -165,8 +166,11 @@ impl<'a> Checkpoints<'a> {
             Some(_) if self.force => return Ok(None),
             Some(difference) => {
                 let message = format!("is the checkpoint of another render: {difference}");
-                let help =
-                    "undo the change to go on with it, add --force to start anew, or choose another folder with -o";
+                let help = Help::any([
+                    "undo the change to go on with it".into(),
+                    Remedy::StartAnew,
+                    Remedy::Elsewhere("another folder".to_owned()),
+                ]);
                 return Err(Invalid::new("", message).help(help).in_file(path));
             }
             None => {}

@@ -81,5 +81,5 @@ impl Drop for UntilTraceEnds<'_> {
 
 /// The error of work that its monitor has stopped; `help` says how it goes on.
 pub(super) fn cancelled(help: String) -> Error {
-    Error::Cancelled { message: "the work was cancelled".to_owned(), help: Some(help) }
+    Error::Cancelled { message: "the work was cancelled".to_owned(), help: Some(help.into()) }
 }

@@ -1,5 +1,6 @@
 //! The folder that a render fills.
 
+use photosite_core::{Help, Remedy};
 use std::collections::BTreeMap;
 use std::fs;
 use std::fs::File;
@@ -311,7 +312,7 @@ impl OutputFolder {
         };
         let path = self.path.join(name);
         let what = if path.exists() { "was replaced by another process" } else { "was removed by another process" };
-        let help = "give each process a folder of its own with -o";
+        let help = "give each process a folder of its own";
         Err(Invalid::new("", what).help(help).in_file(&path).temporary())
     }
 
@@ -358,7 +359,7 @@ fn refuse_results(path: &Path, force: bool) -> Result<()> {
             PART => format!("{} holds a part of a render", path.display()),
             _ => format!("{} holds a file {name} already", path.display()),
         },
-        help: Some("add --force to overwrite, or choose another folder with -o".to_owned()),
+        help: Some(Help::any([Remedy::Overwrite, Remedy::Elsewhere("another folder".to_owned())])),
     })
 }
 
@@ -380,5 +381,5 @@ fn results() -> impl Iterator<Item = String> {
 }
 
 fn unusable(path: &Path, message: impl Into<String>) -> Error {
-    Invalid::new("", message).help("choose another folder with -o").in_file(path)
+    Invalid::new("", message).help(Remedy::Elsewhere("another folder".to_owned())).in_file(path)
 }

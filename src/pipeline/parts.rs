@@ -3,6 +3,7 @@
 //! A part is a folder with the sums of its samples, `film.npy` (numbered where a camera moves), and `part.json`, written
 //! last, which says what they are the sums of. Sensor, noise and development come when all are together.
 
+use photosite_core::{Help, Remedy};
 use std::fs::File;
 use std::io::BufReader;
 use std::ops::Range;
@@ -30,15 +31,20 @@ pub fn check_samples(samples: &Range<u32>, capture: &Capture) -> Result<()> {
     };
     let help = "remove it, and write samples_per_pixel";
     if capture.render.noise_target.is_some() {
-        return refuse("noise_target", "cannot go with --samples: no part knows the noise of the whole", help);
+        return refuse(
+            "noise_target",
+            "cannot go with a part of the samples: no part knows the noise of the whole",
+            help,
+        );
     }
     if capture.render.time_limit.is_some() {
-        return refuse("time_limit_s", "cannot go with --samples: parts would end anywhere", help);
+        return refuse("time_limit_s", "cannot go with a part of the samples: parts would end anywhere", help);
     }
     let count = capture.render.samples_per_pixel;
     if samples.end > count {
-        let message = format!("--samples {}..{}: there are {count} samples a pixel", samples.start, samples.end);
-        let help = format!("write at most 0..{count}, or add --set render.samples_per_pixel={}", samples.end);
+        let message = format!("the samples {}..{}: there are {count} samples a pixel", samples.start, samples.end);
+        let more = Remedy::Override(format!("render.samples_per_pixel={}", samples.end));
+        let help = Help::any([Remedy::Say(format!("write at most 0..{count}")), more]);
         return Err(Error::Usage { message, help: Some(help) });
     }
     Ok(())
@@ -55,7 +61,7 @@ impl Parts {
         let read = |folder: &PathBuf| Ok((folder.clone(), read_report(folder)?));
         let mut parts = folders.iter().map(read).collect::<Result<Vec<_>>>()?;
         parts.sort_by_key(|(_, part)| part.samples);
-        let refuse = |message: String, help: &str| Err(Error::Usage { message, help: Some(help.to_owned()) });
+        let refuse = |message: String, help: Help| Err(Error::Usage { message, help: Some(help) });
         let range = |[a, b]: [u32; 2]| format!("{a}..{b}");
         for ((folder, part), (next_folder, next)) in parts.iter().zip(&parts[1..]) {
             let [one, two] = [folder, next_folder].map(|folder| folder.display());
@@ -63,12 +69,12 @@ impl Parts {
                 let [earlier, now] = [part, next].map(|part| Value::Object(part.provenance.clone()));
                 let difference = difference(&earlier, &now);
                 let message = format!("{one} and {two} are no parts of the same render: in {two}, {difference}");
-                return refuse(message, "give parts of the same capture, seed and version");
+                return refuse(message, "give parts of the same capture, seed and version".into());
             }
             if next.samples[0] < part.samples[1] {
                 let both = [next.samples[0], part.samples[1].min(next.samples[1])];
                 let message = format!("{one} and {two} both hold the samples {}", range(both));
-                return refuse(message, "give each sample once");
+                return refuse(message, "give each sample once".into());
             }
         }
         // Gaps between neighbours, and before the first and after the last.
@@ -76,7 +82,7 @@ impl Parts {
         let missing = |from: u32, to: u32, place: String| {
             let part = range([from, to]);
             let message = format!("the samples {part} are missing {place}");
-            refuse(message, &format!("render them with --samples {part}"))
+            refuse(message, Remedy::Samples([from, to]).into())
         };
         if first.1.samples[0] > 0 {
             return missing(0, first.1.samples[0], format!("before those of {}", first.0.display()));
@@ -117,7 +123,7 @@ impl Parts {
             folder.display(),
             capture.source.path().display()
         );
-        Err(Error::Usage { message, help: Some("render its parts again, or undo the change".to_owned()) })
+        Err(Error::Usage { message, help: Some("render its parts again, or undo the change".into()) })
     }
 
     /// The light of all samples, of the picture of that number where a camera moves.
@@ -160,7 +166,7 @@ fn read_report(folder: &Path) -> Result<PartReport> {
         } else {
             format!("holds no part of a render: there is no {PART}")
         };
-        let help = "give folders that photosite render --samples A..B filled; one that was broken off has to be rendered \
+        let help = "give folders that hold a finished part; one that was broken off has to be rendered \
                     again";
         return Err(Invalid::new("", message).help(help).in_file(folder));
     }

@@ -62,7 +62,7 @@ pub(crate) fn difference(earlier: &Value, now: &Value) -> &'static str {
     let parts = [
         ("photosite_version", "it was made by another version of photosite"),
         ("dataset", "the data set file says something else"),
-        ("overrides", "--set says something else"),
+        ("overrides", "its overrides say something else"),
         ("captures", "the capture says something else"),
         ("capture", "the capture says something else"),
         ("files_sha256", "a file that the capture names has changed"),

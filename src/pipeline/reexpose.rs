@@ -291,7 +291,7 @@ fn light_file(folder: &Path, numbered: bool, same_response: bool) -> Result<Path
 
 fn no_irradiance(folder: &Path) -> Error {
     let message = "electrons.exr counts what the rendered sensor sees, and this sensor sees light differently";
-    let help = "expose irradiance.exr instead, which photosite render writes with --set output.irradiance=true";
+    let help = "expose irradiance.exr instead, which is written with output.irradiance=true";
     Invalid::new("", message).help(help).in_file(folder)
 }
 

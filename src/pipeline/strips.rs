@@ -1,5 +1,6 @@
 //! How much of a picture is traced at a time.
 
+use photosite_core::{Help, Remedy};
 use std::ops::Range;
 
 use super::camera::pixels;
@@ -45,7 +46,8 @@ impl FilmMemory {
             Some((key, _)) => {
                 let needed = ((row * height) as f64 / GIB * 10.0).ceil().max(1.0) / 10.0;
                 let message = format!("takes the film of the whole picture, {needed} GiB; {} are allowed", self.gib);
-                let help = format!("add --film-memory {needed}, or write samples_per_pixel in its place");
+                let help =
+                    Help::any([Remedy::FilmMemory(needed.to_string()), "write samples_per_pixel in its place".into()]);
                 Err(capture.source.error(Invalid::new(key, message).help(help).within("render")))
             }
         }

@@ -175,7 +175,11 @@ fn a_longer_set_goes_on_where_a_shorter_one_ended() {
 fn pictures_of_two_sets_are_not_mixed() {
     let folder = folder("frames = 1\n");
     folder.succeed("dataset set.toml -o out");
-    folder.fail("dataset set.toml -o out --set exposure.gain_db=3", 2, &["holds another data set: --set says", "-o"]);
+    folder.fail(
+        "dataset set.toml -o out --set exposure.gain_db=3",
+        2,
+        &["holds another data set: its overrides say", "-o"],
+    );
     folder.add("set.toml", "capture = 'board.toml'\nframes = 1\nseed = 2\n");
     folder.fail("dataset set.toml -o out", 2, &["the data set file says something else"]);
     folder.add("set.toml", "capture = 'board.toml'\nframes = 1\n");

@@ -322,7 +322,7 @@ fn wall(lux: f64, exposure: &str) -> Folder {
 #[case::time_in_its_place(
     "time_s = 0.01",
     "--set exposure.auto=true",
-    "--set exposure.auto=true takes the place of exposure.time_s"
+    "exposure.auto=true takes the place of exposure.time_s"
 )]
 #[case::limit_in_its_place("time_s = 0.01", "--set exposure.max_time_s=9", "takes the place of exposure.time_s")]
 #[case::limits_lost("max_time_s = 9", "--set exposure.time_s=0.01", "takes the place of exposure.max_time_s")]

@@ -119,10 +119,18 @@ fn parts_that_make_no_whole_are_refused() {
 }
 
 #[rstest]
-#[case::beyond("--samples 4..9", 2, "--samples 4..9: there are 8 samples a pixel")]
+#[case::beyond("--samples 4..9", 2, "the samples 4..9: there are 8 samples a pixel")]
 #[case::backwards("--samples 4..4", 2, "the first number must be below the second")]
-#[case::noise("--samples 0..4 --set render.noise_target=0.5", 1, "render.noise_target: cannot go with --samples")]
-#[case::time("--samples 0..4 --set render.time_limit_s=3", 1, "render.time_limit_s: cannot go with --samples")]
+#[case::noise(
+    "--samples 0..4 --set render.noise_target=0.5",
+    1,
+    "render.noise_target: cannot go with a part of the samples"
+)]
+#[case::time(
+    "--samples 0..4 --set render.time_limit_s=3",
+    1,
+    "render.time_limit_s: cannot go with a part of the samples"
+)]
 fn impossible_parts_are_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     let folder = room("[render]\nsamples_per_pixel = 8\n");
     folder.fail(&format!("render capture.toml -o out {arguments}"), status, &[message]);
@@ -192,7 +200,7 @@ fn parts_of_data_sets_are_not_mixed() {
     };
     fail(&format!("dataset set.toml {set} --samples 2..4 -o a"), &["a holds the samples 0..2 of each pixel", "-o"]);
     fail(&format!("dataset set.toml {set} -o a"), &["a holds the samples 0..2 of each pixel"]);
-    fail(&format!("dataset set.toml {set} --samples 2..5 -o b"), &["--samples 2..5: there are 4 samples a pixel"]);
+    fail(&format!("dataset set.toml {set} --samples 2..5 -o b"), &["the samples 2..5: there are 4 samples a pixel"]);
     fail("merge a -o merged", &["samples 2..4 are missing after those of a/camera/000000"]);
     folder.succeed(&format!("dataset set.toml {set} --samples 2..4 --frames 0..1 -o b"));
     fail("merge a b -o merged", &["samples 2..4 are missing after those of a/camera/000001"]);
@@ -202,7 +210,7 @@ fn parts_of_data_sets_are_not_mixed() {
     fail("merge a b -o a", &["a holds the samples 0..2 of each pixel"]);
     fail("merge a b -o merged --force", &["--force", "nothing is overwritten"]);
     folder.succeed("dataset set.toml --set render.samples_per_pixel=4 --set exposure.gain_db=3 --samples 2..4 -o c");
-    fail("merge a c -o merged", &["c is a part of another data set: --set says something else"]);
+    fail("merge a c -o merged", &["c is a part of another data set: its overrides say something else"]);
     folder.succeed(&format!("dataset set.toml {set} -o whole"));
     folder.fail("merge a whole -o merged", 1, &["whole", "holds a whole data set"]);
     folder.fail("merge a set.toml -o merged", 1, &["set.toml", "holds no part of a data set"]);

@@ -1,8 +1,6 @@
 //! Pictures whose film is larger than the memory for it, traced in strips: the bytes are those of one that fits.
 
 use std::fs;
-use std::thread::sleep;
-use std::time::Duration;
 
 use rstest::rstest;
 use serde_json::Value;
@@ -67,15 +65,11 @@ fn rows_of(folder: &Folder, checkpoint: &str) -> Option<[u64; 2]> {
     Some([0, 1].map(|i| header["rows"][i].as_u64().expect("a row")))
 }
 
-/// Starts a render and kills it once its checkpoint is as it should be.
+/// Kills a render each time it has written a file, and goes on with it, until its checkpoint is as it should be.
 fn kill_when(folder: &Folder, arguments: &str, is_time: impl Fn([u64; 2]) -> bool) {
-    let mut render = folder.command(arguments).spawn().expect("the binary runs");
     while !rows_of(folder, "out/checkpoint.film").is_some_and(&is_time) {
-        assert!(render.try_wait().expect("a child").is_none(), "it ended before it was killed");
-        sleep(Duration::from_millis(1));
+        assert!(folder.killed_at("file-named", 1, arguments), "it ended before it was killed");
     }
-    render.kill().expect("still ours");
-    render.wait().expect("ended");
 }
 
 #[rstest]
@@ -99,7 +93,7 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
     // Other strips, other samples, and rows that are not all there.
     kill_when(&folder, &format!("{go_on} --quiet"), |[first, end]| first > done && end > first);
     let wide = format!("render capture.toml -o out {part} {}", strips_of(6, 33.0));
-    folder.fail(&wide, 1, &["out/checkpoint.film", "another render: it has the rows", "--film-memory", "--force"]);
+    folder.fail(&wide, 1, &["out/checkpoint.film", "another render: it has the rows", "film memory", "--force"]);
     let other = format!("render capture.toml -o out {other_part} {}", strips_of(5, 33.0));
     folder.fail(&other, 1, &["out/checkpoint.film", "another render", message]);
     let rows = fs::read(folder.path("out/checkpoint.rows")).expect("rows");

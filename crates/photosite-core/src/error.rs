@@ -8,6 +8,7 @@ use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use crate::help::{Help, Remedy};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
 /// The result of anything that a user or a file can make fail.
@@ -21,7 +22,7 @@ pub struct Invalid {
     /// What is wrong, with the value that was found.
     pub message: String,
     /// What to write instead.
-    pub help: Option<String>,
+    pub help: Option<Help>,
 }
 
 impl Invalid {
@@ -32,7 +33,7 @@ impl Invalid {
 
     /// Says what to write instead.
     #[must_use]
-    pub fn help(mut self, help: impl Into<String>) -> Self {
+    pub fn help(mut self, help: impl Into<Help>) -> Self {
         self.help = Some(help.into());
         self
     }
@@ -67,13 +68,28 @@ impl Invalid {
         Error::Input(Box::new(error))
     }
 
+    /// The error of an override of a key, as short as messages have it.
+    pub fn in_override(self, argument: &str) -> Error {
+        let error = self.input_error(argument.as_ref(), None);
+        Error::Input(Box::new(InputError { is_override: true, ..error }))
+    }
+
     fn placed(self, path: &Path, line: Option<usize>) -> Error {
         Error::Input(Box::new(self.input_error(path, line)))
     }
 
     fn input_error(self, path: &Path, line: Option<usize>) -> InputError {
         let Self { key, message, help } = self;
-        InputError { path: path.to_owned(), line, key, message, help, source_code: None, span: None }
+        InputError {
+            path: path.to_owned(),
+            line,
+            key,
+            message,
+            help,
+            source_code: None,
+            is_override: false,
+            span: None,
+        }
     }
 }
 
@@ -107,10 +123,13 @@ pub struct InputError {
     pub message: String,
     /// What to write instead.
     #[help]
-    pub help: Option<String>,
+    pub help: Option<Help>,
     /// The text of the file, for underlining.
     #[source_code]
     pub source_code: Option<NamedSource<String>>,
+    /// Whether it is not a file that is at fault, but an override of a key, `key=value`, which stands in the place of
+    /// the path.
+    pub is_override: bool,
     /// The bytes to underline.
     #[label("here")]
     pub span: Option<SourceSpan>,
@@ -118,7 +137,8 @@ pub struct InputError {
 
 impl InputError {
     fn describe(&self) -> String {
-        let mut text = self.path.display().to_string();
+        let override_of = if self.is_override { "override " } else { "" };
+        let mut text = format!("{override_of}{}", self.path.display());
         if let Some(line) = self.line {
             text += &format!(":{line}");
         }
@@ -146,14 +166,25 @@ pub enum Error {
         /// The system's reason. Part of the message, hence no `source` besides.
         reason: std::io::Error,
     },
-    /// A command line whose parts do not fit together.
+    /// An override of a key, `key=value`, that is none.
+    #[error("override {argument}: {message}")]
+    Override {
+        /// The override, as short as messages have it.
+        argument: String,
+        /// What is wrong with it.
+        message: String,
+        /// What to write instead.
+        #[help]
+        help: Option<Help>,
+    },
+    /// A request whose parts do not fit together.
     #[error("{message}")]
     Usage {
         /// What does not fit.
         message: String,
-        /// What to type instead.
+        /// What to ask for instead.
         #[help]
-        help: Option<String>,
+        help: Option<Help>,
     },
     /// What another try may cure: a folder that another process fills, a file that was there and is gone.
     #[error(transparent)]
@@ -166,7 +197,7 @@ pub enum Error {
         message: String,
         /// How it goes on.
         #[help]
-        help: Option<String>,
+        help: Option<Help>,
     },
 }
 
@@ -194,12 +225,34 @@ impl Error {
         if is_gone { self.temporary() } else { self }
     }
 
+    /// The same in the words of a front end: what it calls a remedy, and an override of a key.
+    #[must_use]
+    pub fn in_words(self, remedy: &dyn Fn(&Remedy) -> String, override_of: &str) -> Self {
+        let words = |help: Option<Help>| help.map(|help| Help::from(help.in_words(remedy)));
+        match self {
+            Self::Input(mut error) => {
+                error.help = words(error.help.take());
+                if std::mem::take(&mut error.is_override) {
+                    error.path = format!("{override_of} {}", error.path.display()).into();
+                }
+                Self::Input(error)
+            }
+            Self::Override { argument, message, help } => {
+                Self::Usage { message: format!("{override_of} {argument}: {message}"), help: words(help) }
+            }
+            Self::Usage { message, help } => Self::Usage { message, help: words(help) },
+            Self::Temporary(error) => Self::Temporary(Box::new(error.in_words(remedy, override_of))),
+            Self::Cancelled { message, help } => Self::Cancelled { message, help: words(help) },
+            error @ Self::Io { .. } => error,
+        }
+    }
+
     /// Whether another try may cure it, later or on another machine.
     pub fn is_temporary(&self) -> bool {
         match self {
             Self::Temporary(_) => true,
             Self::Io { reason, .. } => may_pass(reason),
-            Self::Input(_) | Self::Usage { .. } | Self::Cancelled { .. } => false,
+            Self::Input(_) | Self::Override { .. } | Self::Usage { .. } | Self::Cancelled { .. } => false,
         }
     }
 }

@@ -10,6 +10,7 @@ pub mod cleanup;
 pub mod colour;
 pub mod error;
 pub mod fail_point;
+pub mod help;
 pub mod image;
 pub mod json;
 pub mod math;
@@ -22,3 +23,4 @@ pub mod units;
 pub mod warnings;
 
 pub use error::{Error, Invalid, Result};
+pub use help::{Help, Remedy};

@@ -28,6 +28,7 @@ mod picture;
 mod sensor;
 mod shape;
 
+use photosite_core::{Help, Remedy};
 use std::io::Cursor;
 
 use crate::Invalid;
@@ -70,9 +71,7 @@ pub fn export(capture: &Capture, camera: &Camera, approximate: bool) -> Result<M
         .with(lights);
     if !approximate && !out.approximations.is_empty() {
         let message = format!("Mitsuba has no exact counterpart for {}", out.approximations.join("; "));
-        return Err(
-            Invalid::new("", message).help("change the capture, or add --approximate for the nearest that Mitsuba has")
-        );
+        return Err(Invalid::new("", message).help(Help::any(["change the capture".into(), Remedy::Nearest])));
     }
     out.files.insert(0, ("scene.xml".to_owned(), scene.to_xml()));
     Ok(MitsubaScene { files: out.files, approximations: out.approximations })

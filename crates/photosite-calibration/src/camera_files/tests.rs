@@ -79,7 +79,7 @@ fn a_classical_fisheye_is_refused_with_the_series_that_comes_nearest() {
             intrinsics: Intrinsics { fx: 200.0, fy: 200.0, cx: 320.5, cy: 240.0, skew: 0.0 },
             ..camera(Projection::ClassicalFisheye(law))
         };
-        let help = ros(&exact).expect_err("no model").help.expect("what to write");
+        let help = ros(&exact).expect_err("no model").help.expect("what to write").to_string();
         let between = |from: &str, to: &str| help.split(from).nth(1).and_then(|rest| rest.split(to).next());
         let k: Vec<f64> = between("k = [", "]").expect("k").split(", ").map(|k| k.parse().expect("a number")).collect();
         let told_px: f64 = between("same lens to ", " px").expect("px").parse().expect("a number");

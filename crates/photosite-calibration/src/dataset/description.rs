@@ -15,7 +15,7 @@ pub struct DatasetDescription {
     /// Seed of everything that is random. Left out: 0. The seed of each picture is made from it, the number of the frame, the
     /// camera and `render.seed` of the capture, which gives other noise in the same frames.
     pub seed: Option<u32>,
-    /// Changes to keys of the capture, for all frames, as `--set` has them: "render.samples_per_pixel=64". Unless one of them
+    /// Changes to keys of the capture, for all frames, as overrides have them: "render.samples_per_pixel=64". Unless one of them
     /// says otherwise, `develop.distortion` and `develop.square_pixels` are false.
     #[serde(default)]
     pub set: Vec<String>,

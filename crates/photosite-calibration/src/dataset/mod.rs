@@ -2,7 +2,7 @@
 //! conditions.
 //!
 //! In: a [`DatasetDescription`], the cameras of the rig as their captures make them, the points that must stay in the
-//! picture. Out: for each frame and camera the changes to the capture, as `--set` would say them. Each frame is a function of
+//! picture. Out: for each frame and camera the changes to the capture, as overrides. Each frame is a function of
 //! the description and its number alone, so that any of them can be made by anyone, in any order.
 
 mod description;

@@ -118,7 +118,7 @@ impl Plan {
         self.poses.time_s(number)
     }
 
-    /// A frame: for each camera of the rig, all changes to the capture as `--set` has them. Those of `arguments` come after what
+    /// A frame: for each camera of the rig, all overrides of the capture. Those of `arguments` come after what
     /// the description says, and before what makes the picture one of its own: serial number, seed, the next frame.
     pub fn frame(&self, number: u32, arguments: &[String]) -> Result<Vec<Vec<String>>, Invalid> {
         let now = self.described(number)?;

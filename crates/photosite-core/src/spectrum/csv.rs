@@ -37,7 +37,7 @@ impl CsvError {
     }
 
     fn help(mut self, help: impl Into<String>) -> Self {
-        self.invalid = self.invalid.help(help);
+        self.invalid = self.invalid.help(help.into());
         self
     }
 

@@ -230,6 +230,6 @@ mod tests {
             let error = read_pnm(file).expect_err("refused");
             assert!(error.message.contains(complaint), "{error}");
         }
-        assert_eq!(read_pnm(&b"P2 2 1 255 7"[..]).expect_err("cut").help.as_deref(), Some("the file is cut short"));
+        assert_eq!(read_pnm(&b"P2 2 1 255 7"[..]).expect_err("cut").help, Some("the file is cut short".into()));
     }
 }

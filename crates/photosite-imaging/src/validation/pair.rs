@@ -1,5 +1,6 @@
 //! Which numbers of two pictures face each other.
 
+use photosite_core::{Help, Remedy};
 use serde::Serialize;
 
 use crate::raw::Cfa;
@@ -103,7 +104,8 @@ pub(super) fn pairs<'a>(a: &'a Picture, b: &'a Picture, wanted: Option<&[String]
     let mosaic = match (&a.mosaic, &b.mosaic) {
         (Some(of_a), Some(of_b)) if of_a != of_b && wanted.is_none_or(|names| names != [MOSAIC]) => {
             let message = format!("the colour filters of {} and {} lie differently over the pixels", a.name, b.name);
-            return Err(Invalid::new("", message).help("compare the mosaics as such, with --channels raw"));
+            return Err(Invalid::new("", message)
+                .help(Help::any(["compare the mosaics as such".into(), Remedy::Channels(vec![MOSAIC.to_owned()])])));
         }
         (Some(cfa), _) | (None, Some(cfa)) => Some(cfa),
         (None, None) => None,
@@ -151,10 +153,8 @@ fn refuse_strangers(a: &Picture, b: &Picture) -> Result<(), Invalid> {
         let [[wa, ha], [wb, hb]] = [size(a), size(b)];
         let message = format!("{} has {wa} × {ha} pixels, {} has {wb} × {hb}", a.name, b.name);
         let help = match [a, b].into_iter().find_map(|picture| Some((&picture.name, picture.active_area?))) {
-            Some((name, area)) => {
-                format!("of {name} the active area is looked at, {area}; --masked looks at its masked pixels, too")
-            }
-            None => "only pictures of the same size can be compared".to_owned(),
+            Some((name, area)) => Remedy::Masked { name: name.clone(), area: area.to_string() }.into(),
+            None => Help::from("only pictures of the same size can be compared"),
         };
         return Err(Invalid::new("", message).help(help));
     }
@@ -184,7 +184,7 @@ fn refuse_one_sided(a: &Picture, b: &Picture) -> Result<(), Invalid> {
     if lacking.is_empty() {
         return Ok(());
     }
-    let help = format!("compare those that both have, with --channels {}", common.join(","));
+    let help = Remedy::Channels(common.iter().map(|&name| name.to_owned()).collect());
     Err(Invalid::new("", lacking.join("; ")).help(help))
 }
 
@@ -238,12 +238,12 @@ mod tests {
         let b = picture(1, 1, &[("G", &[2.0]), ("R", &[1.0]), ("B", &[4.0])]);
         let error = pairs(&a, &b, None).err().expect("refused");
         assert!(error.message.contains("lacks X") && error.message.contains("lacks B"), "{error}");
-        assert!(error.help.expect("helpful").contains("--channels R,G"));
+        assert!(error.help.expect("helpful").to_string().contains("channels R,G"));
         assert_eq!(names(&pairs(&a, &b, Some(&wanted(&["G"]))).expect("common")), ["G"]);
         for (name, complaint) in [("X", "has no channel \"X\""), ("Q", "there is no channel \"Q\"")] {
             let error = pairs(&a, &b, Some(&wanted(&["R", name]))).err().expect("refused");
             assert!(error.message.contains(complaint), "{error}");
-            assert_eq!(error.help.as_deref(), Some("both have R, G"));
+            assert_eq!(error.help, Some("both have R, G".into()));
         }
         assert!(pairs(&a, &b, Some(&[])).is_err());
     }
