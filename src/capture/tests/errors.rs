@@ -281,18 +281,18 @@ fn errors_of_the_scene_name_file_key_and_line(#[case] text: &str, #[case] line: 
 }
 
 #[rstest]
-#[case("lens.f_number=0", "--set lens.f_number=0: lens.f_number: must be above 0")]
+#[case("lens.f_number=0", "override lens.f_number=0: lens.f_number: must be above 0")]
 #[case(
     "lens.fnumber=4",
-    "--set lens.fnumber=4: lens.fnumber: unknown key `fnumber` in [lens]; did you mean `f_number`?"
+    "override lens.fnumber=4: lens.fnumber: unknown key `fnumber` in [lens]; did you mean `f_number`?"
 )]
-#[case("lens.f_number=wide", "--set lens.f_number=wide: lens.f_number: expected a number, found string \"wide\"")]
-#[case("lns.f_number=4", "--set lns.f_number=4: lns: unknown key `lns`; did you mean `lens`?")]
-#[case("lens.f_number", "--set lens.f_number: there is no value")]
-#[case("=4", "--set =4: \"\" is no key")]
+#[case("lens.f_number=wide", "override lens.f_number=wide: lens.f_number: expected a number, found string \"wide\"")]
+#[case("lns.f_number=4", "override lns.f_number=4: lns: unknown key `lns`; did you mean `lens`?")]
+#[case("lens.f_number", "override lens.f_number: there is no value")]
+#[case("=4", "override =4: \"\" is no key")]
 #[case("lens.f_number=[4", "is neither a TOML value nor a word")]
 #[case("a\nb=4", "is no key")]
-#[case("sensor.preset=nikon", "--set sensor.preset=nikon: sensor.preset: photosite has no sensor \"nikon\"")]
+#[case("sensor.preset=nikon", "override sensor.preset=nikon: sensor.preset: photosite has no sensor \"nikon\"")]
 fn errors_of_arguments_name_the_argument(#[case] argument: &str, #[case] message: &str) {
     let error = Files::new(&room("[lens]\nf_number = 2")).read(&[argument]).expect_err(argument).to_string();
     assert!(error.contains(message), "{error}");

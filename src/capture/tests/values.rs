@@ -404,7 +404,7 @@ fn a_scene_file_alone_is_a_capture() {
     let centre = capture.camera_to_world.inverse().transform_point3(DVec3::new(0.5, 0.5, 0.0));
     assert!((centre - DVec3::new(0.0, 0.0, -u)).length() < 1e-9, "{centre} {u}");
     let error = Capture::load_with(&path, &["lens.f_number=0".to_owned()]).expect_err("no lens").to_string();
-    assert!(error.starts_with("--set lens.f_number=0: lens.f_number: must be above 0"), "{error}");
+    assert!(error.starts_with("override lens.f_number=0: lens.f_number: must be above 0"), "{error}");
 }
 
 #[test]
