@@ -31,7 +31,6 @@ const KNOWN_CIRCLES: &[&str] = &[
     "crates/photosite-transport/src: geometry::accel",
     "crates/photosite-transport/src: integrator::light_paths",
     "crates/photosite-transport/src: integrator::path",
-    "crates/photosite-transport/src: light::bounds",
     "crates/photosite-transport/src: optics::camera",
     "crates/photosite-transport/src: sampler",
 ];

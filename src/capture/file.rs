@@ -95,18 +95,12 @@ fn lights(source: &CaptureSource) -> Result<Vec<LightTable>> {
 
 fn light(source: &CaptureSource, path: &str, node: &Node) -> Result<LightTable> {
     let (kind, node) = split_type(source, path, node)?;
-    match kind {
-        Some(LightType::Point) => Ok(LightTable::Point(source.read_node(path, &node)?)),
-        Some(LightType::Spot) => Ok(LightTable::Spot(source.read_node(path, &node)?)),
-        Some(LightType::Profile) => Ok(LightTable::Profile(source.read_node(path, &node)?)),
-        Some(LightType::Projector) => Ok(LightTable::Projector(source.read_node(path, &node)?)),
-        Some(LightType::Directional) => Ok(LightTable::Directional(source.read_node(path, &node)?)),
-        None => {
-            let invalid = Invalid::new(path, "the key `type` is missing");
-            Err(source
-                .error(invalid.help("write type = \"point\", \"spot\", \"directional\", \"profile\" or \"projector\"")))
-        }
-    }
+    let Some(kind) = kind else {
+        let invalid = Invalid::new(path, "the key `type` is missing");
+        let (first, others) = (LightType::NAMES[0], list("", LightType::NAMES[1..].iter().copied()));
+        return Err(source.error(invalid.help(format!("write type = \"{first}\", or one of {others}"))));
+    };
+    LightTable::read(kind, source, path, &node)
 }
 
 fn targets(source: &CaptureSource) -> Result<Vec<TargetTable>> {

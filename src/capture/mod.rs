@@ -27,6 +27,7 @@ mod colour;
 mod converter_bits;
 mod dataset;
 mod develop;
+mod environment;
 mod file;
 mod framing;
 mod input;

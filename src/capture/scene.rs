@@ -7,7 +7,8 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use serde_json::json;
 
 use super::colour::Finder;
-use super::light::{describe_environment, describe_lights};
+use super::environment::describe_environment;
+use super::light::describe_lights;
 use super::material::override_materials;
 use super::source::CaptureSource;
 use super::tables::{CaptureFile, MaterialTable, NormalsName, SceneTable};

@@ -11,7 +11,7 @@ use photosite::image::Planes;
 use photosite::io::exr::{Attribute, read_exr};
 use photosite::optics::{Focus, LensKind};
 use photosite::raw::{self, RawImage};
-use photosite::scene::description::{EnvironmentDescription, LightKind, MaterialDescription, SceneDescription};
+use photosite::scene::description::{EnvironmentDescription, MaterialDescription, SceneDescription};
 use photosite::sensor::{Binning, SensorModel, presets};
 use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
@@ -144,13 +144,6 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
     let triangles = |mesh: usize| scene.meshes[mesh].triangles.len();
     let named = |name: &str| if name.is_empty() { "unnamed".to_owned() } else { name.to_owned() };
     let emits = |m: &&MaterialDescription| m.emission.is_some();
-    let kind = |kind: &LightKind| match kind {
-        LightKind::Point => "point",
-        LightKind::Spot { .. } => "spot",
-        LightKind::Directional => "directional",
-        LightKind::Profile(_) => "profile",
-        LightKind::Projector(_) => "projector",
-    };
     let environment = scene.environment.as_ref().map(|environment| match environment {
         EnvironmentDescription::Constant { luminance_nit: Some(nit), .. } => {
             format!("the same light everywhere, {} lux on a plane", round(PI * nit))
@@ -169,7 +162,7 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
         "textures": scene.images.len(),
         "materials": scene.materials.iter().map(|m| named(&m.name)).collect::<Vec<_>>(),
         "emitting_materials": scene.materials.iter().filter(emits).map(|m| named(&m.name)).collect::<Vec<_>>(),
-        "lights": scene.lights.iter().map(|l| json!({"name": named(&l.name), "type": kind(&l.kind)})).collect::<Vec<_>>(),
+        "lights": scene.lights.iter().map(|l| json!({"name": named(&l.name), "type": l.kind.name()})).collect::<Vec<_>>(),
         "environment": environment,
         "cameras": scene.cameras.iter().map(|c| named(&c.name)).collect::<Vec<_>>(),
     }))

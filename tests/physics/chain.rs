@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use photosite::film::{FilmResponses, Response};
 use photosite::integrator::{RenderJob, RenderSettings, render};
+use photosite::light::PointLight;
 use photosite::optics::{Focus, Intrinsics, LensDescription, PixelGrid};
 use photosite::scene::Scene;
 use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind};
@@ -77,7 +78,7 @@ fn a_known_lamp_on_a_known_patch_frees_the_electrons_computed_by_hand() {
         name: "lamp".into(),
         to_world: DAffine3::from_translation(DVec3::Y * 2.0),
         later: Vec::new(),
-        kind: LightKind::Point,
+        kind: LightKind::Point(PointLight),
         emission: EmissionDescription { colour: Colour::Spectrum(line), level: None, texture: None },
     };
     let patch = square(Vec3::ZERO, Vec3::X, Vec3::NEG_Z, 0.05);

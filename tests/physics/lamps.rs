@@ -1,13 +1,13 @@
-//! Lights without a surface that do more than shine alike in all directions: projectors, measured profiles, lights that
-//! move.
+//! Lights without a surface that do more than shine alike in all directions: projectors, measured profiles, laser
+//! beams, lights that move.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
-use photosite::light::{LightSampleContext, Profile};
+use photosite::light::{GaussianBeam, LightSampleContext, PointLight, Profile, Projector};
 use photosite::scene::Scene;
-use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind, ProjectorDescription};
+use photosite::scene::description::{Colour, EmissionDescription, LightDescription, LightKind};
 use photosite::spectrum::{Spectrum, Wavelengths};
 use photosite::texture::{Bitmap, Texels};
 use rstest::rstest;
@@ -38,13 +38,9 @@ fn projector(white: impl Fn(usize) -> bool, radius_m: f64, focus_distance_m: f64
     let texels = (0..width * height).map(|i| if white(i) { [255; 4] } else { [0, 0, 0, 255] }).collect();
     let slide = Bitmap { name: "slide".into(), width, height, texels: Texels::Rgba8(texels) };
     let [w, h] = [width as f64, height as f64];
-    LightKind::Projector(ProjectorDescription {
-        slide: Arc::new(slide),
-        extent: [w / FOCAL_PX[0], h / FOCAL_PX[1]],
-        shift: [(w / 2.0 - PRINCIPAL_PX[0]) / FOCAL_PX[0], (PRINCIPAL_PX[1] - h / 2.0) / FOCAL_PX[1]],
-        radius_m,
-        focus_distance_m,
-    })
+    let extent = [w / FOCAL_PX[0], h / FOCAL_PX[1]];
+    let shift = [(w / 2.0 - PRINCIPAL_PX[0]) / FOCAL_PX[0], (PRINCIPAL_PX[1] - h / 2.0) / FOCAL_PX[1]];
+    LightKind::Projector(Projector::new(Arc::new(slide), extent, shift, radius_m, focus_distance_m))
 }
 
 /// Where OpenCV's pinhole camera has a position of the slide, at a depth: x right, y down, z forward.
@@ -123,7 +119,7 @@ fn what_is_in_focus_is_sharp_and_what_is_not_is_blurred_by_the_opening() {
 #[test]
 fn a_profile_shines_by_its_candela_over_the_square_of_the_distance() {
     let degrees = [0.0f32, 90.0].map(f32::to_radians).to_vec();
-    let profile = Arc::new(Profile::new(degrees, vec![0.0], vec![8.0, 2.0]));
+    let profile = Profile::new(degrees, vec![0.0], vec![8.0, 2.0]);
     // Shining down.
     let down = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     let scene = lamp(LightKind::Profile(profile), down, Vec::new());
@@ -136,10 +132,80 @@ fn a_profile_shines_by_its_candela_over_the_square_of_the_distance() {
     assert_eq!(irradiance(&scene, Vec3::Y, Vec3::NEG_Y, 0.0, [0.5; 2]), 0.0);
 }
 
+/// A beam that is turned and aside, so that no axis of the world is one of its own.
+fn beam(waist_radius_m: [f64; 2], divergence_deg: [f64; 2]) -> (Scene, DAffine3) {
+    let to_world = DAffine3::from_rotation_translation(
+        glam::DQuat::from_euler(glam::EulerRot::YXZ, 0.7, -0.3, 0.5),
+        DVec3::new(0.2, -0.4, 1.0),
+    );
+    let beam = GaussianBeam::new(waist_radius_m, divergence_deg.map(f64::to_radians));
+    (lamp(LightKind::GaussianBeam(beam), to_world, Vec::new()), to_world)
+}
+
+#[rstest]
+#[case::collimated([2e-3, 1e-3], [0.0, 0.0], 1.0)]
+#[case::diverging([1e-3, 1e-3], [2.0, 2.0], 0.5)]
+#[case::diverging_from_a_point([0.0, 0.0], [5.0, 3.0], 2.0)]
+#[case::line([0.5e-3, 1e-3], [0.0, 30.0], 1.0)]
+fn a_gaussian_beam_has_its_flux_and_its_width_on_any_plane_across_it(
+    #[case] waist_m: [f64; 2],
+    #[case] divergence_deg: [f64; 2],
+    #[case] z: f64,
+) {
+    let (scene, to_world) = beam(waist_m, divergence_deg);
+    let radius = |i: usize| waist_m[i].hypot(z * divergence_deg[i].to_radians().tan());
+    let along = to_world.matrix3.z_axis.as_vec3();
+    let at = |x: f64, y: f64| to_world.transform_point3(DVec3::new(x, y, -z)).as_vec3();
+    // Sums of a Gaussian function over a lattice of a fifth of its radius differ from its integral by exp(−π²·5²/2)
+    // only; the beam ends at three radii, beyond which there is 1.5e-8 of the flux.
+    let cells = -16..=16;
+    let step = [0, 1].map(|i| radius(i) * 0.2);
+    let (mut flux, mut variance) = (0.0, [0.0; 2]);
+    for row in cells.clone() {
+        for column in cells.clone() {
+            let [x, y] = [f64::from(column) * step[0], f64::from(row) * step[1]];
+            let part = irradiance(&scene, at(x, y), along, 0.0, [0.5; 2]) * step[0] * step[1];
+            flux += part;
+            variance = [variance[0] + part * x * x, variance[1] + part * y * y];
+        }
+    }
+    // The scene and its points are in 32 bits: a point 1 m away is placed to 6e-8 m, of radii of 0.5 mm 1.2e-4, which
+    // moves the beam as a whole and its slope where the exponent is steepest (6 per radius) by 7e-4 of the part there.
+    assert!((flux - 1.0).abs() < 1e-3, "{flux}");
+    for i in [0, 1] {
+        // ISO 11146-1 §3: the radius is twice the standard deviation.
+        let found = 2.0 * (variance[i] / flux).sqrt();
+        assert!((found / radius(i) - 1.0).abs() < 1e-3, "{i}: {found} {}", radius(i));
+    }
+}
+
+#[test]
+fn light_of_a_gaussian_beam_travels_on_straight_lines() {
+    // A ray of the beam, by the wavefront's slope at a point far off the axis: all points of it see the light come from
+    // the same direction where the beam began as a point, and in the same direction where it is collimated.
+    for (waist_m, divergence_deg, origin) in [([0.0; 2], [10.0; 2], Some(DVec3::ZERO)), ([3e-3; 2], [0.0; 2], None)] {
+        let (scene, to_world) = beam(waist_m, divergence_deg);
+        let wavelengths = Wavelengths::new([550.0; 4], [1.0; 4]);
+        for z in [0.2, 1.0, 5.0] {
+            let radius = waist_m[0].hypot(z * f64::tan(divergence_deg[0].to_radians()));
+            let local = DVec3::new(0.7 * radius, -0.4 * radius, -z);
+            let point = to_world.transform_point3(local).as_vec3();
+            let ctx = LightSampleContext::anywhere(point);
+            let sample = scene.sample_light(&ctx, 0.0, [0.5; 2], &wavelengths).expect("light");
+            let expected = to_world.transform_vector3(origin.map_or(DVec3::Z, |origin| (origin - local).normalize()));
+            assert!(sample.wi.distance(expected.as_vec3()) < 1e-5, "{z}: {} {expected}", sample.wi);
+        }
+    }
+    // Nothing goes backwards.
+    let (scene, to_world) = beam([1e-3; 2], [0.0; 2]);
+    let behind = to_world.transform_point3(DVec3::Z * 0.1).as_vec3();
+    assert_eq!(irradiance(&scene, behind, to_world.matrix3.z_axis.as_vec3(), 0.0, [0.5; 2]), 0.0);
+}
+
 #[test]
 fn a_lamp_that_moves_is_where_its_time_has_it() {
     let places = [0.0, 2.0].map(|x| DAffine3::from_translation(DVec3::new(x, 1.0, 0.0)));
-    let scene = lamp(LightKind::Point, places[0], vec![places[1]]);
+    let scene = lamp(LightKind::Point(PointLight), places[0], vec![places[1]]);
     for (time, x) in [(0.0, 0.0f32), (0.25, 0.5), (1.0, 2.0)] {
         let found = irradiance(&scene, Vec3::ZERO, Vec3::Y, time, [0.5; 2]);
         let distance = x.hypot(1.0);

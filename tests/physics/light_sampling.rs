@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::Ray;
-use photosite::light::{Facing, LightSampleContext};
+use photosite::light::{Facing, LightSampleContext, PointLight};
 use photosite::scene::Scene;
 use photosite::scene::description::{
     Colour, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
@@ -133,7 +133,7 @@ fn point_light(position: DVec3, intensity: f32) -> LightDescription {
         name: String::new(),
         to_world: DAffine3::from_translation(position),
         later: Vec::new(),
-        kind: LightKind::Point,
+        kind: LightKind::Point(PointLight),
         emission: EmissionDescription { colour, level: None, texture: None },
     }
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec3, Vec3};
+use photosite::light::{PointLight, SpotLight};
 use photosite::math::statistics::Moments;
 use photosite::scene::Scene;
 use photosite::scene::description::{
@@ -108,7 +109,8 @@ fn hundreds_of_points_and_spots_give_the_sum_of_their_irradiances() {
     let mut stage = Stage::default();
     let mut expected = 0.0;
     for i in 0..800 {
-        let kind = if i % 2 == 0 { LightKind::Point } else { LightKind::Spot { inner_rad: 0.0, outer_rad } };
+        let kind =
+            if i % 2 == 0 { LightKind::Point(PointLight) } else { LightKind::Spot(SpotLight::new(0.0, outer_rad)) };
         let lamp = lamp(i, kind.clone());
         let world_to_light = lamp.to_world.translation;
         let cos = world_to_light.y / world_to_light.length();

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::Ray;
 use photosite::integrator::{PathLimits, radiance};
+use photosite::light::{DirectionalLight, PointLight, SpotLight};
 use photosite::math::statistics::Moments;
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::Scene;
@@ -68,14 +69,15 @@ fn floor_seen_from_above(stage: Stage) -> Moments {
 #[test]
 fn illuminance_falls_with_the_square_of_the_distance() {
     for height in [0.5, 1.0, 2.0, 8.0] {
-        let got = floor_seen_from_above(Stage::default().light(lamp(LightKind::Point, DVec3::Y * height, 3.0)));
+        let got =
+            floor_seen_from_above(Stage::default().light(lamp(LightKind::Point(PointLight), DVec3::Y * height, 3.0)));
         assert_mean(&format!("point light at {height} m"), &got, 0.6 / std::f64::consts::PI * 3.0 / (height * height));
     }
 }
 
 #[test]
 fn spot_and_directional_lights_shine_where_they_point() {
-    let spot = |outer_rad: f32| LightKind::Spot { inner_rad: outer_rad * 0.5, outer_rad };
+    let spot = |outer_rad: f32| LightKind::Spot(SpotLight::new(outer_rad * 0.5, outer_rad));
     let lit = floor_seen_from_above(Stage::default().light(lamp(spot(0.3), DVec3::Y * 2.0, 3.0)));
     assert_mean("spot", &lit, 0.6 / std::f64::consts::PI * 3.0 / 4.0);
     // Between the two angles, from (1, 2, 0): tan θ = 1/2, and the square of a ramp in cos θ (KHR_lights_punctual).
@@ -86,7 +88,8 @@ fn spot_and_directional_lights_shine_where_they_point() {
     // At 45° from a lamp over (2, 2, 0) the cone of 0.3 rad does not reach.
     let dark = floor_seen_from_above(Stage::default().light(lamp(spot(0.3), DVec3::new(2.0, 2.0, 0.0), 3.0)));
     assert_mean("beside the spot", &dark, 0.0);
-    let sun = floor_seen_from_above(Stage::default().light(lamp(LightKind::Directional, DVec3::ZERO, 5.0)));
+    let sun =
+        floor_seen_from_above(Stage::default().light(lamp(LightKind::Directional(DirectionalLight), DVec3::ZERO, 5.0)));
     assert_mean("directional", &sun, 0.6 / std::f64::consts::PI * 5.0);
 }
 
@@ -213,7 +216,7 @@ fn four_paths_from_a_surface_have_a_quarter_of_the_variance() {
     let scene = Stage::default()
         .diffuse(square(Vec3::ZERO, Vec3::X, Vec3::NEG_Z, 100.0), 0.6, 0.0)
         .diffuse(slope, 0.8, 0.0)
-        .light(lamp(LightKind::Directional, DVec3::ZERO, 5.0))
+        .light(lamp(LightKind::Directional(DirectionalLight), DVec3::ZERO, 5.0))
         .build();
     let of = |splitting| {
         let limits = PathLimits { max_depth: 3, roulette_depth: 5, splitting };

@@ -378,3 +378,6 @@
 //! ## LM63
 //! ANSI/IES LM-63, *Standard File Format for the Electronic Transfer of Photometric Data and Related Information*, editions
 //! of 1986 to 2019.
+//!
+//! ## Siegman86
+//! A. E. Siegman, *Lasers*, University Science Books (1986).

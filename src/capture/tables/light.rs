@@ -3,35 +3,64 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::super::source::CaptureSource;
+use super::super::tree::Node;
+use super::LightColour;
+use crate::Result;
 use crate::sensor::SpectrumSource;
 
-use super::LightColour;
+/// Declares the tables of all lights, by their names in `type`.
+macro_rules! light_types {
+    ($($(#[$doc:meta])* $kind:ident($table:ident) = $name:literal,)*) => {
+        /// A light without a surface.
+        #[derive(Debug, JsonSchema)]
+        #[schemars(tag = "type")]
+        pub(crate) enum LightTable {
+            $($(#[$doc])* #[schemars(rename = $name)] $kind($table),)*
+        }
 
-/// A light without a surface.
-#[derive(Debug, JsonSchema)]
-#[schemars(tag = "type", rename_all = "kebab-case")]
-pub(crate) enum LightTable {
-    /// The same intensity in all directions.
-    Point(PointTable),
-    /// Intensity within a cone.
-    Spot(SpotTable),
-    /// From infinitely far in one direction, as the sun.
-    Directional(DirectionalTable),
-    /// A lamp whose intensity was measured in many directions: an IES file.
-    Profile(ProfileTable),
-    /// A slide that a lens throws.
-    Projector(ProjectorTable),
+        /// The value of `type`.
+        #[derive(Clone, Copy, Debug, Deserialize)]
+        pub(crate) enum LightType {
+            $(#[serde(rename = $name)] $kind,)*
+        }
+
+        impl LightType {
+            /// The values that there are.
+            pub(crate) const NAMES: &[&str] = &[$($name,)*];
+        }
+
+        impl LightTable {
+            /// Reads a table of a type.
+            pub(crate) fn read(kind: LightType, source: &CaptureSource, path: &str, node: &Node) -> Result<Self> {
+                Ok(match kind {
+                    $(LightType::$kind => Self::$kind(source.read_node(path, node)?),)*
+                })
+            }
+
+            /// Name of the light, for messages.
+            pub(crate) fn name(&self) -> Option<&str> {
+                match self {
+                    $(Self::$kind(table) => table.name.as_deref(),)*
+                }
+            }
+        }
+    };
 }
 
-/// The value of `type`.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum LightType {
-    Point,
-    Spot,
-    Directional,
-    Profile,
-    Projector,
+light_types! {
+    /// The same intensity in all directions.
+    Point(PointTable) = "point",
+    /// Intensity within a cone.
+    Spot(SpotTable) = "spot",
+    /// From infinitely far in one direction, as the sun.
+    Directional(DirectionalTable) = "directional",
+    /// A lamp whose intensity was measured in many directions: an IES file.
+    Profile(ProfileTable) = "profile",
+    /// A slide that a lens throws.
+    Projector(ProjectorTable) = "projector",
+    /// A laser beam, or one that a lens spreads to a line.
+    GaussianBeam(GaussianBeamTable) = "gaussian-beam",
 }
 
 /// Declares a light's table: the keys that all have, and its own.
@@ -153,5 +182,28 @@ light_table! {
         focus_distance_m: Option<f64>,
         /// Luminous flux with a white slide, lm.
         flux_lm: f64,
+    }
+}
+
+light_table! {
+    /// A laser beam, or one that a lens spreads to a line: irradiance across it that falls as a Gaussian function.
+    GaussianBeamTable {
+        /// Where it begins, m.
+        position_m: [f64; 3],
+        /// A point that it shines at, m; or give its direction.
+        look_at_m: Option<[f64; 3]>,
+        /// The direction that it shines in, of any length; or give look_at_m.
+        direction: Option<[f64; 3]>,
+        /// Turns it about that direction, degrees, clockwise seen along the beam. At 0 its second axis is as far up as it
+        /// can be.
+        rotation_deg: Option<f64>,
+        /// Radii where it begins along its two axes, to 1/e² of the irradiance in the middle, mm.
+        waist_radius_mm: [f64; 2],
+        /// Half the angle by which it widens along its two axes, to 1/e² too, degrees, below 90. Left out: [0, 0].
+        divergence_deg: Option<[f64; 2]>,
+        /// Luminous flux, lm; or give power_w.
+        flux_lm: Option<f64>,
+        /// Radiant flux, W, for instance of an infrared beam; or give flux_lm.
+        power_w: Option<f64>,
     }
 }

@@ -26,7 +26,9 @@ pub(super) use camera::{
     DistortionModel, FalloffName, KernelOrigin, LateralColourTable, PointSpreadTable, ProjectionName, StopTable,
 };
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
-pub(super) use light::{DirectionalTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable};
+pub(super) use light::{
+    DirectionalTable, GaussianBeamTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable,
+};
 pub(super) use material::*;
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
 pub use settings::RawFormat;

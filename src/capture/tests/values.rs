@@ -9,6 +9,7 @@ use rstest::rstest;
 use super::*;
 use crate::geometry::QuadricKind;
 use crate::integrator::WavelengthChoice;
+use crate::light::SpotLight;
 use crate::optics::{BrownConrady, Falloff, Focus, LensKind, Projection};
 use crate::sampler::SamplerKind;
 use crate::scene::description::{
@@ -174,13 +175,11 @@ fn lights_stand_where_they_are_put() {
         "#,
     ));
     let [point, spot, sun] = &capture.scene.lights[..] else { panic!("{:?}", capture.scene.lights) };
-    assert!(matches!(point.kind, LightKind::Point));
+    assert!(matches!(point.kind, LightKind::Point(_)));
     assert_eq!((point.to_world.translation, point.name.as_str()), (DVec3::new(1.0, 2.0, 3.0), "lights[0]"));
     assert_eq!((spot.name.as_str(), spot.emission.level), ("lamp", Some(50.0)));
     assert!((spot.to_world.matrix3.z_axis - DVec3::Y).length() < 1e-12, "a light shines along −Z");
-    assert!(
-        matches!(spot.kind, LightKind::Spot { inner_rad: 0.0, outer_rad } if (f64::from(outer_rad) - PI / 6.0).abs() < 1e-6)
-    );
+    assert!(matches!(spot.kind, LightKind::Spot(spot) if spot == SpotLight::new(0.0, (PI / 6.0) as f32)));
     assert!((sun.to_world.matrix3.z_axis - DVec3::new(-1.0, 1.0, 0.0).normalize()).length() < 1e-12);
 }
 

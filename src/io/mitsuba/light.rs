@@ -20,16 +20,18 @@ pub(super) fn lights(scene: &SceneDescription, out: &mut Output) -> Vec<Element>
     elements
 }
 
+#[expect(clippy::wildcard_enum_match_arm, reason = "a kind that Mitsuba does not have is named and left out")]
 fn light(light: &LightDescription, out: &mut Output) -> Option<Element> {
     let spectrum = emission_spectrum(&light.emission.colour, light.emission.level);
-    Some(match light.kind {
-        LightKind::Point => {
+    Some(match &light.kind {
+        LightKind::Point(_) => {
             let [x, y, z] = light.to_world.translation.to_array();
             let position =
                 Element::new("point").named("position").attribute("x", x).attribute("y", y).attribute("z", z);
             Element::object("emitter", "point").child(position).spectrum("intensity", &spectrum)
         }
-        LightKind::Spot { inner_rad, outer_rad } => {
+        LightKind::Spot(spot) => {
+            let (inner_rad, outer_rad) = (spot.inner_rad(), spot.outer_rad());
             if outer_rad - inner_rad > HARD_EDGE_RAD {
                 let light = quoted("light", &light.name);
                 out.approximate(format!("the soft edge of {light}: Mitsuba's is linear in the angle"));
@@ -42,16 +44,17 @@ fn light(light: &LightDescription, out: &mut Output) -> Option<Element> {
                 .float("cutoff_angle", f64::from(outer_rad).to_degrees())
                 .float("beam_width", f64::from(inner_rad).to_degrees())
         }
-        LightKind::Directional => {
+        LightKind::Directional(_) => {
             let [x, y, z] = light.to_world.transform_vector3(DVec3::NEG_Z).to_array();
             let direction =
                 Element::new("vector").named("direction").attribute("x", x).attribute("y", y).attribute("z", z);
             Element::object("emitter", "directional").child(direction).spectrum("irradiance", &spectrum)
         }
-        LightKind::Profile(_) | LightKind::Projector(_) => {
+        kind => {
+            let light = quoted("light", &light.name);
             out.approximate(format!(
-                "{}, a measured lamp or a projector: it is left out",
-                quoted("light", &light.name)
+                "{light} of the type {}, which Mitsuba does not have: it is left out",
+                kind.name()
             ));
             return None;
         }

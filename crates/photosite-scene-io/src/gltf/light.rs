@@ -10,6 +10,7 @@ use super::buffers::out_of_range;
 use super::nodes::{PlacedNode, rigid};
 use photosite_core::Invalid;
 use photosite_core::warnings::Warnings;
+use photosite_transport::light::{DirectionalLight, PointLight, SpotLight};
 use photosite_transport::scene::description::{
     CameraDescription, Colour, EmissionDescription, LightDescription, LightKind,
 };
@@ -85,8 +86,8 @@ pub(super) fn read_light(
 
 fn light_kind(light: &Light, key: &str) -> Result<LightKind, Invalid> {
     match light.type_ {
-        Checked::Valid(Type::Point) => Ok(LightKind::Point),
-        Checked::Valid(Type::Directional) => Ok(LightKind::Directional),
+        Checked::Valid(Type::Point) => Ok(LightKind::Point(PointLight)),
+        Checked::Valid(Type::Directional) => Ok(LightKind::Directional(DirectionalLight)),
         Checked::Valid(Type::Spot) => {
             let spot = light.spot.clone().unwrap_or_default();
             // A spot without angles deserialises to zeros; the extension's default is π/4.
@@ -99,7 +100,7 @@ fn light_kind(light: &Light, key: &str) -> Result<LightKind, Invalid> {
                 return Err(Invalid::new(format!("{key}.spot"), message)
                     .help("angles are in radians, measured from the axis: 0 ≤ inner < outer ≤ π/2"));
             }
-            Ok(LightKind::Spot { inner_rad, outer_rad: outer_rad.min(FRAC_PI_2) })
+            Ok(LightKind::Spot(SpotLight::new(inner_rad, outer_rad.min(FRAC_PI_2))))
         }
         Checked::Invalid => {
             Err(Invalid::new(format!("{key}.type"), "is unknown").help("write point, spot or directional"))

@@ -10,7 +10,7 @@
 //! Lⱼ = Σᵢ ρⱼ·pⱼ(yᵢ)·Vⱼ(yᵢ)·L(yᵢ) / (s·Σₖ pₖ(yᵢ)·Vₖ(yᵢ)),   p(y) = cos θ·cos θ′/(π·d²),
 //!
 //! the balance heuristic over the paths of the group, s of which go on from each first surface, of the reflectance ρ by
-//! Lambert's law. LightTables that paths come to are left to each pixel: most of their light is found by looking at
+//! Lambert's law. Lights that paths come to are left to each pixel: most of their light is found by looking at
 //! them. What the sky sends has the weight that it has for a path alone, against looking at it.
 //!
 //! Groups are as near to squares as their numbers of pixels allow: what these see is close together then, and the Sobol

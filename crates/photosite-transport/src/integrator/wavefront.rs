@@ -219,6 +219,7 @@ mod tests {
     use glam::{DAffine3, DVec3, Vec3};
 
     use super::*;
+    use crate::light::PointLight;
     use crate::sampler::SamplerKind;
     use crate::scene::build;
     use crate::scene::description::{
@@ -311,7 +312,7 @@ mod tests {
             name: "point".into(),
             to_world: DAffine3::from_translation(DVec3::new(0.1, 0.8, -0.3)),
             later: vec![],
-            kind: LightKind::Point,
+            kind: LightKind::Point(PointLight),
             emission: emission(20.0),
         });
         build(scene, &Spectrum::constant(1.0))

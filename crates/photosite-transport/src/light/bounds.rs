@@ -4,7 +4,9 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{Vec3, Vec3A};
 
-use super::{Light, LightTables, PointLight, ProfileLight, ProjectorLight, SpotLight, TriangleLight};
+use super::delta_light::DeltaLight;
+use super::delta_model::DeltaExtent;
+use super::triangle_light::TriangleLight;
 use crate::geometry::{Geometry, Motion};
 use photosite_core::math::Cone;
 
@@ -45,52 +47,26 @@ pub(super) struct Cluster {
     pub(super) two_sided: bool,
 }
 
-/// LightTables shine this far beyond their cones, rad, so that no rounding cuts light off.
+/// Lights shine this far beyond their cones, rad, so that no rounding cuts light off.
 const SLACK: f32 = 2e-3;
 
 impl LightBounds {
-    /// Of a light of that power, where it is somewhere and shines.
-    pub(super) fn of(
-        light: &Light,
-        motion: Option<&Motion>,
-        power: f64,
-        geometry: &Geometry,
-        tables: &LightTables,
-    ) -> Option<Self> {
-        if power.is_nan() || power <= 0.0 {
-            return None;
-        }
-        let lamp = |position: &Vec3, opening: f32, axes: Cone| {
-            let solid_angle = TAU * (1.0 - axes.widened(SLACK).angle.cos());
-            let bounds = (*position - opening, *position + opening);
-            let (low, high) = motion.map_or(bounds, |motion| motion.bounds(bounds));
-            let axes = motion.map_or(axes, |motion| motion.directions(axes));
-            let intensity = (power / f64::from(solid_angle)) as f32;
-            Some(Self { low, high, axes, beyond: SLACK, intensity, two_sided: false })
-        };
-        match light {
-            Light::Point(PointLight { position, .. }) => lamp(position, 0.0, Cone::ALL),
-            Light::Spot(SpotLight { position, axis, cos_outer, .. }) => {
-                lamp(position, 0.0, Cone::of(*axis).widened(cos_outer.acos()))
-            }
-            Light::Profile(ProfileLight { position, world_to_light, profile, .. }) => {
-                let reach = tables.profiles[*profile as usize].reach_rad();
-                lamp(position, 0.0, Cone::of(world_to_light.inverse() * Vec3::NEG_Z).widened(reach))
-            }
-            Light::Projector(ProjectorLight { position, world_to_light, projector, .. }) => {
-                let projector = &tables.projectors[*projector as usize];
-                let axes = Cone::of(world_to_light.inverse() * Vec3::NEG_Z).widened(projector.reach_rad());
-                lamp(position, projector.radius(), axes)
-            }
-            Light::Triangle(light) => Some(Self::of_triangle(light, power, geometry)),
-            Light::Directional(_) | Light::Environment => None,
-        }
+    /// A light without a surface, of that power, wherever its motion takes it; `None` where it is infinitely far.
+    pub(super) fn of_delta_light(light: &DeltaLight, motion: Option<&Motion>, power: f64) -> Option<Self> {
+        let DeltaExtent { radius, directions: axes } = light.extent()?;
+        let position = light.pose().position;
+        let solid_angle = TAU * (1.0 - axes.widened(SLACK).angle.cos());
+        let bounds = (position - radius, position + radius);
+        let (low, high) = motion.map_or(bounds, |motion| motion.bounds(bounds));
+        let axes = motion.map_or(axes, |motion| motion.directions(axes));
+        let intensity = (power / f64::from(solid_angle)) as f32;
+        Some(Self { low, high, axes, beyond: SLACK, intensity, two_sided: false })
     }
 
     /// A triangle shines with the cosine to its normal. While its corners move on straight lines the normal stays a sum
     /// of three directions with positive weights: n(t) = (1−t)²·n₀ + 2t(1−t)·n₁ + t²·n₂, Bernstein's form of the
     /// product of two edges.
-    fn of_triangle(light: &TriangleLight, power: f64, geometry: &Geometry) -> Self {
+    pub(super) fn of_triangle(light: &TriangleLight, power: f64, geometry: &Geometry) -> Self {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let mut axes: Option<Cone> = None;
         let mut before: Option<[Vec3; 2]> = None;

@@ -1,26 +1,28 @@
 //! Directional lights.
 
-use glam::Vec3;
-
-use super::lights::{LiContext, LiSample};
+use super::delta_model::{DeltaExtent, DeltaModel, LightPose};
+use super::sample::{LiContext, LiSample};
 use photosite_core::math::Pdf;
 use photosite_core::spectrum::SpectrumId;
 
-/// Parallel light from infinitely far.
+/// Parallel light from infinitely far. Its level is the irradiance on a plane across the direction, W·m⁻²·nm⁻¹.
 #[derive(Clone, Copy, Debug)]
-pub struct DirectionalLight {
-    /// Unit vector to where it comes from.
-    pub towards: Vec3,
-    /// Irradiance on a plane across the direction, W·m⁻²·nm⁻¹.
-    pub irradiance: SpectrumId,
-}
+pub struct DirectionalLight;
 
-impl DirectionalLight {
+impl DeltaModel for DirectionalLight {
+    fn extent(&self, _: &LightPose) -> Option<DeltaExtent> {
+        None
+    }
+
+    fn power_factor(&self, disk_m2: f64) -> f64 {
+        disk_m2
+    }
+
     #[inline]
-    pub(super) fn sample_li(&self, li: &LiContext<'_>) -> Option<LiSample> {
+    fn sample_li(&self, pose: &LightPose, level: SpectrumId, _: [f32; 2], li: &LiContext<'_>) -> Option<LiSample> {
         Some(LiSample {
-            radiance: li.spectra.sample(self.irradiance, li.wavelengths),
-            wi: self.towards,
+            radiance: li.spectra.sample(level, li.wavelengths),
+            wi: -pose.axis,
             position: None,
             pdf: Pdf::new(1.0),
             is_delta: true,

@@ -8,9 +8,10 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::Sky;
+use super::above_mean::above_mean;
 use super::emission::tint_spectrum;
-use super::lights::{LiContext, LiSample};
+use super::sample::{LiContext, LiSample};
+use super::sky::Sky;
 use crate::texture::{Bitmap, Filter, SamplerSettings, Texture, UvTransform, Wrap};
 use photosite_core::math::distribution::PiecewiseConstant2D;
 use photosite_core::math::{Pdf, SolidAngle};
@@ -158,20 +159,6 @@ impl EnvironmentPicture {
         let [cos, sin] = self.rotation;
         Vec3::new(cos * x + sin * z, cos_theta, cos * z - sin * x)
     }
-}
-
-/// What is worth looking at of a grid of directions: the weights of its cells by what exceeds the mean of all
-/// directions, of which the grid covers a part and the rest is dark, and how much of all light that is, 0–1. Luminances
-/// come row by row, with the sine of each row's angle from the pole.
-pub(super) fn above_mean(luminances: &[f64], sines: &[f64], covered: f64) -> (Vec<f32>, f64) {
-    let width = luminances.len() / sines.len();
-    let all = luminances.chunks(width).zip(sines).map(|(row, sine)| row.iter().sum::<f64>() * sine).sum::<f64>();
-    let mean = covered * all / (width as f64 * sines.iter().sum::<f64>());
-    let above = |(i, luminance): (usize, &f64)| (luminance - mean).max(0.0) * sines[i / width];
-    let weights: Vec<f32> = luminances.iter().enumerate().map(|cell| above(cell) as f32).collect();
-    let excess = weights.iter().map(|&weight| f64::from(weight)).sum::<f64>() / all;
-    // What rounding leaves of a picture of one colour is not worth a look.
-    (weights, if excess > 1e-4 { excess } else { 0.0 })
 }
 
 /// The picture as a texture that wraps around horizontally and stops at the poles.

@@ -2,18 +2,11 @@
 
 use glam::Vec3;
 
-use super::{Light, Lights, TriangleLight};
+use super::lights::{Light, Lights};
+use super::triangle_light::TriangleLight;
 use crate::geometry::Geometry;
-use photosite_core::math::distribution::AliasTable;
 use photosite_core::math::{Frame, warp};
 use photosite_core::spectrum::SampledSpectrum;
-
-/// Choice among the triangles that shine, by their power.
-#[derive(Clone, Debug)]
-pub(super) struct Emitters {
-    /// Of all lights; those that are no triangles have no part in it. `None` where nothing shines.
-    table: Option<AliasTable>,
-}
 
 /// A ray of light that sets out from a surface.
 #[derive(Clone, Copy, Debug)]
@@ -32,27 +25,6 @@ pub struct LightRay {
     pub density: f32,
 }
 
-impl Emitters {
-    /// `powers[i]` is the power of `lights[i]`, any unit.
-    pub(super) fn new(lights: &[Light], powers: &[f64]) -> Self {
-        let power = |(light, &power): (&Light, &f64)| match light {
-            Light::Triangle(_) => power,
-            Light::Point(_)
-            | Light::Spot(_)
-            | Light::Profile(_)
-            | Light::Projector(_)
-            | Light::Directional(_)
-            | Light::Environment => 0.0,
-        };
-        let weights: Vec<f64> = lights.iter().zip(powers).map(power).collect();
-        Self { table: weights.iter().any(|&weight| weight > 0.0).then(|| AliasTable::new(&weights)) }
-    }
-
-    fn probability(&self, light: u32) -> f32 {
-        self.table.as_ref().map_or(0.0, |table| table.probability(light))
-    }
-}
-
 /// Density of starts and directions over the cosine, where lights are chosen with that probability: evenly over the
 /// triangle, and by Lambert's law.
 #[inline]
@@ -64,7 +36,7 @@ fn density(probability: f32, double_area: f32, two_sided: bool) -> f32 {
 impl Lights {
     /// Whether light sets out from any surface.
     pub fn has_emitters(&self) -> bool {
-        self.emitters.table.is_some()
+        !self.emitters.is_empty()
     }
 
     /// Light that sets out from a surface at a time, by five numbers in [0, 1): for the light, the point and the
@@ -77,7 +49,7 @@ impl Lights {
         time: f32,
         (u_light, u_point, u_direction): (f32, [f32; 2], [f32; 2]),
     ) -> Option<LightRay> {
-        let (light, probability, rest) = self.emitters.table.as_ref()?.sample(u_light);
+        let (light, probability, rest) = self.emitters.sample(u_light)?;
         let Light::Triangle(emitter) = &self.lights[light as usize] else { return None };
         let triangle = self.triangle(light, emitter, geometry, time)?;
         let barycentric = warp::uniform_triangle(u_point);

@@ -1,101 +1,52 @@
 //! All lights of a scene: their tables, and directions to them with their densities.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
 use super::bounds::LightBounds;
+use super::choice::Choice;
+use super::delta_light::DeltaLight;
 use super::emissive_triangle::EmissiveTriangle;
-use super::light_rays::Emitters;
-use super::selection::{Choice, Selection};
-use super::{
-    DirectionalLight, Environment, LightSampleContext, PointLight, Profile, ProfileLight, Projector, ProjectorLight,
-    SpotLight, TriangleLight,
-};
+use super::emitters::Emitters;
+use super::environment::Environment;
+use super::light_sample_context::LightSampleContext;
+use super::sample::{LiContext, LiSample, LightSample};
+use super::selection::Selection;
+use super::triangle_light::TriangleLight;
 use crate::geometry::{Geometry, Motion, Transform};
 use photosite_core::math::{Area, Pdf, SolidAngle};
-use photosite_core::spectrum::{SampledSpectrum, SpectrumTable, Wavelengths};
+use photosite_core::spectrum::SampledSpectrum;
 
 /// One light.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Light {
-    /// The same intensity in all directions.
-    Point(PointLight),
-    /// Intensity within a cone.
-    Spot(SpotLight),
-    /// Parallel light.
-    Directional(DirectionalLight),
-    /// Intensity by a measured profile.
-    Profile(ProfileLight),
-    /// A slide thrown through a lens.
-    Projector(ProjectorLight),
+    /// A light without a surface.
+    Delta(Box<DeltaLight>),
     /// A triangle that emits.
     Triangle(TriangleLight),
     /// The environment, of which there is at most one.
     Environment,
 }
 
-/// Tables that lights have handles into.
-#[derive(Clone, Debug, Default)]
-pub struct LightTables {
-    /// Profiles of [`ProfileLight`].
-    pub profiles: Vec<Arc<Profile>>,
-    /// Slides and lenses of [`ProjectorLight`].
-    pub projectors: Vec<Projector>,
-}
+impl Light {
+    /// Whether it is infinitely far.
+    fn is_distant(&self) -> bool {
+        match self {
+            Self::Delta(light) => light.extent().is_none(),
+            Self::Triangle(_) => false,
+            Self::Environment => true,
+        }
+    }
 
-/// A sampled direction to a light.
-#[derive(Clone, Copy, Debug)]
-pub struct LightSample {
-    /// Handle of the light.
-    pub light: u32,
-    /// Radiance from there; of lights without extent, irradiance across the direction.
-    pub radiance: SampledSpectrum,
-    /// Unit vector to the light.
-    pub wi: Vec3,
-    /// Point on the light, with its normal; `None` where it is infinitely far.
-    pub position: Option<(Vec3, Vec3)>,
-    /// Density of the direction times the probability of the light; of lights without extent, that probability.
-    pub pdf: Pdf<SolidAngle>,
-    /// Whether no BSDF sample could have found it.
-    pub is_delta: bool,
-}
-
-/// What lights need to be sampled, besides random numbers: where from, when, and at which wavelengths.
-#[derive(Clone, Copy)]
-pub(crate) struct LiContext<'a> {
-    /// The point that samples, in the space of the light, m.
-    pub(crate) point: Vec3,
-    /// Time from 0 to 1.
-    pub(crate) time: f32,
-    pub(crate) wavelengths: &'a Wavelengths,
-    pub(crate) spectra: &'a SpectrumTable,
-    pub(crate) geometry: &'a Geometry,
-}
-
-/// A sampled direction to one light, as [`LightSample`] has it but for the choice of the light.
-#[derive(Clone, Copy)]
-pub(super) struct LiSample {
-    pub(super) radiance: SampledSpectrum,
-    pub(super) wi: Vec3,
-    pub(super) position: Option<(Vec3, Vec3)>,
-    pub(super) pdf: Pdf<SolidAngle>,
-    pub(super) is_delta: bool,
-}
-
-impl LiSample {
-    /// The direction from a point to another, from where light comes with that intensity.
-    #[inline]
-    pub(super) fn from_point(point: Vec3, position: Vec3, intensity: SampledSpectrum) -> Option<Self> {
-        let to_light = position - point;
-        let distance_squared = to_light.length_squared();
-        (distance_squared > 0.0).then(|| Self {
-            radiance: intensity / distance_squared,
-            wi: to_light / distance_squared.sqrt(),
-            position: Some((position, Vec3::ZERO)),
-            pdf: Pdf::new(1.0),
-            is_delta: true,
-        })
+    /// Its bounds, where it is somewhere and has any power.
+    pub(super) fn bounds(&self, motion: Option<&Motion>, power: f64, geometry: &Geometry) -> Option<LightBounds> {
+        if power.is_nan() || power <= 0.0 {
+            return None;
+        }
+        match self {
+            Self::Delta(light) => LightBounds::of_delta_light(light, motion, power),
+            Self::Triangle(light) => Some(LightBounds::of_triangle(light, power, geometry)),
+            Self::Environment => None,
+        }
     }
 }
 
@@ -107,7 +58,6 @@ pub struct Lights {
     static_triangles: Vec<Option<EmissiveTriangle>>,
     /// Motions of the lights that move, in order of their handles. Such lights are described in their own space.
     motions: Vec<(u32, Motion)>,
-    tables: LightTables,
     environment: Option<Environment>,
     /// Index of the environment among the lights infinitely far.
     environment_index: Option<u32>,
@@ -125,32 +75,32 @@ impl Lights {
         powers: &[f64],
         disk_m2: f64,
         geometry: &Geometry,
-        tables: LightTables,
         environment: Option<Environment>,
     ) -> Self {
         let bounds: Vec<_> = (lights.iter().zip(&motions).zip(powers))
-            .map(|((light, motion), power)| LightBounds::of(light, motion.as_ref(), *power, geometry, &tables))
+            .map(|((light, motion), power)| light.bounds(motion.as_ref(), *power, geometry))
             .collect();
-        let is_distant = |light: &Light| matches!(light, Light::Directional(_) | Light::Environment);
         // BSDF sampling finds the rest of the environment.
         let sampled_part = |light: &Light| match (light, &environment) {
             (Light::Environment, Some(environment)) => environment.excess(),
             _ => 1.0,
         };
         let distant: Vec<(u32, f64)> = ((0..).zip(lights.iter().zip(powers)))
-            .filter(|(_, (light, _))| is_distant(light))
+            .filter(|(_, (light, _))| light.is_distant())
             .map(|(i, (light, power))| (i, power / disk_m2 * sampled_part(light)))
             .filter(|(_, irradiance)| *irradiance > 0.0)
+            .collect();
+        let emitted: Vec<f64> = (lights.iter().zip(powers))
+            .map(|(light, &power)| if matches!(light, Light::Triangle(_)) { power } else { 0.0 })
             .collect();
         let is_environment = |(light, _): &(u32, f64)| matches!(lights[*light as usize], Light::Environment);
         Self {
             environment_index: distant.iter().position(is_environment).map(|i| i as u32),
             selection: Selection::new(&bounds, &distant),
-            emitters: Emitters::new(&lights, powers),
+            emitters: Emitters::new(&emitted),
             motions: (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect(),
             static_triangles: lights.iter().map(|light| static_triangle(light, geometry)).collect(),
             lights,
-            tables,
             environment,
         }
     }
@@ -196,11 +146,7 @@ impl Lights {
         let point = transform.map_or(li.point, |transform| transform.to_group.transform_point3(li.point));
         let li = &LiContext { point, ..*li };
         let LiSample { radiance, wi, position, pdf, is_delta } = match &self.lights[light as usize] {
-            Light::Point(point) => point.sample_li(li),
-            Light::Spot(spot) => spot.sample_li(li),
-            Light::Profile(profile) => profile.sample_li(&self.tables, li),
-            Light::Projector(projector) => projector.sample_li(&self.tables, u, li),
-            Light::Directional(directional) => directional.sample_li(li),
+            Light::Delta(light) => light.sample_li(u, li),
             Light::Triangle(emitter) => {
                 let triangle = self.triangle(light, emitter, li.geometry, li.time)?;
                 emitter.sample_li(&triangle, u, li, emitted_at)
@@ -267,12 +213,7 @@ impl Lights {
                     .times(self.selection.probability(ctx, light)),
                 None => Pdf::new(0.0),
             },
-            Light::Point(_)
-            | Light::Spot(_)
-            | Light::Profile(_)
-            | Light::Projector(_)
-            | Light::Directional(_)
-            | Light::Environment => Pdf::new(0.0),
+            Light::Delta(_) | Light::Environment => Pdf::new(0.0),
         }
     }
 
@@ -291,7 +232,7 @@ impl Lights {
 
 /// The triangle of a light whose mesh keeps its shape.
 fn static_triangle(light: &Light, geometry: &Geometry) -> Option<EmissiveTriangle> {
-    let Light::Triangle(TriangleLight { triangle, .. }) = *light else { return None };
+    let &Light::Triangle(TriangleLight { triangle, .. }) = light else { return None };
     let mut shapes = geometry.shapes(triangle);
     shapes.next().filter(|_| shapes.next().is_none()).and_then(EmissiveTriangle::new)
 }

@@ -3,17 +3,25 @@
 //! In: tables of lights in SI units. Out: for a point, a direction with the radiance that arrives from there if nothing
 //! is in the way, and the density with which it was chosen. Visibility is left to the integrator.
 
+mod above_mean;
 mod bounds;
+mod choice;
+mod delta_light;
+mod delta_model;
 mod directional_light;
 mod emission;
 mod emissive_triangle;
+mod emitters;
 mod environment;
+mod gaussian_beam;
+mod kind;
 mod light_rays;
 mod light_sample_context;
 mod lights;
 mod point_light;
 mod profile;
 mod projector;
+mod sample;
 mod selection;
 mod sky;
 mod spot_light;
@@ -23,18 +31,23 @@ mod tree;
 mod tree_tests;
 mod triangle_light;
 
+pub(crate) use choice::Choice;
+pub use delta_light::DeltaLight;
+pub use delta_model::LightPose;
 pub use directional_light::DirectionalLight;
 pub use emission::{SurfaceEmission, Tint};
 pub(crate) use emissive_triangle::EmissiveTriangles;
 pub use environment::{Environment, EnvironmentPicture};
+pub use gaussian_beam::GaussianBeam;
+pub use kind::LightKind;
 pub use light_rays::LightRay;
 pub use light_sample_context::{Facing, LightSampleContext};
-pub(crate) use lights::LiContext;
-pub use lights::{Light, LightSample, LightTables, Lights};
+pub use lights::{Light, Lights};
 pub use point_light::PointLight;
-pub use profile::{Profile, ProfileLight};
-pub use projector::{Projector, ProjectorLight};
-pub(crate) use selection::Choice;
+pub use profile::Profile;
+pub use projector::Projector;
+pub(crate) use sample::LiContext;
+pub use sample::LightSample;
 pub use sky::{Sky, SkyConditions};
 pub use spot_light::SpotLight;
 pub use sun_position::SunPosition;

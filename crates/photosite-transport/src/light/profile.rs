@@ -1,11 +1,12 @@
-//! LightTables whose intensity was measured in many directions.
+//! Lamps whose intensity was measured in many directions.
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
-use super::LightTables;
-use super::lights::{LiContext, LiSample};
+use super::delta_model::{DeltaExtent, DeltaModel, LightPose};
+use super::sample::{LiContext, LiSample};
+use photosite_core::math::Cone;
 use photosite_core::spectrum::SpectrumId;
 
 /// Luminous intensity, cd, over a sphere of directions around a lamp, in coordinates of photometric type C
@@ -51,7 +52,7 @@ impl Profile {
     }
 
     /// Largest angle from −z of the lamp's space with any light, rad.
-    pub(super) fn reach_rad(&self) -> f32 {
+    fn reach_rad(&self) -> f32 {
         let n = self.vertical_rad.len();
         let last = (0..self.candela.len()).filter(|i| self.candela[*i] > 0.0).map(|i| i % n).max();
         // One angle alone stands for all. Light fades to the next angle.
@@ -86,28 +87,25 @@ fn between(angles: &[f32], angle: f32) -> Option<[(usize, f32); 2]> {
     (part <= 1.0).then_some([(low, 1.0 - part), (next, part)])
 }
 
-/// A light with a measured profile.
-#[derive(Clone, Copy, Debug)]
-pub struct ProfileLight {
-    /// Metres.
-    pub position: Vec3,
-    /// World → light, which shines along −z.
-    pub world_to_light: Quat,
-    /// Handle in [`LightTables::profiles`].
-    pub profile: u32,
-    /// W·sr⁻¹·nm⁻¹ for each candela of the profile.
-    pub per_candela: SpectrumId,
-}
+/// Its level is W·sr⁻¹·nm⁻¹ for each candela.
+impl DeltaModel for Profile {
+    fn extent(&self, pose: &LightPose) -> Option<DeltaExtent> {
+        let directions = Cone::of(pose.world_to_light.inverse() * Vec3::NEG_Z).widened(self.reach_rad());
+        Some(DeltaExtent { radius: 0.0, directions })
+    }
 
-impl ProfileLight {
+    fn power_factor(&self, _: f64) -> f64 {
+        self.flux_lm()
+    }
+
     #[inline]
-    pub(super) fn sample_li(&self, tables: &LightTables, li: &LiContext<'_>) -> Option<LiSample> {
-        let direction = self.world_to_light * (li.point - self.position).normalize_or_zero();
-        let candela = tables.profiles[self.profile as usize].intensity(direction);
+    fn sample_li(&self, pose: &LightPose, level: SpectrumId, _: [f32; 2], li: &LiContext<'_>) -> Option<LiSample> {
+        let direction = pose.world_to_light * (li.point - pose.position).normalize_or_zero();
+        let candela = self.intensity(direction);
         if candela == 0.0 {
             return None;
         }
-        LiSample::from_point(li.point, self.position, li.spectra.sample(self.per_candela, li.wavelengths) * candela)
+        LiSample::from_point(li.point, pose.position, li.spectra.sample(level, li.wavelengths) * candela)
     }
 }
 

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
-use super::LightTables;
+use super::delta_model::{DeltaExtent, DeltaModel, LightPose};
 use super::emission::tint_spectrum;
-use super::lights::{LiContext, LiSample};
+use super::sample::{LiContext, LiSample};
 use crate::texture::{Bitmap, Filter, SamplerSettings, Texture, UvTransform, Wrap};
-use photosite_core::math::warp;
+use photosite_core::math::{Cone, warp};
 use photosite_core::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 
 /// A projector at the origin of its space. It shines along −z, with the top of the slide towards +y.
@@ -37,7 +37,8 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// From the extent and the shift of the picture 1 m away.
+    /// A slide, sRGB-encoded; width and height of the picture 1 m away, and where its middle is there, right and up, m;
+    /// the radius of the opening, 0 for a picture that is sharp everywhere; and the distance of the plane of focus.
     pub fn new(slide: Arc<Bitmap>, extent: [f64; 2], shift: [f64; 2], radius_m: f64, focus_distance_m: f64) -> Self {
         let edges = SamplerSettings { wrap: [Wrap::ClampToEdge; 2], filter: Filter::Nearest };
         Self {
@@ -50,26 +51,21 @@ impl Projector {
         }
     }
 
-    /// Radius of the opening, m.
-    pub(super) fn radius(&self) -> f32 {
-        self.radius
-    }
-
     /// Largest angle from the axis at which light leaves, rad.
-    pub(super) fn reach_rad(&self) -> f32 {
+    fn reach_rad(&self) -> f32 {
         let farthest = |i: usize| 0.5 * self.extent[i].abs() + self.shift[i].abs();
         (farthest(0).hypot(farthest(1)) + self.radius / self.focus_distance).atan()
     }
 
     /// A point of the opening.
     #[inline]
-    pub(super) fn opening(&self, u: [f32; 2]) -> Vec3 {
+    fn opening(&self, u: [f32; 2]) -> Vec3 {
         if self.radius == 0.0 { Vec3::ZERO } else { (Vec2::from(warp::concentric_disk(u)) * self.radius).extend(0.0) }
     }
 
     /// Intensity from a point of the opening towards a unit direction, over the flux of a white slide, sr⁻¹.
     #[inline]
-    pub(super) fn intensity(&self, opening: Vec3, direction: Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
+    fn intensity(&self, opening: Vec3, direction: Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
         let cos = -direction.z;
         if cos <= 0.0 {
             return SampledSpectrum::ZERO;
@@ -121,31 +117,27 @@ fn mean_over(extent: [f64; 2], shift: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> 
     (sums.0 * cell, sums.1 * cell)
 }
 
-/// A slide thrown through a lens.
-#[derive(Clone, Copy, Debug)]
-pub struct ProjectorLight {
-    /// Metres.
-    pub position: Vec3,
-    /// World → projector, which shines along −z.
-    pub world_to_light: Quat,
-    /// Handle in [`LightTables::projectors`].
-    pub projector: u32,
-    /// Spectral flux of a white slide, W·nm⁻¹.
-    pub flux: SpectrumId,
-}
+/// Its level is the spectral flux of a white slide, W·nm⁻¹.
+impl DeltaModel for Projector {
+    fn extent(&self, pose: &LightPose) -> Option<DeltaExtent> {
+        let directions = Cone::of(pose.world_to_light.inverse() * Vec3::NEG_Z).widened(self.reach_rad());
+        Some(DeltaExtent { radius: self.radius, directions })
+    }
 
-impl ProjectorLight {
-    /// A point of the lens's opening.
+    fn power_factor(&self, _: f64) -> f64 {
+        self.brightness()
+    }
+
+    /// Towards a point of the lens's opening.
     #[inline]
-    pub(super) fn sample_li(&self, tables: &LightTables, u: [f32; 2], li: &LiContext<'_>) -> Option<LiSample> {
-        let projector = &tables.projectors[self.projector as usize];
-        let opening = projector.opening(u);
-        let from = self.position + self.world_to_light.inverse() * opening;
-        let direction = self.world_to_light * (li.point - from).normalize_or_zero();
-        let intensity = projector.intensity(opening, direction, li.wavelengths);
+    fn sample_li(&self, pose: &LightPose, level: SpectrumId, u: [f32; 2], li: &LiContext<'_>) -> Option<LiSample> {
+        let opening = self.opening(u);
+        let from = pose.position + pose.world_to_light.inverse() * opening;
+        let direction = pose.world_to_light * (li.point - from).normalize_or_zero();
+        let intensity = self.intensity(opening, direction, li.wavelengths);
         if intensity.is_black() {
             return None;
         }
-        LiSample::from_point(li.point, from, li.spectra.sample(self.flux, li.wavelengths) * intensity)
+        LiSample::from_point(li.point, from, li.spectra.sample(level, li.wavelengths) * intensity)
     }
 }

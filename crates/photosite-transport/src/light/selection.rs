@@ -1,6 +1,7 @@
 //! The choice of a light to sample.
 
 use super::bounds::LightBounds;
+use super::choice::Choice;
 use super::light_sample_context::LightSampleContext;
 use super::tree::LightTree;
 use photosite_core::math::distribution::{AliasTable, rest};
@@ -15,25 +16,6 @@ pub(super) struct Selection {
     among_distant: AliasTable,
     /// Of all lights infinitely far, in the unit of the tree's importance.
     irradiance: f32,
-}
-
-/// A chosen light.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Choice {
-    /// Its handle.
-    pub(crate) light: u32,
-    /// Probability of the choice.
-    pub(crate) probability: f32,
-    /// Remainder of the random number that chose, in [0, 1) again.
-    pub(crate) rest: f32,
-}
-
-impl Choice {
-    /// The same with a number that chose between two kinds of lights before.
-    #[inline]
-    fn within(self, part: f32) -> Self {
-        Self { probability: self.probability * part, ..self }
-    }
 }
 
 /// Bounds of the probability of either kind, where it shines at all: walls may hide the brighter one.

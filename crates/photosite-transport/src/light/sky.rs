@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 
-use super::environment::above_mean;
+use super::above_mean::above_mean;
 use photosite_core::math::distribution::PiecewiseConstant2D;
 use photosite_core::math::{Frame, Pdf, SolidAngle, warp};
 use photosite_core::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths, cie, illuminant};

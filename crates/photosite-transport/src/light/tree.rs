@@ -1,8 +1,8 @@
 //! The choice among many lights by what they may do for a point.
 
 use super::bounds::{Cluster, LightBounds};
+use super::choice::Choice;
 use super::light_sample_context::LightSampleContext;
-use super::selection::Choice;
 use photosite_core::math::distribution::rest;
 
 /// A binary tree over lights: from its root down a light is found by the importance of either half for the point

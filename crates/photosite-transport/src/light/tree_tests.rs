@@ -1,12 +1,12 @@
 //! The tree against counting, and against all lights looked at one by one.
 
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 
-use super::bounds::LightBounds;
-use super::selection::Choice;
+use super::choice::Choice;
 use super::tree::LightTree;
 use super::{
-    Facing, Light, LightSampleContext, LightTables, PointLight, SpotLight, SurfaceEmission, Tint, TriangleLight,
+    DeltaLight, Facing, Light, LightKind, LightPose, LightSampleContext, PointLight, SpotLight, SurfaceEmission, Tint,
+    TriangleLight,
 };
 use crate::geometry::{Deformation, Geometry, MeshRange, Motion, Triangle};
 use photosite_core::math::hash::{hash64, unit_f32};
@@ -34,6 +34,11 @@ struct Lot {
     geometry: Geometry,
 }
 
+fn delta_light(kind: LightKind, position: Vec3, axis: Vec3, level: SpectrumId) -> Light {
+    let world_to_light = Quat::from_rotation_arc(axis, Vec3::NEG_Z);
+    Light::Delta(Box::new(DeltaLight::new(kind, LightPose { position, axis, world_to_light }, level)))
+}
+
 fn lot(count: u32, seed: u64) -> Lot {
     let radiance: SpectrumId = SpectrumTable::default().add(&Spectrum::constant(1.0));
     let mut lot = Lot { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), geometry: Geometry::default() };
@@ -59,10 +64,10 @@ fn lot(count: u32, seed: u64) -> Lot {
         let turn = DQuat::from_axis_angle(direction(hash64(key, 7)).as_dvec3(), f64::from(number(key, 6)));
         let places = [DAffine3::IDENTITY, DAffine3::from_rotation_translation(turn, DVec3::splat(0.3))];
         lot.motions.push((number(key, 8) < 0.3).then(|| Motion::new(&places)));
-        let cos_outer = (0.05 + 1.5 * number(key, 9)).cos();
+        let outer_rad = 0.05 + 1.5 * number(key, 9);
         lot.lights.push(match light % 2 {
-            0 => Light::Point(PointLight { position, intensity: radiance }),
-            _ => Light::Spot(SpotLight { position, axis, cos_inner: 1.0, cos_outer, intensity: radiance }),
+            0 => delta_light(LightKind::Point(PointLight), position, axis, radiance),
+            _ => delta_light(LightKind::Spot(SpotLight::new(0.0, outer_rad)), position, axis, radiance),
         });
     }
     let corner_count = lot.geometry.positions.len() as u32;
@@ -86,9 +91,8 @@ fn lot(count: u32, seed: u64) -> Lot {
 
 impl Lot {
     fn tree(&self) -> LightTree {
-        let tables = LightTables::default();
         let each = self.lights.iter().zip(&self.motions).zip(&self.powers);
-        LightTree::new(each.map(|((l, m), p)| LightBounds::of(l, m.as_ref(), *p, &self.geometry, &tables)))
+        LightTree::new(each.map(|((l, m), p)| l.bounds(m.as_ref(), *p, &self.geometry)))
     }
 
     /// Whether a point gets any light from a light at a time.
@@ -100,21 +104,23 @@ impl Lot {
         let place = self.motions[light].as_ref().map(|motion| motion.at(time));
         let in_world = |position: Vec3| place.map_or(position, |place| place.to_world.transform_point3(position));
         self.powers[light] > 0.0
-            && match self.lights[light] {
-                Light::Point(PointLight { position, .. }) => arrives(in_world(position)),
-                Light::Spot(SpotLight { position, axis, cos_outer, .. }) => {
+            && match &self.lights[light] {
+                Light::Delta(light) => {
+                    let LightPose { position, axis, .. } = *light.pose();
                     let axis = place.map_or(axis, |place| place.to_world.transform_vector3(axis));
                     let position = in_world(position);
+                    let cos_outer =
+                        if let LightKind::Spot(spot) = light.kind() { spot.outer_rad().cos() } else { -2.0 };
                     arrives(position) && (ctx.point - position).normalize().dot(axis) > cos_outer
                 }
-                Light::Triangle(TriangleLight { triangle, emission }) => {
+                &Light::Triangle(TriangleLight { triangle, emission }) => {
                     let corners = self.geometry.corners_at(triangle, time);
                     let [a, b, c] = corners;
                     let normal = (b - a).cross(c - a).normalize();
                     let cos = (ctx.point - a).normalize().dot(normal);
                     (cos > 1e-4 || emission.two_sided && cos < -1e-4) && corners.into_iter().any(arrives)
                 }
-                Light::Profile(_) | Light::Projector(_) | Light::Directional(_) | Light::Environment => false,
+                Light::Environment => false,
             }
     }
 }
@@ -182,11 +188,11 @@ fn lights_are_found_as_often_as_the_probability_says() {
 #[test]
 fn little_is_lost_where_lights_shine_all_around() {
     let lot = lot(300, 21);
-    let points = (0..).zip(&lot.lights).filter(|(_, light)| matches!(light, Light::Point(_)));
+    let points = (0..)
+        .zip(&lot.lights)
+        .filter(|(_, light)| matches!(light, Light::Delta(light) if matches!(light.kind(), LightKind::Point(_))));
     let points: Vec<usize> = points.map(|(i, _)| i).collect();
-    let bounds = points
-        .iter()
-        .map(|i| LightBounds::of(&lot.lights[*i], None, lot.powers[*i], &lot.geometry, &LightTables::default()));
+    let bounds = points.iter().map(|i| lot.lights[*i].bounds(None, lot.powers[*i], &lot.geometry));
     let tree = LightTree::new(bounds);
     for key in 0..100 {
         let ctx = LightSampleContext::anywhere(place(key));
@@ -200,9 +206,9 @@ fn little_is_lost_where_lights_shine_all_around() {
 fn lights_in_one_place_and_on_a_line_make_a_tree() {
     let radiance = SpectrumTable::default().add(&Spectrum::constant(1.0));
     for place in [|_| Vec3::ONE, |i: u32| Vec3::X * i as f32] {
-        let light = |i| Light::Point(PointLight { position: place(i), intensity: radiance });
-        let (geometry, tables) = (Geometry::default(), LightTables::default());
-        let tree = LightTree::new((0..50).map(|i| LightBounds::of(&light(i), None, 1.0, &geometry, &tables)));
+        let light = |i| delta_light(LightKind::Point(PointLight), place(i), Vec3::NEG_Z, radiance);
+        let geometry = Geometry::default();
+        let tree = LightTree::new((0..50).map(|i| light(i).bounds(None, 1.0, &geometry)));
         for ctx in [
             LightSampleContext::anywhere(Vec3::Y * 5.0),
             LightSampleContext::anywhere(Vec3::ONE),

@@ -1,8 +1,8 @@
 //! Area lights, triangle by triangle.
 
-use super::SurfaceEmission;
+use super::emission::SurfaceEmission;
 use super::emissive_triangle::EmissiveTriangle;
-use super::lights::{LiContext, LiSample};
+use super::sample::{LiContext, LiSample};
 use photosite_core::math::{Pdf, warp};
 use photosite_core::spectrum::SampledSpectrum;
 

@@ -3,11 +3,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3, Vec3};
+use glam::{DAffine3, Vec3};
 
 use super::description::{
     AlphaMode, Colour, Described, EmissionDescription, EnvironmentDescription, InstanceDescription, LayeredDescription,
-    LightDescription, LightKind, MaterialDescription, MeshDescription, PictureLevel, Roughness, SceneDescription,
+    LightDescription, MaterialDescription, MeshDescription, PictureLevel, Roughness, SceneDescription,
     ShapeDescription, TextureDescription, TexturedColour, TexturedFactor,
 };
 use super::{
@@ -20,8 +20,7 @@ use crate::geometry::{
     Transform, Triangle,
 };
 use crate::light::{
-    DirectionalLight, Environment, EnvironmentPicture, Light, LightTables, Lights, PointLight, ProfileLight, Projector,
-    ProjectorLight, Sky, SpotLight, SurfaceEmission, Tint, TriangleLight,
+    DeltaLight, Environment, EnvironmentPicture, Light, LightPose, Lights, Sky, SurfaceEmission, Tint, TriangleLight,
 };
 use crate::texture::{Bitmap, Texture};
 use photosite_core::spectrum::dispersion::lines;
@@ -38,7 +37,6 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         textures: Vec::new(),
         layered: Vec::new(),
         mixes: Vec::new(),
-        tables: LightTables::default(),
         spectra: SpectrumTable::default(),
         importance,
     };
@@ -71,7 +69,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     }
     let environment = environment.map(|e| builder.environment(&e, radius, &mut all));
     let LightList { lights, motions, powers, spectrum } = all;
-    let lights = Lights::new(lights, motions, &powers, disk_m2(radius), &geometry, builder.tables, environment);
+    let lights = Lights::new(lights, motions, &powers, disk_m2(radius), &geometry, environment);
     let has_media = table.iter().any(|m| m.absorption.is_some());
     let diffuse =
         |mesh: &MeshRange| table[mesh.material as usize].only_reflectance().filter(|_| !has_media && mesh.is_plain());
@@ -122,7 +120,6 @@ struct Builder<'a> {
     textures: Vec<Texture>,
     layered: Vec<LayeredMaterial>,
     mixes: Vec<Mix<Tabled>>,
-    tables: LightTables,
     spectra: SpectrumTable,
     importance: &'a Spectrum,
 }
@@ -255,42 +252,11 @@ impl Builder<'_> {
         let spectrum = emission_spectrum(&light.emission.colour, light.emission.level);
         let id = self.spectra.add(&spectrum);
         let motion = moves_from(&light.to_world, &light.later).map(|places| Motion::new(&places));
-        // A lamp that moves is given in its own space.
+        // A light that moves is given in its own space.
         let to_world = if motion.is_some() { DAffine3::IDENTITY } else { light.to_world };
-        let position = to_world.translation.as_vec3();
-        let axis = to_world.matrix3.mul_vec3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3();
-        let world_to_light = DQuat::from_mat3(&to_world.matrix3).inverse().normalize().as_quat();
-        let (light, solid_angle) = match &light.kind {
-            LightKind::Point => (Light::Point(PointLight { position, intensity: id }), 4.0 * std::f64::consts::PI),
-            LightKind::Profile(profile) => {
-                let handle = self.tables.profiles.len() as u32;
-                self.tables.profiles.push(Arc::clone(profile));
-                (
-                    Light::Profile(ProfileLight { position, world_to_light, profile: handle, per_candela: id }),
-                    profile.flux_lm(),
-                )
-            }
-            LightKind::Projector(p) => {
-                let projector = Projector::new(Arc::clone(&p.slide), p.extent, p.shift, p.radius_m, p.focus_distance_m);
-                let brightness = projector.brightness();
-                let handle = self.tables.projectors.len() as u32;
-                self.tables.projectors.push(projector);
-                (Light::Projector(ProjectorLight { position, world_to_light, projector: handle, flux: id }), brightness)
-            }
-            LightKind::Spot { inner_rad, outer_rad } => {
-                let (cos_inner, cos_outer) = (inner_rad.cos(), outer_rad.cos());
-                // ∫ of the squared ramp over the cosine.
-                let ramp = f64::from(1.0 - cos_inner) + f64::from(cos_inner - cos_outer) / 3.0;
-                (
-                    Light::Spot(SpotLight { position, axis, cos_inner, cos_outer, intensity: id }),
-                    std::f64::consts::TAU * ramp,
-                )
-            }
-            LightKind::Directional => {
-                (Light::Directional(DirectionalLight { towards: -axis, irradiance: id }), disk_m2(scene_radius))
-            }
-        };
-        list.add(light, motion, solid_angle, &spectrum, self.importance);
+        let factor = light.kind.power_factor(disk_m2(scene_radius));
+        let light = DeltaLight::new(light.kind.clone(), LightPose::new(&to_world), id);
+        list.add(Light::Delta(Box::new(light)), motion, factor, &spectrum, self.importance);
     }
 
     fn environment(&mut self, e: &EnvironmentDescription, scene_radius: f64, list: &mut LightList) -> Environment {

@@ -12,7 +12,8 @@ pub use crate::bsdf::models::*;
 use crate::bsdf::{Form, Ggx, Map, MapAll};
 pub use crate::bsdf::{Mix, Model};
 use crate::geometry::{Motion, QuadricKind};
-use crate::light::{Profile, SkyConditions};
+pub use crate::light::LightKind;
+use crate::light::SkyConditions;
 use crate::texture::{Bitmap, SamplerSettings, UvTransform};
 use photosite_core::Invalid;
 use photosite_core::math::hash::hash64;
@@ -575,41 +576,6 @@ pub struct LightDescription {
     pub kind: LightKind,
     /// Its light. The texture is ignored.
     pub emission: EmissionDescription,
-}
-
-/// Shapes of lights without a surface.
-#[derive(Clone, Debug)]
-pub enum LightKind {
-    /// Intensity (cd) equal in all directions.
-    Point,
-    /// Intensity (cd) within a cone, falling off smoothly between the angles (KHR_lights_punctual).
-    Spot {
-        /// Half-angle of full intensity, rad.
-        inner_rad: f32,
-        /// Half-angle beyond which there is none, rad, at most π/2.
-        outer_rad: f32,
-    },
-    /// Illuminance (lux) on a plane across the direction, from infinitely far.
-    Directional,
-    /// Intensity by a measured profile; the level is by what its candela are multiplied.
-    Profile(Arc<Profile>),
-    /// Flux (lm) of a white slide that a lens throws, as [`Projector`](crate::light::Projector) has it.
-    Projector(ProjectorDescription),
-}
-
-/// A slide and its lens.
-#[derive(Clone, Debug)]
-pub struct ProjectorDescription {
-    /// The slide, sRGB-encoded.
-    pub slide: Arc<Bitmap>,
-    /// Width and height of the picture 1 m away, m.
-    pub extent: [f64; 2],
-    /// Where the middle of the picture is 1 m away, m to the right and up.
-    pub shift: [f64; 2],
-    /// Radius of the opening, m; 0 for a picture that is sharp everywhere.
-    pub radius_m: f64,
-    /// Distance of the plane of focus, m.
-    pub focus_distance_m: f64,
 }
 
 /// Light from infinitely far in all directions.

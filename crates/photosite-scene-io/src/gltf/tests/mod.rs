@@ -12,6 +12,7 @@ use rstest::rstest;
 use serde_json::{Value, json};
 
 use super::*;
+use photosite_transport::light::SpotLight;
 use photosite_transport::scene::description::{AlphaMode, Colour, LightKind, MaterialModel};
 use photosite_transport::texture::{Filter, Texels, Wrap};
 

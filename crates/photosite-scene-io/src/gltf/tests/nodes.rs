@@ -21,10 +21,10 @@ fn cameras_and_lights_stand_where_their_nodes_are() {
     assert_eq!((camera.name.as_str(), camera.vertical_fov_rad), ("eye", 0.5));
     assert_eq!(camera.to_world.translation, DVec3::new(0.0, 1.0, 6.0));
     assert_eq!(camera.to_world.matrix3.determinant(), 1.0, "the scale of the parent is left out");
-    assert!(matches!(scene.lights[0].kind, LightKind::Spot { inner_rad: 0.0, outer_rad: 0.6 }));
+    assert!(matches!(scene.lights[0].kind, LightKind::Spot(spot) if spot == SpotLight::new(0.0, 0.6)));
     assert_eq!((scene.lights[0].name.as_str(), scene.lights[0].emission.level), ("lamp", Some(40.0)));
     assert_eq!(scene.lights[1].name, "sun");
-    assert!(matches!(scene.lights[1].kind, LightKind::Directional));
+    assert!(matches!(scene.lights[1].kind, LightKind::Directional(_)));
 }
 
 #[test]
