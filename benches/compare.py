@@ -32,6 +32,7 @@ import os
 import statistics
 import sys
 import tempfile
+from copy import copy
 from pathlib import Path
 
 from comparison.environment import ROOT, enter
@@ -41,6 +42,7 @@ def arguments():
     parser = argparse.ArgumentParser(description="Compare photosite with Mitsuba 3.")
     parser.add_argument("scenes", nargs="*", default=["a", "b", "c"], metavar="SCENE", help="a, b, c, d (default: a b c)")
     parser.add_argument("--photosite", type=Path, default=ROOT / "target" / "release" / "photosite", metavar="FILE")
+    parser.add_argument("--before", type=Path, metavar="FILE", help="another build of photosite, rendered beside for the ratio to it")
     parser.add_argument("--runs", type=int, default=5, help="measured renders of each program (default: %(default)s)")
     parser.add_argument("--samples", type=int, nargs="+", default=[64], help="samples a pixel (default: 64)")
     parser.add_argument("--reference", type=int, default=4096, help="samples of the references (default: %(default)s)")
@@ -86,6 +88,13 @@ def compare(mitsuba, key, options, folder):
             ("sobol", {"splitting": 4}),
         )
     ]
+    # Each way of the build before renders right after its counterpart.
+    before = {}
+    if options.before:
+        for way in ours:
+            earlier = copy(way)
+            earlier.photosite, earlier.folder, earlier.name = options.before, folder / "before" / way.folder.name, f"{way.name}, before"
+            before[way.name] = earlier
     # All ways of a program estimate the same picture: one reference serves all, in which nothing is shared.
     light = {"light_paths": 1} if key == "b" else {}
     most = Photosite(mitsuba, options.photosite, capture, folder, "sobol", options.threads, splitting=4, **light)
@@ -98,15 +107,18 @@ def compare(mitsuba, key, options, folder):
         "mean_ratio": (truth["photosite"].mean(axis=(0, 1)) / truth["Mitsuba"].mean(axis=(0, 1))).tolist(),
         "relmse_of_references": relative_error(truth["photosite"], truth["Mitsuba"]),
         "samples": {},
+        "before": {},
     }
     for samples in options.samples:
-        runs = {renderer.name: Runs(256 * 256 * samples) for renderer in theirs + ours}
-        for renderer in theirs + ours:
+        everything = [*theirs, *(renderer for way in ours for renderer in (way, before.get(way.name)) if renderer)]
+        runs = {renderer.name: Runs(256 * 256 * samples) for renderer in everything}
+        for renderer in everything:
             renderer.warm_up(samples)
         for run in range(options.runs):
-            for renderer in theirs + ours:
+            for renderer in everything:
                 picture, seconds = renderer.render(samples, 1 + run)
                 runs[renderer.name].add(picture, seconds, truth[renderer.name.split(",")[0]])
+        result["before"][samples] = {name: runs.pop(earlier.name) for name, earlier in before.items()}
         result["samples"][samples] = runs
     return result
 
@@ -170,13 +182,28 @@ def summarise(results):
                   f"| {efficiency} | {Ratio.of(theirs.busy, ours.busy, gain)} | {verdict} |")
 
 
+def report_before(results):
+    """Prints the paths per second of this build over those of the one before as Markdown."""
+    from comparison.figures import Ratio
+
+    print("\n### Paths per second, this build over the one before\n")
+    print("| scene | samples | | ratio | by processor time |")
+    print("|---|---|---|---|---|")
+    for key, result in results.items():
+        for samples, before in result["before"].items():
+            for name, earlier in before.items():
+                now = result["samples"][samples][name]
+                print(f"| {key} | {samples} | {name} | {Ratio.of(earlier.wall, now.wall)} | {Ratio.of(earlier.busy, now.busy)} |")
+
+
 def main():
     options = arguments()
     unknown = set(options.scenes) - set("abcd")
     if unknown:
         sys.exit(f"there is no scene {', '.join(sorted(unknown))}: a, b, c, d")
-    if not options.photosite.is_file():
-        sys.exit(f"{options.photosite} is missing: run cargo build --release first")
+    for program in filter(None, (options.photosite, options.before)):
+        if not program.is_file():
+            sys.exit(f"{program} is missing: run cargo build --release first")
     enter()
     from comparison.mitsuba_renderer import start
 
@@ -191,6 +218,8 @@ def main():
             report(key, results[key])
             sys.stdout.flush()
     summarise(results)
+    if options.before:
+        report_before(results)
     if options.json:
         plain = json.dumps(results, indent=2, default=vars)
         options.json.write_text(plain + "\n", encoding="utf-8")

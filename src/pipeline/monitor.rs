@@ -8,7 +8,8 @@ use crate::Error;
 ///
 /// Both are called from several threads. Tracing asks [`is_cancelled`](Self::is_cancelled) some hundred times a second on
 /// each thread; when it says yes, the work keeps what is done in its checkpoint, if it has one, and fails with
-/// [`Error::Cancelled`].
+/// [`Error::Cancelled`]. It is asked before and after a scene is built and before each frame is exposed, too; these steps
+/// themselves are not broken off.
 pub trait Monitor: Sync {
     /// Takes a report.
     fn report(&self, event: Event<'_>);
@@ -77,6 +78,16 @@ impl Drop for UntilTraceEnds<'_> {
     fn drop(&mut self) {
         self.0.report(Event::TraceEnds);
     }
+}
+
+/// Whether the work may go on; the error says that nothing is lost but what is under way.
+pub(super) fn go_on(monitor: &dyn Monitor) -> crate::Result<()> {
+    if monitor.is_cancelled() {
+        return Err(cancelled(
+            "give the same command again, and it begins anew, or goes on from its checkpoint".to_owned(),
+        ));
+    }
+    Ok(())
 }
 
 /// The error of work that its monitor has stopped; `help` says how it goes on.

@@ -118,7 +118,7 @@ fn expose_into(
     let of = 1 + later.len() as u32;
     let frames = if of > 1 { Frames::One { number: 0, of } } else { Frames::All(capture.exposure.frames) };
     let mut left = None;
-    let first = write_results(&chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
+    let first = write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
     for (number, path) in (1..).zip(&later) {
         let start = Instant::now();
         let light = StoredLight::read(path)?;
@@ -127,7 +127,7 @@ fn expose_into(
         exposure = exposed.exposure;
         timings.expose_s += start.elapsed().as_secs_f64();
         let frames = Frames::One { number, of };
-        write_results(&chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
+        write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
     }
 
     let report = Report {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde_json::{Map, Value};
 
 use super::camera::pixels;
-use super::monitor::Event;
+use super::monitor::{Event, go_on};
 use super::output_folder::OutputFolder;
 use super::parts::check_samples;
 use super::prepare::Prepared;
@@ -55,6 +55,7 @@ pub fn render_into(
     }
     let start = Instant::now();
     let strips = request.film_memory.strips(&capture, super::responses::responses(&capture).len())?;
+    go_on(request.monitor)?;
     let mut prepared = Prepared::new(capture)?;
     let truth = prepared.truth.take();
     let prepared = &prepared;

@@ -10,6 +10,7 @@ use crate::sensor::{Exposure, LeftCharge};
 use crate::units::Seconds;
 
 use super::chain::{Chain, Exposed};
+use super::monitor::{Monitor, go_on};
 use super::output_folder::OutputFolder;
 use crate::report::Timings;
 
@@ -49,7 +50,9 @@ impl Frames {
 ///
 /// Raw files and light are there before anything is developed: they take the longest to get, whatever becomes of the
 /// development, and the light's memory is free again.
+#[expect(clippy::too_many_arguments, reason = "an exposure, where it goes, and what it hands on")]
 pub(super) fn write_results(
+    monitor: &dyn Monitor,
     chain: &Chain<'_>,
     exposed: Exposed,
     frames: Frames,
@@ -69,6 +72,7 @@ pub(super) fn write_results(
     let mut kept = Vec::new();
     let first = numbers.start;
     for number in numbers {
+        go_on(monitor)?;
         let start = Instant::now();
         let mut read_out = |exposed| chain.read_out_with_maps(exposed, number, &output.noise.maps, left);
         let (raw, maps) = match &times {

@@ -246,7 +246,7 @@ impl Series<'_> {
             monitor.report(Event::Warning(&warning));
             warnings.push(warning);
         }
-        let first = write_results(chain, exposed, frames, folder, timings, left, |folder, number| {
+        let first = write_results(monitor, chain, exposed, frames, folder, timings, left, |folder, number| {
             if capture.output.ideal {
                 let seen = light.means(ideal::NAMES).to_planes();
                 let seen = seen.map_err(|reason| Error::io(folder.path(), "read from", reason))?;

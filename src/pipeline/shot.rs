@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::camera::pixels;
 use super::chain::Exposed;
 use super::completed_rows::CompletedRows;
-use super::monitor::{Event, Monitor, Silent};
+use super::monitor::{Event, Monitor, Silent, go_on};
 use super::prepare::Prepared;
 use super::strips::FilmMemory;
 use super::trace::{Trace, Traced, trace};
@@ -51,9 +51,11 @@ impl Default for Options<'_> {
 ///
 /// What is wrong with the capture as a whole, see [`Prepared::new`]; that the monitor stopped it.
 pub fn render(capture: &Capture, options: Options<'_>) -> Result<Shot> {
+    go_on(options.monitor)?;
     let prepared = Prepared::new(capture.clone())?;
     prepared.warnings().iter().for_each(|warning| options.monitor.report(Event::Warning(warning)));
     let light = prepared.trace(options)?;
+    go_on(options.monitor)?;
     let shot = prepared.expose(&light, 0)?;
     shot.warnings.iter().for_each(|warning| options.monitor.report(Event::Warning(warning)));
     Ok(shot)

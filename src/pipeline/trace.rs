@@ -98,6 +98,10 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
     }
     let stop = || if t.monitor.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     for strip in t.strips.from(first_row) {
+        // Before memory is taken for the film
+        if stop().is_break() {
+            return Err(interim.into_inner().expect("nobody panics while holding it").stopped());
+        }
         let mut film = Film::of_rows(width, strip.clone(), responses.clone());
         let mut pilot =
             settings.noise_target.map(|_| Pilot::new(Film::of_rows(width, strip.clone(), of_sensor.clone())));
