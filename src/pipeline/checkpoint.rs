@@ -1,22 +1,25 @@
 //! Checkpoints: what a render has traced so far, so that one that is killed goes on where it was.
 //!
 //! A checkpoint is a file in the output folder, `checkpoint.film` (numbered where a camera moves): a line of JSON that says what
-//! is rendered, then the films ([`write_unfinished`]) of the rows that are traced. Those before them are done and lie in
-//! `checkpoint.rows` beside it. A checkpoint appears whole or not at all, stays when a render ends before its results are
-//! there, and goes with the last of them. Samples have their random numbers by their place in the whole render and sums
-//! are exact, so that what goes on gives the bytes of a render in one go.
+//! is rendered, then the films ([`write_unfinished`]) of the rows that are traced, then a line with the checksum of all
+//! that. Rows before those are done and lie in `checkpoint.rows` beside it, whose checksum the first line has. A checkpoint
+//! appears whole or not at all, stays when a render ends before its results are there, and goes with the last of them; the
+//! one before it, `checkpoint.film.before`, stays as long, in case that the disk damages the newer one. Samples have their
+//! random numbers by their place in the whole render and sums are exact, so that what goes on gives the bytes of a render in
+//! one go.
 
 use photosite_core::{Help, Remedy};
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::film::Film;
 use crate::integrator::Pilot;
+use crate::io::checksum::{GrowingSum, Summing, check_last_line};
 use crate::io::film_file::{add_unfinished, read_samples, write_samples, write_unfinished};
-use crate::io::output::{Sink, write_whole};
+use crate::io::output::write_beside;
 use crate::{Error, Invalid, Result};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -27,8 +30,9 @@ use super::strips::Strips;
 use super::throttle::Throttle;
 
 const STEM: &str = "checkpoint";
-/// The kinds of its two files.
+/// The kinds of its files.
 const FILM: &str = "film";
+const BEFORE: &str = "film.before";
 const ROWS: &str = "rows";
 /// Bytes of the longest first line.
 const LONGEST_HEADER: u64 = 1 << 24;
@@ -49,6 +53,8 @@ struct Header {
     samples: [u32; 2],
     /// The first row of the film, before which all are done, and the one after its last; the same where no film follows.
     rows: [usize; 2],
+    /// CRC-32 of the file of the rows that are done, up to where the film begins; `None` where none lie in a file.
+    done_crc32: Option<String>,
     /// Everything that decides what is traced.
     provenance: Map<String, Value>,
 }
@@ -56,6 +62,8 @@ struct Header {
 /// The checkpoints of one picture.
 pub(super) struct Checkpoints<'a> {
     path: PathBuf,
+    /// Where the one before the last is.
+    before_path: PathBuf,
     rows_path: PathBuf,
     is_part: bool,
     samples: [u32; 2],
@@ -63,8 +71,15 @@ pub(super) struct Checkpoints<'a> {
     force: bool,
     provenance: &'a Map<String, Value>,
     due: Throttle,
-    /// The file of the rows that are done, to be synced before a checkpoint tells of them.
-    rows: Option<File>,
+    rows: Option<DoneRows>,
+}
+
+/// The file of the rows that are done, to be synced before a checkpoint tells of them.
+struct DoneRows {
+    file: File,
+    /// Its length when all rows before one are done.
+    bytes_before: Box<dyn Fn(usize) -> u64 + Send>,
+    sum: GrowingSum,
 }
 
 /// What a checkpoint holds.
@@ -75,6 +90,20 @@ pub(super) struct Resumed {
     pub(super) elapsed: Duration,
     /// The films of the strip from that row on.
     pub(super) films: Option<SavedFilms>,
+    /// What is to be said of it.
+    pub(super) warning: Option<String>,
+    /// The file that it was read from.
+    pub(super) path: PathBuf,
+}
+
+/// Why a checkpoint cannot be gone on from.
+enum Unusable {
+    /// There is none.
+    Missing,
+    /// What is there is not what was written.
+    Damaged(Error),
+    /// It is another render's, or cannot be read.
+    Other(Error),
 }
 
 /// The films of a strip that was under way.
@@ -120,10 +149,10 @@ impl<'a> Checkpoints<'a> {
         provenance: &'a Map<String, Value>,
         interval: Option<Duration>,
     ) -> Self {
-        let [path, rows_path] = [FILM, ROWS].map(|kind| folder.join(named(STEM, number, kind)));
+        let [path, before_path, rows_path] = [FILM, BEFORE, ROWS].map(|kind| folder.join(named(STEM, number, kind)));
         let samples = [samples.start, samples.end];
         let (force, due) = (is_forced, Throttle::every(interval));
-        Self { path, rows_path, is_part, samples, force, provenance, due, rows: None }
+        Self { path, before_path, rows_path, is_part, samples, force, provenance, due, rows: None }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -135,18 +164,43 @@ impl<'a> Checkpoints<'a> {
         &self.rows_path
     }
 
-    /// Reads the checkpoint, if there is one. One of another render, or whose films are not those of a strip, is refused.
-    pub(super) fn resume(&self, strips: Strips) -> Result<Option<Resumed>> {
-        let path = &self.path;
-        let file = match File::open(path) {
-            Ok(file) => file,
-            Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(reason) => return Err(Error::io(path, "read", reason)),
+    /// Reads the checkpoint, if there is one, or the one before it where the last is damaged. One of another render, or whose
+    /// films are not those of a strip, is refused. `bytes_before` is the length of the file of rows that are done when all
+    /// before one are.
+    pub(super) fn resume(&self, strips: Strips, bytes_before: impl Fn(usize) -> u64) -> Result<Option<Resumed>> {
+        let damage = match self.read(&self.path, strips, &bytes_before) {
+            Ok(resumed) => return Ok(Some(resumed)),
+            Err(Unusable::Other(error)) => return Err(error),
+            Err(Unusable::Damaged(error)) => Some(error),
+            Err(Unusable::Missing) => None,
         };
+        match (self.read(&self.before_path, strips, &bytes_before), damage) {
+            (Ok(resumed), None) => Ok(Some(resumed)),
+            (Ok(resumed), Some(damage)) => {
+                let warning = format!("{damage}, so the render goes on from the one before");
+                Ok(Some(Resumed { warning: Some(warning), ..resumed }))
+            }
+            (Err(Unusable::Missing), None) => Ok(None),
+            (Err(_), _) if self.force => Ok(None),
+            (Err(_), Some(damage)) | (Err(Unusable::Damaged(damage) | Unusable::Other(damage)), None) => Err(damage),
+        }
+    }
+
+    fn read(&self, path: &Path, strips: Strips, bytes_before: &dyn Fn(usize) -> u64) -> Result<Resumed, Unusable> {
+        let unreadable = |reason| Unusable::Other(Error::io(path, "read", reason));
+        let damaged = |what: &dyn std::fmt::Display| Unusable::Damaged(damaged(path, what));
+        let mut file = match File::open(path) {
+            Ok(file) => file,
+            Err(reason) if reason.kind() == ErrorKind::NotFound => return Err(Unusable::Missing),
+            Err(reason) => return Err(unreadable(reason)),
+        };
+        if !check_last_line(&mut file).map_err(unreadable)? {
+            return Err(damaged(&"it does not end with the checksum of what is in it"));
+        }
         let mut from = BufReader::new(file);
         let mut line = Vec::new();
-        from.by_ref().take(LONGEST_HEADER).read_until(b'\n', &mut line).map_err(|reason| damaged(path, &reason))?;
-        let header: Header = serde_json::from_slice(&line).map_err(|error| damaged(path, &error))?;
+        from.by_ref().take(LONGEST_HEADER).read_until(b'\n', &mut line).map_err(|reason| damaged(&reason))?;
+        let header: Header = serde_json::from_slice(&line).map_err(|error| damaged(&error))?;
         let [earlier, now] = [&header.provenance, self.provenance];
         let ([from_sample, to_sample], [first_row, end]) = (header.samples, header.rows);
         let has_films = first_row < end;
@@ -163,7 +217,7 @@ impl<'a> Checkpoints<'a> {
             None
         };
         match another {
-            Some(_) if self.force => return Ok(None),
+            Some(_) if self.force => return Err(Unusable::Missing),
             Some(difference) => {
                 let message = format!("is the checkpoint of another render: {difference}");
                 let help = Help::any([
@@ -171,37 +225,49 @@ impl<'a> Checkpoints<'a> {
                     Remedy::StartAnew,
                     Remedy::Elsewhere("another folder".to_owned()),
                 ]);
-                return Err(Invalid::new("", message).help(help).in_file(path));
+                return Err(Unusable::Other(Invalid::new("", message).help(help).in_file(path)));
             }
             None => {}
         }
+        if first_row > 0 {
+            self.check_rows(bytes_before(first_row), header.done_crc32.as_deref()).map_err(|what| damaged(&what))?;
+        }
         let films = has_films.then(|| {
             let Header { has_pilot, has_wanted, .. } = header;
-            SavedFilms { path: path.clone(), from, has_pilot, has_wanted }
+            SavedFilms { path: path.to_owned(), from, has_pilot, has_wanted }
         });
-        let elapsed = Duration::try_from_secs_f64(header.elapsed_s).map_err(|error| damaged(path, &error))?;
-        Ok(Some(Resumed { first_row, elapsed, films }))
+        let elapsed = Duration::try_from_secs_f64(header.elapsed_s).map_err(|error| damaged(&error))?;
+        Ok(Resumed { first_row, elapsed, films, warning: None, path: path.to_owned() })
     }
 
-    /// The file of the rows that are done, of which there are so many bytes.
-    pub(super) fn open_rows(&mut self, bytes: u64) -> Result<File> {
-        let file = self.rows_file(bytes)?;
-        self.rows = Some(file.try_clone().map_err(|reason| Error::io(&self.rows_path, "write", reason))?);
-        Ok(file)
-    }
-
-    fn rows_file(&self, bytes: u64) -> Result<File> {
-        let path = &self.rows_path;
-        if bytes == 0 {
-            let file = File::options().read(true).write(true).create(true).truncate(true).open(path);
-            return file.map_err(|reason| Error::io(path, "write", reason));
-        }
-        let file = File::options().read(true).write(true).open(path);
-        let file = file.map_err(|reason| damaged(&self.path, &format!("cannot open {}: {reason}", path.display())))?;
-        let length = file.metadata().map_err(|reason| Error::io(path, "read", reason))?.len();
+    /// What is wrong with the file of the rows that are done, of so many bytes and that checksum.
+    fn check_rows(&self, bytes: u64, sum: Option<&str>) -> Result<(), String> {
+        let path = self.rows_path.display();
+        let mut file = File::open(&self.rows_path).map_err(|reason| format!("cannot open {path}: {reason}"))?;
+        let length = file.metadata().map_err(|reason| format!("cannot read {path}: {reason}"))?.len();
         if length < bytes {
-            return Err(damaged(&self.path, &format!("{} holds {length} bytes of {bytes}", path.display())));
+            return Err(format!("{path} holds {length} bytes of {bytes}"));
         }
+        let found = GrowingSum::default().up_to(bytes, &mut file);
+        let found = found.map_err(|reason| format!("cannot read {path}: {reason}"))?;
+        if sum != Some(&*found) {
+            return Err(format!("the checksum of {path} is not the one of what was written"));
+        }
+        Ok(())
+    }
+
+    /// The file of the rows that are done, which all before `first_row` are.
+    pub(super) fn open_rows(
+        &mut self,
+        first_row: usize,
+        bytes_before: impl Fn(usize) -> u64 + Send + 'static,
+    ) -> Result<File> {
+        let path = &self.rows_path;
+        let is_new = first_row == 0;
+        let file = File::options().read(true).write(true).create(is_new).truncate(is_new).open(path);
+        let file = file.map_err(|reason| Error::io(path, "write", reason))?;
+        let clone = file.try_clone().map_err(|reason| Error::io(path, "write", reason))?;
+        self.rows = Some(DoneRows { file: clone, bytes_before: Box::new(bytes_before), sum: GrowingSum::default() });
         Ok(file)
     }
 
@@ -211,9 +277,9 @@ impl<'a> Checkpoints<'a> {
             return Ok(());
         }
         let start = Instant::now();
-        self.keep_now(film, pilot, elapsed)?;
+        let kept = self.keep_now(film, pilot, elapsed);
         self.due.done_since(start);
-        Ok(())
+        kept
     }
 
     /// Writes one at once, if any are to be written at all.
@@ -231,20 +297,22 @@ impl<'a> Checkpoints<'a> {
     }
 
     /// Tells that all rows before this one are in the file of those that are done.
-    pub(super) fn keep_rows(&self, first: usize, elapsed: Duration) -> Result<()> {
+    pub(super) fn keep_rows(&mut self, first: usize, elapsed: Duration) -> Result<()> {
         self.write([first, first], false, elapsed, |_| Ok(()))
     }
 
     fn write(
-        &self,
+        &mut self,
         rows: [usize; 2],
         has_pilot: bool,
         elapsed: Duration,
-        films: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
+        films: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<()> {
-        if let Some(rows) = &self.rows {
-            rows.sync_data().map_err(|reason| Error::io(&self.rows_path, "write", reason))?;
-        }
+        let sum_of_rows = |done: &mut DoneRows| {
+            done.file.sync_data()?;
+            done.sum.up_to((done.bytes_before)(rows[0]), &mut done.file)
+        };
+        let done_crc32 = self.rows.as_mut().map(sum_of_rows).transpose();
         let header = Header {
             elapsed_s: elapsed.as_secs_f64(),
             has_pilot,
@@ -252,17 +320,24 @@ impl<'a> Checkpoints<'a> {
             is_part: self.is_part,
             samples: self.samples,
             rows,
+            done_crc32: done_crc32.map_err(|reason| Error::io(&self.rows_path, "write", reason))?,
             provenance: self.provenance.clone(),
         };
-        write_whole(&self.path, |mut to| {
+        let next = write_beside(&self.path, |to| {
+            let mut to = Summing::new(to);
             serde_json::to_writer(&mut to, &header)?;
             to.write_all(b"\n")?;
-            films(to)
-        })
+            films(&mut to)?;
+            to.write_last_line()
+        })?;
+        match fs::rename(&self.path, &self.before_path) {
+            Err(reason) if reason.kind() != ErrorKind::NotFound => Err(Error::io(&self.before_path, "write", reason)),
+            Ok(()) | Err(_) => next.put_in_place(&self.path),
+        }
     }
 }
 
-/// The files of checkpoints in a folder, of one of their two kinds.
+/// The files of checkpoints in a folder, of one of their kinds.
 fn all(folder: &Path, kind: &str) -> impl Iterator<Item = PathBuf> {
     let is_one = move |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -277,12 +352,12 @@ fn all(folder: &Path, kind: &str) -> impl Iterator<Item = PathBuf> {
 
 /// Whether a render was broken off in a folder.
 pub(crate) fn are_in(folder: &Path) -> bool {
-    all(folder, FILM).next().is_some()
+    [FILM, BEFORE].into_iter().any(|kind| all(folder, kind).next().is_some())
 }
 
 /// Removes all of a folder: rows after what says that they are there, should this be killed on the way.
 pub(crate) fn remove(folder: &Path) -> Result<()> {
-    let mut files = all(folder, FILM).chain(all(folder, ROWS));
+    let mut files = [BEFORE, FILM, ROWS].into_iter().flat_map(|kind| all(folder, kind));
     files.try_for_each(|path| fs::remove_file(&path).map_err(|reason| Error::io(&path, "remove", reason)))
 }
 

@@ -13,6 +13,7 @@ use crate::capture::{NoiseOutput, OutputSettings, RawFormat, SpectralBands, Trut
 use crate::colour::ColourSpace;
 use crate::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
 use crate::image::Planes;
+use crate::io::checksum::Summing;
 use crate::io::cleanup::Cleanup;
 use crate::io::developed::{write_hdr, write_linear, write_png};
 use crate::io::electrons::write_electrons;
@@ -66,6 +67,8 @@ pub struct OutputFolder {
     path: PathBuf,
     force: bool,
     written: Vec<String>,
+    /// CRC-32 of the films among them, which parts state.
+    film_checksums: BTreeMap<String, String>,
     /// What tells the files that were written from any that another process writes.
     stamps: BTreeMap<String, Stamp>,
     /// The files that were written, until they are complete; removed before another process can claim the folder.
@@ -121,7 +124,17 @@ impl OutputFolder {
         let (written, stamps) = (Vec::new(), BTreeMap::new());
         let unfinished = Arc::default();
         let path = path.to_owned();
-        Self { path, force, written, stamps, unfinished, _removal: None, lock: None, _cleanup: cleanup }
+        Self {
+            path,
+            force,
+            written,
+            film_checksums: BTreeMap::new(),
+            stamps,
+            unfinished,
+            _removal: None,
+            lock: None,
+            _cleanup: cleanup,
+        }
     }
 
     /// Where it is.
@@ -235,10 +248,22 @@ impl OutputFolder {
     /// The sums of a part of a render, from the file in which they were kept. That one stays until the part is there as a
     /// whole.
     pub(super) fn write_film(&mut self, number: Option<u32>, mut kept: File) -> Result<()> {
-        self.write(&named("film", number, "npy"), |mut to| {
+        let name = named("film", number, "npy");
+        let mut sum = String::new();
+        self.write(&name, |to| {
             kept.rewind()?;
-            std::io::copy(&mut kept, &mut to).map(|_| ())
-        })
+            let mut to = Summing::new(to);
+            std::io::copy(&mut kept, &mut to)?;
+            sum = to.checksum();
+            Ok(())
+        })?;
+        self.film_checksums.insert(name, sum);
+        Ok(())
+    }
+
+    /// CRC-32 of the files of sums written so far.
+    pub(super) fn film_checksums(&self) -> &BTreeMap<String, String> {
+        &self.film_checksums
     }
 
     /// The last file of a part.

@@ -80,7 +80,7 @@ pub fn render_into(
     let recorded = series.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
     let Recorded { exposed, paths, warnings } = recorded;
     let Some(ExposedSeries { exposure, first, reached }) = exposed else {
-        let part = part_report(request, prepared, provenance, folder.files(), timings.trace_s);
+        let part = part_report(request, prepared, provenance, folder, timings.trace_s);
         folder.write_part(&part)?;
         return Ok(Rendered::Part(part));
     };
@@ -127,7 +127,7 @@ fn part_report(
     request: &Request<'_>,
     prepared: &Prepared,
     provenance: Map<String, Value>,
-    files: Vec<String>,
+    folder: &OutputFolder,
     trace_s: f64,
 ) -> PartReport {
     let samples_per_pixel = prepared.capture.render.samples_per_pixel;
@@ -142,7 +142,8 @@ fn part_report(
         path: real_path(request.input),
         overrides: request.overrides.clone(),
         trace_s: request.is_timed.then_some(trace_s),
-        files,
+        files: folder.files(),
+        crc32: folder.film_checksums().clone(),
         channels: prepared.responses.iter().map(|response: &Response| response.name.clone()).collect(),
         provenance,
     }

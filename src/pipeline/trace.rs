@@ -75,10 +75,16 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
     let per_row = width as u64 * settings.samples().len() as u64;
     let asked_for = per_row * height as u64;
 
-    let resumed = checkpoints.as_ref().map(|checkpoints| checkpoints.resume(t.strips)).transpose()?.flatten();
-    let resumed_from = checkpoints.as_ref().filter(|_| resumed.is_some()).map(|c| c.path().to_owned());
-    let Resumed { first_row, elapsed: earlier, films: mut saved } =
-        resumed.unwrap_or(Resumed { first_row: 0, elapsed: Duration::ZERO, films: None });
+    let resume = |checkpoints: &Checkpoints<'_>| checkpoints.resume(t.strips, rows_bytes(t));
+    let resumed = checkpoints.as_ref().map(resume).transpose()?.flatten();
+    let resumed_from = resumed.as_ref().map(|resumed| resumed.path.clone());
+    let (first_row, earlier, mut saved) = match resumed {
+        Some(Resumed { first_row, elapsed, films, warning, path: _ }) => {
+            warning.iter().for_each(|warning| t.monitor.report(Event::Warning(warning)));
+            (first_row, elapsed, films)
+        }
+        None => (0, Duration::ZERO, None),
+    };
     // A picture that is one strip needs no file.
     let is_filed = checkpoints.is_some() && (t.is_part || t.strips.are_several() || first_row > 0);
     let mut rows = completed_rows(t, checkpoints.as_mut(), first_row, is_filed)?;
@@ -177,20 +183,29 @@ fn completed_rows(
     first_row: usize,
     is_filed: bool,
 ) -> Result<CompletedRows> {
-    let [width, height] = pixels(t.capture).map(|n| n as usize);
-    let channels = t.responses.len();
+    let [_, height] = pixels(t.capture).map(|n| n as usize);
     let Some(checkpoints) = checkpoints.filter(|_| is_filed) else {
         return Ok(CompletedRows::Light(CompletedRows::light(t.capture, t.responses, None), None));
     };
     let path = checkpoints.rows_path().to_owned();
+    let file = checkpoints.open_rows(first_row, rows_bytes(t))?;
     if t.is_part {
-        let stored = if first_row == 0 { 0 } else { film_bytes([width, height], channels, first_row) };
-        return Ok(CompletedRows::Sums { file: checkpoints.open_rows(stored)?, path, height });
+        return Ok(CompletedRows::Sums { file, path, height });
     }
-    let with_variance = t.capture.sensor.cfa.channels().len();
-    let stored = first_row * width * LightRows::bytes_per_pixel(channels, with_variance);
-    let store: Box<dyn Store> = Box::new(checkpoints.open_rows(stored as u64)?);
+    let store: Box<dyn Store> = Box::new(file);
     Ok(CompletedRows::Light(CompletedRows::light(t.capture, t.responses, Some(store)), Some(path)))
+}
+
+/// The length of the file of completed rows when all rows before one are.
+fn rows_bytes(t: &Trace<'_>) -> impl Fn(usize) -> u64 + Send + use<> {
+    let size @ [width, _] = pixels(t.capture).map(|n| n as usize);
+    let (is_part, channels) = (t.is_part, t.responses.len());
+    let of_light = LightRows::bytes_per_pixel(channels, t.capture.sensor.cfa.channels().len());
+    move |row| match (is_part, row) {
+        (_, 0) => 0,
+        (true, _) => film_bytes(size, channels, row),
+        (false, _) => (row * width * of_light) as u64,
+    }
 }
 
 /// How many paths there will be in all, as far as can be told after a pass that brought them to `done`: those that are
@@ -209,6 +224,8 @@ struct Interim<'a> {
     preview: Throttle,
     /// Electron rates as far as they are known, if they are shown.
     seen: Option<Planes>,
+    /// Whether it was said that something could not be written.
+    is_said: bool,
     failure: Option<Error>,
 }
 
@@ -217,20 +234,25 @@ impl<'a> Interim<'a> {
         let interval = t.folder.and(t.capture.output.preview_interval);
         let [width, height] = pixels(t.capture).map(|n| n as usize);
         let seen = interval.map(|_| Planes::zeros(width, height, t.chain.channels()));
-        Self { t, checkpoints, is_filed, preview: Throttle::every(interval), seen, failure: None }
+        Self { t, checkpoints, is_filed, preview: Throttle::every(interval), seen, is_said: false, failure: None }
     }
 
-    /// Writes what it is time for. What goes wrong is kept, and ends the render.
+    /// Writes what it is time for. What cannot be written is said once, as the render needs none of it; where its folder is gone
+    /// or the picture cannot be made, that is kept, and ends the render.
     fn keep(&mut self, film: &Film, pilot: Option<&Pilot>, elapsed: Duration) -> ControlFlow<()> {
         let kept = self.checkpoints.as_mut().map_or(Ok(()), |checkpoints| checkpoints.keep(film, pilot, elapsed));
-        let written = kept.and_then(|()| self.show(film));
-        match written {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
+        for written in [kept, self.show(film)] {
+            let Err(error) = written else { continue };
+            let is_gone = self.t.folder.is_some_and(|folder| !folder.path().exists());
+            if is_gone || !matches!(error, Error::Io { .. } | Error::Temporary(_)) {
                 self.failure = Some(error);
-                ControlFlow::Break(())
+                return ControlFlow::Break(());
+            }
+            if !std::mem::replace(&mut self.is_said, true) {
+                self.t.monitor.report(Event::Warning(&format!("{error}: the render goes on without it")));
             }
         }
+        ControlFlow::Continue(())
     }
 
     /// Keeps a film that was broken off, and says how the render goes on.
@@ -256,7 +278,7 @@ impl<'a> Interim<'a> {
     /// The rows of a film are kept.
     fn finish(&mut self, film: &Film, elapsed: Duration) -> Result<()> {
         self.see(film);
-        match self.checkpoints.as_ref().filter(|_| self.is_filed) {
+        match self.checkpoints.as_mut().filter(|_| self.is_filed) {
             Some(checkpoints) => checkpoints.keep_rows(film.picture_rows().end, elapsed),
             None => Ok(()),
         }
@@ -285,8 +307,8 @@ impl<'a> Interim<'a> {
         let Ok(exposed) = chain.expose(Estimate { mean, variance }, Seconds(1.0), None) else { return Ok(()) };
         let raw = chain.read_out(&exposed, 0)?;
         drop(exposed);
-        folder.write_preview(&chain.develop(&raw)?)?;
+        let written = folder.write_preview(&chain.develop(&raw)?);
         self.preview.done_since(start);
-        Ok(())
+        written
     }
 }

@@ -1,5 +1,6 @@
 //! `part.json`: what the sums of a part of a render are sums of.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -25,6 +26,8 @@ pub struct PartReport {
     pub trace_s: Option<f64>,
     /// File names in the folder.
     pub files: Vec<String>,
+    /// CRC-32 of the files of sums by their names, eight hexadecimal digits each.
+    pub crc32: BTreeMap<String, String>,
     /// Names of the film's channels.
     pub channels: Vec<String>,
     /// What all parts of a render have in common beside the above: the version of photosite, the capture, hashes of its

@@ -31,6 +31,21 @@ fn standard_output_on_a_full_disk() {
     assert!(text.contains("standard output: cannot write: No space left on device"), "{text}");
 }
 
+/// Runs a script with a mount of its own, as who runs this, or else as a root of its own; `None` where nothing can be mounted.
+#[cfg(target_os = "linux")]
+fn with_mounts(folder: &Folder, script: &str) -> Option<std::process::Output> {
+    let run = |kind: &str| {
+        let mut command = Command::new("unshare");
+        command.current_dir(folder.path("")).args([kind, "sh", "-c", script]).output()
+    };
+    let can_mount = |output: &std::process::Output| output.status.code() == Some(0);
+    let output = ["-m", "-Urm"].iter().filter_map(|kind| run(kind).ok()).find(can_mount);
+    if output.is_none() {
+        println!("nothing can be mounted here: not tested");
+    }
+    output
+}
+
 /// A disk of few kilobytes, which takes the checkpoint and some files but not all.
 #[cfg(target_os = "linux")]
 #[test]
@@ -43,17 +58,7 @@ fn results_on_a_full_disk() {
          {binary} render capture.toml --quiet -o disk/out; echo $?; ls -A disk/out; echo again\n\
          mount -o remount,size=1m disk && {binary} render capture.toml --quiet -o disk/out; echo $?"
     );
-    // Its own mounts, as whom it runs, or else as a root of its own.
-    let run = |arguments: &[&str]| {
-        let mut command = Command::new("unshare");
-        command.current_dir(folder.path("")).args(arguments).args(["sh", "-c", &script]).output()
-    };
-    let can_mount = |output: &std::process::Output| output.status.code() == Some(0);
-    let output = ["-m", "-Urm"].iter().filter_map(|kind| run(&[kind]).ok()).find(can_mount);
-    let Some(output) = output else {
-        println!("nothing can be mounted here: not tested");
-        return;
-    };
+    let Some(output) = with_mounts(&folder, &script) else { return };
     let (said, text) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     let (first, again) = said.split_once("again\n").expect("two renders");
     let mut lines = first.lines();
@@ -62,6 +67,26 @@ fn results_on_a_full_disk() {
     assert_eq!(again, "0\n", "{said}{text}");
     assert!(text.contains("disk/out/") && text.contains("No space left on device"), "{text}");
     assert!(lines.all(|name| name != "capture.json" && !name.starts_with('.')), "{said}");
+}
+
+/// The films of 32 × 24 pixels take 77 kB, the results half of that.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_checkpoint_for_which_the_disk_is_too_small_is_a_warning() {
+    let folder =
+        room("[render]\nsamples_per_pixel = 200\n[output]\ncheckpoint_interval_s = 0.001\npreview_interval_s = 0\n");
+    fs::create_dir(folder.path("disk")).expect("made");
+    let binary = env!("CARGO_BIN_EXE_photosite");
+    let script = format!(
+        "mount -t tmpfs -o size=64k none disk || exit 99\n\
+         {binary} render capture.toml -o disk/out || exit 1; ls -A disk/out; {binary} render capture.toml -o whole"
+    );
+    let Some(output) = with_mounts(&folder, &script) else { return };
+    let (said, text) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(said.contains("capture.json") && !said.contains("checkpoint"), "{said}{text}");
+    let warning = "disk/out/checkpoint.film: cannot write: No space left on device";
+    assert_eq!(text.matches(warning).count(), 1, "{text}");
+    assert!(text.contains("the render goes on without it"), "{text}");
 }
 
 /// A process that is killed while it writes leaves a mark beside its files; what has none is somebody's.

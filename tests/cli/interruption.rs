@@ -62,18 +62,55 @@ fn a_killed_render_goes_on_from_its_checkpoint(#[case] settings: &str) {
     folder.fail("render capture.toml -o out --samples 0..9 --set render.noise_target=1", 1, &["noise_target"]);
 
     let bytes = fs::read(&checkpoint).expect("a checkpoint");
+    let _ = fs::remove_file(folder.path("out/checkpoint.film.before"));
     for length in [10, bytes.len() / 2, bytes.len() - 1] {
         fs::write(&checkpoint, &bytes[..length]).expect("written");
         folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "damaged checkpoint", "remove it"]);
     }
-    let nothing =
-        "{\"elapsed_s\":1,\"has_pilot\":false,\"is_part\":false,\"samples\":[0,1],\"rows\":[0,1],\"provenance\":{}}\n";
+    let mut nothing =
+        "{\"elapsed_s\":1,\"has_pilot\":false,\"is_part\":false,\"samples\":[0,1],\"rows\":[0,1],\"provenance\":{}}\n"
+            .to_owned();
+    nothing += &format!("crc32 {:08x}\n", crc32fast::hash(nothing.as_bytes()));
     fs::write(&checkpoint, nothing).expect("written");
     folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "another render"]);
     fs::write(&checkpoint, &bytes).expect("written");
     let outcome = folder.succeed("render capture.toml -o out");
     assert!(outcome.text().contains("goes on from out/checkpoint.film at"), "{outcome:?}");
     assert_same(&folder, "whole", "out");
+}
+
+/// Disks flip bits. No flipped bit passes for light: the one before is gone on from, or the checkpoint is refused.
+#[test]
+fn a_damaged_checkpoint_gives_way_to_the_one_before() {
+    let folder =
+        room("[render]\nsamples_per_pixel = 800\n[output]\ncheckpoint_interval_s = 0.001\npreview_interval_s = 0\n");
+    folder.succeed("render capture.toml -o whole");
+    // The fourth checkpoint has its name, and the third is the one before.
+    assert!(folder.killed_at("file-named", 4, "render capture.toml --quiet -o killed"));
+    let names = ["checkpoint.film", "checkpoint.film.before"];
+    let [last, before] = names.map(|name| fs::read(folder.path("killed").join(name)).expect("a checkpoint"));
+    let damage = |name: &str, bytes: &[u8], place: usize| {
+        let mut damaged = bytes.to_vec();
+        damaged[place] ^= 0x10;
+        folder.add(&format!("out/{name}"), damaged);
+    };
+    for eighth in 0..8 {
+        let place = |bytes: &[u8]| (bytes.len() - 1) * eighth / 7;
+        let _ = fs::remove_dir_all(folder.path("out"));
+        damage(names[0], &last, place(&last));
+        damage(names[1], &before, place(&before));
+        folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "damaged checkpoint", "remove it"]);
+        folder.add("out/checkpoint.film.before", before.clone());
+        let outcome = folder.succeed("render capture.toml -o out");
+        let said = outcome.text();
+        assert!(said.contains("checkpoint.film: is a damaged checkpoint") && said.contains("the one before"), "{said}");
+        assert!(said.contains("goes on from out/checkpoint.film.before at"), "{said}");
+        assert_same(&folder, "whole", "out");
+        assert_eq!(
+            folder.results("out").keys().collect::<Vec<_>>(),
+            folder.results("whole").keys().collect::<Vec<_>>()
+        );
+    }
 }
 
 /// Killed at every file that it writes, before and after that has its name: every file that is there is whole, and

@@ -101,6 +101,12 @@ fn parts_that_make_no_whole_are_refused() {
     folder.fail("merge part0 part1 part2 -o part0", 2, &["part0 holds a part of a render"]);
 
     let film = folder.results("part1")["film.npy"].clone();
+    for place in [3, 60, film.len() / 2, film.len() - 1] {
+        let mut damaged = film.clone();
+        damaged[place] ^= 1;
+        folder.add("part1/film.npy", damaged);
+        refused("part0 part1 part2", 1, &["part1/film.npy", "is damaged: its checksum", "render that part again"]);
+    }
     folder.add("part1/film.npy", &film[..film.len() / 2]);
     refused("part0 part1 part2", 1, &["part1/film.npy", "render that part again"]);
     fs::remove_file(folder.path("part1/film.npy")).expect("removed");

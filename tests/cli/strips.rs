@@ -99,6 +99,10 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
     let rows = fs::read(folder.path("out/checkpoint.rows")).expect("rows");
     folder.add("out/checkpoint.rows", &rows[..1000]);
     folder.fail(&go_on, 1, &["out/checkpoint.film", "damaged", "holds 1000 bytes of", "starts anew"]);
+    let mut damaged = rows.clone();
+    damaged[1000] ^= 1;
+    folder.add("out/checkpoint.rows", damaged);
+    folder.fail(&go_on, 1, &["out/checkpoint.film", "damaged", "the checksum of out/checkpoint.rows", "starts anew"]);
     folder.add("out/checkpoint.rows", &*rows);
 
     // An earlier checkpoint goes with later rows: what is killed may have written these alone. Where no film is under way,

@@ -28,7 +28,23 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<
     sync_folder(folder_of(path)?)
 }
 
-/// The same unless there is a file of that name by then, which stays as it is: whether it was written.
+/// Writes a file beside its place, synced, under a name that nobody knows.
+pub fn write_beside(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<FileBeside> {
+    Ok(FileBeside(Temporary::write(path, write)?.synced(path)?))
+}
+
+/// A complete file that has not its name yet, and goes unless it gets it.
+pub struct FileBeside(Temporary);
+
+impl FileBeside {
+    /// Gives the file its name, which an older one may have.
+    pub fn put_in_place(self, path: &Path) -> Result<()> {
+        self.0.persist(path)?;
+        sync_folder(folder_of(path)?)
+    }
+}
+
+/// As [`write_whole`], unless there is a file of that name by then, which stays as it is: whether it was written.
 pub fn write_new(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<bool> {
     let is_new = Temporary::write(path, write)?.synced(path)?.persist_new(path)?;
     sync_folder(folder_of(path)?)?;
