@@ -21,6 +21,9 @@ use crate::sensor::{AutoExposure, Binning, BinningMethod, Exposure, Metering, No
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
+/// Most frames of one capture, each of which has a file of its own in one folder.
+const MOST_FRAMES: u32 = 1_000_000;
+
 /// How the sensor is exposed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureSettings {
@@ -232,6 +235,10 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
     }
     if settings.frames == 0 {
         return Err(Invalid::new("frames", "must be at least 1, got 0").help("for example frames = 1"));
+    }
+    if settings.frames > MOST_FRAMES {
+        let message = format!("must be at most {MOST_FRAMES}, got {}", settings.frames);
+        return Err(Invalid::new("frames", message).help("more pictures are a data set, whose frames have folders"));
     }
     // Any time serves to check the rest of an automatic exposure.
     let exposure = match settings.time {

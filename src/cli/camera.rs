@@ -11,6 +11,7 @@ use photosite::capture::Capture;
 use photosite::io::lock::Lock;
 use photosite::io::output::create_folder;
 
+use super::log::say;
 use super::{println_out, refuse_existing, write_result};
 use photosite::pipeline::{LensSeen, standalone_recording_camera};
 
@@ -59,9 +60,10 @@ pub(super) fn run(args: &CameraArgs) -> Result<()> {
     let placed = standalone_recording_camera(&capture)?.halfway();
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.window);
     if let Some(done) = seen.resampled(&capture.develop) {
-        eprintln!(
+        say!(
             "warning: image.png is {}, and this is the camera of the sensor; that of image.png is in capture.json, or write {}",
-            done.what, done.keys
+            done.what,
+            done.keys
         );
     }
     let camera = CalibratedCamera::new(&args.name, &placed);

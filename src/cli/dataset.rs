@@ -10,6 +10,7 @@ use photosite::{Error, Result};
 use serde_json::json;
 
 use super::film_memory::FilmMemoryArgs;
+use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::{parse_range, print_json, start_threads};
 
@@ -93,7 +94,7 @@ impl SetReport {
     pub(super) fn finish(self, set: &DataSet, folder: &DatasetFolder, made: usize) -> Result<()> {
         let (present, left_out) = set.write_index(folder)?;
         if !self.quiet {
-            left_out.iter().for_each(|why| eprintln!("warning: calibration/ is without {}", why.replace('`', "")));
+            left_out.iter().for_each(|why| warning!("calibration/ is without {}", why.replace('`', "")));
         }
         self.print(set, folder, [made, present], "pictures")
     }
@@ -112,7 +113,7 @@ impl SetReport {
             }));
         }
         if !self.quiet {
-            eprintln!("made {made} {what}; {present} of {all} {what} are in {}", folder.path().display());
+            say!("made {made} {what}; {present} of {all} {what} are in {}", folder.path().display());
         }
         Ok(())
     }

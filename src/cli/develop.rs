@@ -12,6 +12,7 @@ use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
 use super::develop_args::CommonDevelopArgs;
+use super::log::{say, warning};
 use super::{print_json, rounded};
 
 /// Develop a raw file to a picture: PNG, TIFF, JPEG, PGM, PPM or EXR.
@@ -134,10 +135,10 @@ fn summarise(report: &Report<'_>) {
         (Some(kelvin), Some(tint)) => format!(", white of {} K and tint {}", rounded(kelvin, 3), rounded(tint, 2)),
         _ => String::new(),
     };
-    eprintln!(
+    say!(
         "developed {width} × {height} pixels in {} s{light}; wrote {}",
         rounded(report.timings.develop_s, 3),
         report.picture
     );
-    report.assumed.iter().for_each(|what| eprintln!("warning: {what}"));
+    report.assumed.iter().for_each(|what| warning!("{what}"));
 }

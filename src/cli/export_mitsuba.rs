@@ -45,7 +45,7 @@ pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
     refuse_scene(&args.output, args.force)?;
     let capture = Capture::load_with(&args.input, &args.overrides)?;
     let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
-    warnings.for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.for_each(|warning| warning!("{warning}"));
     let camera = standalone_camera(&capture)?;
     let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;
     let _lock = Lock::of_folder(&args.output)?;
@@ -57,8 +57,8 @@ pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
         write_whole_in(&args.output, name, bytes)?;
     }
     if !args.quiet {
-        scene.approximations.iter().for_each(|what| eprintln!("approximated: {what}"));
-        eprintln!("wrote {} files to {}", scene.files.len() + 1, args.output.display());
+        scene.approximations.iter().for_each(|what| say!("approximated: {what}"));
+        say!("wrote {} files to {}", scene.files.len() + 1, args.output.display());
     }
     Ok(())
 }
@@ -79,3 +79,4 @@ fn refuse_scene(folder: &Path, force: bool) -> Result<()> {
         help: Some("add --force to overwrite it, or choose another folder with -o".into()),
     })
 }
+use super::log::{say, warning};

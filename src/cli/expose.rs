@@ -7,6 +7,7 @@ use photosite::pipeline::{OutputFolder, StoredRender};
 use photosite::report::REPORT;
 use photosite::{Error, Result};
 
+use super::log::say;
 use super::run_args::RunArgs;
 use super::{print_json, rounded};
 
@@ -36,11 +37,7 @@ pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     }
     if !quiet {
         let time_ms = rounded(report.exposure.time_s * 1e3, 4);
-        eprintln!(
-            "exposed for {time_ms} ms; wrote {}, {REPORT} to {}",
-            report.files.join(", "),
-            folder.path().display()
-        );
+        say!("exposed for {time_ms} ms; wrote {}, {REPORT} to {}", report.files.join(", "), folder.path().display());
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use photosite::calibration::layouts::Layout;
 use photosite::dataset::{LayoutFolder, read_dataset};
 use serde_json::json;
 
+use super::log::say;
 use super::print_json;
 
 /// Lay out a finished data set as other tools read it: folders, pictures, calibration, ground truth.
@@ -68,7 +69,7 @@ pub(super) fn run(args: &LayoutArgs) -> Result<()> {
         return print_json(&json!({ "folder": args.output, "pictures": pictures, "cameras": set.cameras.len() }));
     }
     if !args.quiet {
-        eprintln!("laid out {pictures} pictures in {}", args.output.display());
+        say!("laid out {pictures} pictures in {}", args.output.display());
     }
     Ok(())
 }

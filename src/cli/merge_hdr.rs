@@ -13,6 +13,7 @@ use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
 use super::develop_args::CommonDevelopArgs;
+use super::log::{say, warning};
 use super::{print_json, rounded};
 
 /// Merge raw files that were exposed for different times to a linear picture of their common light.
@@ -86,7 +87,7 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
         write_hdr(&planes, settings.colour_space, development.pixel_aspect, Seconds(longest_s), to)
     })?;
     if !args.common.quiet {
-        warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        warnings.iter().for_each(|warning| warning!("{warning}"));
     }
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
@@ -105,7 +106,7 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
         return print_json(&report);
     }
     if !args.common.quiet {
-        eprintln!(
+        say!(
             "merged {} pictures of {} to {} s in {} s; {saturated} numbers are saturated in all; wrote {}",
             report.raw.len(),
             rounded(shortest_s, 4),

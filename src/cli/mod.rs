@@ -16,6 +16,7 @@ mod film_memory;
 mod info;
 mod layout;
 mod listing;
+mod log;
 mod measure;
 mod merge;
 mod merge_hdr;
@@ -49,6 +50,10 @@ render goes on from its checkpoint when the same command is given again.";
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100, after_help = EXIT_STATUS)]
 struct Cli {
+    /// Write what is said on standard error as JSON, an object per line: `time_s`, `event` (warning, progress, message, error
+    /// …) and what belongs to it.
+    #[arg(long, global = true)]
+    log_json: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -82,6 +87,9 @@ enum Command {
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
     signals::listen();
+    if cli.log_json {
+        log::speak_json();
+    }
     // Colours, arrows and short lines are for people; a log file gets plain text, to be searched line by line.
     let fancy = std::io::stderr().is_terminal();
     let handler = move |_: &_| -> Box<dyn miette::ReportHandler> {
@@ -126,7 +134,7 @@ pub(crate) fn run() -> ExitCode {
                 | Error::Temporary(_)) => error,
             };
             let error = error.in_words(&in_options, "--set");
-            eprintln!("{:?}", miette::Report::new(error));
+            log::error(error, status);
             ExitCode::from(status)
         }
     }
@@ -165,9 +173,19 @@ fn in_options(remedy: &Remedy) -> String {
 
 /// Starts as many threads as are asked for.
 fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
-    let Some(threads) = threads else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-    pool.map_err(|e| Error::Usage { message: format!("cannot start {threads} threads: {e}"), help: None })
+    /// So many that wait for each other slow down a small machine only a little.
+    const MOST: usize = 256;
+    let Some(threads) = threads.map(usize::from) else { return Ok(()) };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let usage = |message: String| Error::Usage {
+        message,
+        help: Some(format!("this machine runs {cores} at once; more than these make nothing faster").into()),
+    };
+    if threads > MOST.max(4 * cores) {
+        return Err(usage(format!("--threads {threads}: at most {} can be asked for", MOST.max(4 * cores))));
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+    pool.map_err(|reason| usage(format!("cannot start {threads} threads: {reason}")))
 }
 
 /// A range of whole numbers as arguments have it, `A..B`: from A up to, but without, B.

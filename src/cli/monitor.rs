@@ -1,14 +1,21 @@
-//! What the user sees of work under way: warnings, and progress on standard error with rate and time left, where that is a
-//! terminal.
+//! What the user sees of work under way: warnings, and progress with rate and time left. On a terminal that is a bar; in a file a
+//! line every half minute; with `--log-json` an object at least as often.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::io::IsTerminal;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use photosite::pipeline::{Event, Monitor};
+use serde_json::json;
 
+use super::log::{self, say, warning};
 use super::signals;
+
+/// Between two lines of progress in a file.
+const LINE_INTERVAL: Duration = Duration::from_secs(30);
+/// The bar takes what is left of 80 columns.
+const TEMPLATE: &str = "{elapsed_precise} [{wide_bar}] {percent:>3} %  {msg}  {eta_precise} left";
 
 /// Tells the user, and stops on a signal.
 pub(super) struct TerminalMonitor {
@@ -16,49 +23,115 @@ pub(super) struct TerminalMonitor {
     quiet: bool,
     /// Whether progress is.
     silent: bool,
-    bar: Mutex<Option<ProgressBar>>,
-    /// Whether the bar is over pictures of a data set, in which single pictures do not show.
+    progress: Mutex<Option<Progress>>,
+    /// Whether progress is over pictures of a data set, in which single pictures do not show.
     is_of_set: Mutex<bool>,
-    start: Mutex<Instant>,
-    /// Paths that were done before it began.
-    before: AtomicU64,
 }
 
-impl TerminalMonitor {
-    /// Where JSON is printed, there is no progress.
-    pub(super) fn new(quiet: bool, json: bool) -> Self {
-        Self {
-            quiet,
-            silent: quiet || json,
-            bar: Mutex::new(None),
-            is_of_set: Mutex::new(false),
-            start: Mutex::new(Instant::now()),
-            before: AtomicU64::new(0),
+/// How far the work is.
+struct Progress {
+    /// Where standard error is a terminal.
+    bar: Option<ProgressBar>,
+    begun: Instant,
+    said: Instant,
+    /// What was done before this began, is done by now, and is to be done: paths or pictures.
+    before: u64,
+    done: u64,
+    all: u64,
+    /// What it counts, and how it goes.
+    state: String,
+}
+
+impl Progress {
+    fn new(done: u64, all: u64, state: String) -> Self {
+        let bar = (std::io::stderr().is_terminal() && !log::is_json()).then(|| {
+            let bar = ProgressBar::with_draw_target(Some(all), ProgressDrawTarget::stderr_with_hz(10));
+            if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
+                bar.set_style(style.progress_chars("=> "));
+            }
+            bar.set_position(done);
+            bar.set_message(state.clone());
+            bar.enable_steady_tick(Duration::from_millis(200));
+            bar
+        });
+        let now = Instant::now();
+        Self { bar, begun: now, said: now, before: done, done, all, state }
+    }
+
+    fn advance(&mut self, by: u64) {
+        self.done += by;
+        match &self.bar {
+            Some(bar) => bar.inc(by),
+            None if self.said.elapsed() >= LINE_INTERVAL => self.say(),
+            None => {}
         }
     }
 
-    fn begin(&self, length: u64) -> ProgressBar {
-        let target = if self.silent { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
-        let bar = ProgressBar::with_draw_target(Some(length), target);
-        let template = "{elapsed_precise} [{bar:30}] {percent:>3} %  {msg}  {eta_precise} left";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style.progress_chars("=> "));
-        }
-        bar.enable_steady_tick(Duration::from_millis(200));
-        *locked(&self.start) = Instant::now();
-        *locked(&self.bar) = Some(bar.clone());
-        bar
+    /// Seconds since it began, in which so much was done.
+    fn since(&self) -> (f64, u64) {
+        (self.begun.elapsed().as_secs_f64().max(1e-9), self.done.saturating_sub(self.before))
     }
 
-    fn end(&self) {
-        if let Some(bar) = locked(&self.bar).take() {
+    fn say(&mut self) {
+        self.said = Instant::now();
+        let (seconds, done) = self.since();
+        let left_s = (done > 0).then(|| seconds / done as f64 * self.all.saturating_sub(self.done) as f64);
+        let part = self.done as f64 / self.all.max(1) as f64;
+        if log::is_json() {
+            return log::object(
+                "progress",
+                json!({ "done": self.done, "all": self.all, "state": self.state, "elapsed_s": seconds, "left_s": left_s }),
+            );
+        }
+        let left = left_s.map_or_else(String::new, |left| format!(", {} left", clock(left)));
+        say!("{} {:.0} %, {}{left}", clock(seconds), 100.0 * part, self.state);
+    }
+
+    fn say_state(&mut self, all: u64, state: impl FnOnce(f64, u64) -> String) {
+        let (seconds, done) = self.since();
+        (self.all, self.state) = (all, state(seconds, done));
+        if let Some(bar) = &self.bar {
+            bar.set_length(all);
+            bar.set_message(self.state.clone());
+        }
+    }
+}
+
+/// Hours, minutes and seconds.
+fn clock(seconds: f64) -> String {
+    let whole = seconds as u64;
+    format!("{:02}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }
+}
+
+impl TerminalMonitor {
+    /// Where JSON is printed, there is no progress, unless the log is for programs, too.
+    pub(super) fn new(quiet: bool, json: bool) -> Self {
+        let silent = quiet || json && !log::is_json();
+        Self { quiet, silent, progress: Mutex::new(None), is_of_set: Mutex::new(false) }
+    }
+
+    fn begin(&self, done: u64, all: u64, state: String) {
+        *locked(&self.progress) = (!self.silent).then(|| Progress::new(done, all, state));
+    }
 
     fn advance(&self, by: u64) {
-        if let Some(bar) = &*locked(&self.bar) {
-            bar.inc(by);
+        if let Some(progress) = &mut *locked(&self.progress) {
+            progress.advance(by);
+        }
+    }
+
+    /// An event of `--log-json` that lines for people do without.
+    fn log(&self, event: &str, what: serde_json::Value) {
+        if log::is_json() && !self.silent {
+            log::object(event, what);
         }
     }
 }
@@ -71,47 +144,51 @@ impl Monitor for TerminalMonitor {
     fn report(&self, event: Event<'_>) {
         let is_of_set = *locked(&self.is_of_set);
         match event {
-            Event::Warning(warning) if !self.quiet => eprintln!("warning: {warning}"),
+            Event::Warning(words) if !self.quiet => warning!("{words}"),
             Event::TraceBegins { traced, expected, resumed, samples_per_pixel } => {
                 signals::become_patient();
                 if is_of_set {
                     return;
                 }
-                let bar = self.begin(expected);
-                bar.set_position(traced);
-                self.before.store(traced, Ordering::Relaxed);
+                self.begin(traced, expected, format!("{samples_per_pixel} samples a pixel"));
+                self.log("trace_begins", json!({ "paths": expected, "traced": traced, "resumed": resumed }));
                 if let Some(checkpoint) = resumed.filter(|_| !self.silent) {
-                    eprintln!("goes on from {} at {samples_per_pixel} samples a pixel", checkpoint.display());
+                    say!("goes on from {} at {samples_per_pixel} samples a pixel", checkpoint.display());
                 }
             }
-            Event::Traced(paths) => self.advance(paths),
-            Event::PassEnds { samples_per_pixel, expected } => {
-                let Some(bar) = locked(&self.bar).clone() else { return };
-                bar.set_length(expected);
-                let seconds = locked(&self.start).elapsed().as_secs_f64().max(1e-9);
-                let paths = bar.position().saturating_sub(self.before.load(Ordering::Relaxed));
-                let rate = paths as f64 / seconds / 1e6;
-                bar.set_message(format!("{samples_per_pixel:.0} samples a pixel, {rate:.2} M paths/s"));
+            Event::Traced(paths) if !is_of_set => self.advance(paths),
+            Event::PassEnds { samples_per_pixel, expected } if !is_of_set => {
+                if let Some(progress) = &mut *locked(&self.progress) {
+                    progress.say_state(expected, |seconds, paths| {
+                        format!("{samples_per_pixel:.0} samples a pixel, {:.2} M paths/s", paths as f64 / seconds / 1e6)
+                    });
+                }
             }
             Event::TraceEnds => {
                 signals::become_impatient();
                 if !is_of_set {
-                    self.end();
+                    *locked(&self.progress) = None;
+                    self.log("trace_ends", json!({}));
                 }
             }
             Event::SetBegins { pictures } => {
                 *locked(&self.is_of_set) = true;
-                self.begin(pictures).set_message(format!("{pictures} images"));
+                self.begin(0, pictures, format!("{pictures} images"));
+                self.log("set_begins", json!({ "pictures": pictures }));
             }
-            Event::PictureEnds => self.advance(1),
+            Event::PictureEnds => {
+                self.advance(1);
+                self.log("picture_ends", json!({}));
+            }
             Event::Waiting { pictures } if !self.quiet => {
-                eprintln!("other processes are making {pictures} pictures, which are waited for");
+                say!("other processes are making {pictures} pictures, which are waited for");
             }
             Event::SetEnds => {
                 *locked(&self.is_of_set) = false;
-                self.end();
+                *locked(&self.progress) = None;
+                self.log("set_ends", json!({}));
             }
-            Event::Warning(_) | Event::Waiting { .. } => {}
+            Event::Warning(_) | Event::Waiting { .. } | Event::Traced(_) | Event::PassEnds { .. } => {}
         }
     }
 

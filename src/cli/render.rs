@@ -11,6 +11,7 @@ use photosite::pipeline::{LightSource, OutputFolder, Rendered, Request, render_i
 use photosite::report::{REPORT, Report, Timings};
 
 use super::film_memory::FilmMemoryArgs;
+use super::log::say;
 use super::run_args::RunArgs;
 use super::{parse_range, print_json, rounded};
 
@@ -73,7 +74,7 @@ pub(super) fn finish(rendered: &Rendered, folder: &OutputFolder, quiet: bool, js
         Rendered::Part(part) => {
             let ([from, to], all) = (part.samples, part.samples_per_pixel);
             let folder = folder.path().display();
-            eprintln!("traced the samples {from}..{to} of {all}; {folder} is a part for photosite merge");
+            say!("traced the samples {from}..{to} of {all}; {folder} is a part for photosite merge");
         }
     }
     Ok(())
@@ -86,7 +87,7 @@ fn summarise(report: &Report, timings: &Timings, folder: &OutputFolder) {
         few @ ..1_000_000 => few.to_string(),
         many => format!("{:.1} M", many as f64 / 1e6),
     };
-    eprintln!(
+    say!(
         "traced {count} paths in {} s ({:.2} M paths/s) and exposed for {} ms; wrote {}, {REPORT} to {}",
         rounded(timings.trace_s, 3),
         paths as f64 / timings.trace_s / 1e6,
