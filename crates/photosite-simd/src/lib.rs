@@ -40,6 +40,7 @@ mod avx512;
 mod dispatch;
 mod lanes;
 mod memory;
+mod operation;
 mod portable;
 mod real;
 
@@ -47,8 +48,9 @@ mod real;
 pub use avx2::{Avx2, Avx2Lanes, Avx2Mask};
 #[cfg(target_arch = "x86_64")]
 pub use avx512::{Avx512, Avx512Lanes, Avx512Mask};
-pub use dispatch::{WithSimd, dispatch, dispatch_wide};
+pub use dispatch::{dispatch, dispatch_wide};
 pub use lanes::{IdLanes, LANES, LaneMask, Lanes, MAX_LANES, Simd, Vectors, WideLanes};
 pub use memory::{compact, prefer_huge_pages, prefetch};
+pub use operation::WithSimd;
 pub use portable::{Portable, PortableLanes, PortableMask};
 pub use real::{Real, Vector};

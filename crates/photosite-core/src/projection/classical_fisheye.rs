@@ -12,7 +12,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::{CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+use super::CalibrationModel;
+use super::model::{Model, Seen};
+use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
 use crate::math::linear;
 
 /// A law that gives the radius in the picture for an angle from the axis.

@@ -3,7 +3,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{BrownConrady, CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+use super::model::{Model, Seen};
+use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
+use super::{BrownConrady, CalibrationModel};
 
 /// ξ, and the distortion behind the mirror.
 pub(super) struct Omnidirectional<'a> {

@@ -22,7 +22,7 @@
 //! (assumed: the format has no unit for it). `Ke` is in nit. Surfaces scatter on both sides, since the format has no notion
 //! of a front. `illum` 0, a colour without light, is diffuse: light from nowhere is left out.
 
-use super::mtl::MtlMaterial;
+use super::mtl::{MtlMaterial, roughness_of_exponent};
 use super::pictures::MaterialTextures;
 use photosite_core::spectrum::upsampling::reflectance_spectrum;
 use photosite_core::spectrum::{Dispersion, Spectrum};
@@ -233,11 +233,6 @@ fn roughness(mtl: &MtlMaterial, textures: &mut MaterialTextures, otherwise: f32)
 fn emission(mtl: &MtlMaterial, texture: Option<TextureDescription>) -> Option<EmissionDescription> {
     let colour = mtl.emission.unwrap_or(if texture.is_some() { WHITE } else { [0.0; 3] }).map(|c| c.max(0.0));
     (colour != [0.0; 3]).then_some(EmissionDescription { colour: Colour::Rgb(colour), level: Some(1.0), texture })
-}
-
-/// Perceptual roughness of a Blinn–Phong exponent.
-pub(super) fn roughness_of_exponent(exponent: f32) -> f32 {
-    (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
 }
 
 /// A colour within 0–1; what is outside is cut off with a warning.

@@ -170,6 +170,11 @@ fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[
     }))
 }
 
+/// Perceptual roughness of a Blinn–Phong exponent.
+pub(super) fn roughness_of_exponent(exponent: f32) -> f32 {
+    (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
+}
+
 #[cfg(test)]
 mod tests {
     use glam::Vec2;
