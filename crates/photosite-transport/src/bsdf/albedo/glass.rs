@@ -6,8 +6,8 @@ use glam::{Vec2, Vec3};
 
 use super::grid::{Grid, GridRow, locate, mix, node};
 use super::{Azimuthal, LATTICE, from_cosine, lattice_mean};
-use crate::bsdf::dielectric;
 use crate::bsdf::microfacet::Ggx;
+use crate::bsdf::refraction::bounce;
 
 /// Tabulated indices: from 1 to this, even in √(n − 1), since total reflection sets in at the cosine √(n² − 1)/n.
 const LARGEST_INDEX: f32 = 3.0;
@@ -124,7 +124,7 @@ fn bounced(eta: f32, distribution: Ggx, wo: Vec3, turn: f32, lattice: (usize, us
     if distribution.is_smooth() {
         return Vec2::ONE;
     }
-    let mean = |eta| lattice_mean(turn, lattice, |u| dielectric::bounce(eta, distribution, wo, u).power());
+    let mean = |eta| lattice_mean(turn, lattice, |u| bounce(eta, distribution, wo, u).power());
     Vec2::new(mean(eta), mean(1.0 / eta))
 }
 
