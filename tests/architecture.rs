@@ -24,11 +24,6 @@ const KNOWN_CIRCLES: &[&str] = &[
     "crates/photosite-imaging/src: raw::distortion",
     "crates/photosite-imaging/src: raw::dng::colour",
     "crates/photosite-imaging/src: sensor::amplifiers",
-    "crates/photosite-transport/src: geometry::accel",
-    "crates/photosite-transport/src: integrator::light_paths",
-    "crates/photosite-transport/src: integrator::path",
-    "crates/photosite-transport/src: optics::camera",
-    "crates/photosite-transport/src: sampler",
 ];
 
 fn root() -> &'static Path {

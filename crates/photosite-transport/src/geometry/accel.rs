@@ -14,8 +14,6 @@ pub(super) mod query;
 mod single;
 mod strategy;
 
-use std::ops::Range;
-
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -31,35 +29,13 @@ use super::linear_scan::LinearScan;
 use super::motion::{Motion, Transform};
 use super::triangle_block::TriangleBlock;
 use super::wide_bvh::WideBvh;
-use super::{Geometry, Quadric};
+use super::{Geometry, PrimitiveRange, Quadric};
+use crate::tuning::BLOCKS_BEYOND_CACHES;
 use leaf::Leaf;
 use photosite_core::math::float::gamma;
 use photosite_simd::{compact, prefer_huge_pages};
 
 pub use filter::{AcceptAll, HitFilter};
-
-/// The primitives of a group.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PrimitiveRange {
-    /// Indices into [`Geometry::triangles`].
-    pub triangles: Range<u32>,
-    /// Indices into [`Geometry::quadrics`], which must be in world space.
-    pub quadrics: Range<u32>,
-}
-
-impl From<Range<u32>> for PrimitiveRange {
-    /// Of triangles.
-    fn from(triangles: Range<u32>) -> Self {
-        Self { triangles, quadrics: 0..0 }
-    }
-}
-
-impl PrimitiveRange {
-    /// Number of primitives.
-    pub(super) fn len(&self) -> usize {
-        self.triangles.len() + self.quadrics.len()
-    }
-}
 
 /// A group of primitives somewhere in the world.
 #[derive(Clone, Debug)]
@@ -145,7 +121,7 @@ impl Accel {
             LinearScan::new(geometry, range, groups[0].bounds())
         });
         let linear_scan = linear_scan.flatten();
-        let exceeds_caches = interleaved::exceed_caches(groups.iter().map(Group::blocks).sum());
+        let exceeds_caches = groups.iter().map(Group::blocks).sum::<usize>() > BLOCKS_BEYOND_CACHES;
         Self { groups, placements, top, linear_scan, exceeds_caches }
     }
 

@@ -6,10 +6,10 @@
 
 use glam::Vec3;
 
-use super::accel::{HitFilter, PrimitiveRange};
+use super::accel::HitFilter;
 use super::bounds::Bounds;
 use super::triangle_block::{distance_error, double_area, error_of_sum, longest_axis};
-use super::{Geometry, Hit, Primitive, Quadric, Ray};
+use super::{Geometry, Hit, Primitive, PrimitiveRange, Quadric, Ray};
 use crate::tuning::{LINEAR_SCAN_BATCH, LINEAR_SCAN_MAX};
 use photosite_core::math::{Real, Vector};
 use photosite_simd::{IdLanes, LaneMask, MAX_LANES, Simd, WideLanes};

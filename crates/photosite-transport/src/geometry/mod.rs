@@ -25,13 +25,13 @@ mod triangle_block;
 mod wide_bvh;
 mod wide_node;
 
-pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement, PrimitiveRange};
+pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement};
 pub(crate) use mesh::interpolate;
 pub use mesh::{Deformation, Geometry, MeshRange, Triangle};
 pub use motion::{Motion, Transform};
 pub use point::SurfacePoint;
 pub(crate) use point::on_triangle;
-pub use primitive::Primitive;
+pub use primitive::{Primitive, PrimitiveRange};
 pub use quadric::{Cylinder, Disk, PlacedQuadric, Quadric, QuadricKind, Sphere};
 pub(crate) use ray::offset;
 pub use ray::{Hit, Ray, offset_origin};

@@ -24,9 +24,10 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::RenderJob;
+use super::interaction::{leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
+use super::job::RenderJob;
 use super::mis_ratio::{MisRatio, PathVertex, delta_term, light_weight};
-use super::path::{PathLimits, leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
+use super::path::PathLimits;
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::light::LightRay;
 use crate::sampler::{SamplePosition, Sampler};

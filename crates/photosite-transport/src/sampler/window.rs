@@ -3,7 +3,8 @@
 //! Samples follow each other, and so do their numbers: those of eight samples of one dimension cost little more than
 //! those of one, eight lanes at a time.
 
-use super::{request_key, sobol};
+use super::request_key::request_key;
+use super::sobol;
 use photosite_core::math::hash::unit_f32;
 use photosite_simd::{Simd, WithSimd, dispatch};
 

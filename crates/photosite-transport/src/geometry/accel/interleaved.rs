@@ -17,14 +17,8 @@ use crate::geometry::traversal_stack::TraversalStack;
 use crate::geometry::triangle_block::ShearedRay;
 use crate::geometry::wide_bvh::LeafVisitor;
 use crate::geometry::wide_node::SlabRay;
-use crate::tuning::{BLOCKS_BEYOND_CACHES, INTERLEAVE};
+use crate::tuning::INTERLEAVE;
 use photosite_simd::{Simd, prefetch};
-
-/// Whether so many blocks of triangles are far more than the caches have room for.
-#[inline]
-pub(super) fn exceed_caches(blocks: usize) -> bool {
-    blocks > BLOCKS_BEYOND_CACHES
-}
 
 const IDLE: &str = "only rays that have started take turns";
 
