@@ -1,8 +1,8 @@
-//! The strategy for scenes of few primitives: every primitive is tested against as many rays at a time as a register has lanes,
-//! which takes less time than to find those that may be in the way of each ray ([`LINEAR_SCAN_MAX`]).
+//! The strategy for scenes of few primitives: every primitive is tested against as many rays at a time as a register
+//! has lanes, which takes less time than to find those that may be in the way of each ray ([`LINEAR_SCAN_MAX`]).
 //!
-//! The tests are those of [`triangle_block`](super::triangle_block) and [`Quadric`], operation by operation, so that a ray meets a
-//! primitive at the same distance in either way.
+//! The tests are those of [`triangle_block`](super::triangle_block) and [`Quadric`], operation by operation, so that a
+//! ray meets a primitive at the same distance in either way.
 
 use glam::Vec3;
 
@@ -125,7 +125,8 @@ impl LinearScan {
             if hit.bits() == 0 {
                 continue;
             }
-            // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves. Most need no closer look.
+            // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves. Most need no
+            // closer look.
             if (hit & !sheared.sure.lt(along.abs())).bits() != 0 {
                 hit = hit & distance_error([a, b, c], [u, v, w], sum, packet.inverse_scale).lt(t);
             }
@@ -150,8 +151,8 @@ pub(super) trait LaneQuery<S: Simd> {
     fn new(simd: S, packet: &RayPacket<'_, S>) -> Self;
     /// Where the rays end.
     fn t_max(&self) -> S::Wide;
-    /// Takes the hits of a primitive, with the weights of a triangle's second and third corner and what to divide them by. Returns
-    /// whether all rays have their answer.
+    /// Takes the hits of a primitive, with the weights of a triangle's second and third corner and what to divide them
+    /// by. Returns whether all rays have their answer.
     fn on_hits(&mut self, hit: Mask<S>, primitive: u32, t: S::Wide, weights: [S::Wide; 3]) -> bool;
     /// Writes the result of each ray.
     fn store(&self, scan: &LinearScan, packet: &RayPacket<'_, S>, answers: &mut [Self::Answer]);
@@ -207,7 +208,7 @@ impl<S: Simd> LaneQuery<S> for ClosestLanes<S> {
                 }),
             };
             if let Some((primitive, uv)) = hit {
-                answers[usize::from(member)] = Some(Hit { t, uv, primitive, placement: 0 });
+                answers[usize::from(member)] = Some(Hit { t, uv, primitive, instance: 0 });
             }
         }
     }

@@ -24,7 +24,7 @@ impl Primitive {
     }
 }
 
-/// The primitives of a group.
+/// The primitives of a bottom-level hierarchy.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PrimitiveRange {
     /// Indices into [`Geometry::triangles`](super::Geometry::triangles).

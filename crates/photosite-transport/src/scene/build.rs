@@ -16,8 +16,8 @@ use super::{
 };
 use crate::bsdf::{Ggx, Map, MapAll, Mix, Model, RelativeIndex};
 use crate::geometry::{
-    Accel, Deformation, Geometry, MeshRange, Motion, Place, PlacedQuadric, Placement, Primitive, PrimitiveRange,
-    Transform, Triangle,
+    Accel, Deformation, Geometry, Instance, InstanceTransform, MeshRange, Motion, PlacedQuadric, Primitive,
+    PrimitiveRange, Transform, Triangle,
 };
 use crate::light::{
     DeltaLight, Environment, EnvironmentPicture, Light, LightPose, Lights, Sky, SurfaceEmission, Tint, TriangleLight,
@@ -47,10 +47,11 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
     let table: Vec<Material> = materials.iter().zip(&emissions).map(material).collect();
 
     let (geometry, accel, instance_table, emitters) =
-        place(meshes, &instances, |material| emissions[material].is_some());
+        lay_out(meshes, &instances, |material| emissions[material].is_some());
     let (low, high) = accel.bounds();
-    // The size weighs light from afar against tables. Without geometry there is none, and any will do.
-    let radius = if accel.placements().is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
+    // The size weighs light from afar against that of lights in the scene. Without geometry there is none, and any
+    // will do.
+    let radius = if accel.instances().is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
 
     let mut all =
         LightList { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
@@ -251,7 +252,7 @@ impl Builder<'_> {
     fn light(&mut self, light: &LightDescription, scene_radius: f64, list: &mut LightList) {
         let spectrum = emission_spectrum(&light.emission.colour, light.emission.level);
         let id = self.spectra.add(&spectrum);
-        let motion = moves_from(&light.to_world, &light.later).map(|places| Motion::new(&places));
+        let motion = moves_from(&light.to_world, &light.later).map(|poses| Motion::new(&poses));
         // A light that moves is given in its own space.
         let to_world = if motion.is_some() { DAffine3::IDENTITY } else { light.to_world };
         let factor = light.kind.power_factor(disk_m2(scene_radius));
@@ -359,14 +360,14 @@ pub fn emission_spectrum(colour: &Colour, level: Option<f64>) -> Spectrum {
 
 /// A transform and those that follow, if any differs from it.
 fn moves_from(first: &DAffine3, later: &[DAffine3]) -> Option<Vec<DAffine3>> {
-    let moves = later.iter().any(|place| place != first);
+    let moves = later.iter().any(|pose| pose != first);
     moves.then(|| [first].into_iter().chain(later).copied().collect())
 }
 
-/// Lays meshes out: those placed once, and all emitters, in world space in one group; the others in groups of their own
-/// with a placement for each instance. What deforms, emitters that move included, has the world space of all times.
+/// Lays meshes out: those placed once, and all emitters, in world space in one hierarchy; the others in hierarchies of their
+/// own with an instance for each. What deforms, emitters that move included, has the world space of all times.
 /// Returns the triangle ranges of emitters too.
-fn place(
+fn lay_out(
     meshes: Vec<MeshDescription>,
     instances: &[InstanceDescription],
     emits: impl Fn(usize) -> bool,
@@ -383,14 +384,14 @@ fn place(
         } else if !moves && (uses[instance.mesh] == 1 || emits(mesh.material)) {
             Layout::World
         } else {
-            Layout::Placed
+            Layout::Instanced
         }
     };
     let laid_out = |wanted| instances.iter().enumerate().filter(move |(_, instance)| layout(instance) == wanted);
     let mut geometry = Geometry::default();
     let surfaces = vec![[u32::MAX; 2]; instances.len()];
     let mut table = InstanceTable { surfaces, ..InstanceTable::default() };
-    let (mut groups, mut placements) = (Vec::new(), Vec::new());
+    let (mut ranges, mut placed) = (Vec::new(), Vec::new());
     let (mut emitters, mut light_count) = (Vec::new(), 0);
     let mut add = |geometry: &mut Geometry, table: &mut InstanceTable, index: usize| {
         let instance = &instances[index];
@@ -406,43 +407,43 @@ fn place(
     };
     for (index, _) in laid_out(Layout::World) {
         add(&mut geometry, &mut table, index);
-        // All of these have the first placement.
+        // All of these have the first instance.
         table.surfaces[index] = [geometry.meshes.len() as u32 - 1, 0];
     }
     let in_world =
         PrimitiveRange { triangles: 0..geometry.triangles.len() as u32, quadrics: 0..geometry.quadrics.len() as u32 };
     if in_world != PrimitiveRange::default() {
-        groups.push(in_world);
-        placements.push(Placement { group: 0, place: Place::World });
-        table.of_placement.push(None);
+        ranges.push(in_world);
+        placed.push(Instance { blas: 0, transform: InstanceTransform::World });
+        table.of_instance.push(None);
     }
     for (index, instance) in laid_out(Layout::Deforming) {
         let range = add(&mut geometry, &mut table, index);
         deform(&mut geometry, &meshes[instance.mesh], instance);
-        table.surfaces[index] = [geometry.meshes.len() as u32 - 1, placements.len() as u32];
-        placements.push(Placement { group: groups.len() as u32, place: Place::World });
-        table.of_placement.push(None);
-        groups.push(range.into());
+        table.surfaces[index] = [geometry.meshes.len() as u32 - 1, placed.len() as u32];
+        placed.push(Instance { blas: ranges.len() as u32, transform: InstanceTransform::World });
+        table.of_instance.push(None);
+        ranges.push(range.into());
     }
     for (index, mesh) in meshes.iter().enumerate().filter(|&(index, _)| uses[index] > 0) {
-        let mut group = None;
-        for (number, i) in laid_out(Layout::Placed).filter(|(_, i)| i.mesh == index) {
-            let group = *group.get_or_insert_with(|| {
-                groups.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None).into());
-                (groups.len() - 1) as u32
+        let mut blas = None;
+        for (number, i) in laid_out(Layout::Instanced).filter(|(_, i)| i.mesh == index) {
+            let blas = *blas.get_or_insert_with(|| {
+                ranges.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None).into());
+                (ranges.len() - 1) as u32
             });
-            let place = match moves_from(&i.to_world, &i.later) {
-                Some(places) => Place::Moving(Box::new(Motion::new(&places))),
-                None => Place::Still(Transform::new(&i.to_world)),
+            let transform = match moves_from(&i.to_world, &i.later) {
+                Some(poses) => InstanceTransform::Moving(Box::new(Motion::new(&poses))),
+                None => InstanceTransform::Still(Transform::new(&i.to_world)),
             };
             // No other is added to the geometry until all instances of this mesh are placed.
-            table.surfaces[number] = [geometry.meshes.len() as u32 - 1, placements.len() as u32];
-            placements.push(Placement { group, place });
-            table.of_placement.push(Some(number as u32));
+            table.surfaces[number] = [geometry.meshes.len() as u32 - 1, placed.len() as u32];
+            placed.push(Instance { blas, transform });
+            table.of_instance.push(Some(number as u32));
         }
     }
     drop(meshes);
-    let accel = Accel::build(&geometry, &groups, placements);
+    let accel = Accel::build(&geometry, &ranges, placed);
     (geometry, accel, table, emitters)
 }
 
@@ -453,15 +454,15 @@ enum Layout {
     World,
     /// Into the world in several shapes.
     Deforming,
-    /// Into their own space, with a placement.
-    Placed,
+    /// Into their own space, as an instance.
+    Instanced,
 }
 
 /// Gives the mesh that was added last the shapes that it goes through in the world.
 fn deform(geometry: &mut Geometry, mesh: &MeshDescription, instance: &InstanceDescription) {
     let first = ShapeDescription { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     let shapes: Vec<&ShapeDescription> = [&first].into_iter().chain(&mesh.later_shapes).collect();
-    let places: Vec<&DAffine3> = [&instance.to_world].into_iter().chain(&instance.later).collect();
+    let poses: Vec<&DAffine3> = [&instance.to_world].into_iter().chain(&instance.later).collect();
     let corner_count = mesh.positions.len() as u32;
     let mut deformation = Deformation {
         first_corner: geometry.positions.len() as u32 - corner_count,
@@ -470,10 +471,10 @@ fn deform(geometry: &mut Geometry, mesh: &MeshDescription, instance: &InstanceDe
         normals: Vec::new(),
     };
     // One of both may stand still.
-    for i in 0..shapes.len().max(places.len()) {
-        let (shape, place) = (shapes[i.min(shapes.len() - 1)], places[i.min(places.len() - 1)]);
-        let normal_matrix = place.matrix3.inverse().transpose();
-        deformation.positions.extend(shape.positions.iter().map(|p| place.transform_point3(p.as_dvec3()).as_vec3()));
+    for i in 0..shapes.len().max(poses.len()) {
+        let (shape, pose) = (shapes[i.min(shapes.len() - 1)], poses[i.min(poses.len() - 1)]);
+        let normal_matrix = pose.matrix3.inverse().transpose();
+        deformation.positions.extend(shape.positions.iter().map(|p| pose.transform_point3(p.as_dvec3()).as_vec3()));
         let normal = |n: &Vec3| (normal_matrix * n.as_dvec3()).normalize_or_zero().as_vec3();
         deformation.normals.extend(shape.normals.iter().map(normal));
     }

@@ -119,11 +119,11 @@ pub struct InstanceDescription {
 impl InstanceDescription {
     /// Mesh space → world when this part of the picture's time, 0 to 1, has gone by.
     pub fn at(&self, time: f32) -> DAffine3 {
-        if self.later.iter().all(|place| *place == self.to_world) {
+        if self.later.iter().all(|pose| *pose == self.to_world) {
             return self.to_world;
         }
-        let places: Vec<DAffine3> = [&self.to_world].into_iter().chain(&self.later).copied().collect();
-        Motion::new(&places).to_world(time)
+        let poses: Vec<DAffine3> = [&self.to_world].into_iter().chain(&self.later).copied().collect();
+        Motion::new(&poses).to_world(time)
     }
 }
 

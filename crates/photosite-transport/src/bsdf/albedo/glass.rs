@@ -46,15 +46,15 @@ impl GlassRow {
     /// For the index `eta` of the far side over the near one.
     #[inline]
     pub(in crate::bsdf) fn of(eta: f32, distribution: Ggx) -> Self {
-        let place = place(eta);
+        let position = position(eta);
         let [x, y] = distribution.alpha();
         let facets = if x == y {
             let table = isotropic();
-            let (i, fraction) = locate(place, INDICES);
+            let (i, fraction) = locate(position, INDICES);
             Facets::Isotropic { below: table[i].row(x), above: table[i + 1].row(x), fraction }
         } else {
-            let places = [
-                locate(place, ANISOTROPIC_INDICES),
+            let positions = [
+                locate(position, ANISOTROPIC_INDICES),
                 locate(x.sqrt(), ANISOTROPIC_ALPHAS),
                 locate(y.sqrt(), ANISOTROPIC_ALPHAS),
             ];
@@ -62,7 +62,7 @@ impl GlassRow {
             Facets::Anisotropic(std::array::from_fn(|corner| {
                 let mut weight = 1.0;
                 let [n, i, j] = std::array::from_fn(|axis| {
-                    let (node, fraction) = places[axis];
+                    let (node, fraction) = positions[axis];
                     let up = corner >> axis & 1;
                     weight *= if up == 1 { fraction } else { 1.0 - fraction };
                     node + up
@@ -109,7 +109,7 @@ impl GlassRow {
 
 /// Where an index, or its inverse, lies among the tabulated ones, 0–1.
 #[inline]
-pub(super) fn place(eta: f32) -> f32 {
+pub(super) fn position(eta: f32) -> f32 {
     let index = if eta < 1.0 { 1.0 / eta } else { eta };
     ((index - 1.0) / (LARGEST_INDEX - 1.0)).max(0.0).sqrt()
 }

@@ -7,7 +7,7 @@
 
 use std::sync::OnceLock;
 
-use super::glass::{ALPHAS, INDICES, MUS, index, place};
+use super::glass::{ALPHAS, INDICES, MUS, index, position};
 use super::grid::{Grid, GridRow, locate, mix};
 use super::{FilmWeights, LATTICE, from_cosine, lattice_mean};
 use crate::bsdf::microfacet::Ggx;
@@ -43,7 +43,7 @@ impl FilmGlassRow {
     /// For the index `eta` of the far side over the near one.
     #[inline]
     pub(in crate::bsdf) fn of(eta: f32, distribution: Ggx) -> Self {
-        let (i, fraction) = locate(place(eta), INDICES);
+        let (i, fraction) = locate(position(eta), INDICES);
         let alpha = distribution.mean_alpha();
         let rows = table().each_ref().map(|side| [side[i].row(alpha), side[i + 1].row(alpha)]);
         Self { rows, fraction, far_is_rarer: eta < 1.0 }

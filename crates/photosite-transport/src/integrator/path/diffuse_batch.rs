@@ -299,7 +299,7 @@ impl Arrival {
     const NONE: Self = Self {
         index: 0,
         ray: Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0 },
-        hit: Hit { t: 0.0, uv: [0.0; 2], primitive: Primitive::Triangle(0), placement: 0 },
+        hit: Hit { t: 0.0, uv: [0.0; 2], primitive: Primitive::Triangle(0), instance: 0 },
         reflectance: ColourSource::Texture { factor: [0.0; 3], texture: 0 },
     };
 
