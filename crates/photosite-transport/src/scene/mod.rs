@@ -6,6 +6,7 @@
 
 mod build;
 pub mod description;
+mod layout;
 mod material;
 mod shading;
 pub mod spectral_coverage;
