@@ -12,7 +12,7 @@ pub fn dispatch<O: WithSimd>(operation: O) -> O::Output {
     operation.with_simd(Portable)
 }
 
-/// Runs an operation on [wide lanes](Simd::Wide) with the widest instructions that this processor has.
+/// Runs an operation on [wide lanes](crate::Simd::Wide) with the widest instructions that this processor has.
 #[inline]
 pub fn dispatch_wide<O: WithSimd>(operation: O) -> O::Output {
     #[cfg(target_arch = "x86_64")]

@@ -1,8 +1,8 @@
 //! Arithmetic on eight or sixteen `f32` at a time, on the registers that the processor turns out to have.
 //!
 //! A formula is written once, over a [`Real`]: one number, or several in lanes. An operation on many numbers is written
-//! over a [`Simd`], the evidence that the processor has certain instructions, and is handed to [`dispatch`], which looks
-//! for the widest instructions and runs the operation with them:
+//! over a [`Simd`], the evidence that the processor has certain instructions, and is handed to [`dispatch`], which
+//! looks for the widest instructions and runs the operation with them:
 //!
 //! ```
 //! use photosite_simd::{Lanes, Real, Simd, WithSimd, dispatch};

@@ -15,8 +15,8 @@
 //! | equirectangular | longitude, latitude | everywhere | `equirectangular.rs` |
 //! | omnidirectional | a sphere, then a pinhole | what its mirror shows | `omnidirectional.rs` |
 //!
-//! A model is used within its [`Reach`] only, in which it is one to one; both directions agree there to the precision of
-//! f64.
+//! A model is used within its [`Reach`] only, in which it is one to one; both directions agree there to the precision
+//! of f64.
 //!
 //! A new model is a file with a `Model`, a variant of [`Projection`], an arm of `each_model!` and one of
 //! [`Projection::named`], the keys of capture files, and a row in the tests.
@@ -80,7 +80,8 @@ pub enum Projection {
         /// k₁ … k₄.
         k: [f64; 4],
     },
-    /// A fisheye that follows one of the classical laws but r = θ, which is that of Kannala and Brandt without coefficients.
+    /// A fisheye that follows one of the classical laws but r = θ, which is that of Kannala and Brandt without
+    /// coefficients.
     ClassicalFisheye(FisheyeLaw),
     /// Longitude and latitude in radians.
     Equirectangular,
@@ -139,8 +140,8 @@ impl Projection {
         each_model!(self, model => model.xi())
     }
 
-    /// The model of that [`name`](Self::name) with those [`coefficients`](Self::coefficients); `xi` is the mirror parameter of an
-    /// omnidirectional lens. `None` where there is no such model.
+    /// The model of that [`name`](Self::name) with those [`coefficients`](Self::coefficients); `xi` is the mirror
+    /// parameter of an omnidirectional lens. `None` where there is no such model.
     pub fn named(name: &str, coefficients: &[f64], xi: Option<f64>) -> Option<Self> {
         let c = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
         let k = std::array::from_fn(|i| c([0, 1, 4, 5, 6, 7][i]));
@@ -163,14 +164,14 @@ impl Projection {
         each_model!(self, model => model.calibration_model())
     }
 
-    /// How large the middle of the picture is, as a part of what a pinhole of the same matrix would show there: 1 but for an
-    /// omnidirectional lens, whose ξ moves the pinhole away.
+    /// How large the middle of the picture is, as a part of what a pinhole of the same matrix would show there: 1 but
+    /// for an omnidirectional lens, whose ξ moves the pinhole away.
     pub fn magnification(&self) -> f64 {
         self.xi().map_or(1.0, |xi| 1.0 / (1.0 + xi))
     }
 
-    /// Whether the lens is focused on a plane and its pupil stands across the axis, as for the thin lens. What sees more
-    /// than a half-space is focused on a sphere, and its pupil faces each direction.
+    /// Whether the lens is focused on a plane and its pupil stands across the axis, as for the thin lens. What sees
+    /// more than a half-space is focused on a sphere, and its pupil faces each direction.
     #[inline]
     pub fn is_flat(&self) -> bool {
         each_model!(self, model => is_flat(model))

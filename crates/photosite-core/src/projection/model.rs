@@ -9,8 +9,8 @@ use super::{CalibrationModel, Reach};
 pub struct Seen {
     /// Unit direction.
     pub direction: DVec3,
-    /// From the centre of the lens to what is in focus, in units of the focus distance: to a plane across the axis where the
-    /// projection [is flat](super::Projection::is_flat), to a sphere elsewhere.
+    /// From the centre of the lens to what is in focus, in units of the focus distance: to a plane across the axis
+    /// where the projection [is flat](super::Projection::is_flat), to a sphere elsewhere.
     pub chief: DVec3,
     /// Solid angle over area in normalised coordinates dΩ/dA, sr: cos³θ for a rectilinear lens.
     pub solid_angle: f64,

@@ -1,5 +1,6 @@
-//! The unified model of mirrors and fisheyes ([MeiRives07](crate::references#meirives07)): the unit direction, moved by ξ
-//! along the axis, through a pinhole: (X, Y)/(Z + ξ). Radii of a reach are those of that picture, before its distortion.
+//! The unified model of mirrors and fisheyes ([MeiRives07](crate::references#meirives07)): the unit direction, moved by
+//! ξ along the axis, through a pinhole: (X, Y)/(Z + ξ). Radii of a reach are those of that picture, before its
+//! distortion.
 
 use glam::{DVec2, DVec3};
 

@@ -94,8 +94,8 @@ pub(super) fn flat_reach(radius: f64, end: ReachEnd) -> Reach {
     Reach::new(radius.atan(), end, radius)
 }
 
-/// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth` times as
-/// large in area as on the sensor: dΩ = cos³θ·dA.
+/// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth`
+/// times as large in area as on the sensor: dΩ = cos³θ·dA.
 #[inline(always)]
 pub fn through_plane(ideal: DVec2, growth: f64) -> Seen {
     let cos = 1.0 / (1.0 + ideal.length_squared()).sqrt();

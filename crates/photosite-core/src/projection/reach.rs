@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-/// The largest angle from the axis that a flat picture is followed to, rad: 89.99°, where it is 5730 focal lengths wide.
+/// The largest angle from the axis that a flat picture is followed to, rad: 89.99°, where it is 5730 focal lengths
+/// wide.
 pub(super) const FLAT_ANGLE: f64 = FRAC_PI_2 * (1.0 - 0.01 / 90.0);
 
 /// How far from the axis a projection is one to one.

@@ -4,9 +4,9 @@
 //! each material of each object, at the origin; materials with what the MTL file says of them.
 //!
 //! Concave polygons, continued lines, smoothing groups and the options of textures are followed; curves, free-form
-//! surfaces, groups (`g`) and vertex colours are not. The parser is our own because files of this format are often wrong
-//! in small ways, and a message is of use only with a line number. A test compares it with that of the `tobj` crate on
-//! what both can read.
+//! surfaces, groups (`g`) and vertex colours are not. The parser is our own because files of this format are often
+//! wrong in small ways, and a message is of use only with a line number. A test compares it with that of the `tobj`
+//! crate on what both can read.
 
 mod files;
 mod geometry;
@@ -43,8 +43,8 @@ pub use mesh::MissingNormals;
 pub struct ObjFile {
     /// What it holds.
     pub scene: SceneDescription,
-    /// Materials that faces use but no library describes; they are diffuse grey in the scene. A capture file may describe
-    /// them, so they are not yet worth a warning.
+    /// Materials that faces use but no library describes; they are diffuse grey in the scene. A capture file may
+    /// describe them, so they are not yet worth a warning.
     pub undescribed_materials: Vec<String>,
 }
 

@@ -146,8 +146,8 @@ impl MtlMaterial {
     }
 }
 
-/// `r g b`, or `r` for grey; the same after `xyz`, where white has the XYZ of D65 at Y = 1. Files of spectra are left out
-/// with a warning.
+/// `r g b`, or `r` for grey; the same after `xyz`, where white has the XYZ of D65 at Y = 1. Files of spectra are left
+/// out with a warning.
 fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[f32; 3]>, Invalid> {
     let mut words = statement.words();
     let form = words.next().filter(|word| matches!(*word, "spectral" | "xyz"));

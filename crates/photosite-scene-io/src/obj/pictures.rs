@@ -1,7 +1,8 @@
 //! The pictures of MTL materials, made into what textures hold.
 //!
-//! Pictures of colours are kept as they are, sRGB-encoded. Of pictures that stand for one number the channel that counts
-//! is laid into all of them, since textures of opacity look at alpha. Exponents become roughness, heights become normals.
+//! Pictures of colours are kept as they are, sRGB-encoded. Of pictures that stand for one number the channel that
+//! counts is laid into all of them, since textures of opacity look at alpha. Exponents become roughness, heights become
+//! normals.
 
 use std::collections::hash_map::{Entry, HashMap};
 use std::path::{Path, PathBuf};

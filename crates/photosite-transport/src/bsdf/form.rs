@@ -1,9 +1,9 @@
 //! The forms in which a model has its parameters.
 //!
 //! A model is one type with its parameters in one of three [`Form`]s: as a file states them, as handles into the tables
-//! of a scene, and as values at a shading point. [`Model::map`](super::Model::map) takes them from one form to the next;
-//! what the steps are for a colour, a spectrum, an index or a roughness is a [`Map`], the same for all models. At a
-//! shading point, where the form is [`Sampled`], the model is a [`Bsdf`](super::Bsdf) and every type is a `Lobe`.
+//! of a scene, and as values at a shading point. [`Model::map`](super::Model::map) takes them from one form to the
+//! next; what the steps are for a colour, a spectrum, an index or a roughness is a [`Map`], the same for all models. At
+//! a shading point, where the form is [`Sampled`], the model is a [`Bsdf`](super::Bsdf) and every type is a `Lobe`.
 
 use std::convert::Infallible;
 use std::fmt::Debug;

@@ -19,7 +19,8 @@ impl BsdfEval {
     pub const ZERO: Self = Self { f: SampledSpectrum::ZERO, pdf: Pdf::new(0.0) };
 }
 
-/// A direction drawn by [`Bsdf::sample`](super::Bsdf::sample). The path's throughput is to be multiplied by f·|cos θᵢ|/pdf.
+/// A direction drawn by [`Bsdf::sample`](super::Bsdf::sample). The path's throughput is to be multiplied by f·|cos
+/// θᵢ|/pdf.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfSample {
     /// sr⁻¹, without cosine. Where `is_delta`, the reflected or transmitted part over |cos θᵢ|.

@@ -242,7 +242,8 @@ mod tests {
                 hits += 1;
                 let point = placed.quadric.point(placed.quadric.uv(ray.at(t)));
                 let cos = (point.normal.dot(ray.direction) / ray.direction.length()).abs();
-                // Some sixteen roundings lie between the corners or the quadric and t, each relative to the way to them.
+                // Some sixteen roundings lie between the corners or the quadric and t, each relative to the way to
+                // them.
                 let rounding = 16.0 * 0.5 * f32::EPSILON * ((ray.origin - centre.as_vec3()).length() + 1.0);
                 assert!(apart * cos < 4e-6 + rounding || cos < 0.05, "{kind:?}: {apart} at {cos}");
                 assert!((point.position - ray.at(t)).length() * cos < rounding, "{kind:?} at {cos}");

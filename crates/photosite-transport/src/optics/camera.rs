@@ -72,8 +72,8 @@ fn turned(seen: Seen) -> Seen {
 
 impl Camera {
     /// Places a lens. `autofocus_distance_m` is what [`Focus::Autofocus`] found along the axis (infinite for nothing)
-    /// and not looked at for other kinds of focus. A pinhole has no focus: whatever the lens is said to be focused on, its
-    /// picture lies one focal length behind it.
+    /// and not looked at for other kinds of focus. A pinhole has no focus: whatever the lens is said to be focused on,
+    /// its picture lies one focal length behind it.
     pub fn new(
         lens: &LensDescription,
         grid: &PixelGrid,
@@ -175,15 +175,16 @@ impl Camera {
         self.pose(row, 0.5)
     }
 
-    /// The camera as it stands, still, at [`Recording::middle_s`]: where it is where one pose is to stand for the picture.
+    /// The camera as it stands, still, at [`Recording::middle_s`]: where it is where one pose is to stand for the
+    /// picture.
     pub fn halfway(&self) -> Self {
         let Some(recording) = &self.recording else { return self.clone() };
         let (to_world, time) = self.pose_at(recording, recording.middle_s());
         Self { to_world, time, recording: None, ..self.clone() }
     }
 
-    /// Where the camera is at the sample u in [0, 1) of the exposure of a row, and which part of the picture's time has gone
-    /// by.
+    /// Where the camera is at the sample u in [0, 1) of the exposure of a row, and which part of the picture's time has
+    /// gone by.
     #[inline]
     fn pose(&self, row: f64, u: f32) -> (DAffine3, f32) {
         let Some(recording) = &self.recording else { return (self.to_world, self.time) };
@@ -206,10 +207,12 @@ impl Camera {
         self.intrinsics
     }
 
-    /// The projected solid angle Ω that the light on the axis fills, sr: of even radiance L its irradiance is Ω·L, τ aside.
+    /// The projected solid angle Ω that the light on the axis fills, sr: of even radiance L its irradiance is Ω·L, τ
+    /// aside.
     ///
-    /// Ω = π·sin²θ' for a round aperture, tan θ' = D/2v, whatever the kind of lens; for one with blades, the same integral
-    /// over the polygon. A projection that does not show the axis at the scale of v has its own dΩ/dA_s there as a factor.
+    /// Ω = π·sin²θ' for a round aperture, tan θ' = D/2v, whatever the kind of lens; for one with blades, the same
+    /// integral over the polygon. A projection that does not show the axis at the scale of v has its own dΩ/dA_s there
+    /// as a factor.
     pub fn on_axis_sr(&self) -> f64 {
         self.on_axis_sr
     }
@@ -271,8 +274,8 @@ impl Camera {
         self.intrinsics.fx * self.intrinsics.fy
     }
 
-    /// Where a world point appears: continuous pixel coordinates of its sharp picture through the whole lens model, on the
-    /// sensor or beside it; `None` out of the lens's reach. Of a moving camera at time 0.
+    /// Where a world point appears: continuous pixel coordinates of its sharp picture through the whole lens model, on
+    /// the sensor or beside it; `None` out of the lens's reach. Of a moving camera at time 0.
     pub fn project(&self, point: Vec3) -> Option<DVec2> {
         self.project_camera(self.to_world.inverse().transform_point3(point.as_dvec3()))
     }

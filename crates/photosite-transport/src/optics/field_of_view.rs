@@ -10,8 +10,8 @@ use photosite_core::Invalid;
 /// The part of space that the sensor sees through the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldOfView {
-    /// Angle between what is seen at the middle of the left and the right edge, and of the top and the bottom edge, rad;
-    /// `None` where an edge sees nothing.
+    /// Angle between what is seen at the middle of the left and the right edge, and of the top and the bottom edge,
+    /// rad; `None` where an edge sees nothing.
     pub across_rad: [Option<f64>; 2],
     /// Largest angle from the axis that the lens reaches, rad.
     pub reach_rad: f64,

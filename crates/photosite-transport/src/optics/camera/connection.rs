@@ -21,9 +21,9 @@ pub struct Connection {
 }
 
 impl Camera {
-    /// The pixel position whose ray goes by a point in world space, of the same samples as [`Self::generate_spectral`] takes:
-    /// its inverse, found by Newton's method, since neither distortion nor an entrance pupil that turns has one in closed
-    /// form. `None` where the lens does not see the point. Of a camera that stands still.
+    /// The pixel position whose ray goes by a point in world space, of the same samples as [`Self::generate_spectral`]
+    /// takes: its inverse, found by Newton's method, since neither distortion nor an entrance pupil that turns has one
+    /// in closed form. `None` where the lens does not see the point. Of a camera that stands still.
     pub fn connect(
         &self,
         point: Vec3,
@@ -31,7 +31,8 @@ impl Camera {
         spread_sample: [f32; 2],
         wavelengths: &mut Wavelengths,
     ) -> Option<Connection> {
-        /// Finite differences are this wide, px: as exact as an f64 makes them of functions that are smooth over pixels.
+        /// Finite differences are this wide, px: as exact as an f64 makes them of functions that are smooth over
+        /// pixels.
         const STEP_PX: f64 = 0.01;
         const NEAR_PX: f64 = 1e-4;
         const MOST_STEPS: u32 = 8;

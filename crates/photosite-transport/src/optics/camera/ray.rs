@@ -51,16 +51,17 @@ impl Camera {
     /// The ray of a pixel position (continuous coordinates) and an aperture sample. `None` where the position sees
     /// nothing: its irradiance is zero.
     ///
-    /// By the étendue that a lens keeps, E(x, λ) = τ(λ) ∫_A L·cosθ dA·dΩ/dA_s ([Born99](photosite_core::references#born99) §4.8), where
-    /// the piece dA_s of the sensor sees the solid angle dΩ. For a rectilinear lens dΩ/dA_s = cos³θ/v², which makes
-    /// E = τ ∫_A L·cos⁴θ/v² dA with θ between the axis and x → a; one uniform sample of A weighs A·cos⁴θ/v². Distortion
-    /// multiplies that by the area in the ideal over that in the distorted picture: a barrel is brighter at its edge.
-    /// A lens that can see more than a half-space has an entrance pupil that faces each direction, so that the cosine
-    /// is 1, and behind it the cone of light that it has on the axis.
+    /// By the étendue that a lens keeps, E(x, λ) = τ(λ) ∫_A L·cosθ dA·dΩ/dA_s
+    /// ([Born99](photosite_core::references#born99) §4.8), where the piece dA_s of the sensor sees the solid angle dΩ.
+    /// For a rectilinear lens dΩ/dA_s = cos³θ/v², which makes E = τ ∫_A L·cos⁴θ/v² dA with θ between the axis and x →
+    /// a; one uniform sample of A weighs A·cos⁴θ/v². Distortion multiplies that by the area in the ideal over that in
+    /// the distorted picture: a barrel is brighter at its edge. A lens that can see more than a half-space has an
+    /// entrance pupil that faces each direction, so that the cosine is 1, and behind it the cone of light that it has
+    /// on the axis.
     ///
-    /// The only ray of a pinhole stands for all of the aperture as the axis sees it: it weighs Ω·cos⁴α at the field angle α, with
-    /// the Ω of [`Self::on_axis_sr`]. Without falloff a sample of either weighs Ω everywhere, so that one f-number has one
-    /// exposure on the axis.
+    /// The only ray of a pinhole stands for all of the aperture as the axis sees it: it weighs Ω·cos⁴α at the field
+    /// angle α, with the Ω of [`Self::on_axis_sr`]. Without falloff a sample of either weighs Ω everywhere, so that one
+    /// f-number has one exposure on the axis.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
         self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, 0.0)
@@ -81,8 +82,8 @@ impl Camera {
         matches!(self.point_spread, Some(PointSpread::Airy | PointSpread::Measured(_)))
     }
 
-    /// The same ray through a lens with a point spread and lateral colour, at a time within the exposure of the pixel's row, and
-    /// what each wavelength counts. Lateral colour leaves only the hero, whose direction it is.
+    /// The same ray through a lens with a point spread and lateral colour, at a time within the exposure of the pixel's
+    /// row, and what each wavelength counts. Lateral colour leaves only the hero, whose direction it is.
     #[inline]
     pub fn generate_spectral(
         &self,
@@ -97,8 +98,8 @@ impl Camera {
         Some((self.ray(place, pixel.y.floor(), aperture, time)?, weights))
     }
 
-    /// Makes the rays of several samples, see [`generate_spectral`](Self::generate_spectral), and gives `take` the index of each
-    /// sample with its wavelengths and its ray.
+    /// Makes the rays of several samples, see [`generate_spectral`](Self::generate_spectral), and gives `take` the
+    /// index of each sample with its wavelengths and its ray.
     #[inline]
     pub fn generate_each(
         &self,
@@ -112,8 +113,8 @@ impl Camera {
         }
     }
 
-    /// The place of a pixel position behind a lens with lateral colour and a point spread, at the hero's wavelength, and what
-    /// each wavelength counts.
+    /// The place of a pixel position behind a lens with lateral colour and a point spread, at the hero's wavelength,
+    /// and what each wavelength counts.
     #[inline]
     pub(super) fn spread_place(
         &self,
@@ -192,8 +193,8 @@ impl Camera {
         self.stops.iter().all(|stop| stop.passes(opening, towards, sensor, v))
     }
 
-    /// A point of the entrance pupil in camera space: across the axis, or turned about the centre on the shortest way to
-    /// face the direction seen.
+    /// A point of the entrance pupil in camera space: across the axis, or turned about the centre on the shortest way
+    /// to face the direction seen.
     #[inline(always)]
     pub(super) fn in_pupil(&self, opening: DVec2, seen: &Seen) -> DVec3 {
         if self.projection.is_flat() {
