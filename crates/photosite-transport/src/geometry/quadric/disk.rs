@@ -6,7 +6,7 @@ use std::f32::consts::TAU;
 
 use glam::{DAffine3, Vec2, Vec3};
 
-use super::{QuadricPoint, box_around};
+use super::shape::{QuadricPoint, box_around};
 use crate::geometry::bounds::Bounds;
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};

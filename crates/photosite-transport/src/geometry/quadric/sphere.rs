@@ -8,7 +8,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use super::QuadricPoint;
+use super::shape::QuadricPoint;
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
 
