@@ -1,5 +1,5 @@
-//! Sixteen lanes in an AVX-512 register, and the token without which there are none. Work on eight lanes stays with AVX2: the
-//! masks and registers of AVX-512 made it up to 6 % slower (whole renders on an AMD EPYC, one thread).
+//! Sixteen lanes in an AVX-512 register, and the token without which there are none. Work on eight lanes stays with
+//! AVX2: the masks and registers of AVX-512 made it up to 6 % slower (whole renders on an AMD EPYC, one thread).
 
 #![allow(unsafe_code, reason = "intrinsics; the types keep them from processors without AVX-512")]
 
@@ -67,7 +67,8 @@ impl Simd for Avx512 {
     }
     #[inline(always)]
     fn load_wide(self, values: &[f32; MAX_LANES]) -> Avx512Lanes {
-        // SAFETY: `self` is the evidence of AVX-512; this reads the sixteen floats behind the reference, at any address.
+        // SAFETY: `self` is the evidence of AVX-512; this reads the sixteen floats behind the reference, at any
+        // address.
         Avx512Lanes(unsafe { _mm512_loadu_ps(values.as_ptr()) })
     }
     #[inline(always)]

@@ -1,22 +1,6 @@
 //! The choice of instructions at run time.
 
-use crate::{Portable, Simd};
-
-/// An operation that runs with whatever instructions the processor has.
-///
-/// A struct of the operation's arguments rather than a closure, since no closure is generic over the kind of lanes.
-pub trait WithSimd {
-    /// Result of the operation.
-    type Output;
-
-    /// Runs the operation.
-    ///
-    /// Write `#[inline(always)]` on this and on all that it calls in hot loops: only what is inlined into [`dispatch`]'s own
-    /// function is compiled for the instructions that `simd` stands for. That holds too for loops over arrays, which the
-    /// compiler turns into wide instructions by itself and which need `simd` for nothing else. Code that is not inlined is
-    /// correct but slow. Closures cannot be marked so; use functions or loops instead.
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output;
-}
+use crate::{Portable, WithSimd};
 
 /// Runs an operation on eight lanes with the best instructions that this processor has for so many.
 #[inline]
@@ -28,7 +12,7 @@ pub fn dispatch<O: WithSimd>(operation: O) -> O::Output {
     operation.with_simd(Portable)
 }
 
-/// Runs an operation on [wide lanes](Simd::Wide) with the widest instructions that this processor has.
+/// Runs an operation on [wide lanes](crate::Simd::Wide) with the widest instructions that this processor has.
 #[inline]
 pub fn dispatch_wide<O: WithSimd>(operation: O) -> O::Output {
     #[cfg(target_arch = "x86_64")]
@@ -41,7 +25,7 @@ pub fn dispatch_wide<O: WithSimd>(operation: O) -> O::Output {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{IdLanes, LaneMask, Lanes, MAX_LANES, Real, WideLanes};
+    use crate::{IdLanes, LaneMask, Lanes, MAX_LANES, Real, Simd, WideLanes};
 
     /// Every operation on the given lanes, as bits.
     struct EveryOperation<'a>(&'a [f32; 8], &'a [f32; 8]);

@@ -12,8 +12,8 @@ pub const MAX_LANES: usize = 16;
 
 /// Evidence that the processor has certain instructions, and so the source of lanes that use them.
 ///
-/// Implemented by zero-sized tokens: [`Portable`](crate::Portable), which anyone may make, and `Avx2` and `Avx512`, which only a
-/// check of the processor gives out.
+/// Implemented by zero-sized tokens: [`Portable`](crate::Portable), which anyone may make, and `Avx2` and `Avx512`,
+/// which only a check of the processor gives out.
 pub trait Simd: Copy {
     /// Eight numbers.
     type Lanes: Lanes;

@@ -1,8 +1,8 @@
 //! Arithmetic on eight or sixteen `f32` at a time, on the registers that the processor turns out to have.
 //!
-//! A formula is written once, over a [`Real`]: one number, or several in lanes. An operation on many numbers is written over a
-//! [`Simd`], the evidence that the processor has certain instructions, and is handed to [`dispatch`], which looks for the widest
-//! instructions and runs the operation with them:
+//! A formula is written once, over a [`Real`]: one number, or several in lanes. An operation on many numbers is written
+//! over a [`Simd`], the evidence that the processor has certain instructions, and is handed to [`dispatch`], which
+//! looks for the widest instructions and runs the operation with them:
 //!
 //! ```
 //! use photosite_simd::{Lanes, Real, Simd, WithSimd, dispatch};
@@ -24,14 +24,14 @@
 //!
 //! # Why this is sound
 //!
-//! A token of wide instructions, [`Avx2`] or [`Avx512`], is made by its `detect` alone, which asks the processor. Lanes are made
-//! from a token or from other lanes. So no such instruction runs on a processor without it, whatever safe code does. All `unsafe`
-//! code of photosite is in this crate.
+//! A token of wide instructions, [`Avx2`] or [`Avx512`], is made by its `detect` alone, which asks the processor. Lanes
+//! are made from a token or from other lanes. So no such instruction runs on a processor without it, whatever safe code
+//! does. All `unsafe` code of photosite is in this crate.
 //!
 //! # Why results do not depend on the machine
 //!
-//! All kinds of lanes do the same IEEE operations in the same order as a single number would, and none is contracted into a
-//! fused one.
+//! All kinds of lanes do the same IEEE operations in the same order as a single number would, and none is contracted
+//! into a fused one.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -40,6 +40,7 @@ mod avx512;
 mod dispatch;
 mod lanes;
 mod memory;
+mod operation;
 mod portable;
 mod real;
 
@@ -47,8 +48,9 @@ mod real;
 pub use avx2::{Avx2, Avx2Lanes, Avx2Mask};
 #[cfg(target_arch = "x86_64")]
 pub use avx512::{Avx512, Avx512Lanes, Avx512Mask};
-pub use dispatch::{WithSimd, dispatch, dispatch_wide};
+pub use dispatch::{dispatch, dispatch_wide};
 pub use lanes::{IdLanes, LANES, LaneMask, Lanes, MAX_LANES, Simd, Vectors, WideLanes};
 pub use memory::{compact, prefer_huge_pages, prefetch};
+pub use operation::WithSimd;
 pub use portable::{Portable, PortableLanes, PortableMask};
 pub use real::{Real, Vector};

@@ -19,8 +19,8 @@ pub fn prefetch<T>(value: &T) {
     let _ = value;
 }
 
-/// Asks the system to keep a vector's memory, its spare capacity included, in pages of 2 MB instead of 4 kB: rays in large scenes
-/// spend much of their time looking up where pages are.
+/// Asks the system to keep a vector's memory, its spare capacity included, in pages of 2 MB instead of 4 kB: rays in
+/// large scenes spend much of their time looking up where pages are.
 pub fn prefer_huge_pages<T>(values: &Vec<T>) {
     #[cfg(target_os = "linux")]
     {
@@ -29,8 +29,8 @@ pub fn prefer_huge_pages<T>(values: &Vec<T>) {
         let skipped = start.align_offset(PAGE);
         let len = (values.capacity() * size_of::<T>()).saturating_sub(skipped) / PAGE * PAGE;
         if len > 0 {
-            // SAFETY: whole pages of the vector's own memory; the advice changes how they are kept, not what they hold. Where the
-            // system does not follow it, nothing happens.
+            // SAFETY: whole pages of the vector's own memory; the advice changes how they are kept, not what they hold.
+            // Where the system does not follow it, nothing happens.
             unsafe { libc::madvise(start.wrapping_add(skipped).cast_mut().cast(), len, libc::MADV_HUGEPAGE) };
         }
     }

@@ -1,7 +1,8 @@
 //! Formulas that are the same for one number and for several at a time: numbers, comparisons, and vectors of three.
 //!
-//! A function over a [`Real`] does the same IEEE operations in the same order for an `f32` and in each lane of a register, so
-//! that both give the same bits. Where a formula has two branches, lanes compute both and [`select`](Real::select).
+//! A function over a [`Real`] does the same IEEE operations in the same order for an `f32` and in each lane of a
+//! register, so that both give the same bits. Where a formula has two branches, lanes compute both and
+//! [`select`](Real::select).
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -14,7 +15,8 @@ pub trait Real:
     /// The result of a comparison, in each lane.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
 
-    /// `value` in as many lanes as `self` has: constants of a formula. Existing lanes are the evidence that there are such.
+    /// `value` in as many lanes as `self` has: constants of a formula. Existing lanes are the evidence that there are
+    /// such.
     #[must_use]
     fn broadcast(self, value: f32) -> Self;
     /// Square root.

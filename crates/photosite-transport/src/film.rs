@@ -1,9 +1,9 @@
 //! The film: what a picture accumulates while light is traced.
 //!
-//! In: spectral irradiance samples, W·m⁻²·nm⁻¹. Out: for each of a list of response functions R, the mean over the pixel
-//! and over the samples of ∫ R(λ)·E(λ) dλ, and the variance of that mean. With R a sensor's response
-//! (e⁻·s⁻¹ per W·m⁻²·nm⁻¹) that is an electron rate without any binning of wavelengths; with R = 1/Δλ on a band it is the
-//! mean spectral irradiance in the band. Pixels may hold different numbers of samples.
+//! In: spectral irradiance samples, W·m⁻²·nm⁻¹. Out: for each of a list of response functions R, the mean over the
+//! pixel and over the samples of ∫ R(λ)·E(λ) dλ, and the variance of that mean. With R a sensor's response
+//! (e⁻·s⁻¹ per W·m⁻²·nm⁻¹) that is an electron rate without any binning of wavelengths; with R = 1/Δλ on a band it is
+//! the mean spectral irradiance in the band. Pixels may hold different numbers of samples.
 //!
 //! A film holds 32 bytes for each channel of a pixel, so that one of a large picture with many bands does not fit into
 //! memory: it may be of a strip of the picture's rows.

@@ -1,8 +1,8 @@
 //! Light transport: what happens to light between a source and the sensor's surface.
 //!
 //! In: the description of a scene ([`scene::description::SceneDescription`]), a lens, the responses of a sensor. Out: a
-//! [`film::Film`] with the mean and the variance of each response in each pixel. Electrons, digital numbers and files are
-//! left to others: nothing here touches a file or knows of noise.
+//! [`film::Film`] with the mean and the variance of each response in each pixel. Electrons, digital numbers and files
+//! are left to others: nothing here touches a file or knows of noise.
 //!
 //! [`geometry`], [`texture`] → [`bsdf`], [`light`] → [`scene`] → [`optics`], [`film`], [`sampler`] → [`integrator`].
 //!

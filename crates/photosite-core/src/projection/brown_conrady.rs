@@ -2,11 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DMat2, DVec2};
 
-use super::perspective::{flat_reach, on_plane, through_plane};
+use super::reach::FLAT_ANGLE;
 use super::rising::{first_loss, solve};
-use super::{CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
 
 /// Radial, rational, tangential and thin-prism coefficients of OpenCV, which names and orders them as here
 /// ([Brown71](crate::references#brown71), [OpenCv](crate::references#opencv)):
@@ -147,49 +146,5 @@ impl BrownConrady {
             (ideal, residual) = (next, left);
         }
         (residual.length() < 1e-13 * (1.0 + distorted.length())).then_some(ideal)
-    }
-}
-
-impl Model for BrownConrady {
-    const IS_FLAT: bool = true;
-
-    fn name(&self) -> &'static str {
-        "brown-conrady"
-    }
-
-    fn coefficients(&self) -> Vec<f64> {
-        let Self { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2], s } = *self;
-        let all = [&[k1, k2, p1, p2, k3, k4, k5, k6], s.as_slice()].concat();
-        let last = all.iter().rposition(|c| *c != 0.0).map_or(0, |i| i + 1);
-        let count = if last > 8 {
-            12
-        } else if last > 5 {
-            8
-        } else {
-            5
-        };
-        all[..count].to_vec()
-    }
-
-    fn calibration_model(&self) -> Option<CalibrationModel> {
-        Some(CalibrationModel::BrownConrady(*self))
-    }
-
-    fn reach(&self) -> Reach {
-        match self.fold() {
-            Some(radius) => flat_reach(radius, ReachEnd::Folds),
-            None => flat_reach(FLAT_ANGLE.tan(), ReachEnd::Flat),
-        }
-    }
-
-    #[inline]
-    fn project(&self, direction: DVec3, _: &Reach) -> Option<DVec2> {
-        Some(self.distort(on_plane(direction)))
-    }
-
-    #[inline]
-    fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
-        let (ideal, growth) = self.undistort(place, reach.radius)?;
-        Some(through_plane(ideal, 1.0 / growth))
     }
 }

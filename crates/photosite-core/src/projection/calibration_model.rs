@@ -2,8 +2,8 @@
 
 use super::BrownConrady;
 
-/// A lens as calibration tools know it. These are the three modules of OpenCV; ROS, Kalibr, COLMAP, EuRoC and BOP know each
-/// of them with the same coefficients or with fewer.
+/// A lens as calibration tools know it. These are the three modules of OpenCV; ROS, Kalibr, COLMAP, EuRoC and BOP know
+/// each of them with the same coefficients or with fewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CalibrationModel {
     /// `calib3d` without distortion.

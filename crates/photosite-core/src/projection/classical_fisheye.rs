@@ -12,7 +12,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::{CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+use super::CalibrationModel;
+use super::model::{Model, Seen};
+use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
 use crate::math::linear;
 
 /// A law that gives the radius in the picture for an angle from the axis.
@@ -44,8 +46,8 @@ impl FisheyeLaw {
         }
     }
 
-    /// The series of [Kannala and Brandt](super::Projection::KannalaBrandt) that comes nearest to the law up to an angle, by
-    /// least squares, and the largest difference of the two radii, focal lengths.
+    /// The series of [Kannala and Brandt](super::Projection::KannalaBrandt) that comes nearest to the law up to an
+    /// angle, by least squares, and the largest difference of the two radii, focal lengths.
     pub fn kannala_brandt(self, largest_angle: f64) -> Option<([f64; 4], f64)> {
         // Four coefficients of a smooth function: many more points than unknowns, closer together towards the end.
         const POINTS: u32 = 256;
@@ -112,8 +114,8 @@ impl Model for FisheyeLaw {
         Some(if sin == 0.0 { DVec2::X * radius } else { across * (radius / sin) })
     }
 
-    /// With h = r/2: sin θ = r·√(1 − h²) (equisolid), r/(1 + h²) (stereographic), r (orthographic). dΩ = sin θ dθ dφ and
-    /// dA = r dr dφ give dΩ/dA = sin θ/(r·dr/dθ).
+    /// With h = r/2: sin θ = r·√(1 − h²) (equisolid), r/(1 + h²) (stereographic), r (orthographic). dΩ = sin θ dθ dφ
+    /// and dA = r dr dφ give dΩ/dA = sin θ/(r·dr/dθ).
     #[inline]
     fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
         let r2 = place.length_squared();
@@ -175,8 +177,8 @@ mod tests {
 
     #[test]
     fn the_orthographic_hemisphere_is_seen_whole() {
-        // dΩ/dA = 1/√(1 − r²) is infinite at the rim. With r = sin u the integral is that of 2π·sin u: no rim is left, and
-        // the rest of the sum is that of a smooth function.
+        // dΩ/dA = 1/√(1 − r²) is infinite at the rim. With r = sin u the integral is that of 2π·sin u: no rim is left,
+        // and the rest of the sum is that of a smooth function.
         let projection = Projection::ClassicalFisheye(FisheyeLaw::Orthographic);
         let reach = projection.reach(None);
         const STEPS: u32 = 2000;
@@ -186,8 +188,8 @@ mod tests {
             seen.solid_angle * 2.0 * PI * u.sin() * u.cos()
         };
         let found = (0..STEPS).map(at).sum::<f64>() * FRAC_PI_2 / f64::from(STEPS);
-        // The midpoint rule misses h²/24·[f′] = (π/4000)²/24·2π = 1.6e-7. The cosine from 1 − r² loses digits at the rim:
-        // half a rounding of r over cos²; 1e-16/1.5e-7 in the last of 2000 cells.
+        // The midpoint rule misses h²/24·[f′] = (π/4000)²/24·2π = 1.6e-7. The cosine from 1 − r² loses digits at the
+        // rim: half a rounding of r over cos²; 1e-16/1.5e-7 in the last of 2000 cells.
         assert!((found - 2.0 * PI).abs() < 2e-7, "{found}");
     }
 
@@ -203,9 +205,9 @@ mod tests {
                 let direction = (DVec2::from_angle(about) * theta.sin()).extend(theta.cos());
                 let place = projection.project(direction, &reach).expect("within reach");
                 let seen = projection.unproject(place, &reach).expect("in the picture");
-                // The slope of r falls to 0 at the ends of equisolid (cos(θ/2)) and orthographic (cos θ): a rounding of r
-                // becomes one over the slope, and its square root where the slope is 0. That of stereographic rises, and θ of
-                // π itself is only known to a rounding.
+                // The slope of r falls to 0 at the ends of equisolid (cos(θ/2)) and orthographic (cos θ): a rounding of
+                // r becomes one over the slope, and its square root where the slope is 0. That of stereographic rises,
+                // and θ of π itself is only known to a rounding.
                 let slope = match law {
                     FisheyeLaw::Equisolid => (0.5 * theta).cos(),
                     FisheyeLaw::Stereographic => 1.0,
@@ -228,8 +230,8 @@ mod tests {
     #[case(FisheyeLaw::Orthographic, -1.0 / 6.0)]
     fn the_nearest_series_begins_as_taylors(#[case] law: FisheyeLaw, #[case] k1: f64) {
         let (k, error) = law.kannala_brandt(0.5).expect("a regular system");
-        // Taylor's series without its term of θ¹¹, of which the largest is 2·1382/155925/2¹¹ = 8.7e-6 (stereographic), is off by
-        // 8.7e-6·0.5¹¹ = 4.3e-9 at most, and the nearest series by no more; its k₁ by some times 4.3e-9/0.5³.
+        // Taylor's series without its term of θ¹¹, of which the largest is 2·1382/155925/2¹¹ = 8.7e-6 (stereographic),
+        // is off by 8.7e-6·0.5¹¹ = 4.3e-9 at most, and the nearest series by no more; its k₁ by some times 4.3e-9/0.5³.
         assert!(error < 4.3e-9, "{error}");
         assert!((k[0] - k1).abs() < 10.0 * 4.3e-9 / 0.125, "{k:?}");
     }

@@ -3,8 +3,10 @@
 
 use glam::{DVec2, DVec3};
 
+use super::CalibrationModel;
+use super::model::{Model, Seen};
 use super::perspective::{on_plane, through_plane};
-use super::{CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
 
 /// λ.
 pub(super) struct Division(pub(super) f64);

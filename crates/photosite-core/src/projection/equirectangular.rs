@@ -4,7 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::{CalibrationModel, Model, Reach, ReachEnd, Seen};
+use super::CalibrationModel;
+use super::model::{Model, Seen};
+use super::reach::{Reach, ReachEnd};
 
 /// The model, which has no coefficients.
 pub(super) struct Equirectangular;

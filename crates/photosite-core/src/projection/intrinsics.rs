@@ -31,8 +31,8 @@ impl Intrinsics {
         DVec2::new(self.fx * place.x + self.skew * place.y + self.cx, self.fy * place.y + self.cy)
     }
 
-    /// The same camera with a grid that begins at `first` (columns and rows of this one) and has `per_pixel` pixels of this
-    /// one in each of its own.
+    /// The same camera with a grid that begins at `first` (columns and rows of this one) and has `per_pixel` pixels of
+    /// this one in each of its own.
     pub fn on_grid(&self, first: [f64; 2], per_pixel: [f64; 2]) -> Self {
         let Self { fx, fy, cx, cy, skew } = *self;
         let ([left, top], [across, down]) = (first, per_pixel);

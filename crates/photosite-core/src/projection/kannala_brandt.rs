@@ -6,8 +6,10 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
+use super::CalibrationModel;
+use super::model::{Model, Seen};
+use super::reach::{Reach, ReachEnd};
 use super::rising::{first_loss, solve};
-use super::{CalibrationModel, Model, Reach, ReachEnd, Seen};
 
 /// k₁ … k₄.
 pub(super) struct KannalaBrandt(pub(super) [f64; 4]);

@@ -6,7 +6,7 @@
 //!
 //! | model | maps | exact where | module |
 //! |---|---|---|---|
-//! | perspective | (X, Y)/Z | Z > 0 | here |
+//! | perspective | (X, Y)/Z | Z > 0 | `perspective.rs` |
 //! | Brown–Conrady, rational, thin prism | ideal → distorted | up to its first fold | `brown_conrady.rs` |
 //! | polynomial | distorted → ideal | up to its first fold | `polynomial.rs` |
 //! | division | distorted → ideal | up to its first fold, or Z > 0 | `division.rs` |
@@ -15,8 +15,8 @@
 //! | equirectangular | longitude, latitude | everywhere | `equirectangular.rs` |
 //! | omnidirectional | a sphere, then a pinhole | what its mirror shows | `omnidirectional.rs` |
 //!
-//! A model is used within its [`Reach`] only, in which it is one to one; both directions agree there to the precision of
-//! f64.
+//! A model is used within its [`Reach`] only, in which it is one to one; both directions agree there to the precision
+//! of f64.
 //!
 //! A new model is a file with a `Model`, a variant of [`Projection`], an arm of `each_model!` and one of
 //! [`Projection::named`], the keys of capture files, and a row in the tests.
@@ -28,21 +28,22 @@ mod division;
 mod equirectangular;
 mod intrinsics;
 mod kannala_brandt;
+mod model;
 mod omnidirectional;
 mod perspective;
 mod polynomial;
+mod reach;
 mod rising;
 
 #[cfg(test)]
 mod tests;
-
-use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
 
 use division::Division;
 use equirectangular::Equirectangular;
 use kannala_brandt::KannalaBrandt;
+use model::Model;
 use omnidirectional::Omnidirectional;
 use perspective::Perspective;
 use polynomial::Polynomial;
@@ -51,10 +52,9 @@ pub use brown_conrady::BrownConrady;
 pub use calibration_model::CalibrationModel;
 pub use classical_fisheye::FisheyeLaw;
 pub use intrinsics::Intrinsics;
+pub use model::Seen;
 pub use perspective::through_plane;
-
-/// The largest angle from the axis that a flat picture is followed to, rad: 89.99°, where it is 5730 focal lengths wide.
-const FLAT_ANGLE: f64 = FRAC_PI_2 * (1.0 - 0.01 / 90.0);
+pub use reach::{Reach, ReachEnd};
 
 /// A model of how a lens maps directions to its picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +80,8 @@ pub enum Projection {
         /// k₁ … k₄.
         k: [f64; 4],
     },
-    /// A fisheye that follows one of the classical laws but r = θ, which is that of Kannala and Brandt without coefficients.
+    /// A fisheye that follows one of the classical laws but r = θ, which is that of Kannala and Brandt without
+    /// coefficients.
     ClassicalFisheye(FisheyeLaw),
     /// Longitude and latitude in radians.
     Equirectangular,
@@ -92,82 +93,6 @@ pub enum Projection {
         /// The distortion, of which OpenCV has k₁, k₂, p₁ and p₂.
         distortion: BrownConrady,
     },
-}
-
-/// A direction and how much of space a piece of the picture sees there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
-    /// Unit direction.
-    pub direction: DVec3,
-    /// From the centre of the lens to what is in focus, in units of the focus distance: to a plane across the axis where the
-    /// projection [is flat](Projection::is_flat), to a sphere elsewhere.
-    pub chief: DVec3,
-    /// Solid angle over area in normalised coordinates dΩ/dA, sr: cos³θ for a rectilinear lens.
-    pub solid_angle: f64,
-}
-
-impl Seen {
-    /// By a lens that is focused on a sphere.
-    #[inline]
-    fn all_round(direction: DVec3, solid_angle: f64) -> Self {
-        Self { direction, chief: direction, solid_angle }
-    }
-}
-
-/// How far from the axis a projection is one to one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
-    /// Angle from the axis, rad.
-    pub angle: f64,
-    /// What is beyond.
-    pub end: ReachEnd,
-    /// The same in what the model is a function of: a radius or an angle, see there.
-    radius: f64,
-    /// Directions whose cosine from the axis is above this are seen, whatever rounding does.
-    sure_cos: f64,
-}
-
-impl Reach {
-    fn new(angle: f64, end: ReachEnd, radius: f64) -> Self {
-        Self { angle, end, radius, sure_cos: angle.cos() + 1e-9 }
-    }
-
-    /// Whether a unit direction is seen. The angle itself is asked for close to the end only, as it costs much.
-    #[inline]
-    fn sees(&self, d: DVec3) -> bool {
-        d.z > self.sure_cos || d.x.hypot(d.y).atan2(d.z) <= self.angle
-    }
-}
-
-/// Why a projection ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReachEnd {
-    /// The lens was said to see no more, or sees all directions that its model has.
-    Sees,
-    /// Farther out, the model folds back over its own picture.
-    Folds,
-    /// A flat picture ends at 90° from the axis.
-    Flat,
-}
-
-/// What a model of a lens says of itself. [`Projection`] has the same methods, documented there.
-trait Model {
-    /// Whether the lens is focused on a plane.
-    const IS_FLAT: bool;
-
-    fn name(&self) -> &'static str;
-    fn coefficients(&self) -> Vec<f64>;
-    /// Mirror parameter ξ of models that have one.
-    fn xi(&self) -> Option<f64> {
-        None
-    }
-    fn calibration_model(&self) -> Option<CalibrationModel>;
-    /// How far the model is one to one.
-    fn reach(&self) -> Reach;
-    /// Where a direction of any length within the reach appears.
-    fn project(&self, direction: DVec3, reach: &Reach) -> Option<DVec2>;
-    /// What a place sees. The reach's angle is checked by the caller, its radius by the model where it needs one.
-    fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen>;
 }
 
 /// The value of an expression in which `$model` is the `Model` of a projection: the only place that tells models apart.
@@ -215,8 +140,8 @@ impl Projection {
         each_model!(self, model => model.xi())
     }
 
-    /// The model of that [`name`](Self::name) with those [`coefficients`](Self::coefficients); `xi` is the mirror parameter of an
-    /// omnidirectional lens. `None` where there is no such model.
+    /// The model of that [`name`](Self::name) with those [`coefficients`](Self::coefficients); `xi` is the mirror
+    /// parameter of an omnidirectional lens. `None` where there is no such model.
     pub fn named(name: &str, coefficients: &[f64], xi: Option<f64>) -> Option<Self> {
         let c = |i: usize| coefficients.get(i).copied().unwrap_or(0.0);
         let k = std::array::from_fn(|i| c([0, 1, 4, 5, 6, 7][i]));
@@ -239,14 +164,14 @@ impl Projection {
         each_model!(self, model => model.calibration_model())
     }
 
-    /// How large the middle of the picture is, as a part of what a pinhole of the same matrix would show there: 1 but for an
-    /// omnidirectional lens, whose ξ moves the pinhole away.
+    /// How large the middle of the picture is, as a part of what a pinhole of the same matrix would show there: 1 but
+    /// for an omnidirectional lens, whose ξ moves the pinhole away.
     pub fn magnification(&self) -> f64 {
         self.xi().map_or(1.0, |xi| 1.0 / (1.0 + xi))
     }
 
-    /// Whether the lens is focused on a plane and its pupil stands across the axis, as for the thin lens. What sees more
-    /// than a half-space is focused on a sphere, and its pupil faces each direction.
+    /// Whether the lens is focused on a plane and its pupil stands across the axis, as for the thin lens. What sees
+    /// more than a half-space is focused on a sphere, and its pupil faces each direction.
     #[inline]
     pub fn is_flat(&self) -> bool {
         each_model!(self, model => is_flat(model))

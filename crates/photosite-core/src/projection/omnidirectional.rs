@@ -1,9 +1,12 @@
-//! The unified model of mirrors and fisheyes ([MeiRives07](crate::references#meirives07)): the unit direction, moved by ξ
-//! along the axis, through a pinhole: (X, Y)/(Z + ξ). Radii of a reach are those of that picture, before its distortion.
+//! The unified model of mirrors and fisheyes ([MeiRives07](crate::references#meirives07)): the unit direction, moved by
+//! ξ along the axis, through a pinhole: (X, Y)/(Z + ξ). Radii of a reach are those of that picture, before its
+//! distortion.
 
 use glam::{DVec2, DVec3};
 
-use super::{BrownConrady, CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+use super::model::{Model, Seen};
+use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
+use super::{BrownConrady, CalibrationModel};
 
 /// ξ, and the distortion behind the mirror.
 pub(super) struct Omnidirectional<'a> {

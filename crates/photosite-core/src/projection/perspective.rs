@@ -1,8 +1,10 @@
-//! Rectilinear lenses: (x, y) = (X, Y)/Z.
+//! Rectilinear lenses: (x, y) = (X, Y)/Z, without distortion and with that of [`BrownConrady`].
 
 use glam::{DVec2, DVec3};
 
-use super::{CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
+use super::model::{Model, Seen};
+use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
+use super::{BrownConrady, CalibrationModel};
 
 /// The model without distortion.
 pub(super) struct Perspective;
@@ -37,6 +39,50 @@ impl Model for Perspective {
     }
 }
 
+impl Model for BrownConrady {
+    const IS_FLAT: bool = true;
+
+    fn name(&self) -> &'static str {
+        "brown-conrady"
+    }
+
+    fn coefficients(&self) -> Vec<f64> {
+        let Self { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2], s } = *self;
+        let all = [&[k1, k2, p1, p2, k3, k4, k5, k6], s.as_slice()].concat();
+        let last = all.iter().rposition(|c| *c != 0.0).map_or(0, |i| i + 1);
+        let count = if last > 8 {
+            12
+        } else if last > 5 {
+            8
+        } else {
+            5
+        };
+        all[..count].to_vec()
+    }
+
+    fn calibration_model(&self) -> Option<CalibrationModel> {
+        Some(CalibrationModel::BrownConrady(*self))
+    }
+
+    fn reach(&self) -> Reach {
+        match self.fold() {
+            Some(radius) => flat_reach(radius, ReachEnd::Folds),
+            None => flat_reach(FLAT_ANGLE.tan(), ReachEnd::Flat),
+        }
+    }
+
+    #[inline]
+    fn project(&self, direction: DVec3, _: &Reach) -> Option<DVec2> {
+        Some(self.distort(on_plane(direction)))
+    }
+
+    #[inline]
+    fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
+        let (ideal, growth) = self.undistort(place, reach.radius)?;
+        Some(through_plane(ideal, 1.0 / growth))
+    }
+}
+
 /// Where a direction meets the plane z = 1.
 #[inline]
 pub(super) fn on_plane(direction: DVec3) -> DVec2 {
@@ -48,8 +94,8 @@ pub(super) fn flat_reach(radius: f64, end: ReachEnd) -> Reach {
     Reach::new(radius.atan(), end, radius)
 }
 
-/// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth` times as
-/// large in area as on the sensor: dΩ = cos³θ·dA.
+/// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth`
+/// times as large in area as on the sensor: dΩ = cos³θ·dA.
 #[inline(always)]
 pub fn through_plane(ideal: DVec2, growth: f64) -> Seen {
     let cos = 1.0 / (1.0 + ideal.length_squared()).sqrt();

@@ -5,9 +5,11 @@
 
 use glam::{DVec2, DVec3};
 
+use super::CalibrationModel;
+use super::model::{Model, Seen};
 use super::perspective::{on_plane, through_plane};
+use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
 use super::rising::{first_loss, solve};
-use super::{CalibrationModel, FLAT_ANGLE, Model, Reach, ReachEnd, Seen};
 
 /// k₁, k₂.
 pub(super) struct Polynomial(pub(super) [f64; 2]);

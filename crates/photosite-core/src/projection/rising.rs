@@ -1,8 +1,8 @@
 //! Inverses of functions that rise.
 
 /// The x in [0, end] at which a rising function takes a value, by Newton's method kept within a bracket that bisection
-/// narrows where a step leaves it. `function` gives value and derivative; at 0 it is below the target, and where it stays
-/// so up to `end` there is no such x. `guess` is where to start.
+/// narrows where a step leaves it. `function` gives value and derivative; at 0 it is below the target, and where it
+/// stays so up to `end` there is no such x. `guess` is where to start.
 #[inline]
 pub(super) fn solve(function: impl Fn(f64) -> (f64, f64), target: f64, guess: f64, end: f64) -> Option<f64> {
     // The end itself counts, whatever roundings make of its value.

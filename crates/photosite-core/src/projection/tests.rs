@@ -97,8 +97,8 @@ fn folds_are_where_derivatives_vanish() {
     // A denominator that vanishes: 1 − r² at r = 1.
     let pole = brown_conrady([0.0, 0.0, 0.0, -1.0, 0.0, 0.0], [0.0; 2], [0.0; 4]).reach(None);
     assert!((pole.angle - PI / 4.0).abs() < 1e-9, "{}", pole.angle);
-    // Tangential distortion alone: the determinant of x' = x + 2pxy, y' = y + p(r² + 2y²) is (1 + 2py)(1 + 6py) − 4p²x²,
-    // which vanishes first at y = −1/(6p).
+    // Tangential distortion alone: the determinant of x' = x + 2pxy, y' = y + p(r² + 2y²) is (1 + 2py)(1 + 6py) −
+    // 4p²x², which vanishes first at y = −1/(6p).
     let tangential = brown_conrady([0.0; 6], [0.1, 0.0], [0.0; 4]).reach(None);
     assert!((tangential.angle.tan() - 1.0 / 0.6).abs() < 1e-3, "{}", tangential.angle.tan());
 }

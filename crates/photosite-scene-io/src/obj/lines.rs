@@ -30,7 +30,8 @@ impl Statement<'_> {
         Words { words: self.text[self.keyword_len..].split_whitespace() }
     }
 
-    /// Parses the words as numbers: at least `least`, at most `N`. What is left out is zero. Returns how many there are.
+    /// Parses the words as numbers: at least `least`, at most `N`. What is left out is zero. Returns how many there
+    /// are.
     pub(super) fn numbers<const N: usize>(&self, least: usize) -> Result<([f32; N], usize), Invalid> {
         let mut values = [0.0; N];
         let mut count = 0;

@@ -1,6 +1,6 @@
-//! What MTL materials mean physically. The format describes formulas of the early nineties ([Mtl95](photosite_core::references#mtl95))
-//! and was extended by the parameters of Burley's model ([Houston15](photosite_core::references#houston15)); this is the reading,
-//! the first row that fits:
+//! What MTL materials mean physically. The format describes formulas of the early nineties
+//! ([Mtl95](photosite_core::references#mtl95)) and was extended by the parameters of Burley's model
+//! ([Houston15](photosite_core::references#houston15)); this is the reading, the first row that fits:
 //!
 //! | the file says | it is taken as |
 //! |---|---|
@@ -11,18 +11,18 @@
 //! | otherwise | diffuse of colour `Kd` |
 //!
 //! Plastic and glTF's material have the index `Ni` where it is above 1, else 1.5, and reflect 2·`Ks` of what it gives:
-//! Burley's "specular", whose ½ is an ordinary surface and what programs write; without `Ks` that. `Ns` is the exponent n of a
-//! Blinn–Phong lobe, of which α = √(2/(n + 2)) is the microfacet roughness ([Walter07](photosite_core::references#walter07) §5.2),
-//! so the perceptual roughness is √α; `Pr` goes first.
+//! Burley's "specular", whose ½ is an ordinary surface and what programs write; without `Ks` that. `Ns` is the exponent
+//! n of a Blinn–Phong lobe, of which α = √(2/(n + 2)) is the microfacet roughness
+//! ([Walter07](photosite_core::references#walter07) §5.2), so the perceptual roughness is √α; `Pr` goes first.
 //!
-//! `d` below 1 or `map_d` leave that part of the surface there and nothing of the rest (`Blend`), unless it is glass. With a
-//! coloured `Tf` the rest is a filter of that colour instead. `Pc` and `Pcr` are weight and roughness of a coat, `Ps` the
-//! weight of white sheen of roughness 0.5 (assumed: the format has no key for it), `aniso` 0–1 and `anisor` (in turns)
-//! strength and rotation of grooves. `-bm` scales the bumps of `norm`; in `bump` it is the height of white in texels
-//! (assumed: the format has no unit for it). `Ke` is in nit. Surfaces scatter on both sides, since the format has no notion
-//! of a front. `illum` 0, a colour without light, is diffuse: light from nowhere is left out.
+//! `d` below 1 or `map_d` leave that part of the surface there and nothing of the rest (`Blend`), unless it is glass.
+//! With a coloured `Tf` the rest is a filter of that colour instead. `Pc` and `Pcr` are weight and roughness of a coat,
+//! `Ps` the weight of white sheen of roughness 0.5 (assumed: the format has no key for it), `aniso` 0–1 and `anisor`
+//! (in turns) strength and rotation of grooves. `-bm` scales the bumps of `norm`; in `bump` it is the height of white
+//! in texels (assumed: the format has no unit for it). `Ke` is in nit. Surfaces scatter on both sides, since the format
+//! has no notion of a front. `illum` 0, a colour without light, is diffuse: light from nowhere is left out.
 
-use super::mtl::MtlMaterial;
+use super::mtl::{MtlMaterial, roughness_of_exponent};
 use super::pictures::MaterialTextures;
 use photosite_core::spectrum::upsampling::reflectance_spectrum;
 use photosite_core::spectrum::{Dispersion, Spectrum};
@@ -233,11 +233,6 @@ fn roughness(mtl: &MtlMaterial, textures: &mut MaterialTextures, otherwise: f32)
 fn emission(mtl: &MtlMaterial, texture: Option<TextureDescription>) -> Option<EmissionDescription> {
     let colour = mtl.emission.unwrap_or(if texture.is_some() { WHITE } else { [0.0; 3] }).map(|c| c.max(0.0));
     (colour != [0.0; 3]).then_some(EmissionDescription { colour: Colour::Rgb(colour), level: Some(1.0), texture })
-}
-
-/// Perceptual roughness of a Blinn–Phong exponent.
-pub(super) fn roughness_of_exponent(exponent: f32) -> f32 {
-    (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
 }
 
 /// A colour within 0–1; what is outside is cut off with a warning.

@@ -4,10 +4,11 @@
 //! each material of each object, at the origin; materials with what the MTL file says of them.
 //!
 //! Concave polygons, continued lines, smoothing groups and the options of textures are followed; curves, free-form
-//! surfaces, groups (`g`) and vertex colours are not. The parser is our own because files of this format are often wrong
-//! in small ways, and a message is of use only with a line number. A test compares it with that of the `tobj` crate on
-//! what both can read.
+//! surfaces, groups (`g`) and vertex colours are not. The parser is our own because files of this format are often
+//! wrong in small ways, and a message is of use only with a line number. A test compares it with that of the `tobj`
+//! crate on what both can read.
 
+mod files;
 mod geometry;
 mod lines;
 mod map;
@@ -21,17 +22,17 @@ mod polygon;
 mod tests;
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
 use super::mesh::checked;
+use files::{file_beside, read_text};
 use geometry::Geometry;
-use material::{describe, roughness_of_exponent, undescribed};
+use material::{describe, undescribed};
 use mtl::MtlMaterial;
 use photosite_core::warnings::Warnings;
-use photosite_core::{Error, Invalid, Result};
+use photosite_core::{Invalid, Result};
 use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
 use pictures::Pictures;
 
@@ -42,8 +43,8 @@ pub use mesh::MissingNormals;
 pub struct ObjFile {
     /// What it holds.
     pub scene: SceneDescription,
-    /// Materials that faces use but no library describes; they are diffuse grey in the scene. A capture file may describe
-    /// them, so they are not yet worth a warning.
+    /// Materials that faces use but no library describes; they are diffuse grey in the scene. A capture file may
+    /// describe them, so they are not yet worth a warning.
     pub undescribed_materials: Vec<String>,
 }
 
@@ -104,12 +105,6 @@ pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
     Ok(ObjFile { scene, undescribed_materials })
 }
 
-/// Bytes that are no UTF-8, as in comments and names of old files, become replacement characters.
-fn read_text(path: &Path) -> Result<String> {
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
-    Ok(String::from_utf8(bytes).unwrap_or_else(|bad| String::from_utf8_lossy(bad.as_bytes()).into_owned()))
-}
-
 /// Materials by name, each with the path of its library. The first description of a name counts.
 fn read_libraries(
     geometry: &Geometry,
@@ -136,10 +131,4 @@ fn read_libraries(
         }
     }
     Ok(known)
-}
-
-/// The path of a file that another one names; backslashes of other systems are understood where nothing else fits.
-fn file_beside(folder: &Path, name: &str) -> PathBuf {
-    let path = folder.join(name);
-    if path.exists() || !name.contains('\\') { path } else { folder.join(name.replace('\\', "/")) }
 }

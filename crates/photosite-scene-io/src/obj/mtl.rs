@@ -146,8 +146,8 @@ impl MtlMaterial {
     }
 }
 
-/// `r g b`, or `r` for grey; the same after `xyz`, where white has the XYZ of D65 at Y = 1. Files of spectra are left out
-/// with a warning.
+/// `r g b`, or `r` for grey; the same after `xyz`, where white has the XYZ of D65 at Y = 1. Files of spectra are left
+/// out with a warning.
 fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[f32; 3]>, Invalid> {
     let mut words = statement.words();
     let form = words.next().filter(|word| matches!(*word, "spectral" | "xyz"));
@@ -168,6 +168,11 @@ fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[
     } else {
         colour
     }))
+}
+
+/// Perceptual roughness of a Blinn–Phong exponent.
+pub(super) fn roughness_of_exponent(exponent: f32) -> f32 {
+    (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
 }
 
 #[cfg(test)]

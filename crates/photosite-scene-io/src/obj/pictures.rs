@@ -1,15 +1,16 @@
 //! The pictures of MTL materials, made into what textures hold.
 //!
-//! Pictures of colours are kept as they are, sRGB-encoded. Of pictures that stand for one number the channel that counts
-//! is laid into all of them, since textures of opacity look at alpha. Exponents become roughness, heights become normals.
+//! Pictures of colours are kept as they are, sRGB-encoded. Of pictures that stand for one number the channel that
+//! counts is laid into all of them, since textures of opacity look at alpha. Exponents become roughness, heights become
+//! normals.
 
 use std::collections::hash_map::{Entry, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::files::file_beside;
 use super::map::{Map, MapChannel, Range};
-use super::mtl::MtlMaterial;
-use super::roughness_of_exponent;
+use super::mtl::{MtlMaterial, roughness_of_exponent};
 use crate::picture::read_picture;
 use photosite_core::Result;
 use photosite_core::spectrum::rgb;
@@ -111,7 +112,7 @@ impl Pictures {
 
     /// The texture, and whether a picture of heights was one of normals.
     fn texture(&mut self, map: &Map, library: &Path, preparation: Preparation) -> Result<(TextureDescription, bool)> {
-        let path = super::file_beside(library.parent().unwrap_or(Path::new("")), &map.file);
+        let path = file_beside(library.parent().unwrap_or(Path::new("")), &map.file);
         let prepared = match self.slots.entry((path, format!("{preparation:?}"))) {
             Entry::Occupied(entry) => *entry.get(),
             Entry::Vacant(entry) => {

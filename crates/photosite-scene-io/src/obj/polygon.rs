@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3, Vec3};
 
 /// Calls `emit` with the positions, in `corners`, of each triangle's corners. Convex polygons become a fan around their
-/// first corner; concave ones are cut by clipping ears ([Meisters75](photosite_core::references#meisters75)). A polygon that
-/// crosses itself or has no area is fanned as well: then there is no right answer.
+/// first corner; concave ones are cut by clipping ears ([Meisters75](photosite_core::references#meisters75)). A polygon
+/// that crosses itself or has no area is fanned as well: then there is no right answer.
 pub(super) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     let n = corners.len();
     if n == 3 {
@@ -108,8 +108,8 @@ mod tests {
             assert_eq!(found.len(), polygon.len() - 2);
             assert!(found.iter().all(|t| area(polygon, t) >= 0.0), "{found:?}");
             let sum: f64 = found.iter().map(|t| area(polygon, t)).sum();
-            // Positive pieces whose areas add up to that of the polygon cannot overlap or stick out. Coordinates are small
-            // integers, so sums are exact.
+            // Positive pieces whose areas add up to that of the polygon cannot overlap or stick out. Coordinates are
+            // small integers, so sums are exact.
             assert_eq!(sum, polygon_area(polygon), "{found:?}");
         }
     }

@@ -6,9 +6,11 @@
 
 use glam::Vec3;
 
+use super::directions::is_above;
+use super::form::{Form, Map, Sampled, TableForm};
 use super::fresnel;
-use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
-use super::{BsdfEval, BsdfSample, is_above};
+use super::lobe::{Lobe, SceneTraits, Traits};
+use super::sample::{BsdfEval, BsdfSample};
 use photosite_core::math::Pdf;
 
 /// A metal.

@@ -18,6 +18,8 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
+use super::directions::GRAZING;
+
 /// Below this roughness a surface counts as smooth: its lobe is narrower than 0.01°, and the rounding of unit vectors
 /// (6e-8) would show in D.
 const SMALLEST_ALPHA: f32 = 1e-4;
@@ -187,7 +189,7 @@ impl Ggx {
     pub fn sample_reflection(&self, wo: Vec3, u: [f32; 2]) -> Option<(Vec3, ReflectionKernel)> {
         let m = self.sample_visible(wo, u);
         let wi = reflect(wo, m);
-        (wi.z > super::GRAZING).then(|| (wi, self.reflection_at(wo, wi, m)))
+        (wi.z > GRAZING).then(|| (wi, self.reflection_at(wo, wi, m)))
     }
 }
 

@@ -28,28 +28,37 @@ pub mod fresnel;
 pub mod layered;
 pub mod microfacet;
 #[macro_use]
-pub mod model;
+mod model;
 
 mod albedo;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod directions;
+mod form;
+mod lobe;
 mod oren_nayar;
 mod phong;
+mod refraction;
 mod retroreflective;
+mod sample;
+mod sheen;
 mod thin_dielectric;
 mod translucent;
 
 use glam::Vec3;
 
-use model::Lobe as _;
-
-pub use layered::{Coat, Layered, Sheen, ThinFilm, Volume};
-pub use microfacet::Ggx;
-pub use model::{Form, Map, MapAll, Mix, RelativeIndex, Sampled, SceneTraits, TableForm, Traits};
-pub use models::*;
+use directions::mirrored;
+use lobe::Lobe as _;
 use photosite_core::math::{Pdf, SolidAngle};
-use photosite_core::spectrum::SampledSpectrum;
+
+pub(crate) use directions::{EDGE_ON_COSINE, GRAZING, MIN_SHADING_COSINE};
+pub use form::{Form, Map, MapAll, RelativeIndex, Sampled, TableForm};
+pub use layered::{Coat, Layered, Sheen, ThinFilm, Volume};
+pub use lobe::{SceneTraits, Traits};
+pub use microfacet::Ggx;
+pub use models::*;
+pub use sample::{BsdfEval, BsdfSample};
 
 /// The types of the models.
 pub mod models {
@@ -82,80 +91,24 @@ models! {
     Retroreflective,
 }
 
-/// Directions with a smaller cosine count as lying in the surface, where nothing is scattered: on which side they are
-/// is no longer known, a unit vector being rounded to 6e-8.
-pub(crate) const GRAZING: f32 = 1e-7;
-
-/// Smallest cosine between a shading normal and the viewer: normals below it are bent towards the viewer
-/// (`scene::shading`).
-pub(crate) const MIN_SHADING_COSINE: f32 = 1e-3;
-
-/// Cosine below which a surface counts as seen edge-on, since its shading normal may have been bent for this viewer
-/// alone.
-pub(crate) const EDGE_ON_COSINE: f32 = 2.0 * MIN_SHADING_COSINE;
+/// Two models side by side.
+#[derive(Clone, Debug)]
+pub struct Mix<F: Form> {
+    /// Both.
+    pub models: [Model<F>; 2],
+    /// The part of the second, 0–1.
+    pub weight: f32,
+}
 
 /// How the surface scatters at one shading point: the model with its parameters looked up.
 pub type Bsdf = Model<Sampled>;
-
-/// Value and density for a pair of directions. Zero for lobes that are a single direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsdfEval {
-    /// sr⁻¹, without cosine.
-    pub f: SampledSpectrum,
-    /// Density with which [`Bsdf::sample`] finds `wi`.
-    pub pdf: Pdf<SolidAngle>,
-}
-
-impl BsdfEval {
-    /// No scattering.
-    pub const ZERO: Self = Self { f: SampledSpectrum::ZERO, pdf: Pdf::new(0.0) };
-}
-
-/// A direction drawn by [`Bsdf::sample`]. The path's throughput is to be multiplied by f·|cos θᵢ|/pdf.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsdfSample {
-    /// sr⁻¹, without cosine. Where `is_delta`, the reflected or transmitted part over |cos θᵢ|.
-    pub f: SampledSpectrum,
-    /// The direction drawn.
-    pub wi: Vec3,
-    /// Its density. Where `is_delta`, the probability of having chosen it.
-    pub pdf: Pdf<SolidAngle>,
-    /// Whether the direction is the only one of its lobe, so that no light can be sampled towards it.
-    pub is_delta: bool,
-    /// Whether `wi` is on the other side than `wo`.
-    pub is_transmission: bool,
-    /// Whether the path is right for the hero wavelength alone from here on; the other lanes of `f` are then zero.
-    pub terminates_secondary: bool,
-    /// Index on the side of `wi` over that on the side of `wo`; 1 where reflected.
-    pub eta: f32,
-}
-
-impl BsdfSample {
-    /// A reflected direction of a lobe of some width.
-    #[inline]
-    fn reflected(f: SampledSpectrum, wi: Vec3, pdf: Pdf<SolidAngle>) -> Self {
-        Self { f, wi, pdf, is_delta: false, is_transmission: false, terminates_secondary: false, eta: 1.0 }
-    }
-
-    /// The one direction of a mirror, of which a part `reflectance` comes back, chosen with `probability`.
-    #[inline]
-    fn mirrored(reflectance: SampledSpectrum, wi: Vec3, probability: f32) -> Self {
-        Self { is_delta: true, ..Self::reflected(reflectance / wi.z.abs(), wi, Pdf::new(probability)) }
-    }
-
-    /// What the path's throughput is multiplied by: f·|cos θᵢ|/pdf.
-    #[inline]
-    pub fn throughput(&self) -> SampledSpectrum {
-        self.f * (self.wi.z.abs() / self.pdf.0)
-    }
-}
 
 impl Bsdf {
     /// Density with which [`Self::sample`] finds `wo` for light that goes the other way round. What is black from
     /// behind counts as seen from its other side there.
     #[inline]
     pub fn reverse_pdf(&self, wo: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
-        let [wo, wi] = if wi.z < 0.0 && !self.refracts() { [wo, wi].map(dielectric::mirrored) } else { [wo, wi] };
+        let [wo, wi] = if wi.z < 0.0 && !self.refracts() { [wo, wi].map(mirrored) } else { [wo, wi] };
         self.eval(wi, wo).pdf
     }
 
@@ -196,14 +149,4 @@ impl Bsdf {
     pub fn needs_single_wavelength(&self) -> bool {
         self.traits().needs_single_wavelength
     }
-}
-
-#[inline]
-fn is_grazing(w: Vec3) -> bool {
-    w.z.abs() <= GRAZING
-}
-
-#[inline]
-fn is_above(w: Vec3) -> bool {
-    w.z > GRAZING
 }

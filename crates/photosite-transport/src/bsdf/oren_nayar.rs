@@ -13,8 +13,10 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
-use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
-use super::{BsdfEval, BsdfSample, is_above};
+use super::directions::is_above;
+use super::form::{Form, Map, Sampled, TableForm};
+use super::lobe::{Lobe, SceneTraits, Traits};
+use super::sample::{BsdfEval, BsdfSample};
 use photosite_core::math::{Pdf, warp};
 use photosite_core::spectrum::SampledSpectrum;
 

@@ -5,9 +5,10 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::dielectric::mirrored;
-use super::model::{Form, Lobe, Map, Sampled, SceneTraits, TableForm, Traits};
-use super::{BsdfEval, BsdfSample, is_above, is_grazing};
+use super::directions::{is_above, is_grazing, mirrored};
+use super::form::{Form, Map, Sampled, TableForm};
+use super::lobe::{Lobe, SceneTraits, Traits};
+use super::sample::{BsdfEval, BsdfSample};
 use photosite_core::math::{Pdf, warp};
 
 /// A thin diffuse sheet.

@@ -1,5 +1,5 @@
-//! The acceleration structure of a scene: one hierarchy of primitives for all geometry that stands where its file puts it,
-//!  one for each mesh that is instanced, and one over their placements.
+//! The acceleration structure of a scene: one hierarchy of primitives for all geometry that stands where its file puts
+//! it, one for each mesh that is instanced, and one over their instances.
 //!
 //! This is the only file that knows `obvhs`, which builds the binary hierarchies; traversal is that of [`wide_bvh`]
 //! over their collapsed form, since obvhs's own is neither watertight nor scale-free.
@@ -13,8 +13,6 @@ mod packet;
 pub(super) mod query;
 mod single;
 mod strategy;
-
-use std::ops::Range;
 
 use glam::Vec3;
 use obvhs::aabb::Aabb;
@@ -31,48 +29,26 @@ use super::linear_scan::LinearScan;
 use super::motion::{Motion, Transform};
 use super::triangle_block::TriangleBlock;
 use super::wide_bvh::WideBvh;
-use super::{Geometry, Quadric};
+use super::{Geometry, PrimitiveRange, Quadric};
+use crate::tuning::BLOCKS_BEYOND_CACHES;
 use leaf::Leaf;
 use photosite_core::math::float::gamma;
 use photosite_simd::{compact, prefer_huge_pages};
 
 pub use filter::{AcceptAll, HitFilter};
 
-/// The primitives of a group.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PrimitiveRange {
-    /// Indices into [`Geometry::triangles`].
-    pub triangles: Range<u32>,
-    /// Indices into [`Geometry::quadrics`], which must be in world space.
-    pub quadrics: Range<u32>,
-}
-
-impl From<Range<u32>> for PrimitiveRange {
-    /// Of triangles.
-    fn from(triangles: Range<u32>) -> Self {
-        Self { triangles, quadrics: 0..0 }
-    }
-}
-
-impl PrimitiveRange {
-    /// Number of primitives.
-    pub(super) fn len(&self) -> usize {
-        self.triangles.len() + self.quadrics.len()
-    }
-}
-
-/// A group of primitives somewhere in the world.
+/// Primitives somewhere in the world.
 #[derive(Clone, Debug)]
-pub struct Placement {
-    /// Index of the group.
-    pub group: u32,
+pub struct Instance {
+    /// Index of their bottom-level hierarchy.
+    pub blas: u32,
     /// Where it is.
-    pub place: Place,
+    pub transform: InstanceTransform,
 }
 
-/// Where a group of triangles is.
+/// Where the primitives of an instance are.
 #[derive(Clone, Debug)]
-pub enum Place {
+pub enum InstanceTransform {
     /// Its corners are given in world space.
     World,
     /// It stands still.
@@ -81,7 +57,7 @@ pub enum Place {
     Moving(Box<Motion>),
 }
 
-impl Place {
+impl InstanceTransform {
     /// The transform at a time from 0 to 1; `None` in world space.
     #[inline]
     pub fn at(&self, time: f32) -> Option<Transform> {
@@ -96,27 +72,29 @@ impl Place {
 /// Hierarchies over all triangles.
 #[derive(Clone, Debug)]
 pub struct Accel {
-    groups: Vec<Group>,
-    placements: Vec<Placement>,
-    /// Over the placements; `None` where there is none, or a single one of a rigid group in world space.
-    top: Option<TopLevel>,
+    blas: Vec<Blas>,
+    instances: Vec<Instance>,
+    /// Over the instances; `None` where there is none, or a single one of rigid primitives in world space.
+    top: Option<Tlas>,
     /// All primitives, where they are so few that several rays together need no hierarchy.
     pub(super) linear_scan: Option<LinearScan>,
     /// Whether rays often wait for the memory.
     pub(super) exceeds_caches: bool,
 }
 
+/// Bottom-level acceleration structure: the primitives of an instance, in object space.
 #[derive(Clone, Debug)]
-enum Group {
-    /// Its triangles keep their shapes.
-    Rigid(TriangleBvh<1>),
-    /// Its triangles change their shapes: one hierarchy for each part of the time, in which corners move on straight lines,
-    /// over triangles at its start and at its end.
-    Deforming(Vec<TriangleBvh<2>>),
+enum Blas {
+    /// Its primitives keep their shapes.
+    Rigid(PrimitiveBvh<1>),
+    /// Its triangles change their shapes: one hierarchy for each part of the time, in which corners move on straight
+    /// lines, over triangles at its start and at its end.
+    Deforming(Vec<PrimitiveBvh<2>>),
 }
 
+/// One hierarchy of primitives.
 #[derive(Clone, Debug)]
-struct TriangleBvh<const SHAPES: usize> {
+struct PrimitiveBvh<const SHAPES: usize> {
     /// Its leaves are known by the numbers of [`Leaf`].
     bvh: WideBvh,
     blocks: Vec<TriangleBlock<SHAPES>>,
@@ -125,48 +103,51 @@ struct TriangleBvh<const SHAPES: usize> {
     bounds: Bounds,
 }
 
+/// Top-level acceleration structure: the instances, in world space.
 #[derive(Clone, Debug)]
-struct TopLevel {
+struct Tlas {
     bvh: WideBvh,
-    /// Placements of each leaf.
+    /// Instances of each leaf.
     leaves: Vec<[Option<u32>; LEAF_SIZE]>,
 }
 
 impl Accel {
-    /// Builds the hierarchies. `ranges` are groups of primitives of `geometry`, each not empty. The triangles of a mesh that
-    /// deforms are a group of their own.
-    pub fn build(geometry: &Geometry, ranges: &[PrimitiveRange], placements: Vec<Placement>) -> Self {
-        let groups: Vec<_> = ranges.iter().map(|range| Group::build(geometry, range)).collect();
-        let is_single =
-            matches!((&placements[..], &groups[..]), ([Placement { place: Place::World, .. }], [Group::Rigid(_)]));
-        let top = (!placements.is_empty() && !is_single).then(|| TopLevel::build(&groups, &placements));
+    /// Builds the hierarchies. `ranges` are the primitives of each bottom-level hierarchy, none empty. The triangles of
+    /// a mesh that deforms have one of their own.
+    pub fn build(geometry: &Geometry, ranges: &[PrimitiveRange], instances: Vec<Instance>) -> Self {
+        let blas: Vec<_> = ranges.iter().map(|range| Blas::build(geometry, range)).collect();
+        let is_single = matches!(
+            (&instances[..], &blas[..]),
+            ([Instance { transform: InstanceTransform::World, .. }], [Blas::Rigid(_)])
+        );
+        let top = (!instances.is_empty() && !is_single).then(|| Tlas::build(&blas, &instances));
         let linear_scan = is_single.then(|| {
-            let range = &ranges[placements[0].group as usize];
-            LinearScan::new(geometry, range, groups[0].bounds())
+            let range = &ranges[instances[0].blas as usize];
+            LinearScan::new(geometry, range, blas[0].bounds())
         });
         let linear_scan = linear_scan.flatten();
-        let exceeds_caches = interleaved::exceed_caches(groups.iter().map(Group::blocks).sum());
-        Self { groups, placements, top, linear_scan, exceeds_caches }
+        let exceeds_caches = blas.iter().map(Blas::blocks).sum::<usize>() > BLOCKS_BEYOND_CACHES;
+        Self { blas, instances, top, linear_scan, exceeds_caches }
     }
 
-    /// The placements.
-    pub fn placements(&self) -> &[Placement] {
-        &self.placements
+    /// The instances.
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances
     }
 
     /// Lower and upper corner of everything, m.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let all = self.placements.iter().map(|p| p.bounds(&self.groups));
+        let all = self.instances.iter().map(|p| p.bounds(&self.blas));
         all.reduce(union).unwrap_or_default()
     }
 }
 
-impl Group {
+impl Blas {
     fn build(geometry: &Geometry, range: &PrimitiveRange) -> Self {
         let first = geometry.triangles.get(range.triangles.start as usize).filter(|_| !range.triangles.is_empty());
         let Some(deformation) = first.and_then(|triangle| geometry.meshes[triangle.mesh as usize].deformation) else {
             let corners = |triangle| [geometry.corners(triangle)];
-            return Self::Rigid(TriangleBvh::build(geometry, range, |[corners]| bounds_of(corners), corners));
+            return Self::Rigid(PrimitiveBvh::build(geometry, range, |[corners]| bounds_of(corners), corners));
         };
         let deformation = &geometry.deformations[deformation as usize];
         let part = |shape: usize| {
@@ -174,7 +155,7 @@ impl Group {
                 |t: u32| [shape, shape + 1].map(|shape| deformation.corners(shape, &geometry.triangles[t as usize]));
             // Rounding between the shapes may leave their box by a unit in the last place or two.
             let boxes = |[from, to]: &[_; 2]| widened(&bounds_of(from).union(&bounds_of(to)));
-            TriangleBvh::build(geometry, range, boxes, corners)
+            PrimitiveBvh::build(geometry, range, boxes, corners)
         };
         Self::Deforming((0..deformation.shape_count() - 1).map(part).collect())
     }
@@ -201,7 +182,7 @@ fn widened(aabb: &Aabb) -> Aabb {
     Aabb::new((min - error).into(), (max + error).into())
 }
 
-impl<const SHAPES: usize> TriangleBvh<SHAPES> {
+impl<const SHAPES: usize> PrimitiveBvh<SHAPES> {
     /// `corners` are those of a triangle in its shapes, `bounds` the box of them all.
     fn build(
         geometry: &Geometry,
@@ -292,10 +273,10 @@ enum LeafContent<const SHAPES: usize> {
     Quadric(u32),
 }
 
-impl TopLevel {
-    fn build(groups: &[Group], placements: &[Placement]) -> Self {
-        let boxes = placements.iter().map(|p| {
-            let (min, max) = p.bounds(groups);
+impl Tlas {
+    fn build(blas: &[Blas], instances: &[Instance]) -> Self {
+        let boxes = instances.iter().map(|p| {
+            let (min, max) = p.bounds(blas);
             Aabb::new(min.into(), max.into())
         });
         let tree = build_binary(boxes);
@@ -312,14 +293,14 @@ impl TopLevel {
     }
 }
 
-impl Placement {
+impl Instance {
     /// World bounds, widened by the rounding of both transforms.
-    fn bounds(&self, groups: &[Group]) -> Bounds {
-        let (min, max) = groups[self.group as usize].bounds();
-        let to_world = match &self.place {
-            Place::World => return (min, max),
-            Place::Still(transform) => transform.to_world,
-            Place::Moving(motion) => {
+    fn bounds(&self, blas: &[Blas]) -> Bounds {
+        let (min, max) = blas[self.blas as usize].bounds();
+        let to_world = match &self.transform {
+            InstanceTransform::World => return (min, max),
+            InstanceTransform::Still(transform) => transform.to_world,
+            InstanceTransform::Moving(motion) => {
                 let (low, high) = motion.bounds((min, max));
                 let reach = low.abs().max(high.abs()).max(high - low) * (8.0 * gamma(4));
                 return (low - reach, high + reach);
@@ -342,8 +323,8 @@ fn bounds_of([a, b, c]: &[Vec3; 3]) -> Aabb {
 
 /// obvhs's medium quality without its own collapse: parallel-locally-ordered clustering and one round of reinsertion.
 ///
-/// The leaves are handed over as nodes, since obvhs would otherwise want the boxes in an array of their own: with it the
-/// most memory in use would be 24 bytes a triangle more.
+/// The leaves are handed over as nodes, since obvhs would otherwise want the boxes in an array of their own: with it
+/// the most memory in use would be 24 bytes a triangle more.
 fn build_binary(boxes: impl Iterator<Item = Aabb>) -> Bvh2 {
     let mut builder = PlocBuilder::new();
     builder.current_nodes = boxes.zip(0..).map(|(aabb, index)| Bvh2Node::new(aabb, 1, index)).collect();

@@ -50,7 +50,7 @@ fn mesh_of(triangle_count: u32) -> MeshRange {
 pub(super) fn in_world(geometry: &Geometry) -> Accel {
     let all =
         PrimitiveRange { triangles: 0..geometry.triangles.len() as u32, quadrics: 0..geometry.quadrics.len() as u32 };
-    Accel::build(geometry, &[all], vec![Placement { group: 0, place: Place::World }])
+    Accel::build(geometry, &[all], vec![Instance { blas: 0, transform: InstanceTransform::World }])
 }
 
 /// A sphere of unit radius as a closed mesh of shared corners: latitude and longitude, with poles.
@@ -142,8 +142,8 @@ impl HitFilter for Sieve {
     }
 }
 
-/// Spheres in each other's way: of which one stays where it is, one is elsewhere, one moves, and one swells and shrinks, here
-/// and there.
+/// Spheres in each other's way: of which one stays where it is, one is elsewhere, one moves, and one swells and
+/// shrinks, here and there.
 fn spheres() -> Accel {
     let mut g = sphere(16, 32);
     let (corners, triangles) = (g.positions.len() as u32, g.triangles.len() as u32);
@@ -156,16 +156,16 @@ fn spheres() -> Accel {
     g.triangles.extend(moved);
     g.meshes.push(MeshRange { first_triangle: triangles, deformation: Some(0), ..mesh_of(triangles) });
     let at = |x: f64, y: f64| DAffine3::from_translation(DVec3::new(x, y, 0.0));
-    let still = |x, y| Place::Still(Transform::new(&at(x, y)));
-    let placements = [
-        (0, Place::World),
+    let still = |x, y| InstanceTransform::Still(Transform::new(&at(x, y)));
+    let instances = [
+        (0, InstanceTransform::World),
         (0, still(-1.5, 0.0)),
-        (0, Place::Moving(Box::new(Motion::new(&[at(0.5, 0.0), at(2.0, 0.5)])))),
+        (0, InstanceTransform::Moving(Box::new(Motion::new(&[at(0.5, 0.0), at(2.0, 0.5)])))),
         (1, still(0.0, 1.0)),
-        (1, Place::World),
+        (1, InstanceTransform::World),
     ];
-    let placements = placements.map(|(group, place)| Placement { group, place });
-    Accel::build(&g, &[(0..triangles).into(), (triangles..2 * triangles).into()], placements.into())
+    let instances = instances.map(|(blas, transform)| Instance { blas, transform });
+    Accel::build(&g, &[(0..triangles).into(), (triangles..2 * triangles).into()], instances.into())
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn interleaved_rays_hit_what_each_hits_alone() {
     for (what, accel) in [
         ("in the world", in_world(&g)),
         ("as in a large mesh", as_if_large(in_world(&g))),
-        ("placements as in large scenes", as_if_large(spheres())),
+        ("instances as in large scenes", as_if_large(spheres())),
         ("nothing", nothing.clone()),
         ("nothing large", as_if_large(nothing)),
     ] {
@@ -194,9 +194,9 @@ fn interleaved_rays_hit_what_each_hits_alone() {
             let rays: Vec<Ray> = (0..count).map(ray).collect();
             let (mut hits, mut occluded) = (vec![None; 3], vec![true; 3]);
             accel.closest_each(&rays, &AcceptAll, &mut hits);
-            let placements = accel.placements().len() as u32;
-            let met = (0..placements).filter(|&placement| hits.iter().flatten().any(|hit| hit.placement == placement));
-            assert!(count < 300 || met.count() == placements as usize, "{what}");
+            let instances = accel.instances().len() as u32;
+            let met = (0..instances).filter(|&instance| hits.iter().flatten().any(|hit| hit.instance == instance));
+            assert!(count < 300 || met.count() == instances as usize, "{what}");
             accel.occluded_each(&rays, &AcceptAll, &mut occluded);
             assert_eq!(hits, rays.iter().map(|ray| accel.closest(ray, &AcceptAll)).collect::<Vec<_>>(), "{what}");
             assert_eq!(occluded, rays.iter().map(|ray| accel.occluded(ray, &AcceptAll)).collect::<Vec<_>>(), "{what}");
@@ -311,8 +311,8 @@ fn a_mesh_built_in_chunks_is_met_as_its_parts_are() {
     let g = sphere(200, 400);
     let count = g.triangles.len() as u32;
     let in_parts = [0, 1, 2, 3].map(|i| count * i / 4..count * (i + 1) / 4);
-    let placements = (0..4).map(|group| Placement { group, place: Place::World }).collect();
-    let (whole, parts) = (in_world(&g), Accel::build(&g, &in_parts.map(PrimitiveRange::from), placements));
+    let instances = (0..4).map(|blas| Instance { blas, transform: InstanceTransform::World }).collect();
+    let (whole, parts) = (in_world(&g), Accel::build(&g, &in_parts.map(PrimitiveRange::from), instances));
     assert_eq!(whole.bounds(), parts.bounds());
     for _ in 0..5_000 {
         let direction = warp::uniform_sphere([numbers.next(), numbers.next()]);
@@ -332,8 +332,10 @@ fn rays_that_leave_a_surface_do_not_meet_it_again() {
         Quat::from_rotation_y(0.7),
         Vec3::new(100.0, -50.0, 3.0),
     );
-    let placed =
-        Placement { group: 0, place: Place::Still(Transform { to_world: transform, to_group: transform.inverse() }) };
+    let placed = Instance {
+        blas: 0,
+        transform: InstanceTransform::Still(Transform { to_world: transform, to_object: transform.inverse() }),
+    };
     let all = 0..g.triangles.len() as u32;
     for accel in [in_world(&g), Accel::build(&g, &[all.into()], vec![placed])] {
         let (low, high) = accel.bounds();
@@ -359,15 +361,15 @@ fn instances_stand_where_their_transforms_put_them() {
     let g = sphere(16, 32);
     let at = |x: f32, scale: f32| {
         let to_world = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), Quat::IDENTITY, Vec3::X * x);
-        Placement { group: 0, place: Place::Still(Transform { to_world, to_group: to_world.inverse() }) }
+        Instance { blas: 0, transform: InstanceTransform::Still(Transform { to_world, to_object: to_world.inverse() }) }
     };
-    let placements: Vec<_> = (0..40).map(|i| at(4.0 * i as f32, if i % 2 == 0 { 1.0 } else { 0.5 })).collect();
+    let instances: Vec<_> = (0..40).map(|i| at(4.0 * i as f32, if i % 2 == 0 { 1.0 } else { 0.5 })).collect();
     let all = 0..g.triangles.len() as u32;
-    let accel = Accel::build(&g, &[all.into()], placements);
+    let accel = Accel::build(&g, &[all.into()], instances);
     for i in 0..40 {
         let hit = accel.closest(&Ray::new(Vec3::new(4.0 * i as f32 + 0.1, 5.0, 0.1), Vec3::NEG_Y), &AcceptAll);
         let hit = hit.expect("straight above a sphere");
-        assert_eq!(hit.placement, i);
+        assert_eq!(hit.instance, i);
         let point = SurfacePoint::new(&g, &accel, &hit, 0.0);
         let radius = if i % 2 == 0 { 1.0 } else { 0.5 };
         let from_centre = point.position - Vec3::X * 4.0 * i as f32;

@@ -1,8 +1,8 @@
-//! Large meshes in parts: each gets a hierarchy of its own, which takes little memory while it is built, and several are built
-//! at once.
+//! Large meshes in parts: each gets a hierarchy of its own, which takes little memory while it is built, and several
+//! are built at once.
 //!
-//! Parts are halved where the surface area heuristic says so, among planes at even distances (I. Wald, "On fast Construction
-//! of SAH-based Bounding Volume Hierarchies", RT 2007).
+//! Parts are halved where the surface area heuristic says so, among planes at even distances (I. Wald, "On fast
+//! Construction of SAH-based Bounding Volume Hierarchies", RT 2007).
 
 use glam::Vec3;
 

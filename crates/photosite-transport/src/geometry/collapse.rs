@@ -1,8 +1,8 @@
 //! From a binary hierarchy to one of eight children a node.
 //!
-//! Of all wide trees that a binary one can be collapsed to, the one in which a random ray costs least by the surface area
-//! heuristic (Ylitie, Karras, Laine 2017, §3): found from the leaves up, since the cheapest way to put a subtree below at
-//! most k slots of a node is made of those of its children.
+//! Of all wide trees that a binary one can be collapsed to, the one in which a random ray costs least by the surface
+//! area heuristic (Ylitie, Karras, Laine 2017, §3): found from the leaves up, since the cheapest way to put a subtree
+//! below at most k slots of a node is made of those of its children.
 
 use super::bounds::{Bounds, half_area};
 use super::triangle_block::BLOCK_SIZE;
@@ -35,8 +35,8 @@ pub(super) struct Collapse<'a, T> {
 struct Choice {
     /// For k from 1 to 7.
     costs: [f32; WIDTH - 1],
-    /// How many of k slots, from 2 to 7, the left child gets; 0 where k − 1 slots are as good. The first stands for the eight
-    /// slots that the node has where it is one of the wide tree.
+    /// How many of k slots, from 2 to 7, the left child gets; 0 where k − 1 slots are as good. The first stands for the
+    /// eight slots that the node has where it is one of the wide tree.
     left: [u8; WIDTH - 1],
     /// Whether it is a leaf where it is not.
     is_leaf: bool,

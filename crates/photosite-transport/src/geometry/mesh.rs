@@ -94,8 +94,8 @@ impl Geometry {
         self.triangles[triangle as usize].corners.map(|corner| self.positions[corner as usize])
     }
 
-    /// Whether there are more triangles than the caches have room for, so that it is worth asking the memory for some ahead of
-    /// time.
+    /// Whether there are more triangles than the caches have room for, so that it is worth asking the memory for some
+    /// ahead of time.
     pub(crate) fn exceeds_caches(&self) -> bool {
         self.triangles.len() > TRIANGLES_BEYOND_CACHES
     }
@@ -182,7 +182,8 @@ impl Geometry {
         })
     }
 
-    /// UV coordinates of a set at a point of a primitive, where its mesh has that set. Quadrics have the same ones in all sets.
+    /// UV coordinates of a set at a point of a primitive, where its mesh has that set. Quadrics have the same ones in
+    /// all sets.
     #[inline]
     pub fn uv(&self, primitive: Primitive, uv: [f32; 2], set: usize) -> Vec2 {
         match primitive {

@@ -1,11 +1,12 @@
 //! Rays, triangle meshes, spheres, disks, cylinders, and where they meet.
 //!
-//! In: meshes and placements in metres. Out: the nearest [`Hit`] of a ray, or whether anything is in its way, and the
-//! [`SurfacePoint`] of a hit. What a surface does to light is left to [`bsdf`](crate::bsdf) and [`scene`](crate::scene).
+//! In: meshes and instances in metres. Out: the nearest [`Hit`] of a ray, or whether anything is in its way, and the
+//! [`SurfacePoint`] of a hit. What a surface does to light is left to [`bsdf`](crate::bsdf) and
+//! [`scene`](crate::scene).
 //!
-//! Intersection with triangles is watertight: a ray through a closed mesh cannot slip between two triangles that share an edge, at any
-//! scale. Rays leave a surface from a point moved by the bound on its own rounding error, so no epsilon depends on the
-//! size of the scene.
+//! Intersection with triangles is watertight: a ray through a closed mesh cannot slip between two triangles that share
+//! an edge, at any scale. Rays leave a surface from a point moved by the bound on its own rounding error, so no epsilon
+//! depends on the size of the scene.
 
 mod accel;
 #[cfg(test)]
@@ -25,13 +26,13 @@ mod triangle_block;
 mod wide_bvh;
 mod wide_node;
 
-pub use accel::{Accel, AcceptAll, HitFilter, Place, Placement, PrimitiveRange};
+pub use accel::{Accel, AcceptAll, HitFilter, Instance, InstanceTransform};
 pub(crate) use mesh::interpolate;
 pub use mesh::{Deformation, Geometry, MeshRange, Triangle};
 pub use motion::{Motion, Transform};
 pub use point::SurfacePoint;
 pub(crate) use point::on_triangle;
-pub use primitive::Primitive;
+pub use primitive::{Primitive, PrimitiveRange};
 pub use quadric::{Cylinder, Disk, PlacedQuadric, Quadric, QuadricKind, Sphere};
 pub(crate) use ray::offset;
 pub use ray::{Hit, Ray, offset_origin};

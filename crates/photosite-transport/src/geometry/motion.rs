@@ -1,4 +1,4 @@
-//! Where a group of triangles, or a lamp, is at a time.
+//! Where an instance, or a lamp, is at a time.
 
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3};
 
@@ -11,8 +11,8 @@ use photosite_core::math::Cone;
 pub struct Transform {
     /// Group space → world.
     pub to_world: Affine3A,
-    /// World → group space.
-    pub to_group: Affine3A,
+    /// World → object space.
+    pub to_object: Affine3A,
 }
 
 /// Parts of the way between two keys of a [`Motion`] that its bounds are taken over.
@@ -20,9 +20,9 @@ const STEPS: u16 = 8;
 
 /// A way through transforms at evenly spaced times from 0 to 1.
 ///
-/// Each is taken apart into M = R·S, the rotation next to it and a stretch. Between two of them the translation and S go
-/// on straight lines and R turns at a constant rate on the shortest way ([Shoemake85](photosite_core::references#shoemake85)), so
-/// that what is rigid stays so.
+/// Each is taken apart into M = R·S, the rotation next to it and a stretch. Between two of them the translation and S
+/// go on straight lines and R turns at a constant rate on the shortest way
+/// ([Shoemake85](photosite_core::references#shoemake85)), so that what is rigid stays so.
 #[derive(Clone, Debug)]
 pub struct Motion {
     keys: Vec<Key>,
@@ -36,9 +36,9 @@ struct Key {
 }
 
 impl Transform {
-    /// Of an invertible transform, group → world.
+    /// Of an invertible transform, object → world.
     pub fn new(to_world: &DAffine3) -> Self {
-        Self { to_world: single(to_world), to_group: single(&to_world.inverse()) }
+        Self { to_world: single(to_world), to_object: single(&to_world.inverse()) }
     }
 }
 
@@ -78,10 +78,10 @@ impl Motion {
         Transform::new(&self.to_world(time))
     }
 
-    /// Bounds of everything within `min`…`max` of the group's space at all times.
+    /// Bounds of everything within `min`…`max` of object space at all times.
     ///
-    /// The way of a point is p = T + R·S·x. Between two times h apart it leaves the straight line by at most h²·|p″|/8, with
-    /// |p″| ≤ ω²·|S·x| + 2ω·|ΔS·x| for a turn by ω from key to key.
+    /// The way of a point is p = T + R·S·x. Between two times h apart it leaves the straight line by at most h²·|p″|/8,
+    /// with |p″| ≤ ω²·|S·x| + 2ω·|ΔS·x| for a turn by ω from key to key.
     pub(crate) fn bounds(&self, (min, max): Bounds) -> Bounds {
         let corners: Vec<DVec3> = (0..8)
             .map(|i| DVec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max.into(), min.into()))
@@ -106,7 +106,7 @@ impl Motion {
         (low.as_vec3(), high.as_vec3())
     }
 
-    /// The directions that those of a cone in the group's space have at all times, where the motion is rigid.
+    /// The directions that those of a cone in object space have at all times, where the motion is rigid.
     pub(crate) fn directions(&self, cone: Cone) -> Cone {
         let segments = self.keys.len() - 1;
         let mut all: Option<Cone> = None;

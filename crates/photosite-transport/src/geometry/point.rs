@@ -54,18 +54,18 @@ impl SurfacePoint {
         let mut along = tangent.map_or(Vec3::ZERO, |t| t.truncate());
         let mut handedness = tangent.map_or(1.0, |t| 1f32.copysign(t.w));
 
-        if let Some(transform) = accel.placements()[hit.placement as usize].place.at(time) {
-            let (to_world, to_group) = (&transform.to_world, &transform.to_group);
+        if let Some(transform) = accel.instances()[hit.instance as usize].transform.at(time) {
+            let (to_world, to_object) = (&transform.to_world, &transform.to_object);
             let magnitude = |m: &glam::Affine3A, v: Vec3| absolute(m) * Vec3A::from(v.abs());
             let local = position;
             position = to_world.transform_point3(local);
             // The error of the local point carried over, that of this transform, and that of taking the origin of the
-            // next ray back into the group's space.
+            // next ray back into object space.
             let forward = Vec3::from(magnitude(to_world, local) + to_world.translation.abs()) * gamma(4);
-            let back = Vec3::from(magnitude(to_group, position) + to_group.translation.abs()) * gamma(4);
+            let back = Vec3::from(magnitude(to_object, position) + to_object.translation.abs()) * gamma(4);
             error = Vec3::from(magnitude(to_world, error + back)) + forward;
-            // Normals go with the inverse transpose, so that what is outside stays outside in a mirrored placement.
-            let inverse_transpose = to_group.matrix3.transpose();
+            // Normals go with the inverse transpose, so that what is outside stays outside in a mirrored instance.
+            let inverse_transpose = to_object.matrix3.transpose();
             normal = inverse_transpose * normal;
             shading = shading.map(|shading| inverse_transpose * shading);
             along = to_world.transform_vector3(along);
@@ -114,8 +114,8 @@ impl SurfacePoint {
     }
 }
 
-/// The point of a triangle with these weights of the second and the third corner, the bound on its rounding error, and a
-/// normal, not of unit length.
+/// The point of a triangle with these weights of the second and the third corner, the bound on its rounding error, and
+/// a normal, not of unit length.
 #[inline(always)]
 pub(crate) fn on_triangle<R: Real>([a, b, c]: [Vector<R>; 3], [b1, b2]: [R; 2]) -> (Vector<R>, Vector<R>, Vector<R>) {
     // pbrt4 §6.8.5: seven roundings at most lie between the corners and their weighted sum.

@@ -1,5 +1,7 @@
 //! The kinds of primitives that rays meet.
 
+use std::ops::Range;
+
 /// A primitive of a [`Geometry`](super::Geometry).
 ///
 /// A further kind takes an arm here, a table in the geometry, and a kind of leaf in the hierarchy.
@@ -19,5 +21,28 @@ impl Primitive {
             Self::Triangle(triangle) => Some(triangle),
             Self::Quadric(_) => None,
         }
+    }
+}
+
+/// The primitives of a bottom-level hierarchy.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PrimitiveRange {
+    /// Indices into [`Geometry::triangles`](super::Geometry::triangles).
+    pub triangles: Range<u32>,
+    /// Indices into [`Geometry::quadrics`](super::Geometry::quadrics), which must be in world space.
+    pub quadrics: Range<u32>,
+}
+
+impl From<Range<u32>> for PrimitiveRange {
+    /// Of triangles.
+    fn from(triangles: Range<u32>) -> Self {
+        Self { triangles, quadrics: 0..0 }
+    }
+}
+
+impl PrimitiveRange {
+    /// Number of primitives.
+    pub(super) fn len(&self) -> usize {
+        self.triangles.len() + self.quadrics.len()
     }
 }

@@ -9,16 +9,16 @@
 
 mod cylinder;
 mod disk;
+mod shape;
 mod sphere;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
-use super::bounds::Bounds;
-use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
 
 pub use cylinder::Cylinder;
 pub use disk::Disk;
+pub(super) use shape::QuadricPoint;
 pub use sphere::Sphere;
 
 /// The kinds of quadrics, each as a shape of unit size that an instance turns, moves and makes larger or smaller.
@@ -76,18 +76,6 @@ pub struct PlacedQuadric {
     pub mesh: u32,
     /// Lower and upper corner of its box, m.
     pub bounds: (Vec3, Vec3),
-}
-
-/// A point of a quadric.
-pub(super) struct QuadricPoint {
-    /// m.
-    pub(super) position: Vec3,
-    /// Bound on the rounding error of the position, per axis, m.
-    pub(super) error: Vec3,
-    /// Unit normal of the front.
-    pub(super) normal: Vec3,
-    /// The direction of growing u of the [texture coordinates](Quadric::texture_coordinates); of any length.
-    pub(super) tangent: Vec3,
 }
 
 impl PlacedQuadric {
@@ -153,12 +141,6 @@ impl Quadric {
             Self::Cylinder(_) => Cylinder::texture_coordinates(uv),
         }
     }
-}
-
-/// The box that reaches so far from a centre along each axis, in single precision and widened by its rounding.
-fn box_around(centre: DVec3, reach: DVec3) -> Bounds {
-    let error = (centre.abs() + reach).as_vec3() * gamma(8);
-    ((centre - reach).as_vec3() - error, (centre + reach).as_vec3() + error)
 }
 
 #[cfg(test)]
@@ -242,7 +224,8 @@ mod tests {
                 hits += 1;
                 let point = placed.quadric.point(placed.quadric.uv(ray.at(t)));
                 let cos = (point.normal.dot(ray.direction) / ray.direction.length()).abs();
-                // Some sixteen roundings lie between the corners or the quadric and t, each relative to the way to them.
+                // Some sixteen roundings lie between the corners or the quadric and t, each relative to the way to
+                // them.
                 let rounding = 16.0 * 0.5 * f32::EPSILON * ((ray.origin - centre.as_vec3()).length() + 1.0);
                 assert!(apart * cos < 4e-6 + rounding || cos < 0.05, "{kind:?}: {apart} at {cos}");
                 assert!((point.position - ray.at(t)).length() * cos < rounding, "{kind:?} at {cos}");

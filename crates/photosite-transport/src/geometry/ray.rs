@@ -49,15 +49,16 @@ pub struct Hit {
     pub uv: [f32; 2],
     /// The primitive.
     pub primitive: Primitive,
-    /// Index of the placement in [`Accel`](super::Accel).
-    pub placement: u32,
+    /// Index of the instance in [`Accel`](super::Accel).
+    pub instance: u32,
 }
 
 /// A ray origin off the surface at `p`, on the side that `direction` points to.
 ///
-/// `error` bounds the rounding error of p per axis (m), `normal` is the unit geometric normal n. The point moves along the
-/// normal just far enough to clear the box p ± error, by d = Σ |nᵢ|·errorᵢ ([pbrt4](photosite_core::references#pbrt4) §6.8.6), and by
-/// what the sum p + d·n may lose along n when it is rounded: at most Σ |nᵢ|·u·|pᵢ + d·nᵢ|, with u = 2⁻²⁴.
+/// `error` bounds the rounding error of p per axis (m), `normal` is the unit geometric normal n. The point moves along
+/// the normal just far enough to clear the box p ± error, by d = Σ |nᵢ|·errorᵢ
+/// ([pbrt4](photosite_core::references#pbrt4) §6.8.6), and by what the sum p + d·n may lose along n when it is rounded:
+/// at most Σ |nᵢ|·u·|pᵢ + d·nᵢ|, with u = 2⁻²⁴.
 #[inline]
 pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
     offset(p.into(), error.into(), normal.into(), direction.into()).into()

@@ -6,8 +6,8 @@ const LEN: usize = 32;
 /// Pushes between two calls of [`TraversalStack::make_room`], at most.
 const ROOM: usize = 8;
 
-/// Children yet to be visited with the distance at which the ray enters them. A tree so deep that they do not fit spills to
-/// the heap.
+/// Children yet to be visited with the distance at which the ray enters them. A tree so deep that they do not fit
+/// spills to the heap.
 pub(super) struct TraversalStack {
     entries: [Entry; LEN],
     /// At most [`LEN`].
@@ -16,8 +16,8 @@ pub(super) struct TraversalStack {
     spilled: Vec<Entry>,
 }
 
-/// A child with the distance at which the ray enters it, which is not negative: its bits above those of the child, so that
-/// the numbers are in the order of the distances.
+/// A child with the distance at which the ray enters it, which is not negative: its bits above those of the child, so
+/// that the numbers are in the order of the distances.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Entry(u64);
 

@@ -1,10 +1,10 @@
 //! Triangles of a leaf, tested against a ray eight at a time.
 //!
-//! They are tested in a space sheared along the ray, where the signs that decide are exact (S. Woop, C. Benthin, I. Wald,
-//! "Watertight Ray/Triangle Intersection", JCGT 2013): no ray slips through an edge or a corner.
+//! They are tested in a space sheared along the ray, where the signs that decide are exact (S. Woop, C. Benthin, I.
+//! Wald, "Watertight Ray/Triangle Intersection", JCGT 2013): no ray slips through an edge or a corner.
 //!
-//! Neighbours on a surface share vertices: a block holds each once, which takes half the memory that triangles of their own
-//! corners would, and shears it once.
+//! Neighbours on a surface share vertices: a block holds each once, which takes half the memory that triangles of their
+//! own corners would, and shears it once.
 
 use glam::Vec3;
 
@@ -15,7 +15,7 @@ use photosite_simd::{LaneMask, Lanes, Simd};
 /// Triangles in a block, at most, and vertices.
 pub(super) const BLOCK_SIZE: usize = 8;
 
-/// Up to eight triangles of up to eight vertices, each in `SHAPES` places: one, or those that it goes between.
+/// Up to eight triangles of up to eight vertices, each in `SHAPES` shapes: one, or those that it goes between.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct TriangleBlock<const SHAPES: usize> {
@@ -140,8 +140,8 @@ pub(super) fn double_area<R: Real>(p: [R; 3], q: [R; 3]) -> R {
     p[0] * q[1] - p[1] * q[0]
 }
 
-/// Bound on the rounding error of t = (u·a_z + v·b_z + w·c_z)/sum ([pbrt4](photosite_core::references#pbrt4) §6.8.7), for
-/// directions of any length: `inverse_scale` is one over the magnitude that z was multiplied by after the shear.
+/// Bound on the rounding error of t = (u·a_z + v·b_z + w·c_z)/sum ([pbrt4](photosite_core::references#pbrt4) §6.8.7),
+/// for directions of any length: `inverse_scale` is one over the magnitude that z was multiplied by after the shear.
 #[inline(always)]
 pub(super) fn distance_error<R: Real>([a, b, c]: [[R; 3]; 3], [u, v, w]: [R; 3], sum: R, inverse_scale: R) -> R {
     let x = largest_magnitude(a[0], b[0], c[0]);
@@ -151,8 +151,8 @@ pub(super) fn distance_error<R: Real>([a, b, c]: [[R; 3]; 3], [u, v, w]: [R; 3],
     error_of_sum([x, y, z], e, inverse_scale) / sum.abs()
 }
 
-/// The same of u·a_z + v·b_z + w·c_z, from the largest magnitudes of the corners' coordinates and of the areas: with larger
-/// ones it is not smaller.
+/// The same of u·a_z + v·b_z + w·c_z, from the largest magnitudes of the corners' coordinates and of the areas: with
+/// larger ones it is not smaller.
 #[inline(always)]
 pub(super) fn error_of_sum<R: Real>([x, y, z]: [R; 3], e: R, inverse_scale: R) -> R {
     let (g2, g3, g5) = (e.broadcast(gamma(2)), e.broadcast(gamma(3)), e.broadcast(gamma(5)));

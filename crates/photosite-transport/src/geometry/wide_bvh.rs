@@ -35,8 +35,8 @@ pub(super) struct WideBvh {
 }
 
 impl WideBvh {
-    /// From a binary tree. `fits` says whether primitives, at most [`LEAF_SIZE`], can make a leaf, for which `make_leaf`
-    /// returns a number below 2³¹.
+    /// From a binary tree. `fits` says whether primitives, at most [`LEAF_SIZE`], can make a leaf, for which
+    /// `make_leaf` returns a number below 2³¹.
     pub(super) fn collapse(
         tree: &impl BinaryTree,
         fits: impl FnMut(&[u32]) -> bool,
@@ -107,9 +107,9 @@ impl WideBvh {
         self.nodes.len()
     }
 
-    /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far unless the
-    /// visitor takes any order, and returns whether the visitor ended the traversal. The visitor may shorten `t_max`, unless
-    /// it takes any order.
+    /// Visits the leaves that the ray origin + t·direction, 0 < t < t_max, may meet, roughly from near to far unless
+    /// the visitor takes any order, and returns whether the visitor ended the traversal. The visitor may shorten
+    /// `t_max`, unless it takes any order.
     #[inline(always)]
     pub(super) fn traverse<S: Simd, V: LeafVisitor>(
         &self,
@@ -129,11 +129,11 @@ impl WideBvh {
         }
     }
 
-    /// The same a step at a time: visits the node or leaf that is `next`, at first number 0, and puts what comes then in its
-    /// place. Breaks with whether the visitor has ended the traversal.
+    /// The same a step at a time: visits the node or leaf that is `next`, at first number 0, and puts what comes then
+    /// in its place. Breaks with whether the visitor has ended the traversal.
     ///
-    /// `INTERLEAVED` says whether other rays make steps between two of this one: then the next node is prefetched, and later ones
-    /// can wait.
+    /// `INTERLEAVED` says whether other rays make steps between two of this one: then the next node is prefetched, and
+    /// later ones can wait.
     #[inline(always)]
     pub(super) fn step<S: Simd, V: LeafVisitor, const INTERLEAVED: bool>(
         &self,
@@ -164,8 +164,8 @@ impl WideBvh {
         ControlFlow::Continue(())
     }
 
-    /// Visits a node, of which it returns the child to visit first if the ray enters any, or a leaf. Breaks where the visitor
-    /// ends the traversal.
+    /// Visits a node, of which it returns the child to visit first if the ray enters any, or a leaf. Breaks where the
+    /// visitor ends the traversal.
     #[inline(always)]
     fn visit<S: Simd, V: LeafVisitor, const INTERLEAVED: bool>(
         &self,

@@ -90,8 +90,8 @@ pub(super) struct SlabPacket<S: Simd> {
     beam: Beam,
 }
 
-/// Of all rays, axis by axis: where one begins that comes to near planes first and to far ones last, and the least and the
-/// largest factors.
+/// Of all rays, axis by axis: where one begins that comes to near planes first and to far ones last, and the least and
+/// the largest factors.
 #[derive(Clone, Copy, Default)]
 struct Beam {
     near_origin: [f32; 3],
@@ -220,8 +220,8 @@ impl WideNode {
     /// Which children the ray enters at t ≤ `t_max` and no more than rounding farther, and where.
     ///
     /// Slabs, with the far plane widened by the bound on rounding (T. Ize, "Robust BVH Ray Traversal", JCGT 2013). A
-    /// direction component of 0 gives ±∞ · 0 = NaN where the origin lies on the plane; min and max then keep their second
-    /// operand, which counts the origin as inside that slab.
+    /// direction component of 0 gives ±∞ · 0 = NaN where the origin lies on the plane; min and max then keep their
+    /// second operand, which counts the origin as inside that slab.
     #[inline(always)]
     pub(super) fn enter<S: Simd>(&self, simd: S, ray: &SlabLanes<S>, t_max: f32) -> (u32, S::Lanes) {
         let mut near = simd.broadcast(0.0);

@@ -9,10 +9,10 @@
 //!
 //! E = w·β·f(ωₒ, ωᵢ)·|n_s·ωᵢ|/|n_g·ωᵢ| · We · |dx/dA| / N,
 //!
-//! with the weight We of the camera's ray ([`Camera::generate`]), the area dx of the picture that shows the area dA of
-//! the surface, and the shading and the geometric normal n_s and n_g: f is that of radiance, and the ratio of cosines
-//! what makes one of power of it ([Veach97](photosite_core::references#veach97) §5.3). The weights w are those of
-//! [`super::mis_ratio`].
+//! with the weight We of the camera's ray ([`Camera::generate`](crate::optics::Camera::generate)), the area dx of the
+//! picture that shows the area dA of the surface, and the shading and the geometric normal n_s and n_g: f is that of
+//! radiance, and the ratio of cosines what makes one of power of it ([Veach97](photosite_core::references#veach97)
+//! §5.3). The weights w are those of [`super::mis_ratio`].
 //!
 //! For each sample of all pixels as many light paths start, with random numbers of their own. What they bring to a
 //! pixel belongs to its sample of that index, so that the variance of samples is that of both together. A path ends at
@@ -24,9 +24,10 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::RenderJob;
+use super::interaction::{leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
+use super::job::RenderJob;
 use super::mis_ratio::{MisRatio, PathVertex, delta_term, light_weight};
-use super::path::{PathLimits, leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
+use super::path::PathLimits;
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::light::LightRay;
 use crate::sampler::{SamplePosition, Sampler};

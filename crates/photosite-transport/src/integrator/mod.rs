@@ -4,19 +4,23 @@
 //!
 //! In: a [`Scene`](crate::scene::Scene), a camera, responses. Out: a [`Film`](crate::film::Film).
 
+mod interaction;
+mod job;
 mod light_paths;
 mod mis_ratio;
 mod path;
 pub mod pilot;
+mod progress;
 mod render;
 mod reuse;
 mod settings;
 mod wavefront;
 mod wavelengths;
 
+pub use job::{FilterTile, RenderJob};
 pub use path::PathLimits;
-pub use pilot::{Pilot, render_with_pilot};
-pub use render::{Listener, RenderJob, Step, render, render_on};
-pub use settings::RenderSettings;
+pub use pilot::Pilot;
+pub use progress::{Listener, Step};
+pub use render::{render, render_on, render_with_pilot};
+pub use settings::{RenderSettings, WavelengthChoice};
 pub use wavefront::radiance;
-pub use wavelengths::{FilterTile, WavelengthChoice};

@@ -7,15 +7,15 @@ mod diffuse_batch;
 use glam::Vec3;
 
 pub(super) use self::diffuse_batch::DiffuseBatch;
+use super::interaction::{leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
 use super::mis_ratio::{MisRatio, PathVertex};
 use super::reuse::{FirstSurface, Location, SecondSurface, Side};
 use crate::bsdf::{Bsdf, BsdfSample, Diffuse};
-use crate::geometry::{Hit, Ray, SurfacePoint, offset, offset_origin};
-use crate::light::{Facing, LightSample, LightSampleContext};
+use crate::geometry::{Hit, Ray, SurfacePoint};
+use crate::light::{LightSample, LightSampleContext};
 use crate::sampler::{SamplePosition, Sampler};
 use crate::scene::{Scene, Shading};
-use photosite_core::math::float::gamma;
-use photosite_core::math::{Pdf, Real, SolidAngle, Vector};
+use photosite_core::math::{Pdf, SolidAngle};
 use photosite_core::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 
 /// The lengths at which paths end and the number of their branches.
@@ -118,15 +118,6 @@ struct Vertex<'a> {
     /// The same in the shading frame.
     wo_local: Vec3,
     ctx: LightSampleContext,
-}
-
-/// The context in which a surface samples lights.
-#[inline]
-pub(super) fn light_sample_context(point: &SurfacePoint, shading: &Shading) -> LightSampleContext {
-    // The shading normal of a surface that only reflects is on the side that it is seen from.
-    let normal = shading.frame.z;
-    let facing = if shading.bsdf.transmits() { Facing::Both(normal) } else { Facing::Front(normal) };
-    LightSampleContext { point: point.position, facing }
 }
 
 impl<'a> Vertex<'a> {
@@ -481,48 +472,4 @@ impl Path {
         let light_pdf = scene.lights().triangle_pdf(light, &ctx, scene.geometry(), point.time, distance, cos);
         pdf.power_heuristic(light_pdf) * self.mis_ratio.mis_weight_bsdf(emission_density, light_pdf.0 / pdf.0)
     }
-}
-
-/// Whether light on its way wi → wo would leak through an opaque surface whose shading normal disagrees with the
-/// geometric one ([Veach97](photosite_core::references#veach97) §5.3). Such light is dropped. Light that a dielectric
-/// reflects or refracts to the wrong side of the surface is kept: both sides scatter light, and it would be missing.
-#[inline]
-pub(super) fn leaks(point: &SurfacePoint, shading: &Shading, wo: Vec3, wi: Vec3, is_transmission: bool) -> bool {
-    let crosses = wo.dot(point.geometric_normal) * wi.dot(point.geometric_normal) < 0.0;
-    crosses != is_transmission && !shading.bsdf.transmits()
-}
-
-#[inline]
-pub(super) fn terminate_secondary(wavelengths: &mut Wavelengths, throughput: &mut SampledSpectrum) {
-    wavelengths.terminate_secondary();
-    *throughput = SampledSpectrum::from([throughput[0], 0.0, 0.0, 0.0]);
-}
-
-/// The ray from a surface point in the unit direction `wi`.
-#[inline]
-pub(super) fn spawn_ray(point: &SurfacePoint, wi: Vec3) -> Ray {
-    Ray::new(offset_origin(point.position, point.error, point.geometric_normal, wi), wi).at_time(point.time)
-}
-
-/// The ray from a surface point to a light: up to just before its surface, or without end.
-#[inline]
-pub(super) fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Vec3)>) -> Ray {
-    let mut ray = spawn_ray(point, wi);
-    if let Some((position, normal)) = light {
-        let target = if normal == Vec3::ZERO {
-            position
-        } else {
-            towards_light(position.into(), normal.into(), wi.into()).into()
-        };
-        ray.direction = target - ray.origin;
-        ray.t_max = 1.0;
-    }
-    ray
-}
-
-/// Where a ray in the unit direction `wi` to a point of a light with this unit normal ends: just before it.
-#[inline(always)]
-fn towards_light<R: Real>(position: Vector<R>, normal: Vector<R>, wi: Vector<R>) -> Vector<R> {
-    // A few roundings lie between the light's corners and its sampled point.
-    offset(position, position.abs() * position.x.broadcast(gamma(8)), normal, -wi)
 }

@@ -24,9 +24,7 @@
 
 use std::ops::ControlFlow;
 
-use super::render::{Listener, MAX_PASS_SAMPLES, RenderJob, Tracer};
 use crate::film::Film;
-use photosite_core::math::hash::hash64;
 
 /// Samples a pixel that the pilot starts with, and that a picture has at least.
 pub const START: u32 = 16;
@@ -37,11 +35,6 @@ pub const SHARE: u32 = 8;
 const MARGIN: f32 = 1.2;
 /// What the pilot of a pixel may grow by between two looks: noise that was seen once may be chance.
 const GROWTH: u32 = 4;
-/// Most samples a pixel in one pass, where few pixels are left.
-const LARGEST_STEP: u32 = 1024;
-/// Tells the random numbers of the pilot from those of the picture.
-const PILOT_SEED: u64 = 0x70_696c_6f74;
-
 /// The samples that tell how many a picture needs.
 #[derive(Clone)]
 pub struct Pilot {
@@ -60,57 +53,8 @@ impl Pilot {
     }
 }
 
-/// Renders until each pixel has the samples that it needs, at most those of the settings, or `step` breaks off. Film
-/// and pilot are empty, or those that `step` was told of when another such render was broken off: the picture becomes
-/// what that would have given. `needed` says how many samples each pixel needs, row by row, as far as a film of the
-/// pilot tells; `None` where that cannot be told, and all pixels get as many as they may.
-pub fn render_with_pilot(
-    job: &RenderJob<'_>,
-    film: &mut Film,
-    pilot: &mut Pilot,
-    needed: &dyn Fn(&Film) -> Option<Vec<f32>>,
-    step: &Listener<'_>,
-) {
-    // A render that is broken off is one of fewer samples: their numbers are those of the clock and the pilot.
-    let _ = trace(job, film, pilot, needed, step);
-}
-
-fn trace(
-    job: &RenderJob<'_>,
-    film: &mut Film,
-    pilot: &mut Pilot,
-    needed: &dyn Fn(&Film) -> Option<Vec<f32>>,
-    step: &Listener<'_>,
-) -> ControlFlow<()> {
-    let (seed, most) = (job.settings.seed, job.settings.samples_per_pixel);
-    let least = START.min(most);
-    let tracer = Tracer::new(job, seed, step);
-    tracer.fill(film, least, |film| tracer.tell(film, Some(pilot), None))?;
-    if least == most {
-        return ControlFlow::Continue(());
-    }
-    let scout = Tracer::new(job, hash64(seed, PILOT_SEED), step);
-    let counts = find_counts(pilot, [least, most], needed, |pilot| {
-        let Pilot { film: known, wanted } = &mut *pilot;
-        let passed = scout.pass(known, &|pixel| wanted[pixel]);
-        tracer.tell(film, Some(pilot), None)?;
-        passed
-    })?;
-    let planned = pilot.film.total() + counts.iter().map(|&count| u64::from(count)).sum::<u64>();
-    let mut level = least;
-    while counts.iter().any(|&count| count > level) {
-        let unfinished = counts.iter().filter(|&&count| count > level).count() as u64;
-        let step = u64::from(MAX_PASS_SAMPLES) * job.pixels() / unfinished;
-        level = level.saturating_add((step as u32).min(LARGEST_STEP)).min(most);
-        let passed = tracer.pass(film, &|pixel| counts[pixel].min(level));
-        tracer.tell(film, Some(pilot), Some(planned))?;
-        passed?;
-    }
-    ControlFlow::Continue(())
-}
-
 /// How many samples each pixel needs, within limits, as found from a pilot that `pass` brings to as many as it wants.
-fn find_counts(
+pub(super) fn find_counts(
     pilot: &mut Pilot,
     [least, most]: [u32; 2],
     needed: &dyn Fn(&Film) -> Option<Vec<f32>>,
@@ -142,7 +86,7 @@ fn find_counts(
 mod tests {
     use super::*;
     use crate::film::{FilmResponses, Response};
-    use photosite_core::math::hash::unit_f32;
+    use photosite_core::math::hash::{hash64, unit_f32};
     use photosite_core::spectrum::{SampledSpectrum, Spectrum, WavelengthSampler};
 
     /// Probability of light in a sample: rare.

@@ -24,7 +24,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::path::shadow_ray;
+use super::interaction::shadow_ray;
 use crate::bsdf::EDGE_ON_COSINE;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light::{Facing, LightSampleContext};

@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use super::WavelengthChoice;
 use crate::sampler::SamplerKind;
 use photosite_core::Invalid;
 
@@ -38,6 +37,25 @@ pub struct RenderSettings {
     pub sampler: SamplerKind,
     /// Seed of light transport and sensor noise.
     pub seed: u64,
+}
+
+/// Whose wavelengths the paths of a pixel carry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WavelengthChoice {
+    /// Those that matter to any filter.
+    AllFilters,
+    /// Mostly those that matter to the filter of the pixel.
+    OwnFilter,
+}
+
+impl WavelengthChoice {
+    /// The name that capture files use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::AllFilters => "all-filters",
+            Self::OwnFilter => "own-filter",
+        }
+    }
 }
 
 /// More than so many paths from one surface are better spent on other samples.

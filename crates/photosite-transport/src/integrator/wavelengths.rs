@@ -21,39 +21,10 @@
 //! where the sensor sees well, p is A as without bands, and at most the part b of all wavelengths goes to where it sees
 //! little.
 
-use super::RenderJob;
+use super::job::{FilterTile, RenderJob};
+use super::settings::WavelengthChoice;
 use crate::film::Response;
 use photosite_core::spectrum::{Spectrum, WavelengthSampler, importance};
-
-/// Whose wavelengths the paths of a pixel carry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WavelengthChoice {
-    /// Those that matter to any filter.
-    AllFilters,
-    /// Mostly those that matter to the filter of the pixel.
-    OwnFilter,
-}
-
-impl WavelengthChoice {
-    /// The name that capture files use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::AllFilters => "all-filters",
-            Self::OwnFilter => "own-filter",
-        }
-    }
-}
-
-/// The filters of a picture's pixels: a tile of them, which repeats.
-#[derive(Clone, Debug)]
-pub struct FilterTile {
-    /// What the sensor makes of each wavelength behind each kind of filter, any unit, not negative.
-    pub responses: Vec<Spectrum>,
-    /// Index of a response for each pixel of the tile, row by row.
-    pub filters: Vec<usize>,
-    /// Columns of the tile.
-    pub width: usize,
-}
 
 /// A sampler of wavelengths for each pixel.
 pub(super) struct PixelWavelengths {

@@ -1,7 +1,7 @@
 //! What a kind of lights without a surface has to say. Rays cannot meet such lights: they are pbrt's delta lights.
 //!
-//! To add a kind: a file with its parameters and [`DeltaModel`]; its row in `light/kind.rs`; its keys and its row in the
-//! tables of capture files, and what the keys mean; its case in `tests/physics/lamps.rs`.
+//! To add a kind: a file with its parameters and [`DeltaModel`]; its row in `light/kind.rs`; its keys and its row in
+//! the tables of capture files, and what the keys mean; its case in `tests/physics/lamps.rs`.
 
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 

@@ -19,14 +19,15 @@ const CUT: f32 = 3.0;
 ///
 ///   w² = w₀² + (z·tan θ)²,
 ///
-/// w₀ the radius of the waist, m, and θ the divergence, half an angle, rad. The irradiance on a plane across the beam is
+/// w₀ the radius of the waist, m, and θ the divergence, half an angle, rad. The irradiance on a plane across the beam
+/// is
 ///
 ///   E = 2Φ/(π·wₓ·w_y)·exp(−2·x²/wₓ² − 2·y²/w_y²),
 ///
-/// and light travels along the straight lines on which x/wₓ and y/w_y stay what they are where the beam is wide, with the
-/// slope of the wavefront x·z·tan²θ/w² ([Siegman86](photosite_core::references#siegman86) §17.1). Two equal axes make a
-/// beam, one that diverges and one that does not a line. Rays know no diffraction: that θ is at least λ/(π·w₀) is left to
-/// who describes the beam.
+/// and light travels along the straight lines on which x/wₓ and y/w_y stay what they are where the beam is wide, with
+/// the slope of the wavefront x·z·tan²θ/w² ([Siegman86](photosite_core::references#siegman86) §17.1). Two equal axes
+/// make a beam, one that diverges and one that does not a line. Rays know no diffraction: that θ is at least λ/(π·w₀)
+/// is left to who describes the beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussianBeam {
     waist: Vec2,

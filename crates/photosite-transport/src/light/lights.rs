@@ -143,7 +143,7 @@ impl Lights {
 
         // Sample in the light's own space, if it moves
         let transform = self.transform_at(light, li.time);
-        let point = transform.map_or(li.point, |transform| transform.to_group.transform_point3(li.point));
+        let point = transform.map_or(li.point, |transform| transform.to_object.transform_point3(li.point));
         let li = &LiContext { point, ..*li };
         let LiSample { radiance, wi, position, pdf, is_delta } = match &self.lights[light as usize] {
             Light::Delta(light) => light.sample_li(u, li),

@@ -4,8 +4,8 @@ use glam::{DVec2, Vec2};
 
 use photosite_core::math::warp;
 
-/// A disk, or a regular polygon inscribed in it, centred on the axis. The f-number is that of the disk: with blades, the same
-/// f-number lets through less.
+/// A disk, or a regular polygon inscribed in it, centred on the axis. The f-number is that of the disk: with blades,
+/// the same f-number lets through less.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Aperture {
     /// Radius of the disk, m.
@@ -36,8 +36,8 @@ impl Aperture {
     ///
     /// For the disk, π·sin²θ' with tan θ' = r/v; for the polygon, Lambert's sum over its edges
     /// ([Baum89](photosite_core::references#baum89)), n·γ/2·sin ψ: from the point an edge is seen under the angle
-    /// γ, and its plane through the point is at the angle ψ to the axis. With the distance a = r·cos(π/n) of the edge from the
-    /// axis and half its length h = r·sin(π/n), γ = 2·atan(h/√(a² + v²)) and sin ψ = a/√(a² + v²).
+    /// γ, and its plane through the point is at the angle ψ to the axis. With the distance a = r·cos(π/n) of the edge
+    /// from the axis and half its length h = r·sin(π/n), γ = 2·atan(h/√(a² + v²)) and sin ψ = a/√(a² + v²).
     pub(super) fn projected_solid_angle(&self, v: f64) -> f64 {
         let (r, v2) = (self.radius, v * v);
         if self.blades == 0 {

@@ -180,8 +180,8 @@ fn illumination_is_told_relative_to_the_axis() {
             let axis = DVec2::new(300.0, 250.0);
             let relative = camera.relative_illumination(axis).expect("light");
             assert!((relative - 1.0).abs() < 1e-12, "{projection:?} {kind:?} {falloff:?}: {relative}");
-            // The mean weight on the axis is the projected solid angle; near the middle of a mirror's picture a radian is
-            // 1/(1 + ξ) of a focal length.
+            // The mean weight on the axis is the projected solid angle; near the middle of a mirror's picture a radian
+            // is 1/(1 + ξ) of a focal length.
             let n: u16 = 200;
             let at = |i: u16| (f32::from(i) + 0.5) / f32::from(n);
             let weight = |i: u16, j: u16| f64::from(camera.generate(axis, [at(i), at(j)]).expect("light").weight);

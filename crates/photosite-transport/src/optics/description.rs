@@ -66,7 +66,8 @@ pub enum Falloff {
     /// The natural cos⁴θ of each aperture point, for a rectilinear lens; what keeps the étendue for any other.
     Cos4,
     /// As on the axis everywhere: E = τ·Ω·(mean radiance over the aperture), with the Ω of
-    /// [`Camera::on_axis_sr`](super::Camera::on_axis_sr), π·sin²θ' of a round aperture, tan θ' = D/2v. Stops still cut off theirs.
+    /// [`Camera::on_axis_sr`](super::Camera::on_axis_sr), π·sin²θ' of a round aperture, tan θ' = D/2v. Stops still cut
+    /// off theirs.
     None,
 }
 

@@ -4,13 +4,14 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
-use super::Camera;
+use super::{Camera, ReachEnd};
+use photosite_core::Invalid;
 
 /// The part of space that the sensor sees through the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldOfView {
-    /// Angle between what is seen at the middle of the left and the right edge, and of the top and the bottom edge, rad;
-    /// `None` where an edge sees nothing.
+    /// Angle between what is seen at the middle of the left and the right edge, and of the top and the bottom edge,
+    /// rad; `None` where an edge sees nothing.
     pub across_rad: [Option<f64>; 2],
     /// Largest angle from the axis that the lens reaches, rad.
     pub reach_rad: f64,
@@ -22,7 +23,7 @@ pub struct FieldOfView {
 }
 
 impl FieldOfView {
-    pub(super) fn new(camera: &Camera) -> Self {
+    fn new(camera: &Camera) -> Self {
         let [width, height] = camera.resolution().map(f64::from);
         let direction_of = |[x, y]: [f64; 2]| camera.seen(DVec2::new(x, y)).map(|seen| seen.direction);
         // Turned from the axis to the right, and upwards.
@@ -52,5 +53,36 @@ impl FieldOfView {
         let distance = |[x, y]: &[f64; 2]| (DVec2::new(*x, *y) - centre).length();
         let blind_px = blind.max_by(|a, b| distance(a).total_cmp(&distance(b)));
         Self { across_rad, reach_rad, radius_px: [low, high], blind_px }
+    }
+}
+
+impl Camera {
+    /// What of the picture is seen, and how far from the axis.
+    pub fn field_of_view(&self) -> FieldOfView {
+        FieldOfView::new(self)
+    }
+
+    /// Refuses a lens whose model ends within the picture, because it folds back over itself or because its picture is
+    /// flat and 90° are not enough; not one whose image circle is smaller than the sensor. The key is that of `[lens]`.
+    pub fn check_coverage(&self) -> Result<(), Invalid> {
+        let what = match self.reach().end {
+            ReachEnd::Sees => return Ok(()),
+            ReachEnd::Folds => "folds back over its own picture",
+            ReachEnd::Flat => "has reached 90° from the axis",
+        };
+        let field = self.field_of_view();
+        let Some([x, y]) = field.blind_px else { return Ok(()) };
+        let from_centre = DVec2::new(x - self.intrinsics().cx, y - self.intrinsics().cy).length();
+        let degrees = self.reach().angle.to_degrees();
+        let message = format!(
+            "the model {what} {:.1} px from the principal point, {degrees:.2}° from the axis, and the sensor goes on to \
+             {from_centre:.1} px at {x:.0}, {y:.0}",
+            field.radius_px[0],
+        );
+        let angle = (degrees * 100.0).floor() / 100.0;
+        Err(Invalid::new("distortion", message).help(format!(
+            "take weaker coefficients, a longer focal length or fewer pixels; or write lens.max_angle_deg = {angle} to \
+             leave black what lies farther out"
+        )))
     }
 }

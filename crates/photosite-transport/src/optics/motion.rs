@@ -37,8 +37,8 @@ impl TimedPose {
 }
 
 impl CameraMotion {
-    /// Through poses, of which there must be two at least, one after the other in finite time. `still` is what the help says
-    /// of what does not move. Keys of errors are within `poses`.
+    /// Through poses, of which there must be two at least, one after the other in finite time. `still` is what the help
+    /// says of what does not move. Keys of errors are within `poses`.
     pub fn through(poses: Vec<TimedPose>, still: &str) -> Result<Self, Invalid> {
         let at = |i: usize, message: String| Invalid::new(format!("poses[{i}].time_s"), message);
         if poses.len() < 2 {
@@ -57,8 +57,9 @@ impl CameraMotion {
     /// Camera → world at the time t, s, of a camera that stands at `start` at time 0:
     ///
     /// - steady: p = p₀ + v·t, R = R₀·exp(\[ω\]ₓ·t);
-    /// - poses: p linearly from one to the next, R on the shortest way at a constant rate ([Shoemake85](photosite_core::references#shoemake85)).
-    ///   They are those of the world, and `start` is not looked at.
+    /// - poses: p linearly from one to the next, R on the shortest way at a constant rate
+    ///   ([Shoemake85](photosite_core::references#shoemake85)). They are those of the world, and `start` is not looked
+    ///   at.
     #[inline]
     pub fn pose(&self, start: &DAffine3, time_s: f64) -> DAffine3 {
         match self {
@@ -98,8 +99,8 @@ mod tests {
         };
         let pose = motion.pose(&start, 0.5);
         assert!((pose.translation - DVec3::Y).length() < 1e-15);
-        // A quarter turn to the left about its own y axis: it looked along +y of the world (−z of its own), and now along
-        // −x, which both have in common.
+        // A quarter turn to the left about its own y axis: it looked along +y of the world (−z of its own), and now
+        // along −x, which both have in common.
         assert!((pose.matrix3 * DVec3::NEG_Z - DVec3::NEG_X).length() < 1e-15, "{}", pose.matrix3);
         assert_eq!(motion.pose(&start, 0.0), start);
     }

@@ -2,8 +2,8 @@
 
 use super::CameraMotion;
 
-/// A picture in whose time the camera or the scene moves: row y sees light from start + n·row time on, for the exposure time, where
-/// n = |y + ½ − first row| − ½ rows come before it.
+/// A picture in whose time the camera or the scene moves: row y sees light from start + n·row time on, for the exposure
+/// time, where n = |y + ½ − first row| − ½ rows come before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     /// How the camera moves; `None` if it stands still.
@@ -28,7 +28,8 @@ impl Recording {
         Self { start_s: self.start_s + f64::from(frames) * self.frame_interval_s, ..self.clone() }
     }
 
-    /// The time, s, of a sample u in [0, 1) of a row's exposure. Rows beyond the picture go on as those at its border do.
+    /// The time, s, of a sample u in [0, 1) of a row's exposure. Rows beyond the picture go on as those at its border
+    /// do.
     #[inline]
     pub fn time_s(&self, row: f64, u: f32) -> f64 {
         let below_first = row + 0.5 - self.first_row;
@@ -36,9 +37,9 @@ impl Recording {
         self.start_s + before * self.row_time_s + f64::from(u) * self.exposure_s
     }
 
-    /// The time, s, halfway between the start of the first row's exposure and the end of the last one's: the time of the
-    /// picture where it has but one. With a global shutter it is the middle of the exposure, with rows one after the other
-    /// that of the middle row.
+    /// The time, s, halfway between the start of the first row's exposure and the end of the last one's: the time of
+    /// the picture where it has but one. With a global shutter it is the middle of the exposure, with rows one after
+    /// the other that of the middle row.
     pub fn middle_s(&self) -> f64 {
         self.start_s + 0.5 * self.duration_s
     }

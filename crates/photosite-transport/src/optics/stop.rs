@@ -1,4 +1,5 @@
-//! Rings that cut off part of the light beside the aperture: mechanical vignetting, and the cat's eyes of blurred lights.
+//! Rings that cut off part of the light beside the aperture: mechanical vignetting, and the cat's eyes of blurred
+//! lights.
 
 use glam::{DVec2, DVec3};
 
@@ -15,8 +16,8 @@ impl Stop {
     /// Whether light passes that comes along `direction` (camera space, from the lens outwards) through a point of the
     /// lens to a point of the sensor, `image_distance_m` behind it.
     ///
-    /// With the lens's radius R, and parallel light at an angle α, what passes is the overlap of two circles of radii R and
-    /// r whose centres are d·tan α apart.
+    /// With the lens's radius R, and parallel light at an angle α, what passes is the overlap of two circles of radii R
+    /// and r whose centres are d·tan α apart.
     #[inline]
     pub(super) fn passes(&self, opening: DVec2, direction: DVec3, sensor: DVec2, image_distance_m: f64) -> bool {
         let at = if self.distance_m >= 0.0 {

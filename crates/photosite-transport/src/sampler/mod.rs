@@ -5,13 +5,15 @@
 //! number of threads. In: those four. Out: numbers in [0, 1).
 
 mod pixel_order;
+mod request_key;
 mod sobol;
 mod window;
 
 pub use pixel_order::PixelOrder;
 
-use self::window::Window;
-use photosite_core::math::hash::{first_half, hash64, hash64_halves, second_half, unit_f32};
+use photosite_core::math::hash::{first_half, hash64, unit_f32};
+use request_key::request_key;
+use window::Window;
 
 /// Random number sequences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,24 +139,6 @@ impl Sampler {
         [unit_f32(bits as u32), unit_f32((bits >> 32) as u32)]
     }
 }
-
-/// A key of its own for each request, the same for all samples of the sequence.
-#[inline]
-fn request_key(sequence_key: u64, dimension: u32) -> u64 {
-    let half = DIMENSIONS.get(dimension as usize).copied();
-    hash64_halves(sequence_key, half.unwrap_or_else(|| second_half(u64::from(dimension))))
-}
-
-/// [`second_half`] of the dimensions that most paths come by.
-static DIMENSIONS: [u64; 64] = {
-    let mut halves = [0; 64];
-    let mut dimension = 0;
-    while dimension < 64 {
-        halves[dimension] = second_half(dimension as u64);
-        dimension += 1;
-    }
-    halves
-};
 
 #[cfg(test)]
 mod tests {

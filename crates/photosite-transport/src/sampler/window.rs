@@ -3,7 +3,8 @@
 //! Samples follow each other, and so do their numbers: those of eight samples of one dimension cost little more than
 //! those of one, eight lanes at a time.
 
-use super::{request_key, sobol};
+use super::request_key::request_key;
+use super::sobol;
 use photosite_core::math::hash::unit_f32;
 use photosite_simd::{Simd, WithSimd, dispatch};
 
@@ -19,7 +20,7 @@ pub(super) struct Window {
     sequence_key: u64,
     /// Of the first sample; a multiple of [`WIDTH`].
     first_index: u32,
-    /// The dimension that each place holds of one number, and of two; none has number 0.
+    /// The dimension that each slot holds of one number, and of two; none has number 0.
     first_of: [u32; KEPT],
     pair_of: [u32; KEPT],
     numbers: [Numbers; KEPT],
@@ -42,21 +43,21 @@ impl Window {
     /// The first number of a sample that is shown, in the order of a request.
     #[inline]
     pub(super) fn first(&mut self, index: u32, dimension: u32) -> f32 {
-        let place = dimension as usize % KEPT;
-        if self.first_of[place] != dimension {
+        let slot = dimension as usize % KEPT;
+        if self.first_of[slot] != dimension {
             self.fill_firsts(dimension);
         }
-        self.numbers[place][0][index as usize % WIDTH]
+        self.numbers[slot][0][index as usize % WIDTH]
     }
 
     /// Both numbers.
     #[inline]
     pub(super) fn both(&mut self, index: u32, dimension: u32) -> [f32; 2] {
-        let place = dimension as usize % KEPT;
-        if self.pair_of[place] != dimension {
+        let slot = dimension as usize % KEPT;
+        if self.pair_of[slot] != dimension {
             self.fill_pairs(dimension);
         }
-        let [firsts, seconds] = &self.numbers[place];
+        let [firsts, seconds] = &self.numbers[slot];
         let lane = index as usize % WIDTH;
         [firsts[lane], seconds[lane]]
     }
@@ -64,18 +65,18 @@ impl Window {
     // Out of the way of those that look numbers up.
     #[inline(never)]
     fn fill_firsts(&mut self, dimension: u32) {
-        let place = dimension as usize % KEPT;
-        self.numbers[place][0] =
+        let slot = dimension as usize % KEPT;
+        self.numbers[slot][0] =
             dispatch(Firsts { first_index: self.first_index, key: request_key(self.sequence_key, dimension) });
-        (self.first_of[place], self.pair_of[place]) = (dimension, 0);
+        (self.first_of[slot], self.pair_of[slot]) = (dimension, 0);
     }
 
     #[inline(never)]
     fn fill_pairs(&mut self, dimension: u32) {
-        let place = dimension as usize % KEPT;
-        self.numbers[place] =
+        let slot = dimension as usize % KEPT;
+        self.numbers[slot] =
             dispatch(Pairs { first_index: self.first_index, key: request_key(self.sequence_key, dimension) });
-        (self.first_of[place], self.pair_of[place]) = (dimension, dimension);
+        (self.first_of[slot], self.pair_of[slot]) = (dimension, dimension);
     }
 }
 

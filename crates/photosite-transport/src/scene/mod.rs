@@ -6,6 +6,7 @@
 
 mod build;
 pub mod description;
+mod layout;
 mod material;
 mod shading;
 pub mod spectral_coverage;
@@ -19,7 +20,9 @@ pub use material::{
 pub use shading::Shading;
 
 use crate::bsdf::{Mix, Model, SceneTraits};
-use crate::geometry::{self, Accel, AcceptAll, Geometry, Hit, HitFilter, Place, Primitive, Ray, SurfacePoint};
+use crate::geometry::{
+    self, Accel, AcceptAll, Geometry, Hit, HitFilter, InstanceTransform, Primitive, Ray, SurfacePoint,
+};
 use crate::light::{
     Choice, LiContext, LightRay, LightSample, LightSampleContext, Lights, SurfaceEmission, Tint, TriangleLight,
 };
@@ -53,9 +56,9 @@ pub struct Scene {
 struct InstanceTable {
     /// Of meshes that stand in world space: the instance, for each mesh of the geometry up to the last of these.
     of_mesh: Vec<u32>,
-    /// Of the placements: `None` for the one in world space.
-    of_placement: Vec<Option<u32>>,
-    /// The mesh of the geometry that each instance has, and its placement.
+    /// Of the instances of the geometry: `None` for the one in world space.
+    of_instance: Vec<Option<u32>>,
+    /// The mesh of the geometry that each instance has, and its instance there.
     surfaces: Vec<[u32; 2]>,
 }
 
@@ -148,7 +151,7 @@ impl Scene {
     /// Index of the instance that was hit, in the description that the scene was built from.
     pub fn instance(&self, hit: &Hit) -> u32 {
         let mesh = self.geometry.mesh_of(hit.primitive);
-        self.instances.of_placement[hit.placement as usize].unwrap_or_else(|| self.instances.of_mesh[mesh as usize])
+        self.instances.of_instance[hit.instance as usize].unwrap_or_else(|| self.instances.of_mesh[mesh as usize])
     }
 
     /// The same point of the same surface in another scene, whose description has the same
@@ -158,10 +161,10 @@ impl Scene {
         if std::ptr::eq(self, other) {
             return Some(*hit);
         }
-        let &[mesh, placement] = other.instances.surfaces.get(self.instance(hit) as usize)?;
+        let &[mesh, instance] = other.instances.surfaces.get(self.instance(hit) as usize)?;
         let range = other.geometry.meshes.get(mesh as usize)?;
         let Primitive::Triangle(triangle) = hit.primitive else {
-            return Some(Hit { primitive: Primitive::Quadric(range.quadric?), placement, ..*hit });
+            return Some(Hit { primitive: Primitive::Quadric(range.quadric?), instance, ..*hit });
         };
         let own = self.geometry.triangles[triangle as usize];
         let number = triangle - self.geometry.meshes[own.mesh as usize].first_triangle;
@@ -171,7 +174,7 @@ impl Scene {
         let is_turned = second(own) != second(other.geometry.triangles[triangle as usize]);
         let [b1, b2] = hit.uv;
         let uv = if is_turned { [b2, b1] } else { [b1, b2] };
-        Some(Hit { t: hit.t, uv, primitive: Primitive::Triangle(triangle), placement })
+        Some(Hit { t: hit.t, uv, primitive: Primitive::Triangle(triangle), instance })
     }
 
     /// Radiance that a surface point emits towards the unit direction `wo`.
@@ -222,7 +225,8 @@ impl Scene {
     #[inline]
     pub(crate) fn diffuse_surface(&self, hit: &Hit) -> Option<ColourSource> {
         let mesh = self.geometry.mesh_of(hit.primitive);
-        let stands_in_world = matches!(self.accel.placements()[hit.placement as usize].place, Place::World);
+        let stands_in_world =
+            matches!(self.accel.instances()[hit.instance as usize].transform, InstanceTransform::World);
         self.diffuse[mesh as usize].filter(|_| stands_in_world)
     }
 

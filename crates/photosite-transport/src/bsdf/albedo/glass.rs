@@ -6,8 +6,8 @@ use glam::{Vec2, Vec3};
 
 use super::grid::{Grid, GridRow, locate, mix, node};
 use super::{Azimuthal, LATTICE, from_cosine, lattice_mean};
-use crate::bsdf::dielectric;
 use crate::bsdf::microfacet::Ggx;
+use crate::bsdf::refraction::bounce;
 
 /// Tabulated indices: from 1 to this, even in √(n − 1), since total reflection sets in at the cosine √(n² − 1)/n.
 const LARGEST_INDEX: f32 = 3.0;
@@ -46,15 +46,15 @@ impl GlassRow {
     /// For the index `eta` of the far side over the near one.
     #[inline]
     pub(in crate::bsdf) fn of(eta: f32, distribution: Ggx) -> Self {
-        let place = place(eta);
+        let position = position(eta);
         let [x, y] = distribution.alpha();
         let facets = if x == y {
             let table = isotropic();
-            let (i, fraction) = locate(place, INDICES);
+            let (i, fraction) = locate(position, INDICES);
             Facets::Isotropic { below: table[i].row(x), above: table[i + 1].row(x), fraction }
         } else {
-            let places = [
-                locate(place, ANISOTROPIC_INDICES),
+            let positions = [
+                locate(position, ANISOTROPIC_INDICES),
                 locate(x.sqrt(), ANISOTROPIC_ALPHAS),
                 locate(y.sqrt(), ANISOTROPIC_ALPHAS),
             ];
@@ -62,7 +62,7 @@ impl GlassRow {
             Facets::Anisotropic(std::array::from_fn(|corner| {
                 let mut weight = 1.0;
                 let [n, i, j] = std::array::from_fn(|axis| {
-                    let (node, fraction) = places[axis];
+                    let (node, fraction) = positions[axis];
                     let up = corner >> axis & 1;
                     weight *= if up == 1 { fraction } else { 1.0 - fraction };
                     node + up
@@ -109,7 +109,7 @@ impl GlassRow {
 
 /// Where an index, or its inverse, lies among the tabulated ones, 0–1.
 #[inline]
-pub(super) fn place(eta: f32) -> f32 {
+pub(super) fn position(eta: f32) -> f32 {
     let index = if eta < 1.0 { 1.0 / eta } else { eta };
     ((index - 1.0) / (LARGEST_INDEX - 1.0)).max(0.0).sqrt()
 }
@@ -124,7 +124,7 @@ fn bounced(eta: f32, distribution: Ggx, wo: Vec3, turn: f32, lattice: (usize, us
     if distribution.is_smooth() {
         return Vec2::ONE;
     }
-    let mean = |eta| lattice_mean(turn, lattice, |u| dielectric::bounce(eta, distribution, wo, u).power());
+    let mean = |eta| lattice_mean(turn, lattice, |u| bounce(eta, distribution, wo, u).power());
     Vec2::new(mean(eta), mean(1.0 / eta))
 }
 

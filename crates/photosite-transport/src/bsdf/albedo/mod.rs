@@ -17,8 +17,8 @@ use std::sync::OnceLock;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::fresnel::schlick_weight;
-use super::layered::sheen;
 use super::microfacet::Ggx;
+use super::sheen;
 pub(super) use glass::GlassRow;
 pub(super) use grid::node;
 use grid::{Grid, GridRow, cosine_mean, locate, mix};

@@ -7,11 +7,11 @@
 
 use std::sync::OnceLock;
 
-use super::glass::{ALPHAS, INDICES, MUS, index, place};
+use super::glass::{ALPHAS, INDICES, MUS, index, position};
 use super::grid::{Grid, GridRow, locate, mix};
 use super::{FilmWeights, LATTICE, from_cosine, lattice_mean};
-use crate::bsdf::dielectric;
 use crate::bsdf::microfacet::Ggx;
+use crate::bsdf::refraction::bounce;
 
 /// Wⱼ for light at the cosine `mu`, above facets over an index of `eta`.
 fn weights(eta: f32, distribution: Ggx, mu: f32) -> FilmWeights {
@@ -20,7 +20,7 @@ fn weights(eta: f32, distribution: Ggx, mu: f32) -> FilmWeights {
         return none;
     }
     lattice_mean(0.5, LATTICE, |u| {
-        let bounce = dielectric::bounce(eta, distribution, from_cosine(mu), u);
+        let bounce = bounce(eta, distribution, from_cosine(mu), u);
         let cos_transmitted = bounce.interface.cos_transmitted;
         if cos_transmitted <= 0.0 {
             return none;
@@ -43,7 +43,7 @@ impl FilmGlassRow {
     /// For the index `eta` of the far side over the near one.
     #[inline]
     pub(in crate::bsdf) fn of(eta: f32, distribution: Ggx) -> Self {
-        let (i, fraction) = locate(place(eta), INDICES);
+        let (i, fraction) = locate(position(eta), INDICES);
         let alpha = distribution.mean_alpha();
         let rows = table().each_ref().map(|side| [side[i].row(alpha), side[i + 1].row(alpha)]);
         Self { rows, fraction, far_is_rarer: eta < 1.0 }
@@ -102,7 +102,7 @@ mod tests {
                                 .map(|j| change(node(j, FILM_NODES)) * row.directional(mu)[side].at(j))
                                 .sum();
                             let fine = lattice_mean(0.5, (6765, 4181), |u| {
-                                let bounce = dielectric::bounce(eta, ggx, from_cosine(mu), u);
+                                let bounce = bounce(eta, ggx, from_cosine(mu), u);
                                 let cos = bounce.interface.cos_transmitted;
                                 let outside = if eta > 1.0 { bounce.cos_o } else { cos };
                                 if cos > 0.0 { change(outside) * (bounce.reflected - bounce.refracted) } else { 0.0 }

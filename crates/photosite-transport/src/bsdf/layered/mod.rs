@@ -15,7 +15,7 @@
 //!
 //! - coat c·F(0.04)·k_c, sheen s·D·G/(4·cos θₒ·cos θᵢ) below the coat, facets F·k below both;
 //! - clear and thin: (1 − F)·base·k with `wi` mirrored back to the side of `wo` (`transmission`, "Transmission BTDF");
-//! - clear with a volume behind: F and refraction of a rough interface (`dielectric`), with the exact
+//! - clear with a volume behind: F and refraction of a rough interface (`refraction`), with the exact
 //!   Fresnel factor in place of Schlick's weight, since there is total reflection from inside.
 //!
 //! **Layers.** What lies under a layer of directional albedo E is multiplied by 1 − max(E(wo), E(wi)), the reciprocal
@@ -42,135 +42,25 @@
 //! is not reciprocal, as no mapped normal is. Facets that refract give back up to 4 % too much or too little where they
 //! are anisotropic, as exact as their table is.
 
-pub(super) mod sheen;
+mod layers;
 mod thin_film;
 mod view;
 
 use glam::Vec3;
 
-pub use thin_film::ThinFilm;
-
-use super::dielectric::{self, mirrored};
-use super::microfacet::Ggx;
-use super::model::Traits;
-use super::{BsdfEval, BsdfSample, is_grazing};
-use photosite_core::spectrum::SampledSpectrum;
+use super::directions::{is_grazing, mirrored};
+use super::lobe::Traits;
+use super::refraction;
+use super::sample::{BsdfEval, BsdfSample};
 use view::View;
 
-/// The layers at one point of a surface. The default is glTF's: white, not metallic, polished, of index 1.5.
-#[derive(Clone, Copy, Debug)]
-pub struct Layered {
-    /// 0–1: F₀ of the metal, ρ of the coloured base, tint of transmission.
-    pub base_colour: SampledSpectrum,
-    /// 0 no metal, 1 metal.
-    pub metallic: f32,
-    /// Roughness of the facets.
-    pub distribution: Ggx,
-    /// Weight of the facets' reflection where there is no metal, 0–1 (`specular`).
-    pub specular: f32,
-    /// Their reflectance at normal incidence, 0–1.
-    pub f0: SampledSpectrum,
-    /// The part of the light let in that goes straight on or is refracted, 0–1.
-    pub transmission: f32,
-    /// What is behind the surface, if it bounds a volume that light gets into by transmission.
-    pub volume: Option<Volume>,
-    /// The part of the other light let in that comes out behind, 0–1.
-    pub diffuse_transmission: f32,
-    /// Its colour, 0–1.
-    pub diffuse_transmission_colour: SampledSpectrum,
-    /// A thin film on the facets.
-    pub film: Option<ThinFilm>,
-    /// Fibres.
-    pub sheen: Option<Sheen>,
-    /// Varnish over all.
-    pub coat: Option<Coat>,
-}
-
-/// A clear medium on the side that +Z points away from.
-#[derive(Clone, Copy, Debug)]
-pub struct Volume {
-    /// n_inside/n_outside. Equal in all lanes unless dispersive.
-    pub eta: SampledSpectrum,
-    /// Whether the index depends on wavelength.
-    pub dispersive: bool,
-}
-
-/// Fibres that stand on a surface.
-#[derive(Clone, Copy, Debug)]
-pub struct Sheen {
-    /// 0–1.
-    pub colour: SampledSpectrum,
-    /// roughness².
-    pub alpha: f32,
-}
-
-/// A clear coat of index 1.5.
-#[derive(Clone, Copy, Debug)]
-pub struct Coat {
-    /// 0–1.
-    pub weight: f32,
-    /// Its roughness, isotropic.
-    pub distribution: Ggx,
-    /// Its unit normal in the local frame.
-    pub normal: Vec3,
-}
-
-impl Default for Layered {
-    fn default() -> Self {
-        Self {
-            base_colour: SampledSpectrum::ONE,
-            metallic: 0.0,
-            distribution: Ggx::SMOOTH,
-            specular: 1.0,
-            f0: SampledSpectrum::splat(0.04),
-            transmission: 0.0,
-            volume: None,
-            diffuse_transmission: 0.0,
-            diffuse_transmission_colour: SampledSpectrum::ONE,
-            film: None,
-            sheen: None,
-            coat: None,
-        }
-    }
-}
+pub use layers::{Coat, Layered, Sheen, Volume};
+pub use thin_film::ThinFilm;
 
 impl Layered {
-    /// The parts of the base: metal, coloured, clear.
-    #[inline]
-    fn parts(&self) -> [f32; 3] {
-        let other = 1.0 - self.metallic;
-        [self.metallic, other * (1.0 - self.transmission), other * self.transmission]
-    }
-
-    /// The volume behind, where light gets into it by refraction.
-    #[inline]
-    fn refracting(&self) -> Option<Volume> {
-        self.volume.filter(|_| self.transmission > 0.0)
-    }
-
-    /// Whether both sides are alike.
-    #[inline]
-    pub fn is_two_sided(&self) -> bool {
-        self.refracting().is_none()
-    }
-
-    #[inline]
-    fn transmits(&self) -> bool {
-        self.metallic < 1.0 && (self.transmission > 0.0 || self.diffuse_transmission > 0.0)
-    }
-
-    #[inline]
-    fn is_delta(&self) -> bool {
-        let [_, coloured, _] = self.parts();
-        self.distribution.is_smooth()
-            && coloured == 0.0
-            && self.sheen.is_none()
-            && self.coat.is_none_or(|coat| coat.distribution.is_smooth())
-    }
-
     #[inline]
     pub(super) fn traits(&self) -> Traits {
-        let refracts_smoothly = |volume: Volume| dielectric::is_delta(volume.eta, self.distribution);
+        let refracts_smoothly = |volume: Volume| refraction::is_delta(volume.eta, self.distribution);
         Traits {
             has_lobes: true,
             transmits: self.transmits(),

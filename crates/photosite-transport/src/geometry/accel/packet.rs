@@ -1,13 +1,13 @@
-//! Packets: rays that run close together, such as those of a pixel or those to a small lamp, go through the hierarchy as one. A beam
-//! around them finds the boxes that some of them may enter, and each of these boxes is tested against all of them, a ray in each
-//! lane. Rays of a camera take half the time that they take alone, or interleaved in a mesh of 1.3 million triangles; whole renders
-//! are 1.03 to 1.06 times as fast.
+//! Packets: rays that run close together, such as those of a pixel or those to a small lamp, go through the hierarchy
+//! as one. A beam around them finds the boxes that some of them may enter, and each of these boxes is tested against
+//! all of them, a ray in each lane. Rays of a camera take half the time that they take alone, or interleaved in a mesh
+//! of 1.3 million triangles; whole renders are 1.03 to 1.06 times as fast.
 
 use std::ops::Range;
 
 use super::leaf::Leaf;
 use super::query::{Query, RayQuery};
-use super::{HitFilter, TriangleBvh};
+use super::{HitFilter, PrimitiveBvh};
 use crate::geometry::Ray;
 use crate::geometry::triangle_block::ShearedRay;
 use crate::geometry::wide_bvh::Child;
@@ -20,7 +20,7 @@ use photosite_simd::{LaneMask, MAX_LANES, Simd, WideLanes, prefetch};
 const GROUP: usize = MAX_LANES;
 
 /// Runs of consecutive rays, each with whether they are coherent.
-pub(super) fn coherent_runs(bvh: &TriangleBvh<1>, rays: &[Ray]) -> impl Iterator<Item = (Range<usize>, bool)> {
+pub(super) fn coherent_runs(bvh: &PrimitiveBvh<1>, rays: &[Ray]) -> impl Iterator<Item = (Range<usize>, bool)> {
     let (low, high) = bvh.bounds;
     let max_distance = (high - low).length() * PACKET_MAX_DISTANCE;
     let mut groups = rays.chunks(GROUP).map(move |rays| are_coherent(rays, max_distance)).peekable();
@@ -37,8 +37,8 @@ pub(super) fn coherent_runs(bvh: &TriangleBvh<1>, rays: &[Ray]) -> impl Iterator
     })
 }
 
-/// Whether a full group of rays begin near the first of them and run in nearly its direction, none of them along a plane between two
-/// axes.
+/// Whether a full group of rays begin near the first of them and run in nearly its direction, none of them along a
+/// plane between two axes.
 fn are_coherent(rays: &[Ray], max_distance: f32) -> bool {
     let Ray { origin, direction: first, .. } = rays[0];
     let min_squared = PACKET_MIN_COSINE_SQUARED * first.length_squared();
@@ -57,7 +57,7 @@ fn are_coherent(rays: &[Ray], max_distance: f32) -> bool {
 #[inline(always)]
 pub(super) fn trace_packets<'a, S: Simd, Q: RayQuery<'a, F>, F: HitFilter>(
     simd: S,
-    bvh: &TriangleBvh<1>,
+    bvh: &PrimitiveBvh<1>,
     rays: &'a [Ray],
     filter: &'a F,
     answers: &mut [Q::Answer],
@@ -131,7 +131,7 @@ impl<S: Simd, Q: Query> Packet<S, Q> {
 
     /// Visits the next node or leaf; returns whether there was one.
     #[inline(always)]
-    fn step(&mut self, bvh: &TriangleBvh<1>) -> bool {
+    fn step(&mut self, bvh: &PrimitiveBvh<1>) -> bool {
         let reach = beyond_rounding(self.simd.load_wide(&self.t_max));
         while let Some(Visit { child, rays, near, .. }) = self.stack.pop() {
             // Rays that have been shortened since no longer enter it.
@@ -150,7 +150,7 @@ impl<S: Simd, Q: Query> Packet<S, Q> {
 
     /// Tests the triangles of a leaf against one ray after the other: eight triangles fill the lanes.
     #[inline(always)]
-    fn visit_leaf(&mut self, bvh: &TriangleBvh<1>, leaf: u32, mut rays: u32) {
+    fn visit_leaf(&mut self, bvh: &PrimitiveBvh<1>, leaf: u32, mut rays: u32) {
         let leaf = Leaf::of_number(leaf);
         while rays != 0 {
             let lane = rays.trailing_zeros() as usize % MAX_LANES;
@@ -177,7 +177,7 @@ impl<S: Simd, Q: Query> Packet<S, Q> {
 
     /// Finds the children that the rays enter and puts them on the stack, the nearest last.
     #[inline(always)]
-    fn visit_node(&mut self, bvh: &TriangleBvh<1>, node: Child, rays: u32, reach: S::Wide) {
+    fn visit_node(&mut self, bvh: &PrimitiveBvh<1>, node: Child, rays: u32, reach: S::Wide) {
         let node = bvh.bvh.node(node);
         let first = rays.trailing_zeros() as usize % MAX_LANES;
         let children = self.stack.len();
@@ -243,12 +243,12 @@ mod tests {
         accel.occluded_each(rays, filter, &mut occluded);
         assert_eq!(hits, alone, "{what}");
         assert_eq!(occluded, is_occluded, "{what}");
-        let group = accel.single_bvh().expect("one group");
-        for (run, _) in coherent_runs(group, rays).filter(|&(_, is_close)| is_close) {
+        let bvh = accel.single_bvh().expect("one hierarchy");
+        for (run, _) in coherent_runs(bvh, rays).filter(|&(_, is_close)| is_close) {
             let (alone, is_occluded) = (&alone[run.clone()], &is_occluded[run.clone()]);
             let (mut hits, mut occluded) = (vec![None; run.len()], vec![false; run.len()]);
-            trace_packets::<_, Closest<_>, F>(Portable, group, &rays[run.clone()], filter, &mut hits);
-            trace_packets::<_, Occluded<_>, F>(Portable, group, &rays[run], filter, &mut occluded);
+            trace_packets::<_, Closest<_>, F>(Portable, bvh, &rays[run.clone()], filter, &mut hits);
+            trace_packets::<_, Occluded<_>, F>(Portable, bvh, &rays[run], filter, &mut occluded);
             assert_eq!(hits, alone, "{what}, portable");
             assert_eq!(occluded, is_occluded, "{what}, portable");
         }
@@ -272,9 +272,9 @@ mod tests {
                 let rays = rays(&mut numbers, count);
                 let hits = compare(&accel, &rays, &AcceptAll, what);
                 compare(&accel, &rays, &Sieve, what);
-                let group = accel.single_bvh().expect("one group");
+                let bvh = accel.single_bvh().expect("one hierarchy");
                 let close: usize =
-                    coherent_runs(group, &rays).filter(|(_, is_close)| *is_close).map(|(run, _)| run.len()).sum();
+                    coherent_runs(bvh, &rays).filter(|(_, is_close)| *is_close).map(|(run, _)| run.len()).sum();
                 let is_mixed = (1000..4500).contains(&close) && hits > 1000;
                 assert!(count < 5000 || is_mixed, "{what}: {close} close of {count}, {hits} hits");
             }
@@ -284,7 +284,7 @@ mod tests {
     #[test]
     fn runs_are_all_rays_in_their_order() {
         let accel = in_world(&geometry(&[[Vec3::ZERO, Vec3::X, Vec3::Y]]));
-        let group = accel.single_bvh().expect("one group");
+        let bvh = accel.single_bvh().expect("one hierarchy");
         let along = |direction: Vec3| vec![Ray::new(Vec3::ZERO, direction); GROUP];
         let (forward, right) = (Vec3::new(0.1, 0.2, 1.0), Vec3::new(1.0, 0.2, 0.1));
         let (mut wild, mut elsewhere) = (along(forward), along(forward));
@@ -294,9 +294,9 @@ mod tests {
         through_zero[3].direction.x = -1e-4;
         let all =
             [along(forward), along(right), wild, elsewhere, along(Vec3::X), through_zero, along(-forward)].concat();
-        let found: Vec<_> = coherent_runs(group, &all[..all.len() - 1]).collect();
+        let found: Vec<_> = coherent_runs(bvh, &all[..all.len() - 1]).collect();
         assert_eq!(found, [(0..32, true), (32..111, false)]);
-        assert_eq!(coherent_runs(group, &all).last(), Some((96..112, true)));
-        assert_eq!(coherent_runs(group, &[]).next(), None);
+        assert_eq!(coherent_runs(bvh, &all).last(), Some((96..112, true)));
+        assert_eq!(coherent_runs(bvh, &[]).next(), None);
     }
 }

@@ -15,9 +15,9 @@ pub(in crate::geometry) trait Query {
     type Answer;
 
     /// Takes the hits in a block of triangles; may shorten the ray. Returns whether the query has ended.
-    fn on_hits(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool;
+    fn on_hits(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, instance: u32, t_max: &mut f32) -> bool;
     /// Intersects a quadric, likewise.
-    fn on_quadric(&mut self, id: u32, quadric: &Quadric, placement: u32, t_max: &mut f32) -> bool;
+    fn on_quadric(&mut self, id: u32, quadric: &Quadric, instance: u32, t_max: &mut f32) -> bool;
     /// The result of a query that has ended, or of one that has visited everything.
     fn answer(&self, has_ended: bool) -> Self::Answer;
 }
@@ -60,7 +60,7 @@ impl<F: HitFilter> Query for Closest<'_, F> {
     type Answer = Option<Hit>;
 
     #[inline(always)]
-    fn on_hits(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, placement: u32, t_max: &mut f32) -> bool {
+    fn on_hits(&mut self, ids: &[u32; BLOCK_SIZE], hits: &BlockHits, instance: u32, t_max: &mut f32) -> bool {
         let mut mask = hits.mask;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
@@ -70,7 +70,7 @@ impl<F: HitFilter> Query for Closest<'_, F> {
                 let uv = hits.barycentric(lane);
                 if self.filter.accept(primitive, uv, self.ray) {
                     *t_max = t;
-                    self.nearest = Some(Hit { t, uv, primitive, placement });
+                    self.nearest = Some(Hit { t, uv, primitive, instance });
                 }
             }
         }
@@ -78,13 +78,13 @@ impl<F: HitFilter> Query for Closest<'_, F> {
     }
 
     #[inline(never)]
-    fn on_quadric(&mut self, id: u32, quadric: &Quadric, placement: u32, t_max: &mut f32) -> bool {
+    fn on_quadric(&mut self, id: u32, quadric: &Quadric, instance: u32, t_max: &mut f32) -> bool {
         let primitive = Primitive::Quadric(id);
         let is_nearer = |t| self.is_nearer(t, primitive, *t_max);
         let hit = intersect_quadric(quadric, self.ray, is_nearer, |uv| self.filter.accept(primitive, uv, self.ray));
         if let Some((t, uv)) = hit {
             *t_max = t;
-            self.nearest = Some(Hit { t, uv, primitive, placement });
+            self.nearest = Some(Hit { t, uv, primitive, instance });
         }
         false
     }

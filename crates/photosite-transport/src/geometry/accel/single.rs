@@ -1,8 +1,9 @@
-//! One ray on its way from the root to the triangles: through the placements, into their groups, down to the blocks.
+//! One ray on its way from the root to the triangles: through the instances, into their hierarchies, down to the
+//! blocks.
 
 use super::leaf::Leaf;
 use super::query::Query;
-use super::{Accel, Group, Placement, TopLevel, TriangleBvh};
+use super::{Accel, Blas, Instance, PrimitiveBvh, Tlas};
 use crate::geometry::Ray;
 use crate::geometry::mesh::segment;
 use crate::geometry::triangle_block::ShearedRay;
@@ -19,7 +20,7 @@ impl Accel {
                 None => false,
             },
             Some(top) => {
-                let mut visitor = PlacementVisitor { accel: self, top, ray, query: &mut query };
+                let mut visitor = InstanceVisitor { accel: self, top, ray, query: &mut query };
                 top.bvh.traverse(simd, ray.origin, ray.direction, &mut { ray.t_max }, &mut visitor)
             }
         };
@@ -28,44 +29,44 @@ impl Accel {
 
     /// The only hierarchy, where everything keeps its shape and stands in world space.
     #[inline(always)]
-    pub(super) fn single_bvh(&self) -> Option<&TriangleBvh<1>> {
-        let (None, Some(placement)) = (&self.top, self.placements.first()) else { return None };
-        match &self.groups[placement.group as usize] {
-            Group::Rigid(bvh) => Some(bvh),
-            Group::Deforming(_) => None,
+    pub(super) fn single_bvh(&self) -> Option<&PrimitiveBvh<1>> {
+        let (None, Some(instance)) = (&self.top, self.instances.first()) else { return None };
+        match &self.blas[instance.blas as usize] {
+            Blas::Rigid(bvh) => Some(bvh),
+            Blas::Deforming(_) => None,
         }
     }
 
-    /// The group of a placement, and a ray in its space.
+    /// The hierarchy of an instance, and a ray in its space.
     #[inline(always)]
-    pub(super) fn in_group(&self, placement: u32, ray: &Ray) -> (&Group, Ray) {
-        let Placement { group, place } = &self.placements[placement as usize];
+    pub(super) fn local_ray(&self, instance: u32, ray: &Ray) -> (&Blas, Ray) {
+        let Instance { blas, transform } = &self.instances[instance as usize];
         let mut local = *ray;
-        if let Some(transform) = place.at(ray.time) {
-            local.origin = transform.to_group.transform_point3(ray.origin);
-            local.direction = transform.to_group.transform_vector3(ray.direction);
+        if let Some(transform) = transform.at(ray.time) {
+            local.origin = transform.to_object.transform_point3(ray.origin);
+            local.direction = transform.to_object.transform_vector3(ray.direction);
         }
-        (&self.groups[*group as usize], local)
+        (&self.blas[*blas as usize], local)
     }
 }
 
-/// Takes a query from the leaves over the placements into the placements' groups.
-struct PlacementVisitor<'a, Q> {
+/// Takes a query from the leaves over the instances into the instances' blas.
+struct InstanceVisitor<'a, Q> {
     accel: &'a Accel,
-    top: &'a TopLevel,
+    top: &'a Tlas,
     ray: &'a Ray,
     query: &'a mut Q,
 }
 
-impl<Q: Query> LeafVisitor for PlacementVisitor<'_, Q> {
+impl<Q: Query> LeafVisitor for InstanceVisitor<'_, Q> {
     const ANY_ORDER: bool = Q::ANY_ORDER;
 
     #[inline(always)]
     fn visit<S: Simd>(&mut self, simd: S, leaf: u32, t_max: &mut f32) -> bool {
-        for &placement in &self.top.leaves[leaf as usize] {
-            let Some(placement) = placement else { break };
-            let (group, local) = self.accel.in_group(placement, self.ray);
-            if group.traverse(simd, placement, &local, t_max, self.query) {
+        for &instance in &self.top.leaves[leaf as usize] {
+            let Some(instance) = instance else { break };
+            let (blas, local) = self.accel.local_ray(instance, self.ray);
+            if blas.traverse(simd, instance, &local, t_max, self.query) {
                 return true;
             }
         }
@@ -76,13 +77,13 @@ impl<Q: Query> LeafVisitor for PlacementVisitor<'_, Q> {
     fn prefetch(&self, _: u32) {}
 }
 
-/// Takes a query from the leaves of a group to their primitives.
+/// Takes a query from the leaves of a hierarchy to their primitives.
 pub(super) struct PrimitiveVisitor<'a, Q, const SHAPES: usize> {
-    pub(super) bvh: &'a TriangleBvh<SHAPES>,
+    pub(super) bvh: &'a PrimitiveBvh<SHAPES>,
     /// Position of the ray's time between two shapes, from 0 to 1.
     pub(super) part: f32,
     pub(super) sheared: &'a ShearedRay,
-    pub(super) placement: u32,
+    pub(super) instance: u32,
     pub(super) query: &'a mut Q,
 }
 
@@ -95,13 +96,13 @@ impl<Q: Query, const SHAPES: usize> LeafVisitor for PrimitiveVisitor<'_, Q, SHAP
             Leaf::Triangles(block) => {
                 let block = &self.bvh.blocks[block as usize];
                 match block.intersect(simd, self.sheared, self.part, *t_max) {
-                    Some(hits) => self.query.on_hits(&block.ids, &hits, self.placement, t_max),
+                    Some(hits) => self.query.on_hits(&block.ids, &hits, self.instance, t_max),
                     None => false,
                 }
             }
             Leaf::Quadric(quadric) => {
                 let (id, quadric) = &self.bvh.quadrics[quadric as usize];
-                self.query.on_quadric(*id, quadric, self.placement, t_max)
+                self.query.on_quadric(*id, quadric, self.instance, t_max)
             }
         }
     }
@@ -112,22 +113,22 @@ impl<Q: Query, const SHAPES: usize> LeafVisitor for PrimitiveVisitor<'_, Q, SHAP
     }
 }
 
-impl Group {
-    /// Traces a ray in the group's space; `t_max` is shortened to the nearest hit that the query keeps. Returns whether the query
-    /// has ended.
+impl Blas {
+    /// Traces a ray in the space of the hierarchy; `t_max` is shortened to the nearest hit that the query keeps.
+    /// Returns whether the query has ended.
     #[inline(always)]
-    fn traverse<S: Simd, Q: Query>(&self, simd: S, placement: u32, ray: &Ray, t_max: &mut f32, query: &mut Q) -> bool {
+    fn traverse<S: Simd, Q: Query>(&self, simd: S, instance: u32, ray: &Ray, t_max: &mut f32, query: &mut Q) -> bool {
         match self {
-            Self::Rigid(bvh) => bvh.traverse(simd, placement, ray, 0.0, t_max, query),
+            Self::Rigid(bvh) => bvh.traverse(simd, instance, ray, 0.0, t_max, query),
             Self::Deforming(parts) => {
                 let (index, part) = segment(ray.time, parts.len());
-                parts[index].traverse(simd, placement, ray, part, t_max, query)
+                parts[index].traverse(simd, instance, ray, part, t_max, query)
             }
         }
     }
 }
 
-impl<const SHAPES: usize> TriangleBvh<SHAPES> {
+impl<const SHAPES: usize> PrimitiveBvh<SHAPES> {
     /// Asks the memory for a leaf.
     #[inline(always)]
     pub(super) fn prefetch(&self, leaf: u32) {
@@ -142,14 +143,14 @@ impl<const SHAPES: usize> TriangleBvh<SHAPES> {
     fn traverse<S: Simd, Q: Query>(
         &self,
         simd: S,
-        placement: u32,
+        instance: u32,
         ray: &Ray,
         part: f32,
         t_max: &mut f32,
         query: &mut Q,
     ) -> bool {
         let sheared = ShearedRay::new(ray.origin, ray.direction);
-        let mut visitor = PrimitiveVisitor { bvh: self, part, sheared: &sheared, placement, query };
+        let mut visitor = PrimitiveVisitor { bvh: self, part, sheared: &sheared, instance, query };
         self.bvh.traverse(simd, ray.origin, ray.direction, t_max, &mut visitor)
     }
 }

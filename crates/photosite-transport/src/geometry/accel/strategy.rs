@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::interleaved::{BvhState, InstancesState, trace_interleaved};
 use super::packet::{coherent_runs, trace_packets};
 use super::query::{Closest, Occluded, RayQuery};
-use super::{Accel, HitFilter, TriangleBvh};
+use super::{Accel, HitFilter, PrimitiveBvh};
 use crate::geometry::linear_scan::LinearScan;
 use crate::geometry::{Hit, Ray};
 use photosite_simd::{Simd, WithSimd, dispatch, dispatch_wide};
@@ -15,11 +15,11 @@ pub(super) enum Strategy<'a> {
     /// Every primitive against a ray in each lane, without a hierarchy: scenes of few primitives.
     LinearScan(&'a LinearScan),
     /// A ray in each lane down one hierarchy together: neighbouring rays.
-    Packet(&'a TriangleBvh<1>),
-    /// Several rays in turns, a step each, so that one goes on while the memory brings what another needs: hierarchies larger than
-    /// the caches.
-    Interleaved(&'a TriangleBvh<1>),
-    /// The same through placements.
+    Packet(&'a PrimitiveBvh<1>),
+    /// Several rays in turns, a step each, so that one goes on while the memory brings what another needs: hierarchies
+    /// larger than the caches.
+    Interleaved(&'a PrimitiveBvh<1>),
+    /// The same through instances.
     InterleavedInstances,
     /// One ray after the other.
     OneByOne,
@@ -160,7 +160,7 @@ impl<'a, Q: RayQuery<'a, F>, F: HitFilter> WithSimd for LinearScanOf<'a, '_, Q, 
 }
 
 /// [`Strategy::Packet`] of a batch.
-struct PacketsOf<'a, 'b, Q: RayQuery<'a, F>, F: HitFilter>(Batch<'a, 'b, Q, F>, &'a TriangleBvh<1>);
+struct PacketsOf<'a, 'b, Q: RayQuery<'a, F>, F: HitFilter>(Batch<'a, 'b, Q, F>, &'a PrimitiveBvh<1>);
 
 impl<'a, Q: RayQuery<'a, F>, F: HitFilter> WithSimd for PacketsOf<'a, '_, Q, F> {
     type Output = ();
@@ -173,7 +173,7 @@ impl<'a, Q: RayQuery<'a, F>, F: HitFilter> WithSimd for PacketsOf<'a, '_, Q, F> 
 }
 
 /// [`Strategy::Interleaved`] of a batch.
-struct InterleavedOf<'a, 'b, Q: RayQuery<'a, F>, F: HitFilter>(Batch<'a, 'b, Q, F>, &'a TriangleBvh<1>);
+struct InterleavedOf<'a, 'b, Q: RayQuery<'a, F>, F: HitFilter>(Batch<'a, 'b, Q, F>, &'a PrimitiveBvh<1>);
 
 impl<'a, Q: RayQuery<'a, F>, F: HitFilter> WithSimd for InterleavedOf<'a, '_, Q, F> {
     type Output = ();

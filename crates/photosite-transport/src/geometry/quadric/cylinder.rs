@@ -1,13 +1,14 @@
 //! Cylinders: round, straight, and open at both ends.
 //!
-//! The parameters of a hit are its direction from the axis and its distance from the middle over half of the length. The direction
-//! is told by one number from −2 to 2, the way around the square |x| + |y| = 1, which needs no trigonometric functions.
+//! The parameters of a hit are its direction from the axis and its distance from the middle over half of the length.
+//! The direction is told by one number from −2 to 2, the way around the square |x| + |y| = 1, which needs no
+//! trigonometric functions.
 
 use std::f32::consts::TAU;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
-use super::{QuadricPoint, box_around};
+use super::shape::{QuadricPoint, box_around};
 use crate::geometry::bounds::Bounds;
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
@@ -43,8 +44,8 @@ impl Cylinder {
 
     /// The two t at which a line meets it, the smaller one first; NaN where it does not.
     ///
-    /// With f and d without their parts along the axis, t is that of a [sphere](super::Sphere::intersect): t²·d² + 2t·f·d + f² − r²
-    /// = 0. What is farther from the middle than half of the length does not count.
+    /// With f and d without their parts along the axis, t is that of a [sphere](super::Sphere::intersect): t²·d² +
+    /// 2t·f·d + f² − r² = 0. What is farther from the middle than half of the length does not count.
     #[inline(always)]
     pub(super) fn intersect<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
         let from_middle = origin - origin.broadcast(self.middle);
@@ -79,8 +80,8 @@ impl Cylinder {
     }
 
     /// The point with these parameters. Beyond the roundings of the point, its error pays for those of f² − r² in
-    /// [`intersect`](Self::intersect), of which a ray that leaves the point needs the sign: f comes from differences as large as
-    /// half of the length and the radius together.
+    /// [`intersect`](Self::intersect), of which a ray that leaves the point needs the sign: f comes from differences as
+    /// large as half of the length and the radius together.
     #[inline]
     pub(super) fn point(&self, [u, v]: [f32; 2]) -> QuadricPoint {
         let [x, y, axis] = self.axes;
@@ -95,8 +96,8 @@ impl Cylinder {
         }
     }
 
-    /// u runs once around the axis, to the right as seen from outside with the axis up; v runs down from 0 at the end that the axis
-    /// points to, to 1.
+    /// u runs once around the axis, to the right as seen from outside with the axis up; v runs down from 0 at the end
+    /// that the axis points to, to 1.
     pub(super) fn texture_coordinates([u, v]: [f32; 2]) -> Vec2 {
         let [cos, sin] = direction(u);
         Vec2::new(0.5 + sin.atan2(cos) / TAU, 0.5 - 0.5 * v)

@@ -6,7 +6,7 @@ use std::f32::consts::TAU;
 
 use glam::{DAffine3, Vec2, Vec3};
 
-use super::{QuadricPoint, box_around};
+use super::shape::{QuadricPoint, box_around};
 use crate::geometry::bounds::Bounds;
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
@@ -38,14 +38,14 @@ impl Disk {
         (disk, box_around(to_world.translation, (x * x + y * y).map(f64::sqrt)))
     }
 
-    /// The t at which a line comes through it, and NaN; twice NaN where it does not: t = (c − o)·n / (d·n), and the point is no
-    /// farther than the radius from the centre c.
+    /// The t at which a line comes through it, and NaN; twice NaN where it does not: t = (c − o)·n / (d·n), and the
+    /// point is no farther than the radius from the centre c.
     #[inline(always)]
     pub(super) fn intersect<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
         let to_centre = origin.broadcast(self.centre) - origin;
         let normal = origin.broadcast(self.normal);
-        // The denominator is what tells the side on which a ray leaves, operation by operation (`offset`): where it is all
-        // rounding error, both have the same one.
+        // The denominator is what tells the side on which a ray leaves, operation by operation (`offset`): where it is
+        // all rounding error, both have the same one.
         let t = to_centre.dot(normal) / direction.dot(normal);
         let from_centre = direction * t - to_centre;
         let nowhere = t.broadcast(f32::NAN);
@@ -62,9 +62,9 @@ impl Disk {
         self.radii.map(|radius| from_centre.dot(radius) / squared)
     }
 
-    /// The point with these parameters. Beyond the roundings of the point, its error pays for those of (c − o)·n, of which a ray
-    /// that leaves the point needs the sign: those of n, of the difference and of the product, each in proportion to the
-    /// radius.
+    /// The point with these parameters. Beyond the roundings of the point, its error pays for those of (c − o)·n, of
+    /// which a ray that leaves the point needs the sign: those of n, of the difference and of the product, each in
+    /// proportion to the radius.
     #[inline]
     pub(super) fn point(&self, [u, v]: [f32; 2]) -> QuadricPoint {
         let [x, y] = self.radii;
@@ -76,7 +76,8 @@ impl Disk {
         }
     }
 
-    /// u runs once around the centre, counter-clockwise seen from the front; v runs from 0 in the centre to 1 at the rim.
+    /// u runs once around the centre, counter-clockwise seen from the front; v runs from 0 in the centre to 1 at the
+    /// rim.
     pub(super) fn texture_coordinates([u, v]: [f32; 2]) -> Vec2 {
         Vec2::new(0.5 + v.atan2(u) / TAU, Vec2::new(u, v).length())
     }

@@ -8,7 +8,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use super::QuadricPoint;
+use super::shape::QuadricPoint;
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
 
@@ -24,10 +24,11 @@ pub struct Sphere {
 impl Sphere {
     /// The two t at which a line meets it, the smaller one first; not numbers where it does not.
     ///
-    /// With f from the centre to the origin, t solves t²·d² + 2t·f·d + f² − r² = 0. The discriminant comes from the distance of
-    /// the centre from the line, and of the two solutions the one that would cancel from their product, f² − r² over d²: that
-    /// keeps the digits of spheres that are small for their distance, and the sign of t for rays that leave the surface (E.
-    /// Haines et al., "Precision Improvements for Ray/Sphere Intersection", in Ray Tracing Gems, 2019).
+    /// With f from the centre to the origin, t solves t²·d² + 2t·f·d + f² − r² = 0. The discriminant comes from the
+    /// distance of the centre from the line, and of the two solutions the one that would cancel from their product, f²
+    /// − r² over d²: that keeps the digits of spheres that are small for their distance, and the sign of t for rays
+    /// that leave the surface (E. Haines et al., "Precision Improvements for Ray/Sphere Intersection", in Ray Tracing
+    /// Gems, 2019).
     #[inline(always)]
     pub(super) fn intersect<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
         let from_centre = origin - origin.broadcast(self.centre);
@@ -72,7 +73,8 @@ impl Sphere {
         }
     }
 
-    /// u runs once around +Y, to the right as seen from outside with +Y up and ½ in the direction +Z; v runs down from 0 at +Y to 1.
+    /// u runs once around +Y, to the right as seen from outside with +Y up and ½ in the direction +Z; v runs down from
+    /// 0 at +Y to 1.
     pub(super) fn texture_coordinates(uv: [f32; 2]) -> Vec2 {
         let Vec3 { x, y, z } = Self::normal(uv);
         Vec2::new(0.5 + x.atan2(z) / TAU, y.clamp(-1.0, 1.0).acos() * FRAC_1_PI)

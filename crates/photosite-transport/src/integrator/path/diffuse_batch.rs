@@ -15,9 +15,10 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::{Path, Tracing, Vertex, towards_light};
+use super::{Path, Tracing, Vertex};
 use crate::bsdf::{Bsdf, Diffuse, GRAZING, MIN_SHADING_COSINE};
 use crate::geometry::{Geometry, Hit, Primitive, Ray, SurfacePoint, interpolate, offset, on_triangle};
+use crate::integrator::interaction::towards_light;
 use crate::light::{Choice, EmissiveTriangles, Facing, LightSampleContext};
 use crate::sampler::Sampler;
 use crate::scene::{ColourSource, Scene, Shading};
@@ -298,7 +299,7 @@ impl Arrival {
     const NONE: Self = Self {
         index: 0,
         ray: Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0 },
-        hit: Hit { t: 0.0, uv: [0.0; 2], primitive: Primitive::Triangle(0), placement: 0 },
+        hit: Hit { t: 0.0, uv: [0.0; 2], primitive: Primitive::Triangle(0), instance: 0 },
         reflectance: ColourSource::Texture { factor: [0.0; 3], texture: 0 },
     };
 
@@ -491,7 +492,7 @@ fn sample_directions_in<S: Simd>(
 }
 
 /// Mask of the lanes in which light would pass from one side of the surface to the other, as in
-/// [`leaks`](super::leaks).
+/// [`leaks`](crate::integrator::interaction::leaks).
 #[inline(always)]
 fn crosses<L: Lanes>(wo: Vector<L>, wi: Vector<L>, normal: Vector<L>) -> L::Mask {
     let product = wo.dot(normal) * wi.dot(normal);

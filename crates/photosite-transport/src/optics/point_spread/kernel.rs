@@ -25,8 +25,8 @@ impl PartialEq for Kernel {
 }
 
 impl Kernel {
-    /// From rows of values of cells `pitch_m` apart; only their ratios count. Its origin is the middle of its rows and columns:
-    /// the centre of a cell where their number is odd, and where it is even the edge between two.
+    /// From rows of values of cells `pitch_m` apart; only their ratios count. Its origin is the middle of its rows and
+    /// columns: the centre of a cell where their number is odd, and where it is even the edge between two.
     pub fn new(rows: &[Vec<f32>], pitch_m: f64) -> Result<Self, Invalid> {
         let width = rows.first().map_or(0, Vec::len);
         let values: Vec<f32> = rows.iter().flatten().copied().collect();

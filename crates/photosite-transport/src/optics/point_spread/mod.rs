@@ -7,8 +7,8 @@
 //! | Airy | (π/λN)²/(4π)·(2J₁(x)/x)² with x = πr/(λN) | `airy.rs` |
 //! | measured | a picture of it, of the nearest of several places | `kernel.rs` |
 //!
-//! All have a sum of 1: light is moved, not lost. A density that depends on wavelength is drawn for the hero and weighted
-//! for each wavelength by the balance heuristic over which one could have been the hero
+//! All have a sum of 1: light is moved, not lost. A density that depends on wavelength is drawn for the hero and
+//! weighted for each wavelength by the balance heuristic over which one could have been the hero
 //! ([Wilkie14](photosite_core::references#wilkie14) §3.3).
 
 mod airy;
@@ -41,9 +41,9 @@ pub enum PointSpread {
 }
 
 impl PointSpread {
-    /// An offset on the sensor, m, from two numbers in [0, 1), and the weights of the path's wavelengths. `f_number` is the
-    /// distance lens → sensor over the diameter of the opening; `place` is the position in the picture, from −1 at the left
-    /// and the top edge to 1 at the opposite ones.
+    /// An offset on the sensor, m, from two numbers in [0, 1), and the weights of the path's wavelengths. `f_number` is
+    /// the distance lens → sensor over the diameter of the opening; `place` is the position in the picture, from −1 at
+    /// the left and the top edge to 1 at the opposite ones.
     #[inline]
     pub(super) fn sample(
         &self,

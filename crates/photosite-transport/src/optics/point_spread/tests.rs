@@ -143,8 +143,8 @@ fn the_middle_of_a_kernel_stays_in_its_place() {
         for (kernel, expected) in [(kernel, expected), (moved, DVec2::ZERO)] {
             let at = |i: u32| (i as f32 + 0.5) / N as f32;
             let all = (0..N * N).map(|i| kernel.sample([at(i % N), at(i / N)]));
-            // A pixel gathers light from where it would be without: the other way. Of each cell the samples are even to a
-            // part in N.
+            // A pixel gathers light from where it would be without: the other way. Of each cell the samples are even to
+            // a part in N.
             let mean = all.sum::<DVec2>() / f64::from(N * N);
             assert!((mean + expected).length() < 2.0 * pitch_m / f64::from(N), "{rows:?}: {mean} {expected}");
         }

@@ -1,6 +1,14 @@
 //! What the layers take of light from one direction, and what they leave.
 
-use super::*;
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec3;
+
+use super::reflectance::{at_nodes, mean_dielectric};
+use super::state::{EnergySplit, NOTHING_LEFT, ONE, Spread, Under, View, ZERO, at_least_zero};
+use crate::bsdf::albedo::{COAT_F0, FILM_NODES, FilmGlassRow, FilmRow, GlassRow, node};
+use crate::bsdf::fresnel;
+use photosite_core::spectrum::SampledSpectrum;
 
 impl View<'_> {
     /// The tables at one direction above the surface.

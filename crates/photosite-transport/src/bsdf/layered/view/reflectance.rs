@@ -1,6 +1,13 @@
 //! How much the facets and interfaces of the layers reflect, for one direction and on average.
 
-use super::*;
+use glam::Vec4;
+
+use super::state::{MEAN_WEIGHT, ONE, View, ZERO};
+use crate::bsdf::albedo::{COAT_F0, FILM_NODES, FilmWeights};
+use crate::bsdf::fresnel::{self, schlick_weight};
+use crate::bsdf::layered::layers::Volume;
+use crate::bsdf::microfacet::ReflectionKernel;
+use photosite_core::spectrum::SampledSpectrum;
 
 impl View<'_> {
     /// The facets' reflectance at the cosine `cos`, with Schlick's weight and the film if there is one.

@@ -1,6 +1,18 @@
 //! The lobes: their choice, their sampling and their values.
 
-use super::*;
+use std::f32::consts::{FRAC_1_PI, TAU};
+
+use glam::{Vec3, Vec4};
+
+use super::reflectance::{coat_fresnel, coat_reflectance};
+use super::state::{EnergySplit, Lobes, ONE, View, ZERO, at_least_zero};
+use crate::bsdf::directions::{GRAZING, is_above, mirrored};
+use crate::bsdf::fresnel;
+use crate::bsdf::refraction::{self, Refraction};
+use crate::bsdf::sample::{BsdfEval, BsdfSample};
+use crate::bsdf::sheen;
+use photosite_core::math::{Frame, Pdf, warp};
+use photosite_core::spectrum::SampledSpectrum;
 
 impl View<'_> {
     /// Probabilities in proportion to what each lobe gives back of light from `wo`.
@@ -59,7 +71,7 @@ impl View<'_> {
     #[inline]
     pub(super) fn passes_undisturbed(&self) -> bool {
         let distribution = self.layers.distribution;
-        self.refracting.map_or(distribution.is_smooth(), |v| dielectric::is_delta(v.eta, distribution))
+        self.refracting.map_or(distribution.is_smooth(), |v| refraction::is_delta(v.eta, distribution))
     }
 
     /// The part of the surface that layers lie on: all but the refracting one.
@@ -128,7 +140,7 @@ impl View<'_> {
     pub(super) fn eval_transmission(&self, wi: Vec3) -> BsdfEval {
         let layers = self.layers;
         let [_, _, clear] = layers.parts();
-        let mirror = dielectric::mirrored(wi);
+        let mirror = mirrored(wi);
         let other = self.energy_split(&self.under(mirror));
         let mut f = self.base(&other, true);
         let mut pdf = self.lobes.base_behind * self.base_density(mirror.z);
@@ -148,7 +160,7 @@ impl View<'_> {
                         let cos_outside = if self.is_inside { cos_i } else { cos_o };
                         let reflected =
                             self.refracting_reflectance(SampledSpectrum::splat(exact), volume.eta, cos_outside);
-                        let (value, density) = dielectric::refraction(layers.distribution, self.wo, wi, &facet);
+                        let (value, density) = refraction::refraction(layers.distribution, self.wo, wi, &facet);
                         f += at_least_zero(ONE - reflected) * tint * value;
                         pdf += self.lobes.through * density;
                     }
@@ -197,7 +209,7 @@ impl View<'_> {
         } else if u_lobe < to_base {
             self.sample_base((u_lobe - to_through) / base, u)
         } else if base_behind > 0.0 {
-            dielectric::mirrored(self.sample_base((u_lobe - to_base) / base_behind, u))
+            mirrored(self.sample_base((u_lobe - to_base) / base_behind, u))
         } else {
             // Rounding of the sum.
             return None;
@@ -234,12 +246,12 @@ impl View<'_> {
         }
         let wi = Vec3::new(-self.wo.x / eta, -self.wo.y / eta, -cos_through);
         let cover = match self.refracting {
-            None => self.cover(&self.energy_split(&self.under(dielectric::mirrored(wi)))),
+            None => self.cover(&self.energy_split(&self.under(mirrored(wi)))),
             Some(_) => ONE,
         };
         let part = at_least_zero(let_in) * layers.base_colour * cover * clear;
         Some(BsdfSample {
-            f: part * dielectric::lanes(1.0 / (eta * eta * cos_through), dispersive),
+            f: part * refraction::lanes(1.0 / (eta * eta * cos_through), dispersive),
             is_transmission: true,
             terminates_secondary: dispersive,
             eta,
@@ -252,7 +264,7 @@ impl View<'_> {
     pub(super) fn sample_through(&self, u: [f32; 2]) -> Option<Vec3> {
         let distribution = self.layers.distribution;
         match self.refracting {
-            None => distribution.sample_reflection(self.wo, u).map(|(wi, _)| dielectric::mirrored(wi)),
+            None => distribution.sample_reflection(self.wo, u).map(|(wi, _)| mirrored(wi)),
             Some(volume) => {
                 let m = distribution.sample_visible(self.wo, u);
                 let cos_o = self.wo.dot(m).clamp(0.0, 1.0);

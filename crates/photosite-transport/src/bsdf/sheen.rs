@@ -8,7 +8,7 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::super::is_above;
+use super::directions::is_above;
 
 /// Below this α the lobe is so narrow a rim that it cannot be integrated; also what the default roughness 0 becomes.
 const SMALLEST_ALPHA: f32 = 0.01;
@@ -42,7 +42,7 @@ fn lambda(cos: f32, alpha: f32) -> f32 {
 }
 
 /// ∫ f·cos θᵢ dωᵢ for a colour of 1, by the midpoint rule over cosine and azimuth.
-pub(in crate::bsdf) fn albedo(alpha: f32, mu: f32) -> f32 {
+pub(super) fn albedo(alpha: f32, mu: f32) -> f32 {
     const STEPS: usize = 48;
     let wo = Vec3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu.max(1e-4));
     let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;

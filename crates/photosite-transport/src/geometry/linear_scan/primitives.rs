@@ -1,0 +1,51 @@
+//! The primitives of a scene that is scanned.
+
+use glam::Vec3;
+
+use crate::geometry::bounds::Bounds;
+use crate::geometry::{Geometry, PrimitiveRange, Quadric};
+use crate::tuning::LINEAR_SCAN_MAX;
+
+/// All primitives of a small scene.
+#[derive(Clone, Debug)]
+pub(in crate::geometry) struct LinearScan {
+    /// Each once.
+    pub(super) vertices: Vec<Vec3>,
+    pub(super) triangles: Vec<PackedTriangle>,
+    /// With their indices in the geometry.
+    pub(super) quadrics: Vec<(u32, Quadric)>,
+    pub(super) bounds: Bounds,
+}
+
+/// A triangle by the indices of its vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PackedTriangle {
+    pub(super) vertices: [u8; 3],
+    /// Index in the geometry.
+    pub(super) id: u32,
+}
+
+impl LinearScan {
+    /// Of a range of primitives, all within `bounds`; `None` where they are too many.
+    pub(in crate::geometry) fn new(geometry: &Geometry, range: &PrimitiveRange, bounds: Bounds) -> Option<Self> {
+        if range.len() > LINEAR_SCAN_MAX {
+            return None;
+        }
+        let mut scan = Self { vertices: Vec::new(), triangles: Vec::new(), quadrics: Vec::new(), bounds };
+        let quadric = |id: u32| (id, geometry.quadrics[id as usize].quadric);
+        scan.quadrics.extend(range.quadrics.clone().map(quadric));
+        for id in range.triangles.clone() {
+            let mut index = |corner: Vec3| {
+                let bits = |v: &Vec3| v.to_array().map(f32::to_bits);
+                let known = scan.vertices.iter().position(|vertex| bits(vertex) == bits(&corner));
+                known.unwrap_or_else(|| {
+                    scan.vertices.push(corner);
+                    scan.vertices.len() - 1
+                }) as u8
+            };
+            let vertices = geometry.corners(id).map(&mut index);
+            scan.triangles.push(PackedTriangle { vertices, id });
+        }
+        (scan.vertices.len() <= LINEAR_SCAN_MAX).then_some(scan)
+    }
+}

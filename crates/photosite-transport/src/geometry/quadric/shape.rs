@@ -1,0 +1,24 @@
+//! What every shape of a quadric has: points and a box.
+
+use glam::{DVec3, Vec3};
+
+use crate::geometry::bounds::Bounds;
+use photosite_core::math::float::gamma;
+
+/// A point of a quadric.
+pub(in crate::geometry) struct QuadricPoint {
+    /// m.
+    pub(in crate::geometry) position: Vec3,
+    /// Bound on the rounding error of the position, per axis, m.
+    pub(in crate::geometry) error: Vec3,
+    /// Unit normal of the front.
+    pub(in crate::geometry) normal: Vec3,
+    /// The direction of growing u of the [texture coordinates](super::Quadric::texture_coordinates); of any length.
+    pub(in crate::geometry) tangent: Vec3,
+}
+
+/// The box that reaches so far from a centre along each axis, in single precision and widened by its rounding.
+pub(super) fn box_around(centre: DVec3, reach: DVec3) -> Bounds {
+    let error = (centre.abs() + reach).as_vec3() * gamma(8);
+    ((centre - reach).as_vec3() - error, (centre + reach).as_vec3() + error)
+}

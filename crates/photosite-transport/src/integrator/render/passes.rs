@@ -1,0 +1,72 @@
+//! Passes over the whole picture, until every pixel has its samples.
+
+use std::ops::ControlFlow;
+
+use rayon::prelude::*;
+
+use super::band_worker::{BandWorker, hull};
+use super::tracer::Tracer;
+use crate::film::{Film, FilmBand};
+use crate::integrator::light_paths::Splats;
+
+/// Number of paths of a pass so short that smaller ones are pointless.
+const SMALL_PASS_PATHS: u64 = 1 << 20;
+
+/// Largest number of samples a pixel in one pass: passes double up to it, so that there is soon something to see, and a
+/// limit of time is kept well.
+pub(super) const MAX_PASS_SAMPLES: u32 = 16;
+
+impl Tracer<'_> {
+    /// Brings every pixel to so many samples, in passes that double, and tells of each.
+    pub(super) fn fill(
+        &self,
+        film: &mut Film,
+        samples: u32,
+        tell: impl Fn(&Film) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let mut level = film.samples();
+        // The numbers of the sampler come eight at a time, of which a pass of fewer samples leaves some.
+        let smallest = (SMALL_PASS_PATHS / self.job.pixels().max(1)).clamp(1, u64::from(MAX_PASS_SAMPLES / 2)) as u32;
+        while level < samples {
+            level += level.clamp(smallest, MAX_PASS_SAMPLES).min(samples - level);
+            let passed = self.pass(film, &|_| level);
+            tell(film)?;
+            passed?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it, unless that is broken off.
+    pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) -> ControlFlow<()> {
+        let Some(light_tracer) = &self.light_tracer else {
+            self.add_samples(film, wanted, &Splats::default());
+            return self.go_on();
+        };
+        let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
+        let first = self.job.settings.samples().start;
+        // The splats of many light paths would not fit into memory.
+        for start in all.clone().step_by(light_tracer.samples_per_batch()) {
+            let end = all.end.min(start + light_tracer.samples_per_batch() as u32);
+            let wanted = |pixel: usize| wanted(pixel).min(end);
+            let counts = film.counts();
+            let wants = |pixel: usize, sample: u32| (counts[pixel]..wanted(pixel)).contains(&(sample - first));
+            let splats = light_tracer.trace(first + start..first + end, film.picture_rows(), wants);
+            self.add_samples(film, &wanted, &splats);
+            self.go_on()?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Adds the missing samples to all pixels of a film, with what paths from lights bring to them.
+    fn add_samples(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), splats: &Splats) {
+        let [block_columns, block_rows] = self.block_size();
+        let (width, first_row) = (film.width(), film.picture_rows().start);
+        let fill = |(index, band): (usize, FilmBand<'_>)| {
+            let first_pixel = index * block_rows * width;
+            BandWorker::new(self, band, first_pixel, [width, first_row], wanted, splats).fill(block_columns);
+        };
+        // One by one: of many that a thread had begun to share out, others could not take any while it was busy with
+        // the first.
+        film.bands(block_rows).into_par_iter().with_max_len(1).enumerate().for_each(fill);
+    }
+}

@@ -1,0 +1,225 @@
+//! Camera rays: through which point of the aperture a place sees the scene, and what that counts.
+
+use glam::{DAffine3, DQuat, DVec2, DVec3};
+
+use super::Camera;
+use crate::geometry::Ray;
+use crate::optics::{Falloff, Intrinsics, LensKind, PointSpread, Seen};
+use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
+
+/// What a ray of the camera is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraSample {
+    /// Continuous pixel coordinates.
+    pub pixel: DVec2,
+    /// Numbers in [0, 1) for the point of the aperture.
+    pub aperture: [f32; 2],
+    /// The same for the time within the exposure of the pixel's row.
+    pub time: f32,
+    /// The same for the point spread.
+    pub spread: [f32; 2],
+}
+
+/// A ray into the scene and what its radiance counts.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// In world space, direction of unit length.
+    pub ray: Ray,
+    /// E = weight · L for one sample of the aperture, sr, without the lens's transmittance.
+    pub weight: f32,
+}
+
+/// A ray of a place through a point of the aperture, in camera space.
+pub(super) struct Aim {
+    pub(super) seen: Seen,
+    /// On the entrance pupil.
+    pub(super) origin: DVec3,
+    /// From there to what is in focus, of any length.
+    pub(super) towards: DVec3,
+}
+
+impl Aim {
+    /// Origin and unit direction in world space.
+    #[inline(always)]
+    fn in_world(&self, to_world: &DAffine3) -> (DVec3, DVec3) {
+        let direction = to_world.transform_vector3(self.towards).normalize();
+        (to_world.transform_point3(self.origin), direction)
+    }
+}
+
+impl Camera {
+    /// The ray of a pixel position (continuous coordinates) and an aperture sample. `None` where the position sees
+    /// nothing: its irradiance is zero.
+    ///
+    /// By the étendue that a lens keeps, E(x, λ) = τ(λ) ∫_A L·cosθ dA·dΩ/dA_s
+    /// ([Born99](photosite_core::references#born99) §4.8), where the piece dA_s of the sensor sees the solid angle dΩ.
+    /// For a rectilinear lens dΩ/dA_s = cos³θ/v², which makes E = τ ∫_A L·cos⁴θ/v² dA with θ between the axis and x →
+    /// a; one uniform sample of A weighs A·cos⁴θ/v². Distortion multiplies that by the area in the ideal over that in
+    /// the distorted picture: a barrel is brighter at its edge. A lens that can see more than a half-space has an
+    /// entrance pupil that faces each direction, so that the cosine is 1, and behind it the cone of light that it has
+    /// on the axis.
+    ///
+    /// The only ray of a pinhole stands for all of the aperture as the axis sees it: it weighs Ω·cos⁴α at the field
+    /// angle α, with the Ω of [`Self::on_axis_sr`]. Without falloff a sample of either weighs Ω everywhere, so that one
+    /// f-number has one exposure on the axis.
+    #[inline]
+    pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
+        self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, 0.0)
+    }
+
+    /// Whether a ray needs a sample of the aperture.
+    pub fn has_aperture(&self) -> bool {
+        self.kind == LensKind::Thin
+    }
+
+    /// Whether a path needs a sample of the point spread.
+    pub fn spreads_points(&self) -> bool {
+        self.point_spread.is_some()
+    }
+
+    /// Whether a point spreads by wavelength, so that the weights of wavelengths are right for all four together alone.
+    pub fn spreads_by_wavelength(&self) -> bool {
+        matches!(self.point_spread, Some(PointSpread::Airy | PointSpread::Measured(_)))
+    }
+
+    /// The same ray through a lens with a point spread and lateral colour, at a time within the exposure of the pixel's
+    /// row, and what each wavelength counts. Lateral colour leaves only the hero, whose direction it is.
+    #[inline]
+    pub fn generate_spectral(
+        &self,
+        sample: &CameraSample,
+        wavelengths: &mut Wavelengths,
+    ) -> Option<(CameraRay, SampledSpectrum)> {
+        let &CameraSample { pixel, aperture, time, spread } = sample;
+        if self.lateral_colour.is_some() {
+            wavelengths.terminate_secondary();
+        }
+        let (place, weights) = self.spread_place(pixel, spread, wavelengths);
+        Some((self.ray(place, pixel.y.floor(), aperture, time)?, weights))
+    }
+
+    /// Makes the rays of several samples, see [`generate_spectral`](Self::generate_spectral), and gives `take` the
+    /// index of each sample with its wavelengths and its ray.
+    #[inline]
+    pub fn generate_each(
+        &self,
+        samples: &[CameraSample],
+        wavelengths: &mut [Wavelengths],
+        mut take: impl FnMut(usize, &Wavelengths, Option<(CameraRay, SampledSpectrum)>),
+    ) {
+        for (index, (sample, wavelengths)) in samples.iter().zip(wavelengths).enumerate() {
+            let ray = self.generate_spectral(sample, wavelengths);
+            take(index, wavelengths, ray);
+        }
+    }
+
+    /// The place of a pixel position behind a lens with lateral colour and a point spread, at the hero's wavelength,
+    /// and what each wavelength counts.
+    #[inline]
+    pub(super) fn spread_place(
+        &self,
+        pixel: DVec2,
+        spread_sample: [f32; 2],
+        wavelengths: &Wavelengths,
+    ) -> (DVec2, SampledSpectrum) {
+        let mut place = self.place(pixel);
+        let mut weights = SampledSpectrum::ONE;
+        if let Some(lateral) = &self.lateral_colour {
+            place /= lateral.magnification(f64::from(wavelengths.lambda_nm(0)));
+        }
+        if let Some(spread) = &self.point_spread {
+            let in_picture = pixel / DVec2::from_array(self.resolution.map(f64::from)) * 2.0 - 1.0;
+            let (offset, of_wavelengths) = spread.sample(spread_sample, wavelengths, self.working_f_number, in_picture);
+            let Intrinsics { fx, fy, .. } = self.intrinsics;
+            place += offset / DVec2::new(self.pitch_m[0] * fx, self.pitch_m[1] * fy);
+            weights = of_wavelengths;
+        }
+        (place, weights)
+    }
+
+    #[inline]
+    fn ray(&self, place: DVec2, row: f64, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
+        let (to_world, time) = self.pose(row, u_time);
+        let opening = self.opening(aperture_sample);
+        let aim = self.aim(place, opening)?;
+        if !self.passes(aim.seen.chief, opening, aim.towards) {
+            return None;
+        }
+        let (origin, direction) = aim.in_world(&to_world);
+        let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time);
+        Some(CameraRay { ray, weight: self.weight(&aim, opening) })
+    }
+
+    /// A point of the aperture.
+    #[inline]
+    pub(super) fn opening(&self, aperture_sample: [f32; 2]) -> DVec2 {
+        match self.kind {
+            LensKind::Pinhole => DVec2::ZERO,
+            LensKind::Thin => self.aperture.sample(aperture_sample),
+        }
+    }
+
+    /// Where the ray of a place goes through a point of the aperture, whatever stops are in its way.
+    #[inline]
+    pub(super) fn aim(&self, place: DVec2, opening: DVec2) -> Option<Aim> {
+        Some(self.aim_at(self.seen_at(place)?, opening))
+    }
+
+    /// The same to what is seen.
+    #[inline(always)]
+    fn aim_at(&self, seen: Seen, opening: DVec2) -> Aim {
+        let origin = self.in_pupil(opening, &seen);
+        Aim { seen, origin, towards: self.towards(seen.chief, origin) }
+    }
+
+    /// [`CameraRay::weight`].
+    #[inline(always)]
+    pub(super) fn weight(&self, aim: &Aim, opening: DVec2) -> f32 {
+        (self.sample_sr * self.falloff_at(&aim.seen, opening)) as f32
+    }
+
+    /// From a point of the pupil to what is in focus, in units of the focus distance.
+    #[inline(always)]
+    pub(super) fn towards(&self, chief: DVec3, origin: DVec3) -> DVec3 {
+        if self.focus_distance_m.is_finite() { chief - origin / self.focus_distance_m } else { chief }
+    }
+
+    /// Whether all stops let light through.
+    #[inline]
+    pub(super) fn passes(&self, chief: DVec3, opening: DVec2, towards: DVec3) -> bool {
+        let v = self.image_distance_m;
+        // The picture lies upside down behind the lens.
+        let sensor = DVec2::new(chief.x, chief.y) * -v;
+        self.stops.iter().all(|stop| stop.passes(opening, towards, sensor, v))
+    }
+
+    /// A point of the entrance pupil in camera space: across the axis, or turned about the centre on the shortest way
+    /// to face the direction seen.
+    #[inline(always)]
+    pub(super) fn in_pupil(&self, opening: DVec2, seen: &Seen) -> DVec3 {
+        if self.projection.is_flat() {
+            return opening.extend(0.0);
+        }
+        DQuat::from_rotation_arc(DVec3::NEG_Z, seen.direction) * opening.extend(0.0)
+    }
+
+    /// Irradiance through a point of the opening over that through the centre on the axis.
+    #[inline(always)]
+    pub(super) fn falloff_at(&self, seen: &Seen, opening: DVec2) -> f64 {
+        match self.falloff {
+            Falloff::None => 1.0,
+            Falloff::Cos4 => {
+                let v = self.image_distance_m;
+                let cos = -seen.direction.z;
+                let (across, of_picture) = if self.projection.is_flat() {
+                    // The sensor point is where the undistorted chief ray, carried on behind the lens, meets z = v.
+                    (opening + seen.chief.truncate() * v, seen.solid_angle / (cos * cos * cos))
+                } else {
+                    (opening, seen.solid_angle)
+                };
+                let cos2 = v * v / (v * v + across.length_squared());
+                cos2 * cos2 * of_picture
+            }
+        }
+    }
+}

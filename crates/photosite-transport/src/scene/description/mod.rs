@@ -1,0 +1,73 @@
+//! What the files say, before anything is prepared for rendering: meshes, instances, materials, textures, lights and
+//! cameras in SI units and world axes (metres, right-handed, +Y up).
+//!
+//! The readers in `photosite-scene-io` fill these structures; [`scene::build`](crate::scene) turns them into tables.
+//! Indices refer to the `Vec`s of the same [`SceneDescription`] and are checked by the readers.
+
+mod camera;
+mod layered;
+mod light;
+mod material;
+mod mesh;
+mod model;
+mod texture;
+
+use std::sync::Arc;
+
+use crate::geometry::QuadricKind;
+use crate::texture::Bitmap;
+use photosite_core::math::hash::hash64;
+
+pub use crate::bsdf::models::*;
+pub use crate::bsdf::{Mix, Model};
+pub use crate::light::LightKind;
+pub use camera::{CameraDescription, look_at, looking, vector};
+pub use layered::{AnisotropyDescription, CoatDescription, FilmDescription, LayeredDescription};
+pub use light::{EmissionDescription, EnvironmentDescription, LightDescription, PictureLevel};
+pub use material::{AlphaMode, MaterialDescription};
+pub use mesh::{InstanceDescription, MeshDescription, ShapeDescription};
+pub use model::{Described, MaterialModel, Roughness, Visit};
+pub use texture::{Channel, Colour, TextureDescription, TexturedColour, TexturedFactor};
+
+/// A whole scene as read from files.
+#[derive(Clone, Debug, Default)]
+pub struct SceneDescription {
+    /// Pictures that textures refer to.
+    pub images: Vec<Arc<Bitmap>>,
+    /// Materials that meshes refer to.
+    pub materials: Vec<MaterialDescription>,
+    /// Triangle meshes, each with one material.
+    pub meshes: Vec<MeshDescription>,
+    /// Instances of meshes.
+    pub instances: Vec<InstanceDescription>,
+    /// Lights without a surface.
+    pub lights: Vec<LightDescription>,
+    /// What surrounds the scene, if anything shines from there.
+    pub environment: Option<EnvironmentDescription>,
+    /// Cameras of the files, in order.
+    pub cameras: Vec<CameraDescription>,
+    /// Things worth telling the user that are no errors, each once.
+    pub warnings: Vec<String>,
+}
+
+impl SceneDescription {
+    /// What tells surfaces apart, hashed: names, instances of meshes and their triangles, whatever their place and
+    /// shape. Scenes that have it in common show the same surfaces, which may have moved.
+    pub fn surfaces(&self) -> u64 {
+        let text =
+            |hash: u64, text: &str| text.bytes().fold(hash64(hash, text.len() as u64), |h, b| hash64(h, b.into()));
+        let corners =
+            |hash: u64, [a, b, c]: &[u32; 3]| hash64(hash, u64::from(*a) << 42 ^ u64::from(*b) << 21 ^ u64::from(*c));
+        let of_meshes = self.meshes.iter().fold(self.meshes.len() as u64, |hash, mesh| {
+            let kind = match mesh.quadric {
+                None => 0,
+                Some(QuadricKind::Sphere) => 1,
+                Some(QuadricKind::Disk) => 2,
+                Some(QuadricKind::Cylinder) => 3,
+            };
+            let named = hash64(text(hash, &mesh.name), kind);
+            mesh.triangles.iter().fold(hash64(named, mesh.triangles.len() as u64), corners)
+        });
+        self.instances.iter().fold(of_meshes, |hash, instance| hash64(text(hash, &instance.name), instance.mesh as u64))
+    }
+}
