@@ -1,7 +1,7 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
 use crate::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
-use crate::develop::colour_matrix::{CameraColour, neutral};
+use crate::develop::camera_colour::{CameraColour, neutral};
 use crate::develop::merge::Merged;
 use crate::develop::{DevelopSettings, EncodedPicture, Resampling, SensorCalibration, develop, develop_merged};
 use crate::image::{Estimate, Planes};
@@ -201,11 +201,11 @@ impl<'a> Chain<'a> {
         raw.metadata.f_number = self.optics.f_number;
         raw.metadata.focal_length_m = self.optics.focal_length_m;
         if let Some(colour) = &self.colours.camera {
-            colour.tell(&mut raw.metadata);
+            colour.write_to(&mut raw.metadata);
         }
         raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
         if let Some((lens, camera)) = self.lens {
-            LensSeen::new(lens, camera, sensor, &exposure.window).tell(&mut raw.metadata);
+            LensSeen::new(lens, camera, sensor, &exposure.window).write_to(&mut raw.metadata);
         }
         Ok((raw, maps))
     }

@@ -44,7 +44,7 @@ impl<'a> LensSeen<'a> {
     }
 
     /// Puts falloff and distortion into what is said of a raw picture of this window.
-    pub(super) fn tell(&self, metadata: &mut RawMetadata) {
+    pub(super) fn write_to(&self, metadata: &mut RawMetadata) {
         metadata.gain_map = match self.lens.falloff {
             Falloff::None if self.lens.stops.is_empty() => None,
             Falloff::None | Falloff::Cos4 => self.gain_map(),
@@ -260,7 +260,7 @@ mod tests {
     fn the_gains_undo_cos4() {
         let (lens, camera) = camera(Projection::Perspective, 22.0, [6e-6; 2]);
         let mut metadata = RawMetadata::default();
-        seen(&lens, &camera, Window::WHOLE, [6e-6; 2]).tell(&mut metadata);
+        seen(&lens, &camera, Window::WHOLE, [6e-6; 2]).write_to(&mut metadata);
         let map = metadata.gain_map.expect("falloff");
         for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.25), (0.73, 0.4)] {
             let across = DVec2::new((x - 0.5) * 640.0, (y - 0.5) * 480.0) * 6e-6 / 0.004;

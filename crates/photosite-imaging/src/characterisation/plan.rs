@@ -5,7 +5,7 @@ use photosite_core::Invalid;
 use photosite_core::units::{Celsius, Decibels, Electrons, Seconds};
 
 use super::descriptor::Light;
-use super::expected::quantum_efficiency;
+use super::efficiency::quantum_efficiency;
 
 /// What is characterised: one channel of the sensor, in light of one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,6 +19,7 @@ mod openable;
 mod read;
 mod read_numbers;
 mod tag;
+mod tags;
 #[cfg(test)]
 mod tests;
 mod xmp;
