@@ -287,8 +287,8 @@ fn all_noise_together_is_what_the_model_foretells() {
     let frames: Vec<Vec<u16>> = (0..24).map(picture).collect();
     let differences = frames.chunks(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
     let m: Moments = differences.map(|(&a, &b)| f64::from(a) - f64::from(b)).collect();
-    let foretold = sensor.noise_variance(Electrons(500.0), &exposure);
+    let predicted = sensor.noise_variance(Electrons(500.0), &exposure);
     // Row and column noise, 400 + 900 of some 6000 (e⁻)², are known to √(2/(12·512)) = 1.8 %, flicker's 625 no better;
     // together 0.35 % of the sum. TelegraphSignal signals, 0.1·2·2500·2/9 = 111 with heavy tails, add less. 5 σ.
-    assert!((m.variance() / 2.0 / foretold - 1.0).abs() < 0.0175, "{} for {foretold}", m.variance() / 2.0);
+    assert!((m.variance() / 2.0 / predicted - 1.0).abs() < 0.0175, "{} for {predicted}", m.variance() / 2.0);
 }

@@ -154,7 +154,7 @@ impl Plan {
 
 /// The key of the number that fixed pattern belongs to.
 const SERIAL: &str = "sensor.serial";
-/// That of light and temporal noise.
+/// Seed of light and temporal noise.
 const SEED: &str = "render.seed";
 
 /// Refuses keys that cannot be varied so.

@@ -22,7 +22,7 @@ pub struct RigPlace {
 /// A camera of the rig.
 #[derive(Clone, Debug)]
 pub struct RigCamera {
-    /// What is said of it.
+    /// Its place, as stated.
     pub place: RigPlace,
     /// The camera, wherever it stands, as the capture makes it.
     pub camera: Camera,

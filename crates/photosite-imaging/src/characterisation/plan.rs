@@ -32,11 +32,11 @@ impl OperatingPoint {
                  noise takes the figures of its pictures",
             ));
         }
-        let bent = [
+        let nonlinear = [
             ("charge.logarithmic_reference_e_per_s", sensor.logarithmic.is_some()),
             ("adc.companding", sensor.converter.companding.is_some()),
         ];
-        match bent.iter().find(|(_, is_bent)| *is_bent) {
+        match nonlinear.iter().find(|(_, is_nonlinear)| *is_nonlinear) {
             Some((key, _)) => Err(Invalid::new(*key, "makes numbers that are not in proportion to light")
                 .help("EMVA 1288 measures linear sensors; leave it out")),
             None => Ok(()),

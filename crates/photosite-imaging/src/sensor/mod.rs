@@ -22,7 +22,7 @@ mod stages;
 pub use band_light::{BandRates, electron_rates};
 pub use chain::{Exposed, NoiseMaps, expose, expose_after, expose_with_maps};
 pub use exposure::{
-    AutoExposed, AutoExposure, Binning, BinningMethod, Exposure, Linearisation, Metering, TimeLimit, Window,
+    AutoExposed, AutoExposure, Binning, BinningMethod, Exposure, Linearisation, Metering, RegionOfInterest, TimeLimit,
     auto_exposure,
 };
 pub use model::{

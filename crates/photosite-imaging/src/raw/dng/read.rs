@@ -11,7 +11,7 @@ use tiff::tags::Tag;
 use super::openable::open;
 use super::tags::{Tags, unreadable};
 use super::{colour, filters, opcodes, read_numbers, tag, xmp};
-use crate::raw::{Area, BlackLevel, Cfa, Distortion, MAX_SIDE, RawImage, RawMetadata, bits_for};
+use crate::raw::{BlackLevel, Cfa, Distortion, MAX_SIDE, PixelArea, RawImage, RawMetadata, bits_for};
 use photosite_core::Invalid;
 
 /// Reads a DNG file.
@@ -29,7 +29,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     }
     let (width, height) = (width as usize, height as usize);
     let area = file.active_area(picture, width, height)?;
-    let active = area.unwrap_or(Area { x: 0, y: 0, width, height });
+    let active = area.unwrap_or(PixelArea { x: 0, y: 0, width, height });
     let cfa = file.cfa(picture, active)?;
     let data = read_numbers::read(&mut file, picture, [width, height], cfa.samples_per_pixel())?;
     let table: Vec<u16> = file.numbers(picture, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect();
@@ -87,7 +87,7 @@ impl<R: Read + Seek> Tags<R> {
         Ok(is_raw && self.number(directory, Tag::NewSubfileType)?.unwrap_or(0.0) == 0.0)
     }
 
-    fn active_area(&mut self, picture: &Directory, width: usize, height: usize) -> Result<Option<Area>, Invalid> {
+    fn active_area(&mut self, picture: &Directory, width: usize, height: usize) -> Result<Option<PixelArea>, Invalid> {
         let Some([top, left, bottom, right]) = self.array(picture, tag::ACTIVE_AREA)? else { return Ok(None) };
         if !(0.0 <= left
             && left < right
@@ -100,11 +100,11 @@ impl<R: Read + Seek> Tags<R> {
             return Err(Invalid::new("ActiveArea", message).help("the file is damaged"));
         }
         let [x, y] = [left, top].map(|n| n as usize);
-        let area = Area { x, y, width: right as usize - x, height: bottom as usize - y };
-        Ok((area != Area { x: 0, y: 0, width, height }).then_some(area))
+        let area = PixelArea { x, y, width: right as usize - x, height: bottom as usize - y };
+        Ok((area != PixelArea { x: 0, y: 0, width, height }).then_some(area))
     }
 
-    fn cfa(&mut self, picture: &Directory, active: Area) -> Result<Cfa, Invalid> {
+    fn cfa(&mut self, picture: &Directory, active: PixelArea) -> Result<Cfa, Invalid> {
         let samples = self.number(picture, Tag::SamplesPerPixel)?.unwrap_or(1.0);
         let is_linear = self.number(picture, Tag::PhotometricInterpretation)? == Some(f64::from(tag::LINEAR_RAW));
         match samples {
@@ -135,7 +135,7 @@ impl<R: Read + Seek> Tags<R> {
         Ok(cfa.from((width - active.x % width) % width, (height - active.y % height) % height))
     }
 
-    fn black_level(&mut self, picture: &Directory, cfa: &Cfa, active: Area) -> Result<BlackLevel, Invalid> {
+    fn black_level(&mut self, picture: &Directory, cfa: &Cfa, active: PixelArea) -> Result<BlackLevel, Invalid> {
         let samples = cfa.samples_per_pixel();
         let levels: Vec<f32> = self.numbers(picture, tag::BLACK_LEVEL)?.into_iter().map(|level| level as f32).collect();
         let columns = self.array::<2>(picture, tag::BLACK_LEVEL_REPEAT_DIM)?.map_or(1, |[_, columns]| columns as usize);

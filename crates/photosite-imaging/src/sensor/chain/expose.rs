@@ -1,6 +1,6 @@
 //! One exposure, from mean photo-electrons to digital numbers, as the list of its physical stages.
 
-use crate::raw::{Area, Cfa, RawImage, RawMetadata};
+use crate::raw::{Cfa, PixelArea, RawImage, RawMetadata};
 use photosite_core::Invalid;
 use photosite_core::image::Planes;
 
@@ -31,7 +31,7 @@ use crate::sensor::stages::reset_noise::ResetNoise;
 use crate::sensor::stages::shot_noise::ShotNoise;
 use crate::sensor::stages::telegraph::Telegraph;
 use crate::sensor::stages::{brighter_fatter, ccd};
-use crate::sensor::{Binning, Exposure, NoiseKey, SensorModel, Window};
+use crate::sensor::{Binning, Exposure, NoiseKey, RegionOfInterest, SensorModel};
 
 /// A function that lets stages change a row one after the other, each with its noise map. A stage is a line of the list.
 macro_rules! row_stages {
@@ -59,7 +59,7 @@ pub fn expose(
     expose_with_maps(mean_electrons, sensor, exposure, stages, key, &[]).map(|(raw, _)| raw)
 }
 
-/// The same, with what each of some effects has added to every number.
+/// Exposes the sensor as [`expose`] does, and records what each of some effects has added to every number.
 pub fn expose_with_maps(
     mean_electrons: &Planes,
     sensor: &SensorModel,
@@ -83,7 +83,7 @@ pub struct Exposed {
     pub left: Option<LeftCharge>,
 }
 
-/// The same after another frame, which has left charge in the pixels; `None` for a sensor that was long in the dark.
+/// Exposes the sensor as [`expose_with_maps`] does after another frame, which has left charge in the pixels; `None` for a sensor that was long in the dark.
 pub fn expose_after(
     mean_electrons: &Planes,
     sensor: &SensorModel,
@@ -94,7 +94,7 @@ pub fn expose_after(
     before: Option<&LeftCharge>,
 ) -> Result<Exposed, Invalid> {
     exposure.validate(sensor)?;
-    exposure.window.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
+    exposure.region.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
     let mut record = Recorder::start(maps, &charge);
     spread(&mut charge, sensor, stages);
@@ -118,14 +118,14 @@ pub fn expose_after(
     let (data, size) = process(&frame, numbers, &mut record);
 
     let (whole, part) = raw_image(&frame, data, size, [mean_electrons.width(), mean_electrons.height()]);
-    let layout = exposure.window.binning.layout(&sensor.cfa);
+    let layout = exposure.region.binning.layout(&sensor.cfa);
     let names = if layout.is_full() { layout.channels() } else { &[String::new()] };
-    let all = Area { x: 0, y: 0, width: whole.width, height: whole.height };
+    let all = PixelArea { x: 0, y: 0, width: whole.width, height: whole.height };
     let maps = NoiseMaps {
         planes: record.finish(part.unwrap_or(all), names)?,
         system_gain: sensor.converter.system_gain(exposure.gain)
             * exposure.digital_gain.factor()
-            * exposure.window.binning.digital_gain(),
+            * exposure.region.binning.digital_gain(),
         black_level_dn: sensor.converter.black_level_dn.into(),
     };
     let raw = match part {
@@ -183,7 +183,7 @@ fn hold(frame: &Frame<'_>, charge: &mut ChargePlane, record: &Recorder) {
 
 /// CCDs move the charge to their output; that of pixels may be added.
 fn transfer(frame: &Frame<'_>, mut charge: ChargePlane, passing: &[f32], record: &mut Recorder) -> ChargePlane {
-    let (sensor, binning) = (frame.sensor, frame.exposure.window.binning);
+    let (sensor, binning) = (frame.sensor, frame.exposure.region.binning);
     if let Some(ccd) = sensor.architecture.ccd() {
         let prescan = ccd.overscan.prescan_columns * charge.samples;
         charge = ccd::shift_out(ccd, frame, charge, passing);
@@ -236,7 +236,7 @@ fn read_out(frame: &Frame<'_>, mut charge: ChargePlane, record: &Recorder) -> Ve
 
 /// Numbers are processed and sent. Returns them with the length of their rows and the number of these.
 fn process(frame: &Frame<'_>, numbers: Vec<u16>, record: &mut Recorder) -> (Vec<u16>, [usize; 2]) {
-    let (sensor, binning) = (frame.sensor, frame.exposure.window.binning);
+    let (sensor, binning) = (frame.sensor, frame.exposure.region.binning);
     let (mut data, size) = binning.add_numbers(numbers, frame.size, sensor);
     record.add_numbers(&binning, sensor, &data, size[0]);
     let frame = &Frame { size, ..*frame };
@@ -258,9 +258,9 @@ fn raw_image(
     data: Vec<u16>,
     [row_length, height]: [usize; 2],
     picture: [usize; 2],
-) -> (RawImage, Option<Area>) {
+) -> (RawImage, Option<PixelArea>) {
     let Frame { sensor, exposure, .. } = *frame;
-    let Window { binning, region } = exposure.window;
+    let RegionOfInterest { binning, pixels } = exposure.region;
     let layout = binning.layout(&sensor.cfa);
     let width = row_length / layout.samples_per_pixel();
     let area = active_area(sensor, picture, binning);
@@ -286,7 +286,7 @@ fn raw_image(
             ..RawMetadata::default()
         },
     };
-    let part = region.map(|region| Area {
+    let part = pixels.map(|region| PixelArea {
         x: area.x + region.x / binning.factor[0],
         y: area.y + region.y / binning.factor[1],
         width: region.width / binning.factor[0],
@@ -296,15 +296,15 @@ fn raw_image(
 }
 
 /// Where among all that is read out the picture lies, in bins.
-fn active_area(sensor: &SensorModel, picture: [usize; 2], binning: Binning) -> Area {
+fn active_area(sensor: &SensorModel, picture: [usize; 2], binning: Binning) -> PixelArea {
     let prescan = sensor.architecture.ccd().map_or(0, |ccd| ccd.overscan.prescan_columns);
     let [across, down] = binning.factor;
     let [width, height] = binning.whole_bins(picture, &sensor.cfa);
-    Area { x: (prescan + sensor.masked.columns[0]) / across, y: sensor.masked.rows[0] / down, width, height }
+    PixelArea { x: (prescan + sensor.masked.columns[0]) / across, y: sensor.masked.rows[0] / down, width, height }
 }
 
 /// The tile as it lies at the corner of all that is read out, so that it begins at that of the picture.
-fn tile_from_corner(cfa: &Cfa, picture: Area) -> Cfa {
+fn tile_from_corner(cfa: &Cfa, picture: PixelArea) -> Cfa {
     let (width, height) = cfa.tile_size();
     let width = width / cfa.samples_per_pixel();
     cfa.from(width - picture.x % width, height - picture.y % height)

@@ -10,7 +10,7 @@
 
 use std::sync::{Mutex, MutexGuard};
 
-use crate::raw::{Area, Cfa};
+use crate::raw::{Cfa, PixelArea};
 use photosite_core::Invalid;
 use photosite_core::image::{Channel, Planes};
 
@@ -73,7 +73,7 @@ impl Recorder {
         self.changed(map, row);
     }
 
-    /// The same for digital numbers.
+    /// Lets a stage change digital numbers, and its change is that of a map.
     #[inline]
     pub(in crate::sensor) fn apply_to_numbers(
         &self,
@@ -114,7 +114,7 @@ impl Recorder {
         }
     }
 
-    /// Tells the mean of thermal electrons from their shot noise.
+    /// Separates the mean of thermal electrons from their shot noise.
     pub(in crate::sensor) fn split_dark_current(&self, dark_current: impl FnOnce() -> Option<DarkCurrent>) {
         let Some(DarkCurrent { electrons, .. }) = Some(dark_current).filter(|_| !self.is_off()).and_then(|make| make())
         else {
@@ -280,7 +280,7 @@ impl Recorder {
     }
 
     /// The maps, of an area of the picture whose pixels have these channels.
-    pub(in crate::sensor) fn finish(mut self, area: Area, channels: &[String]) -> Result<Planes, Invalid> {
+    pub(in crate::sensor) fn finish(mut self, area: PixelArea, channels: &[String]) -> Result<Planes, Invalid> {
         let samples = channels.len();
         let mut planes = Vec::new();
         for map in self.wanted.clone() {

@@ -148,7 +148,7 @@ pub fn auto_exposure(
     };
     let at_limit = Exposure { time: limit, ..*wanted };
     let Some(max_gain) = target.max_gain else { return Ok(limited(at_limit)) };
-    let [gain, digital_gain] = sensor.gains_for_capacity(Electrons(limit.0 / per_capacity), wanted.window.binning);
+    let [gain, digital_gain] = sensor.gains_for_capacity(Electrons(limit.0 / per_capacity), wanted.region.binning);
     let [_, most] = sensor.converter.gain_range;
     // Never below where it started: lower gains would not help a picture that is too dark.
     let gain = Decibels(gain.0.max(wanted.gain.0).min(max_gain.0.min(most.0)));

@@ -4,7 +4,7 @@ use photosite_core::Invalid;
 use photosite_core::spectrum::{Spectrum, cie, illuminant};
 use photosite_core::units::{Decibels, Electrons, Seconds};
 
-use crate::sensor::{Binning, Exposure, SensorModel, Window};
+use crate::sensor::{Binning, Exposure, RegionOfInterest, SensorModel};
 
 /// The constant of the saturation-based speed, lx·s: a grey of 18 % then lies at 12.7 % of saturation, half a stop below
 /// what would just fit.
@@ -25,8 +25,8 @@ impl SensorModel {
 
     /// The ISO speed at the smallest gain; there is no lower one.
     pub fn base_iso(&self, binning: Binning) -> Option<f64> {
-        let window = Window { binning, region: None };
-        self.iso(&Exposure { gain: self.converter.gain_range[0], window, ..Exposure::of(Seconds(1.0)) })
+        let region = RegionOfInterest { binning, pixels: None };
+        self.iso(&Exposure { gain: self.converter.gain_range[0], region, ..Exposure::of(Seconds(1.0)) })
     }
 
     /// The analogue and the digital gain that give an ISO speed: as much of it as the sensor can by the first. Speeds
@@ -149,7 +149,7 @@ mod tests {
                 let [least, most] = sensor.converter.gain_range;
                 assert!((least.0..=most.0).contains(&gains[0].0) && gains[1].0 >= 0.0, "{name}: {gains:?}");
                 assert!(gains[1].0 == 0.0 || gains[0] == most, "{name}: digital gain before the analogue one ends");
-                // Rounding of logarithms and powers, and the inverse of bent amplifiers to 2⁻⁶⁰.
+                // Rounding of logarithms and powers, and the inverse of nonlinear amplifiers to 2⁻⁶⁰.
                 let found = sensor.iso(&exposure(gains)).expect("linear") / base;
                 assert!((found / factor - 1.0).abs() < 1e-9, "{name}: {found} for {factor}");
             }

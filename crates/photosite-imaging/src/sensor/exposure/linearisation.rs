@@ -28,7 +28,7 @@ impl SensorModel {
             None if self.logarithmic.is_some() => (0..=converter.max_dn()).map(f64::from).collect(),
             None => return None,
         };
-        let white = self.bent_white_level_dn(exposure);
+        let white = self.nonlinear_white_level_dn(exposure);
         let linear = |dn: f64| -> u16 {
             if self.logarithmic.is_none() {
                 return dn.round() as u16;

@@ -10,4 +10,4 @@ mod settings;
 pub use auto_exposure::{AutoExposed, AutoExposure, Metering, TimeLimit, auto_exposure};
 pub use binning::{Binning, BinningMethod};
 pub use linearisation::Linearisation;
-pub use settings::{Exposure, Window};
+pub use settings::{Exposure, RegionOfInterest};

@@ -1,6 +1,6 @@
 //! The settings of one exposure.
 
-use crate::raw::Area;
+use crate::raw::PixelArea;
 use photosite_core::Invalid;
 use photosite_core::units::{Celsius, Decibels, Seconds};
 
@@ -23,30 +23,30 @@ pub struct Exposure {
     /// Time from the start of one picture of a series to that of the next, where it is longer than it has to be.
     pub frame_interval: Option<Seconds>,
     /// What of the sensor is read out.
-    pub window: Window,
+    pub region: RegionOfInterest,
 }
 
 /// What of the sensor is read out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
+pub struct RegionOfInterest {
     /// Pixels that are read out as one.
     pub binning: Binning,
     /// The pixels that leave the sensor, before binning; `None` for all, with those that are covered. Nothing about them
     /// depends on what else is read out.
-    pub region: Option<Area>,
+    pub pixels: Option<PixelArea>,
 }
 
-impl Window {
+impl RegionOfInterest {
     /// All of the sensor, pixel by pixel.
-    pub const WHOLE: Self = Self { binning: Binning::NONE, region: None };
+    pub const WHOLE: Self = Self { binning: Binning::NONE, pixels: None };
 
     /// Refuses what this sensor cannot do. Keys are those of the capture file's `[exposure]` table.
     fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
         self.binning.validate(sensor)?;
         self.fits(sensor, sensor.resolution)?;
         let cell = self.binning.cell(&sensor.cfa);
-        match self.region {
-            Some(Area { x, y, width, height })
+        match self.pixels {
+            Some(PixelArea { x, y, width, height })
                 if [x, width].iter().any(|n| n % cell[0] != 0) || [y, height].iter().any(|n| n % cell[1] != 0) =>
             {
                 let [across, down] = self.binning.factor;
@@ -65,7 +65,7 @@ impl Window {
             let message = format!("{columns} × {rows} pixels have no whole bins, which take {across} × {down} of them");
             return Err(Invalid::new("binning", message).help("write smaller bins"));
         }
-        let Some(Area { x, y, width, height }) = self.region else { return Ok(()) };
+        let Some(PixelArea { x, y, width, height }) = self.pixels else { return Ok(()) };
         let refuse = |message: String, help: &str| Err(Invalid::new("region_px", message).help(help));
         let within = |first: usize, length: usize, side: usize| {
             length > 0 && first.checked_add(length).is_some_and(|end| end <= side)
@@ -87,7 +87,7 @@ impl Exposure {
             digital_gain: Decibels(0.0),
             temperature: Celsius(25.0),
             frame_interval: None,
-            window: Window::WHOLE,
+            region: RegionOfInterest::WHOLE,
         }
     }
 
@@ -106,7 +106,7 @@ impl Exposure {
             let message = format!("must lie from 0 to {MAX_DIGITAL_GAIN_DB}, got {}", self.digital_gain.0);
             return Err(Invalid::new("digital_gain_db", message).help("smaller numbers would never reach white"));
         }
-        self.window.validate(sensor)?;
+        self.region.validate(sensor)?;
         let dark = sensor.noise.dark_electrons(self.temperature, self.time);
         if !(self.temperature.0 > -photosite_core::units::ZERO_CELSIUS && dark.0.is_finite()) {
             let message = format!("no sensor works at {} °C", self.temperature.0);

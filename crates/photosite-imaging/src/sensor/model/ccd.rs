@@ -57,7 +57,7 @@ pub struct Ccd {
     pub smear_row_time: Seconds,
     /// Part of the charge that stays behind at each shift along a column, 0 to below 1.
     pub vertical_inefficiency: f64,
-    /// The same along the read-out register.
+    /// Part of the charge that stays behind at each shift along the read-out register, 0 to below 1.
     pub horizontal_inefficiency: f64,
     /// Light, as a multiple of the saturating light, up to which a drain keeps a pixel from blooming; 1 for no drain.
     pub anti_blooming_factor: f64,

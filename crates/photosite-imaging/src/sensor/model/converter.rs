@@ -177,12 +177,12 @@ impl Converter {
             return Err(Invalid::new(*key, "cannot go with dual_gain").help("its converters are taken to be alike"));
         }
         let inl_dn = finite("inl_dn", d.inl_dn)?;
-        // It is the converters that bend, and theirs are the bits.
+        // The nonlinearity is that of the two converters, and so are the bits.
         let max_dn = d.dual_gain.as_ref().map_or(max_dn, |dual| (1 << dual.bits.min(16)) - 1);
-        // A steeper bend would make the converter's numbers fall with rising voltage: the slope at the ends is 1 ± 4·INL/max.
+        // A larger one would make the converter's numbers fall with rising voltage: the slope at the ends is 1 ± 4·INL/max.
         if 4.0 * inl_dn.abs() >= f64::from(max_dn) {
             let message = format!("{inl_dn} DN is too much for a range of {max_dn} DN");
-            return Err(Invalid::new("inl_dn", message).help("converters are bent by some DN at most"));
+            return Err(Invalid::new("inl_dn", message).help("the nonlinearity of converters is some DN at most"));
         }
         let dnl_dn = not_negative("dnl_dn", d.dnl_dn)?;
         if dnl_dn > MAX_DNL_DN {

@@ -25,13 +25,13 @@ pub struct DefectsDescription {
 /// Pixels that do not work as the others, as parts of all, 0–1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Defects {
-    /// Those with more dark current.
+    /// Hot pixels, with more dark current.
     pub hot: f64,
-    /// The mean of what those have more at the reference temperature, e⁻/s, exponentially distributed.
+    /// Mean additional dark current of hot pixels at the reference temperature, e⁻/s, exponentially distributed.
     pub hot_dark_current_e_per_s: f64,
-    /// Those that do not see light.
+    /// Dead pixels, which do not see light.
     pub dead: f64,
-    /// Those that always read the same number.
+    /// Stuck pixels, which always read the same number.
     pub stuck: f64,
 }
 

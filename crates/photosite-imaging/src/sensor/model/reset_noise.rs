@@ -27,7 +27,7 @@ pub enum Reset {
     Cancelled,
     /// A standard deviation.
     Fixed(Electrons),
-    /// That of a capacitance, F, at the sensor's temperature.
+    /// Noise of a capacitance, F, at the sensor's temperature.
     Capacitance(f64),
 }
 

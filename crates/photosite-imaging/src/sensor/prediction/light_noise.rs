@@ -42,7 +42,7 @@ pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) 
     let samples = sensor.cfa.samples_per_pixel();
     let row_length = width * samples;
     let saturation = sensor.saturation_capacity(exposure).0;
-    let pixels = exposure.window.binning.pixels() as f64;
+    let pixels = exposure.region.binning.pixels() as f64;
     let (mut of_light, mut of_sensor) = (0.0, 0.0);
     for i in 0..row_length * rates.mean.height() {
         let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
@@ -115,7 +115,7 @@ impl Needed<'_> {
         let Self { mean, variance, counts, sensor, exposure, target } = *self;
         let time = exposure.time.0;
         let saturation = sensor.saturation_capacity(exposure).0;
-        let pixels = exposure.window.binning.pixels() as f64;
+        let pixels = exposure.region.binning.pixels() as f64;
         // One bright sample among a few does not make a pixel that saturates.
         let surely = |(&mean, &variance): (&f32, &f32)| f64::from(mean) - 2.0 * f64::from(variance).sqrt();
         for (counted, pixel) in counted.iter_mut().zip(mean.iter().zip(variance)) {

@@ -1,4 +1,4 @@
-//! The sensor's noise in closed form: what [`expose()`](super::expose()) does, foretold. It tells a renderer when Monte
+//! The sensor's noise in closed form: what [`expose()`](super::expose()) does, predicted. It tells a renderer when Monte
 //! Carlo noise is small beside it, and a raw file what its noise profile is.
 
 use photosite_core::units::{Decibels, DigitalNumber, Electrons};
@@ -22,7 +22,7 @@ impl SensorModel {
         let thermal = self.thermal_electrons(exposure);
         let charge = mean.0.max(0.0) + thermal;
         let slope = self.pixel_slope(charge, exposure.time);
-        let shot = charge / exposure.window.binning.pixels() as f64;
+        let shot = charge / exposure.region.binning.pixels() as f64;
         shot + (self.read_out_variance(exposure) + self.companding_variance(charge, exposure)) / (slope * slope)
     }
 
@@ -45,12 +45,12 @@ impl SensorModel {
         };
         let before_merging = self.converter.dual_gain.as_ref().map_or(0.0, |dual| quantisation(&dual.high));
         let converted = (pixel + before_merging + quantisation(&self.converter)) / (across * down) + shared;
-        converted / exposure.window.binning.charge_gain().powi(2) + rounding_variance_e2(self, exposure)
+        converted / exposure.region.binning.charge_gain().powi(2) + rounding_variance_e2(self, exposure)
     }
 
     /// Columns and rows of converted numbers that become one.
     fn converted_bins(&self, exposure: &Exposure) -> [usize; 2] {
-        let Binning { factor, method } = exposure.window.binning;
+        let Binning { factor, method } = exposure.region.binning;
         match method {
             BinningMethod::Charge => [1, 1],
             BinningMethod::Sum | BinningMethod::Mean => factor,
@@ -92,7 +92,7 @@ impl SensorModel {
     pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
         let converter = &self.converter;
         let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
-        let binning = exposure.window.binning;
+        let binning = exposure.region.binning;
         let digital = exposure.digital_gain.factor() * binning.digital_gain();
         let signal = before_merging.min(converter.range_e() / digital) / exposure.gain.factor();
         let charge = self.pixel_charge(self.charge_for(signal), exposure.time) / binning.charge_gain();
@@ -124,13 +124,14 @@ impl SensorModel {
     /// Smallest whole linear number at which a noise-free pixel is saturated, always above the black level.
     pub(in crate::sensor) fn white_level_dn(&self, exposure: &Exposure) -> u16 {
         let linearisation = self.linearisation(exposure);
-        linearisation.map_or_else(|| self.bent_white_level_dn(exposure), |linearisation| linearisation.white_level_dn)
+        linearisation
+            .map_or_else(|| self.nonlinear_white_level_dn(exposure), |linearisation| linearisation.white_level_dn)
     }
 
-    /// The same as the converter has it, before anything is made linear.
-    pub(in crate::sensor) fn bent_white_level_dn(&self, exposure: &Exposure) -> u16 {
+    /// White level as the converter has it, before anything is made linear.
+    pub(in crate::sensor) fn nonlinear_white_level_dn(&self, exposure: &Exposure) -> u16 {
         let converter = &self.converter;
-        let together = exposure.window.binning.charge_gain();
+        let together = exposure.region.binning.charge_gain();
         let charge = self.saturation_capacity(exposure).0 * together;
         let signal = self.amplified(self.pixel_signal(charge, exposure.time)) / together;
         let black = f64::from(converter.black_level_dn);
@@ -138,7 +139,7 @@ impl SensorModel {
         (level.0 as u16).clamp(converter.black_level_dn + 1, converter.max_dn())
     }
 
-    /// The same noise as a raw file tells it: variance of the normalised signal x = (DN − black)/(white − black) is
+    /// Noise as a raw file states it: variance of the normalised signal x = (DN − black)/(white − black) is
     /// S·x + O (DNG 1.6 specification, NoiseProfile). With R = white − black in DN,
     ///
     /// S = K/(n·R), O = K²·σ_0²/R²
@@ -148,7 +149,7 @@ impl SensorModel {
     pub(in crate::sensor) fn noise_profile(&self, exposure: &Exposure) -> Option<[f64; 2]> {
         let gain = self.system_gain(exposure);
         let range = f64::from(self.white_level_dn(exposure) - self.converter.black_level_dn);
-        let pixels = exposure.window.binning.pixels() as f64;
+        let pixels = exposure.region.binning.pixels() as f64;
         let dark = self.thermal_electrons(exposure) / pixels + self.read_out_variance(exposure);
         self.logarithmic.is_none().then_some([gain / range / pixels, dark * (gain / range).powi(2)])
     }

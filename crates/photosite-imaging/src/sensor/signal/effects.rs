@@ -64,7 +64,7 @@ stages! {
     DarkOffset = 4,
     /// Noise of the amplifiers.
     ReadNoise = 5,
-    /// The same of the second amplifier of sensors with two gains.
+    /// Noise of the second amplifier of sensors with two gains.
     LowGainReadNoise = 46,
     /// Noise that the pixels of a row share.
     RowNoise = 14,
@@ -130,7 +130,7 @@ impl Default for Stages {
 /// Declares [`NoiseMap`] by its table: what a map holds, and its name in files, which ends with its unit.
 macro_rules! noise_maps {
     ($($(#[$doc:meta])* $map:ident = $name:literal,)+) => {
-        /// An effect whose part of a picture can be told. Its name ends with its unit, but for those that have none.
+        /// An effect whose part of a picture can be recorded. Its name ends with its unit, but for those that have none.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
         pub enum NoiseMap {
             $($(#[$doc])* #[serde(rename = $name)] $map,)+
@@ -179,7 +179,7 @@ noise_maps! {
     BloomingE = "blooming_e",
     /// What does not fit into the full well, e⁻.
     FullWellE = "full_well_e",
-    /// The bend of logarithmic pixels, e⁻.
+    /// Nonlinearity of logarithmic pixels, e⁻.
     LogarithmicResponseE = "logarithmic_response_e",
     /// Image lag: charge of earlier frames less what stays in the pixel of this one, e⁻.
     ImageLagE = "image_lag_e",
@@ -197,7 +197,7 @@ noise_maps! {
     RowNoiseE = "row_noise_e",
     /// Noise that columns share, e⁻.
     ColumnNoiseE = "column_noise_e",
-    /// The bend of the amplifiers, e⁻.
+    /// Nonlinearity of the amplifiers, e⁻.
     AmplifierNonlinearityE = "amplifier_nonlinearity_e",
     /// Read noise, e⁻; with two gains, that of the amplifier that counts.
     ReadNoiseE = "read_noise_e",

@@ -1,4 +1,4 @@
-//! Amplifiers: from electrons to the converter's units. They may bend, and those of columns may differ.
+//! Amplifiers: from electrons to the converter's units. They may be nonlinear, and those of columns may differ.
 
 use super::frame::Frame;
 use crate::sensor::model::{Converter, SensorModel};

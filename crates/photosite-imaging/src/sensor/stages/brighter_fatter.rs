@@ -55,8 +55,8 @@ fn spread(charges: &mut [f32], width: usize, samples: usize, per_e: [f64; 2]) {
 
 #[cfg(test)]
 mod tests {
-    use crate::sensor::stages::shot_noise::poisson;
     use super::*;
+    use crate::sensor::stages::shot_noise::poisson;
     use photosite_core::math::philox::Philox;
     use photosite_core::math::statistics::Moments;
 

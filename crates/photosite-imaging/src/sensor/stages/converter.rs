@@ -56,11 +56,11 @@ impl Nonlinearity {
     #[inline]
     fn number(&self, level: f64, max_dn: f64, x: usize) -> f64 {
         let part = level / max_dn;
-        let bent = level + bow_dn(self.inl_dn, part);
-        let nearest = (bent + 0.5).floor();
-        if bent < nearest - 0.5 + self.displacement(x, nearest) {
+        let nonlinear = level + bow_dn(self.inl_dn, part);
+        let nearest = (nonlinear + 0.5).floor();
+        if nonlinear < nearest - 0.5 + self.displacement(x, nearest) {
             nearest - 1.0
-        } else if bent >= nearest + 0.5 + self.displacement(x, nearest + 1.0) {
+        } else if nonlinear >= nearest + 0.5 + self.displacement(x, nearest + 1.0) {
             nearest + 1.0
         } else {
             nearest

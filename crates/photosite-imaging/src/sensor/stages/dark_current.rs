@@ -84,7 +84,7 @@ impl DarkElectrons {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::sensor) struct DarkCurrent {
     pub(in crate::sensor) electrons: DarkElectrons,
-    /// That of pixels that are all alike, prepared once.
+    /// Distribution of the electrons of pixels that are all alike, prepared once.
     distribution: Poisson<f64>,
     streams: Streams,
 }

@@ -9,7 +9,7 @@ impl SensorModel {
     /// System gain K of the numbers that leave the sensor at an exposure's gains, DN/e⁻. Of bins, the electrons are the
     /// mean of their pixels.
     pub fn system_gain(&self, exposure: &Exposure) -> f64 {
-        let binning = exposure.window.binning;
+        let binning = exposure.region.binning;
         let digital = exposure.digital_gain.factor() * binning.digital_gain();
         self.converter.system_gain(exposure.gain) * binning.charge_gain() * digital
     }
@@ -18,7 +18,7 @@ impl SensorModel {
 /// Variance that rounding after a digital gain and after taking means adds, referred to electrons, (e⁻)²: 1/(12·K²) with
 /// the gain K so far. Whole factors need no rounding.
 pub(in crate::sensor) fn rounding_variance_e2(sensor: &SensorModel, exposure: &Exposure) -> f64 {
-    let (factor, binning) = (exposure.digital_gain.factor(), exposure.window.binning);
+    let (factor, binning) = (exposure.digital_gain.factor(), exposure.region.binning);
     let rounding = |gain: f64| (1.0 / 12.0) / gain.powi(2);
     let of_gain = if factor.fract() == 0.0 { 0.0 } else { rounding(sensor.system_gain(exposure)) };
     let takes_means = binning.method == BinningMethod::Mean && binning.pixels() > 1;

@@ -34,7 +34,7 @@ pub(in crate::sensor) struct DualGainDigitiser {
     /// From this number on the high gain does not count.
     threshold_dn: u16,
     merged: Digitiser,
-    /// That of the merged numbers, DN/e⁻.
+    /// System gain of the merged numbers, DN/e⁻.
     system_gain: f64,
 }
 

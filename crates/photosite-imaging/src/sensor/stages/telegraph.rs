@@ -4,7 +4,7 @@
 //! Each level lasts for a time that follows an exponential distribution. Such a signal is the same as one that is drawn
 //! anew, high with the probability of its duty, at the moments of a Poisson process of rate 1/τ_high + 1/τ_low: the rate
 //! of leaving the high level is then that rate times the probability of the low one, 1/τ_high, as it should be. The state
-//! at any time is what was drawn last, and can be told for any frame without those before.
+//! at any time is what was drawn last, and can be found for any frame without those before.
 
 use rand::RngExt;
 use rand_distr::{Exp1, Poisson};
