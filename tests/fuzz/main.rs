@@ -1,7 +1,8 @@
 //! Readers fed with damaged files: whatever comes in, an error or a picture comes out, never a panic, and soon.
 //!
-//! Each test damages good files in many ways, the same for the same number: [`LEAST_CASES`] for each good file, and on from
-//! there for as long as `PHOTOSITE_FUZZ_S` says (left out: a second). What fails is written to the temporary folder, and the message says where.
+//! Each test damages good files in many ways, the same for the same number: [`LEAST_CASES`] for each good file, and
+//! more for as long as `PHOTOSITE_FUZZ_S` says (left out: a second). What fails is written to the temporary folder, and
+//! the message says where.
 
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,9 +19,9 @@ use photosite::raw::{Cfa, DngCompression, RawImage, read_dng, read_pnm, read_tif
 /// No reader may take longer for a file of a few kilobytes, on a busy machine.
 const SLOWEST: Duration = Duration::from_secs(20);
 
-/// Damaged versions of each good file, on average, however busy the machine is. A version has 2½ pieces of damage on average
-/// and each of the 7 kinds is one in 8 of them, so that the chance for a file to be spared one of the kinds is
-/// 7·(7/8)⁵⁰ < 1 %.
+/// Damaged versions of each good file, on average, however busy the machine is. A version has 2½ pieces of damage on
+/// average and each of the 7 kinds is at least one in 8 of them, so that the chance for a file to be spared one of the
+/// kinds is at most 7·(7/8)⁵⁰ < 1 %.
 const LEAST_CASES: usize = 20;
 
 fn repository(path: &str) -> PathBuf {

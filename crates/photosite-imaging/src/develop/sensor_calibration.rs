@@ -29,8 +29,8 @@ static FOUND: Mutex<Vec<SensorCalibration>> = Mutex::new(Vec::new());
 const KEPT: usize = 16;
 
 impl SensorCalibration {
-    /// Calibration of channels with these responses, as [`camera_colour`](super::camera_colour::camera_colour) takes them. `stored`, which
-    /// an earlier run has found, is taken where it is of the same responses; otherwise it is found anew. `None` for a camera of
+    /// Calibration of channels with these responses, as [`camera_colour`](super::camera_colour::camera_colour) takes
+    /// them. `stored`, which an earlier run has found, is taken where it is of the same responses; otherwise it is found anew. `None` for a camera of
     /// less than three channels, which sees no colours.
     ///
     /// # Errors

@@ -2,7 +2,8 @@
 //!
 //! In: the mean photo-electrons of every pixel (e⁻, noise-free, one plane per channel), a [`SensorModel`], an
 //! [`Exposure`]. Out: a [`RawImage`](crate::raw::RawImage) of digital numbers. [`expose()`] is the list of stages, each
-//! of which has a file of its own in `stages/`; names and symbols are those of [Emva1288](photosite_core::references#emva1288).
+//! of which has a file of its own in `stages/`; names and symbols are those of
+//! [Emva1288](photosite_core::references#emva1288).
 //!
 //! Exposure control is beside that list: [`auto_exposure()`] finds time and gains, [`SensorModel::gains_for_iso`] the gains of a
 //! speed, [`SensorModel::linearisation`] the way back from nonlinear numbers.

@@ -79,11 +79,12 @@ pub struct Exposed {
     pub raw: RawImage,
     /// What some effects have added to them.
     pub maps: NoiseMaps,
-    /// Charge that it leaves to the frame after it; `None` of a sensor without [image lag](super::ImageLag).
+    /// Charge that it leaves to the frame after it; `None` of a sensor without [image lag](crate::sensor::ImageLag).
     pub left: Option<LeftCharge>,
 }
 
-/// Exposes the sensor as [`expose_with_maps`] does after another frame, which has left charge in the pixels; `None` for a sensor that was long in the dark.
+/// Exposes the sensor as [`expose_with_maps`] does after another frame, which has left charge in the pixels;
+/// `None` for a sensor that was long in the dark.
 pub fn expose_after(
     mean_electrons: &Planes,
     sensor: &SensorModel,

@@ -1,4 +1,4 @@
-//! The sensor's noise in closed form: what [`expose()`](super::expose()) does, predicted. It tells a renderer when Monte
+//! The sensor's noise in closed form: what [`expose()`](crate::sensor::expose()) does, predicted. It tells a renderer when Monte
 //! Carlo noise is small beside it, and a raw file what its noise profile is.
 
 use photosite_core::units::{Decibels, DigitalNumber, Electrons};

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 macro_rules! stages {
     ($($(#[$doc:meta])* $stage:ident = $number:literal,)+) => {
         /// A physical effect between mean electrons and digital numbers that can be left out, in the order of
-        /// [`expose`](super::expose()). Its number keys its random numbers and is part of what a seed means: it stays when
-        /// others come.
+        /// [`expose`](crate::sensor::expose()). Its number keys its random numbers and is part of what a seed means:
+        /// it stays when others come.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
         #[serde(rename_all = "kebab-case")]
         pub enum Stage {

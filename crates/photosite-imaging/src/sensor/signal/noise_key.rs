@@ -12,7 +12,7 @@ use super::charge_plane::Row;
 use super::effects::Stage;
 
 /// What the temporal noise of one picture is keyed by. Fixed patterns belong to the sensor, by its
-/// [serial number](super::SensorModel::serial), and stay whatever this is.
+/// [serial number](crate::sensor::SensorModel::serial), and stay whatever this is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoiseKey {
     /// Another seed is another take.
