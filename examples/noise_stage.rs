@@ -4,7 +4,7 @@
 
 use photosite::image::{Channel, Planes};
 use photosite::math::statistics::Moments;
-use photosite::sensor::{Exposure, NoiseKey, Stage, Stages, Window, expose, presets};
+use photosite::sensor::{Exposure, NoiseKey, RegionOfInterest, Stage, Stages, expose, presets};
 use photosite::units::{Celsius, Decibels, Seconds};
 
 const SIZE: usize = 200;
@@ -20,7 +20,7 @@ fn main() -> photosite::Result<(), photosite::Invalid> {
         digital_gain: Decibels(0.0),
         temperature: Celsius(40.0),
         frame_interval: None,
-        window: Window::WHOLE,
+        region: RegionOfInterest::WHOLE,
     };
     let channel = Channel { name: sensor.cfa.channels()[0].clone(), data: vec![ELECTRONS; SIZE * SIZE] };
     let light = Planes::new(SIZE, SIZE, vec![channel])?;

@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use photosite::colour::ColourSpace;
-use photosite::develop::colour_matrix::camera_colour;
+use photosite::develop::camera_colour::camera_colour;
 use photosite::develop::{DevelopSettings, ToneCurve, develop};
 use photosite::image::Planes;
 use photosite::io::developed::{PictureFormat, write_encoded, write_png};
@@ -69,7 +69,7 @@ fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photos
     }
     let mut raw = expose(&light_on_sensor, sensor, &exposure, Stages::NONE, NoiseKey::default())?;
     if let Some(colour) = camera_colour(&responses, light)? {
-        colour.tell(&mut raw.metadata);
+        colour.write_to(&mut raw.metadata);
     }
     Ok(raw)
 }

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use photosite::io::output::{create_folder, write_whole};
 use photosite::projection::{BrownConrady, Intrinsics, Projection};
 use photosite::raw::{
-    Area, BlackLevel, Cfa, ColourCalibration, Distortion, DngCompression, GainMap, LensModel, LightSource, RawImage,
-    RawMetadata, write_compressed_dng, write_npy, write_pgm, write_tiff,
+    BlackLevel, Cfa, ColourCalibration, Distortion, DngCompression, GainMap, LensModel, LightSource, PixelArea,
+    RawImage, RawMetadata, write_compressed_dng, write_npy, write_pgm, write_tiff,
 };
 
 const LAYOUTS: [&str; 11] =
@@ -78,7 +78,7 @@ fn picture(layout: &str, width: usize, height: usize, bits: u32) -> Result<RawIm
 /// The same with a frame of masked pixels, a black level for each channel, and a lens to correct.
 fn masked(raw: RawImage) -> Result<RawImage, photosite::Invalid> {
     let levels: Vec<f32> = (0..raw.cfa.channels().len()).map(|channel| 200.0 + 10.0 * channel as f32).collect();
-    let (samples, area) = (raw.cfa.samples_per_pixel(), Area { x: 10, y: 8, width: 316, height: 200 });
+    let (samples, area) = (raw.cfa.samples_per_pixel(), PixelArea { x: 10, y: 8, width: 316, height: 200 });
     let black_level_dn = BlackLevel::of_channels(&raw.cfa, &levels)?;
     let mut data = raw.data;
     for (i, dn) in data.iter_mut().enumerate() {

@@ -135,7 +135,7 @@ impl<'a> Finder<'a> {
         Ok(TextureDescription { image, uv_set: 0, sampler: SamplerSettings { wrap: [wrap; 2], filter }, transform })
     }
 
-    /// The colour of a light: D65 unless told otherwise.
+    /// The colour of a light: D65 unless stated otherwise.
     pub(super) fn light(&self, keys: LightColour<'_>) -> Result<LightSpectrum, Invalid> {
         let given = [
             ("illuminant", keys.illuminant.is_some()),

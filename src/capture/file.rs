@@ -1,4 +1,4 @@
-//! Reading all tables of a capture file, before anything that they name: a misspelt key is told at once.
+//! Reading all tables of a capture file, before anything that they name: a misspelt key is reported at once.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -26,9 +26,9 @@ pub(super) fn read_source(path: &Path) -> Result<CaptureSource> {
 
 /// Focuses the lens on the middle of a scene that stands for a capture, unless something says otherwise.
 pub(super) fn focus_on_scene(source: &mut CaptureSource) {
-    let is_said = ["lens.focus_distance_m", "lens.autofocus_px"].iter().any(|key| source.has(key));
+    let is_stated = ["lens.focus_distance_m", "lens.autofocus_px"].iter().any(|key| source.has(key));
     let is_pinhole = source.get("lens.type").and_then(tree::Node::as_str) == Some("pinhole");
-    if !is_said && !is_pinhole {
+    if !is_stated && !is_pinhole {
         source.set_default("lens", "focus_distance_m", &lens::ON_SCENE.into());
     }
 }

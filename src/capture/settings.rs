@@ -14,10 +14,12 @@ use crate::develop::RawLayout;
 use crate::integrator::{RenderSettings, WavelengthChoice};
 use crate::io::noise_maps::NoiseFormat;
 use crate::io::truth::TruthFormat;
-use crate::raw::{Area, Cfa, DngCompression, dng_can_hold};
+use crate::raw::{Cfa, DngCompression, PixelArea, dng_can_hold};
 use crate::sampler::SamplerKind;
 use crate::scene::description::looking;
-use crate::sensor::{AutoExposure, Binning, BinningMethod, Exposure, Metering, NoiseMap, SensorModel, Stages, Window};
+use crate::sensor::{
+    AutoExposure, Binning, BinningMethod, Exposure, Metering, NoiseMap, RegionOfInterest, SensorModel, Stages,
+};
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
 
@@ -42,7 +44,7 @@ pub struct ExposureSettings {
     /// Time from the start of one picture to that of the next, where it is longer than the exposure.
     pub frame_interval: Option<Seconds>,
     /// What of the sensor is read out.
-    pub window: Window,
+    pub region: RegionOfInterest,
     /// The stages of the sensor that take part.
     pub stages: Stages,
 }
@@ -55,8 +57,8 @@ impl ExposureSettings {
 
     /// An exposure of this time.
     pub fn at(&self, time: Seconds) -> Exposure {
-        let &Self { gain, digital_gain, temperature, frame_interval, window, .. } = self;
-        Exposure { time, gain, digital_gain, temperature, frame_interval, window }
+        let &Self { gain, digital_gain, temperature, frame_interval, region, .. } = self;
+        Exposure { time, gain, digital_gain, temperature, frame_interval, region }
     }
 }
 
@@ -117,9 +119,9 @@ pub struct OutputSettings {
     pub irradiance: Option<SpectralBands>,
     /// Whether the picture of an ideal observer is written.
     pub ideal: bool,
-    /// What is told of the surfaces that pixels see.
+    /// What is reported of the surfaces that pixels see.
     pub truth: TruthOutput,
-    /// What is told of the sensor's noise.
+    /// What is reported of the sensor's noise.
     pub noise: NoiseOutput,
     /// Time between pictures of a render that is under way; `None` for no such pictures.
     pub preview_interval: Option<Duration>,
@@ -194,8 +196,8 @@ impl SpectralBands {
 
 /// Reads `[exposure]`.
 pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
-    let window = window(table, sensor)?;
-    let [gain, digital_gain] = gains(table, sensor, window.binning)?;
+    let region = region(table, sensor)?;
+    let [gain, digital_gain] = gains(table, sensor, region.binning)?;
     let bracket = bracket(table, sensor)?;
     let time_s = table.time_s.or(bracket.as_ref().and_then(Bracket::middle).map(|time| time.0));
     let time = match (time_s, table.auto) {
@@ -225,7 +227,7 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         temperature: Celsius(table.temperature_c.unwrap_or(25.0)),
         frames: table.frames.unwrap_or(1),
         frame_interval: table.frame_interval_s.map(Seconds),
-        window,
+        region,
         stages: stages(table)?,
         bracket,
     };
@@ -312,8 +314,8 @@ fn gains(table: &ExposureTable, sensor: &SensorModel, binning: Binning) -> Resul
 }
 
 /// What of the sensor is read out.
-fn window(table: &ExposureTable, sensor: &SensorModel) -> Result<Window, Invalid> {
-    let region = table.region_px.map(|[x, y, width, height]| Area { x, y, width, height });
+fn region(table: &ExposureTable, sensor: &SensorModel) -> Result<RegionOfInterest, Invalid> {
+    let pixels = table.region_px.map(|[x, y, width, height]| PixelArea { x, y, width, height });
     if let (None, Some(_)) = (table.binning, table.binning_method) {
         let message = "says how pixels are binned, but not how many";
         return Err(Invalid::new("binning_method", message).help("add binning = [2, 2]"));
@@ -322,7 +324,7 @@ fn window(table: &ExposureTable, sensor: &SensorModel) -> Result<Window, Invalid
     let binning = table
         .binning
         .map_or(Binning::NONE, |factor| Binning { factor, method: table.binning_method.unwrap_or(own_method) });
-    Ok(Window { binning, region })
+    Ok(RegionOfInterest { binning, pixels })
 }
 
 fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {

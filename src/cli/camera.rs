@@ -58,7 +58,7 @@ enum Format {
 pub(super) fn run(args: &CameraArgs) -> Result<()> {
     let capture = Capture::load_with(&args.input, &args.overrides)?;
     let placed = standalone_recording_camera(&capture)?.halfway();
-    let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.window);
+    let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region);
     if let Some(done) = seen.resampled(&capture.develop) {
         say!(
             "warning: image.png is {}, and this is the camera of the sensor; that of image.png is in capture.json, or write {}",

@@ -78,7 +78,7 @@ pub(super) fn run(args: &DatasetArgs) -> Result<()> {
     report.print(&set, &folder, [made, present], "parts of pictures")
 }
 
-/// How the end of a data set is told.
+/// How the end of a data set is reported.
 #[derive(Clone, Copy)]
 pub(super) struct SetReport {
     quiet: bool,

@@ -116,7 +116,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
     Ok(())
 }
 
-/// What is taken to hold of files of numbers alone that nothing was told of.
+/// What is assumed of files of numbers alone of which nothing is stated.
 fn assumed(path: &Path, raw: &RawImage, settings: &DevelopSettings) -> Option<String> {
     let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     if is_exr || raw.metadata != RawMetadata::default() || settings.raw != RawDescription::default() {

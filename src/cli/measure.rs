@@ -16,7 +16,7 @@ use photosite::optics::Camera;
 use photosite::raw::Pixels;
 use photosite::scene::description::{Colour, Diffuse, MaterialDescription, MaterialModel};
 use photosite::scene::{self, Scene};
-use photosite::sensor::Window;
+use photosite::sensor::RegionOfInterest;
 use photosite::spectrum::{Spectrum, cie, library};
 use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
@@ -235,7 +235,7 @@ impl Grid {
     /// the sensor.
     fn of_picture(capture: &Capture, camera: &Camera, size: [usize; 2]) -> Result<Self, Invalid> {
         let sensor = pixels(capture).map(|n| n as usize);
-        let seen = LensSeen::new(&capture.lens, camera, &capture.sensor, &Window::WHOLE);
+        let seen = LensSeen::new(&capture.lens, camera, &capture.sensor, &RegionOfInterest::WHOLE);
         let resampling = seen.resampling(&capture.develop);
         let developed = resampling.as_ref().map_or(sensor, Resampling::size_px);
         if size == developed || size == sensor {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use photosite::characterisation::noise::{Knowledge, NoiseEstimate, Patch, Variance, estimate};
 use photosite::io::picture_file::read_picture_file;
-use photosite::raw::{Area, Cfa, Pixels};
+use photosite::raw::{Cfa, PixelArea, Pixels};
 use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
@@ -28,7 +28,7 @@ pub(super) struct NoiseArgs {
     /// Look at the masked pixels of raw files, too; --patch counts from the corner of the file.
     #[arg(long)]
     masked: bool,
-    /// Standard deviation that every pixel should have: the χ² of the plane is told.
+    /// Standard deviation that every pixel should have: the χ² of the plane is reported.
     #[arg(long, value_name = "X", value_parser = positive)]
     sigma: Option<f64>,
     /// Value of no light [default: the black level of a DNG, otherwise 0].
@@ -120,7 +120,7 @@ pub(super) fn run(args: &NoiseArgs) -> Result<()> {
         planes.push(PlaneReport { name, estimate });
     }
     let files = args.files.iter().map(|path| path.display().to_string()).collect();
-    let active_area_px = first.picture.active_area.map(|Area { x, y, width, height }| [x, y, width, height]);
+    let active_area_px = first.picture.active_area.map(|PixelArea { x, y, width, height }| [x, y, width, height]);
     let report = Report { files, patch_px: patch, active_area_px, unit: first.picture.unit.clone(), planes };
     if args.json { print_json(&report) } else { println_out(&text(&report)) }
 }

@@ -89,15 +89,15 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
     };
     let projection =
         reported.projection().ok_or_else(|| damaged(&format!("there is no projection {:?}", reported.projection)))?;
-    let told = reported.to_world();
+    let reported_pose = reported.to_world();
     // Earlier reports have the pose at time 0.
-    let told_s = reported.pose_time_s.unwrap_or(0.0);
+    let reported_s = reported.pose_time_s.unwrap_or(0.0);
     let recording = reported.motion.as_ref().map(|motion| motion.recording(reported.resolution_px[1]));
     let time_s = recording.as_ref().map_or(0.0, Recording::middle_s);
     let pose = |time_s: f64| match recording.as_ref().and_then(|recording| recording.motion.as_ref()) {
-        None => told,
-        Some(motion @ CameraMotion::Steady { .. }) => motion.pose(&told, time_s - told_s),
-        Some(motion @ CameraMotion::Poses(_)) => motion.pose(&told, time_s),
+        None => reported_pose,
+        Some(motion @ CameraMotion::Steady { .. }) => motion.pose(&reported_pose, time_s - reported_s),
+        Some(motion @ CameraMotion::Poses(_)) => motion.pose(&reported_pose, time_s),
     };
     // Short against any change of a velocity, and long against the last bits of a position.
     const STEP_S: f64 = 1e-4;

@@ -262,7 +262,7 @@ fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result
         };
         let read = read().map_err(|error| file.error_of_change(error, &place.name, None, &place.set));
         let (camera, capture) = read?;
-        // Cameras of a rig that are not told otherwise are specimens of their own.
+        // Cameras of a rig of which nothing else is stated are specimens of their own.
         let serial = capture.sensor.serial.saturating_add(if place.is_numbered { 0 } else { captures.len() as u64 });
         let seed = capture.render.seed;
         // A variation may ask for flow in some frames.

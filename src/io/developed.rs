@@ -97,7 +97,7 @@ impl PictureFormat {
 
 /// Writes a picture of codes as PNG. The picture must have pixels.
 ///
-/// Its colours are told twice: by the ICC profile, and by code points (cICP) where there are such, which screens of more
+/// Its colours are stated twice: by the ICC profile, and by code points (cICP) where there are such, which screens of more
 /// than sRGB go by ([Png3](crate::references#png3)).
 pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
     let [width, height] = sides(picture)?;

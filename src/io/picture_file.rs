@@ -21,7 +21,7 @@ use super::exr::{ExrPicture, read_exr};
 use super::raw_exr::stated_active_area;
 use super::spectral_exr;
 use crate::image::{Channel, Planes};
-use crate::raw::{self, Area, Pixels, read_pixels, refuse_planar_tiles};
+use crate::raw::{self, PixelArea, Pixels, read_pixels, refuse_planar_tiles};
 use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
 use photosite_scene_io::decode;
@@ -55,7 +55,7 @@ pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
 fn of_active_area(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
     let active_area = stated_active_area(&picture)?;
     let whole = of_exr(picture, name)?;
-    let Some(Area { x, y, width, height }) = active_area else { return Ok(whole) };
+    let Some(PixelArea { x, y, width, height }) = active_area else { return Ok(whole) };
     let row_length = whole.mean.width();
     let part = |channel: Channel| {
         let rows = channel.data.chunks(row_length).skip(y).take(height);

@@ -8,7 +8,7 @@ use std::io::{self, BufRead, Seek, Write};
 
 use super::exr::{Attribute, ExrPicture, read_exr, write_exr};
 use crate::Invalid;
-use crate::raw::{Area, BlackLevel, Cfa, Pixels, RawImage};
+use crate::raw::{BlackLevel, Cfa, PixelArea, Pixels, RawImage};
 use crate::validation::Picture;
 
 /// Name of the attribute.
@@ -22,14 +22,14 @@ pub fn write_raw_exr<W: Write + Seek>(raw: &RawImage, to: W) -> io::Result<()> {
         ("blackLevel", Attribute::Number(raw.black_level_dn.mean().into())),
         ("whiteLevel", Attribute::Number(raw.white_level_dn.into())),
     ];
-    if let Some(Area { x, y, width, height }) = raw.active_area {
+    if let Some(PixelArea { x, y, width, height }) = raw.active_area {
         attributes.push((ACTIVE_AREA, Attribute::Text(format!("{x} {y} {width} {height}"))));
     }
     write_exr(&Picture::from_raw(String::new(), raw.clone(), Pixels::All).mean, &attributes, to)
 }
 
 /// The pixels that see light, where the file says so.
-pub(super) fn stated_active_area(picture: &ExrPicture) -> Result<Option<Area>, Invalid> {
+pub(super) fn stated_active_area(picture: &ExrPicture) -> Result<Option<PixelArea>, Invalid> {
     let Some(text) = picture.text(ACTIVE_AREA) else { return Ok(None) };
     let numbers: Option<Vec<usize>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
     let fits = |first: usize, length: usize, side: usize| {
@@ -39,7 +39,7 @@ pub(super) fn stated_active_area(picture: &ExrPicture) -> Result<Option<Area>, I
         Some(&[x, y, width, height])
             if fits(x, width, picture.planes.width()) && fits(y, height, picture.planes.height()) =>
         {
-            Ok(Some(Area { x, y, width, height }))
+            Ok(Some(PixelArea { x, y, width, height }))
         }
         _ => {
             let message = format!("{text:?} is no part of the picture");
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn raw_pictures_come_back() {
-        let masked = Area { x: 1, y: 2, width: 5, height: 3 };
+        let masked = PixelArea { x: 1, y: 2, width: 5, height: 3 };
         for (cfa, active_area) in
             [("GRBG", None), ("mono", None), ("x-trans", Some(masked)), ("full:RGB", Some(masked))]
         {

@@ -11,7 +11,7 @@ use crate::{Error, Result};
 /// What EXR files begin with.
 const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// Reads a DNG, TIFF, PBM, PGM, PPM, NPY or EXR file of digital numbers, told by what it begins with.
+/// Reads a DNG, TIFF, PBM, PGM, PPM, NPY or EXR file of digital numbers, recognised by what it begins with.
 pub fn read_raw(path: &Path) -> Result<RawImage> {
     let unreadable = |reason| Error::io(path, "read", reason);
     let mut file = BufReader::new(File::open(path).map_err(unreadable)?);

@@ -1,7 +1,7 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
 
 use crate::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
-use crate::develop::colour_matrix::{CameraColour, neutral};
+use crate::develop::camera_colour::{CameraColour, neutral};
 use crate::develop::merge::Merged;
 use crate::develop::{DevelopSettings, EncodedPicture, Resampling, SensorCalibration, develop, develop_merged};
 use crate::image::{Estimate, Planes};
@@ -10,8 +10,8 @@ use crate::optics::{Camera, LensDescription};
 use crate::raw::RawImage;
 use crate::scene::Scene;
 use crate::sensor::{
-    Exposure, LeftCharge, Neighbours, NoiseKey, NoiseMap, NoiseMaps, SensorModel, Window, auto_exposure, expose_after,
-    noise_ratio, samples_needed, smoothed_mean,
+    Exposure, LeftCharge, Neighbours, NoiseKey, NoiseMap, NoiseMaps, RegionOfInterest, SensorModel, auto_exposure,
+    expose_after, noise_ratio, samples_needed, smoothed_mean,
 };
 use crate::spectrum::{Spectrum, illuminant};
 use crate::units::Seconds;
@@ -143,20 +143,20 @@ impl<'a> Chain<'a> {
     /// What is to be said of what pictures and raw files do not show of the lens.
     pub(super) fn lens_warnings(&self) -> Vec<String> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
-        let seen = self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.window));
+        let seen = self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.region));
         seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output))
     }
 
     /// What the developed picture is a picture of, where the lens is known.
     pub(super) fn image_report(&self) -> Option<ImageReport> {
         let Settings { sensor, exposure, develop, .. } = self.settings;
-        self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.window).image_report(develop))
+        self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.region).image_report(develop))
     }
 
     /// How the grid of the whole sensor becomes that of the ideal picture, where it does not stay.
     pub(super) fn ideal_resampling(&self) -> Option<Resampling> {
         let (lens, camera) = self.lens?;
-        LensSeen::new(lens, camera, self.settings.sensor, &Window::WHOLE).resampling(self.settings.develop)
+        LensSeen::new(lens, camera, self.settings.sensor, &RegionOfInterest::WHOLE).resampling(self.settings.develop)
     }
 
     /// Names of the sensor's channels, of which films and stored rows have the electron rates (e⁻/s).
@@ -201,11 +201,11 @@ impl<'a> Chain<'a> {
         raw.metadata.f_number = self.optics.f_number;
         raw.metadata.focal_length_m = self.optics.focal_length_m;
         if let Some(colour) = &self.colours.camera {
-            colour.tell(&mut raw.metadata);
+            colour.write_to(&mut raw.metadata);
         }
         raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
         if let Some((lens, camera)) = self.lens {
-            LensSeen::new(lens, camera, sensor, &exposure.window).tell(&mut raw.metadata);
+            LensSeen::new(lens, camera, sensor, &exposure.region).write_to(&mut raw.metadata);
         }
         Ok((raw, maps))
     }
@@ -272,7 +272,7 @@ impl<'a> Chain<'a> {
     pub(super) fn noise_report(&self, rates: &Estimate, counts: &[u32], target: f64, pilot_paths: u64) -> NoiseReport {
         let pixels = counts.len() as f64;
         let total: u64 = counts.iter().map(|&count| u64::from(count)).sum();
-        // Where nothing can be told, nothing is reached.
+        // Where nothing is known, nothing is reached.
         let needed = self.samples_needed(rates, counts, target).unwrap_or_else(|| vec![f32::INFINITY; counts.len()]);
         let mut ratios: Vec<f64> =
             needed.iter().zip(counts).map(|(&n, &count)| target * (f64::from(n) / f64::from(count)).sqrt()).collect();

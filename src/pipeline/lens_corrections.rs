@@ -3,8 +3,8 @@
 use crate::capture::{OutputSettings, RawFormat};
 use crate::develop::{DevelopSettings, Resampling};
 use crate::optics::{Camera, Falloff, Intrinsics, LensDescription, Projection};
-use crate::raw::{Area, Distortion, GainMap, LensModel, RawMetadata, Warp};
-use crate::sensor::{SensorModel, Window};
+use crate::raw::{Distortion, GainMap, LensModel, PixelArea, RawMetadata, Warp};
+use crate::sensor::{RegionOfInterest, SensorModel};
 use glam::DVec2;
 
 use crate::report::ImageReport;
@@ -18,7 +18,7 @@ pub struct LensSeen<'a> {
     lens: &'a LensDescription,
     camera: &'a Camera,
     /// The part of the sensor that is read out, px.
-    area: Area,
+    area: PixelArea,
     /// Pixels of the sensor in one of the raw picture.
     factor: [usize; 2],
     /// Pixel pitch of the raw picture, m.
@@ -35,16 +35,16 @@ pub struct Resampled {
 
 impl<'a> LensSeen<'a> {
     /// A lens as a window of a sensor sees through it.
-    pub fn new(lens: &'a LensDescription, camera: &'a Camera, sensor: &SensorModel, window: &Window) -> Self {
+    pub fn new(lens: &'a LensDescription, camera: &'a Camera, sensor: &SensorModel, region: &RegionOfInterest) -> Self {
         let [width, height] = sensor.resolution;
-        let area = window.region.unwrap_or(Area { x: 0, y: 0, width, height });
-        let factor = window.binning.factor;
+        let area = region.pixels.unwrap_or(PixelArea { x: 0, y: 0, width, height });
+        let factor = region.binning.factor;
         let pitch_m = [0, 1].map(|axis| sensor.pixel_pitch_m[axis] * factor[axis] as f64);
         Self { lens, camera, area, factor, pitch_m }
     }
 
     /// Puts falloff and distortion into what is said of a raw picture of this window.
-    pub(super) fn tell(&self, metadata: &mut RawMetadata) {
+    pub(super) fn write_to(&self, metadata: &mut RawMetadata) {
         metadata.gain_map = match self.lens.falloff {
             Falloff::None if self.lens.stops.is_empty() => None,
             Falloff::None | Falloff::Cos4 => self.gain_map(),
@@ -57,7 +57,7 @@ impl<'a> LensSeen<'a> {
         Resampling::new(&self.metadata(), self.size_px(), settings)
     }
 
-    /// The same in words.
+    /// What is corrected, in words.
     pub fn resampled(&self, settings: &DevelopSettings) -> Option<Resampled> {
         let metadata = self.metadata();
         let of_lens = settings.distortion && metadata.distortion.is_some();
@@ -152,7 +152,7 @@ impl<'a> LensSeen<'a> {
         }
     }
 
-    /// Whether straight lines are bent, but for a panorama, whose picture is meant to be as it is.
+    /// Whether straight lines are curved, but for a panorama, whose picture is meant to be as it is.
     fn is_distorted(&self) -> bool {
         !matches!(self.lens.projection, Projection::Perspective | Projection::Equirectangular)
     }
@@ -207,17 +207,22 @@ mod tests {
         (lens, camera)
     }
 
-    fn seen<'a>(lens: &'a LensDescription, camera: &'a Camera, window: Window, pitch_m: [f64; 2]) -> LensSeen<'a> {
-        let area = window.region.unwrap_or(Area { x: 0, y: 0, width: 640, height: 480 });
-        let factor = window.binning.factor;
+    fn seen<'a>(
+        lens: &'a LensDescription,
+        camera: &'a Camera,
+        region: RegionOfInterest,
+        pitch_m: [f64; 2],
+    ) -> LensSeen<'a> {
+        let area = region.pixels.unwrap_or(PixelArea { x: 0, y: 0, width: 640, height: 480 });
+        let factor = region.binning.factor;
         let pitch_m = [0, 1].map(|axis| pitch_m[axis] * factor[axis] as f64);
         LensSeen { lens, camera, area, factor, pitch_m }
     }
 
     #[test]
     fn the_picture_shows_what_the_camera_of_its_report_sees() {
-        let part = Window {
-            region: Some(Area { x: 100, y: 60, width: 400, height: 300 }),
+        let part = RegionOfInterest {
+            pixels: Some(PixelArea { x: 100, y: 60, width: 400, height: 300 }),
             binning: Binning { factor: [2, 2], ..Binning::NONE },
         };
         for projection in [
@@ -228,8 +233,8 @@ mod tests {
         ] {
             for pitch_m in [[6e-6; 2], [8.3e-6, 6.2e-6]] {
                 let (lens, distorting) = camera(projection, 4.0, pitch_m);
-                for window in [Window::WHOLE, part] {
-                    let seen = seen(&lens, &distorting, window, pitch_m);
+                for region in [RegionOfInterest::WHOLE, part] {
+                    let seen = seen(&lens, &distorting, region, pitch_m);
                     let settings = DevelopSettings::default();
                     let resampling = seen.resampling(&settings).expect("distortion");
                     let report = serde_json::to_value(seen.image_report(&settings)).expect("numbers");
@@ -241,8 +246,8 @@ mod tests {
                         let pixel = DVec2::new(x * width, y * height);
                         let source = resampling.source_px(pixel).expect("seen");
                         // Back to the whole sensor.
-                        let [across, down] = window.binning.factor.map(|n| n as f64);
-                        let first = window.region.map_or(DVec2::ZERO, |area| DVec2::new(area.x as f64, area.y as f64));
+                        let [across, down] = region.binning.factor.map(|n| n as f64);
+                        let first = region.pixels.map_or(DVec2::ZERO, |area| DVec2::new(area.x as f64, area.y as f64));
                         let on_sensor = source * DVec2::new(across, down) + first;
                         let found = distorting.seen(on_sensor).expect("light").direction;
                         // A pinhole, with whole numbers at the centres of pixels and y down.
@@ -260,7 +265,7 @@ mod tests {
     fn the_gains_undo_cos4() {
         let (lens, camera) = camera(Projection::Perspective, 22.0, [6e-6; 2]);
         let mut metadata = RawMetadata::default();
-        seen(&lens, &camera, Window::WHOLE, [6e-6; 2]).tell(&mut metadata);
+        seen(&lens, &camera, RegionOfInterest::WHOLE, [6e-6; 2]).write_to(&mut metadata);
         let map = metadata.gain_map.expect("falloff");
         for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.25), (0.73, 0.4)] {
             let across = DVec2::new((x - 0.5) * 640.0, (y - 0.5) * 480.0) * 6e-6 / 0.004;
@@ -281,7 +286,7 @@ mod tests {
             (Projection::KannalaBrandt { k: [-0.15, 0.0, 0.0, 0.0] }, true),
         ] {
             let (lens, camera) = camera(projection, 4.0, [6e-6; 2]);
-            let seen = seen(&lens, &camera, Window::WHOLE, [6e-6; 2]);
+            let seen = seen(&lens, &camera, RegionOfInterest::WHOLE, [6e-6; 2]);
             assert_eq!(seen.model().is_some(), is_corrected, "{projection:?}");
         }
         let (mut lens, _) = camera(Projection::KannalaBrandt { k: [0.0; 4] }, 4.0, [6e-6; 2]);
@@ -289,8 +294,11 @@ mod tests {
         let grid = PixelGrid { resolution: SIZE, pitch_m: [6e-6; 2] };
         let wide = Camera::new(&lens, &grid, DAffine3::IDENTITY, 1.0).expect("a lens");
         // The corner is 2.4 mm from the axis, 92° of it.
-        assert!(seen(&lens, &wide, Window::WHOLE, [6e-6; 2]).model().is_none());
-        let middle = Window { region: Some(Area { x: 100, y: 100, width: 400, height: 300 }), ..Window::WHOLE };
+        assert!(seen(&lens, &wide, RegionOfInterest::WHOLE, [6e-6; 2]).model().is_none());
+        let middle = RegionOfInterest {
+            pixels: Some(PixelArea { x: 100, y: 100, width: 400, height: 300 }),
+            ..RegionOfInterest::WHOLE
+        };
         assert!(seen(&lens, &wide, middle, [6e-6; 2]).model().is_some());
     }
 }

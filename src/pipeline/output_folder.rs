@@ -53,7 +53,7 @@ const RESULTS: [(&str, &[&str]); 10] = [
 ];
 /// What the names of files of ground truth begin with.
 const TRUTH: &str = "truth";
-/// The same of noise maps.
+/// Files of noise maps.
 const NOISE: &str = "noise";
 /// The picture that is there while a render runs.
 const PREVIEW: &str = "preview.png";

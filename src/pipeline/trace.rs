@@ -208,7 +208,7 @@ fn rows_bytes(t: &Trace<'_>) -> impl Fn(usize) -> u64 + Send + use<> {
     }
 }
 
-/// How many paths there will be in all, as far as can be told after a pass that brought them to `done`: those that are
+/// How many paths there will be in all, as far as is known after a pass that brought them to `done`: those that are
 /// planned, or those that fit into the time.
 fn expected_paths(settings: &RenderSettings, done: u64, elapsed: Duration, planned: u64) -> u64 {
     let in_time = settings.time_limit.map(|limit| done as f64 * limit.as_secs_f64() / elapsed.as_secs_f64());

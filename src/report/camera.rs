@@ -29,7 +29,7 @@ pub struct CameraReport {
     /// What the lens sees.
     pub field_of_view: FieldOfViewReport,
     /// When the camera stands as is said here, s from the start of the first picture: halfway between the start of its first
-    /// row's exposure and the end of its last one's, as ground truth and what is told of targets are of the middle of exposures.
+    /// row's exposure and the end of its last one's, as ground truth and what is stated of targets are of the middle of exposures.
     /// `null` where nothing moves.
     #[serde(default)]
     pub pose_time_s: Option<f64>,

@@ -132,7 +132,7 @@ impl Report {
         Self::of_json(path, &bytes)
     }
 
-    /// The same of the bytes of the file at `path`.
+    /// Checksum of the bytes of the file at `path`.
     pub(crate) fn of_json(path: &Path, bytes: &[u8]) -> Result<Self> {
         let report: Self = serde_json::from_slice(bytes).map_err(|error| {
             let is_other = |value: serde_json::Value| !value["capture"].is_object();

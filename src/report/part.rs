@@ -17,7 +17,7 @@ pub struct PartReport {
     pub samples_per_pixel: u32,
     /// What was rendered, as it reads from the picture's folder or the data set file.
     pub input: String,
-    /// The same as an absolute path.
+    /// Its path as an absolute path.
     pub path: PathBuf,
     /// Changes to the capture, `key=value`.
     pub overrides: Vec<String>,

@@ -352,19 +352,20 @@ fn files_of_numbers_alone_can_be_told_what_they_are() {
 }
 
 #[test]
-fn a_bent_sensor_develops_with_and_without_its_table() {
-    let bent = "[sensor.adc]\ncompanding = { bits = 10, gamma = 2.2 }\n";
-    let folder = rendered(bent);
+fn a_nonlinear_sensor_develops_with_and_without_its_table() {
+    let nonlinear = "[sensor.adc]\ncompanding = { bits = 10, gamma = 2.2 }\n";
+    let folder = rendered(nonlinear);
     // Darker, so that little of either is white.
     folder.succeed("develop out/raw.dng -o linear.png --set develop.exposure_ev=-2");
-    folder.succeed("develop out/raw.dng -o bent.png --set develop.exposure_ev=-2 --set develop.linearisation=false");
+    folder
+        .succeed("develop out/raw.dng -o nonlinear.png --set develop.exposure_ev=-2 --set develop.linearisation=false");
     let mean = |picture: &str| -> f64 {
         let found: Value =
             serde_json::from_str(&folder.succeed(&format!("measure histogram {picture} --json")).stdout).expect("JSON");
         found[1]["mean"].as_f64().expect("a number")
     };
     // A gamma lifts what lies between black and white.
-    assert!(mean("bent.png") > 1.1 * mean("linear.png"), "{} {}", mean("bent.png"), mean("linear.png"));
+    assert!(mean("nonlinear.png") > 1.1 * mean("linear.png"), "{} {}", mean("nonlinear.png"), mean("linear.png"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use photosite::io::output::write_whole;
 use photosite::io::raw_exr::write_raw_exr;
-use photosite::raw::{Area, Cfa, RawImage, write_dng, write_npy};
+use photosite::raw::{Cfa, PixelArea, RawImage, write_dng, write_npy};
 use rstest::rstest;
 use serde_json::Value;
 
@@ -70,7 +70,7 @@ fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, 
 /// A raw picture of 45 × 34 pixels, of which 36 × 26 from column 5, row 3, see light. Half of the pixels of each channel lie 50
 /// DN above 1000 and the others as much below; masked pixels show 64 or 65.
 fn masked(folder: &Folder, cfa: &str) {
-    let area = Area { x: 5, y: 3, width: 36, height: 26 };
+    let area = PixelArea { x: 5, y: 3, width: 36, height: 26 };
     let cfa = Cfa::parse(cfa).expect("a layout");
     let (width, height, samples) = (45, 34, cfa.samples_per_pixel());
     let number = |i: usize| {

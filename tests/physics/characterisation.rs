@@ -159,7 +159,7 @@ fn rows_and_columns_are_told_from_pixels(#[case] offsets_e: [f64; 2], #[case] ga
 }
 
 #[test]
-fn bent_amplifiers_and_converters_are_expected_to_bend() {
+fn nonlinear_amplifiers_and_converters_are_expected_to_bend() {
     let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
     let point = OperatingPoint { channel: 0, wavelength_nm: 550.0, gain: Decibels(0.0), temperature: Celsius(25.0) };
     for (amplifier, inl_dn) in [(vec![-0.04], 0.0), (vec![0.01, -0.03], 0.0), (vec![], 15.0)] {

@@ -3,7 +3,7 @@
 
 use photosite::colour::difference::delta_e_2000;
 use photosite::colour::{adaptation::bradford, cielab};
-use photosite::develop::colour_matrix::camera_colour;
+use photosite::develop::camera_colour::camera_colour;
 use photosite::develop::{Codes, DevelopSettings, EncodedPicture, develop, develop_linear};
 use photosite::image::Planes;
 use photosite::math::statistics::Moments;
@@ -37,7 +37,7 @@ fn photograph(patches: &[Spectrum], sensor: &SensorModel, light: &Spectrum) -> R
     }
     let mut raw = expose(&planes, sensor, &EXPOSURE, Stages::NONE, NoiseKey::default()).expect("valid");
     let colour = camera_colour(&responses, light).expect("distinct channels").expect("a colour sensor");
-    colour.tell(&mut raw.metadata);
+    colour.write_to(&mut raw.metadata);
     raw
 }
 

@@ -1,7 +1,7 @@
 //! Grey stays grey: an even surface in any light, exposed with all noise and developed, has no colour.
 
 use photosite::colour::{ColourSpace, cielab, difference};
-use photosite::develop::colour_matrix::camera_colour;
+use photosite::develop::camera_colour::camera_colour;
 use photosite::develop::{DevelopSettings, Development, WhiteBalance, develop_linear};
 use photosite::image::Planes;
 use photosite::raw::{Cfa, RawImage};
@@ -43,7 +43,7 @@ fn photograph(sensor: &SensorModel, light: &Spectrum, stages: Stages, seed: u64)
     }
     let mut raw = expose(&planes, sensor, &EXPOSURE, stages, NoiseKey { seed, frame: 0 }).expect("valid");
     let colour = camera_colour(&responses, light).expect("distinct channels").expect("a colour sensor");
-    colour.tell(&mut raw.metadata);
+    colour.write_to(&mut raw.metadata);
     raw
 }
 

@@ -3,7 +3,7 @@
 use photosite::image::Planes;
 use photosite::sensor::{
     Architecture, Ccd, CcdArchitecture, Converter, Counting, Defects, DualGain, Exposure, FixedPattern, Flicker,
-    FlickerOrder, ImageLag, Kernel, Noise, Overscan, ResetNoise, SensorModel, Spad, Stage, Telegraph, presets,
+    FlickerOrder, ImageLag, Kernel, Noise, Overscan, Reset, SensorModel, Spad, Stage, TelegraphSignal, presets,
 };
 use photosite::units::{Decibels, Electrons, Seconds};
 
@@ -48,9 +48,9 @@ pub(crate) fn noisy_sensor() -> SensorModel {
         dsnu: FixedPattern { pixel: 60.0, row: 30.0, column: 30.0 },
         row: Electrons(20.0),
         column: Electrons(30.0),
-        reset: ResetNoise::Capacitance(5e-15),
+        reset: Reset::Capacitance(5e-15),
         flicker: Flicker { noise: Electrons(25.0), exponent: 1.0, order: FlickerOrder::ColumnParallel },
-        telegraph: Telegraph { pixels: 0.1, amplitude: Electrons(50.0), high: Seconds(2.0), low: Seconds(1.0) },
+        telegraph: TelegraphSignal { pixels: 0.1, amplitude: Electrons(50.0), high: Seconds(2.0), low: Seconds(1.0) },
         transmission_errors: 0.01,
         defects: Defects { hot: 0.02, hot_dark_current_e_per_s: 300.0, dead: 0.01, stuck: 0.01 },
         ..sensor.noise
@@ -169,7 +169,7 @@ pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> Option<SensorModel>
         // The amplifiers bend with the charge over the full well, so that it cannot be changed alone.
         Stage::FullWell => return None,
         Stage::ImageLag => ideal.image_lag = None,
-        Stage::ResetNoise => noise.reset = ResetNoise::Cancelled,
+        Stage::ResetNoise => noise.reset = Reset::Cancelled,
         Stage::Telegraph => noise.telegraph.pixels = 0.0,
         Stage::Flicker => noise.flicker.noise = none,
         Stage::DarkOffset => noise.dsnu = FixedPattern::default(),

@@ -163,7 +163,7 @@ fn digital_gain_shows_in_the_noise_and_its_rounding() {
         // The raw file says the same of its noise.
         let range = f64::from(raw.white_level_dn) - 1000.0;
         let [slope, offset] = raw.metadata.noise_profile[0];
-        let told = (slope * mean / range + offset) * range * range;
-        assert!((told / variance - 1.0).abs() < 1e-9, "{told} for {variance}");
+        let stated = (slope * mean / range + offset) * range * range;
+        assert!((stated / variance - 1.0).abs() < 1e-9, "{stated} for {variance}");
     }
 }

@@ -2,7 +2,7 @@
 
 use photosite::math::statistics::Moments;
 use photosite::sensor::{
-    Exposure, Flicker, FlickerOrder, NoiseKey, ResetNoise, SensorModel, Stage, Stages, Telegraph, expose,
+    Exposure, Flicker, FlickerOrder, NoiseKey, Reset, SensorModel, Stage, Stages, TelegraphSignal, expose,
 };
 use photosite::units::{Celsius, Electrons, Seconds};
 use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
@@ -46,9 +46,9 @@ fn reset_noise_is_that_of_its_capacitance_and_gone_with_double_sampling() {
     let mut sensor = quiet_sensor();
     for (reset, expected) in [
         // √(k·298.15 K·10 fF)/e by hand: √(4.116415e-35)/1.602177e-19 = 40.0453.
-        (ResetNoise::Capacitance(10e-15), 40.0453),
-        (ResetNoise::Fixed(Electrons(25.0)), 25.0),
-        (ResetNoise::Cancelled, 0.0),
+        (Reset::Capacitance(10e-15), 40.0453),
+        (Reset::Fixed(Electrons(25.0)), 25.0),
+        (Reset::Cancelled, 0.0),
     ] {
         sensor.noise.reset = reset;
         let m = moments(&noise(&sensor, [512, 512], 100.0, &[Stage::ResetNoise], 0));
@@ -184,7 +184,7 @@ fn telegraph_signals_stay_on_their_levels_for_the_stated_times() {
     let mut sensor = quiet_sensor();
     let (high, low, interval) = (0.9, 0.35, 0.1);
     sensor.noise.telegraph =
-        Telegraph { pixels: 1.0, amplitude: Electrons(3000.0), high: Seconds(high), low: Seconds(low) };
+        TelegraphSignal { pixels: 1.0, amplitude: Electrons(3000.0), high: Seconds(high), low: Seconds(low) };
     let exposure = Exposure { time: Seconds(0.02), frame_interval: Some(Seconds(interval)), ..EXPOSURE };
     let light = flat(&sensor, 256, 128, 30_000.0);
     let levels = |frame| -> Vec<i32> {
@@ -238,7 +238,7 @@ fn telegraph_signals_stay_on_their_levels_for_the_stated_times() {
 fn telegraph_amplitudes_are_exponentially_distributed_and_few_pixels_have_them() {
     let mut sensor = quiet_sensor();
     sensor.noise.telegraph =
-        Telegraph { pixels: 0.05, amplitude: Electrons(1000.0), high: Seconds(1.0), low: Seconds(1.0) };
+        TelegraphSignal { pixels: 0.05, amplitude: Electrons(1000.0), high: Seconds(1.0), low: Seconds(1.0) };
     let noise = noise(&sensor, [1024, 512], 30_000.0, &[Stage::Telegraph], 3);
     let jumping: Vec<f64> = noise.iter().filter(|x| x.abs() > 0.5).map(|x| 2.0 * x.abs()).collect();
     let n = noise.len() as f64;
@@ -287,8 +287,8 @@ fn all_noise_together_is_what_the_model_foretells() {
     let frames: Vec<Vec<u16>> = (0..24).map(picture).collect();
     let differences = frames.chunks(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
     let m: Moments = differences.map(|(&a, &b)| f64::from(a) - f64::from(b)).collect();
-    let foretold = sensor.noise_variance(Electrons(500.0), &exposure);
+    let predicted = sensor.noise_variance(Electrons(500.0), &exposure);
     // Row and column noise, 400 + 900 of some 6000 (e⁻)², are known to √(2/(12·512)) = 1.8 %, flicker's 625 no better;
-    // together 0.35 % of the sum. Telegraph signals, 0.1·2·2500·2/9 = 111 with heavy tails, add less. 5 σ.
-    assert!((m.variance() / 2.0 / foretold - 1.0).abs() < 0.0175, "{} for {foretold}", m.variance() / 2.0);
+    // together 0.35 % of the sum. TelegraphSignal signals, 0.1·2·2500·2/9 = 111 with heavy tails, add less. 5 σ.
+    assert!((m.variance() / 2.0 / predicted - 1.0).abs() < 0.0175, "{} for {predicted}", m.variance() / 2.0);
 }

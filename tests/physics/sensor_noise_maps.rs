@@ -2,10 +2,10 @@
 
 use photosite::image::Planes;
 use photosite::math::statistics::Moments;
-use photosite::raw::Area;
+use photosite::raw::PixelArea;
 use photosite::sensor::{
     Binning, BinningMethod, Companding, CompandingCurve, Exposure, Logarithmic, MapUnit, NoiseKey, NoiseMap, NoiseMaps,
-    SensorModel, Stage, Stages, Window, expose, expose_with_maps, presets,
+    RegionOfInterest, SensorModel, Stage, Stages, expose, expose_with_maps, presets,
 };
 use photosite::units::{Decibels, Electrons};
 use rstest::rstest;
@@ -55,8 +55,8 @@ fn assert_sum(light: &Planes, sensor: &SensorModel, exposure: &Exposure) -> Nois
 
 fn window(factor: [usize; 2], method: BinningMethod) -> Exposure {
     let binning = Binning { factor, method };
-    let region = Some(Area { x: 4, y: 8, width: 32, height: 16 });
-    Exposure { window: Window { binning, region }, digital_gain: Decibels(5.0), ..EXPOSURE }
+    let pixels = Some(PixelArea { x: 4, y: 8, width: 32, height: 16 });
+    Exposure { region: RegionOfInterest { binning, pixels }, digital_gain: Decibels(5.0), ..EXPOSURE }
 }
 
 #[rstest]

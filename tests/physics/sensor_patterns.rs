@@ -129,7 +129,7 @@ fn ramp(sensor: &SensorModel, end_e: f32) -> Planes {
 }
 
 #[test]
-fn bent_amplifiers_bend_as_stated_and_straight_ones_not_at_all() {
+fn nonlinear_amplifiers_bend_as_stated_and_straight_ones_not_at_all() {
     let mut sensor = quiet_sensor();
     sensor.full_well = Electrons(50_000.0);
     let light = ramp(&sensor, 60_000.0);
@@ -167,10 +167,10 @@ fn converters_bend_and_step_by_what_is_stated() {
         run(sensor).iter().zip(&light.channels()[0].data).map(|(dn, e)| f64::from(*dn) - f64::from(*e)).collect()
     };
     sensor.converter.inl_dn = -6.0;
-    let bent = error(&sensor);
+    let nonlinear = error(&sensor);
     for (i, place) in [(0usize, 0.0), (SIDE * SIDE / 4, 0.25), (SIDE * SIDE / 2, 0.5), (SIDE * SIDE - 1, 1.0)] {
         let expected = -24.0 * place * (1.0 - place);
-        assert!((bent[i] - expected).abs() <= 0.51, "{} for {expected}", bent[i]);
+        assert!((nonlinear[i] - expected).abs() <= 0.51, "{} for {expected}", nonlinear[i]);
     }
     sensor.converter.inl_dn = 0.0;
     sensor.converter.dnl_dn = 0.35;

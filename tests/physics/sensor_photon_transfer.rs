@@ -59,12 +59,12 @@ fn noise_is_what_the_model_foretells() {
     sensor.noise.dsnu = FixedPattern::of_pixels(4.0);
     for mean_e in [0.0, 10.0, 1000.0, 40_000.0] {
         let (mean, variance) = mean_and_temporal_variance(&sensor, mean_e, 0.0, 7);
-        let foretold = sensor.noise_variance(Electrons(f64::from(mean_e)), &EXPOSURE);
+        let predicted = sensor.noise_variance(Electrons(f64::from(mean_e)), &EXPOSURE);
         // √(2/N) for Gaussian noise, a little more for the Poisson part; 5 σ. The mean is off by the patterns' σ/√N.
-        assert!((variance / foretold - 1.0).abs() < 5.0 * (2.2 / PIXELS).sqrt(), "{variance} for {foretold}");
+        assert!((variance / predicted - 1.0).abs() < 5.0 * (2.2 / PIXELS).sqrt(), "{variance} for {predicted}");
         let spatial = (0.02 * f64::from(mean_e)).powi(2) + 16.0;
         let expected = 1000.0 + f64::from(mean_e) + 12.0;
-        assert!((mean - expected).abs() < 5.0 * ((spatial + foretold) / PIXELS).sqrt(), "{mean} for {expected}");
+        assert!((mean - expected).abs() < 5.0 * ((spatial + predicted) / PIXELS).sqrt(), "{mean} for {expected}");
     }
 }
 
@@ -79,9 +79,9 @@ fn a_raw_file_tells_the_same_noise() {
     let [slope, offset] = raw.metadata.noise_profile[0];
     for mean_e in [0.0, 500.0, 20_000.0] {
         // x = K·μ/range, Var(x) = K²·σ²/range².
-        let foretold = sensor.noise_variance(Electrons(mean_e), &EXPOSURE) * 0.25 / (range * range);
-        let told = slope * (0.5 * mean_e / range) + offset;
-        assert!((told / foretold - 1.0).abs() < 1e-12, "{told} for {foretold}");
+        let predicted = sensor.noise_variance(Electrons(mean_e), &EXPOSURE) * 0.25 / (range * range);
+        let stated = slope * (0.5 * mean_e / range) + offset;
+        assert!((stated / predicted - 1.0).abs() < 1e-12, "{stated} for {predicted}");
     }
 }
 

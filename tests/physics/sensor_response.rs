@@ -1,4 +1,4 @@
-//! Sensors whose numbers are bent on purpose, and the way back from them.
+//! Sensors whose numbers are nonlinear on purpose, and the way back from them.
 
 use photosite::image::{Channel, Planes};
 use photosite::math::statistics::Moments;
@@ -123,7 +123,7 @@ fn equal_ratios_of_light_are_equal_steps_of_a_logarithmic_pixel() {
 }
 
 #[test]
-fn noise_of_bent_sensors_is_foretold() {
+fn noise_of_nonlinear_sensors_is_predicted() {
     let mut sensors = [logarithmic(), companded(knees())];
     for sensor in &mut sensors {
         sensor.noise.read = Electrons(3.0);
@@ -146,7 +146,7 @@ fn noise_of_bent_sensors_is_foretold() {
 }
 
 #[test]
-fn bent_sensors_have_no_speed_and_no_photon_transfer_curve() {
+fn nonlinear_sensors_have_no_speed_and_no_photon_transfer_curve() {
     let sensor = logarithmic();
     assert!(sensor.iso(&EXPOSURE).is_none() && sensor.gains_for_iso(400.0, Binning::NONE).is_err());
     let linear = presets::model("sony-imx249-mono").expect("a preset");

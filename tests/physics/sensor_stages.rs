@@ -3,7 +3,8 @@
 use photosite::math::statistics::Moments;
 use photosite::raw::RawImage;
 use photosite::sensor::{
-    DarkCurrentLaw, Exposure, FixedPattern, NoiseKey, SensorModel, Shutter, Stage, Stages, Telegraph, expose, presets,
+    DarkCurrentLaw, Exposure, FixedPattern, NoiseKey, SensorModel, Shutter, Stage, Stages, TelegraphSignal, expose,
+    presets,
 };
 use photosite::units::{Celsius, Decibels, Electrons, Seconds};
 use rstest::rstest;
@@ -189,7 +190,7 @@ fn fixed_patterns_belong_to_the_serial_number(#[case] scans: bool) {
 fn telegraph_signals_of_another_take_come_from_the_same_pixels() {
     let mut sensor = quiet_sensor();
     sensor.noise.telegraph =
-        Telegraph { pixels: 0.1, amplitude: Electrons(150.0), high: Seconds(1.0), low: Seconds(1.0) };
+        TelegraphSignal { pixels: 0.1, amplitude: Electrons(150.0), high: Seconds(1.0), low: Seconds(1.0) };
     let of = |serial, seed| {
         let raw = picture(&SensorModel { serial, ..sensor.clone() }, 0.0, Stages::only(&[Stage::Telegraph]), seed, 0);
         raw.data.iter().map(|&dn| f64::from(dn) - 1000.0).collect::<Vec<_>>()

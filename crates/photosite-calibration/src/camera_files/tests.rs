@@ -82,7 +82,7 @@ fn a_classical_fisheye_is_refused_with_the_series_that_comes_nearest() {
         let help = ros(&exact).expect_err("no model").help.expect("what to write").to_string();
         let between = |from: &str, to: &str| help.split(from).nth(1).and_then(|rest| rest.split(to).next());
         let k: Vec<f64> = between("k = [", "]").expect("k").split(", ").map(|k| k.parse().expect("a number")).collect();
-        let told_px: f64 = between("same lens to ", " px").expect("px").parse().expect("a number");
+        let stated_px: f64 = between("same lens to ", " px").expect("px").parse().expect("a number");
         let series = Projection::KannalaBrandt { k: k.try_into().expect("four") };
         let near = CalibratedCamera { projection: series, ..exact.clone() };
         assert!(ros(&near).is_ok());
@@ -96,8 +96,8 @@ fn a_classical_fisheye_is_refused_with_the_series_that_comes_nearest() {
             largest = largest.max((found - place).length() * 200.0);
         }
         // Three digits are written, and the farthest corner is one of the places.
-        assert!(largest <= told_px * 1.01, "{law:?}: {largest} {help}");
-        assert!(largest > 0.1 * told_px, "{law:?}: {largest} {help}");
+        assert!(largest <= stated_px * 1.01, "{law:?}: {largest} {help}");
+        assert!(largest > 0.1 * stated_px, "{law:?}: {largest} {help}");
     }
 }
 

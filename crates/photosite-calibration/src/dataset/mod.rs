@@ -9,11 +9,13 @@ mod description;
 mod origin;
 mod plan;
 mod poses;
+mod rig;
 mod variation;
 
 pub use description::{
     DatasetDescription, GridPoses, PoseDescription, PosesDescription, RandomPoses, RigCameraDescription,
     TimedPoseDescription, TrajectoryPoses, VariationDescription,
 };
-pub use plan::{CALIBRATION_FOLDER, Plan, RigCamera, RigPlace};
+pub use plan::{CALIBRATION_FOLDER, Plan};
 pub use poses::Subject;
+pub use rig::{RigCamera, RigPlace};

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use glam::{DAffine3, DVec3};
 
 use super::poses::{Poses, Way};
+use super::rig::{RigCamera, RigPlace};
 use super::variation::{Variation, number, toml};
 use super::{DatasetDescription, Subject};
 use photosite_core::Invalid;
 use photosite_core::math::hash::hash64;
-use photosite_transport::optics::Camera;
 use photosite_transport::scene::description::looking;
 
 /// The folder beside those of the cameras that is kept for what is known of all of them; no camera is called so.
@@ -18,36 +18,6 @@ pub const CALIBRATION_FOLDER: &str = "calibration";
 /// What is set in all frames before anything else: pictures keep the distortion of the lens and the grid of the sensor, so that
 /// they show things where ground truth has them.
 const AS_TAKEN: [&str; 2] = ["develop.distortion=false", "develop.square_pixels=false"];
-
-/// What a description says of a camera of the rig.
-#[derive(Clone, Debug)]
-pub struct RigPlace {
-    /// What its folder is called.
-    pub name: String,
-    /// Camera → rig.
-    pub in_rig: DAffine3,
-    /// Index of the camera that disparity leads to.
-    pub partner: Option<usize>,
-    /// Changes to the capture for this camera, in all frames.
-    pub set: Vec<String>,
-    /// Whether its own changes name its serial number.
-    pub is_numbered: bool,
-}
-
-/// A camera of the rig.
-#[derive(Clone, Debug)]
-pub struct RigCamera {
-    /// What is said of it.
-    pub place: RigPlace,
-    /// The camera, wherever it stands, as the capture makes it.
-    pub camera: Camera,
-    /// Serial number of its sensor.
-    pub serial: u64,
-    /// The seed that its capture states.
-    pub seed: u64,
-    /// Whether flow of ground truth is asked of it.
-    pub flows: bool,
-}
 
 /// Everything that frames are made from.
 #[derive(Clone, Debug)]
@@ -184,7 +154,7 @@ impl Plan {
 
 /// The key of the number that fixed pattern belongs to.
 const SERIAL: &str = "sensor.serial";
-/// That of light and temporal noise.
+/// Seed of light and temporal noise.
 const SEED: &str = "render.seed";
 
 /// Refuses keys that cannot be varied so.

@@ -44,15 +44,15 @@ pub use objects::SceneObject;
 /// A layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layout {
-    /// That of COLMAP: `images/`, `sparse/0/`.
+    /// Layout of COLMAP: `images/`, `sparse/0/`.
     Colmap,
-    /// That of the EuRoC data sets, also called ASL: `mav0/`.
+    /// Layout of the EuRoC data sets, also called ASL: `mav0/`.
     Euroc,
     /// What Kalibr makes a bag of: `cam0/`, `camchain.yaml`, target files.
     Kalibr,
-    /// That of the BOP data sets: `train/`, `models/`.
+    /// Layout of the BOP data sets: `train/`, `models/`.
     Bop,
-    /// That of COCO: `images/`, `annotations/instances.json`.
+    /// Layout of COCO: `images/`, `annotations/instances.json`.
     Coco,
 }
 

@@ -28,7 +28,7 @@ pub struct Ink {
     pub name: String,
     /// Spectral reflectance, 0–1.
     pub reflectance: Spectrum,
-    /// What a printer is told, sRGB.
+    /// Colour in files for printers, sRGB.
     pub print: [u8; 3],
 }
 

@@ -1,7 +1,7 @@
 //! Dictionaries of square markers: ArUco and AprilTag.
 //!
 //! The bits are those of OpenCV's predefined dictionaries (`assets/markers`), by OpenCV's names. A marker of n × n bits
-//! has a black border around it, one cell wide unless told otherwise. OpenCV's AprilTags are turned by 180° against those
+//! has a black border around it, one cell wide unless stated otherwise. OpenCV's AprilTags are turned by 180° against those
 //! that AprilTag's own programs call upright.
 
 use std::sync::OnceLock;

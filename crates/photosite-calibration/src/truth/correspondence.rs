@@ -65,7 +65,7 @@ fn project_moving(camera: &Camera, place: &DAffine3, position: impl Fn(f32) -> D
 }
 
 impl<'a> View<'a> {
-    /// That of a camera itself.
+    /// Motion of a camera itself.
     pub fn of(scene: &'a Scene, camera: &'a Camera, resolution: [u32; 2]) -> Self {
         Self { scene, camera, place: DAffine3::IDENTITY, resolution }
     }

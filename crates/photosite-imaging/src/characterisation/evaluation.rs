@@ -118,7 +118,7 @@ pub struct DarkCurrentFit {
     pub variance: Line,
 }
 
-/// Least σ_y.dark² that can be told from quantisation, DN².
+/// Least σ_y.dark² that can be distinguished from quantisation, DN².
 const LEAST_DARK_VARIANCE: f64 = 0.24;
 
 /// Evaluates an image set ([Emva1288](photosite_core::references#emva1288) release 4.0 linear).
@@ -364,13 +364,13 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_response_shows_in_the_linearity_error() {
+    fn a_nonlinear_response_shows_in_the_linearity_error() {
         let mut points = exact_points();
         points.sort_by(|a, b| a.time.0.total_cmp(&b.time.0));
-        let bent = |p: &TemporalPoint| 1.0 - 0.02 * p.signal() / points[44].signal();
-        let bent: Vec<TemporalPoint> =
-            points.iter().map(|p| TemporalPoint { mean: p.dark_mean + bent(p) * p.signal(), ..*p }).collect();
-        let found = evaluate(bent, None).expect("a set");
+        let nonlinear = |p: &TemporalPoint| 1.0 - 0.02 * p.signal() / points[44].signal();
+        let nonlinear: Vec<TemporalPoint> =
+            points.iter().map(|p| TemporalPoint { mean: p.dark_mean + nonlinear(p) * p.signal(), ..*p }).collect();
+        let found = evaluate(nonlinear, None).expect("a set");
         let linearity = found.linearity.expect("points");
         // The same fit by brute force: no line has a smaller sum of squared relative deviations.
         let squares = |line: Line| -> f64 {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The figures that characterise a sensor at one operating point ([Emva1288](photosite_core::references#emva1288) release 4.0
-/// linear). Those that cannot be told are `None`.
+/// linear). Those that cannot be known are `None`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// System gain K, DN/e⁻.
@@ -14,7 +14,7 @@ pub struct Figures {
     pub quantum_efficiency: f64,
     /// Temporal dark noise σ_d at no exposure time, without quantisation, e⁻.
     pub dark_noise_e: f64,
-    /// The same with quantisation at the output, σ_y.dark, DN.
+    /// Temporal dark noise with quantisation at the output, σ_y.dark, DN.
     pub dark_noise_dn: f64,
     /// Saturation capacity μ_e.sat, e⁻.
     pub saturation_e: f64,
@@ -22,7 +22,7 @@ pub struct Figures {
     pub saturation_p: f64,
     /// Absolute sensitivity threshold μ_p.min, photons: where the signal equals its noise.
     pub sensitivity_threshold_p: f64,
-    /// The same in electrons, μ_e.min.
+    /// Absolute sensitivity threshold in electrons, μ_e.min.
     pub sensitivity_threshold_e: f64,
     /// Largest signal-to-noise ratio, √μ_e.sat.
     pub snr_max: f64,
@@ -64,7 +64,7 @@ pub struct Row {
     pub symbol: &'static str,
     /// Unit, empty for pure numbers.
     pub unit: &'static str,
-    /// The figure, where it can be told.
+    /// The figure, where it is known.
     pub value: Option<f64>,
 }
 

@@ -6,7 +6,7 @@ use photosite_core::Invalid;
 use photosite_core::image::{Channel, Planes};
 use photosite_core::units::Seconds;
 
-use super::expected::{first_place, freed_per_photon};
+use super::efficiency::{first_place, freed_per_photon};
 use super::plan::OperatingPoint;
 
 /// A sensor in front of even light, of which the numbers of one channel are looked at.

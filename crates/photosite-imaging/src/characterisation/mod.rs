@@ -8,7 +8,7 @@
 //! | files | names of images with what they were taken of | a [`Descriptor`] | `descriptor.rs` |
 //! | statistics | images | [`PairStatistics`], [`SpatialStack`] | `pair.rs`, `spatial.rs` |
 //! | evaluation | statistics | [`Figures`] with the curves that they came from: [`Evaluation`] | `evaluation.rs` |
-//! | truth | the sensor's model | the [`Figures`] that an exact measurement would find | `expected.rs` |
+//! | truth | the sensor's model | the [`Figures`] that an exact measurement would find | `expected.rs`, `efficiency.rs` |
 //!
 //! The light is no renderer's: every pixel receives the same number of photons, so that what spreads in an image is the
 //! sensor's. Photons are counted on the whole area of a pixel, as the standard does. Symbols are the standard's: μ and σ²
@@ -17,6 +17,7 @@
 //! [`report`] makes a page of it; [`noise`] estimates the noise of any picture. Files are left to `photosite`.
 
 mod descriptor;
+mod efficiency;
 mod evaluation;
 mod expected;
 mod figures;
@@ -31,10 +32,11 @@ mod spatial;
 mod spectrogram;
 
 pub use descriptor::{Descriptor, Light, Series};
+pub use efficiency::quantum_efficiency;
 pub use evaluation::{
     DarkCurrentFit, Evaluation, Linearity, NotMeasured, TemporalPoint, doubling_temperature, evaluate, responsivity,
 };
-pub use expected::{effects_left_out, expected_figures, quantum_efficiency};
+pub use expected::{effects_left_out, expected_figures};
 pub use figures::{Decibel, Figures, Row, SpatialFigures};
 pub use fit::{Line, line, through_origin};
 pub use flat_field::FlatField;

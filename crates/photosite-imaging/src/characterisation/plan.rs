@@ -5,7 +5,7 @@ use photosite_core::Invalid;
 use photosite_core::units::{Celsius, Decibels, Electrons, Seconds};
 
 use super::descriptor::Light;
-use super::expected::quantum_efficiency;
+use super::efficiency::quantum_efficiency;
 
 /// What is characterised: one channel of the sensor, in light of one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,11 +32,11 @@ impl OperatingPoint {
                  noise takes the figures of its pictures",
             ));
         }
-        let bent = [
+        let nonlinear = [
             ("charge.logarithmic_reference_e_per_s", sensor.logarithmic.is_some()),
             ("adc.companding", sensor.converter.companding.is_some()),
         ];
-        match bent.iter().find(|(_, is_bent)| *is_bent) {
+        match nonlinear.iter().find(|(_, is_nonlinear)| *is_nonlinear) {
             Some((key, _)) => Err(Invalid::new(*key, "makes numbers that are not in proportion to light")
                 .help("EMVA 1288 measures linear sensors; leave it out")),
             None => Ok(()),

@@ -18,39 +18,13 @@
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::SensorCalibration;
 use super::colour::inverse;
-use crate::raw::{ColourCalibration, LightSource, RawMetadata};
+use crate::raw::{ColourCalibration, LightSource};
 use photosite_core::Invalid;
 use photosite_core::colour::adaptation::{D50, bradford};
 use photosite_core::colour::{ColourSpace, cielab, difference};
 use photosite_core::math::minimise::nelder_mead;
 use photosite_core::spectrum::{Spectrum, cie, illuminant, library};
-
-/// The colour entries of a raw file's metadata.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CameraColour {
-    /// What the channels mean in A, D65 and D50, in this order: readers that use one matrix look for that of D65 or take the
-    /// second; those that use two mix the first and the second.
-    pub calibrations: Vec<ColourCalibration>,
-    /// The camera's response to the scene's white, the largest component 1.
-    pub neutral: Vec<f64>,
-}
-
-impl CameraColour {
-    /// Writes it into the metadata of a raw picture.
-    pub fn tell(&self, metadata: &mut RawMetadata) {
-        metadata.calibrations.clone_from(&self.calibrations);
-        metadata.as_shot_neutral = Some(self.neutral.clone());
-    }
-}
-
-/// Colour of a camera with these channels in a scene lit by `light` (any unit). `None` for a camera of less than three
-/// channels, which sees no colours.
-pub fn camera_colour(responses: &[(String, Spectrum)], light: &Spectrum) -> Result<Option<CameraColour>, Invalid> {
-    let Some(found) = SensorCalibration::of(responses, None)? else { return Ok(None) };
-    Ok(Some(CameraColour { calibrations: found.lights().to_vec(), neutral: neutral(responses, light)? }))
-}
 
 /// What three channels or more mean in A, D65 and D50: of the sensor and its lens alone, whatever the light of the scene.
 pub(super) fn calibrations(responses: &[(String, Spectrum)]) -> Result<Vec<ColourCalibration>, Invalid> {
@@ -258,6 +232,7 @@ fn checker() -> impl Iterator<Item = Spectrum> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::develop::camera_colour::{CameraColour, camera_colour};
 
     type Channels = Vec<(String, Spectrum)>;
 

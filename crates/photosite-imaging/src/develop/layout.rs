@@ -20,7 +20,7 @@ use photosite_core::image::Planes;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawLayout {
-    /// Those of the sensor.
+    /// Layout of the sensor.
     #[default]
     Sensor,
     /// A Bayer mosaic, from blocks of pixels of one colour as those of Quad Bayer.
@@ -110,7 +110,7 @@ fn largest(bits: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::raw::{Area, RawMetadata};
+    use crate::raw::{PixelArea, RawMetadata};
 
     fn even(cfa: &str) -> RawImage {
         let cfa = Cfa::parse(cfa).expect("known");
@@ -123,7 +123,7 @@ mod tests {
             bits: 12,
             black_level_dn: 64.into(),
             white_level_dn: 4000,
-            active_area: Some(Area { x: 3, y: 1, width: 33, height: 25 }),
+            active_area: Some(PixelArea { x: 3, y: 1, width: 33, height: 25 }),
             metadata: RawMetadata { as_shot_neutral: Some(vec![0.5, 1.0, 0.7]), ..RawMetadata::default() },
             cfa,
             ..RawImage::default()

@@ -1,4 +1,4 @@
-//! Linearisation: numbers that were bent on purpose become linear again.
+//! Linearisation: nonlinear numbers of a sensor become linear again.
 
 use std::borrow::Cow;
 
@@ -35,12 +35,12 @@ mod tests {
         };
         let linear = apply(&raw, true);
         assert_eq!((&linear.data[..], linear.white_level_dn), (&[16, 1040, 4080][..], 3000));
-        let bent = apply(&raw, false);
+        let nonlinear = apply(&raw, false);
         // 16²/16 = 16 above the table's first, and 218.5² = 16·2984.
         assert_eq!(
-            (&bent.data[..], bent.black_level_dn.as_uniform(), bent.white_level_dn),
+            (&nonlinear.data[..], nonlinear.black_level_dn.as_uniform(), nonlinear.white_level_dn),
             (&[0, 128, 255][..], Some(16.0), 219)
         );
-        assert_eq!(bent.linearisation, None);
+        assert_eq!(nonlinear.linearisation, None);
     }
 }

@@ -21,13 +21,14 @@
 //!
 //! [`mod@merge`] makes one signal of several exposures, and [`develop_merged`] a picture of that.
 //!
-//! [`with_layout`] turns a mosaic into one that more developers know. [`colour_matrix`] computes what a raw file says
+//! [`with_layout`] turns a mosaic into one that more developers know. [`camera_colour`] computes what a raw file says
 //! about its colours from the sensor's spectral responses, and [`SensorCalibration`] keeps it. Files are left to
 //! [`raw`](crate::raw) and `photosite`.
 
 mod black_level;
+pub mod camera_colour;
 mod colour;
-pub mod colour_matrix;
+mod colour_matrix;
 mod defects;
 mod demosaic;
 mod description;

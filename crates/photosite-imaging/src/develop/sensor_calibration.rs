@@ -23,14 +23,14 @@ pub struct SensorCalibration {
     lights: Vec<ColourCalibration>,
 }
 
-/// Those that were found last, at most [`KEPT`].
+/// Calibrations that were found last, at most [`KEPT`].
 static FOUND: Mutex<Vec<SensorCalibration>> = Mutex::new(Vec::new());
 /// More than the cameras of most rigs.
 const KEPT: usize = 16;
 
 impl SensorCalibration {
-    /// That of channels with these responses, as [`camera_colour`](super::colour_matrix::camera_colour) takes them. `stored`, which
-    /// an earlier run has found, is taken where it is of the same responses; otherwise it is found anew. `None` for a camera of
+    /// Calibration of channels with these responses, as [`camera_colour`](super::camera_colour::camera_colour) takes
+    /// them. `stored`, which an earlier run has found, is taken where it is of the same responses; otherwise it is found anew. `None` for a camera of
     /// less than three channels, which sees no colours.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ use photosite_core::colour::{ColourSpace, Transfer, temperature};
 pub struct DevelopSettings {
     /// What the raw file does not say, or says wrong.
     pub raw: RawDescription,
-    /// Makes numbers linear that a sensor has bent, by the table of the raw file. Left out: true.
+    /// Makes nonlinear numbers of a sensor linear, by the table of the raw file. Left out: true.
     pub linearisation: bool,
     /// Subtracts the black level. Left out: true.
     pub black_level: bool,

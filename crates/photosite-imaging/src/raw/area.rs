@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Pixels x … x + width − 1 of rows y … y + height − 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
+pub struct PixelArea {
     /// First column.
     pub x: usize,
     /// First row.
@@ -15,7 +15,7 @@ pub struct Area {
     pub height: usize,
 }
 
-impl fmt::Display for Area {
+impl fmt::Display for PixelArea {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} × {} at {}, {}", self.width, self.height, self.x, self.y)
     }
@@ -24,7 +24,7 @@ impl fmt::Display for Area {
 /// Which pixels of a raw picture are looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pixels {
-    /// Those that see light.
+    /// Pixels that see light.
     Active,
     /// The masked ones, too.
     All,

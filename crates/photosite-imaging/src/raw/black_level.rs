@@ -17,7 +17,7 @@ pub struct BlackLevel {
 }
 
 impl BlackLevel {
-    /// The same for all, DN.
+    /// One level for all pixels, DN.
     pub fn uniform(dn: f32) -> Self {
         let (column_deltas, row_deltas) = (Vec::new(), Vec::new());
         Self { width: 1, tile: vec![dn], column_deltas, row_deltas, samples_per_pixel: 1 }

@@ -11,6 +11,7 @@ mod distortion;
 mod dng;
 mod file;
 mod gain_map;
+mod lens_model;
 mod lossless_jpeg;
 mod npy;
 mod pnm;
@@ -19,14 +20,15 @@ mod thumbnail;
 mod tiff;
 mod warp;
 
-pub use area::{Area, Pixels};
+pub use area::{PixelArea, Pixels};
 pub use black_level::BlackLevel;
 pub use calibration::{ColourCalibration, LightSource};
 pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
-pub use distortion::{Distortion, LensModel, Undistortion};
+pub use distortion::Distortion;
 pub use dng::{DngCompression, dng_can_hold, read_dng, write_compressed_dng, write_dng};
 pub use file::read;
 pub use gain_map::GainMap;
+pub use lens_model::{LensModel, Undistortion};
 pub use npy::with_short_header;
 pub use npy::{read_npy, write_npy};
 pub use pnm::{read_pnm, write_pgm};
@@ -56,7 +58,7 @@ pub struct RawImage {
     /// Which channel each number belongs to.
     pub cfa: Cfa,
     /// The pixels that see light; `None` where all do. The others are masked and show the black level.
-    pub active_area: Option<Area>,
+    pub active_area: Option<PixelArea>,
     /// Bits of the digital numbers, 8–16.
     pub bits: u32,
     /// What makes the numbers linear: for each of them one in proportion to light, the last for all beyond. `None` where
@@ -116,13 +118,13 @@ impl RawImage {
     }
 
     /// The pixels that see light.
-    pub fn active(&self) -> Area {
-        self.active_area.unwrap_or(Area { x: 0, y: 0, width: self.width, height: self.height })
+    pub fn active(&self) -> PixelArea {
+        self.active_area.unwrap_or(PixelArea { x: 0, y: 0, width: self.width, height: self.height })
     }
 
     /// The layout from the corner of these.
     pub fn active_cfa(&self) -> Cfa {
-        let Area { x, y, .. } = self.active();
+        let PixelArea { x, y, .. } = self.active();
         self.cfa.from(x, y)
     }
 
@@ -149,7 +151,7 @@ impl RawImage {
 
     /// A part that lies within the picture, as a picture of its own. What is known of the lens stays that of the active
     /// area.
-    pub fn part(&self, Area { x, y, width, height }: Area) -> Self {
+    pub fn part(&self, PixelArea { x, y, width, height }: PixelArea) -> Self {
         let (samples, row_length) = (self.cfa.samples_per_pixel(), self.row_length());
         let rows = self.data.chunks(row_length.max(1)).skip(y).take(height);
         Self {

@@ -26,7 +26,7 @@ const UNSEEN: f64 = 0.01;
 ///
 /// with the response R_c of [`SensorModel::responses`] over the band b, in which the irradiance counts as constant. Planes
 /// are named by the central wavelengths of their bands in nm and sorted by them; bands reach half way to their
-/// neighbours. `light`, in any unit, tells how much of the signal lies outside all bands: that is missing, and told.
+/// neighbours. `light`, in any unit, tells how much of the signal lies outside all bands: that is missing, and reported.
 pub fn electron_rates(bands: &Planes, sensor: &SensorModel, light: &Spectrum) -> Result<BandRates, Invalid> {
     let edges = edges_nm(bands)?;
     let mut warnings = Vec::new();
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_wavelengths_are_told_and_single_bands_refused() {
+    fn missing_wavelengths_are_reported_and_single_bands_refused() {
         let sensor = presets::model(presets::DEFAULT).expect("a preset");
         let narrow = planes([555.0, 565.0].into_iter(), |_| 1.0);
         let rates = electron_rates(&narrow, &sensor, &Spectrum::constant(1.0)).expect("bands");

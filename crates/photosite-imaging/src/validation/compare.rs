@@ -63,7 +63,7 @@ pub struct ChannelDifference {
     pub mean_b: f64,
     /// Mean of a − b.
     pub mean_difference: f64,
-    /// The same in percent of the mean of b.
+    /// Difference in percent of the mean of b.
     pub mean_difference_percent: f64,
     /// Root of the mean squared error, √(mean of (a − b)²).
     pub rmse: f64,
@@ -115,7 +115,7 @@ pub struct Verdict {
     pub tests: usize,
     /// A test fails below this two-sided p-value, 1 − (1 − α)^(1/n).
     pub p_bound: f64,
-    /// The same as |z|: a test fails above it.
+    /// Limit of |z|: a test fails above it.
     pub z_bound: f64,
     /// Pixels that fail, those of every channel counted.
     pub pixels_past_bound: usize,

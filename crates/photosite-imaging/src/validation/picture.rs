@@ -1,6 +1,6 @@
 //! Pictures as comparison sees them.
 
-use crate::raw::{Area, Cfa, Pixels, RawImage};
+use crate::raw::{Cfa, PixelArea, Pixels, RawImage};
 use photosite_core::image::Planes;
 
 /// What the plane of a raw picture is called.
@@ -22,7 +22,7 @@ pub struct Picture {
     /// Which channel each pixel of the only plane belongs to, where it is the mosaic of a colour sensor.
     pub mosaic: Option<Cfa>,
     /// The part of its file that it shows, where the masked pixels around are left out.
-    pub active_area: Option<Area>,
+    pub active_area: Option<PixelArea>,
 }
 
 impl Picture {

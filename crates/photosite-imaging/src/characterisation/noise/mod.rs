@@ -125,7 +125,7 @@ pub struct Quantisation {
     pub part_percent: Option<f64>,
 }
 
-/// Estimates the noise of a patch in one or more pictures of the same light. Autocovariance is told up to a distance of
+/// Estimates the noise of a patch in one or more pictures of the same light. Autocovariance is estimated up to a distance of
 /// `most_lag` pixels.
 pub fn estimate(patches: &[Patch], known: &Knowledge, most_lag: usize) -> Result<NoiseEstimate, Invalid> {
     let Some(first) = patches.first() else { return Err(Invalid::new("", "there is no picture")) };

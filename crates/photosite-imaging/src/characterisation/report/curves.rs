@@ -3,7 +3,7 @@
 use plotters::prelude::SeriesLabelPosition;
 
 use super::chart::{Axis, BLUE, Chart, Curve, GREEN, GREY, Mark, ORANGE};
-use super::page::{SpectralPoint, ThermalPoint};
+use super::points::{SpectralPoint, ThermalPoint};
 use crate::characterisation::{
     Direction, Evaluation, Figures, Histogram, Line, SpatialStack, SpatialVariances, Spectrogram, TemporalPoint,
 };

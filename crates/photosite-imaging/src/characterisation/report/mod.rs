@@ -6,5 +6,7 @@
 mod chart;
 mod curves;
 mod page;
+mod points;
 
-pub use page::{ChannelReport, Comparison, Report, SpectralPoint, ThermalPoint};
+pub use page::{ChannelReport, Comparison, Report};
+pub use points::{SpectralPoint, ThermalPoint};

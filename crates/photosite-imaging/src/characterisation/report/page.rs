@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crate::characterisation::{Evaluation, Figures, NotMeasured, Row, SpatialStack};
 
 use super::curves::{self, Plot, digits};
+use super::points::{SpectralPoint, ThermalPoint};
 
 /// All that a page tells.
 #[derive(Clone, Debug)]
@@ -36,30 +37,6 @@ pub struct ChannelReport {
     pub thermal: Vec<ThermalPoint>,
     /// Rise of temperature that doubles the dark current, K: expected and measured.
     pub doubling_temperature_k: Option<[f64; 2]>,
-}
-
-/// Quantum efficiency at a wavelength.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct SpectralPoint {
-    /// nm.
-    pub wavelength_nm: f64,
-    /// η, 0–1.
-    pub expected: f64,
-    /// η, 0–1; `None` where the channel is blind.
-    pub measured: Option<f64>,
-}
-
-/// Dark current at a temperature, e⁻/s.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct ThermalPoint {
-    /// °C.
-    pub temperature_c: f64,
-    /// What was put in.
-    pub expected: f64,
-    /// From the mean of the dark signal.
-    pub from_mean: f64,
-    /// From its variance.
-    pub from_variance: f64,
 }
 
 const STYLE: &str = "

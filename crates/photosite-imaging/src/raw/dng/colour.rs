@@ -10,7 +10,7 @@ use tiff::encoder::SRational;
 use tiff::tags::Tag;
 use tiff::{Directory, TiffResult};
 
-use super::read::Tags;
+use super::tags::Tags;
 use super::{Ifd, tag};
 use crate::raw::rational::{rational, srational};
 use crate::raw::{ColourCalibration, LightSource, RawMetadata};

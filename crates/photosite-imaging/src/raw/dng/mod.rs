@@ -19,6 +19,7 @@ mod openable;
 mod read;
 mod read_numbers;
 mod tag;
+mod tags;
 #[cfg(test)]
 mod tests;
 mod xmp;
@@ -31,7 +32,7 @@ use tiff::{Directory, TiffResult};
 
 use super::rational::{rational, srational};
 use super::tiff::io_error;
-use super::{Area, Cfa, Distortion, RawImage, Warp, thumbnail};
+use super::{Cfa, Distortion, PixelArea, RawImage, Warp, thumbnail};
 use photosite_core::Invalid;
 
 pub use numbers::DngCompression;
@@ -115,7 +116,7 @@ fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd:
         write_text(ifd, tag::CAMERA_SERIAL_NUMBER, &metadata.camera_serial)?;
     }
     ifd.write_tag(tag::BASELINE_EXPOSURE, srational(metadata.baseline_exposure_ev))?;
-    let Area { width, height, .. } = raw.active();
+    let PixelArea { width, height, .. } = raw.active();
     let packet = xmp::packet(metadata, [width, height]);
     ifd.write_tag(tag::XMP, packet.as_bytes())?;
     pad(ifd, packet.len())?;
@@ -124,7 +125,7 @@ fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd:
 
 /// Which numbers are where and what they see.
 fn write_layout<W: Write + Seek>(raw: &RawImage, codes: &[u8], ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
-    let Area { x, y, width, height } = raw.active();
+    let PixelArea { x, y, width, height } = raw.active();
     ifd.write_tag(Tag::NewSubfileType, 0u32)?;
     if !raw.cfa.is_mono() && !raw.cfa.is_full() {
         let cfa = raw.cfa.from(x, y);
@@ -160,7 +161,7 @@ fn write_layout<W: Write + Seek>(raw: &RawImage, codes: &[u8], ifd: &mut Ifd<'_,
 
 /// Black, white and noise.
 fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
-    let Area { x, y, width, height } = raw.active();
+    let PixelArea { x, y, width, height } = raw.active();
     let samples = raw.cfa.samples_per_pixel();
     let black = raw.black_level_dn.from(&raw.cfa, x, y);
     let ((tile_width, rows), tile) = black.tile();
@@ -194,7 +195,7 @@ fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
 
 /// What a developer can correct of the lens.
 fn write_lens<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
-    let Area { width, height, .. } = raw.active();
+    let PixelArea { width, height, .. } = raw.active();
     if let Some(map) = &raw.metadata.gain_map {
         // darktable takes a map for each place of a Bayer tile only.
         let tile = if raw.cfa.is_bayer() { [2, 2] } else { [1, 1] };

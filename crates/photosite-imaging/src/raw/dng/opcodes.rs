@@ -112,7 +112,7 @@ pub(super) fn read_gain_map(list: &[u8], [width, height]: [usize; 2]) -> Option<
         return None;
     }
     let gains: Vec<f32> = from.as_chunks::<4>().0.iter().map(|&bytes| f32::from_be_bytes(bytes)).collect();
-    // Maps that differ between colours cannot be told here.
+    // Maps that differ between colours cannot be stated here.
     let same = maps.iter().all(|(_, map)| map.get(76..) == maps[0].1.get(76..));
     if same { GainMap::new(columns, rows, gains).ok() } else { None }
 }

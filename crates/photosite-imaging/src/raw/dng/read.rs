@@ -5,14 +5,13 @@
 
 use std::io::{Read, Seek};
 
-use tiff::decoder::Decoder;
-use tiff::decoder::ifd::Value;
+use tiff::Directory;
 use tiff::tags::Tag;
-use tiff::{Directory, TiffError};
 
-use super::openable::{Openable, open};
+use super::openable::open;
+use super::tags::{Tags, unreadable};
 use super::{colour, filters, opcodes, read_numbers, tag, xmp};
-use crate::raw::{Area, BlackLevel, Cfa, Distortion, MAX_SIDE, RawImage, RawMetadata, bits_for};
+use crate::raw::{BlackLevel, Cfa, Distortion, MAX_SIDE, PixelArea, RawImage, RawMetadata, bits_for};
 use photosite_core::Invalid;
 
 /// Reads a DNG file.
@@ -30,7 +29,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     }
     let (width, height) = (width as usize, height as usize);
     let area = file.active_area(picture, width, height)?;
-    let active = area.unwrap_or(Area { x: 0, y: 0, width, height });
+    let active = area.unwrap_or(PixelArea { x: 0, y: 0, width, height });
     let cfa = file.cfa(picture, active)?;
     let data = read_numbers::read(&mut file, picture, [width, height], cfa.samples_per_pixel())?;
     let table: Vec<u16> = file.numbers(picture, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect();
@@ -66,46 +65,7 @@ pub(in crate::raw) fn is_dng<R: Read + Seek>(from: R) -> bool {
     matches!(version, Ok(Some(_)))
 }
 
-pub(super) fn unreadable(error: TiffError) -> Invalid {
-    Invalid::new("", format!("cannot read it as TIFF: {error}"))
-}
-
-/// A file whose tags can be asked for.
-pub(super) struct Tags<R: Read + Seek> {
-    pub(super) decoder: Decoder<Openable<R>>,
-}
-
 impl<R: Read + Seek> Tags<R> {
-    fn value(&mut self, directory: &Directory, tag: Tag) -> Result<Option<Value>, Invalid> {
-        self.decoder.read_directory_tags(directory).find_tag(tag).map_err(unreadable)
-    }
-
-    /// All numbers of a tag; none where it is missing.
-    pub(super) fn numbers(&mut self, directory: &Directory, tag: Tag) -> Result<Vec<f64>, Invalid> {
-        let Some(value) = self.value(directory, tag)? else { return Ok(Vec::new()) };
-        let values = if let Value::List(values) = value { values } else { vec![value] };
-        values.into_iter().map(|value| number(tag, value)).collect()
-    }
-
-    /// The first number of a tag.
-    pub(super) fn number(&mut self, directory: &Directory, tag: Tag) -> Result<Option<f64>, Invalid> {
-        Ok(self.numbers(directory, tag)?.first().copied())
-    }
-
-    /// The tag's numbers, if there are exactly so many.
-    pub(super) fn array<const N: usize>(
-        &mut self,
-        directory: &Directory,
-        tag: Tag,
-    ) -> Result<Option<[f64; N]>, Invalid> {
-        Ok(<[f64; N]>::try_from(self.numbers(directory, tag)?).ok())
-    }
-
-    /// The tag's numbers as bytes.
-    fn bytes(&mut self, directory: &Directory, tag: Tag) -> Result<Vec<u8>, Invalid> {
-        Ok(self.numbers(directory, tag)?.into_iter().map(|byte| byte as u8).collect())
-    }
-
     /// The directory of the picture of full resolution beneath the main one.
     fn find_picture(&mut self, main: &Directory) -> Result<Directory, Invalid> {
         let pointers = match self.value(main, Tag::SubIfd)? {
@@ -127,7 +87,7 @@ impl<R: Read + Seek> Tags<R> {
         Ok(is_raw && self.number(directory, Tag::NewSubfileType)?.unwrap_or(0.0) == 0.0)
     }
 
-    fn active_area(&mut self, picture: &Directory, width: usize, height: usize) -> Result<Option<Area>, Invalid> {
+    fn active_area(&mut self, picture: &Directory, width: usize, height: usize) -> Result<Option<PixelArea>, Invalid> {
         let Some([top, left, bottom, right]) = self.array(picture, tag::ACTIVE_AREA)? else { return Ok(None) };
         if !(0.0 <= left
             && left < right
@@ -140,11 +100,11 @@ impl<R: Read + Seek> Tags<R> {
             return Err(Invalid::new("ActiveArea", message).help("the file is damaged"));
         }
         let [x, y] = [left, top].map(|n| n as usize);
-        let area = Area { x, y, width: right as usize - x, height: bottom as usize - y };
-        Ok((area != Area { x: 0, y: 0, width, height }).then_some(area))
+        let area = PixelArea { x, y, width: right as usize - x, height: bottom as usize - y };
+        Ok((area != PixelArea { x: 0, y: 0, width, height }).then_some(area))
     }
 
-    fn cfa(&mut self, picture: &Directory, active: Area) -> Result<Cfa, Invalid> {
+    fn cfa(&mut self, picture: &Directory, active: PixelArea) -> Result<Cfa, Invalid> {
         let samples = self.number(picture, Tag::SamplesPerPixel)?.unwrap_or(1.0);
         let is_linear = self.number(picture, Tag::PhotometricInterpretation)? == Some(f64::from(tag::LINEAR_RAW));
         match samples {
@@ -175,7 +135,7 @@ impl<R: Read + Seek> Tags<R> {
         Ok(cfa.from((width - active.x % width) % width, (height - active.y % height) % height))
     }
 
-    fn black_level(&mut self, picture: &Directory, cfa: &Cfa, active: Area) -> Result<BlackLevel, Invalid> {
+    fn black_level(&mut self, picture: &Directory, cfa: &Cfa, active: PixelArea) -> Result<BlackLevel, Invalid> {
         let samples = cfa.samples_per_pixel();
         let levels: Vec<f32> = self.numbers(picture, tag::BLACK_LEVEL)?.into_iter().map(|level| level as f32).collect();
         let columns = self.array::<2>(picture, tag::BLACK_LEVEL_REPEAT_DIM)?.map_or(1, |[_, columns]| columns as usize);
@@ -265,14 +225,6 @@ impl<R: Read + Seek> Tags<R> {
         Ok(opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?).map(Distortion::Warp))
     }
 
-    /// A text; empty where there is none.
-    fn text(&mut self, directory: &Directory, tag: Tag) -> Result<String, Invalid> {
-        match self.value(directory, tag)? {
-            Some(text) => text.into_string().map_err(unreadable),
-            None => Ok(String::new()),
-        }
-    }
-
     /// The speed, which has a number of its own where 16 bits are too few.
     fn iso(&mut self, exif: &Directory) -> Result<Option<u32>, Invalid> {
         let iso = match self.number(exif, tag::ISO_SPEED)? {
@@ -290,22 +242,4 @@ impl<R: Read + Seek> Tags<R> {
         let pitch = |resolution: f64| Some(unit_m / resolution).filter(|pitch| pitch.is_finite() && *pitch > 0.0);
         Ok(x.and_then(pitch).zip(y.and_then(pitch)).map(|(x, y)| [x, y]))
     }
-}
-
-fn number(tag: Tag, value: Value) -> Result<f64, Invalid> {
-    let signed = value.clone().into_i64().map(|v| v as f64);
-    let float = || value.clone().into_f64().or_else(|_| value.clone().into_f32().map(f64::from));
-    let unsigned = || value.clone().into_u64().map(|v| v as f64);
-    let fraction = || {
-        if let Value::Rational(n, d) = value {
-            return Some(f64::from(n) / f64::from(d));
-        }
-        if let Value::SRational(n, d) = value { Some(f64::from(n) / f64::from(d)) } else { None }
-    };
-    unsigned()
-        .or(signed)
-        .or_else(|_| float())
-        .ok()
-        .or_else(fraction)
-        .ok_or_else(|| Invalid::new(format!("tag {}", tag.to_u16()), "not a number").help("the file is damaged"))
 }

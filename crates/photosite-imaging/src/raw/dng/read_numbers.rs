@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use tiff::Directory;
 use tiff::tags::{ByteOrder, Tag};
 
-use super::read::{Tags, unreadable};
 use super::tag;
+use super::tags::{Tags, unreadable};
 use crate::raw::lossless_jpeg;
 use photosite_core::Invalid;
 

@@ -85,7 +85,7 @@ fn pictures_come_back_as_they_went() {
 }
 
 #[test]
-fn bent_numbers_come_back_with_their_table() {
+fn nonlinear_numbers_come_back_with_their_table() {
     let raw = picture("RGGB", 37, 23);
     let table: Vec<u16> = (0..1024u32).map(|code| (code * code / 255).min(4095) as u16).collect();
     let data = raw.data.iter().map(|dn| dn % 1024).collect();
@@ -103,7 +103,7 @@ fn bent_numbers_come_back_with_their_table() {
 fn masked_pixels_and_black_levels_come_back() {
     for cfa in ["GRBG", "x-trans", "mono", "full:RGB"] {
         let raw = picture(cfa, 40, 30);
-        let area = Area { x: 5, y: 3, width: 31, height: 25 };
+        let area = PixelArea { x: 5, y: 3, width: 31, height: 25 };
         let levels: Vec<f32> = (0..raw.cfa.channels().len()).map(|c| 60.5 + c as f32).collect();
         // The file keeps what columns and rows add within the active area.
         let inside = |side: usize, first: usize, length: usize| -> Vec<f32> {

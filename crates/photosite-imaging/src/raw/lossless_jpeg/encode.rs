@@ -40,7 +40,7 @@ pub(in crate::raw) fn encode(numbers: &[u16], row_length: usize, components: usi
         let category = category(difference);
         let (code, length) = codes[category as usize];
         bits.push(code.into(), length);
-        // A difference of 2¹⁵ is told by its category alone.
+        // A difference of 2¹⁵ is stated by its category alone.
         if category < 16 {
             let value = i32::from(difference) - i32::from(difference < 0);
             bits.push(value as u32 & ((1 << category) - 1), category);

@@ -1,8 +1,11 @@
 //! The technology of a sensor's pixels, with the figures that only it has.
 
-use crate::sensor::description::{SensorDescription, SensorKind};
-use crate::sensor::{Ccd, Spad};
 use photosite_core::Invalid;
+
+use super::ccd::Ccd;
+use super::description::SensorDescription;
+use super::kind::SensorKind;
+use super::spad::Spad;
 
 /// Technology of the pixels.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,12 @@
 //! What numbers and spectra of a sensor file must be.
 
-use crate::sensor::description::SpectrumSource;
 use photosite_core::Invalid;
 use photosite_core::spectrum::Spectrum;
+use photosite_core::units::Electrons;
 
-pub(in crate::sensor) fn fraction(
+use super::spectrum_source::SpectrumSource;
+
+pub(super) fn fraction(
     key: &str,
     source: &SpectrumSource,
     resolve: &mut impl FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>,
@@ -18,18 +20,18 @@ pub(in crate::sensor) fn fraction(
     Ok(spectrum)
 }
 
-pub(in crate::sensor) fn finite(key: &str, value: f64) -> Result<f64, Invalid> {
+pub(super) fn finite(key: &str, value: f64) -> Result<f64, Invalid> {
     if value.is_finite() { Ok(value) } else { Err(Invalid::new(key, format!("must be a finite number, got {value}"))) }
 }
 
-pub(in crate::sensor) fn positive(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
+pub(super) fn positive(key: &str, value: f64, example: &str) -> Result<f64, Invalid> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
     }
     Err(Invalid::new(key, format!("must be above 0, got {value}")).help(format!("for example {key} = {example}")))
 }
 
-pub(in crate::sensor) fn not_negative(key: &str, value: f64) -> Result<f64, Invalid> {
+pub(super) fn not_negative(key: &str, value: f64) -> Result<f64, Invalid> {
     if value.is_finite() && value >= 0.0 {
         return Ok(value);
     }
@@ -37,7 +39,7 @@ pub(in crate::sensor) fn not_negative(key: &str, value: f64) -> Result<f64, Inva
 }
 
 /// A number of a million as a part of one.
-pub(in crate::sensor) fn in_a_million(key: &str, value: f64) -> Result<f64, Invalid> {
+pub(super) fn in_a_million(key: &str, value: f64) -> Result<f64, Invalid> {
     if (0.0..=1e6).contains(&value) {
         return Ok(value * 1e-6);
     }
@@ -46,10 +48,26 @@ pub(in crate::sensor) fn in_a_million(key: &str, value: f64) -> Result<f64, Inva
 }
 
 /// A part that is lost at each of many steps: 0 to below 1.
-pub(in crate::sensor) fn fraction_below_one(key: &str, value: f64) -> Result<f64, Invalid> {
+pub(super) fn fraction_below_one(key: &str, value: f64) -> Result<f64, Invalid> {
     if (0.0..1.0).contains(&value) {
         return Ok(value);
     }
     Err(Invalid::new(key, format!("must be at least 0 and below 1, got {value}"))
         .help(format!("for example {key} = 1e-5; write 0 for none")))
+}
+
+/// More wells than this are a slip of the pen.
+const MAX_MARGIN: u32 = 4096;
+
+/// A number of columns or rows beside the pixels.
+pub(super) fn margin(key: &str, number: u32) -> Result<usize, Invalid> {
+    if number > MAX_MARGIN {
+        return Err(Invalid::new(key, format!("must be at most {MAX_MARGIN}, got {number}")));
+    }
+    Ok(number as usize)
+}
+
+/// A number of electrons, not negative.
+pub(super) fn electrons(key: &str, value: f64) -> Result<Electrons, Invalid> {
+    not_negative(key, value).map(Electrons)
 }

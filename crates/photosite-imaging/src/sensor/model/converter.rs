@@ -1,11 +1,84 @@
-//! Amplifiers and converter of a sensor.
+//! `[adc]`: amplifiers and converter of a sensor, as its file states them, and checked.
 
-use crate::sensor::description::{AdcDescription, Converters};
-use crate::sensor::{Companding, DualGain};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use photosite_core::Invalid;
-use photosite_core::units::Decibels;
+use photosite_core::units::{Decibels, Electrons};
 
 use super::checks::{finite, not_negative, positive};
+use super::companding::{Companding, CompandingDescription};
+
+/// Analogue gain and analogue-to-digital converter.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AdcDescription {
+    /// Bits of the converter, 8–16. Where a capture gives a preset other bits, what the preset states in digital numbers of this
+    /// converter follows by the factor 2^(new − old), so that it takes the same charge, unless the capture states it too:
+    /// conversion gain, black level, offsets of columns, inl_dn and knee points (but not dnl_dn, which is of a single
+    /// step, nor the numbers of single-photon detectors, which are counts).
+    pub bits: u32,
+    /// System gain K at 0 dB, DN per electron.
+    pub conversion_gain_dn_per_e: f64,
+    /// Digital number of no charge.
+    pub black_level_dn: u32,
+    /// Smallest and largest gain that an exposure may ask for, dB. Left out: 0 dB alone.
+    #[serde(default)]
+    pub gain_db_range: [f64; 2],
+    /// Nonlinearity of the amplifiers: a charge q passes as q·(1 + c₁·q/F + c₂·(q/F)² + …), with the full well F and these
+    /// c₁, c₂ … in percent. Left out: linear.
+    #[serde(default)]
+    pub amplifier_nonlinearity_percent: Vec<f64>,
+    /// Integral nonlinearity of the converter: it bends by so many DN in the middle of its range, upwards or downwards. With
+    /// dual_gain, it is that of either converter in its own DN; so is dnl_dn.
+    #[serde(default)]
+    pub inl_dn: f64,
+    /// Differential nonlinearity of the converter: standard deviation of the width of its steps, DN, up to 0.4. Steps
+    /// stay as they are from picture to picture.
+    #[serde(default)]
+    pub dnl_dn: f64,
+    /// Whether one converter serves all pixels or every column has its own. Left out: "per-column".
+    #[serde(default)]
+    pub converters: Converters,
+    /// Spatial standard deviation of the gains of the columns' amplifiers, percent of their mean.
+    #[serde(default)]
+    pub column_gain_percent: f64,
+    /// Spatial standard deviation of the offsets of the columns' converters, DN.
+    #[serde(default)]
+    pub column_offset_dn: f64,
+    /// Numbers of fewer bits leave the sensor, along a curve. Left out: those of the converter.
+    pub companding: Option<CompandingDescription>,
+    /// Two converters at two gains, whose numbers are merged into one of the bits and the gain above.
+    pub dual_gain: Option<DualGainDescription>,
+}
+
+/// How many converters there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Converters {
+    /// Every column has its own.
+    #[default]
+    PerColumn,
+    /// One for all pixels.
+    One,
+}
+
+/// Two converters at two gains that look at the same charge, and whose numbers are merged into one.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DualGainDescription {
+    /// Bits of each of the two converters, 8–16. What a preset states in their numbers follows as with adc.bits.
+    pub bits: u32,
+    /// Number of no charge at each of the two.
+    pub black_level_dn: u32,
+    /// System gain of the one that takes small signals, DN per electron. Its noise is `noise.read_noise_e`.
+    pub high_gain_dn_per_e: f64,
+    /// System gain of the one that takes large signals, DN per electron.
+    pub low_gain_dn_per_e: f64,
+    /// Temporal dark noise of the latter, standard deviation in e⁻. Left out: none.
+    #[serde(default)]
+    pub low_gain_read_noise_e: f64,
+}
 
 /// Amplifiers and analogue-to-digital converter.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +108,17 @@ pub struct Converter {
     pub companding: Option<Companding>,
     /// The two converters behind this one, where its numbers are merged from theirs.
     pub dual_gain: Option<Box<DualGain>>,
+}
+
+/// The two converters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DualGain {
+    /// For small signals.
+    pub high: Converter,
+    /// For large signals.
+    pub low: Converter,
+    /// Standard deviation of the read noise of the latter.
+    pub low_read_noise: Electrons,
 }
 
 /// Beyond this, steps of a converter would have to vanish or change places.
@@ -93,12 +177,12 @@ impl Converter {
             return Err(Invalid::new(*key, "cannot go with dual_gain").help("its converters are taken to be alike"));
         }
         let inl_dn = finite("inl_dn", d.inl_dn)?;
-        // It is the converters that bend, and theirs are the bits.
+        // The nonlinearity is that of the two converters, and so are the bits.
         let max_dn = d.dual_gain.as_ref().map_or(max_dn, |dual| (1 << dual.bits.min(16)) - 1);
-        // A steeper bend would make the converter's numbers fall with rising voltage: the slope at the ends is 1 ± 4·INL/max.
+        // A larger one would make the converter's numbers fall with rising voltage: the slope at the ends is 1 ± 4·INL/max.
         if 4.0 * inl_dn.abs() >= f64::from(max_dn) {
             let message = format!("{inl_dn} DN is too much for a range of {max_dn} DN");
-            return Err(Invalid::new("inl_dn", message).help("converters are bent by some DN at most"));
+            return Err(Invalid::new("inl_dn", message).help("the nonlinearity of converters is some DN at most"));
         }
         let dnl_dn = not_negative("dnl_dn", d.dnl_dn)?;
         if dnl_dn > MAX_DNL_DN {
@@ -133,6 +217,39 @@ impl Converter {
     }
 }
 
+impl DualGain {
+    /// Keys of errors are those of the table `[adc.dual_gain]`. Both converters have the nonlinearity of `adc`.
+    pub(super) fn new(
+        d: &DualGainDescription,
+        adc: &AdcDescription,
+        gain_range: [Decibels; 2],
+    ) -> Result<Self, Invalid> {
+        let black_level_dn = converter_range(d.bits, d.black_level_dn)?;
+        positive("high_gain_dn_per_e", d.high_gain_dn_per_e, "4.0")?;
+        positive("low_gain_dn_per_e", d.low_gain_dn_per_e, "0.1")?;
+        not_negative("low_gain_read_noise_e", d.low_gain_read_noise_e)?;
+        if d.low_gain_dn_per_e > d.high_gain_dn_per_e {
+            let message = format!("{} is above the high gain, {}", d.low_gain_dn_per_e, d.high_gain_dn_per_e);
+            return Err(Invalid::new("low_gain_dn_per_e", message).help("write the smaller of the two gains here"));
+        }
+        let converter = |conversion_gain_dn_per_e| Converter {
+            bits: d.bits,
+            conversion_gain_dn_per_e,
+            black_level_dn,
+            gain_range,
+            inl_dn: adc.inl_dn,
+            dnl_dn: adc.dnl_dn,
+            converters: adc.converters,
+            ..Converter::ideal()
+        };
+        Ok(Self {
+            high: converter(d.high_gain_dn_per_e),
+            low: converter(d.low_gain_dn_per_e),
+            low_read_noise: Electrons(d.low_gain_read_noise_e),
+        })
+    }
+}
+
 /// Whether d/dx of x·(1 + c₁·x + c₂·x² + …) is above 0 for all x in 0–1.
 fn rises(coefficients: &[f64]) -> bool {
     let slope = |x: f64| {
@@ -144,7 +261,7 @@ fn rises(coefficients: &[f64]) -> bool {
 }
 
 /// Checks bits and black level of a converter, and returns the latter.
-pub(in crate::sensor) fn converter_range(bits: u32, black_level_dn: u32) -> Result<u16, Invalid> {
+fn converter_range(bits: u32, black_level_dn: u32) -> Result<u16, Invalid> {
     if !(8..=16).contains(&bits) {
         let message = format!("must lie between 8 and 16, got {bits}");
         return Err(Invalid::new("bits", message).help("for example bits = 12"));

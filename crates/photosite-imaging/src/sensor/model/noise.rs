@@ -1,13 +1,64 @@
-//! The noise sources of a sensor.
+//! `[noise]`: the noise sources of a sensor, as its file states them, and checked.
 
-use crate::sensor::description::{
-    DarkCurrentLawName, DefectsDescription, FlickerDescription, FlickerOrder, NoiseDescription, ResetDescription,
-    TelegraphDescription,
-};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use photosite_core::Invalid;
 use photosite_core::units::{Celsius, Electrons, Seconds};
 
-use super::checks::{finite, in_a_million, not_negative, positive};
+use super::checks::{electrons, finite, in_a_million, not_negative, positive};
+use super::defects::{Defects, DefectsDescription};
+use super::flicker::{Flicker, FlickerDescription, FlickerOrder};
+use super::reset_noise::{Reset, ResetDescription};
+use super::telegraph::{TelegraphDescription, TelegraphSignal};
+
+/// Noise sources, all at a gain of 0 dB and referred to electrons. What is left out is not there.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct NoiseDescription {
+    /// Temporal dark noise of the read-out, standard deviation in e⁻.
+    pub read_noise_e: f64,
+    /// Gives read noise the heavy tails of Student's t distribution with so many degrees of freedom, above 2 (few: heavy);
+    /// its standard deviation stays. Left out: a normal distribution.
+    pub read_noise_degrees_of_freedom: Option<f64>,
+    /// Dark current at the reference temperature, mean of all pixels without the hot ones, e⁻/s per pixel.
+    pub dark_current_e_per_s: f64,
+    /// Temperature at which the dark current is as stated, that of hot pixels too, °C; needed where there is any.
+    pub dark_current_reference_c: Option<f64>,
+    /// How the dark current rises with temperature. Left out: "doubling".
+    pub dark_current_law: DarkCurrentLawName,
+    /// Rise of temperature that doubles the dark current, K; needed where that is the law and there is any.
+    pub dark_current_doubling_k: Option<f64>,
+    /// Band gap for the law "arrhenius", eV. Left out: that of silicon, which shrinks with temperature.
+    pub dark_current_band_gap_ev: Option<f64>,
+    /// Dark current non-uniformity: spatial standard deviation of the dark current in percent of its mean. Pixels follow a
+    /// log-normal distribution.
+    pub dark_current_nonuniformity_percent: f64,
+    /// Photo response non-uniformity: spatial standard deviation of the response in percent of its mean.
+    pub prnu_percent: f64,
+    /// The part of it that the pixels of a row share, %; it comes on top.
+    pub prnu_row_percent: f64,
+    /// The part of it that the pixels of a column share, %; it comes on top.
+    pub prnu_column_percent: f64,
+    /// Dark signal non-uniformity: spatial standard deviation of the dark signal, e⁻.
+    pub dsnu_e: f64,
+    /// The part of it that the pixels of a row share, e⁻; it comes on top.
+    pub dsnu_row_e: f64,
+    /// The part of it that the pixels of a column share, e⁻; it comes on top.
+    pub dsnu_column_e: f64,
+    /// Temporal noise that the pixels of a row share, standard deviation in e⁻.
+    pub row_noise_e: f64,
+    /// Temporal noise that the pixels of a column share, standard deviation in e⁻.
+    pub column_noise_e: f64,
+    /// Noise of resetting the sense node (kTC).
+    pub reset: ResetDescription,
+    /// Noise whose power falls with frequency (1/f).
+    pub flicker: FlickerDescription,
+    /// Pixels that jump between two levels (random telegraph signal).
+    pub telegraph: TelegraphDescription,
+    /// Pixels of a million that arrive as 0 or the largest number, new ones in every picture (salt and pepper).
+    pub transmission_errors_per_million: f64,
+}
 
 /// Noise sources, referred to electrons.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,15 +84,26 @@ pub struct Noise {
     /// Standard deviation of temporal noise that a column shares.
     pub column: Electrons,
     /// Reset of the sense node.
-    pub reset: ResetNoise,
+    pub reset: Reset,
     /// 1/f noise.
     pub flicker: Flicker,
     /// Random telegraph signals.
-    pub telegraph: Telegraph,
+    pub telegraph: TelegraphSignal,
     /// Part of the pixels that arrive as another number, 0–1.
     pub transmission_errors: f64,
     /// Pixels that do not work as the others.
     pub defects: Defects,
+}
+
+/// How the dark current rises with temperature.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DarkCurrentLawName {
+    /// It doubles every so many kelvin (dark_current_doubling_k).
+    #[default]
+    Doubling,
+    /// As T^(3/2)·exp(−E_g/(2kT)), thermal generation across the band gap.
+    Arrhenius,
 }
 
 /// How the dark current depends on temperature.
@@ -83,67 +145,6 @@ impl FixedPattern {
     }
 }
 
-/// Reset of the sense node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ResetNoise {
-    /// Subtracted by correlated double sampling, or too small to matter.
-    Cancelled,
-    /// A standard deviation.
-    Fixed(Electrons),
-    /// That of a capacitance, F, at the sensor's temperature.
-    Capacitance(f64),
-}
-
-/// 1/f noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flicker {
-    /// Standard deviation of all frequencies together.
-    pub noise: Electrons,
-    /// The power falls as 1/f^exponent; above 0 up to 2.
-    pub exponent: f64,
-    /// Which samples follow each other.
-    pub order: FlickerOrder,
-}
-
-/// Random telegraph signals.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Telegraph {
-    /// Part of the pixels that have one, 0–1.
-    pub pixels: f64,
-    /// Mean distance of the two levels; pixels follow an exponential distribution.
-    pub amplitude: Electrons,
-    /// Mean time on the high level.
-    pub high: Seconds,
-    /// Mean time on the low level.
-    pub low: Seconds,
-}
-
-impl Telegraph {
-    /// Part of the time on the high level.
-    pub fn duty(&self) -> f64 {
-        self.high.0 / (self.high.0 + self.low.0)
-    }
-
-    /// Variance of all pixels, (e⁻)²: a part of them has A²·d·(1 − d) with the duty d, and the mean square of an
-    /// exponential distribution is twice the square of its mean.
-    pub fn variance(&self) -> f64 {
-        self.pixels * 2.0 * self.amplitude.0.powi(2) * self.duty() * (1.0 - self.duty())
-    }
-}
-
-/// Pixels that do not work as the others, as parts of all, 0–1.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Defects {
-    /// Those with more dark current.
-    pub hot: f64,
-    /// The mean of what those have more at the reference temperature, e⁻/s, exponentially distributed.
-    pub hot_dark_current_e_per_s: f64,
-    /// Those that do not see light.
-    pub dead: f64,
-    /// Those that always read the same number.
-    pub stuck: f64,
-}
-
 impl Noise {
     /// No noise but that of light itself.
     pub const NONE: Self = Self {
@@ -157,9 +158,9 @@ impl Noise {
         dsnu: FixedPattern::of_pixels(0.0),
         row: Electrons(0.0),
         column: Electrons(0.0),
-        reset: ResetNoise::Cancelled,
+        reset: Reset::Cancelled,
         flicker: Flicker { noise: Electrons(0.0), exponent: 1.0, order: FlickerOrder::ColumnParallel },
-        telegraph: Telegraph { pixels: 0.0, amplitude: Electrons(0.0), high: Seconds(1.0), low: Seconds(1.0) },
+        telegraph: TelegraphSignal { pixels: 0.0, amplitude: Electrons(0.0), high: Seconds(1.0), low: Seconds(1.0) },
         transmission_errors: 0.0,
         defects: Defects { hot: 0.0, hot_dark_current_e_per_s: 0.0, dead: 0.0, stuck: 0.0 },
     };
@@ -202,9 +203,9 @@ impl Noise {
             },
             row: electrons("row_noise_e", d.row_noise_e)?,
             column: electrons("column_noise_e", d.column_noise_e)?,
-            reset: ResetNoise::new(&d.reset).map_err(|e| e.within("reset"))?,
+            reset: Reset::new(&d.reset).map_err(|e| e.within("reset"))?,
             flicker: Flicker::new(&d.flicker).map_err(|e| e.within("flicker"))?,
-            telegraph: Telegraph::new(&d.telegraph).map_err(|e| e.within("telegraph"))?,
+            telegraph: TelegraphSignal::new(&d.telegraph).map_err(|e| e.within("telegraph"))?,
             transmission_errors: in_a_million("transmission_errors_per_million", d.transmission_errors_per_million)?,
             defects: Defects::default(),
         })
@@ -242,56 +243,6 @@ impl DarkCurrentLaw {
             DarkCurrentLawName::Arrhenius => Ok(Self::Arrhenius { band_gap_ev: band_gap? }),
         }
     }
-}
-
-impl ResetNoise {
-    fn new(d: &ResetDescription) -> Result<Self, Invalid> {
-        let noise = match (d.noise_e, d.capacitance_ff) {
-            (Some(_), Some(_)) => {
-                return Err(Invalid::new("capacitance_ff", "cannot go with noise_e").help("keep one of them"));
-            }
-            (Some(noise), None) => Self::Fixed(electrons("noise_e", noise)?),
-            (None, Some(capacitance)) => Self::Capacitance(not_negative("capacitance_ff", capacitance)? * 1e-15),
-            (None, None) => Self::Cancelled,
-        };
-        Ok(if d.correlated_double_sampling { Self::Cancelled } else { noise })
-    }
-}
-
-impl Flicker {
-    fn new(d: &FlickerDescription) -> Result<Self, Invalid> {
-        if !(d.exponent > 0.0 && d.exponent <= 2.0) {
-            return Err(Invalid::new("exponent", format!("must lie above 0 and up to 2, got {}", d.exponent))
-                .help("for example exponent = 1.0"));
-        }
-        Ok(Self { noise: electrons("noise_e", d.noise_e)?, exponent: d.exponent, order: d.order })
-    }
-}
-
-impl Telegraph {
-    fn new(d: &TelegraphDescription) -> Result<Self, Invalid> {
-        Ok(Self {
-            pixels: in_a_million("pixels_per_million", d.pixels_per_million)?,
-            amplitude: electrons("amplitude_e", d.amplitude_e)?,
-            high: Seconds(positive("high_s", d.high_s, "0.5")?),
-            low: Seconds(positive("low_s", d.low_s, "0.5")?),
-        })
-    }
-}
-
-impl Defects {
-    fn new(d: &DefectsDescription) -> Result<Self, Invalid> {
-        Ok(Self {
-            hot: in_a_million("hot_per_million", d.hot_per_million)?,
-            hot_dark_current_e_per_s: not_negative("hot_dark_current_e_per_s", d.hot_dark_current_e_per_s)?,
-            dead: in_a_million("dead_per_million", d.dead_per_million)?,
-            stuck: in_a_million("stuck_per_million", d.stuck_per_million)?,
-        })
-    }
-}
-
-fn electrons(key: &str, value: f64) -> Result<Electrons, Invalid> {
-    not_negative(key, value).map(Electrons)
 }
 
 fn ratio(key: &str, percent: f64) -> Result<f64, Invalid> {

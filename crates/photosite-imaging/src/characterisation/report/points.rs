@@ -1,0 +1,27 @@
+//! Points of the curves over wavelength and over temperature.
+
+use serde::Serialize;
+
+/// Quantum efficiency at a wavelength.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpectralPoint {
+    /// nm.
+    pub wavelength_nm: f64,
+    /// η, 0–1.
+    pub expected: f64,
+    /// η, 0–1; `None` where the channel is blind.
+    pub measured: Option<f64>,
+}
+
+/// Dark current at a temperature, e⁻/s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ThermalPoint {
+    /// °C.
+    pub temperature_c: f64,
+    /// What was put in.
+    pub expected: f64,
+    /// From the mean of the dark signal.
+    pub from_mean: f64,
+    /// From its variance.
+    pub from_variance: f64,
+}

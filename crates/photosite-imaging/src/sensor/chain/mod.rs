@@ -1,0 +1,7 @@
+//! The chain of stages of one exposure, and the record of what each has changed.
+
+mod expose;
+mod noise_maps;
+
+pub use expose::{Exposed, expose, expose_after, expose_with_maps};
+pub use noise_maps::NoiseMaps;

@@ -1,0 +1,129 @@
+//! Binning: several pixels of one colour are read out as one.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::raw::Cfa;
+use photosite_core::Invalid;
+
+use crate::sensor::SensorModel;
+
+/// How many pixels become one, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Binning {
+    /// Columns and rows of pixels in a bin, each 1 or more.
+    pub factor: [usize; 2],
+    /// What is added up.
+    pub method: BinningMethod,
+}
+
+/// Where in the chain pixels are binned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum BinningMethod {
+    /// Their charge is added before it is read out, so that a bin has the read noise of one pixel.
+    Charge,
+    /// Their numbers are added, from the black level on, and end where the converter's range does.
+    Sum,
+    /// The mean of their numbers, rounded.
+    Mean,
+}
+
+/// Most pixels along a side of a bin: cameras offer up to 4, instruments up to 16.
+const MAX_FACTOR: usize = 16;
+
+impl Binning {
+    /// Every pixel by itself.
+    pub const NONE: Self = Self { factor: [1, 1], method: BinningMethod::Mean };
+
+    /// Pixels in a bin.
+    pub fn pixels(&self) -> usize {
+        self.factor[0] * self.factor[1]
+    }
+
+    pub(in crate::sensor) fn is_none(&self) -> bool {
+        self.pixels() == 1
+    }
+
+    /// What the signal of an amplifier is, over that of a single pixel.
+    pub(in crate::sensor) fn charge_gain(&self) -> f64 {
+        match self.method {
+            BinningMethod::Charge => self.pixels() as f64,
+            BinningMethod::Sum | BinningMethod::Mean => 1.0,
+        }
+    }
+
+    /// What a number is, over the mean of the numbers of its pixels.
+    pub(in crate::sensor) fn digital_gain(&self) -> f64 {
+        match self.method {
+            BinningMethod::Sum => self.pixels() as f64,
+            BinningMethod::Charge | BinningMethod::Mean => 1.0,
+        }
+    }
+
+    /// Refuses what a sensor cannot do. Keys are those of the capture file's `[exposure]` table.
+    pub(in crate::sensor) fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
+        if self.factor.iter().any(|n| !(1..=MAX_FACTOR).contains(n)) {
+            let message = format!("must be from 1 to {MAX_FACTOR} along both sides, got {:?}", self.factor);
+            return Err(Invalid::new("binning", message).help("for example binning = [2, 2]"));
+        }
+        if self.is_none() {
+            return Ok(());
+        }
+        let has_no_charge = sensor.architecture.spad().is_some() || sensor.logarithmic.is_some();
+        if self.method == BinningMethod::Charge && has_no_charge {
+            let message = format!("sensor {} has no charge to add", sensor.name);
+            return Err(Invalid::new("binning_method", message).help("write \"sum\" or \"mean\""));
+        }
+        let prescan = sensor.architecture.ccd().map_or(0, |ccd| ccd.overscan.prescan_columns);
+        let before = [prescan + sensor.masked.columns[0], sensor.masked.rows[0]];
+        let cell = self.cell(&sensor.cfa);
+        for (axis, what) in ["columns", "rows"].into_iter().enumerate() {
+            if !before[axis].is_multiple_of(cell[axis]) {
+                let message = format!("{} covered {what} before the picture make no whole bins", before[axis]);
+                let help = format!("change masked_{what} to a multiple of {}", cell[axis]);
+                return Err(Invalid::new("binning", message).help(help));
+            }
+        }
+        Ok(())
+    }
+
+    /// Columns and rows of whole bins among so many of pixels.
+    pub(in crate::sensor) fn whole_bins(&self, pixels: [usize; 2], cfa: &Cfa) -> [usize; 2] {
+        let cell = self.cell(cfa);
+        [0, 1].map(|axis| pixels[axis] / cell[axis] * (cell[axis] / self.factor[axis]))
+    }
+
+    /// Pixels after which bins repeat, along both sides.
+    pub(in crate::sensor) fn cell(&self, cfa: &Cfa) -> [usize; 2] {
+        let (_, step) = cfa.binned(self.factor);
+        [0, 1].map(|axis| step[axis] * self.factor[axis])
+    }
+
+    /// The layout of the bins.
+    pub(in crate::sensor) fn layout(&self, cfa: &Cfa) -> Cfa {
+        cfa.binned(self.factor).0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layouts_keep_their_colours_or_shrink() {
+        for (cfa, factor, bins) in [
+            ("mono", [3, 2], "mono"),
+            ("RGGB", [2, 2], "RGGB"),
+            ("GBRG", [3, 1], "GBRG"),
+            ("x-trans", [2, 2], "x-trans"),
+            ("quad-bayer", [2, 2], "RGGB"),
+            ("nona-bayer", [3, 3], "RGGB"),
+            ("quad-bayer", [4, 4], "quad-bayer"),
+            ("full:RGB", [2, 2], "full:RGB"),
+        ] {
+            let layout = Cfa::parse(cfa).expect("a layout").binned(factor).0;
+            assert_eq!(layout, Cfa::parse(bins).expect("a layout"), "{cfa} by {factor:?}");
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Settings of an exposure and what follows from them: gains of a speed, times that light asks for, the way back from
+//! nonlinear numbers.
+
+mod auto_exposure;
+mod binning;
+mod iso;
+mod linearisation;
+mod settings;
+
+pub use auto_exposure::{AutoExposed, AutoExposure, Metering, TimeLimit, auto_exposure};
+pub use binning::{Binning, BinningMethod};
+pub use linearisation::Linearisation;
+pub use settings::{Exposure, RegionOfInterest};

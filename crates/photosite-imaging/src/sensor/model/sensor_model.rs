@@ -1,0 +1,201 @@
+//! A sensor, checked and in SI units, and what light makes of it: its spectral responses.
+
+use crate::raw::Cfa;
+use photosite_core::Invalid;
+use photosite_core::spectrum::Spectrum;
+use photosite_core::units::{Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
+
+use super::architecture::Architecture;
+use super::checks::{fraction, positive};
+use super::converter::Converter;
+use super::crosstalk::Kernel;
+use super::description::SensorDescription;
+use super::image_lag::ImageLag;
+use super::logarithmic::Logarithmic;
+use super::masked_pixels::MaskedPixels;
+use super::noise::Noise;
+use super::pixels::{
+    brighter_fatter, check_shutter, crosstalk, image_lag, logarithmic, margins, own_name, pixel_pitch_m,
+    quantum_efficiency,
+};
+use super::shutter::Shutter;
+use super::spectrum_source::SpectrumSource;
+
+/// An image sensor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SensorModel {
+    /// Preset or file name; becomes the camera model of raw files.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub description: String,
+    /// Where its numbers come from.
+    pub source: String,
+    /// Serial number: the fixed pattern of the sensor is a function of it alone.
+    pub serial: u64,
+    /// Technology of the pixels.
+    pub architecture: Architecture,
+    /// When each row sees light.
+    pub shutter: Shutter,
+    /// Columns and rows of a picture.
+    pub resolution: [usize; 2],
+    /// Pixels around these that see no light.
+    pub masked: MaskedPixels,
+    /// Pixel pitch along x and y, m.
+    pub pixel_pitch_m: [f64; 2],
+    /// Sensitive part of a pixel's area, above 0 up to 1.
+    pub fill_factor: f64,
+    /// Colour filter array.
+    pub cfa: Cfa,
+    /// Transmittance of all filters in front of the pixels together, 0–1.
+    pub filter: Spectrum,
+    /// Quantum efficiency η(λ), 0–1, one for each of the CFA's channels in their order.
+    pub quantum_efficiency: Vec<Spectrum>,
+    /// Where electrons are collected, one for each of the CFA's channels in their order; `None` for each in its own pixel.
+    pub crosstalk: Option<Vec<Kernel>>,
+    /// Noise sources.
+    pub noise: Noise,
+    /// Most electrons that a pixel can hold.
+    pub full_well: Electrons,
+    /// Brighter-fatter effect: correlation of neighbours along x and y for each electron of a flat field, 1/e⁻.
+    pub brighter_fatter_per_e: [f64; 2],
+    /// Charge that stays in the pixel when it is read out; `None` for none.
+    pub image_lag: Option<ImageLag>,
+    /// Response of the pixels where it is logarithmic; `None` for linear ones.
+    pub logarithmic: Option<Logarithmic>,
+    /// Gain and converter.
+    pub converter: Converter,
+}
+
+impl SensorModel {
+    /// Checks a description. `resolve` finds the spectra that it names. Keys of errors are those of the sensor file.
+    pub fn new(
+        name: &str,
+        description: &SensorDescription,
+        mut resolve: impl FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>,
+    ) -> Result<Self, Invalid> {
+        let d = description;
+        if let Some(axis) = (0..2).find(|&axis| d.resolution_px[axis] == 0 || d.resolution_px[axis] > MAX_RESOLUTION) {
+            let message = format!("must lie between 1 and {MAX_RESOLUTION}, got {}", d.resolution_px[axis]);
+            return Err(Invalid::new("resolution_px", message).help("for example resolution_px = [1920, 1200]"));
+        }
+        let pixel_pitch_m = pixel_pitch_m(d)?;
+        positive("fill_factor", d.fill_factor, "1.0")?;
+        if d.fill_factor > 1.0 {
+            return Err(Invalid::new("fill_factor", format!("must be at most 1, got {}", d.fill_factor))
+                .help("it is the part of a pixel's area that is sensitive to light"));
+        }
+        let cfa = Cfa::parse(&d.cfa)?;
+        let mut filter = Spectrum::constant(1.0);
+        for (key, source) in [
+            ("filter.transmittance", &d.filter.transmittance),
+            ("filter.cover_glass", &d.filter.cover_glass),
+            ("filter.microlenses", &d.filter.microlenses),
+        ] {
+            if let Some(source) = source {
+                filter = filter.product(&fraction(key, source, &mut resolve)?);
+            }
+        }
+        if let Some(surplus) = d.channels.keys().find(|name| !cfa.channels().contains(name)) {
+            let message = format!("the colour filter array {:?} has no channel {surplus:?}", d.cfa);
+            let channels = cfa.channels().join(", ");
+            let help = format!("its channels are {channels}; of a preset, write without = [\"channels.{surplus}\"]");
+            return Err(Invalid::new(format!("channels.{surplus}"), message).help(help));
+        }
+        let quantum_efficiency = cfa
+            .channels()
+            .iter()
+            .map(|letter| {
+                let Some(channel) = d.channels.get(letter) else {
+                    let message = format!("missing; the colour filter array {:?} needs it", d.cfa);
+                    return Err(Invalid::new(format!("channels.{letter}"), message)
+                        .help(format!("write [channels.{letter}] with a quantum_efficiency")));
+                };
+                quantum_efficiency(channel, &mut resolve).map_err(|e| e.within(&format!("channels.{letter}")))
+            })
+            .collect::<Result<_, _>>()?;
+        positive("charge.full_well_e", d.charge.full_well_e, "10000.0")?;
+        let architecture = Architecture::new(d)?;
+        let shutter = Shutter::new(&d.shutter).map_err(|e| e.within("shutter"))?;
+        check_shutter(&shutter, d, &cfa)?;
+        let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
+        let logarithmic = logarithmic(d, &converter)?;
+        Ok(Self {
+            name: own_name(d)?.unwrap_or(name).to_owned(),
+            description: d.description.clone(),
+            source: d.source.clone(),
+            serial: d.serial,
+            architecture,
+            shutter,
+            resolution: d.resolution_px.map(|n| n as usize),
+            masked: MaskedPixels {
+                columns: margins("masked_columns", d.masked_columns)?,
+                rows: margins("masked_rows", d.masked_rows)?,
+            },
+            pixel_pitch_m,
+            fill_factor: d.fill_factor,
+            crosstalk: crosstalk(d, &cfa)?,
+            cfa,
+            filter,
+            quantum_efficiency,
+            noise: Noise::new(&d.noise, &d.defects)?,
+            full_well: Electrons(d.charge.full_well_e),
+            brighter_fatter_per_e: brighter_fatter(d)?,
+            image_lag: image_lag(d, &shutter)?,
+            logarithmic,
+            converter,
+        })
+    }
+
+    /// Columns and rows of pixels that there are: of a scanning sensor one row, whatever the lines of a picture.
+    pub fn pixel_array(&self) -> [usize; 2] {
+        let [columns, rows] = self.resolution;
+        [columns, if self.shutter.scans() { 1 } else { rows }]
+    }
+
+    /// Rows of a picture as it is read out, covered ones among them.
+    pub fn rows_read_out(&self) -> usize {
+        self.masked.rows[0] + self.resolution[1] + self.masked.rows[1]
+    }
+
+    /// Time from the start of one picture of a series to that of the next: as stated, else as short as the exposure and
+    /// rows that follow each other allow.
+    pub fn frame_interval(&self, exposure: Seconds, stated: Option<Seconds>) -> Seconds {
+        stated.unwrap_or(Seconds(exposure.0.max(self.shutter.duration(self.rows_read_out()).0)))
+    }
+
+    /// Width of a pixel over its height.
+    pub fn pixel_aspect(&self) -> f64 {
+        self.pixel_pitch_m[0] / self.pixel_pitch_m[1]
+    }
+
+    /// Area of a pixel, m².
+    pub fn pixel_area_m2(&self) -> f64 {
+        self.pixel_pitch_m[0] * self.pixel_pitch_m[1]
+    }
+
+    /// Quantum efficiency of every channel behind the filter, η_c(λ)·T(λ).
+    pub fn efficiencies(&self) -> Vec<Spectrum> {
+        self.quantum_efficiency.iter().map(|qe| qe.product(&self.filter)).collect()
+    }
+
+    /// Spectral response of every channel: electrons per second for each W·m⁻²·nm⁻¹ of irradiance and nm of bandwidth,
+    ///
+    /// R_c(λ) = A · FF · η_c(λ) · T(λ) · λ/(h·c),
+    ///
+    /// with the pixel's area A in m², the fill factor FF, the quantum efficiency η_c and the filter's transmittance T.
+    /// ∫ R_c(λ)·E(λ) dλ, λ in nm, is the rate of photo-electrons in e⁻/s
+    /// (the sensitivity model of [Emva1288](photosite_core::references#emva1288), integrated over wavelength).
+    pub fn responses(&self) -> Vec<(String, Spectrum)> {
+        let area = self.pixel_area_m2() * self.fill_factor;
+        let response = |efficiency: Spectrum| {
+            efficiency.map(|lambda_nm, electrons_per_photon| {
+                let photons_per_joule = lambda_nm * 1e-9 / (PLANCK * SPEED_OF_LIGHT);
+                area * electrons_per_photon * photons_per_joule
+            })
+        };
+        self.cfa.channels().iter().cloned().zip(self.efficiencies().into_iter().map(response)).collect()
+    }
+}
+
+/// Columns or rows beyond this are a slip of the pen: the largest sensors made have some 30 000.
+const MAX_RESOLUTION: u32 = 65_535;

@@ -1,0 +1,29 @@
+//! The physical effects between mean electrons and digital numbers, one file each, and what they know of an exposure.
+
+pub(super) mod amplifiers;
+pub(super) mod binning;
+pub(super) mod brighter_fatter;
+pub(super) mod ccd;
+pub(super) mod companding;
+pub(super) mod converter;
+pub(super) mod crosstalk;
+pub(super) mod dark_current;
+pub(super) mod dark_offset;
+pub(super) mod dead_pixels;
+pub(super) mod defective_numbers;
+pub(super) mod digital_gain;
+pub(super) mod dual_gain;
+pub(super) mod fixed_pattern;
+pub(super) mod flicker;
+pub(super) mod frame;
+pub(super) mod full_well;
+pub(super) mod image_lag;
+pub(super) mod line_noise;
+pub(super) mod logarithmic;
+pub(super) mod masked_pixels;
+pub(super) mod photo_response;
+pub(super) mod photon_counting;
+pub(super) mod read_noise;
+pub(super) mod reset_noise;
+pub(super) mod shot_noise;
+pub(super) mod telegraph;
