@@ -3,6 +3,7 @@
 use photosite_core::{Help, Remedy};
 use std::path::Path;
 
+use super::input::read_source;
 use super::overrides;
 use super::source::{CaptureSource, shown};
 use super::tables::SECTIONS;
@@ -14,7 +15,7 @@ use photosite_core::suggest::{did_you_mean, list};
 /// those of a capture file (`develop.demosaic`).
 pub fn read_develop_settings(capture: Option<&Path>, overrides: &[String]) -> Result<(DevelopSettings, CaptureSource)> {
     let mut source = match capture {
-        Some(path) => super::read_source(path)?,
+        Some(path) => read_source(path)?,
         None => CaptureSource::empty("develop".as_ref()),
     };
     for argument in overrides {

@@ -12,7 +12,7 @@ use photosite::io::lock::Lock;
 use photosite::io::output::create_folder;
 
 use super::log::say;
-use super::{println_out, refuse_existing, write_result};
+use super::print::{println_out, refuse_existing, write_result};
 use photosite::pipeline::{LensSeen, standalone_recording_camera};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.

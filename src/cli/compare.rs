@@ -15,7 +15,7 @@ use photosite::validation::{
 use photosite::{Error, Invalid, Result};
 
 use super::compare_report::{FileReport, PictureReport, Report, Untested, text};
-use super::{print_json, println_out, refuse_existing};
+use super::print::{print_json, println_out, refuse_existing};
 
 /// Compare two pictures: errors per channel, and where variances are known whether noise explains them.
 ///

@@ -9,10 +9,11 @@ use photosite::pipeline::LightSource;
 use photosite::{Error, Result};
 use serde_json::json;
 
+use super::arguments::{parse_range, start_threads};
 use super::film_memory::FilmMemoryArgs;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
-use super::{parse_range, print_json, start_threads};
+use super::print::print_json;
 
 /// Render a data set: a capture from many poses, under many conditions, by one camera or a rig.
 ///

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::develop_args::CommonDevelopArgs;
 use super::log::{say, warning};
-use super::{print_json, rounded};
+use super::print::{print_json, rounded};
 
 /// Develop a raw file to a picture: PNG, TIFF, JPEG, PGM, PPM or EXR.
 ///

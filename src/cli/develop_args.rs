@@ -8,7 +8,8 @@ use photosite::capture::{CaptureSource, read_develop_settings};
 use photosite::develop::DevelopSettings;
 use photosite::io::output::Sink;
 
-use super::{refuse_existing, start_threads, write_result};
+use super::arguments::start_threads;
+use super::print::{refuse_existing, write_result};
 
 #[derive(Args)]
 pub(super) struct CommonDevelopArgs {

@@ -13,7 +13,7 @@ use photosite::units::{Celsius, Decibels, Seconds};
 
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;
-use super::{print_json, println_out};
+use super::print::{print_json, println_out};
 
 /// Take the images that EMVA 1288 asks for, and tell what they must show.
 ///

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::figures_text::measured_text;
 use super::monitor::TerminalMonitor;
-use super::{print_json, println_out, refuse_existing, write_result};
+use super::print::{print_json, println_out, refuse_existing, write_result};
 
 /// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
 ///

@@ -8,8 +8,8 @@ use photosite::report::REPORT;
 use photosite::{Error, Result};
 
 use super::log::say;
+use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
-use super::{print_json, rounded};
 
 /// Expose stored light again: another time, gain, temperature, seed or sensor.
 ///

@@ -4,7 +4,7 @@ use photosite::characterisation::Row;
 use photosite::characterisation::report::{ChannelReport, Report};
 use photosite::io::image_sets::ImageSets;
 
-use super::rounded;
+use super::print::rounded;
 
 /// The figures that the image sets of a sensor must show, a column for each channel.
 pub(super) fn expected_text(sets: &ImageSets) -> String {

@@ -17,7 +17,7 @@ use photosite::{Error, Invalid, Result};
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
-use super::{print_json, println_out, rounded};
+use super::print::{print_json, println_out, rounded};
 use photosite::pipeline::camera_of;
 
 /// Say what a scene, capture, sensor, raw or EXR file holds.

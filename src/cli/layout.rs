@@ -9,7 +9,7 @@ use photosite::dataset::{LayoutFolder, read_dataset};
 use serde_json::json;
 
 use super::log::say;
-use super::print_json;
+use super::print::print_json;
 
 /// Lay out a finished data set as other tools read it: folders, pictures, calibration, ground truth.
 ///

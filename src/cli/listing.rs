@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::rounded;
+use super::print::rounded;
 
 /// Longest list that is written in one line, characters.
 const LONGEST_LINE: usize = 90;

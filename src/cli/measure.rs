@@ -22,7 +22,7 @@ use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
-use super::{print_json, println_out};
+use super::print::{print_json, println_out};
 use photosite::pipeline::{LensSeen, pixels, place_camera};
 
 /// Measure pictures: sharpness, colours, likeness, histograms.

@@ -10,11 +10,11 @@ use photosite::pipeline::{LightSource, OutputFolder, Parts, Request, render_into
 use photosite::report::Timings;
 use photosite::{Error, Result};
 
+use super::arguments::start_threads;
 use super::dataset::SetReport;
 use super::film_memory::FilmMemoryArgs;
 use super::monitor::TerminalMonitor;
 use super::render::finish;
-use super::start_threads;
 
 /// Put together what several runs of `photosite render --samples A..B`, or of `photosite dataset --samples A..B`, have
 /// traced.

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::develop_args::CommonDevelopArgs;
 use super::log::{say, warning};
-use super::{print_json, rounded};
+use super::print::{print_json, rounded};
 
 /// Merge raw files that were exposed for different times to a linear picture of their common light.
 ///

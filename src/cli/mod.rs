@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand. Arguments come in here, results and errors go out; the work is the
 //! library's.
 
+mod arguments;
 mod camera;
 mod compare;
 mod compare_report;
@@ -22,6 +23,7 @@ mod merge;
 mod merge_hdr;
 mod monitor;
 mod noise;
+mod print;
 mod project;
 mod render;
 mod run_args;
@@ -31,13 +33,9 @@ mod signals;
 mod target;
 
 use std::io::IsTerminal;
-use std::ops::Range;
-use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use photosite::io::output::{Sink, write_new, write_whole};
-use photosite::io::pretty_json::pretty_json;
 use photosite::{Error, Remedy};
 
 /// What scripts and schedulers go by.
@@ -168,83 +166,5 @@ fn in_options(remedy: &Remedy) -> String {
         }
         Remedy::Nearest => "add --approximate for the nearest that Mitsuba has".to_owned(),
         Remedy::Linear => "say --linear where its codes are in proportion to light".to_owned(),
-    }
-}
-
-/// Starts as many threads as are asked for.
-fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
-    /// So many that wait for each other slow down a small machine only a little.
-    const MOST: usize = 256;
-    let Some(threads) = threads.map(usize::from) else { return Ok(()) };
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let usage = |message: String| Error::Usage {
-        message,
-        help: Some(format!("this machine runs {cores} at once; more than these make nothing faster").into()),
-    };
-    if threads > MOST.max(4 * cores) {
-        return Err(usage(format!("--threads {threads}: at most {} can be asked for", MOST.max(4 * cores))));
-    }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-    pool.map_err(|reason| usage(format!("cannot start {threads} threads: {reason}")))
-}
-
-/// A range of whole numbers as arguments have it, `A..B`: from A up to, but without, B.
-fn parse_range(text: &str) -> Result<Range<u32>, String> {
-    let number = |part: &str| part.trim().parse::<u32>().ok();
-    let ends = text.split_once("..").and_then(|(a, b)| Some((number(a)?, number(b)?)));
-    match ends {
-        Some((a, b)) if a < b => Ok(a..b),
-        Some(_) => Err("the first number must be below the second".to_owned()),
-        None => Err("write two whole numbers, for example 0..10".to_owned()),
-    }
-}
-
-/// Significant digits, few enough for people.
-fn rounded(x: f64, digits: i32) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let scale = 10f64.powf(f64::from(digits - 1) - x.abs().log10().floor());
-    if scale.is_finite() && scale > 0.0 { (x * scale).round() / scale } else { x }
-}
-
-/// Refuses to overwrite a file unasked.
-fn refuse_existing(path: &Path, force: bool) -> photosite::Result<()> {
-    if force || !path.exists() { Ok(()) } else { Err(exists_already(path)) }
-}
-
-fn exists_already(path: &Path) -> Error {
-    let message = format!("{} exists already", path.display());
-    Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".into()) }
-}
-
-/// Writes a file whole. One that another process has put there in the meantime is not overwritten unasked, either.
-fn write_result(
-    path: &Path,
-    force: bool,
-    write: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
-) -> photosite::Result<()> {
-    if force {
-        write_whole(path, write)
-    } else if write_new(path, write)? {
-        Ok(())
-    } else {
-        Err(exists_already(path))
-    }
-}
-
-/// Prints an object as JSON on standard output.
-fn print_json(value: &impl serde::Serialize) -> photosite::Result<()> {
-    println_out(&pretty_json(value))
-}
-
-/// Prints a line on standard output. A reader that has seen enough and went away, as `head` does, is no error.
-fn println_out(text: &str) -> photosite::Result<()> {
-    use std::io::{ErrorKind, Write};
-    match writeln!(std::io::stdout().lock(), "{text}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Error::io("standard output".as_ref(), "write", error))
-        }
-        Ok(()) | Err(_) => Ok(()),
     }
 }

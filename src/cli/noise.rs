@@ -10,7 +10,7 @@ use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
-use super::{print_json, println_out, rounded};
+use super::print::{print_json, println_out, rounded};
 
 /// Estimate the noise of a picture, or of several of the same scene.
 ///

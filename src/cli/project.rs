@@ -10,7 +10,7 @@ use photosite::capture::Capture;
 use photosite::optics::Camera;
 use photosite::{Error, Invalid, Result};
 
-use super::println_out;
+use super::print::println_out;
 use photosite::pipeline::standalone_recording_camera;
 
 /// Say where points appear in the picture of a camera, or what its pixels look at.

@@ -10,10 +10,11 @@ use photosite::capture::{Capture, relative_path};
 use photosite::pipeline::{LightSource, OutputFolder, Rendered, Request, render_into};
 use photosite::report::{REPORT, Report, Timings};
 
+use super::arguments::parse_range;
 use super::film_memory::FilmMemoryArgs;
 use super::log::say;
+use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
-use super::{parse_range, print_json, rounded};
 
 /// Render a scene as the camera of a capture file records it.
 ///

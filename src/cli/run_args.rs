@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use photosite::Result;
 
+use super::arguments::start_threads;
 use super::monitor::TerminalMonitor;
-use super::start_threads;
 
 #[derive(Args)]
 pub(super) struct RunArgs {

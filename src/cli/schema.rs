@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::println_out;
+use super::print::println_out;
 
 /// Print the JSON Schema of capture files, for editors.
 #[derive(Args)]

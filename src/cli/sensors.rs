@@ -5,7 +5,7 @@ use photosite::sensor::{Binning, SensorModel, presets};
 use photosite::spectrum::Spectrum;
 use serde::Serialize;
 
-use super::{print_json, println_out};
+use super::print::{print_json, println_out};
 
 /// List the sensor presets.
 #[derive(Args)]

@@ -10,7 +10,7 @@ use photosite::capture::read_target;
 use photosite::io::lock::Lock;
 use photosite::io::target_file::{target_files, write_target};
 
-use super::{println_out, refuse_existing};
+use super::print::{println_out, refuse_existing};
 
 /// Write a calibration target: to print, to photograph, or for other programs.
 ///

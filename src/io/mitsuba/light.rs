@@ -2,8 +2,10 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::element::Element;
+use super::output::{Output, quoted};
+use super::picture;
 use super::sensor::rows;
-use super::{Element, Output, picture, quoted};
 use crate::scene::description::{EnvironmentDescription, LightDescription, LightKind, SceneDescription};
 use crate::scene::{emission_spectrum, nit_per_unit};
 

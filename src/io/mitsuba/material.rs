@@ -1,7 +1,8 @@
 //! Materials as BSDFs of Mitsuba.
 
+use super::element::Element;
+use super::output::{Output, quoted};
 use super::picture::{bitmap, planes};
-use super::{Element, Output, quoted};
 use crate::scene::description::{
     AlphaMode, Colour, Conductor, Dielectric, Diffuse, LayeredDescription, MaterialDescription, MaterialModel,
     OrenNayar, Phong, Retroreflective, SceneDescription, TextureDescription, TexturedColour, ThinDielectric,

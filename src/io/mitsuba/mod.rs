@@ -24,20 +24,19 @@
 mod element;
 mod light;
 mod material;
+mod output;
 mod picture;
 mod sensor;
 mod shape;
 
 use photosite_core::{Help, Remedy};
-use std::io::Cursor;
 
 use crate::Invalid;
 use crate::capture::Capture;
-use crate::image::Planes;
-use crate::io::exr::write_exr;
 use crate::optics::Camera;
 
 use element::Element;
+use output::Output;
 
 /// The version of Mitsuba that the files are written for.
 const MITSUBA: &str = "3.0.0";
@@ -75,45 +74,4 @@ pub fn export(capture: &Capture, camera: &Camera, approximate: bool) -> Result<M
     }
     out.files.insert(0, ("scene.xml".to_owned(), scene.to_xml()));
     Ok(MitsubaScene { files: out.files, approximations: out.approximations })
-}
-
-/// What comes to light on the way through a capture.
-#[derive(Default)]
-struct Output {
-    files: Vec<(String, Vec<u8>)>,
-    approximations: Vec<String>,
-    /// Whether the sensor sees where Mitsuba's upsampling of RGB is black.
-    sees_beyond_cie: bool,
-}
-
-impl Output {
-    /// Notes something that has no exact counterpart, once.
-    fn approximate(&mut self, what: impl Into<String>) {
-        let what = what.into();
-        if !self.approximations.contains(&what) {
-            self.approximations.push(what);
-        }
-    }
-
-    /// Adds a file unless it is there already, and returns its name.
-    fn file(&mut self, name: String, bytes: impl FnOnce() -> Vec<u8>) -> String {
-        if !self.files.iter().any(|(existing, _)| *existing == name) {
-            self.files.push((name.clone(), bytes()));
-        }
-        name
-    }
-
-    /// Adds an EXR picture.
-    fn exr(&mut self, name: String, planes: &Planes) -> String {
-        self.file(name, || {
-            let mut bytes = Vec::new();
-            write_exr(planes, &[], Cursor::new(&mut bytes)).expect("a vector takes all bytes");
-            bytes
-        })
-    }
-}
-
-/// A name for messages.
-fn quoted(kind: &str, name: &str) -> String {
-    if name.is_empty() { format!("an unnamed {kind}") } else { format!("{kind} \"{name}\"") }
 }

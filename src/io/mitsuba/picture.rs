@@ -6,7 +6,8 @@ use crate::image::{Channel, Planes};
 use crate::scene::description::TextureDescription;
 use crate::texture::{Bitmap, Filter, Texels, Wrap};
 
-use super::{Element, Output};
+use super::element::Element;
+use super::output::Output;
 
 /// Planes of a picture, one value per texel.
 pub(super) fn planes(image: &Bitmap, names: &[&str], texel: impl Fn(usize) -> [f32; 3]) -> Planes {

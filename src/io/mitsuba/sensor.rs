@@ -2,7 +2,8 @@
 
 use glam::{DAffine3, DMat4, DVec3};
 
-use super::{Element, Output};
+use super::element::Element;
+use super::output::Output;
 use crate::capture::{Capture, ExposureTime};
 use crate::integrator::RenderSettings;
 use crate::optics::{Camera, Falloff, LensKind, Projection};

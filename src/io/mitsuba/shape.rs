@@ -1,8 +1,9 @@
 //! Meshes as PLY files, spheres, disks and cylinders, and where they stand.
 
+use super::element::Element;
 use super::material::ExportedMaterial;
+use super::output::{Output, quoted};
 use super::sensor::rows;
-use super::{Element, Output, quoted};
 use crate::scene::description::{AlphaMode, MaterialDescription, MeshDescription, Roughness, SceneDescription, Visit};
 use crate::scene::emission_spectrum;
 use crate::texture::UvTransform;

@@ -25,9 +25,9 @@ use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Map, Value, json};
 
 use super::models::{Model, rigid};
-use super::objects::object_of_pixel;
+use super::objects::{SceneObject, object_of_pixel};
+use super::picture_set::{LayoutFiles, PictureSet, Shot};
 use super::silhouette::Silhouette;
-use super::{LayoutFiles, PictureSet, SceneObject, Shot};
 use crate::truth::TruthLayer;
 use photosite_core::image::Planes;
 use photosite_core::projection::CalibrationModel;

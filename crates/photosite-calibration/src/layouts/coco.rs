@@ -14,8 +14,8 @@
 
 use serde_json::{Value, json};
 
-use super::objects::object_of_pixel;
-use super::{LayoutFiles, PictureSet, SceneObject, SeenTarget, Shot};
+use super::objects::{SceneObject, object_of_pixel};
+use super::picture_set::{LayoutFiles, PictureSet, SeenTarget, Shot};
 use crate::truth::TruthLayer;
 use photosite_core::Result;
 

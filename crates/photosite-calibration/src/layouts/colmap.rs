@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use super::super::camera_files::{
     CalibratedCamera, ColmapImage, ColmapPoint, colmap_cameras, colmap_images, colmap_points,
 };
-use super::{LayoutFiles, PictureSet, is_same_lens};
+use super::picture_set::{LayoutFiles, PictureSet, is_same_lens};
 use photosite_core::Result;
 
 pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {

@@ -13,7 +13,7 @@
 use glam::DQuat;
 
 use super::super::camera_files::{euroc, opencv_pose};
-use super::{LayoutFiles, PictureSet};
+use super::picture_set::{LayoutFiles, PictureSet};
 use photosite_core::Result;
 
 pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {

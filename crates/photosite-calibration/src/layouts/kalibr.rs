@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use super::super::camera_files::kalibr;
 use super::super::camera_files::yaml::number;
 use super::super::targets::TargetDescription;
-use super::{LayoutFiles, PictureSet};
+use super::picture_set::{LayoutFiles, PictureSet};
 use photosite_core::Result;
 
 pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {

@@ -23,23 +23,15 @@ mod euroc;
 mod kalibr;
 mod models;
 mod objects;
+mod picture_set;
 mod silhouette;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
-use glam::{DAffine3, DVec2, DVec3};
-
-use super::camera_files::CalibratedCamera;
-use super::targets::TargetDescription;
-use super::truth::TruthLayer;
-use photosite_core::image::Planes;
-use photosite_core::{Error, Invalid, Result};
-use photosite_transport::scene::description::SceneDescription;
+use photosite_core::Result;
 
 pub use objects::SceneObject;
+pub use picture_set::{EPOCH_NS, LayoutFiles, PictureSet, SeenPoint, SeenTarget, Shot};
 
 /// A layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,95 +48,6 @@ pub enum Layout {
     Coco,
 }
 
-/// The pictures of a data set.
-#[derive(Clone, Debug)]
-pub struct PictureSet {
-    /// The folder, for messages.
-    pub folder: PathBuf,
-    /// Names of the cameras of the rig.
-    pub cameras: Vec<String>,
-    /// By their frames, within a frame by their cameras.
-    pub shots: Vec<Shot>,
-}
-
-/// What is known of a picture.
-#[derive(Clone, Debug)]
-pub struct Shot {
-    /// Its folder, relative to that of the data set.
-    pub folder: String,
-    /// Number of the frame.
-    pub frame: u32,
-    /// Index of the camera.
-    pub camera: usize,
-    /// The middle of the exposure of the middle row, from [`EPOCH_NS`] on. Where frames have no times, they are taken a second apart.
-    pub stamp_ns: u64,
-    /// The camera as it stands then.
-    pub calibrated: CalibratedCamera,
-    /// Camera → world at the start of the frame.
-    pub start: DAffine3,
-    /// Velocity of the centre of the lens in the world, m/s.
-    pub velocity_m_per_s: DVec3,
-    /// Whether the developed picture shows things in other places than the camera saw them, without its distortion or with square
-    /// pixels.
-    pub is_resampled: bool,
-    /// Whether rows are taken one after the other while something moves.
-    pub is_skewed: bool,
-    /// Calibration targets in the scene.
-    pub targets: Vec<SeenTarget>,
-    /// What there is ground truth of. Empty where none was asked for.
-    pub objects: Vec<SceneObject>,
-}
-
-/// When the first frame begins, ns: tools take seconds and nanoseconds from places in the number, and sort names of files as
-/// text.
-pub const EPOCH_NS: u64 = 1_000_000_000_000_000_000;
-
-/// A target in a picture.
-#[derive(Clone, Debug)]
-pub struct SeenTarget {
-    /// Its name.
-    pub name: String,
-    /// What it is.
-    pub description: TargetDescription,
-    /// Target → world.
-    pub to_world: DAffine3,
-    /// Its points.
-    pub points: Vec<SeenPoint>,
-}
-
-/// A point of a target in a picture.
-#[derive(Clone, Debug)]
-pub struct SeenPoint {
-    /// Its name within the target.
-    pub name: String,
-    /// In the world, m.
-    pub world: DVec3,
-    /// In the picture, integer coordinates at pixel centres; `None` behind the camera.
-    pub pixel: Option<DVec2>,
-    /// Whether it is within the picture, with nothing before it.
-    pub is_visible: bool,
-}
-
-/// What a layout reads and writes besides. Paths are relative to the folder of the layout, with slashes.
-pub trait LayoutFiles {
-    /// Writes text.
-    fn write_text(&mut self, path: &str, text: &str) -> Result<()>;
-    /// Copies the developed picture.
-    fn copy_picture(&mut self, path: &str, shot: &Shot) -> Result<()>;
-    /// Writes the developed picture as 8-bit grey PNG.
-    fn write_grey_picture(&mut self, path: &str, shot: &Shot) -> Result<()>;
-    /// Whether the developed picture is grey.
-    fn is_grey(&mut self, shot: &Shot) -> Result<bool>;
-    /// Writes a mask as 8-bit grey PNG: 255 within, 0 without.
-    fn write_mask(&mut self, path: &str, size: [u32; 2], inside: &[bool]) -> Result<()>;
-    /// Writes 16-bit grey PNG.
-    fn write_grey16(&mut self, path: &str, size: [u32; 2], values: &[u16]) -> Result<()>;
-    /// Reads ground truth.
-    fn truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<Planes>;
-    /// Reads the geometry. The same scene is the same [`Arc`].
-    fn scene(&mut self, shot: &Shot) -> Result<Arc<SceneDescription>>;
-}
-
 impl Layout {
     /// Lays out a data set.
     pub fn write(self, set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {
@@ -156,54 +59,4 @@ impl Layout {
             Self::Coco => coco::write(set, files),
         }
     }
-}
-
-impl PictureSet {
-    /// The pictures of a camera.
-    pub fn of_camera(&self, camera: usize) -> impl Iterator<Item = &Shot> {
-        self.shots.iter().filter(move |shot| shot.camera == camera)
-    }
-
-    /// The cameras of the rig as they stand at the start of the first frame, if they and their places on the rig are the same
-    /// in all frames.
-    pub fn rig(&self) -> Result<Vec<CalibratedCamera>, Invalid> {
-        /// Poses go through decimal numbers and rotations of a few roundings; no rig is known as well as that (m, and sines of
-        /// angles).
-        const SAME: f64 = 1e-9;
-        let mut rig = Vec::new();
-        for (camera, name) in self.cameras.iter().enumerate() {
-            let mut shots = self.of_camera(camera);
-            let Some(first) = shots.next() else { continue };
-            let differs = |what: &str, shot: &Shot, help: &str| {
-                let message = format!("{what} of {name} in frame {} is not that in frame {}", shot.frame, first.frame);
-                Invalid::new("", message).help(help)
-            };
-            for (shot, head) in shots.zip(self.of_camera(0).skip(1)) {
-                if !is_same_lens(&shot.calibrated, &first.calibrated) {
-                    let help = "one camera is to stand for all frames: make a data set that varies neither lens nor \
-                                sensor, without autofocus, or lay this one out for colmap, which has a camera for each";
-                    return Err(differs("the lens", shot, help));
-                }
-                let place = |shot: &Shot, head: &Shot| head.start.inverse() * shot.start;
-                let Some(first_head) = self.of_camera(0).next() else { continue };
-                if !place(shot, head).abs_diff_eq(place(first, first_head), SAME) {
-                    let help = "the cameras of a rig are to keep their places on it: make a data set that does not vary \
-                                them, or lay this one out for colmap";
-                    return Err(differs("the place on the rig", shot, help));
-                }
-            }
-            rig.push(CalibratedCamera { to_world: first.start, ..first.calibrated.clone() });
-        }
-        Ok(rig)
-    }
-
-    /// The error of the data set as a whole.
-    fn error(&self, invalid: Invalid) -> Error {
-        invalid.in_file(&self.folder)
-    }
-}
-
-/// Whether two cameras differ in nothing but their places.
-fn is_same_lens(a: &CalibratedCamera, b: &CalibratedCamera) -> bool {
-    (a.intrinsics, a.projection, a.resolution) == (b.intrinsics, b.projection, b.resolution)
 }

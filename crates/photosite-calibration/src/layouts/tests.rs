@@ -2,19 +2,26 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_3;
+use std::path::PathBuf;
+use std::sync::Arc;
 
-use glam::{DMat3, DQuat, Vec3};
+use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec3};
 use rstest::rstest;
 use serde_json::Value;
 
 use super::models::{Model, rigid};
 use super::silhouette::Silhouette;
 use super::*;
+use crate::camera_files::CalibratedCamera;
 use crate::targets::Chessboard;
+use crate::targets::TargetDescription;
+use crate::truth::TruthLayer;
 use photosite_core::image::Channel;
+use photosite_core::image::Planes;
 use photosite_core::spectrum::Spectrum;
 use photosite_transport::optics::{Intrinsics, Projection};
 use photosite_transport::scene;
+use photosite_transport::scene::description::SceneDescription;
 use photosite_transport::scene::description::{
     Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, TexturedColour,
 };

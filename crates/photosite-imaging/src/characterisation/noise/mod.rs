@@ -5,6 +5,7 @@
 //! picture as it is: fixed patterns count as noise unless several pictures tell them apart.
 
 mod autocovariance;
+mod patch;
 mod plane_fit;
 mod temporal;
 
@@ -14,34 +15,9 @@ use super::Decibel;
 use photosite_core::Invalid;
 
 pub use autocovariance::Autocovariance;
+pub use patch::{Patch, Variance};
 pub use plane_fit::{ChiSquared, PlaneFit};
 pub use temporal::TemporalNoise;
-
-/// The values of a patch of one picture, row by row.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Patch {
-    width: usize,
-    height: usize,
-    values: Vec<f64>,
-}
-
-impl Patch {
-    /// Of width × height finite values, at least 2 × 2.
-    pub fn new(width: usize, height: usize, values: Vec<f64>) -> Result<Self, Invalid> {
-        if width < 2 || height < 2 || values.len() != width * height {
-            let message = format!("{} values in {width} × {height} pixels are no patch", values.len());
-            return Err(Invalid::new("patch", message).help("choose at least 2 × 2 pixels"));
-        }
-        if let Some(value) = values.iter().find(|v| !v.is_finite()) {
-            return Err(Invalid::new("patch", format!("holds {value}")).help("choose a patch of finite values"));
-        }
-        Ok(Self { width, height, values })
-    }
-
-    fn mean(&self) -> f64 {
-        self.values.iter().sum::<f64>() / self.values.len() as f64
-    }
-}
 
 /// What is known of a picture besides its values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,25 +55,6 @@ pub struct NoiseEstimate {
     pub snr: SignalToNoise,
     /// Rounding's part.
     pub quantisation: Option<Quantisation>,
-}
-
-/// A variance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Variance {
-    /// σ².
-    pub variance: f64,
-    /// Its standard error, σ²·√(2/freedom).
-    pub error: f64,
-    /// σ.
-    pub sigma: f64,
-}
-
-impl Variance {
-    /// Of a sum of squared deviations with so many degrees of freedom.
-    fn of(squares: f64, freedom: f64) -> Self {
-        let variance = squares / freedom;
-        Self { variance, error: variance * (2.0 / freedom).sqrt(), sigma: variance.sqrt() }
-    }
 }
 
 /// Signal over noise: (μ − black)/σ, with σ the temporal noise where it is known, and what the plane leaves otherwise.

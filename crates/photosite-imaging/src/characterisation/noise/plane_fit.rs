@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Patch, Variance};
+use super::patch::{Patch, Variance};
 use photosite_core::math::normal;
 
 /// The plane y = c + a·x + b·y through a patch by least squares, and what it leaves.

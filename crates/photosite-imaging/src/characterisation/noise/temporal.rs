@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Patch, Variance};
+use super::patch::{Patch, Variance};
 
 /// Noise that changes from picture to picture ([TruccoVerri98](photosite_core::references#truccoverri98), algorithm `EST_NOISE`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

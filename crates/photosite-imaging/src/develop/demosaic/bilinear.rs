@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::{planes, together};
+use super::channels::{planes, together};
 use crate::develop::neighbours::{Step, radius_for_all, steps};
 use crate::raw::Cfa;
 use photosite_core::image::Planes;

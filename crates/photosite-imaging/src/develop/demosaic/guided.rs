@@ -4,7 +4,7 @@
 //! it is interpolated. Both steps are means weighted by a tent ([`bilinear`](super::bilinear)).
 
 use super::bilinear::Tent;
-use super::{planes, together};
+use super::channels::{planes, together};
 use crate::develop::neighbours::{densest, steps};
 use crate::raw::Cfa;
 use photosite_core::image::Planes;

@@ -19,8 +19,8 @@
 
 use rayon::prelude::*;
 
+use super::channels::{planes, together};
 use super::markesteijn::inwards;
-use super::{planes, together};
 use crate::develop::neighbours::{densest, radius_for_all};
 use crate::raw::Cfa;
 use photosite_core::image::Planes;

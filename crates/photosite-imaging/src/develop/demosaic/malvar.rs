@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::{planes, together};
+use super::channels::{planes, together};
 use crate::develop::window::mirror;
 use crate::raw::Cfa;
 use photosite_core::image::Planes;

@@ -5,6 +5,7 @@
 //! Menon's and Markesteijn's. Pictures that have all channels at every pixel are taken apart.
 
 mod bilinear;
+mod channels;
 mod guided;
 mod lmmse;
 mod malvar;
@@ -16,8 +17,9 @@ use rayon::prelude::*;
 
 use super::settings::Demosaic;
 use crate::raw::Cfa;
+use channels::{planes, together};
 use photosite_core::Invalid;
-use photosite_core::image::{Channel, Planes};
+use photosite_core::image::Planes;
 
 /// Planes of all channels.
 pub(super) fn demosaic(
@@ -71,15 +73,6 @@ pub(super) fn method_for(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invali
     };
     Err(Invalid::new("demosaic", message)
         .help("write \"auto\", \"nearest\", \"bilinear\" or \"guided\", which work for any"))
-}
-
-/// Empty planes of a filter array's channels.
-fn planes(width: usize, height: usize, cfa: &Cfa) -> Vec<Channel> {
-    cfa.channels().iter().map(|name| Channel { name: name.clone(), data: vec![0.0; width * height] }).collect()
-}
-
-fn together(width: usize, height: usize, channels: Vec<Channel>) -> Planes {
-    Planes::new(width, height, channels).expect("planes were made for this size")
 }
 
 /// Numbers that lie side by side, channel by channel.

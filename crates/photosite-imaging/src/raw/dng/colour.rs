@@ -10,8 +10,9 @@ use tiff::encoder::SRational;
 use tiff::tags::Tag;
 use tiff::{Directory, TiffResult};
 
+use super::ifd::Ifd;
+use super::tag;
 use super::tags::Tags;
-use super::{Ifd, tag};
 use crate::raw::rational::{rational, srational};
 use crate::raw::{ColourCalibration, LightSource, RawMetadata};
 use photosite_core::Invalid;

@@ -13,6 +13,7 @@
 
 mod colour;
 mod filters;
+mod ifd;
 mod numbers;
 mod opcodes;
 mod openable;
@@ -26,20 +27,19 @@ mod xmp;
 
 use std::io::{self, Seek, Write};
 
-use tiff::encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKindStandard};
-use tiff::tags::{Tag, Type};
-use tiff::{Directory, TiffResult};
+use tiff::TiffResult;
+use tiff::encoder::{Rational, TiffEncoder};
+use tiff::tags::Tag;
 
 use super::rational::{rational, srational};
 use super::tiff::io_error;
 use super::{Cfa, Distortion, PixelArea, RawImage, Warp, thumbnail};
 use photosite_core::Invalid;
 
+use ifd::{Ifd, pad, write_text, write_undefined};
 pub use numbers::DngCompression;
 pub(super) use read::is_dng;
 pub use read::read_dng;
-
-type Ifd<'a, W> = DirectoryEncoder<'a, W, TiffKindStandard>;
 
 /// Whether a DNG file can say what this layout is.
 pub fn dng_can_hold(cfa: &Cfa) -> Result<(), Invalid> {
@@ -234,35 +234,6 @@ fn write_exif<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResu
     }
     if !metadata.camera_serial.is_empty() {
         write_text(ifd, tag::BODY_SERIAL_NUMBER, &metadata.camera_serial)?;
-    }
-    Ok(())
-}
-
-/// Bytes of the type UNDEFINED.
-fn write_undefined<W: Write + Seek>(ifd: &mut Ifd<'_, W>, tag: Tag, bytes: &[u8]) -> TiffResult<()> {
-    let entry = ifd.write_entry_bytes(Type::UNDEFINED, bytes)?;
-    let mut undefined = Directory::empty();
-    undefined.extend([(tag, entry)]);
-    ifd.extend_from(&undefined);
-    pad(ifd, bytes.len())
-}
-
-/// Text, which in TIFF is ASCII without zeros, followed by one.
-fn write_text<W: Write + Seek>(ifd: &mut Ifd<'_, W>, tag: Tag, text: &str) -> TiffResult<()> {
-    let ascii: String = text.chars().map(|c| if c.is_ascii() && !c.is_ascii_control() { c } else { '?' }).collect();
-    ifd.write_tag(tag, ascii.as_str())?;
-    pad(ifd, ascii.len() + 1)
-}
-
-/// After a tag's value, of which up to 4 bytes lie in the directory itself.
-fn pad<W: Write + Seek>(ifd: &mut Ifd<'_, W>, bytes_written: usize) -> TiffResult<()> {
-    if bytes_written > 4 { align(ifd, bytes_written) } else { Ok(()) }
-}
-
-/// What comes next must begin at an even offset (TIFF 6.0, p. 15).
-fn align<W: Write + Seek>(ifd: &mut Ifd<'_, W>, bytes_written: usize) -> TiffResult<()> {
-    if bytes_written % 2 == 1 {
-        ifd.write_data(0u8)?;
     }
     Ok(())
 }

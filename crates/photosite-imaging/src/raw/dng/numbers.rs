@@ -13,7 +13,8 @@ use tiff::TiffResult;
 use tiff::encoder::Rational;
 use tiff::tags::{PhotometricInterpretation, PlanarConfiguration, Tag};
 
-use super::{Ifd, tag};
+use super::ifd::{Ifd, align};
+use super::tag;
 use crate::raw::thumbnail::Thumbnail;
 use crate::raw::{RawImage, lossless_jpeg};
 
@@ -147,7 +148,7 @@ where
     for<'t> &'t T: tiff::encoder::TiffValue,
 {
     let offset = ifd.write_data(pixels)?;
-    super::align(ifd, bytes)?;
+    align(ifd, bytes)?;
     ifd.write_tag(Tag::StripOffsets, u32::try_from(offset)?)?;
     ifd.write_tag(Tag::StripByteCounts, u32::try_from(bytes)?)?;
     ifd.write_tag(Tag::RowsPerStrip, u32::try_from(height)?)?;
@@ -166,7 +167,7 @@ fn write_tiles<W: Write + Seek>(
     if raw.width < TILE_STEP || raw.height < TILE_STEP {
         let strip = code(&raw.data, raw.row_length())?;
         let offset = ifd.write_data(&strip[..])?;
-        super::align(ifd, strip.len())?;
+        align(ifd, strip.len())?;
         ifd.write_tag(Tag::StripOffsets, u32::try_from(offset)?)?;
         ifd.write_tag(Tag::StripByteCounts, u32::try_from(strip.len())?)?;
         return ifd.write_tag(Tag::RowsPerStrip, u32::try_from(raw.height)?);
@@ -194,7 +195,7 @@ fn write_tiles<W: Write + Seek>(
     for tile in &tiles {
         offsets.push(u32::try_from(ifd.write_data(&tile[..])?)?);
         lengths.push(u32::try_from(tile.len())?);
-        super::align(ifd, tile.len())?;
+        align(ifd, tile.len())?;
     }
     ifd.write_tag(Tag::TileWidth, u32::try_from(tile_width)?)?;
     ifd.write_tag(Tag::TileLength, u32::try_from(tile_height)?)?;

@@ -1,0 +1,50 @@
+//! What noise is estimated of, and the figure that estimates are.
+
+use serde::Serialize;
+
+use photosite_core::Invalid;
+
+/// The values of a patch of one picture, row by row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) values: Vec<f64>,
+}
+
+impl Patch {
+    /// Of width × height finite values, at least 2 × 2.
+    pub fn new(width: usize, height: usize, values: Vec<f64>) -> Result<Self, Invalid> {
+        if width < 2 || height < 2 || values.len() != width * height {
+            let message = format!("{} values in {width} × {height} pixels are no patch", values.len());
+            return Err(Invalid::new("patch", message).help("choose at least 2 × 2 pixels"));
+        }
+        if let Some(value) = values.iter().find(|v| !v.is_finite()) {
+            return Err(Invalid::new("patch", format!("holds {value}")).help("choose a patch of finite values"));
+        }
+        Ok(Self { width, height, values })
+    }
+
+    pub(super) fn mean(&self) -> f64 {
+        self.values.iter().sum::<f64>() / self.values.len() as f64
+    }
+}
+
+/// A variance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Variance {
+    /// σ².
+    pub variance: f64,
+    /// Its standard error, σ²·√(2/freedom).
+    pub error: f64,
+    /// σ.
+    pub sigma: f64,
+}
+
+impl Variance {
+    /// Of a sum of squared deviations with so many degrees of freedom.
+    pub(super) fn of(squares: f64, freedom: f64) -> Self {
+        let variance = squares / freedom;
+        Self { variance, error: variance * (2.0 / freedom).sqrt(), sigma: variance.sqrt() }
+    }
+}

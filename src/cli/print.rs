@@ -1,0 +1,57 @@
+//! What commands print on standard output, and files that are written for a command alone.
+
+use std::path::Path;
+
+use photosite::Error;
+use photosite::io::output::{Sink, write_new, write_whole};
+use photosite::io::pretty_json::pretty_json;
+
+/// Significant digits, few enough for people.
+pub(super) fn rounded(x: f64, digits: i32) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let scale = 10f64.powf(f64::from(digits - 1) - x.abs().log10().floor());
+    if scale.is_finite() && scale > 0.0 { (x * scale).round() / scale } else { x }
+}
+
+/// Refuses to overwrite a file unasked.
+pub(super) fn refuse_existing(path: &Path, force: bool) -> photosite::Result<()> {
+    if force || !path.exists() { Ok(()) } else { Err(exists_already(path)) }
+}
+
+pub(super) fn exists_already(path: &Path) -> Error {
+    let message = format!("{} exists already", path.display());
+    Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".into()) }
+}
+
+/// Writes a file whole. One that another process has put there in the meantime is not overwritten unasked, either.
+pub(super) fn write_result(
+    path: &Path,
+    force: bool,
+    write: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
+) -> photosite::Result<()> {
+    if force {
+        write_whole(path, write)
+    } else if write_new(path, write)? {
+        Ok(())
+    } else {
+        Err(exists_already(path))
+    }
+}
+
+/// Prints an object as JSON on standard output.
+pub(super) fn print_json(value: &impl serde::Serialize) -> photosite::Result<()> {
+    println_out(&pretty_json(value))
+}
+
+/// Prints a line on standard output. A reader that has seen enough and went away, as `head` does, is no error.
+pub(super) fn println_out(text: &str) -> photosite::Result<()> {
+    use std::io::{ErrorKind, Write};
+    match writeln!(std::io::stdout().lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Error::io("standard output".as_ref(), "write", error))
+        }
+        Ok(()) | Err(_) => Ok(()),
+    }
+}

@@ -1,0 +1,47 @@
+//! What an export gathers: files, and what has no exact counterpart.
+
+use std::io::Cursor;
+
+use crate::image::Planes;
+use crate::io::exr::write_exr;
+
+/// What comes to light on the way through a capture.
+#[derive(Default)]
+pub(super) struct Output {
+    pub(super) files: Vec<(String, Vec<u8>)>,
+    pub(super) approximations: Vec<String>,
+    /// Whether the sensor sees where Mitsuba's upsampling of RGB is black.
+    pub(super) sees_beyond_cie: bool,
+}
+
+impl Output {
+    /// Notes something that has no exact counterpart, once.
+    pub(super) fn approximate(&mut self, what: impl Into<String>) {
+        let what = what.into();
+        if !self.approximations.contains(&what) {
+            self.approximations.push(what);
+        }
+    }
+
+    /// Adds a file unless it is there already, and returns its name.
+    pub(super) fn file(&mut self, name: String, bytes: impl FnOnce() -> Vec<u8>) -> String {
+        if !self.files.iter().any(|(existing, _)| *existing == name) {
+            self.files.push((name.clone(), bytes()));
+        }
+        name
+    }
+
+    /// Adds an EXR picture.
+    pub(super) fn exr(&mut self, name: String, planes: &Planes) -> String {
+        self.file(name, || {
+            let mut bytes = Vec::new();
+            write_exr(planes, &[], Cursor::new(&mut bytes)).expect("a vector takes all bytes");
+            bytes
+        })
+    }
+}
+
+/// A name for messages.
+pub(super) fn quoted(kind: &str, name: &str) -> String {
+    if name.is_empty() { format!("an unnamed {kind}") } else { format!("{kind} \"{name}\"") }
+}
