@@ -99,6 +99,13 @@ fn uses(code: &str) -> Vec<(bool, Vec<String>)> {
     found
 }
 
+/// Some code in which `pub(in a::b)` is `pub`: who may see an item is no use of a module.
+fn without_visibility(code: &str) -> String {
+    let mut parts = code.split("pub(in ");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |kept, part| kept + "pub" + part.split_once(')').map_or("", |(_, rest)| rest))
+}
+
 /// Some code without its `use` and `mod` declarations.
 fn body(code: &str) -> String {
     let mut lines = code.lines();
@@ -166,8 +173,7 @@ impl Graph {
 
     /// What a module's file uses of the other files.
     fn used(&self, module: &[String]) -> BTreeSet<Vec<String>> {
-        // Places of visibility are no uses.
-        let code = code(&self.files[module]).replace("pub(in ", "pub(");
+        let code = without_visibility(&code(&self.files[module]));
         let (exported, declared): (Vec<_>, Vec<_>) = uses(&code).into_iter().partition(|(is_export, _)| *is_export);
         let all = |declarations: Vec<(bool, Vec<String>)>| declarations.into_iter().flat_map(|(_, paths)| paths);
         let body = body(&code);
@@ -285,6 +291,7 @@ fn braces_and_paths_are_told_apart() {
     assert_eq!(found, ["crate::Invalid", "crate::raw::Cfa", "crate::math::pdf", "crate::math::warp"]);
     let code = "use a::b;\npub(super) use c::{d, e};\nlet excuse = 1;";
     assert_eq!(uses(code), [(false, vec!["a::b".to_owned()]), (true, vec!["c::d".to_owned(), "c::e".to_owned()])]);
+    assert_eq!(without_visibility("pub(in crate::a) fn b();\npub(in super) c"), "pub fn b();\npub c");
     let code = "pub(crate) mod a;\npub use b::{\n    c,\n    d,\n};\nmod tests {\n    let excuse = used;\n}\n";
     assert_eq!(body(code), "mod tests {\n    let excuse = used;\n}\n");
 }
