@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use glam::{Vec2, Vec3};
 
 use super::grid::{Grid, GridRow, locate, mix, node};
-use super::{Azimuthal, LATTICE, from_cosine, lattice_mean};
+use super::lattice::{LATTICE, from_cosine, lattice_mean};
+use super::reflection::Azimuthal;
 use crate::bsdf::microfacet::Ggx;
 use crate::bsdf::refraction::bounce;
 

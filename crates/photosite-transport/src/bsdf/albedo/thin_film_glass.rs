@@ -7,9 +7,10 @@
 
 use std::sync::OnceLock;
 
+use super::film::FilmWeights;
 use super::glass::{ALPHAS, INDICES, MUS, index, position};
 use super::grid::{Grid, GridRow, locate, mix};
-use super::{FilmWeights, LATTICE, from_cosine, lattice_mean};
+use super::lattice::{LATTICE, from_cosine, lattice_mean};
 use crate::bsdf::microfacet::Ggx;
 use crate::bsdf::refraction::bounce;
 
