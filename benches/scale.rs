@@ -4,10 +4,10 @@
 //!     cargo bench --bench scale -- mesh:100       a mesh of 100 million: 17 GB
 //!     cargo bench --bench scale -- lamps:1000000
 //!
-//! A mesh is the bumpy sphere in finer and finer triangles, seen from within; instances are 125 such spheres in a room, with so
-//! many triangles together. Each scene has a process of its own. Memory is the most that was in use while the scene was
-//! built, the description that it was built from included, by Linux's account, over the number of triangles that are stored.
-//! Prints tables in Markdown; fails where a mesh takes more memory than it may.
+//! A mesh is the bumpy sphere in finer and finer triangles, seen from within; instances are 125 such spheres in a room,
+//! with so many triangles together. Each scene has a process of its own. Memory is the most that was in use while the
+//! scene was built, the description that it was built from included, by Linux's account, over the number of triangles
+//! that are stored. Prints tables in Markdown; fails where a mesh takes more memory than it may.
 
 #[path = "parts/kitchen.rs"]
 #[allow(dead_code, reason = "for other benches")]
@@ -54,8 +54,8 @@ fn main() -> ExitCode {
     tables(&measured)
 }
 
-/// The figures of a case from a process of its own: stored triangles, seconds, bytes at most, bytes then, and nanoseconds a
-/// ray of each kind.
+/// The figures of a case from a process of its own: stored triangles, seconds, bytes at most, bytes then, and
+/// nanoseconds a ray of each kind.
 fn figures_of(case: &str) -> Option<Vec<f64>> {
     let done = Command::new(env::current_exe().ok()?).args([FIGURES, case]).output().ok()?;
     let text = String::from_utf8_lossy(&done.stdout).into_owned();
@@ -236,8 +236,8 @@ impl Watch {
     }
 }
 
-/// An entry of `/proc/self/status` in bytes: `VmRSS` is the memory in use now, `VmHWM` the most there ever was. Not a number
-/// where there is no such file.
+/// An entry of `/proc/self/status` in bytes: `VmRSS` is the memory in use now, `VmHWM` the most there ever was. Not a
+/// number where there is no such file.
 fn resident(key: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find(|line| line.starts_with(key));

@@ -1,6 +1,6 @@
 //! Fits the table of spectra that RGB textures are looked up in and writes it to
-//! `assets/spectra/jakob-hanika-srgb.bin`. To be run from the root of the crate, after a change to the observer, to D65 or
-//! to the fit: `cargo run --release --example fit_upsampling`.
+//! `assets/spectra/jakob-hanika-srgb.bin`. To be run from the root of the crate, after a change to the observer, to D65
+//! or to the fit: `cargo run --release --example fit_upsampling`.
 
 use std::path::Path;
 

@@ -6,7 +6,8 @@ use std::path::Path;
 
 use photosite::{Capture, Options, render};
 
-/// A small monochrome sensor, with a lens and an exposure time that suit it. Every key of `[sensor]` is described by `photosite schema`.
+/// A small monochrome sensor, with a lens and an exposure time that suit it. Every key of `[sensor]` is described by
+/// `photosite schema`.
 const SENSOR: &str = r#"
 sensor.preset = "none"
 sensor.name = "My sensor"

@@ -1,5 +1,6 @@
-//! Writes charts as a Bayer sensor would record them, with the whole truth beside, for programs that nobody here wrote to
-//! demosaic (`tests/judges/demosaicing.py`): charts made for it, and pictures from the electrons.exr files of renders.
+//! Writes charts as a Bayer sensor would record them, with the whole truth beside, for programs that nobody here wrote
+//! to demosaic (`tests/judges/demosaicing.py`): charts made for it, and pictures from the electrons.exr files of
+//! renders.
 //!
 //! `cargo run --release --example write_demosaic_charts -- FOLDER [ELECTRONS.EXR…]`
 

@@ -12,8 +12,8 @@
 //! # }
 //! ```
 //!
-//! `examples/` has five more programs: an own sensor, one noise stage at a time, a scene that no file holds, stored light
-//! that is exposed many times, a raw file that becomes a picture.
+//! `examples/` has five more programs: an own sensor, one noise stage at a time, a scene that no file holds, stored
+//! light that is exposed many times, a raw file that becomes a picture.
 //!
 //! # The chain
 //!
@@ -25,7 +25,8 @@
 //! | sensor | charge, voltage, digital number | e⁻, V, DN | [`sensor`], [`raw`] |
 //! | development | linear and display-referred RGB | – | [`develop`] |
 //!
-//! [`pipeline`] takes a [`Capture`] through all of them, in memory or into a folder; [`dataset`] does so again and again.
+//! [`pipeline`] takes a [`Capture`] through all of them, in memory or into a folder; [`dataset`] does so again and
+//! again.
 //!
 //! # The crates
 //!

@@ -42,7 +42,8 @@ impl Picture {
     ///
     /// # Errors
     ///
-    /// An extension that is none of these, settings or a picture that the format cannot hold, a folder that is not there.
+    /// An extension that is none of these, settings or a picture that the format cannot hold, a folder that is not
+    /// there.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
         let format = PictureFormat::of(path)?;

@@ -1,5 +1,5 @@
-//! What Cargo does not enforce of the structure: within a crate no files that depend on each other in a circle, and only
-//! the modules named for it touch files of the disk. Which crate may see which stands in the manifests.
+//! What Cargo does not enforce of the structure: within a crate no files that depend on each other in a circle, and
+//! only the modules named for it touch files of the disk. Which crate may see which stands in the manifests.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

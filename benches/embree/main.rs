@@ -1,13 +1,13 @@
-//! Rays per second against Embree 3 on one thread, in turn with it over the same triangles and rays: single rays, and beside
-//! them ours as renders trace them, several together.
+//! Rays per second against Embree 3 on one thread, in turn with it over the same triangles and rays: single rays, and
+//! beside them ours as renders trace them, several together.
 //!
 //!     apt install g++ libembree-dev
 //!     cargo bench --bench embree
 //!
-//! Ours never let a ray through between two triangles, so that Embree's robust mode is the like; its default mode, which
-//! may, is shown beside it. Prints a table in Markdown: millions of rays per second, medians, and the medians of the
-//! ratios of neighbouring runs with the smallest and the largest. At the end, how much longer a ray takes in a mesh of ten
-//! times as many triangles, for each of the programs.
+//! Ours never let a ray through between two triangles, so that Embree's robust mode is the like; its default mode,
+//! which may, is shown beside it. Prints a table in Markdown: millions of rays per second, medians, and the medians of
+//! the ratios of neighbouring runs with the smallest and the largest. At the end, how much longer a ray takes in a mesh
+//! of ten times as many triangles, for each of the programs.
 
 #[path = "../parts/kitchen.rs"]
 mod kitchen;
@@ -69,8 +69,8 @@ fn compare_all(program: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints a table; returns for each kind of rays the seconds a ray takes here alone, here together with others, and in Embree's
-/// robust and its default mode.
+/// Prints a table; returns for each kind of rays the seconds a ray takes here alone, here together with others, and in
+/// Embree's robust and its default mode.
 fn compare(name: &str, stage: Stage, program: &Path) -> Result<Vec<[f64; 4]>, Box<dyn Error>> {
     let file = program.with_file_name("rays.bin");
     write(&stage, &file)?;

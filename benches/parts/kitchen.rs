@@ -7,8 +7,8 @@ use photosite::scene::description::{MeshDescription, SceneDescription};
 
 use crate::scenes::of_one_mesh;
 
-/// 4 m × 3 m, 2.6 m high, with a corner at the origin. Cupboards and shelves of bowls along two walls, a table with chairs
-/// in the middle, a window in the wall at z = 0.
+/// 4 m × 3 m, 2.6 m high, with a corner at the origin. Cupboards and shelves of bowls along two walls, a table with
+/// chairs in the middle, a window in the wall at z = 0.
 pub(crate) fn kitchen() -> SceneDescription {
     let mut mesh = MeshDescription::default();
     room(&mut mesh);

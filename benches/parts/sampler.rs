@@ -4,8 +4,8 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use photosite::sampler::{Sampler, SamplerKind};
 
-/// Samples a call, each asked for as many numbers as a path with six vertices, vertex by vertex of as many paths as a render
-/// traces together.
+/// Samples a call, each asked for as many numbers as a path with six vertices, vertex by vertex of as many paths as a
+/// render traces together.
 const SAMPLES: u32 = 1024;
 const TOGETHER: u32 = 256;
 const VERTICES: u32 = 6;

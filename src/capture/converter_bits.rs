@@ -1,8 +1,8 @@
 //! A converter of other bits than the preset's: what the preset states in digital numbers follows.
 //!
-//! A number of 12 bits is four of 10 bits. Where a capture changes `adc.bits` alone, every figure of the preset in DN is
-//! multiplied by 2^(new − old), so that the converter still takes the same charge; what the capture states itself stays as it
-//! is stated. So it is with the two converters of `adc.dual_gain`, whose numbers have bits of their own.
+//! A number of 12 bits is four of 10 bits. Where a capture changes `adc.bits` alone, every figure of the preset in DN
+//! is multiplied by 2^(new − old), so that the converter still takes the same charge; what the capture states itself
+//! stays as it is stated. So it is with the two converters of `adc.dual_gain`, whose numbers have bits of their own.
 
 use super::tree::{Node, Value};
 
@@ -24,8 +24,8 @@ const BEND: &[&str] = &["adc", "inl_dn"];
 const KNEES: &[&str] = &["adc", "companding", "knee_points_dn"];
 const STEPS: &[&str] = &["adc", "dnl_dn"];
 
-/// Makes the figures of `base` follow the bits in `changes`, but for those that are given there; returns what is to be said of
-/// those that cannot.
+/// Makes the figures of `base` follow the bits in `changes`, but for those that are given there; returns what is to be
+/// said of those that cannot.
 pub(super) fn follow_bits(base: &mut Node, changes: &Node) -> Vec<String> {
     let mut warnings = Vec::new();
     let is_dual = base.at(&["adc", "dual_gain"]).is_some();
@@ -105,8 +105,9 @@ mod tests {
     use crate::sensor::{Exposure, presets};
     use crate::units::Seconds;
 
-    /// Whatever the bits, the sensor holds the same charge. The largest number is 2^b − 1 rather than 2^b, and the black level
-    /// is whole: the ends of the range are off by up to |2^Δ − 1| and by ½ of the new numbers, each of 1/K electrons.
+    /// Whatever the bits, the sensor holds the same charge. The largest number is 2^b − 1 rather than 2^b, and the
+    /// black level is whole: the ends of the range are off by up to |2^Δ − 1| and by ½ of the new numbers, each of 1/K
+    /// electrons.
     #[test]
     fn every_preset_holds_the_same_charge_with_any_bits() {
         let exposure = Exposure::of(Seconds(0.01));

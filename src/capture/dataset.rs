@@ -29,8 +29,8 @@ impl DatasetFile {
         Ok(Self { description: source.read_whole()?, values: source.read_whole()?, source })
     }
 
-    /// The error of a change that this file makes to the capture of a camera, at the key that asks for it, with the frame
-    /// where the change is that of one. Other errors stay as they are.
+    /// The error of a change that this file makes to the capture of a camera, at the key that asks for it, with the
+    /// frame where the change is that of one. Other errors stay as they are.
     pub fn error_of_change(&self, error: Error, camera: &str, frame: Option<u32>, changes: &[String]) -> Error {
         let argument = match &error {
             Error::Input(error) if error.is_override => error.path.to_string_lossy().into_owned(),

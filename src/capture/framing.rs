@@ -48,9 +48,9 @@ pub(super) fn frame(sphere: &Sphere, sensor: &SensorModel, focal_length_m: f64) 
     (pose, distance)
 }
 
-/// The distance u of a sphere of radius r whose outline is imaged at the height h of the sensor, when the lens is focused
-/// on its centre: r = u·sin(atan(h/v)) with v = u·f/(u − f). The right-hand side grows with u from 0 at u = f, so halving
-/// intervals finds it.
+/// The distance u of a sphere of radius r whose outline is imaged at the height h of the sensor, when the lens is
+/// focused on its centre: r = u·sin(atan(h/v)) with v = u·f/(u − f). The right-hand side grows with u from 0 at u = f,
+/// so halving intervals finds it.
 fn framing_distance(radius: f64, half_side: f64, f: f64) -> f64 {
     let seen_radius = |u: f64| u * (half_side * (u - f) / (u * f)).atan().sin();
     // The sphere itself must lie in front of the lens.

@@ -114,8 +114,8 @@ pub(super) fn describe_lens(
     Ok(lens)
 }
 
-/// The focal length that puts the sensor at the distance `v` when focused: 1/f = 1/u + 1/v. Where the distance u of what
-/// is in focus is not known, it counts as infinite, and f = v.
+/// The focal length that puts the sensor at the distance `v` when focused: 1/f = 1/u + 1/v. Where the distance u of
+/// what is in focus is not known, it counts as infinite, and f = v.
 fn focal_length(v: f64, focus: Focus) -> f64 {
     match focus {
         Focus::Distance(u) => u * v / (u + v),

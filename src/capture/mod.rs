@@ -146,8 +146,8 @@ impl Capture {
         Self::of_source(CaptureSource::parse(&path, text.to_owned())?, &path, overrides, 0)
     }
 
-    /// A capture of a scene that no file holds; `text` is a capture file with all but its geometry. Names of materials and
-    /// of cameras in it are those of the scene.
+    /// A capture of a scene that no file holds; `text` is a capture file with all but its geometry. Names of materials
+    /// and of cameras in it are those of the scene.
     pub fn of_scene(scene: SceneDescription, text: &str) -> Result<Self> {
         let path = Path::new("capture.toml");
         let mut source = CaptureSource::parse(path, text.to_owned())?;
@@ -195,7 +195,8 @@ impl Capture {
     }
 
     /// All keys that were given: the capture file, the sensor's preset under it and overrides over it. They stand for
-    /// themselves: the sensor is whole and names no preset. Paths become relative to `folder`, where this is going to be kept.
+    /// themselves: the sensor is whole and names no preset. Paths become relative to `folder`, where this is going to
+    /// be kept.
     pub fn to_json(&self, folder: &Path) -> Result<serde_json::Value> {
         keys_of(&self.source, &self.sensor.name, folder)
     }

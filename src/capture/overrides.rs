@@ -14,8 +14,8 @@ pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
         let mut lost = Vec::new();
         for other in alternatives(table, key, value.trim()) {
             let Some(node) = source.remove(table, other) else { continue };
-            // Poses and focus of a file give way to those of data sets and sweeps all the time, and a time that is given
-            // means that none is found.
+            // Poses and focus of a file give way to those of data sets and sweeps all the time, and a time that is
+            // given means that none is found.
             if table == "exposure" && (*other != "auto" || source.is_of_argument(&node)) {
                 lost.push(format!("{table}.{other}"));
             }
@@ -25,8 +25,8 @@ pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
     set_in(source, "", "lens.f_number=4", argument)
 }
 
-/// Keys of the same table that say in another way what this one says. In a file the two cannot stand together; on the command
-/// line, where nothing can be taken away, the one takes the place of the other.
+/// Keys of the same table that say in another way what this one says. In a file the two cannot stand together; on the
+/// command line, where nothing can be taken away, the one takes the place of the other.
 fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] {
     match table {
         "exposure" => alternatives_in_exposure(key, value),

@@ -41,15 +41,16 @@ fn relocated(path: &str, from: &Path, to: &Path) -> String {
     pathdiff::diff_paths(&file, to).unwrap_or(file).to_string_lossy().into_owned()
 }
 
-/// A path as it reads from a folder, which must exist, however it was typed: the way from the one real folder to the other.
-/// Where there is none, as between drives, the path from the root.
+/// A path as it reads from a folder, which must exist, however it was typed: the way from the one real folder to the
+/// other. Where there is none, as between drives, the path from the root.
 pub fn relative_path(path: &Path, folder: &Path) -> String {
     let path = real_path(path);
     let relative = folder.canonicalize().ok().and_then(|folder| pathdiff::diff_paths(&path, folder));
     relative.unwrap_or(path).to_string_lossy().into_owned()
 }
 
-/// The path from the root without links to folders. The file itself may be one: what it names is sought beside the link.
+/// The path from the root without links to folders. The file itself may be one: what it names is sought beside the
+/// link.
 pub fn real_path(path: &Path) -> PathBuf {
     let absolute = absolute(path).unwrap_or_else(|_| path.to_owned());
     match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {

@@ -1,7 +1,7 @@
 //! `[sensor]`: a preset or sensor file, with the keys of the table laid over it.
 //!
-//! A preset is taken as a whole, without some of its keys (`without`), or not at all (`preset = "none"`). The sensor that a
-//! report holds is whole; changes are laid over it as over a preset.
+//! A preset is taken as a whole, without some of its keys (`without`), or not at all (`preset = "none"`). The sensor
+//! that a report holds is whole; changes are laid over it as over a preset.
 
 use std::marker::PhantomData;
 use std::path::Path;
@@ -149,7 +149,8 @@ pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<(SensorMode
     Ok((sensor, merged.warnings))
 }
 
-/// What the changes are laid over, and its name: the sensor that a report holds, else the default, unless a preset is named.
+/// What the changes are laid over, and its name: the sensor that a report holds, else the default, unless a preset is
+/// named.
 fn base(source: &mut CaptureSource, folder: &Path, preset: Option<&Node>, changes: &Node) -> Result<(Node, String)> {
     let name = match preset.map(|node| node.as_str().ok_or(node)) {
         None => None,
@@ -170,8 +171,8 @@ fn base(source: &mut CaptureSource, folder: &Path, preset: Option<&Node>, change
         (Some(name), None) => named(source, folder, &name, preset.unwrap_or(changes)),
         (Some(name), Some(mut stored)) => {
             let (mut other, name) = named(source, folder, &name, preset.unwrap_or(changes))?;
-            // Stored light has its number of pixels, and so has all that is said of places in the picture; cameras of a rig stay
-            // different specimens.
+            // Stored light has its number of pixels, and so has all that is said of places in the picture; cameras of a
+            // rig stay different specimens.
             for key in ["resolution_px", "serial"] {
                 if let Some(value) = stored.remove(key) {
                     other.remove(key);

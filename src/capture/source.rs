@@ -1,7 +1,7 @@
 //! What a capture file and the command line say, as one tree of values that remembers where each of them stands.
 //!
-//! The texts (the file, a sensor file, every override) lie one after the other in an imagined long text, and a span is a
-//! range of that. So values of several texts can be laid over each other, and an error about any of them still points
+//! The texts (the file, a sensor file, every override) lie one after the other in an imagined long text, and a span is
+//! a range of that. So values of several texts can be laid over each other, and an error about any of them still points
 //! to the right line of the right file, or to the argument.
 //!
 //! The sensor of a report stands beside the tree: it is complete, and what the tree says of the sensor changes it.
@@ -73,8 +73,8 @@ impl CaptureSource {
         Ok(source)
     }
 
-    /// From the values that a report holds, whose text is given for messages. The sensor in it is whole, whatever preset it
-    /// names; it is called `sensor` unless it says otherwise.
+    /// From the values that a report holds, whose text is given for messages. The sensor in it is whole, whatever
+    /// preset it names; it is called `sensor` unless it says otherwise.
     pub(super) fn of_report(path: &Path, text: String, capture: &serde_json::Value, sensor: &str) -> Self {
         let mut root = from_json(capture, &(0..0));
         let stored_sensor = root.remove("sensor").map(|mut node| {

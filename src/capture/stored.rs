@@ -1,7 +1,8 @@
 //! A capture whose light is stored: what remains to be decided is the sensor, its exposure, and what is written.
 //!
 //! In: the report of a render (`capture.json`), whose `capture` holds all keys that were given, or nothing but the size
-//! of the stored picture; and overrides, `key=value`, whose paths are relative to where the command is given. Out: a [`StoredCapture`]. The scene is neither read nor needed.
+//! of the stored picture; and overrides, `key=value`, whose paths are relative to where the command is given. Out: a
+//! [`StoredCapture`]. The scene is neither read nor needed.
 
 use std::path::Path;
 

@@ -97,8 +97,8 @@ impl Node {
         if let Value::String(text) = &self.value { Some(text) } else { None }
     }
 
-    /// Follows the first step of a path such as `materials.red.reflectance` or `[0].type`; returns the node there and the
-    /// rest of the path. Keys may contain dots, as names of materials do, so the longest key that fits is taken.
+    /// Follows the first step of a path such as `materials.red.reflectance` or `[0].type`; returns the node there and
+    /// the rest of the path. Keys may contain dots, as names of materials do, so the longest key that fits is taken.
     pub(super) fn step<'p>(&self, path: &'p str) -> Option<(&Self, &'p str)> {
         match &self.value {
             Value::Table(table) => {

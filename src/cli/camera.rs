@@ -17,9 +17,10 @@ use photosite::pipeline::{LensSeen, standalone_recording_camera};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///
-/// It is that of all pixels of the sensor, before exposure.region_px and exposure.binning, with the distortion of the lens, which image.png keeps with develop.distortion = false and
-/// develop.square_pixels = false alone. What a format has no words for is refused. A camera that moves stands where it does
-/// halfway through its first picture, as `capture.json` says (`pose_time_s`).
+/// It is that of all pixels of the sensor, before exposure.region_px and exposure.binning, with the distortion of the
+/// lens, which image.png keeps with develop.distortion = false and develop.square_pixels = false alone. What a format
+/// has no words for is refused. A camera that moves stands where it does halfway through its first picture, as
+/// `capture.json` says (`pose_time_s`).
 #[derive(Args)]
 pub(super) struct CameraArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).

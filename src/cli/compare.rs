@@ -22,27 +22,28 @@ use super::print::{print_json, println_out, refuse_existing};
 /// A and B are EXR, PNG, TIFF or raw files (DNG, PGM, NPY); B counts as the reference. Exit status 1: noise does not
 /// explain the differences, a limit is passed, or pixels are not finite.
 ///
-/// Noise explains a difference only where the variances of both pictures are known: channels of which one is missing are not
-/// tested, and that is said. photosite writes the variance of the mean of X as channel variance.X of electrons.exr. Of a
-/// picture by Mitsuba 3 there are three ways to it: render.py, which photosite export-mitsuba writes beside scene.xml, renders
-/// batches of different seeds and writes their mean with its variance; variances from elsewhere, such as the spread of runs of
-/// any program, are given by --variance-b; and --samples-b makes them of the second moments m2_X of Mitsuba's integrator moment.
-/// Say --variance-b 0 where B is exact. A variance of fewer than 64 batches or samples is too uncertain for the verdict.
+/// Noise explains a difference only where the variances of both pictures are known: channels of which one is missing
+/// are not tested, and that is said. photosite writes the variance of the mean of X as channel variance.X of
+/// electrons.exr. Of a picture by Mitsuba 3 there are three ways to it: render.py, which photosite export-mitsuba
+/// writes beside scene.xml, renders batches of different seeds and writes their mean with its variance; variances from
+/// elsewhere, such as the spread of runs of any program, are given by --variance-b; and --samples-b makes them of the
+/// second moments m2_X of Mitsuba's integrator moment. Say --variance-b 0 where B is exact. A variance of fewer than 64
+/// batches or samples is too uncertain for the verdict.
 #[derive(Args)]
 pub(super) struct CompareArgs {
     /// A picture. In an EXR file the channel variance.X is the variance of X.
     a: PathBuf,
     /// The reference, of the same size and unit.
     b: PathBuf,
-    /// Variance of A, of the mean of each pixel: a number for all, 0 where A is exact, or an EXR file whose channel variance.X,
-    /// or else X, is that of X [default: what its file says].
+    /// Variance of A, of the mean of each pixel: a number for all, 0 where A is exact, or an EXR file whose channel
+    /// variance.X, or else X, is that of X [default: what its file says].
     #[arg(long, value_name = "X|FILE", allow_hyphen_values = true)]
     variance_a: Option<String>,
     /// Variance of B, likewise.
     #[arg(long, value_name = "X|FILE", allow_hyphen_values = true)]
     variance_b: Option<String>,
-    /// Samples a pixel whose second moments m2_X stand beside X in A, as of Mitsuba's integrator moment with a box filter and
-    /// 32-bit floats: variance (m2 − m²)/(N − 1).
+    /// Samples a pixel whose second moments m2_X stand beside X in A, as of Mitsuba's integrator moment with a box
+    /// filter and 32-bit floats: variance (m2 − m²)/(N − 1).
     #[arg(long, value_name = "N", conflicts_with = "variance_a", value_parser = clap::value_parser!(u64).range(2..))]
     samples_a: Option<u64>,
     /// The same of B.
@@ -78,8 +79,8 @@ pub(super) struct CompareArgs {
     /// Write a PNG picture of the differences: blue where A is below B, red where it is above.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// The difference at the ends of the picture's colours [default: 4 for z-scores; of relative differences, what nearly
-    /// all pixels stay within].
+    /// The difference at the ends of the picture's colours [default: 4 for z-scores; of relative differences, what
+    /// nearly all pixels stay within].
     #[arg(long, value_name = "X", requires = "picture", value_parser = positive)]
     range: Option<f64>,
     /// Overwrite the picture if it exists.
@@ -166,7 +167,8 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
     }
 }
 
-/// Which channels noise is not asked about, though the variance of one picture is known or could be, and how to give it.
+/// Which channels noise is not asked about, though the variance of one picture is known or could be, and how to give
+/// it.
 fn untested(comparison: &Comparison, a: &Picture, b: &Picture) -> Vec<Untested> {
     let of = |(letter, other, picture): (&str, VarianceOf, &Picture)| {
         let has_moment = |name: &str| picture.has_second_moment(name);

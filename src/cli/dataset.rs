@@ -17,10 +17,10 @@ use super::print::print_json;
 
 /// Render a data set: a capture from many poses, under many conditions, by one camera or a rig.
 ///
-/// Each frame is a folder as `photosite render` makes it, DIR/CAMERA/NUMBER. A data set that was broken off goes on where it
-/// stopped when the same command is given again. Several processes and machines can share the work: by the same command in
-/// the same folder, where each picture is made by one of them, with frames of their own (--frames) if they like, or each
-/// with samples of its own (--samples) in a folder of its own.
+/// Each frame is a folder as `photosite render` makes it, DIR/CAMERA/NUMBER. A data set that was broken off goes on
+/// where it stopped when the same command is given again. Several processes and machines can share the work: by the
+/// same command in the same folder, where each picture is made by one of them, with frames of their own (--frames) if
+/// they like, or each with samples of its own (--samples) in a folder of its own.
 #[derive(Args)]
 pub(super) struct DatasetArgs {
     /// A data set file (.toml), which names a capture file and says what differs from frame to frame.
@@ -31,8 +31,8 @@ pub(super) struct DatasetArgs {
     /// Make these frames only: from A up to, but without, B; 0..10 are the first ten.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     frames: Option<Range<u32>>,
-    /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes one data set of the
-    /// folders of all parts.
+    /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes one data set of
+    /// the folders of all parts.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     samples: Option<Range<u32>>,
     /// Change a key of the capture file in all frames, for example --set render.samples_per_pixel=16.

@@ -19,16 +19,17 @@ use super::print::{print_json, rounded};
 ///
 /// The steps are those of the table [develop] of capture files: white_balance, demosaic, highlights, noise_filter,
 /// colour_space, exposure_ev, tone_curve, sharpening, bits, dither and more; `photosite schema` describes them all. EXR
-/// pictures hold linear light. Raw files other than DNG do not say all of themselves: the numbers of TIFF, PBM, PGM, PPM and
-/// NPY files are taken to be in proportion to light, from 0 to the largest that the file can hold, and become grey, or RGB,
-/// unless told by develop.raw what their filters and levels are, for example with --set develop.raw.cfa=RGGB --set
-/// develop.raw.black_level_dn=64 --set develop.raw.white_level_dn=4095; they keep the distortion of their lens and the shape of
-/// their pixels, of which they say nothing.
+/// pictures hold linear light. Raw files other than DNG do not say all of themselves: the numbers of TIFF, PBM, PGM,
+/// PPM and NPY files are taken to be in proportion to light, from 0 to the largest that the file can hold, and become
+/// grey, or RGB, unless told by develop.raw what their filters and levels are, for example with --set
+/// develop.raw.cfa=RGGB --set develop.raw.black_level_dn=64 --set develop.raw.white_level_dn=4095; they keep the
+/// distortion of their lens and the shape of their pixels, of which they say nothing.
 #[derive(Args)]
 pub(super) struct DevelopArgs {
     /// A raw file: DNG, TIFF of 8 or 16 bits, PBM, PGM, PPM (binary or text), NPY, or an EXR file of digital numbers.
     raw: PathBuf,
-    /// The picture: .png, .tiff, .jpg, .ppm, .pgm (grey alone) or .exr [default: the raw file's name with .png, in the current folder].
+    /// The picture: .png, .tiff, .jpg, .ppm, .pgm (grey alone) or .exr [default: the raw file's name with .png, in the
+    /// current folder].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]

@@ -1,4 +1,5 @@
-//! `photosite emva1288`: the image sets that EMVA 1288 asks for, of a sensor's model, and the figures that they must show.
+//! `photosite emva1288`: the image sets that EMVA 1288 asks for, of a sensor's model, and the figures that they must
+//! show.
 
 use std::path::PathBuf;
 
@@ -17,8 +18,8 @@ use super::print::{print_json, println_out};
 
 /// Take the images that EMVA 1288 asks for, and tell what they must show.
 ///
-/// Every pixel receives exactly the same light, which is no renderer's. Of a colour sensor each channel gets a set of its
-/// own, of the pixels of that channel alone.
+/// Every pixel receives exactly the same light, which is no renderer's. Of a colour sensor each channel gets a set of
+/// its own, of the pixels of that channel alone.
 #[derive(Args)]
 pub(super) struct Emva1288Args {
     /// A preset (see photosite sensors) or a sensor file.

@@ -13,10 +13,12 @@ use photosite::pipeline::standalone_camera;
 
 /// Describe a capture to Mitsuba 3, an independent renderer.
 ///
-/// Mitsuba's picture of scene.xml is then that of electrons.exr. What it has no exact counterpart for is refused by name.
+/// Mitsuba's picture of scene.xml is then that of electrons.exr. What it has no exact counterpart for is refused by
+/// name.
 ///
-/// With pip install mitsuba, python DIR/render.py DIR/scene.xml mitsuba.exr renders it in independent batches and writes the
-/// variance of each pixel, too, so that photosite compare electrons.exr mitsuba.exr tells noise from a difference.
+/// With pip install mitsuba, python DIR/render.py DIR/scene.xml mitsuba.exr renders it in independent batches and
+/// writes the variance of each pixel, too, so that photosite compare electrons.exr mitsuba.exr tells noise from a
+/// difference.
 #[derive(Args)]
 pub(super) struct ExportMitsubaArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).

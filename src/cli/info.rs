@@ -23,7 +23,8 @@ use photosite::pipeline::camera_of;
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
 pub(super) struct InfoArgs {
-    /// A .toml, capture.json, .gltf, .glb, .obj, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a sensor preset.
+    /// A .toml, capture.json, .gltf, .glb, .obj, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a sensor
+    /// preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]

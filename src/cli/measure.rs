@@ -78,8 +78,8 @@ struct PictureArgs {
     /// Codes are in proportion to light, whatever the file says [default: what its profile says, else sRGB].
     #[arg(long)]
     linear: bool,
-    /// Look at the masked pixels of raw files, too. Without, those that see light alone count (DNG, raw EXR), and columns and
-    /// rows are counted from their corner.
+    /// Look at the masked pixels of raw files, too. Without, those that see light alone count (DNG, raw EXR), and
+    /// columns and rows are counted from their corner.
     #[arg(long)]
     masked: bool,
     /// Print JSON instead of text.
@@ -231,8 +231,8 @@ struct Grid {
 }
 
 impl Grid {
-    /// That of a picture which was developed as the capture says; of a picture of the sensor's size that such a one has not, that of
-    /// the sensor.
+    /// That of a picture which was developed as the capture says; of a picture of the sensor's size that such a one has
+    /// not, that of the sensor.
     fn of_picture(capture: &Capture, camera: &Camera, size: [usize; 2]) -> Result<Self, Invalid> {
         let sensor = pixels(capture).map(|n| n as usize);
         let seen = LensSeen::new(&capture.lens, camera, &capture.sensor, &RegionOfInterest::WHOLE);

@@ -19,8 +19,9 @@ use super::render::finish;
 /// Put together what several runs of `photosite render --samples A..B`, or of `photosite dataset --samples A..B`, have
 /// traced.
 ///
-/// The results have the bytes that one run with all samples gives. What was rendered is read again where it was, for all
-/// that is not traced: sensor noise, development, ground truth. A data set that was broken off goes on where it stopped.
+/// The results have the bytes that one run with all samples gives. What was rendered is read again where it was, for
+/// all that is not traced: sensor noise, development, ground truth. A data set that was broken off goes on where it
+/// stopped.
 #[derive(Args)]
 pub(super) struct MergeArgs {
     /// The folders of all parts, in any order.

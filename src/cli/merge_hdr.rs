@@ -18,8 +18,9 @@ use super::print::{print_json, rounded};
 
 /// Merge raw files that were exposed for different times to a linear picture of their common light.
 ///
-/// Times, and the noise by which the pictures are weighted, are what the DNG files state. The picture is developed by the table
-/// [develop] but for its tone curve; 1 is saturation in the longest exposure, above which the shorter ones reach.
+/// Times, and the noise by which the pictures are weighted, are what the DNG files state. The picture is developed by
+/// the table [develop] but for its tone curve; 1 is saturation in the longest exposure, above which the shorter ones
+/// reach.
 #[derive(Args)]
 pub(super) struct MergeHdrArgs {
     /// Two or more DNG files of the same light, aperture and speed.

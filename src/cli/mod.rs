@@ -48,8 +48,8 @@ render goes on from its checkpoint when the same command is given again.";
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100, after_help = EXIT_STATUS)]
 struct Cli {
-    /// Write what is said on standard error as JSON, an object per line: `time_s`, `event` (warning, progress, message, error
-    /// …) and what belongs to it.
+    /// Write what is said on standard error as JSON, an object per line: `time_s`, `event` (warning, progress, message,
+    /// error …) and what belongs to it.
     #[arg(long, global = true)]
     log_json: bool,
     #[command(subcommand)]

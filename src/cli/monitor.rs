@@ -1,5 +1,5 @@
-//! What the user sees of work under way: warnings, and progress with rate and time left. On a terminal that is a bar; in a file a
-//! line every half minute; with `--log-json` an object at least as often.
+//! What the user sees of work under way: warnings, and progress with rate and time left. On a terminal that is a bar;
+//! in a file a line every half minute; with `--log-json` an object at least as often.
 
 use std::io::IsTerminal;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -14,15 +14,16 @@ use super::print::{print_json, println_out, rounded};
 
 /// Estimate the noise of a picture, or of several of the same scene.
 ///
-/// From several pictures: what changes from one to the next, and the fixed pattern under it. From one: what an even patch
-/// spreads, what a plane leaves of a patch with linear shading. Colours of a mosaic are looked at one by one. Of raw files that
-/// say which pixels see light (DNG, raw EXR) these alone are looked at.
+/// From several pictures: what changes from one to the next, and the fixed pattern under it. From one: what an even
+/// patch spreads, what a plane leaves of a patch with linear shading. Colours of a mosaic are looked at one by one. Of
+/// raw files that say which pixels see light (DNG, raw EXR) these alone are looked at.
 #[derive(Args)]
 pub(super) struct NoiseArgs {
     /// EXR, PNG, TIFF or raw files (DNG, PGM, NPY); several are taken to show the same scene.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Look at this part only: left, top, width and height in pixels, counted from the corner of the pixels that see light.
+    /// Look at this part only: left, top, width and height in pixels, counted from the corner of the pixels that see
+    /// light.
     #[arg(long, value_name = "X,Y,W,H", value_parser = rectangle)]
     patch: Option<[usize; 4]>,
     /// Look at the masked pixels of raw files, too; --patch counts from the corner of the file.

@@ -18,13 +18,14 @@ use super::run_args::RunArgs;
 
 /// Render a scene as the camera of a capture file records it.
 ///
-/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj), which then gets a camera that frames it, daylight, the
-/// default lens and the default sensor.
+/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj), which then gets a camera that frames it, daylight,
+/// the default lens and the default sensor.
 #[derive(Args)]
 pub(super) struct RenderArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
     input: PathBuf,
-    /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes the picture of all parts.
+    /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes the picture of
+    /// all parts.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     samples: Option<Range<u32>>,
     #[command(flatten)]

@@ -1,4 +1,5 @@
-//! `photosite schema`: the JSON Schemas of capture files, by which editors complete and check them, and of `capture.json`.
+//! `photosite schema`: the JSON Schemas of capture files, by which editors complete and check them, and of
+//! `capture.json`.
 
 use clap::Args;
 

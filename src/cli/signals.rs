@@ -1,8 +1,9 @@
-//! Signals that ask the program to end: SIGINT (130), SIGTERM (143), and SIGHUP (129) unless it is ignored, as under `nohup`.
+//! Signals that ask the program to end: SIGINT (130), SIGTERM (143), and SIGHUP (129) unless it is ignored, as under
+//! `nohup`.
 //!
-//! Work that can be kept is left to stop by itself ([`become_patient`]): it looks at [`came`] some times a second, and keeps
-//! what is done in a checkpoint. All other work ends at once, without its temporary files. A second signal ends everything
-//! at once.
+//! Work that can be kept is left to stop by itself ([`become_patient`]): it looks at [`came`] some times a second, and
+//! keeps what is done in a checkpoint. All other work ends at once, without its temporary files. A second signal ends
+//! everything at once.
 
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -24,8 +25,8 @@ pub(super) fn become_patient() {
     *patient() = true;
 }
 
-/// From now on a signal ends the program at once again. Whether one has come since [`become_patient`] is known when this
-/// returns.
+/// From now on a signal ends the program at once again. Whether one has come since [`become_patient`] is known when
+/// this returns.
 pub(super) fn become_impatient() {
     *patient() = false;
 }

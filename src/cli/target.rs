@@ -15,8 +15,9 @@ use super::print::{println_out, refuse_existing};
 /// Write a calibration target: to print, to photograph, or for other programs.
 ///
 /// The extension of FILE says what is written: .svg and .pdf are pages in true size (print them at 100 %), .toml is a
-/// capture file that photographs the target, .obj (with .mtl) its mesh, .json its points and markers. Sizes are the keys of
-/// [[targets]] in a capture file: photosite target chessboard --set squares=[10,7] --set square_mm=25 -o board.pdf
+/// capture file that photographs the target, .obj (with .mtl) its mesh, .json its points and markers. Sizes are the
+/// keys of [[targets]] in a capture file: photosite target chessboard --set squares=[10,7] --set square_mm=25 -o
+/// board.pdf
 #[derive(Args)]
 pub(super) struct TargetArgs {
     /// What to write.

@@ -1,12 +1,13 @@
 //! The folder of a data set: which pictures are there, and what they are pictures of.
 //!
-//! DIR/CAMERA/NUMBER holds the files of one picture. It is made beside as `.NUMBER.XXXXXX.partial` and renamed when it is
-//! complete, so that whatever stands under its number is whole. `dataset.json` says what the folder is for, `manifest.jsonl`
-//! what is in it, a line a picture.
+//! DIR/CAMERA/NUMBER holds the files of one picture. It is made beside as `.NUMBER.XXXXXX.partial` and renamed when it
+//! is complete, so that whatever stands under its number is whole. `dataset.json` says what the folder is for,
+//! `manifest.jsonl` what is in it, a line a picture.
 //!
-//! Several processes may fill it. Each picture has a lock, `.NUMBER.lock`, so that they make different ones, and know what a dead
-//! one has left; what concerns the whole has the lock of the folder. Nothing is lost where the file system knows no locks:
-//! each process makes a picture under a name of its own, the first to finish gives it its number, and the other drops its own.
+//! Several processes may fill it. Each picture has a lock, `.NUMBER.lock`, so that they make different ones, and know
+//! what a dead one has left; what concerns the whole has the lock of the folder. Nothing is lost where the file system
+//! knows no locks: each process makes a picture under a name of its own, the first to finish gives it its number, and
+//! the other drops its own.
 
 use photosite_core::Remedy;
 use std::collections::BTreeSet;
@@ -37,9 +38,9 @@ const OF_PART: &str = "part";
 /// The same for people.
 const CARD: &str = "README.md";
 
-/// Everything that decides what the pictures are: version, description, captures, and the files that these name. How many
-/// frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow tells of the
-/// next one.
+/// Everything that decides what the pictures are: version, description, captures, and the files that these name. How
+/// many frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow
+/// tells of the next one.
 pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[String]) -> Result<Value> {
     let mut description = file.values.clone();
     let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some());
@@ -221,8 +222,9 @@ impl DatasetFolder {
         Ok(Turn::Ours(NewPicture { folder, _lock: lock }))
     }
 
-    /// Writes the manifest and the card of what is there, and returns how many pictures that are, and which files of the cameras are
-    /// left out, with the reasons. Of processes that end at the same time the last to write knows of the pictures of all.
+    /// Writes the manifest and the card of what is there, and returns how many pictures that are, and which files of
+    /// the cameras are left out, with the reasons. Of processes that end at the same time the last to write knows of
+    /// the pictures of all.
     pub(super) fn write_index(
         &self,
         file: &DatasetFile,
@@ -244,8 +246,9 @@ impl DatasetFolder {
         Ok((lines.len(), left_out))
     }
 
-    /// Writes what calibrations of the cameras shall find, as far as the formats have words for their lenses, and returns why
-    /// what is not there is not. Of lenses that differ from frame to frame only the pictures' own reports can tell.
+    /// Writes what calibrations of the cameras shall find, as far as the formats have words for their lenses, and
+    /// returns why what is not there is not. Of lenses that differ from frame to frame only the pictures' own reports
+    /// can tell.
     fn write_calibration(&self) -> Result<Vec<String>> {
         let set = read_present(&self.path)?;
         let folder = self.path.join(CALIBRATION_FOLDER);
@@ -372,8 +375,9 @@ fn check_complete(folder: &Path) -> Result<()> {
     }
 }
 
-/// The files of a rig by their names. OpenCV's and ROS's pairs are those of the first camera with each other one; ROS files of rigs of more
-/// than two cameras lie in a folder for each pair, in which the first camera is turned for that one.
+/// The files of a rig by their names. OpenCV's and ROS's pairs are those of the first camera with each other one; ROS
+/// files of rigs of more than two cameras lie in a folder for each pair, in which the first camera is turned for that
+/// one.
 fn calibration_files(rig: &[CalibratedCamera]) -> Vec<(String, Result<String, Invalid>)> {
     let mut files = vec![("camchain.yaml".to_owned(), kalibr(rig))];
     files.extend(beside_the_first(rig).map(|camera| (format!("opencv/{}.yaml", camera.name), opencv(&camera))));

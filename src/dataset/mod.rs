@@ -57,8 +57,8 @@ impl DataSet {
         Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), film_memory, identity })
     }
 
-    /// All changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here rather than
-    /// after an hour.
+    /// All changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here
+    /// rather than after an hour.
     pub fn frames(&self, numbers: Range<u32>) -> Result<BTreeMap<u32, Vec<Vec<String>>>> {
         let frame = |number| {
             let frame = self.plan.frame(number, &self.arguments).map_err(|invalid| self.file.error(invalid))?;
@@ -84,8 +84,8 @@ impl DataSet {
         self.file.error_of_change(error, camera, Some(number), &changes)
     }
 
-    /// Makes all pictures of the frames that are not there, with the light that a camera has in a frame, and returns how many
-    /// those were.
+    /// Makes all pictures of the frames that are not there, with the light that a camera has in a frame, and returns
+    /// how many those were.
     pub fn make(
         &self,
         frames: &BTreeMap<u32, Vec<Vec<String>>>,

@@ -1,5 +1,5 @@
-//! Checksums of files that a later run reads again: CRC-32 (ISO 3309), which finds every damage of up to 32 bits in a row,
-//! and of others all but one in 4·10⁹.
+//! Checksums of files that a later run reads again: CRC-32 (ISO 3309), which finds every damage of up to 32 bits in a
+//! row, and of others all but one in 4·10⁹.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};

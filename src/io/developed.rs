@@ -1,6 +1,6 @@
-//! Developed pictures as files, in the format that the file's name says. Every format but PGM and PPM says in an ICC profile,
-//! and EXR in its chromaticities, what its colours are; and what shape its pixels have, where they are not square: PNG in pHYs,
-//! TIFF in its resolutions, JPEG in its densities, EXR in pixelAspectRatio.
+//! Developed pictures as files, in the format that the file's name says. Every format but PGM and PPM says in an ICC
+//! profile, and EXR in its chromaticities, what its colours are; and what shape its pixels have, where they are not
+//! square: PNG in pHYs, TIFF in its resolutions, JPEG in its densities, EXR in pixelAspectRatio.
 //!
 //! | extension | holds |
 //! |---|---|
@@ -97,8 +97,8 @@ impl PictureFormat {
 
 /// Writes a picture of codes as PNG. The picture must have pixels.
 ///
-/// Its colours are stated twice: by the ICC profile, and by code points (cICP) where there are such, which screens of more
-/// than sRGB go by ([Png3](crate::references#png3)).
+/// Its colours are stated twice: by the ICC profile, and by code points (cICP) where there are such, which screens of
+/// more than sRGB go by ([Png3](crate::references#png3)).
 pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
     let [width, height] = sides(picture)?;
     let mut info = png::Info::with_size(width, height);
@@ -166,7 +166,8 @@ pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut d
     }
 }
 
-/// Writes linear planes as EXR, with the chromaticities of their colour space; the pixels are `aspect` times as wide as high.
+/// Writes linear planes as EXR, with the chromaticities of their colour space; the pixels are `aspect` times as wide as
+/// high.
 pub fn write_linear<W: Write + Seek>(planes: &Planes, space: ColourSpace, aspect: f64, to: W) -> io::Result<()> {
     write_exr(planes, &attributes(planes, space, aspect), to)
 }

@@ -1,9 +1,9 @@
 //! `electrons.exr`: the mean photo-electrons of an exposure, noise-free, and the variance that Monte Carlo noise leaves
 //! in them.
 //!
-//! One channel for each of the sensor's (`R`, `G`, `B` or `Y`): mean electrons of that filter at every pixel, e⁻. Beside
-//! each its variance, `variance.R` …, (e⁻)². The attribute `unit` says `e-`, `exposureTime` the seconds that the electrons
-//! were collected for.
+//! One channel for each of the sensor's (`R`, `G`, `B` or `Y`): mean electrons of that filter at every pixel, e⁻.
+//! Beside each its variance, `variance.R` …, (e⁻)². The attribute `unit` says `e-`, `exposureTime` the seconds that the
+//! electrons were collected for.
 
 use std::io::{self, BufRead, Seek, Write};
 

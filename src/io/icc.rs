@@ -1,7 +1,7 @@
 //! ICC profiles: what the codes of a picture mean, for every viewer ([Icc4](crate::references#icc4)).
 //!
-//! A profile of version 4 with a matrix and a parametric curve, or for grey with the curve alone. No date but a fixed one
-//! is written, so that the same picture gives the same bytes.
+//! A profile of version 4 with a matrix and a parametric curve, or for grey with the curve alone. No date but a fixed
+//! one is written, so that the same picture gives the same bytes.
 
 use std::io;
 

@@ -1,8 +1,8 @@
 //! The light of rows that have all their samples, in single precision and in a file rather than in memory.
 //!
 //! A film holds exact sums, 32 bytes for each channel of a pixel. Once a pixel has all its samples, its means and the
-//! variances that are asked for are enough: 4 bytes each. Row after row, each holds the numbers of samples of its pixels
-//! (`u32`), then the means of the film's channels and the variances of the first few (`f32`), plane after plane.
+//! variances that are asked for are enough: 4 bytes each. Row after row, each holds the numbers of samples of its
+//! pixels (`u32`), then the means of the film's channels and the variances of the first few (`f32`), plane after plane.
 
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::sync::{Mutex, MutexGuard};
@@ -41,7 +41,8 @@ impl LightRows {
         (COUNTS + channels + with_variance) * BYTES
     }
 
-    /// Rows of a picture of `size` columns and rows and a film's channels, of the first of which the variance is kept, too.
+    /// Rows of a picture of `size` columns and rows and a film's channels, of the first of which the variance is kept,
+    /// too.
     pub fn new(store: Box<dyn Store>, size: [usize; 2], channels: Vec<String>, with_variance: usize) -> Self {
         Self { store: Mutex::new(store), size, channels, with_variance }
     }

@@ -1,4 +1,5 @@
-//! Pictures as linear sRGB, by what their files say of their colours. Colours that sRGB does not hold lie outside of 0 to 1.
+//! Pictures as linear sRGB, by what their files say of their colours. Colours that sRGB does not hold lie outside of 0
+//! to 1.
 //!
 //! | file | says it by |
 //! |---|---|
@@ -6,8 +7,8 @@
 //! | TIFF, JPEG | an ICC profile |
 //! | EXR | the attribute `chromaticities`; XYZ by `colorSpace` |
 //!
-//! What says nothing is sRGB, and of EXR linear sRGB, as its specification has it. Profiles of tables and curves for high
-//! dynamic range are refused by name.
+//! What says nothing is sRGB, and of EXR linear sRGB, as its specification has it. Profiles of tables and curves for
+//! high dynamic range are refused by name.
 
 use photosite_core::{Help, Remedy};
 use std::fs::File;
@@ -46,8 +47,9 @@ impl Meaning {
     }
 }
 
-/// Reads a picture as linear light: R, G and B of sRGB, or grey, white at 1 where the file has codes. `is_linear` says that
-/// codes are in proportion to light, whatever the file says of them. Digital numbers and quantities stay as they are.
+/// Reads a picture as linear light: R, G and B of sRGB, or grey, white at 1 where the file has codes. `is_linear` says
+/// that codes are in proportion to light, whatever the file says of them. Digital numbers and quantities stay as they
+/// are.
 pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Result<Planes> {
     let picture = read_picture_file(path, pixels)?;
     let in_file = |invalid: Invalid| invalid.in_file(path);
@@ -271,7 +273,8 @@ mod tests {
                 for (format, extension) in [(PictureFormat::Png, "png"), (PictureFormat::Tiff, "tiff")] {
                     let path = folder.path().join(format!("{space:?}-{transfer:?}.{extension}"));
                     write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");
-                    // Profiles have 16 bits behind the point, as codes have; wide spaces and steep curves multiply that.
+                    // Profiles have 16 bits behind the point, as codes have; wide spaces and steep curves multiply
+                    // that.
                     check(&path, 2e-4);
                 }
             }

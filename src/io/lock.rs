@@ -1,10 +1,10 @@
 //! Locks that keep two processes from one piece of work.
 //!
-//! A lock is a file that its holder has locked. The kernel lets go of it when the holder dies, however that happens, so that
-//! what a lock protects is never lost to a dead process. Its file goes with it.
+//! A lock is a file that its holder has locked. The kernel lets go of it when the holder dies, however that happens, so
+//! that what a lock protects is never lost to a dead process. Its file goes with it.
 //!
-//! Not every network file system knows locks. There each process gets one that proves nothing ([`Lock::is_proven`]), and
-//! what is right must be right without it: names that no other process has, and renames that replace nothing.
+//! Not every network file system knows locks. There each process gets one that proves nothing ([`Lock::is_proven`]),
+//! and what is right must be right without it: names that no other process has, and renames that replace nothing.
 
 use photosite_core::{Help, Remedy};
 use std::fs::{self, File, TryLockError};

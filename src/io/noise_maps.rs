@@ -1,7 +1,7 @@
 //! Noise maps as files: all in one OpenEXR file, or each as a NumPy array of `float32`.
 //!
-//! The attributes `systemGain` (DN/e⁻) and `blackLevel` (DN) of the EXR file are those by which the maps sum to the raw picture:
-//! [`NoiseMaps`].
+//! The attributes `systemGain` (DN/e⁻) and `blackLevel` (DN) of the EXR file are those by which the maps sum to the raw
+//! picture: [`NoiseMaps`].
 
 use std::io::{self, Seek, Write};
 

@@ -1,4 +1,5 @@
-//! PNG files of plain numbers, which say nothing of colours: ground truth, masks, and pictures for tools that want grey.
+//! PNG files of plain numbers, which say nothing of colours: ground truth, masks, and pictures for tools that want
+//! grey.
 
 use std::fs;
 use std::io::{self, Write};

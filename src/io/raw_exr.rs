@@ -1,8 +1,8 @@
 //! Raw pictures as OpenEXR: the digital numbers as 32-bit floats, which hold those of 16 bits exactly.
 //!
-//! The planes are those that [`read_picture_file`](super::picture_file::read_picture_file) makes of any raw file: `raw`, or
-//! one for each channel where every pixel has all. Attributes: `unit` "DN", `cfa`, `blackLevel` (the mean), `whiteLevel`,
-//! and where there are masked pixels `activeArea`: column, row, width and height of those that see light.
+//! The planes are those that [`read_picture_file`](super::picture_file::read_picture_file) makes of any raw file:
+//! `raw`, or one for each channel where every pixel has all. Attributes: `unit` "DN", `cfa`, `blackLevel` (the mean),
+//! `whiteLevel`, and where there are masked pixels `activeArea`: column, row, width and height of those that see light.
 
 use std::io::{self, BufRead, Seek, Write};
 

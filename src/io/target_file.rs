@@ -1,5 +1,5 @@
-//! Calibration targets as files: for the printer (SVG, PDF), for other programs (OBJ with MTL, JSON of the points), and as
-//! a capture file that photographs them (TOML).
+//! Calibration targets as files: for the printer (SVG, PDF), for other programs (OBJ with MTL, JSON of the points), and
+//! as a capture file that photographs them (TOML).
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

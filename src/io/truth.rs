@@ -52,8 +52,8 @@ impl TruthFormat {
     }
 }
 
-/// Whether all depths and distances fit into 16 bits of `depth_unit_m`, and all disparities into those of KITTI's, which are along
-/// x alone.
+/// Whether all depths and distances fit into 16 bits of `depth_unit_m`, and all disparities into those of KITTI's,
+/// which are along x alone.
 pub fn fits_png(truth: &Planes, depth_unit_m: f64) -> Result<(), Invalid> {
     for layer in [TruthLayer::Depth, TruthLayer::Distance] {
         let finite = truth.plane(layer.name()).into_iter().flatten().filter(|m| m.is_finite());

@@ -1,7 +1,8 @@
 //! Folders that appear whole or not at all.
 //!
-//! A folder is made beside its place under a name that no other process has, `.NAME.XXXXXX.partial`, synced, and renamed when
-//! it is complete. Of several processes that make the same, one gives its folder the name, and the others drop theirs.
+//! A folder is made beside its place under a name that no other process has, `.NAME.XXXXXX.partial`, synced, and
+//! renamed when it is complete. Of several processes that make the same, one gives its folder the name, and the others
+//! drop theirs.
 
 use std::fs::{self, File};
 use std::io::ErrorKind;
@@ -22,8 +23,8 @@ pub struct UnfinishedFolder {
 }
 
 impl UnfinishedFolder {
-    /// Begins an empty folder for `path`, whose parent is created where missing. One that is given up stays if `is_kept` says
-    /// so of it.
+    /// Begins an empty folder for `path`, whose parent is created where missing. One that is given up stays if
+    /// `is_kept` says so of it.
     pub fn beside(path: &Path, is_kept: impl Fn(&Path) -> bool + Send + 'static) -> Result<Self> {
         create_folder(path.parent().unwrap_or(Path::new("")))?;
         let parent = folder_of(path)?;
@@ -63,8 +64,8 @@ impl UnfinishedFolder {
         }
     }
 
-    /// Gives the complete folder its name. Where another process has filled a folder of that name, this one is removed, and
-    /// the answer is no.
+    /// Gives the complete folder its name. Where another process has filled a folder of that name, this one is removed,
+    /// and the answer is no.
     pub fn finish(self) -> Result<bool> {
         sync_all(&self.partial)?;
         match fs::rename(&self.partial, &self.target) {

@@ -101,8 +101,8 @@ pub(super) fn scene_light(capture: &Capture, scene: &Scene) -> Result<Spectrum> 
 }
 
 impl SensorColours {
-    /// The white balance is that of `light` through the lens. Where a channel does not see that light, as in the dark, it
-    /// is that of daylight, with a warning. `stored` is what an earlier run has found of its sensor.
+    /// The white balance is that of `light` through the lens. Where a channel does not see that light, as in the dark,
+    /// it is that of daylight, with a warning. `stored` is what an earlier run has found of its sensor.
     pub(super) fn find(
         settings: Settings<'_>,
         optics: &Optics,
@@ -182,8 +182,8 @@ impl<'a> Chain<'a> {
         self.read_out_with_maps(exposed, frame, &[], &mut None).map(|(raw, _)| raw)
     }
 
-    /// The same with maps of what some effects did. `left` is the charge that the frame before has left in the sensor, and then
-    /// what this one leaves.
+    /// The same with maps of what some effects did. `left` is the charge that the frame before has left in the sensor,
+    /// and then what this one leaves.
     pub(super) fn read_out_with_maps(
         &self,
         exposed: &Exposed,
@@ -238,8 +238,8 @@ impl<'a> Chain<'a> {
             .map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
-    /// The exposure that the capture asks for, its time found from the light where it is automatic, and what is to be said of
-    /// that.
+    /// The exposure that the capture asks for, its time found from the light where it is automatic, and what is to be
+    /// said of that.
     fn exposure(&self, light: &Planes, collected: Seconds) -> Result<(Exposure, Option<String>), Invalid> {
         let Settings { sensor, exposure: wanted, .. } = self.settings;
         match wanted.time {
@@ -250,8 +250,8 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Ratio of Monte Carlo noise to that of the sensor over a picture of at least so many samples a pixel. `None` where there
-    /// is not enough light for an exposure, and after a single sample, which tells nothing of noise.
+    /// Ratio of Monte Carlo noise to that of the sensor over a picture of at least so many samples a pixel. `None`
+    /// where there is not enough light for an exposure, and after a single sample, which tells nothing of noise.
     pub(super) fn noise_ratio(&self, rates: &Estimate, samples: u32) -> Option<f64> {
         if samples < 2 {
             return None;
@@ -268,7 +268,8 @@ impl<'a> Chain<'a> {
         Some(samples_needed(rates, counts, sensor, &exposure, target, neighbours))
     }
 
-    /// What rates of so many samples have reached of a noise target; `pilot_paths` beside them have found how many it takes.
+    /// What rates of so many samples have reached of a noise target; `pilot_paths` beside them have found how many it
+    /// takes.
     pub(super) fn noise_report(&self, rates: &Estimate, counts: &[u32], target: f64, pilot_paths: u64) -> NoiseReport {
         let pixels = counts.len() as f64;
         let total: u64 = counts.iter().map(|&count| u64::from(count)).sum();

@@ -1,12 +1,12 @@
 //! Checkpoints: what a render has traced so far, so that one that is killed goes on where it was.
 //!
-//! A checkpoint is a file in the output folder, `checkpoint.film` (numbered where a camera moves): a line of JSON that says what
-//! is rendered, then the films ([`write_unfinished`]) of the rows that are traced, then a line with the checksum of all
-//! that. Rows before those are done and lie in `checkpoint.rows` beside it, whose checksum the first line has. A checkpoint
-//! appears whole or not at all, stays when a render ends before its results are there, and goes with the last of them; the
-//! one before it, `checkpoint.film.before`, stays as long, in case that the disk damages the newer one. Samples have their
-//! random numbers by their place in the whole render and sums are exact, so that what goes on gives the bytes of a render in
-//! one go.
+//! A checkpoint is a file in the output folder, `checkpoint.film` (numbered where a camera moves): a line of JSON that
+//! says what is rendered, then the films ([`write_unfinished`]) of the rows that are traced, then a line with the
+//! checksum of all that. Rows before those are done and lie in `checkpoint.rows` beside it, whose checksum the first
+//! line has. A checkpoint appears whole or not at all, stays when a render ends before its results are there, and goes
+//! with the last of them; the one before it, `checkpoint.film.before`, stays as long, in case that the disk damages the
+//! newer one. Samples have their random numbers by their place in the whole render and sums are exact, so that what
+//! goes on gives the bytes of a render in one go.
 
 use photosite_core::{Help, Remedy};
 use std::fs::{self, File};
@@ -51,7 +51,8 @@ struct Header {
     is_part: bool,
     /// The first sample of every pixel, and the one after the last.
     samples: [u32; 2],
-    /// The first row of the film, before which all are done, and the one after its last; the same where no film follows.
+    /// The first row of the film, before which all are done, and the one after its last; the same where no film
+    /// follows.
     rows: [usize; 2],
     /// CRC-32 of the file of the rows that are done, up to where the film begins; `None` where none lie in a file.
     done_crc32: Option<String>,
@@ -164,9 +165,9 @@ impl<'a> Checkpoints<'a> {
         &self.rows_path
     }
 
-    /// Reads the checkpoint, if there is one, or the one before it where the last is damaged. One of another render, or whose
-    /// films are not those of a strip, is refused. `bytes_before` is the length of the file of rows that are done when all
-    /// before one are.
+    /// Reads the checkpoint, if there is one, or the one before it where the last is damaged. One of another render, or
+    /// whose films are not those of a strip, is refused. `bytes_before` is the length of the file of rows that are done
+    /// when all before one are.
     pub(super) fn resume(&self, strips: Strips, bytes_before: impl Fn(usize) -> u64) -> Result<Option<Resumed>> {
         let damage = match self.read(&self.path, strips, &bytes_before) {
             Ok(resumed) => return Ok(Some(resumed)),

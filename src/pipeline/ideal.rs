@@ -16,7 +16,8 @@ pub(super) fn responses() -> impl Iterator<Item = Response> {
     NAMES.into_iter().zip(cie::observer()).map(|(name, bar)| Response::new(name, bar.clone()))
 }
 
-/// Linear planes of the colour space that the capture develops to, from the planes [`NAMES`]. `light` is that of the scene.
+/// Linear planes of the colour space that the capture develops to, from the planes [`NAMES`]. `light` is that of the
+/// scene.
 pub(super) fn picture(seen: Planes, capture: &Capture, light: &Spectrum, exposure: &Exposure) -> Result<Planes> {
     let named = |channel: Channel| Channel { name: channel.name.replace("ideal.", ""), ..channel };
     let (width, height) = (seen.width(), seen.height());

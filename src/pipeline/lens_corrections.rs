@@ -9,8 +9,8 @@ use glam::DVec2;
 
 use crate::report::ImageReport;
 
-/// Points of the gain map along each side: straight lines between so many miss 1/cos⁴θ by less than 0.3 % up to 45° from
-/// the axis.
+/// Points of the gain map along each side: straight lines between so many miss 1/cos⁴θ by less than 0.3 % up to 45°
+/// from the axis.
 const POINTS: [usize; 2] = [33, 25];
 
 /// A lens as a window of the sensor sees through it.

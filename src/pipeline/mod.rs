@@ -10,8 +10,8 @@
 //! | write | all of these | a folder | [`OutputFolder`] |
 //!
 //! [`render`](crate::render) takes all steps in memory, for one picture; [`render_into`] takes them into a folder, with
-//! strips, checkpoints, parts and series. [`StoredRender`] begins with light that was traced before. What is heard of them
-//! goes through a [`Monitor`], which may stop them.
+//! strips, checkpoints, parts and series. [`StoredRender`] begins with light that was traced before. What is heard of
+//! them goes through a [`Monitor`], which may stop them.
 
 mod camera;
 mod chain;

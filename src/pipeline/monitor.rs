@@ -6,10 +6,10 @@ use crate::Error;
 
 /// Watches work under way. One method takes everything that is reported, the other is asked whether to stop.
 ///
-/// Both are called from several threads. Tracing asks [`is_cancelled`](Self::is_cancelled) some hundred times a second on
-/// each thread; when it says yes, the work keeps what is done in its checkpoint, if it has one, and fails with
-/// [`Error::Cancelled`]. It is asked before and after a scene is built and before each frame is exposed, too; these steps
-/// themselves are not broken off.
+/// Both are called from several threads. Tracing asks [`is_cancelled`](Self::is_cancelled) some hundred times a second
+/// on each thread; when it says yes, the work keeps what is done in its checkpoint, if it has one, and fails with
+/// [`Error::Cancelled`]. It is asked before and after a scene is built and before each frame is exposed, too; these
+/// steps themselves are not broken off.
 pub trait Monitor: Sync {
     /// Takes a report.
     fn report(&self, event: Event<'_>);

@@ -61,8 +61,8 @@ const PREVIEW: &str = "preview.png";
 /// Is there while results are written, so that those of a process that was killed do not pass for somebody's files.
 const UNFINISHED: &str = ".photosite.unfinished";
 
-/// A folder for results. One that is given up before they are complete holds none of them, but for those that a checkpoint
-/// goes on from.
+/// A folder for results. One that is given up before they are complete holds none of them, but for those that a
+/// checkpoint goes on from.
 pub struct OutputFolder {
     path: PathBuf,
     force: bool,
@@ -80,8 +80,8 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given, or a
-    /// render was broken off there; one that another process is writing to is refused in any case.
+    /// Creates the folder where missing. One that holds files of the same names is refused unless `force` is given, or
+    /// a render was broken off there; one that another process is writing to is refused in any case.
     pub fn claim(path: &Path, force: bool) -> Result<Self> {
         refuse_results(path, force)?;
         if let Some(file) = path.ancestors().find(|part| part.is_file()) {
@@ -245,8 +245,8 @@ impl OutputFolder {
         self.write(&named("samples", number, "npy"), |to| write_samples(size, counts, to))
     }
 
-    /// The sums of a part of a render, from the file in which they were kept. That one stays until the part is there as a
-    /// whole.
+    /// The sums of a part of a render, from the file in which they were kept. That one stays until the part is there as
+    /// a whole.
     pub(super) fn write_film(&mut self, number: Option<u32>, mut kept: File) -> Result<()> {
         let name = named("film", number, "npy");
         let mut sum = String::new();
@@ -329,8 +329,8 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Refuses to vouch for files that are gone, or are not those that were written here: where the file system knows no
-    /// locks, another process may be writing to the folder.
+    /// Refuses to vouch for files that are gone, or are not those that were written here: where the file system knows
+    /// no locks, another process may be writing to the folder.
     fn check_written(&self) -> Result<()> {
         let Some((name, _)) = self.stamps.iter().find(|(name, stamp)| !stamp.is_of(&self.path.join(name))) else {
             return Ok(());

@@ -1,7 +1,7 @@
 //! Parts of a render: some samples of every pixel, which are no picture yet.
 //!
-//! A part is a folder with the sums of its samples, `film.npy` (numbered where a camera moves), and `part.json`, written
-//! last, which says what they are the sums of. Sensor, noise and development come when all are together.
+//! A part is a folder with the sums of its samples, `film.npy` (numbered where a camera moves), and `part.json`,
+//! written last, which says what they are the sums of. Sensor, noise and development come when all are together.
 
 use photosite_core::{Help, Remedy};
 use std::fs::File;

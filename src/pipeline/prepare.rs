@@ -39,7 +39,8 @@ impl Prepared {
     ///
     /// # Errors
     ///
-    /// What only the whole scene shows: a lens that cannot focus where autofocus looks, lights too large to compute with.
+    /// What only the whole scene shows: a lens that cannot focus where autofocus looks, lights too large to compute
+    /// with.
     pub fn new(mut capture: Capture) -> Result<Self> {
         let responses = responses(&capture);
         let importance = importance(&responses);

@@ -234,9 +234,9 @@ impl Stored {
     }
 }
 
-/// Refuses times at which other light would have been seen. Where nothing moves, light is a rate, and every time and row
-/// time is exact; what a moving camera saw is known for the rendered ones alone. A scanning sensor sees all lines from one
-/// row in any case.
+/// Refuses times at which other light would have been seen. Where nothing moves, light is a rate, and every time and
+/// row time is exact; what a moving camera saw is known for the rendered ones alone. A scanning sensor sees all lines
+/// from one row in any case.
 fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) -> Result<(), Invalid> {
     let [was, is] = [recorded, capture].map(|c| (c.sensor.shutter, &c.exposure));
     if was.0.scans() != is.0.scans() || moves && was.0 != is.0 {

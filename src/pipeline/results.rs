@@ -45,8 +45,8 @@ impl Frames {
 /// bracket whose time is nearest to that of `exposed`, which is returned; merges a bracket to a map of the light.
 /// `write_light` writes what is left of the light beside the electrons, numbered where there are several.
 ///
-/// `left` is the charge that the frame before has left in the sensor, and then what the last one leaves: the images of a
-/// bracket are taken one after the other, too.
+/// `left` is the charge that the frame before has left in the sensor, and then what the last one leaves: the images of
+/// a bracket are taken one after the other, too.
 ///
 /// Raw files and light are there before anything is developed: they take the longest to get, whatever becomes of the
 /// development, and the light's memory is free again.

@@ -275,8 +275,8 @@ impl Series<'_> {
     }
 }
 
-/// Finds truth that no PNG file can hold before light is traced, which may take an hour; returns what is to be said of what they
-/// leave out.
+/// Finds truth that no PNG file can hold before light is traced, which may take an hour; returns what is to be said of
+/// what they leave out.
 fn check_png(job: &TruthJob<'_>, output: &TruthOutput) -> Result<Vec<String>, Invalid> {
     if !output.formats.contains(&TruthFormat::Png) {
         return Ok(Vec::new());

@@ -75,8 +75,8 @@ pub struct Light {
 }
 
 impl Light {
-    /// Irradiance on the sensor in the bands that `output.irradiance` asks for, W·m⁻²·nm⁻¹, a plane for each, named after
-    /// its centre in nm; `None` where the capture asks for none.
+    /// Irradiance on the sensor in the bands that `output.irradiance` asks for, W·m⁻²·nm⁻¹, a plane for each, named
+    /// after its centre in nm; `None` where the capture asks for none.
     pub fn irradiance(&self, capture: &Capture) -> Option<Planes> {
         let bands = capture.output.irradiance.as_ref()?;
         let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
@@ -143,8 +143,8 @@ impl Prepared {
         Ok(Light { rows, rates, samples, paths: paths + pilot_paths, trace_s: start.elapsed().as_secs_f64() })
     }
 
-    /// Exposes to that light; each frame has temporal noise of its own, and all share the fixed pattern of the sensor, which
-    /// has been in the dark before.
+    /// Exposes to that light; each frame has temporal noise of its own, and all share the fixed pattern of the sensor,
+    /// which has been in the dark before.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! Tracing with everything that goes on beside it: progress, pictures of the state so far, checkpoints, limits of time and noise.
+//! Tracing with everything that goes on beside it: progress, pictures of the state so far, checkpoints, limits of time
+//! and noise.
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -54,8 +55,8 @@ pub(super) struct Traced {
     pub(super) earlier: Duration,
 }
 
-/// Traces until the samples, the time or the noise that was asked for is reached, from the last checkpoint on, one strip
-/// after the other. A monitor that cancels it ends it with a checkpoint.
+/// Traces until the samples, the time or the noise that was asked for is reached, from the last checkpoint on, one
+/// strip after the other. A monitor that cancels it ends it with a checkpoint.
 pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> Result<Traced> {
     let start = Instant::now();
     let settings = t.settings;
@@ -237,8 +238,8 @@ impl<'a> Interim<'a> {
         Self { t, checkpoints, is_filed, preview: Throttle::every(interval), seen, is_said: false, failure: None }
     }
 
-    /// Writes what it is time for. What cannot be written is said once, as the render needs none of it; where its folder is gone
-    /// or the picture cannot be made, that is kept, and ends the render.
+    /// Writes what it is time for. What cannot be written is said once, as the render needs none of it; where its
+    /// folder is gone or the picture cannot be made, that is kept, and ends the render.
     fn keep(&mut self, film: &Film, pilot: Option<&Pilot>, elapsed: Duration) -> ControlFlow<()> {
         let kept = self.checkpoints.as_mut().map_or(Ok(()), |checkpoints| checkpoints.keep(film, pilot, elapsed));
         for written in [kept, self.show(film)] {

@@ -42,7 +42,8 @@ pub(super) struct ChangedPicture {
 }
 
 impl ChangedPicture {
-    /// That of a capture whose next picture is such. It was read from `input` with `overrides`, and `scene` is built of it.
+    /// That of a capture whose next picture is such. It was read from `input` with `overrides`, and `scene` is built of
+    /// it.
     pub(super) fn read(
         input: &Path,
         overrides: &[String],
@@ -82,8 +83,8 @@ pub(super) struct Moment {
     pub(super) scene: Option<Scene>,
 }
 
-/// The camera of a stereo partner as if it stood where `camera` does, whose capture it has. Its lens is that of `camera` but for
-/// what its own autofocus finds.
+/// The camera of a stereo partner as if it stood where `camera` does, whose capture it has. Its lens is that of
+/// `camera` but for what its own autofocus finds.
 pub(super) fn partner_camera(capture: &Capture, camera: &Camera, place: DAffine3, scene: &Scene) -> Result<Camera> {
     let Focus::Autofocus { .. } = capture.lens.focus else { return Ok(camera.clone()) };
     let focused = place_camera_at(capture, camera.to_world() * place, |ray| scene.closest(ray))?;

@@ -20,17 +20,17 @@ pub struct CameraReport {
     pub camera_matrix: [[f64; 3]; 3],
     /// The model of the lens, as `[lens]` names it.
     pub projection: String,
-    /// Its coefficients in OpenCV's order: k₁ k₂ p₁ p₂ k₃ (then k₄ k₅ k₆, then s₁ … s₄) of a rectilinear lens, k₁ … k₄ of
-    /// a fisheye, k₁ k₂ p₁ p₂ of an omnidirectional lens.
+    /// Its coefficients in OpenCV's order: k₁ k₂ p₁ p₂ k₃ (then k₄ k₅ k₆, then s₁ … s₄) of a rectilinear lens, k₁ … k₄
+    /// of a fisheye, k₁ k₂ p₁ p₂ of an omnidirectional lens.
     pub distortion: Vec<f64>,
     /// Mirror parameter of an omnidirectional lens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub xi: Option<f64>,
     /// What the lens sees.
     pub field_of_view: FieldOfViewReport,
-    /// When the camera stands as is said here, s from the start of the first picture: halfway between the start of its first
-    /// row's exposure and the end of its last one's, as ground truth and what is stated of targets are of the middle of exposures.
-    /// `null` where nothing moves.
+    /// When the camera stands as is said here, s from the start of the first picture: halfway between the start of its
+    /// first row's exposure and the end of its last one's, as ground truth and what is stated of targets are of the
+    /// middle of exposures. `null` where nothing moves.
     #[serde(default)]
     pub pose_time_s: Option<f64>,
     /// World → camera rotation, row by row: x_camera = R·x_world + t.

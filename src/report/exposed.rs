@@ -69,7 +69,8 @@ pub struct SensorReport {
     pub as_shot_neutral: Option<Vec<f64>>,
     /// XYZ to camera under D65, row by row; `null` without colours.
     pub colour_matrix_d65: Option<Vec<[f64; 3]>>,
-    /// What the channels mean in A, D65 and D50, so that another exposure need not find it again; `null` without colours.
+    /// What the channels mean in A, D65 and D50, so that another exposure need not find it again; `null` without
+    /// colours.
     pub calibration: Option<SensorCalibration>,
 }
 

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use super::camera::camera_matrix;
 use crate::optics::{Intrinsics, Projection};
 
-/// The camera that `image.png` is a picture of, in the same conventions: that of `camera`, where the distortion of the lens is left in,
-/// pixels keep their shape, and all of the sensor is read out pixel by pixel; else the one that a developer makes of it. It stands
-/// where that one stands.
+/// The camera that `image.png` is a picture of, in the same conventions: that of `camera`, where the distortion of the
+/// lens is left in, pixels keep their shape, and all of the sensor is read out pixel by pixel; else the one that a
+/// developer makes of it. It stands where that one stands.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 pub struct ImageReport {
     /// Columns and rows.

@@ -49,8 +49,8 @@ pub struct Report {
     pub input: String,
     /// Changes to its keys, `key=value`.
     pub overrides: Vec<String>,
-    /// Every key that was given: the capture file, the sensor's preset and overrides, laid over each other. With the files
-    /// that it names it is a capture file again.
+    /// Every key that was given: the capture file, the sensor's preset and overrides, laid over each other. With the
+    /// files that it names it is a capture file again.
     pub capture: serde_json::Value,
     /// Seed of sensor noise.
     pub seed: u64,

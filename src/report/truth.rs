@@ -69,8 +69,8 @@ pub struct TargetReport {
     pub translation_m: [f64; 3],
     /// The points in the world (glTF axes, metres), in the same order.
     pub points_world_m: Vec<[f64; 3]>,
-    /// Where they appear in the picture, through the whole lens: integer coordinates at pixel centres. `null` for those behind
-    /// the camera. Where something moves: in the middle of the exposure of their rows of the first picture.
+    /// Where they appear in the picture, through the whole lens: integer coordinates at pixel centres. `null` for those
+    /// behind the camera. Where something moves: in the middle of the exposure of their rows of the first picture.
     pub points_px: Vec<Option<[f64; 2]>>,
     /// Whether they are within the picture, with nothing before them.
     pub points_visible: Vec<bool>,

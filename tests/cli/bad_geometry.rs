@@ -33,8 +33,8 @@ fn damaged_vertex() -> Document {
     with_vertices([[0.0, 0.0, 0.0], [1.0, f32::NAN, 0.0], [0.0, 1.0, 0.0]], [0, 1, 2])
 }
 
-/// One scene file: its name and bytes, what stands on the line at fault where lines are known, what the message says and
-/// what it advises.
+/// One scene file: its name and bytes, what stands on the line at fault where lines are known, what the message says
+/// and what it advises.
 #[rstest]
 #[case::truncated("a.glb", truncated(triangle()), "", "is truncated: it should hold", "copy it again")]
 #[case::torn_header("a.glb", b"glTF\x02".to_vec(), "", "is truncated", "the file is damaged")]
@@ -155,8 +155,8 @@ fn with_attribute(name: &str, accessor: u32) -> Document {
         .with("/skins", json!([{ "joints": [0] }]))
 }
 
-/// References that lead nowhere or round in circles, numbers of the wrong kind, counts that nothing backs, chunks that are
-/// cut: one error that names the place.
+/// References that lead nowhere or round in circles, numbers of the wrong kind, counts that nothing backs, chunks that
+/// are cut: one error that names the place.
 #[rstest]
 #[case::picture(textured(triangle()).with("/textures", json!([{ "source": 3 }])), "textures[0].source: refers to images[3]")]
 #[case::sampler(textured(triangle()).with("/textures", json!([{ "source": 0, "sampler": 2 }])), "textures[0].sampler: refers to samplers[2]")]

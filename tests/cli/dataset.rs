@@ -120,8 +120,8 @@ fn disparity_leads_to_where_the_partner_sees_the_corners() {
         let count = left["targets"][0]["points_px"].as_array().expect("a list").len();
         assert_eq!(count, 8 * 5);
         for i in 0..count {
-            // The board is flat, so that disparity is linear over it: within a pixel it differs from that of the corner by no
-            // more than from one pixel to the next.
+            // The board is flat, so that disparity is linear over it: within a pixel it differs from that of the corner
+            // by no more than from one pixel to the next.
             let pixel = (px(&left, i, 1).round() * 32.0 + px(&left, i, 0).round()) as usize;
             let d = truth.plane("disparity.X").expect("a plane");
             let (here, slope) = (

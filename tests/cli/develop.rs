@@ -72,8 +72,8 @@ fn every_format_and_setting_can_be_chosen() {
         &folder,
         "out/raw.dng -o warm.png --set develop.white_balance=temperature --set develop.temperature_k=4000",
     );
-    // The white of the temperature, through the matrix at that white, and back: the fixed point settles to 1e-6, which reciprocal
-    // temperature feels to some 1e-5.
+    // The white of the temperature, through the matrix at that white, and back: the fixed point settles to 1e-6, which
+    // reciprocal temperature feels to some 1e-5.
     assert!((warm["temperature_k"].as_f64().expect("known") / 4000.0 - 1.0).abs() < 1e-4, "{warm}");
 }
 
@@ -234,8 +234,9 @@ fn a_grey_wall_is_as_bright_in_the_ideal_picture_as_in_the_developed_one() {
     };
     for channel in 0..3 {
         let ((developed, noise), (ideal, _)) = (mean("out/developed.exr", channel), mean("out/ideal.exr", channel));
-        // White is kept exactly, so that what is left is noise: that of 1536 developed pixels, a quarter of which see the
-        // channel, and of light transport, 100 000 paths whose weights differ by about their mean: 0.3 %. Four times both.
+        // White is kept exactly, so that what is left is noise: that of 1536 developed pixels, a quarter of which see
+        // the channel, and of light transport, 100 000 paths whose weights differ by about their mean: 0.3 %. Four
+        // times both.
         let tolerance = 4.0 * (noise / 384f64.sqrt()).hypot(0.003 * ideal);
         assert!(ideal > 0.05 && (developed - ideal).abs() < tolerance, "{channel}: {developed} {ideal} ± {tolerance}");
     }

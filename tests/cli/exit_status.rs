@@ -31,7 +31,8 @@ fn standard_output_on_a_full_disk() {
     assert!(text.contains("standard output: cannot write: No space left on device"), "{text}");
 }
 
-/// Runs a script with a mount of its own, as who runs this, or else as a root of its own; `None` where nothing can be mounted.
+/// Runs a script with a mount of its own, as who runs this, or else as a root of its own; `None` where nothing can be
+/// mounted.
 #[cfg(target_os = "linux")]
 fn with_mounts(folder: &Folder, script: &str) -> Option<std::process::Output> {
     let run = |kind: &str| {

@@ -27,8 +27,8 @@ fn sums(folder: &Folder, name: &str) -> Vec<f64> {
     planes.channels().iter().map(|c| c.data.iter().map(|&e| f64::from(e)).sum()).collect()
 }
 
-/// The search for the matrices of a sensor takes longer than to expose a small picture: a number in the report that no search would
-/// find must arrive in the raw file.
+/// The search for the matrices of a sensor takes longer than to expose a small picture: a number in the report that no
+/// search would find must arrive in the raw file.
 #[test]
 fn the_colours_of_a_sensor_are_not_fitted_again() {
     let folder = room("[render]\nsamples_per_pixel = 1\n[output]\nraw = ['dng']\n");

@@ -48,7 +48,8 @@ impl Folder {
         command
     }
 
-    /// The command, which ends as if it had been killed when it reaches a fail point for the `count`-th time; whether it did.
+    /// The command, which ends as if it had been killed when it reaches a fail point for the `count`-th time; whether
+    /// it did.
     pub(crate) fn killed_at(&self, point: &str, count: u32, arguments: &str) -> bool {
         let mut command = self.command(arguments);
         let output = command.env("PHOTOSITE_FAIL_POINT", format!("{point}:{count}")).output().expect("the binary runs");
@@ -72,8 +73,8 @@ impl Folder {
         outcome
     }
 
-    /// Runs a command that must fail with one error that contains all of `wanted`, whatever lines it is broken into, and
-    /// must leave nothing behind.
+    /// Runs a command that must fail with one error that contains all of `wanted`, whatever lines it is broken into,
+    /// and must leave nothing behind.
     pub(crate) fn fail(&self, arguments: &str, status: i32, wanted: &[&str]) -> Outcome {
         let mut before = self.contents();
         let outcome = self.run(arguments);

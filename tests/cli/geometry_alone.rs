@@ -32,8 +32,8 @@ fn everything_else_takes_its_default(#[values("obj", "gltf", "glb")] kind: &str)
     assert_eq!((&report["lens"]["focal_length_mm"], &report["lens"]["f_number"]), (&json!(16.0), &json!(8.0)));
     assert_eq!(report["exposure"]["auto"], true);
 
-    // The circle around the triangle's bounding box touches 90 % of the shorter side, so all corners are in the picture,
-    // and they take up a good part of it.
+    // The circle around the triangle's bounding box touches 90 % of the shorter side, so all corners are in the
+    // picture, and they take up a good part of it.
     let pixels = CORNERS.map(|corner| project(&report["camera"], corner));
     let (low, high) = (pixels[0].min(pixels[1]).min(pixels[2]), pixels[0].max(pixels[1]).max(pixels[2]));
     assert!(low.cmpge(DVec2::ZERO).all() && high.cmple(DVec2::new(47.0, 31.0)).all(), "{low} to {high}");

@@ -35,8 +35,8 @@ fn frames_of_a_series_leave_charge_to_each_other(#[case] motion: &str) {
     assert!(q > 200.0, "{found:?}");
     for (n, found) in found.iter().enumerate() {
         let expected = q * (1.0 - 0.1 * 0.5_f64.powi(n as i32));
-        // Shot noise of 768 pixels with more electrons than DN, in this frame and the last: 1/√(768·q) each. A moving frame has
-        // samples of its own: 768·256 of them, whose spread is below their mean.
+        // Shot noise of 768 pixels with more electrons than DN, in this frame and the last: 1/√(768·q) each. A moving
+        // frame has samples of its own: 768·256 of them, whose spread is below their mean.
         let of_light = if motion.is_empty() { 0.0 } else { 1.0 / (768.0 * 256.0) };
         let spread = (2.0 * (1.0 / (768.0 * q) + of_light)).sqrt();
         assert!((found / expected - 1.0).abs() < 5.0 * spread, "frame {n}: {found} for {expected}");

@@ -109,8 +109,8 @@ fn light_lands_where_the_law_of_a_fisheye_says(#[case] projection: &str, #[case]
         column += part * (15.5 + FX * radius(across.atan2(z)) * x / across);
         weight += part;
     }
-    // 4 columns and rows of light with 256 stratified samples each. Only pixels on the edges are uncertain, each to 1/√256 at
-    // worst, which are 16 of some 16 at an arm of 2 px: 2·√16/16/16 = 0.03; stratified points do far better.
+    // 4 columns and rows of light with 256 stratified samples each. Only pixels on the edges are uncertain, each to
+    // 1/√256 at worst, which are 16 of some 16 at an arm of 2 px: 2·√16/16/16 = 0.03; stratified points do far better.
     assert!((found[0] - column / weight).abs() < 0.03, "{found:?} {}", column / weight);
     assert!((found[1] - 7.5).abs() < 0.03, "{found:?}");
 }
@@ -178,8 +178,8 @@ fn lens_pinhole_and_no_falloff_count_the_same_electrons() {
             .map(|kind| under_even_sky(&format!("f_number = {f_number}\n{kind}")))
     };
     let [fast, slow] = [1.4, 8.0].map(of);
-    // 65 536 samples, 262 144 wavelengths of a response that varies by its own size: 2e-3/√… with Sobol's points far below
-    // 5e-4. The field of 8 pixels of 6 µm at 50 mm is too small for any falloff.
+    // 65 536 samples, 262 144 wavelengths of a response that varies by its own size: 2e-3/√… with Sobol's points far
+    // below 5e-4. The field of 8 pixels of 6 µm at 50 mm is too small for any falloff.
     for (found, first) in
         [(fast, fast[0]), (slow, slow[0])].into_iter().flat_map(|(all, first)| all.map(|e| (e, first)))
     {
@@ -263,8 +263,8 @@ fn a_kernel_shifts_a_point_of_light_as_it_stands_in_its_file(#[case] kernel: &st
     {
         let (seen, outcome) = found(out, &psf(origin));
         for axis in 0..2 {
-            // Each edge of the lamp, 5 px long with the kernel, is known to 1/√1024 of a pixel at each of its pixels at worst:
-            // 0.03·√5 of 16 px of light at an arm of 3 px, 0.013 px; stratified points do better.
+            // Each edge of the lamp, 5 px long with the kernel, is known to 1/√1024 of a pixel at each of its pixels at
+            // worst: 0.03·√5 of 16 px of light at an arm of 3 px, 0.013 px; stratified points do better.
             let moved = seen[axis] - sharp[axis];
             assert!((moved - expected[axis]).abs() < 0.03, "{out}, axis {axis}: {moved}, not {}", expected[axis]);
         }

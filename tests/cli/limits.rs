@@ -35,7 +35,8 @@ fn a_noise_target_ends_a_render_when_it_is_reached() {
     // Ratio ∝ 1/√samples, and the last pass at most doubles the samples.
     assert!(ratio <= 0.1 && ratio > 0.05, "{ratio} after {samples} samples");
 
-    // The same ratio from the file: noise of light against shot, read and quantisation noise, over each pixel's channel.
+    // The same ratio from the file: noise of light against shot, read and quantisation noise, over each pixel's
+    // channel.
     let electrons = folder.electrons("out");
     let (read_noise, gain) = (4.0, 0.1344);
     let (mut of_light, mut of_sensor) = (0.0, 0.0);

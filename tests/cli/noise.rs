@@ -67,8 +67,8 @@ fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, 
     folder.fail(arguments, status, &[message]);
 }
 
-/// A raw picture of 45 × 34 pixels, of which 36 × 26 from column 5, row 3, see light. Half of the pixels of each channel lie 50
-/// DN above 1000 and the others as much below; masked pixels show 64 or 65.
+/// A raw picture of 45 × 34 pixels, of which 36 × 26 from column 5, row 3, see light. Half of the pixels of each
+/// channel lie 50 DN above 1000 and the others as much below; masked pixels show 64 or 65.
 fn masked(folder: &Folder, cfa: &str) {
     let area = PixelArea { x: 5, y: 3, width: 36, height: 26 };
     let cfa = Cfa::parse(cfa).expect("a layout");

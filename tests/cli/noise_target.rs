@@ -12,8 +12,8 @@ const SIZE: [usize; 2] = [24, 16];
 /// Monte Carlo noise of this part of the sensor's adds 0.7 % to the total: √(1 + 0.12²).
 const TARGET: f64 = 0.12;
 
-/// A card in focus under an overcast sky, and before the wall behind it two small lamps, which become discs. The gain is
-/// the lowest.
+/// A card in focus under an overcast sky, and before the wall behind it two small lamps, which become discs. The gain
+/// is the lowest.
 fn scene() -> Folder {
     let obj = "mtllib scene.mtl\n\
         v -3 0 1\nv 3 0 1\nv 3 0 -4\nv -3 0 -4\n\

@@ -1,5 +1,5 @@
-//! What `capture.json` says of the sensor is whole: it gives the same picture again, and nothing else comes in. So do sensors
-//! that begin from nothing, or from a preset without some of its keys.
+//! What `capture.json` says of the sensor is whole: it gives the same picture again, and nothing else comes in. So do
+//! sensors that begin from nothing, or from a preset without some of its keys.
 
 use photosite::sensor::presets;
 use rstest::rstest;

@@ -1,5 +1,5 @@
-//! Pictures without distortion and with square pixels: what the report says they are pictures of, that the raw file develops to the
-//! same, and what is said where they cannot be had.
+//! Pictures without distortion and with square pixels: what the report says they are pictures of, that the raw file
+//! develops to the same, and what is said where they cannot be had.
 
 use glam::{DMat3, DVec3};
 use rstest::rstest;
@@ -78,7 +78,8 @@ fn a_lamp_is_where_the_camera_of_the_picture_shows_it(
     let in_camera = matrix(rotation) * DVec3::new(place[0], place[1], 0.0) + vector(&report["camera"]["translation_m"]);
     let seen = matrix(rows) * (in_camera / in_camera.z);
     let found = centroid(&folder, "out/image.png");
-    // The lamp is about 2.7 px wide; noise below its half and the bend over its width leave less than a tenth of a pixel.
+    // The lamp is about 2.7 px wide; noise below its half and the bend over its width leave less than a tenth of a
+    // pixel.
     let off = (found[0] - seen.x).abs().max((found[1] - seen.y).abs());
     assert!(off < 0.15, "at {found:?}, not {seen}");
     // Its model is in the raw file.

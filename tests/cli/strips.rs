@@ -105,8 +105,8 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
     folder.fail(&go_on, 1, &["out/checkpoint.film", "damaged", "the checksum of out/checkpoint.rows", "starts anew"]);
     folder.add("out/checkpoint.rows", &*rows);
 
-    // An earlier checkpoint goes with later rows: what is killed may have written these alone. Where no film is under way,
-    // strips may be others.
+    // An earlier checkpoint goes with later rows: what is killed may have written these alone. Where no film is under
+    // way, strips may be others.
     folder.add("out/checkpoint.film", checkpoint.clone());
     let [first, end] = rows_of(&folder, "out/checkpoint.film").expect("a checkpoint");
     let outcome = folder.succeed(if first == end { &wide } else { &go_on });

@@ -1,4 +1,5 @@
-//! Several processes at once in one place: none loses a file of another, and none mixes its files with those of another.
+//! Several processes at once in one place: none loses a file of another, and none mixes its files with those of
+//! another.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! Ground truth of data sets: flow leads to the next frame and disparity to the partner, by closed forms from what `capture.json`
-//! says of both cameras.
+//! Ground truth of data sets: flow leads to the next frame and disparity to the partner, by closed forms from what
+//! `capture.json` says of both cameras.
 
 use photosite::image::Planes;
 use rstest::rstest;
@@ -20,7 +20,8 @@ fn vector(value: &Value) -> [f64; 3] {
     [0, 1, 2].map(|i| value[i].as_f64().expect("a number"))
 }
 
-/// A point of the world in the picture of a perspective camera: (R·p + t) by OpenCV's axes, then fx·x/z + cx. With its depth.
+/// A point of the world in the picture of a perspective camera: (R·p + t) by OpenCV's axes, then fx·x/z + cx. With its
+/// depth.
 fn project(report: &Value, p: [f64; 3]) -> ([f64; 2], f64) {
     let camera = &report["camera"];
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -30,8 +31,8 @@ fn project(report: &Value, p: [f64; 3]) -> ([f64; 2], f64) {
     ([k(0, 0) * q[0] / q[2] + k(0, 2), k(1, 1) * q[1] / q[2] + k(1, 2)], q[2])
 }
 
-/// Compares flow in all pixels that see something with where their surface is in the next picture, and returns how many of them
-/// are visible there and the longest way, px.
+/// Compares flow in all pixels that see something with where their surface is in the next picture, and returns how many
+/// of them are visible there and the longest way, px.
 fn check_flow(folder: &Folder, now: &str, next: &str, moved_m: [f64; 3]) -> (usize, f64) {
     let planes = truth(folder, now);
     let report = folder.report(next);
@@ -270,8 +271,8 @@ fn disparity_needs_a_pair() {
     assert!(!folder.path("out/a/000000/truth.exr").exists(), "there is nothing left to tell");
 }
 
-/// A square of 0.6 m that an animation moves to the right by 1 m/s, and 0.1 s from picture to picture: by fx·0.1 m/z. The camera
-/// stands still.
+/// A square of 0.6 m that an animation moves to the right by 1 m/s, and 0.1 s from picture to picture: by fx·0.1 m/z.
+/// The camera stands still.
 #[test]
 fn flow_follows_an_animation() {
     let floats = |values: &[f32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();

@@ -43,8 +43,8 @@ fn each_pixel_of_a_mosaic_is_quieter_in_its_own_colour(#[values("RGGB", "GBRG", 
             let z = (own.0 - all.0) / (own.1 + all.1).sqrt();
             // 96 such values exceed 4.5 once in 1500 times.
             assert!(z.abs() < 4.5, "{channel} in {x}, {y}: {} with all filters, {} with its own", all.0, own.0);
-            // Of single wavelengths some third is seen by each of three filters, of its own nine tenths: relative variances of
-            // 1/p − 1 are 2 and 0.1, and more where a filter is broad.
+            // Of single wavelengths some third is seen by each of three filters, of its own nine tenths: relative
+            // variances of 1/p − 1 are 2 and 0.1, and more where a filter is broad.
             assert!(
                 own.1 < 0.25 * all.1,
                 "{channel} in {x}, {y}: variance {} with all filters, {} with its own",
@@ -70,8 +70,9 @@ fn where_all_pixels_see_the_same_nothing_changes(#[case] preset: &str, #[case] c
     assert!(!folder.report("all-filters")["warnings"].to_string().contains("wavelengths"));
 }
 
-/// Bands must not take the wavelengths that the sensor sees. With p(λ) for the picture alone and at least p/(1 + b) beside bands, a
-/// path of one wavelength has a relative variance V = ∫f²/p dλ − 1 that grows to (1 + b)·V + b at most, b being 0.2.
+/// Bands must not take the wavelengths that the sensor sees. With p(λ) for the picture alone and at least p/(1 + b)
+/// beside bands, a path of one wavelength has a relative variance V = ∫f²/p dλ − 1 that grows to (1 + b)·V + b at most,
+/// b being 0.2.
 #[test]
 fn bands_beside_the_picture_of_a_sensor_that_sees_infrared_leave_its_noise_as_it_is() {
     let folder = pane("sony-imx249-mono", "mono");
@@ -115,7 +116,8 @@ fn daylight_beyond_its_table_reaches_the_sensor() {
     let infrared = photons(900.0, 1000.0, &|l| 60.3125 * blackbody(l) / blackbody(830.0));
     let visible = photons(550.0, 570.0, &|l| 100.0 - (l - 560.0) * if l < 560.0 { 0.4046 } else { 0.3666 });
     let ratio = beyond / green;
-    // A path of 98304 has one wavelength; a trapezoid drawn with its own density and 5 % evenly has a relative variance below 1.
+    // A path of 98304 has one wavelength; a trapezoid drawn with its own density and 5 % evenly has a relative variance
+    // below 1.
     assert!(
         (ratio / (infrared / visible) - 1.0).abs() < 4.0 * 2.0_f64.sqrt() / 98304.0_f64.sqrt(),
         "{ratio} instead of {}",

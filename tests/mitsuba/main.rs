@@ -1,7 +1,8 @@
 //! Every scene of the suite against its stored reference, which Mitsuba 3 rendered (`references.py`).
 //!
-//! Both pictures are mean electrons with the variance of the mean, so that z = (ours − Mitsuba's)/√(sum of variances) of
-//! each pixel and channel follows N(0, 1) where both renderers mean the same. Neither Python nor Mitsuba is needed here.
+//! Both pictures are mean electrons with the variance of the mean, so that z = (ours − Mitsuba's)/√(sum of variances)
+//! of each pixel and channel follows N(0, 1) where both renderers mean the same. Neither Python nor Mitsuba is needed
+//! here.
 
 mod irradiance;
 

@@ -60,14 +60,15 @@ fn the_noise_of_a_merged_bracket_is_the_least_there_can_be() {
     for rate in [3.0, 30.0, 1e3, 1e5, 2e7] {
         let merged = merge(&bracket(&sensor, rate, &times)).expect("a bracket");
         let found: Moments = merged.signal.iter().map(|&x| f64::from(x) * capacity / times[0]).collect();
-        // The Cramér–Rao bound of Gaussian noise with known variances: 1/Σ t²/v over the pictures that are not saturated.
+        // The Cramér–Rao bound of Gaussian noise with known variances: 1/Σ t²/v over the pictures that are not
+        // saturated.
         let information = |&time: &f64| {
             let exposure = Exposure { time: Seconds(time), ..EXPOSURE };
             time * time / sensor.noise_variance(Electrons(rate * time), &exposure)
         };
         let bound = 1.0 / times.iter().filter(|time| rate * **time < 0.95 * capacity).map(information).sum::<f64>();
-        // A variance of 16 384 pixels: 5 σ are 5.5 %. Weights are estimated from the same data; what that costs is of second
-        // order in the noise of the estimate.
+        // A variance of 16 384 pixels: 5 σ are 5.5 %. Weights are estimated from the same data; what that costs is of
+        // second order in the noise of the estimate.
         let ratio = found.variance() / bound;
         assert!((ratio - 1.0).abs() < 0.055, "{ratio} at {rate} e⁻/s");
         // And without bias: 5 σ of the mean.
@@ -99,8 +100,8 @@ fn two_exposures_take_a_sensor_for_cars_to_128_db() {
     let exposure = Exposure { time: Seconds(times[1]), ..EXPOSURE };
     let noise_e = sensor.noise_variance(Electrons(0.0), &exposure).sqrt();
     let formula_db = 20.0 * (sensor.saturation_capacity(&exposure).0 / noise_e * times[1] / times[0]).log10();
-    // A variance of 16 384 pixels: 5 σ are 5.5 % or 0.24 dB of the noise; the short exposure adds 0.01 % of information. The
-    // model counts 1/12 for numbers that merging need not round here: 2 % of the variance, 0.09 dB.
+    // A variance of 16 384 pixels: 5 σ are 5.5 % or 0.24 dB of the noise; the short exposure adds 0.01 % of
+    // information. The model counts 1/12 for numbers that merging need not round here: 2 % of the variance, 0.09 dB.
     assert!((found_db - formula_db).abs() < 0.24 + 0.09, "{found_db} dB for {formula_db} dB");
     assert!(found_db > 120.0, "{found_db} dB");
 }

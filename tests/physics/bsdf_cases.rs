@@ -46,7 +46,8 @@ pub(crate) fn glass(eta: f32, distribution: Ggx) -> Bsdf {
     })
 }
 
-/// Retroreflective sheeting: the part that returns along the normal, that of the rest which is scattered, index, roughness.
+/// Retroreflective sheeting: the part that returns along the normal, that of the rest which is scattered, index,
+/// roughness.
 pub(crate) fn sheeting(returned: SampledSpectrum, reflectance: SampledSpectrum, index: f32, alpha: f32) -> Bsdf {
     Bsdf::Retroreflective(Retroreflective {
         retroreflectance: returned,

@@ -29,8 +29,8 @@ fn lambda(w: DVec3, [x, y]: [f64; 2]) -> f64 {
 
 /// What facets reflect and refract of uniform light, as fractions of the power: mean over the slopes
 /// (p, q) = r·(α_x·cos φ, α_y·sin φ), whose density is dφ/(2π)·d(r²/(1 + r²)), of the facet's area seen from wo, times
-/// what it does with the light. `eta` is that of the far side; the reflectance is `fresnel(cos)`. The area grows with r,
-/// so the radial variable is t = 1/√(1 + r²), in which nothing diverges: d(r²/(1 + r²)) = 2t dt.
+/// what it does with the light. `eta` is that of the far side; the reflectance is `fresnel(cos)`. The area grows with
+/// r, so the radial variable is t = 1/√(1 + r²), in which nothing diverges: d(r²/(1 + r²)) = 2t dt.
 fn single_bounce(wo: DVec3, alpha: [f64; 2], eta: f64, fresnel: impl Fn(f64) -> f64) -> [f64; 2] {
     let n = 200;
     let (mut reflected, mut refracted) = (0.0, 0.0);
@@ -265,8 +265,8 @@ fn coat_base_and_metal_each_keep_their_share() {
                 let facets = |f0| single_bounce(wo.as_dvec3(), [f64::from(alpha); 2], 1.0, schlick(f0))[0];
                 // What the coat lets in comes out times the base colour: K integrates to 1 − E.
                 let coat = facets(0.04);
-                // Light that bounces on between metal facets takes their mean reflectance each time (Kulla and Conty): of
-                // what leaves a bounce, Ē escapes.
+                // Light that bounces on between metal facets takes their mean reflectance each time (Kulla and Conty):
+                // of what leaves a bounce, Ē escapes.
                 let mean = mean_white(f64::from(alpha));
                 let f = base + (1.0 - base) / 21.0;
                 let bounced = f * f * mean / (1.0 - f * (1.0 - mean)) * (1.0 - facets(1.0));

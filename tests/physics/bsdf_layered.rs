@@ -25,8 +25,8 @@ fn power(bsdf: &Bsdf, wo: glam::Vec3) -> [f64; 4] {
 
 #[test]
 fn white_materials_give_back_everything() {
-    // What is missing is the error of the tables at `wo` (their own tests bound it, see `bsdf::albedo`): where facets are
-    // isotropic 6e-3 for them and the same for what lies above; where they are not 0.015 instead of the first, for
+    // What is missing is the error of the tables at `wo` (their own tests bound it, see `bsdf::albedo`): where facets
+    // are isotropic 6e-3 for them and the same for what lies above; where they are not 0.015 instead of the first, for
     // refracting facets 0.045.
     const ISOTROPIC: f64 = 0.012;
     const ANISOTROPIC: f64 = 0.021;
@@ -53,8 +53,8 @@ fn white_materials_give_back_everything() {
 
 #[test]
 fn no_model_gives_back_more_than_arrives() {
-    // The largest of the errors above, for what is drawn is anisotropic; of other models the rule's own, at the narrowest
-    // lobe (α = 0.1 in cells of 0.05) some 1e-3.
+    // The largest of the errors above, for what is drawn is anisotropic; of other models the rule's own, at the
+    // narrowest lobe (α = 0.1 in cells of 0.05) some 1e-3.
     const RULE: f64 = 2e-3;
     let mut wrong = Vec::new();
     for case in drawn(60) {

@@ -32,8 +32,8 @@ fn swapping_the_directions_changes_nothing_but_the_index_factor() {
                 let (there, back) = (there[lane] * factor, back[lane]);
                 // Half vectors of refraction are right to 6e-8·(1 + η)/|η − 1| = 4e-7, ln D changes by up to 2/α = 20 a
                 // radian; cosines near 0 are right to 1e-7, here down to some 1e-3 (8000 directions a case).
-                // From inside the cosine of refraction is the root of a difference near 0 at the critical angle, right to
-                // √1.2e-7 = 3.5e-4, and reflectance falls with it by up to 4η/cos θ, some 5 times as fast.
+                // From inside the cosine of refraction is the root of a difference near 0 at the critical angle, right
+                // to √1.2e-7 = 3.5e-4, and reflectance falls with it by up to 4η/cos θ, some 5 times as fast.
                 let relative = if a.z < 0.0 && b.z < 0.0 { 2e-3 } else { 1e-4 };
                 let tolerance = relative * there.abs().max(back.abs()) + 1e-9;
                 assert!((there - back).abs() <= tolerance, "{} {a} {b} lane {lane}: {there} {back}", case.name);

@@ -10,8 +10,8 @@ use super::quadrature::integrate_sphere;
 const BLACK: SampledSpectrum = SampledSpectrum::ZERO;
 const WHITE: SampledSpectrum = SampledSpectrum::ONE;
 
-/// The part of the rays from an angle outside, rad, that enter a corner of a cube by a circular opening, meet its three faces
-/// and leave by the opening, traced one by one. The faces are the coordinate planes.
+/// The part of the rays from an angle outside, rad, that enter a corner of a cube by a circular opening, meet its three
+/// faces and leave by the opening, traced one by one. The faces are the coordinate planes.
 fn traced(index: f64, theta: f64) -> f64 {
     let axis = DVec3::ONE.normalize();
     let x = DVec3::new(1.0, -1.0, 0.0).normalize();
@@ -55,7 +55,8 @@ fn the_active_part_is_what_rays_through_a_corner_find() {
         for degrees in [0.0f64, 10.0, 25.0, 40.0, 60.0, 80.0] {
             let theta = degrees.to_radians();
             let (found, expected) = (f64::from(corners.active_part(theta.cos() as f32)), traced(index, theta));
-            // The rim cuts some 4·200 of the 31 400 cells, half of them wrongly with random signs: √800/2/31 400 = 5e-4; 5 of it.
+            // The rim cuts some 4·200 of the 31 400 cells, half of them wrongly with random signs: √800/2/31 400 =
+            // 5e-4; 5 of it.
             assert!((found - expected).abs() < 2.5e-3, "n {index} {degrees}°: {found} is not {expected}");
         }
     }
@@ -100,7 +101,8 @@ fn light_goes_back_to_where_it_comes_from_and_nowhere_else() {
                 // At half the angle between both the slope is at least half its tangent, whatever the azimuth.
                 let tan = (0.5 * wi.angle_between(wo)).tan() / alpha;
                 let elsewhere = sign.eval(wo, wi).f[0];
-                // Beside D, which is at most that, cosines of both directions divide: twice as much at most within the lobe.
+                // Beside D, which is at most that, cosines of both directions divide: twice as much at most within the
+                // lobe.
                 assert!(elsewhere <= 2.0 * back / (1.0 + tan * tan), "{degrees}° {wi}: {elsewhere} of {back}");
             }
         }

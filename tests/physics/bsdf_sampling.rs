@@ -38,8 +38,8 @@ fn histogram(bsdf: &Bsdf, wo: Vec3, seed: usize) -> Vec<f64> {
 /// How many are expected there, by integrating the density over each bin.
 fn expectation(pdf: impl Fn(Vec3) -> f64) -> Vec<f64> {
     // A bin of which the support takes a rim only, as refraction does up to the critical angle, may come out as 0: its
-    // slices do not. What is left out then has it pooled with others. 1e-6 a bin is 0.1 of 100 000 samples, below the noise
-    // of any bin that counts (expectation 5, σ = 2.2).
+    // slices do not. What is left out then has it pooled with others. 1e-6 a bin is 0.1 of 100 000 samples, below the
+    // noise of any bin that counts (expectation 5, σ = 2.2).
     let integral = |cell: &Cell| match cell.integrate(&pdf, 1e-6) {
         0.0 => cell.slices(32).iter().map(|slice| slice.integrate(&pdf, 1e-7)).sum(),
         found => found,

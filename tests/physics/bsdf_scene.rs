@@ -27,8 +27,8 @@ fn layered(layers: LayeredDescription) -> MaterialModel {
     MaterialModel::Layered(Box::new(LayeredDescription { base_colour: grey(1.0), ..layers }))
 }
 
-/// What a lossless material of each model is called, and by how much less or more it may give back. A model that is added
-/// has no place here yet, which the compiler says.
+/// What a lossless material of each model is called, and by how much less or more it may give back. A model that is
+/// added has no place here yet, which the compiler says.
 fn tolerance(model: &MaterialModel) -> (&'static str, f64) {
     match model {
         MaterialModel::Diffuse(_) => ("diffuse", 0.0),
@@ -39,8 +39,8 @@ fn tolerance(model: &MaterialModel) -> (&'static str, f64) {
         MaterialModel::Phong(_) => ("Phong", 0.5),
         MaterialModel::Translucent(_) => ("translucent", 0.0),
         MaterialModel::ThinDielectric(_) => ("thin dielectric", 0.0),
-        // What goes back to steeper angles is the smaller of both active parts: |da/dθ| ≤ 1.8/n times the mean width of the
-        // lobe, π·α, with n = 1.5 and α = 0.05².
+        // What goes back to steeper angles is the smaller of both active parts: |da/dθ| ≤ 1.8/n times the mean width of
+        // the lobe, π·α, with n = 1.5 and α = 0.05².
         MaterialModel::Retroreflective(_) => ("retroreflective", 0.0095),
         MaterialModel::Mix(_) => ("mix", 0.012),
         // The tables of `bsdf::albedo`; of all bounces within a clear body as many again.

@@ -189,7 +189,8 @@ fn nonlinear_amplifiers_and_converters_are_expected_to_bend() {
 fn crosstalk_is_part_of_the_quantum_efficiency() {
     let mut sensor = presets::model("sony-imx249-color").expect("a preset");
     let plain = quantum_efficiency(&sensor, 0, 540.0);
-    // Of a red pixel in light that green ones see: the kernel leaves it 0.9 and brings it a tenth of its green neighbours.
+    // Of a red pixel in light that green ones see: the kernel leaves it 0.9 and brings it a tenth of its green
+    // neighbours.
     let parts = [[0.0, 0.03, 0.0], [0.02, 0.9, 0.02], [0.0, 0.03, 0.0]].map(|row| row.to_vec());
     sensor.crosstalk = Some(vec![Kernel::new(&parts).expect("a kernel"); 3]);
     let expected = quantum_efficiency(&sensor, 0, 540.0);

@@ -79,9 +79,9 @@ fn colour_errors(sensor: &SensorModel, light: &Spectrum) -> (f64, f64) {
 
 #[test]
 fn a_colour_checker_comes_out_close_to_what_the_observer_sees() {
-    // What a linear matrix leaves of the difference between these channels and the observer: a mean ΔE00 of 1.1 to 1.4, the
-    // best that there is within 0.1 (tests/judges/developed_colours.py). A changed curve or light may cost a little more, a
-    // mistake in the chain costs far more: the D65 matrix alone gives a mean of 4 under A.
+    // What a linear matrix leaves of the difference between these channels and the observer: a mean ΔE00 of 1.1 to 1.4,
+    // the best that there is within 0.1 (tests/judges/developed_colours.py). A changed curve or light may cost a little
+    // more, a mistake in the chain costs far more: the D65 matrix alone gives a mean of 4 under A.
     for sensor in ["generic-cmos-color", "sony-imx249-color"] {
         for light in ["D65", "D50", "A"] {
             let model = presets::model(sensor).expect("a preset");

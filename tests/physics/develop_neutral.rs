@@ -13,7 +13,8 @@ use glam::DVec3;
 use rstest::rstest;
 
 const SIDE: usize = 384;
-/// Short: dark current adds the same to all channels, which is most to weak ones, and nothing in a raw file tells of it.
+/// Short: dark current adds the same to all channels, which is most to weak ones, and nothing in a raw file tells of
+/// it.
 const EXPOSURE: Exposure = Exposure::of(Seconds(0.01));
 
 /// A sensor with these filters over its pixels. Clear ones see what the bare silicon of a monochrome sensor does.
@@ -108,14 +109,15 @@ fn a_grey_wall_is_neutral_in_any_light_and_by_any_balance(#[case] cfa: &str, #[c
                 0.3,
             ),
         ] {
-            // Beside clear pixels colours have few electrons: what noise makes the brightest patch moves its colour. And the
-            // two numbers of a temperature cannot say the neutral of four channels in a light between those of the matrices.
+            // Beside clear pixels colours have few electrons: what noise makes the brightest patch moves its colour.
+            // And the two numbers of a temperature cannot say the neutral of four channels in a light between those of
+            // the matrices.
             if cfa == "rgbw" && matches!(settings.white_balance, WhiteBalance::WhitePatch | WhiteBalance::Temperature) {
                 continue;
             }
-            // Shot noise of 1 % a pixel leaves 0.03 % in the mean of a quarter of the pixels of a patch of 5760 or more, four times
-            // that through the colour matrix in weak channels: ΔE00 below 0.1. The rest is the nonuniformity of pixels,
-            // 1 % each.
+            // Shot noise of 1 % a pixel leaves 0.03 % in the mean of a quarter of the pixels of a patch of 5760 or
+            // more, four times that through the colour matrix in weak channels: ΔE00 below 0.1. The rest is the
+            // nonuniformity of pixels, 1 % each.
             let (found, _) = distance_from_grey(&raw, &settings);
             println!("{cfa} {light} {:?} {:?}: {found:.3}", settings.white_balance, settings.patch_px);
             assert!(found < limit, "{cfa} {light} {:?} {:?}: ΔE00 {found}", settings.white_balance, settings.patch_px);
@@ -137,7 +139,8 @@ fn no_balance_leaves_the_colour_of_the_light() {
     let mut told = raw.clone();
     told.metadata.as_shot_neutral = Some(vec![1.0; 3]);
     assert!(picture == develop_linear(&told, &DevelopSettings::default()).expect("developed").0);
-    // Illuminant A has a tenth of the blue photons of an equal-energy light for its red ones: the wall is red, then green.
+    // Illuminant A has a tenth of the blue photons of an equal-energy light for its red ones: the wall is red, then
+    // green.
     let mean = |name: &str| picture.plane(name).expect("a plane").iter().map(|&v| f64::from(v)).sum::<f64>();
     assert!(mean("R") > mean("G") && mean("G") > mean("B"));
 }

@@ -6,8 +6,8 @@ use photosite::optics::{Falloff, Focus, LensDescription, LensKind, PixelGrid};
 
 use crate::stage::{Stage, camera, irradiance, mean, square};
 
-/// Irradiance of a disk of radiance 1 and half-angle with tan t, at a point from which the disk's axis is at an angle of
-/// tangent a: P. D. Foote's formula (Bull. Bur. Standards 12, 583 (1915)), exact for any aperture.
+/// Irradiance of a disk of radiance 1 and half-angle with tan t, at a point from which the disk's axis is at an angle
+/// of tangent a: P. D. Foote's formula (Bull. Bur. Standards 12, 583 (1915)), exact for any aperture.
 pub(crate) fn disk_irradiance(t: f64, a: f64) -> f64 {
     let (t2, a2) = (t * t, a * a);
     std::f64::consts::FRAC_PI_2 * (1.0 - (1.0 + a2 - t2) / ((1.0 + a2 + t2).powi(2) - 4.0 * a2 * t2).sqrt())
@@ -56,8 +56,8 @@ fn a_uniform_environment_gives_the_exact_aperture_integral() {
                 let expected = f64::from(radiance) * disk_irradiance(t, tangent);
                 let quadrature = f64::from(radiance) * disk_irradiance_by_quadrature(t, tangent);
                 assert!((quadrature / expected - 1.0).abs() < 1e-4, "the two exact routes differ");
-                // The bounds; 2¹⁴ Sobol points of cos⁴θ, which varies by a factor of two at most, do far better,
-                // and the pixel's own width of 1 mrad changes cos⁴ by 1e-3 relative at its edges, evenly.
+                // The bounds; 2¹⁴ Sobol points of cos⁴θ, which varies by a factor of two at most, do far
+                // better, and the pixel's own width of 1 mrad changes cos⁴ by 1e-3 relative at its edges, evenly.
                 let tolerance = if degrees == 0.0 { 0.002 } else { 0.005 };
                 assert!(
                     (got / expected - 1.0).abs() < tolerance,
@@ -68,8 +68,8 @@ fn a_uniform_environment_gives_the_exact_aperture_integral() {
     }
 }
 
-/// ∫_A cos⁴θ/v² dA from the axis over an opening whose corners lie on a circle of radius t, v = 1, by the midpoint rule over
-/// the angle about the axis: in the direction φ it reaches out to ρ, and ∫₀^ρ r/(1 + r²)² dr = ρ²/(1 + ρ²)/2.
+/// ∫_A cos⁴θ/v² dA from the axis over an opening whose corners lie on a circle of radius t, v = 1, by the midpoint rule
+/// over the angle about the axis: in the direction φ it reaches out to ρ, and ∫₀^ρ r/(1 + r²)² dr = ρ²/(1 + ρ²)/2.
 fn from_the_axis(t: f64, blades: u32) -> f64 {
     const STEPS: u32 = 100_000;
     let reach = |phi: f64| match blades {
@@ -108,8 +108,8 @@ fn one_f_number_has_one_exposure_on_the_axis() {
             }
             for value in &estimate.mean.channels()[0].data {
                 // The noise is that of the two edges of the band, 2 of its 302 nm, where a sample is worth 0 to 2:
-                // √(2/302 · 4/12)/√(4 · 2¹⁴) = 1.8e-4, and with cos⁴ that of the opening, less than that with Sobol's points.
-                // Small apertures differ by (D/2v)², which is 3.9e-3 at f/8.
+                // √(2/302 · 4/12)/√(4 · 2¹⁴) = 1.8e-4, and with cos⁴ that of the opening, less than that with Sobol's
+                // points. Small apertures differ by (D/2v)², which is 3.9e-3 at f/8.
                 let error = f64::from(*value) / expected - 1.0;
                 assert!(error.abs() < 1e-3, "{kind:?} {falloff:?} f/{f_number} {blades} blades {focus:?}: {error}");
             }

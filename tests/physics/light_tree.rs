@@ -26,8 +26,8 @@ fn even(i: usize, base: usize) -> f64 {
     sum
 }
 
-/// Irradiance on the side of `normal` at the origin from the front of a polygon of radiance 1 that is wholly on that side
-/// (Lambert 1760).
+/// Irradiance on the side of `normal` at the origin from the front of a polygon of radiance 1 that is wholly on that
+/// side (Lambert 1760).
 fn from_polygon(corners: [DVec3; 4], normal: DVec3) -> f64 {
     let edge = |i: usize| {
         let (a, b) = (corners[i].normalize(), corners[(i + 1) % 4].normalize());
@@ -36,8 +36,8 @@ fn from_polygon(corners: [DVec3; 4], normal: DVec3) -> f64 {
     (0.5 * (0..4).map(edge).sum::<f64>()).max(0.0)
 }
 
-/// Corners of 3000 small squares over (`side` = 1) or under (−1) a sheet at y = 0, turned all ways. They hide less than a
-/// thousandth of each other.
+/// Corners of 3000 small squares over (`side` = 1) or under (−1) a sheet at y = 0, turned all ways. They hide less than
+/// a thousandth of each other.
 fn squares(side: f64) -> Vec<[Vec3; 4]> {
     let one = |i: usize| {
         let [x, y, z, a, b] = [2, 3, 5, 7, 11].map(|base| even(i, base));

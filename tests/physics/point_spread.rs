@@ -23,8 +23,8 @@ fn normal() -> DVec2 {
     DVec2::from_angle(5.0_f64.to_radians())
 }
 
-/// The value of the pixel at a distance from the edge: the transform of the pattern (Born, Wolf §9.5.2), times that of a
-/// square pixel, through that of a step.
+/// The value of the pixel at a distance from the edge: the transform of the pattern (Born, Wolf §9.5.2), times that of
+/// a square pixel, through that of a step.
 fn analytic(pixel: DVec2) -> f64 {
     let cut_off = PITCH_M / (f64::from(LAMBDA_NM) * 1e-9 * F_NUMBER);
     let sinc = |x: f64| if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };

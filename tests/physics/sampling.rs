@@ -13,8 +13,9 @@ use crate::bsdf_sampling::p_value;
 /// Probability that a test fails though the sampler is right.
 const SIGNIFICANCE: f64 = 0.001;
 
-/// Where a point of the opening lies, as two numbers that are uniform and independent where the point is uniform over the
-/// area: the square of how far out it is, and how far along its blade's edge (the disk: along its circle). And the blade.
+/// Where a point of the opening lies, as two numbers that are uniform and independent where the point is uniform over
+/// the area: the square of how far out it is, and how far along its blade's edge (the disk: along its circle). And the
+/// blade.
 fn place(point: DVec2, radius: f64, blades: u32, rotation_rad: f64) -> (usize, f64, f64) {
     let turns = |angle: f64| (angle / TAU).rem_euclid(1.0);
     let angle = point.y.atan2(point.x) - rotation_rad;

@@ -101,8 +101,8 @@ fn dead_time_bends_the_counts() {
     assert!(most <= exposure.time.0 / dead_time.0 + 1.0, "{most}");
 }
 
-/// Standard deviation, e⁻, of normal noise of `read_e` that is rounded to whole DN at `k` DN/e⁻, and these once more at `merged`
-/// DN/e⁻: summed over all numbers. Steps of 0.61 are not rounded as if by chance: 5 of them are nearly 3.
+/// Standard deviation, e⁻, of normal noise of `read_e` that is rounded to whole DN at `k` DN/e⁻, and these once more at
+/// `merged` DN/e⁻: summed over all numbers. Steps of 0.61 are not rounded as if by chance: 5 of them are nearly 3.
 fn rounded_noise_e(read_e: f64, k: f64, merged: Option<f64>) -> f64 {
     let normal = Normal::new(0.0, read_e * k).expect("a width");
     let numbers = (-400..=400).map(f64::from).map(|n| {
@@ -115,7 +115,8 @@ fn rounded_noise_e(read_e: f64, k: f64, merged: Option<f64>) -> f64 {
 
 #[test]
 fn two_gains_reach_from_the_noise_of_one_to_the_range_of_the_other() {
-    // Full well or end of the converter over the noise in the dark, that of the amplifiers after rounding; from the data sheets: full well, merged K, and read noise, K and range (4095 less black) of each gain.
+    // Full well or end of the converter over the noise in the dark, that of the amplifiers after rounding; from the
+    // data sheets: full well, merged K, and read noise, K and range (4095 less black) of each gain.
     for (name, full_well, merged, [high, low]) in [
         ("andor-zyla-55", 30_000.0, 2.18, [[1.38, 3.571, 4045.0 / 3.571], [8.0, 0.1333, 4045.0 / 0.1333]]),
         ("automotive-hdr-color", 22_000.0, 2.244, [[0.83, 0.748, 4031.0 / 0.748], [3.05, 0.1832, 4031.0 / 0.1832]]),
@@ -169,8 +170,8 @@ fn two_gains_meet_in_a_straight_line() {
         let m = moments(&numbers(&sensor, &EXPOSURE, mean_e, 0));
         let low = f64::from(mean_e) > 1060.0;
         let step_e = 1.0 / if low { dual.low.system_gain(Decibels(0.0)) } else { dual.high.system_gain(Decibels(0.0)) };
-        // Shot noise is wider than the steps of either converter, so that they leave the mean alone: 5 σ of it, with the
-        // wider noise of the low gain.
+        // Shot noise is wider than the steps of either converter, so that they leave the mean alone: 5 σ of it, with
+        // the wider noise of the low gain.
         let spread = 5.0 * ((f64::from(mean_e) + 64.0 + step_e * step_e / 12.0) / PIXELS).sqrt() + 0.05;
         let dark = 0.1 * 2f64.powf(25.0 / 7.0);
         let expected = f64::from(mean_e) + dark;
@@ -217,8 +218,8 @@ fn moving_boundaries_bend_the_photon_transfer_curve() {
             all.map(|(x, y)| at(x, y) * at(x + dx, y + dy)).collect::<Moments>().mean()
         };
         let variance = covariance(0, 0);
-        // The linear response of a pixel keeps 1 − 2(b_x + b_y) and gives b to each neighbour, b = a·μ/2: correlations with
-        // standard deviations of 1/256, 5 σ.
+        // The linear response of a pixel keeps 1 − 2(b_x + b_y) and gives b to each neighbour, b = a·μ/2: correlations
+        // with standard deviations of 1/256, 5 σ.
         let [bx, by] = per_e.map(|a| a * m.mean() / 2.0);
         let keep = 1.0 - 2.0 * (bx + by);
         for (dx, dy, b) in [(1, 0, bx), (0, 1, by)] {
@@ -238,8 +239,8 @@ fn moving_boundaries_bend_the_photon_transfer_curve() {
 #[test]
 fn stacked_layers_share_the_photons() {
     let sensor = presets::model("generic-stacked-color").expect("a preset");
-    // Together the layers absorb what silicon absorbs down to the bottom of the last one, by the law of Beer and Lambert
-    // with absorption coefficients as M. A. Green printed them (2008, table 1), µm⁻¹.
+    // Together the layers absorb what silicon absorbs down to the bottom of the last one, by the law of Beer and
+    // Lambert with absorption coefficients as M. A. Green printed them (2008, table 1), µm⁻¹.
     for (lambda_nm, per_um) in [(450.0f32, 2.41f64), (550.0, 0.639), (650.0, 0.279)] {
         let sum: f64 = sensor.quantum_efficiency.iter().map(|qe| f64::from(qe.eval(lambda_nm))).sum();
         let whole = 1.0 - (-per_um * 4.0).exp();

@@ -71,8 +71,8 @@ fn frames_follow_the_law_of_the_mean(#[case] fraction: f64, #[case] electrons: f
         let q = f64::from(*mean);
         let new = fraction * q + electrons.min((1.0 - fraction) * q);
         let expected = q - new + (1.0 - decay) * kept;
-        // Electrons that stay or come are drawn one by one: the variance of what stays now is at most its mean, as is that of
-        // what has been kept, whatever part of it comes.
+        // Electrons that stay or come are drawn one by one: the variance of what stays now is at most its mean, as is
+        // that of what has been kept, whatever part of it comes.
         let spread = (new + kept).sqrt();
         kept = new + decay * kept;
         let found = signals(exposed).mean();

@@ -33,7 +33,8 @@ fn electrons_of_a_known_lamp_on_a_known_patch_by_hand() {
 fn auto_exposure_brings_the_bright_pixels_to_the_level() {
     for name in presets::names() {
         let sensor = presets::model(name).expect("listed");
-        // A ramp of rates, bright enough for times that scanning sensors allow, and one pixel in 400 that shines far brighter.
+        // A ramp of rates, bright enough for times that scanning sensors allow, and one pixel in 400 that shines far
+        // brighter.
         let (width, height) = (100, 80);
         let mut rates = Planes::zeros(width, height, sensor.cfa.channels());
         for channel in rates.channels_mut() {

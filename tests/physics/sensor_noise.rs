@@ -9,7 +9,8 @@ use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
 
 use crate::sensor_cases::{EXPOSURE, flat, noisy_sensor, quiet_sensor};
 
-/// What the stages make of flat light, less the black level and the light, row by row: e⁻, as sensors here have 1 DN/e⁻.
+/// What the stages make of flat light, less the black level and the light, row by row: e⁻, as sensors here have 1
+/// DN/e⁻.
 fn noise(sensor: &SensorModel, size: [usize; 2], mean_e: f32, stages: &[Stage], frame: u64) -> Vec<f64> {
     let light = flat(sensor, size[0], size[1], mean_e);
     let key = NoiseKey { seed: 31, frame };
@@ -129,8 +130,8 @@ fn power(sequences: &[Vec<f64>], frequency: f64) -> f64 {
     sequences.iter().map(of_one).sum::<f64>() / sequences.len() as f64
 }
 
-/// Slope of log power over log frequency, by least squares, and the standard deviation of it for powers that are means of
-/// as many exponentially distributed numbers as there are sequences.
+/// Slope of log power over log frequency, by least squares, and the standard deviation of it for powers that are means
+/// of as many exponentially distributed numbers as there are sequences.
 fn spectral_slope(sequences: &[Vec<f64>], frequencies: &[f64]) -> (f64, f64) {
     let points: Vec<(f64, f64)> = frequencies.iter().map(|&f| (f.ln(), power(sequences, f).ln())).collect();
     let n = points.len() as f64;
@@ -211,7 +212,8 @@ fn telegraph_signals_stay_on_their_levels_for_the_stated_times() {
         // Sampled at intervals Δ: P(fall) = (1 − d)(1 − e^(−νΔ)), P(rise) = d·(1 − e^(−νΔ)), ν = 1/τ_high + 1/τ_low.
         let rate = -(1.0 - fall - rise).ln() / interval;
         let measured = [(fall + rise) / (rate * fall), (fall + rise) / (rate * rise)];
-        // 1.2 million pairs, of which some 10 % are changes: 120 000 counts are good to 0.3 %, amplified by less than 2.
+        // 1.2 million pairs, of which some 10 % are changes: 120 000 counts are good to 0.3 %, amplified by less than
+        // 2.
         assert!((measured[0] / high - 1.0).abs() < 0.03, "{measured:?}");
         assert!((measured[1] / low - 1.0).abs() < 0.03, "{measured:?}");
         let duty = at_high / (at_high + at_low);

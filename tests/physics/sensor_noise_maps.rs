@@ -43,9 +43,9 @@ fn assert_sum(light: &Planes, sensor: &SensorModel, exposure: &Exposure) -> Nois
             sum += value;
             size += value.abs();
         }
-        // Signals and maps are 32-bit floats, each rounded to a 2⁻²⁴th of itself. A map is rounded as a difference, in bins, by the
-        // digital gain, and twice where it is told from another; the signal, no larger than the sum of all changes, by the gain,
-        // in bins and by the digital gain. All else is taken down as it is.
+        // Signals and maps are 32-bit floats, each rounded to a 2⁻²⁴th of itself. A map is rounded as a difference, in
+        // bins, by the digital gain, and twice where it is told from another; the signal, no larger than the sum of all
+        // changes, by the gain, in bins and by the digital gain. All else is taken down as it is.
         let tolerance = 8.0 * size * (-24f64).exp2();
         assert!((sum - f64::from(number)).abs() < tolerance, "{i}: {sum} ± {tolerance} for {number}");
         assert!(tolerance < 0.25, "the test could not tell");

@@ -44,7 +44,8 @@ fn dark_current_nonuniformity_keeps_the_mean_and_is_log_normal() {
         // Variance of the sample variance: (kurtosis − 1)/n; that of a log-normal of σ = 0.4 is below 7. Half of it for
         // the deviation, 5 σ.
         assert!((found / ratio - 1.0).abs() < 5.0 * 0.5 * (6.0 / PIXELS).sqrt(), "{found} for {ratio}");
-        // The median lies below the mean by the factor 1/√(1 + ratio²), and as many lie above e^s times it as below e^-s.
+        // The median lies below the mean by the factor 1/√(1 + ratio²), and as many lie above e^s times it as below
+        // e^-s.
         let s = (1.0 + ratio * ratio).ln().sqrt();
         let mut sorted = a;
         sorted.sort_by(f64::total_cmp);

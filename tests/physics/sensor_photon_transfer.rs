@@ -97,8 +97,8 @@ fn quantisation_variance_is_a_twelfth() {
     let raw = expose(&light, &sensor, &EXPOSURE, Stages::NONE, NoiseKey::default()).expect("valid exposure");
     let error: Moments =
         raw.data.iter().enumerate().map(|(i, &dn)| f64::from(dn) - 1000.0 - f64::from(level(i))).collect();
-    // Each DN is crossed in 655 or 656 steps: the discretisation of the uniform error is of order 1/655² of 1/12, and f32
-    // rounds levels to 1.5e-5 DN.
+    // Each DN is crossed in 655 or 656 steps: the discretisation of the uniform error is of order 1/655² of 1/12, and
+    // f32 rounds levels to 1.5e-5 DN.
     assert!((error.variance() - 1.0 / 12.0).abs() < 1e-5, "{}", error.variance());
     assert!(error.mean().abs() < 1e-4, "{}", error.mean());
 }

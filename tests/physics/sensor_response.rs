@@ -57,8 +57,8 @@ fn companded_numbers_give_their_electrons_back_within_a_step() {
         let (found, codes) = recovered(&sensor, &EXPOSURE);
         assert!(codes.iter().all(|&code| u32::from(code) < 1 << companding.bits) && codes.is_sorted());
         for (&truth, found) in charges().iter().zip(found) {
-            // Half a step of the curve, here 1 e⁻ for each DN; rounding in the converter and in the table; and the white
-            // level, which stands for the full well and is itself a number of the table.
+            // Half a step of the curve, here 1 e⁻ for each DN; rounding in the converter and in the table; and the
+            // white level, which stands for the full well and is itself a number of the table.
             let level = f64::from(truth) + 1000.0;
             let step = match &companding.curve {
                 CompandingCurve::KneePoints(_) if level < 1500.0 => 1.0,
@@ -92,8 +92,8 @@ fn logarithmic_pixels_give_their_electrons_back_within_a_step() {
                 continue;
             }
             assert!((f64::from(code) - 1000.0 - signal).abs() <= 0.51, "{code} for {truth} e⁻ in {time} s");
-            // Half a number of the converter, in electrons there, and half a number of the table, which has 64 511 of them;
-            // the white level is good to half a number at saturation.
+            // Half a number of the converter, in electrons there, and half a number of the table, which has 64 511 of
+            // them; the white level is good to half a number at saturation.
             let step = (1.0 + truth / reference) / 10.0;
             let capacity = sensor.saturation_capacity(&exposure).0;
             let white_step = (1.0 + capacity / reference) / 10.0;
@@ -135,8 +135,8 @@ fn noise_of_nonlinear_sensors_is_predicted() {
             let per_dn = sensor.saturation_capacity(&EXPOSURE).0 / (f64::from(raw.white_level_dn) - black);
             let found: Moments = raw.data.iter().map(|&dn| (f64::from(dn) - black) * per_dn).collect();
             let expected = sensor.noise_variance(Electrons(mean_e.into()), &EXPOSURE);
-            // 65 536 pixels: 5 σ of a variance is 2.8 %; the 16 bits of the table add a number's rounding, and the white
-            // level is good to half a step, 0.03 %.
+            // 65 536 pixels: 5 σ of a variance is 2.8 %; the 16 bits of the table add a number's rounding, and the
+            // white level is good to half a step, 0.03 %.
             let table = per_dn * per_dn / 12.0;
             assert!((found.variance() / (expected + table) - 1.0).abs() < 0.035, "{} for {expected}", found.variance());
             let spread = 5.0 * (expected / 65_536.0).sqrt() + 4e-4 * f64::from(mean_e);

@@ -150,8 +150,9 @@ fn fixed_patterns_belong_to_the_serial_number(#[case] scans: bool) {
         assert_eq!(pattern.data, of(3, stage, 2, 7).data, "{stage:?}: neither seed nor frame changes it");
         let other = of(4, stage, 1, 0);
         assert_ne!(pattern.data, other.data, "{stage:?}");
-        // A line camera has one row of pixels, so that there are SIDE numbers in place of SIDE²; of columns, in all. The correlation
-        // of N independent pairs has the standard deviation 1/√N; 5 σ. Converters bend the same way, and no pixel is alike.
+        // A line camera has one row of pixels, so that there are SIDE numbers in place of SIDE²; of columns, in all.
+        // The correlation of N independent pairs has the standard deviation 1/√N; 5 σ. Converters bend the same way,
+        // and no pixel is alike.
         if stage != Stage::ConverterNonlinearity {
             let (a, b) = (moments(&pattern), moments(&other));
             let product = |(&x, &y): (&u16, &u16)| (f64::from(x) - a.mean()) * (f64::from(y) - b.mean());

@@ -56,8 +56,8 @@ fn wall(squares: [u8; 4], filter: Filter) -> Scene {
 }
 
 /// Paths pass pixels at places spread over all of their area, and so integrate what a pixel sees of a texture without
-/// maps of several sizes: the mean of a board much finer than pixels is that of its squares, exactly where mip maps would
-/// blur more than a pixel or shimmer.
+/// maps of several sizes: the mean of a board much finer than pixels is that of its squares, exactly where mip maps
+/// would blur more than a pixel or shimmer.
 #[rstest]
 #[case::nearest(Filter::Nearest)]
 #[case::bilinear(Filter::Linear)]
@@ -75,8 +75,8 @@ fn what_is_finer_than_a_pixel_is_seen_as_its_mean(#[case] filter: Filter) {
     let (board, white) = (values([255, 0, 0, 255]), values([255; 4]));
     let ratios: Vec<f64> = board.iter().zip(&white).map(|(board, white)| board / white).collect();
     let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-    // Were samples independent, a pixel would have a standard deviation of 0.5/√256, and the mean of 144 a twelfth of it.
-    // The white wall has the same places and wavelengths, so these cancel. 5 σ.
+    // Were samples independent, a pixel would have a standard deviation of 0.5/√256, and the mean of 144 a twelfth of
+    // it. The white wall has the same places and wavelengths, so these cancel. 5 σ.
     let sigma = 0.5 / f64::from(SAMPLES).sqrt();
     assert!((mean - 0.5).abs() < 5.0 * sigma / 12.0, "{mean}");
     assert!(ratios.iter().all(|ratio| (ratio - 0.5).abs() < 5.0 * sigma), "{ratios:?}");

@@ -183,8 +183,8 @@ fn filled(absorption_per_m: f32, index: f64) -> MaterialModel {
 
 #[test]
 fn a_slab_absorbs_by_beer_and_lamberts_law() {
-    // A slab of thickness d, index n, seen along its normal in front of a uniform sky. With R = ((n − 1)/(n + 1))² at each
-    // face and T = exp(−σd): transmitted (1 − R)²T/(1 − R²T²), reflected R + R(1 − R)²T²/(1 − R²T²).
+    // A slab of thickness d, index n, seen along its normal in front of a uniform sky. With R = ((n − 1)/(n + 1))² at
+    // each face and T = exp(−σd): transmitted (1 − R)²T/(1 − R²T²), reflected R + R(1 − R)²T²/(1 − R²T²).
     for (sigma, index, d) in [(0.0f64, 1.0, 0.5f32), (2.0, 1.0, 0.5), (3.0, 1.5, 0.2), (0.7, 2.4, 1.0)] {
         let front = square(Vec3::Z * d, Vec3::X, Vec3::Y, 1000.0);
         let back = square(Vec3::ZERO, Vec3::Y, Vec3::X, 1000.0);

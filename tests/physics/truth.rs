@@ -107,7 +107,8 @@ fn flow_is_that_of_a_passing_wall(
     let [camera, next] = [0, 1].map(|number| moving(DVec3::new(vx, vy, 0.0), row_time_s, number));
     let planes = ask(&wall().build(), &camera, &next, &[TruthLayer::Flow]);
     // A camera that rises sees things sink: by s = f·v/z rows a second. A point's row solves
-    // y = y₀ + s·(k·T + y·t_row), so that it is s·T/(1 − s·t_row) lower in the next picture; it is seen so much later, too.
+    // y = y₀ + s·(k·T + y·t_row), so that it is s·T/(1 − s·t_row) lower in the next picture; it is seen so much later,
+    // too.
     let speed = FX * vy / 2.0;
     let down = speed * 0.1 / (1.0 - speed * row_time_s);
     let expected = DVec2::new(-FX * vx / 2.0 * (0.1 + down * row_time_s), down);
@@ -120,16 +121,16 @@ fn flow_is_that_of_a_passing_wall(
     }
 }
 
-/// d = fx·b/z, positive for both cameras of a pair: the left one finds the point d to the left in the other picture, the right
-/// one d to the right.
+/// d = fx·b/z, positive for both cameras of a pair: the left one finds the point d to the left in the other picture,
+/// the right one d to the right.
 #[rstest]
 fn disparity_is_that_of_a_parallel_pair(
     #[values(0.0, 1e-3)] row_time_s: f64,
     #[values(DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y)] towards_partner: DVec3,
 ) {
     let baseline = 0.12;
-    // Both stand on the same base: where it moves, and rows are exposed one after the other, a point is still in the same
-    // row of both, if they stand side by side.
+    // Both stand on the same base: where it moves, and rows are exposed one after the other, a point is still in the
+    // same row of both, if they stand side by side.
     let level = towards_partner.y == 0.0;
     let camera = moving(DVec3::new(0.3, 0.4, 0.0), if level { row_time_s } else { 0.0 }, 2);
     let place = DAffine3::from_translation(towards_partner * baseline);
@@ -159,8 +160,8 @@ fn nothing_is_visible_in_a_picture_that_there_is_not() {
     assert!(planes.channels().iter().all(|channel| channel.data.iter().all(|&value| value == 0.0)));
 }
 
-/// Before a wall that stays, a tile that is elsewhere in the next picture: as one of two of a mesh, alone in the world, mirrored,
-/// or on its way while the picture is taken, each of which is kept in another way.
+/// Before a wall that stays, a tile that is elsewhere in the next picture: as one of two of a mesh, alone in the world,
+/// mirrored, or on its way while the picture is taken, each of which is kept in another way.
 #[rstest]
 fn flow_follows_what_moves(
     #[values(false, true)] twice: bool,
@@ -230,8 +231,8 @@ fn what_the_next_picture_hides_is_not_visible_in_it() {
     for (i, x, y) in pixels() {
         let visible = value(&planes, "flow.visible", i) == 1.0;
         let p = vector(&planes, "position", i);
-        // The cameras stand at the middle of their exposures. Seen from there, the wall at p is behind the post where the
-        // way passes z = −1 half way between −0.1 and 0.1.
+        // The cameras stand at the middle of their exposures. Seen from there, the wall at p is behind the post where
+        // the way passes z = −1 half way between −0.1 and 0.1.
         let eye = 0.1 + 1e-3;
         let passes = (p.x + eye) / 2.0;
         let pixel = DVec2::new(x as f64 + 0.5 + value(&planes, "flow.X", i), y as f64 + 0.5);
@@ -303,8 +304,9 @@ fn albedo_is_the_colour_of_the_reflectance(#[case] reflectance: Spectrum) {
     let planes = ask(&scene, &camera, &camera, &[TruthLayer::Albedo]);
     for (i, x, y) in pixels() {
         let found = DVec3::from_array(["albedo.R", "albedo.G", "albedo.B"].map(|name| value(&planes, name, i)));
-        // D65 is given at steps of 5 nm and bends by some 5 % from one to the next: a sum over steps of 6.25 nm differs from
-        // one over single nanometres by a tenth of that, and by less where it is summed over the whole of the observer.
+        // D65 is given at steps of 5 nm and bends by some 5 % from one to the next: a sum over steps of 6.25 nm differs
+        // from one over single nanometres by a tenth of that, and by less where it is summed over the whole of the
+        // observer.
         assert!((found - expected).abs().max_element() < 2e-3, "{x}, {y}: {found}, not {expected}");
     }
 }

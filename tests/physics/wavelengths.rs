@@ -87,10 +87,10 @@ fn own(pixel: usize) -> usize {
 
 #[test]
 fn wavelengths_for_the_own_filter_are_right_for_all_and_quieter_for_it() {
-    // Of the wavelengths for all, a part q ≈ 1/8 is in the band of a filter; of its own, p ≈ 0.95. A single one has a relative
-    // variance of 1/q − 1 or 1/p − 1, a ratio of some 130. Of four in even steps four or three are in its own band, with a
-    // variance of 0.012, and one or none in that of one of all, with 1, a ratio of some 80. A quarter is asked for. (Of four
-    // bands, the wavelengths for all put one into each, and are as quiet.)
+    // Of the wavelengths for all, a part q ≈ 1/8 is in the band of a filter; of its own, p ≈ 0.95. A single one has a
+    // relative variance of 1/q − 1 or 1/p − 1, a ratio of some 130. Of four in even steps four or three are in its own
+    // band, with a variance of 0.012, and one or none in that of one of all, with 1, a ratio of some 80. A quarter is
+    // asked for. (Of four bands, the wavelengths for all put one into each, and are as quiet.)
     let glasses = [
         ("constant", Dispersion::constant(1.5), 20.0),
         ("dispersing", Dispersion::Cauchy { a: 1.5, b_um2: 0.004, c_um4: 0.0 }, 32.0),
@@ -101,7 +101,8 @@ fn wavelengths_for_the_own_filter_are_right_for_all_and_quieter_for_it() {
             .map(|wavelengths| picture(wavelengths, glass.clone()));
         let mut gains = Vec::new();
         for (channel, response) in responses().iter().enumerate() {
-            // A sky that is the same everywhere looks the same through a pane, which reflects as much of it as it holds back.
+            // A sky that is the same everywhere looks the same through a pane, which reflects as much of it as it holds
+            // back.
             let lit = response.spectrum.product(illuminant::d65()).integral();
             for pixel in 0..pixels {
                 let values = [&all, &own_filter].map(|estimate| {

@@ -1,7 +1,7 @@
 //! What has to be put away when the program ends early: temporary files, unfinished folders, locks.
 //!
-//! A signal ends the program from another thread, where nothing is dropped. So what is unfinished says here how to be put
-//! away, and is put away by whichever comes first: its own drop, or the end of the program.
+//! A signal ends the program from another thread, where nothing is dropped. So what is unfinished says here how to be
+//! put away, and is put away by whichever comes first: its own drop, or the end of the program.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -257,7 +257,8 @@ impl Error {
     }
 }
 
-/// Whether what the operating system gives as its reason may have passed by the next try: disks get space, servers come back.
+/// Whether what the operating system gives as its reason may have passed by the next try: disks get space, servers come
+/// back.
 fn may_pass(reason: &std::io::Error) -> bool {
     /// "Input/output error", which std has no kind for: of this disk, or of a server that went away.
     const EIO: i32 = 5;

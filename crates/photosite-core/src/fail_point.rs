@@ -1,8 +1,8 @@
 //! Fail points: named places at which a test lets the program end as if it had been killed.
 //!
-//! Where the variable `PHOTOSITE_FAIL_POINT` is `NAME:N`, the program ends when it reaches the point of that name for the
-//! N-th time: at once, with status 137 as after SIGKILL, and without putting anything away. Without the variable a point
-//! costs one comparison. Points stand where files change, never in hot loops:
+//! Where the variable `PHOTOSITE_FAIL_POINT` is `NAME:N`, the program ends when it reaches the point of that name for
+//! the N-th time: at once, with status 137 as after SIGKILL, and without putting anything away. Without the variable a
+//! point costs one comparison. Points stand where files change, never in hot loops:
 //!
 //! | name | where |
 //! |---|---|

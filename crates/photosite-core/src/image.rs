@@ -84,8 +84,8 @@ impl Planes {
 pub struct Estimate {
     /// The estimated quantity.
     pub mean: Planes,
-    /// Variance of the mean, in the squared unit; channels of which it is not known are missing. With a stratified sampler (Sobol) this is an upper bound in practice,
-    /// since it is computed as if samples were independent.
+    /// Variance of the mean, in the squared unit; channels of which it is not known are missing. With a stratified
+    /// sampler (Sobol) this is an upper bound in practice, since it is computed as if samples were independent.
     pub variance: Planes,
 }
 

@@ -57,7 +57,8 @@ pub fn write_unsynced(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Resu
     Temporary::write(path, write)?.persist(path).map(|_| ())
 }
 
-/// The same as [`write_whole`], or as [`write_unsynced`]; what tells the file from one that another process puts in its place.
+/// The same as [`write_whole`], or as [`write_unsynced`]; what tells the file from one that another process puts in its
+/// place.
 pub fn write_stamped(
     path: &Path,
     is_synced: bool,

@@ -11,21 +11,21 @@
 //! E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, PhD thesis, Stanford (1997).
 //!
 //! ## Conty18
-//! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the ACM on
-//! Computer Graphics and Interactive Techniques 1(2) (2018).
+//! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the
+//! ACM on Computer Graphics and Interactive Techniques 1(2) (2018).
 //!
 //! ## Belcour14
-//! L. Belcour, R. Pacanowski, M. Delahaie, A. Laville-Geay, L. Eupherte, "Bidirectional reflectance distribution function
-//! measurements and analysis of retroreflective materials", Journal of the Optical Society of America A 31(12), 2561–2572
-//! (2014).
+//! L. Belcour, R. Pacanowski, M. Delahaie, A. Laville-Geay, L. Eupherte, "Bidirectional reflectance distribution
+//! function measurements and analysis of retroreflective materials", Journal of the Optical Society of America A
+//! 31(12), 2561–2572 (2014).
 //!
 //! ## Portsmouth26
-//! J. Portsmouth, M. Raab, L. Belcour, F. Liu, "The Minimal Retroreflective Microfacet Model", Journal of Computer Graphics
-//! Techniques 15(1) (2026).
+//! J. Portsmouth, M. Raab, L. Belcour, F. Liu, "The Minimal Retroreflective Microfacet Model", Journal of Computer
+//! Graphics Techniques 15(1) (2026).
 //!
 //! ## Degnan93
-//! J. J. Degnan, "Millimeter Accuracy Satellite Laser Ranging: a Review", Contributions of Space Geodesy to Geodynamics:
-//! Technology, Geodynamics Series 25, 133–162 (1993), on cube corners with circular openings.
+//! J. J. Degnan, "Millimeter Accuracy Satellite Laser Ranging: a Review", Contributions of Space Geodesy to
+//! Geodynamics: Technology, Geodynamics Series 25, 133–162 (1993), on cube corners with circular openings.
 //!
 //! ## Baum89
 //! D. R. Baum, H. E. Rushmeier, J. M. Winget, "Improving Radiosity Solutions Through the Use of Analytically Determined
@@ -38,14 +38,15 @@
 //! J. Arvo, D. Kirk, "Particle Transport and Image Synthesis", Computer Graphics (SIGGRAPH) 24(4) (1990).
 //!
 //! ## Bekaert02
-//! P. Bekaert, M. Sbert, J. Halton, "Accelerating Path Tracing by Re-Using Paths", Eurographics Workshop on Rendering (2002).
+//! P. Bekaert, M. Sbert, J. Halton, "Accelerating Path Tracing by Re-Using Paths", Eurographics Workshop on Rendering
+//! (2002).
 //!
 //! ## KirkArvo91
 //! D. Kirk, J. Arvo, "Unbiased Sampling Techniques for Image Synthesis", Computer Graphics (SIGGRAPH) 25(4) (1991).
 //!
 //! ## KingmaBa15
-//! D. P. Kingma, J. Ba, "Adam: A Method for Stochastic Optimization", International Conference on Learning Representations
-//! (2015), algorithm 1.
+//! D. P. Kingma, J. Ba, "Adam: A Method for Stochastic Optimization", International Conference on Learning
+//! Representations (2015), algorithm 1.
 //!
 //! ## Wilkie14
 //! A. Wilkie et al., "Hero Wavelength Spectral Sampling", Computer Graphics Forum 33(4) (2014).
@@ -78,8 +79,8 @@
 //! W3C, *Portable Network Graphics (PNG) Specification*, 3rd edition (2025); its code points are those of ITU-T H.273.
 //!
 //! ## Zhang05
-//! L. Zhang, X. Wu, "Color Demosaicking via Directional Linear Minimum Mean Square-Error Estimation", IEEE Transactions on
-//! Image Processing 14(12), 2167–2178 (2005).
+//! L. Zhang, X. Wu, "Color Demosaicking via Directional Linear Minimum Mean Square-Error Estimation", IEEE Transactions
+//! on Image Processing 14(12), 2167–2178 (2005).
 //!
 //! ## Chaix07
 //! B. Chaix de Lavarène, D. Alleysson, J. Hérault, "Practical Implementation of LMMSE Demosaicing Using Luminance and
@@ -89,30 +90,31 @@
 //! Adobe Systems, *Digital Negative (DNG) Specification*, version 1.6.0.0 (2021).
 //!
 //! ## Iso12232
-//! ISO 12232:2019, *Photography – Digital still cameras – Determination of exposure index, ISO speed ratings, standard output
-//! sensitivity, and recommended exposure index*.
+//! ISO 12232:2019, *Photography – Digital still cameras – Determination of exposure index, ISO speed ratings, standard
+//! output sensitivity, and recommended exposure index*.
 //!
 //! ## Kavadias00
-//! S. Kavadias, B. Dierickx, D. Scheffer, A. Alaerts, D. Uwaerts, J. Bogaerts, "A Logarithmic Response CMOS Image Sensor with
-//! On-Chip Calibration", IEEE Journal of Solid-State Circuits 35(8), 1146–1152 (2000).
+//! S. Kavadias, B. Dierickx, D. Scheffer, A. Alaerts, D. Uwaerts, J. Bogaerts, "A Logarithmic Response CMOS Image
+//! Sensor with On-Chip Calibration", IEEE Journal of Solid-State Circuits 35(8), 1146–1152 (2000).
 //!
 //! ## Robertson03
-//! M. A. Robertson, S. Borman, R. L. Stevenson, "Estimation-Theoretic Approach to Dynamic Range Enhancement Using Multiple
-//! Exposures", Journal of Electronic Imaging 12(2), 219–228 (2003).
+//! M. A. Robertson, S. Borman, R. L. Stevenson, "Estimation-Theoretic Approach to Dynamic Range Enhancement Using
+//! Multiple Exposures", Journal of Electronic Imaging 12(2), 219–228 (2003).
 //!
 //! ## Granados10
 //! M. Granados, B. Ajdin, M. Wand, C. Theobalt, H.-P. Seidel, H. P. A. Lensch, "Optimal HDR Reconstruction with Linear
 //! Digital Cameras", IEEE CVPR, 215–222 (2010).
 //!
 //! ## GarridoJurado14
-//! S. Garrido-Jurado, R. Muñoz-Salinas, F. J. Madrid-Cuevas, M. J. Marín-Jiménez, "Automatic Generation and Detection of
-//! Highly Reliable Fiducial Markers under Occlusion", Pattern Recognition 47(6), 2280–2292 (2014): ArUco.
+//! S. Garrido-Jurado, R. Muñoz-Salinas, F. J. Madrid-Cuevas, M. J. Marín-Jiménez, "Automatic Generation and Detection
+//! of Highly Reliable Fiducial Markers under Occlusion", Pattern Recognition 47(6), 2280–2292 (2014): ArUco.
 //!
 //! ## Olson11
 //! E. Olson, "AprilTag: A Robust and Flexible Visual Fiducial System", IEEE ICRA, 3400–3407 (2011).
 //!
 //! ## T81
-//! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG, 1992).
+//! ITU-T Recommendation T.81 | ISO/IEC 10918-1, *Digital compression and coding of continuous-tone still images* (JPEG,
+//! 1992).
 //!
 //! ## Mikkelsen08
 //! M. S. Mikkelsen, *Simulation of Wrinkled Surfaces Revisited*, master's thesis, University of Copenhagen (2008).
@@ -156,8 +158,8 @@
 //! Transactions on Image Processing 16(1), 132–141 (2007).
 //!
 //! ## Compton07
-//! J. T. Compton, J. F. Hamilton Jr., "Image sensor with improved light sensitivity", US patent application 2007/0024931
-//! (Eastman Kodak, 2007).
+//! J. T. Compton, J. F. Hamilton Jr., "Image sensor with improved light sensitivity", US patent application
+//! 2007/0024931 (Eastman Kodak, 2007).
 //!
 //! ## Karis13
 //! B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH course notes (2013).
@@ -212,8 +214,8 @@
 //! J. R. Janesick, *Scientific Charge-Coupled Devices*, SPIE Press (2001).
 //!
 //! ## Fossum14
-//! E. R. Fossum, D. B. Hondongwa, "A Review of the Pinned Photodiode for CCD and CMOS Image Sensors", IEEE Journal of the
-//! Electron Devices Society 2(3), 33–43 (2014).
+//! E. R. Fossum, D. B. Hondongwa, "A Review of the Pinned Photodiode for CCD and CMOS Image Sensors", IEEE Journal of
+//! the Electron Devices Society 2(3), 33–43 (2014).
 //!
 //! ## Varshni67
 //! Y. P. Varshni, "Temperature dependence of the energy gap in semiconductors", Physica 34(1), 149–154 (1967).
@@ -230,8 +232,8 @@
 //! structure*, ICC.1:2022 (profile version 4.4).
 //!
 //! ## Sharma05
-//! G. Sharma, W. Wu, E. N. Dalal, "The CIEDE2000 Color-Difference Formula: Implementation Notes, Supplementary Test Data,
-//! and Mathematical Observations", Color Research & Application 30(1), 21–30 (2005).
+//! G. Sharma, W. Wu, E. N. Dalal, "The CIEDE2000 Color-Difference Formula: Implementation Notes, Supplementary Test
+//! Data, and Mathematical Observations", Color Research & Application 30(1), 21–30 (2005).
 //!
 //! ## Smith78
 //! A. R. Smith, "Color Gamut Transform Pairs", SIGGRAPH (1978).
@@ -256,8 +258,8 @@
 //! ICASSP (2004).
 //!
 //! ## Hirakawa05
-//! K. Hirakawa, T. W. Parks, "Adaptive Homogeneity-Directed Demosaicing Algorithm", IEEE Transactions on Image Processing
-//! 14(3), 360–369 (2005).
+//! K. Hirakawa, T. W. Parks, "Adaptive Homogeneity-Directed Demosaicing Algorithm", IEEE Transactions on Image
+//! Processing 14(3), 360–369 (2005).
 //!
 //! ## Knutsson93
 //! H. Knutsson, C.-F. Westin, "Normalized and Differential Convolution", CVPR (1993).
@@ -297,15 +299,16 @@
 //! Solar Energy Materials and Solar Cells 92, 1305–1310 (2008).
 //!
 //! ## Ruyten99
-//! W. Ruyten, "Smear correction for frame transfer charge-coupled-device cameras", Optics Letters 24(13), 878–880 (1999).
+//! W. Ruyten, "Smear correction for frame transfer charge-coupled-device cameras", Optics Letters 24(13), 878–880
+//! (1999).
 //!
 //! ## Antilogus14
 //! P. Antilogus, P. Astier, P. Doherty, A. Guyonnet, N. Regnault, "The brighter-fatter effect and pixel correlations in
 //! CCD sensors", Journal of Instrumentation 9, C03048 (2014).
 //!
 //! ## Guyonnet15
-//! A. Guyonnet, P. Astier, P. Antilogus, N. Regnault, P. Doherty, "Evidence for self-interaction of charge distribution in
-//! charge-coupled devices", Astronomy & Astrophysics 575, A41 (2015).
+//! A. Guyonnet, P. Astier, P. Antilogus, N. Regnault, P. Doherty, "Evidence for self-interaction of charge distribution
+//! in charge-coupled devices", Astronomy & Astrophysics 575, A41 (2015).
 //!
 //! ## Knoll10
 //! G. F. Knoll, *Radiation Detection and Measurement*, 4th edition (2010).
@@ -328,24 +331,25 @@
 //! M. Born, E. Wolf, *Principles of Optics*, 7th edition, Cambridge University Press (1999).
 //!
 //! ## OpenCv
-//! OpenCV 4, *Camera Calibration and 3D Reconstruction* (calib3d), <https://docs.opencv.org/4.x/d9/d0c/group__calib3d.html>;
-//! its `fisheye` and `omnidir` namespaces.
+//! OpenCV 4, *Camera Calibration and 3D Reconstruction* (calib3d),
+//! <https://docs.opencv.org/4.x/d9/d0c/group__calib3d.html>; its `fisheye` and `omnidir` namespaces.
 //!
 //! ## Colmap
-//! J. L. Schönberger et al., COLMAP documentation, "Output Format" and "Camera Models", <https://colmap.github.io/format.html>.
+//! J. L. Schönberger et al., COLMAP documentation, "Output Format" and "Camera Models",
+//! <https://colmap.github.io/format.html>.
 //!
 //! ## Euroc
-//! M. Burri, J. Nikolic, P. Gohl, T. Schneider, J. Rehder, S. Omari, M. W. Achtelik, R. Siegwart, "The EuRoC Micro Aerial
-//! Vehicle Datasets", International Journal of Robotics Research 35(10), 1157–1163 (2016); the sensor and ground-truth files
-//! of the data sets.
+//! M. Burri, J. Nikolic, P. Gohl, T. Schneider, J. Rehder, S. Omari, M. W. Achtelik, R. Siegwart, "The EuRoC Micro
+//! Aerial Vehicle Datasets", International Journal of Robotics Research 35(10), 1157–1163 (2016); the sensor and
+//! ground-truth files of the data sets.
 //!
 //! ## Kalibr
-//! Kalibr wiki, "Bag format", "Calibration targets", "YAML formats", <https://github.com/ethz-asl/kalibr/wiki>; its program
-//! `kalibr_bagcreater`.
+//! Kalibr wiki, "Bag format", "Calibration targets", "YAML formats", <https://github.com/ethz-asl/kalibr/wiki>; its
+//! program `kalibr_bagcreater`.
 //!
 //! ## Bop
-//! T. Hodaň et al., "BOP: Benchmark for 6D Object Pose Estimation", ECCV (2018); BOP toolkit, `docs/bop_datasets_format.md`
-//! and `scripts/calc_gt_info.py`, <https://github.com/thodan/bop_toolkit>.
+//! T. Hodaň et al., "BOP: Benchmark for 6D Object Pose Estimation", ECCV (2018); BOP toolkit,
+//! `docs/bop_datasets_format.md` and `scripts/calc_gt_info.py`, <https://github.com/thodan/bop_toolkit>.
 //!
 //! ## Coco
 //! COCO, "Data format", <https://cocodataset.org/#format-data>; its program interface `pycocotools/mask.py`,
@@ -362,22 +366,24 @@
 //! A. W. Fitzgibbon, "Simultaneous Linear Estimation of Multiple View Geometry and Lens Distortion", IEEE CVPR (2001).
 //!
 //! ## MeiRives07
-//! C. Mei, P. Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids", IEEE ICRA, 3945–3950 (2007).
+//! C. Mei, P. Rives, "Single View Point Omnidirectional Camera Calibration from Planar Grids", IEEE ICRA, 3945–3950
+//! (2007).
 //!
 //! ## Michalsky88
-//! J. J. Michalsky, "The Astronomical Almanac's Algorithm for Approximate Solar Position (1950–2050)", Solar Energy 40(3),
-//! 227–235 (1988).
+//! J. J. Michalsky, "The Astronomical Almanac's Algorithm for Approximate Solar Position (1950–2050)", Solar Energy
+//! 40(3), 227–235 (1988).
 //!
 //! ## HosekWilkie12
-//! L. Hosek, A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics 31(4) (2012).
+//! L. Hosek, A. Wilkie, "An Analytic Model for Full Spectral Sky-Dome Radiance", ACM Transactions on Graphics 31(4)
+//! (2012).
 //!
 //! ## HosekWilkie13
-//! L. Hosek, A. Wilkie, "Adding a Solar-Radiance Function to the Hošek–Wilkie Skylight Model", IEEE Computer Graphics and
-//! Applications 33(3) (2013).
+//! L. Hosek, A. Wilkie, "Adding a Solar-Radiance Function to the Hošek–Wilkie Skylight Model", IEEE Computer Graphics
+//! and Applications 33(3) (2013).
 //!
 //! ## LM63
-//! ANSI/IES LM-63, *Standard File Format for the Electronic Transfer of Photometric Data and Related Information*, editions
-//! of 1986 to 2019.
+//! ANSI/IES LM-63, *Standard File Format for the Electronic Transfer of Photometric Data and Related Information*,
+//! editions of 1986 to 2019.
 //!
 //! ## Siegman86
 //! A. E. Siegman, *Lasers*, University Science Books (1986).

@@ -4,8 +4,8 @@
 /// `aperture` 0.1 of `f_number`.
 const LEAST_SIMILARITY: f64 = 0.5;
 
-/// How much two words are alike, 0–1, capitals aside: the part of their letters that are in place. A word that is in the
-/// other one whole, as `samples` in `samples_per_pixel`, counts as half of the way there.
+/// How much two words are alike, 0–1, capitals aside: the part of their letters that are in place. A word that is in
+/// the other one whole, as `samples` in `samples_per_pixel`, counts as half of the way there.
 fn similarity(word: &str, candidate: &str) -> f64 {
     /// Fewer letters are in many words.
     const SHORTEST_PART: usize = 3;

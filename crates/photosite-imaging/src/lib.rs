@@ -1,8 +1,8 @@
 //! Imaging: from electrons to digital numbers, raw files and pictures, and what can be measured in them.
 //!
 //! [`raw`] holds digital numbers and reads and writes them as DNG, TIFF, PGM and NPY; [`sensor`] makes them of light;
-//! [`develop`] makes pictures of them; [`measure`], [`validation`] and [`characterisation`] take figures from pictures and
-//! raw images. Scenes and rays are left to others.
+//! [`develop`] makes pictures of them; [`measure`], [`validation`] and [`characterisation`] take figures from pictures
+//! and raw images. Scenes and rays are left to others.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,5 @@
-//! IES files ([LM63](photosite_core::references#lm63)): luminous intensities of a lamp as a goniophotometer measured them.
+//! IES files ([LM63](photosite_core::references#lm63)): luminous intensities of a lamp as a goniophotometer measured
+//! them.
 //!
 //! In: the text of a file of any edition from 1986 on. Out: a [`Profile`] in candela, of photometric type C.
 
@@ -138,8 +139,8 @@ fn parse(text: &str) -> Result<Profile, Problem> {
     Ok(Profile::new(radians(vertical), horizontal, candela))
 }
 
-/// Horizontal angles from 0 to 360 degrees, and which of those of the file each stands for: files leave out what symmetry
-/// gives.
+/// Horizontal angles from 0 to 360 degrees, and which of those of the file each stands for: files leave out what
+/// symmetry gives.
 fn all_around(angles: &[f64]) -> Result<(Vec<f64>, Vec<usize>), Invalid> {
     let mut rows: Vec<(f64, usize)> = angles.iter().copied().zip(0..).collect();
     let mirrored = |rows: &[(f64, usize)], about: f64| {

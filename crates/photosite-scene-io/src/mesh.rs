@@ -113,8 +113,8 @@ fn unit(v: Vec3) -> Option<Vec3> {
 }
 
 /// Normals at the vertices, averaged over the triangles around each, weighted by their angle there
-/// ([Thürmer98](photosite_core::references#thuermer98)): the result does not depend on how polygons were cut into triangles.
-/// A vertex without triangles gets +Y.
+/// ([Thürmer98](photosite_core::references#thuermer98)): the result does not depend on how polygons were cut into
+/// triangles. A vertex without triangles gets +Y.
 pub(crate) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; positions.len()];
     for triangle in triangles {

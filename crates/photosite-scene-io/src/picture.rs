@@ -22,8 +22,8 @@ pub fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
     decode_picture(&bytes, path.display().to_string())
 }
 
-/// Decodes a PNG, JPEG, WebP, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep their
-/// encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
+/// Decodes a PNG, JPEG, WebP, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep
+/// their encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
 pub(crate) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
     let picture = decode(bytes, &name)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);

@@ -21,18 +21,18 @@ pub(crate) struct CameraTable {
     pub(crate) motion: Option<MotionTable>,
 }
 
-/// A motion at constant velocities, from the pose of [camera] at the start of the first picture on; or poses. capture.json and
-/// what is made of it have the pose halfway through the first picture, pose_time_s after its start.
+/// A motion at constant velocities, from the pose of [camera] at the start of the first picture on; or poses.
+/// capture.json and what is made of it have the pose halfway through the first picture, pose_time_s after its start.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MotionTable {
     /// Velocity of the lens along the world's axes, m/s. Left out: 0.
     pub(crate) velocity_m_per_s: Option<[f64; 3]>,
-    /// Angular velocity about the camera's own axes (x right, y up, z backward), degrees per second; about y, above 0, it
-    /// pans to the left. Left out: 0.
+    /// Angular velocity about the camera's own axes (x right, y up, z backward), degrees per second; about y, above 0,
+    /// it pans to the left. Left out: 0.
     pub(crate) angular_velocity_deg_per_s: Option<[f64; 3]>,
-    /// In place of velocities: poses at times, between which the camera goes straight and turns evenly. Before the first
-    /// and after the last it stands still. [camera] says nothing else then.
+    /// In place of velocities: poses at times, between which the camera goes straight and turns evenly. Before the
+    /// first and after the last it stands still. [camera] says nothing else then.
     pub(crate) poses: Option<Vec<PoseTable>>,
 }
 
@@ -59,10 +59,11 @@ pub(crate) struct LensTable {
     pub(crate) kind: Option<LensType>,
     /// Focal length, mm. Left out: what the field of view of a glTF camera or the intrinsics ask for, else 16.
     pub(crate) focal_length_mm: Option<f64>,
-    /// Focal length over the diameter of the aperture, or of the circle through the corners of one with blades. Left out: 8.
+    /// Focal length over the diameter of the aperture, or of the circle through the corners of one with blades. Left
+    /// out: 8.
     pub(crate) f_number: Option<f64>,
-    /// Distance from the lens to what is sharp, along the axis, m; "infinity"; or "scene", that of the middle of the geometry
-    /// (of the picture where that cannot be focused on). Nothing to a pinhole.
+    /// Distance from the lens to what is sharp, along the axis, m; "infinity"; or "scene", that of the middle of the
+    /// geometry (of the picture where that cannot be focused on). Nothing to a pinhole.
     pub(crate) focus_distance_m: Option<FocusDistance>,
     /// Focuses on what is seen at a pixel: column and row from the top-left corner, or "centre". Left out, as is the
     /// distance: "centre". Nothing to a pinhole.
@@ -73,8 +74,8 @@ pub(crate) struct LensTable {
     pub(crate) blade_rotation_deg: Option<f64>,
     /// Whether it gets darker towards the corners. Left out: "cos4".
     pub(crate) falloff: Option<FalloffName>,
-    /// Transmittance, 0–1: a number, the name of a spectrum that ships with photosite, or { file = "lens.csv" }. Left out:
-    /// 1.
+    /// Transmittance, 0–1: a number, the name of a spectrum that ships with photosite, or { file = "lens.csv" }. Left
+    /// out: 1.
     pub(crate) transmittance: Option<SpectrumSource>,
     /// How directions become places in the picture. Left out: "fisheye" with distortion of kannala-brandt,
     /// "omnidirectional" with xi, else "perspective".
@@ -103,8 +104,8 @@ pub(crate) struct LensTable {
 pub(crate) enum LensType {
     /// With depth of field.
     Thin,
-    /// Everything is sharp, and the picture lies one focal length behind it, without focus; the f-number sets the exposure only,
-    /// to that of a thin lens on the axis.
+    /// Everything is sharp, and the picture lies one focal length behind it, without focus; the f-number sets the
+    /// exposure only, to that of a thin lens on the axis.
     Pinhole,
 }
 
@@ -134,8 +135,8 @@ pub(crate) enum AutofocusTable {
 pub(crate) enum FalloffName {
     /// By the natural cos⁴ of each point of the aperture, for a rectilinear lens; by the étendue for any other.
     Cos4,
-    /// As bright everywhere as on the axis of a thin lens of this f-number: π·sin²θ' times the mean radiance over a round
-    /// aperture, where tan θ' is its radius over the distance from the lens to the sensor.
+    /// As bright everywhere as on the axis of a thin lens of this f-number: π·sin²θ' times the mean radiance over a
+    /// round aperture, where tan θ' is its radius over the distance from the lens to the sensor.
     None,
 }
 
@@ -219,8 +220,8 @@ pub(crate) enum PointSpreadTable {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum KernelOrigin {
-    /// The middle of its rows and columns: the centre of a value where their number is odd, and where it is even half-way
-    /// between two. Light that is not about it shifts the picture, against ground truth as well.
+    /// The middle of its rows and columns: the centre of a value where their number is odd, and where it is even
+    /// half-way between two. Light that is not about it shifts the picture, against ground truth as well.
     Centre,
     /// Its light in the mean, so that it shifts nothing.
     Centroid,
@@ -232,8 +233,8 @@ pub(crate) enum KernelOrigin {
 pub(crate) struct KernelTable {
     /// CSV file: a row of numbers a line; only their ratios count.
     pub(crate) file: String,
-    /// Where in the picture it was measured, from −1 at the left and the top edge to 1 at the opposite ones. Left out: the
-    /// middle.
+    /// Where in the picture it was measured, from −1 at the left and the top edge to 1 at the opposite ones. Left out:
+    /// the middle.
     #[serde(default)]
     pub(crate) at: [f64; 2],
 }

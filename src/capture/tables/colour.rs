@@ -5,8 +5,8 @@ use serde::Deserialize;
 
 use crate::sensor::{CurveFile, SpectrumSource};
 
-/// What part of the light a surface reflects: a number 0–1, an sRGB triple as displayed such as [0.8, 0.2, 0.1], the name
-/// of a reflectance that ships with photosite such as "colour-checker/15-red", { file = "red.csv" },
+/// What part of the light a surface reflects: a number 0–1, an sRGB triple as displayed such as [0.8, 0.2, 0.1], the
+/// name of a reflectance that ships with photosite such as "colour-checker/15-red", { file = "red.csv" },
 /// { linear_rgb = [0.6, 0.03, 0.01] } or { texture = "wood.png" }.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(

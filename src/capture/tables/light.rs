@@ -76,7 +76,8 @@ macro_rules! light_table {
             /// Name of an illuminant: "D65", "A", "F11", "LED-B3", "3000K" (a blackbody) … Left out, as are the other
             /// colours: "D65".
             pub(crate) illuminant: Option<String>,
-            /// A spectrum: the name of one that ships with photosite, { file = "lamp.csv" }, or a number for equal energy.
+            /// A spectrum: the name of one that ships with photosite, { file = "lamp.csv" }, or a number for equal
+            /// energy.
             pub(crate) spectrum: Option<SpectrumSource>,
             /// sRGB as displayed, 0–1 each.
             pub(crate) rgb: Option<[f64; 3]>,
@@ -147,8 +148,8 @@ light_table! {
         gltf_light: Option<String>,
         /// A point that it shines at, m; or give its direction.
         look_at_m: Option<[f64; 3]>,
-        /// The direction that it shines in, of any length; or give look_at_m. Left out, as is look_at_m: down, or that of
-        /// gltf_light.
+        /// The direction that it shines in, of any length; or give look_at_m. Left out, as is look_at_m: down, or that
+        /// of gltf_light.
         direction: Option<[f64; 3]>,
         /// Turns it about that direction, degrees, clockwise seen from behind the lamp.
         rotation_deg: Option<f64>,
@@ -194,8 +195,8 @@ light_table! {
         look_at_m: Option<[f64; 3]>,
         /// The direction that it shines in, of any length; or give look_at_m.
         direction: Option<[f64; 3]>,
-        /// Turns it about that direction, degrees, clockwise seen along the beam. At 0 its second axis is as far up as it
-        /// can be.
+        /// Turns it about that direction, degrees, clockwise seen along the beam. At 0 its second axis is as far up as
+        /// it can be.
         rotation_deg: Option<f64>,
         /// Radii where it begins along its two axes, to 1/e² of the irradiance in the middle, mm.
         waist_radius_mm: [f64; 2],

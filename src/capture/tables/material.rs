@@ -337,16 +337,16 @@ surface_table! {
 }
 
 surface_table! {
-    /// Retroreflective sheeting, as of road signs and of markers for motion capture: cube corners below a clear surface send
-    /// light back to where it comes from.
+    /// Retroreflective sheeting, as of road signs and of markers for motion capture: cube corners below a clear surface
+    /// send light back to where it comes from.
     RetroreflectiveTable {
-        /// The part of the light along the normal that goes back. From aslant it is less: corners pass on what they do not
-        /// hold, and nothing goes back where light is steeper than 35.3° within the sheeting.
+        /// The part of the light along the normal that goes back. From aslant it is less: corners pass on what they do
+        /// not hold, and nothing goes back where light is steeper than 35.3° within the sheeting.
         retroreflectance: ReflectanceSource,
         /// The part of all other light that is scattered by Lambert's law.
         reflectance: ReflectanceSource,
-        /// How wide the lobe is about the direction back: microfacets have α = roughness², and luminance has fallen to half
-        /// at an observation angle of 1.29·α rad. Left out: 0.1, which is 0.74°.
+        /// How wide the lobe is about the direction back: microfacets have α = roughness², and luminance has fallen to
+        /// half at an observation angle of 1.29·α rad. Left out: 0.1, which is 0.74°.
         roughness: Option<f64>,
         /// Refractive index of the sheeting, at least 1. Left out: that of polycarbonate, 1.586.
         index: Option<f64>,
@@ -381,8 +381,8 @@ pub(crate) struct EmissionTable {
     /// Name of an illuminant: "D65", "A", "F11", "LED-B3", "3000K" (a blackbody) … Left out, as are the other colours:
     /// "D65".
     pub(crate) illuminant: Option<String>,
-    /// A spectrum: the name of one that ships with photosite such as "cornell/light", { file = "lamp.csv" }, or a number
-    /// for equal energy.
+    /// A spectrum: the name of one that ships with photosite such as "cornell/light", { file = "lamp.csv" }, or a
+    /// number for equal energy.
     pub(crate) spectrum: Option<SpectrumSource>,
     /// sRGB as displayed, 0–1 each.
     pub(crate) rgb: Option<[f64; 3]>,

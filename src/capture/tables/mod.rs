@@ -101,8 +101,8 @@ struct SensorTable {
     /// Name of a sensor that ships with photosite (`photosite sensors` lists them), or the path of a sensor file,
     /// relative to this file; "none" begins from nothing. Left out: "generic-cmos-color".
     preset: Option<String>,
-    /// Keys and tables of the preset that this sensor does not have, such as ["filter", "channels.G", "noise.prnu_percent"].
-    /// They are taken away before the keys here are laid over the preset.
+    /// Keys and tables of the preset that this sensor does not have, such as ["filter", "channels.G",
+    /// "noise.prnu_percent"]. They are taken away before the keys here are laid over the preset.
     without: Option<Vec<String>>,
     #[schemars(flatten)]
     changes: SensorDescription,

@@ -16,8 +16,8 @@ pub(crate) struct SceneTable {
     pub(crate) geometry: Vec<String>,
     /// Name of a material variant of the glTF files (KHR_materials_variants). Left out: their basic materials.
     pub(crate) variant: Option<String>,
-    /// Name of an animation of the glTF files, or "animation-0" … for those without a name. Left out: everything stands as
-    /// the files have it.
+    /// Name of an animation of the glTF files, or "animation-0" … for those without a name. Left out: everything stands
+    /// as the files have it.
     pub(crate) animation: Option<String>,
     /// When the first picture starts, s of the animation. Left out: 0.
     pub(crate) animation_time_s: Option<f64>,

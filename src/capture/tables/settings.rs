@@ -22,9 +22,11 @@ pub(crate) struct ExposureTable {
     pub(crate) auto_target: Option<f64>,
     /// Part of the pixels that automatic exposure lets be brighter than that. Left out: 0.005.
     pub(crate) auto_brighter_part: Option<f64>,
-    /// In place of these: the mean of the picture that automatic exposure aims at, as a part of saturation, such as 0.18.
+    /// In place of these: the mean of the picture that automatic exposure aims at, as a part of saturation, such as
+    /// 0.18.
     pub(crate) auto_mean: Option<f64>,
-    /// Longest time that automatic exposure may choose, s. Where it would need more, the gain rises, unless it is stated.
+    /// Longest time that automatic exposure may choose, s. Where it would need more, the gain rises, unless it is
+    /// stated.
     pub(crate) max_time_s: Option<f64>,
     /// Gain up to which it rises, analogue and digital together, dB. Left out: the sensor's largest analogue gain.
     pub(crate) max_gain_db: Option<f64>,
@@ -32,13 +34,13 @@ pub(crate) struct ExposureTable {
     pub(crate) gain_db: Option<f64>,
     /// Gain of the numbers behind the converter, dB, 0 to 48. Left out: 0.
     pub(crate) digital_gain_db: Option<f64>,
-    /// In place of the two gains: saturation-based ISO speed, from the sensor's base ISO on (`photosite info` tells it).
-    /// Analogue gain gives as much of it as the sensor has, digital gain the rest.
+    /// In place of the two gains: saturation-based ISO speed, from the sensor's base ISO on (`photosite info` tells
+    /// it). Analogue gain gives as much of it as the sensor has, digital gain the rest.
     pub(crate) iso: Option<f64>,
     /// Temperature of the sensor, °C. Left out: 25.
     pub(crate) temperature_c: Option<f64>,
-    /// Exposures of the same light in steps of so many EV from the time, such as [-4, 0, 4], each a raw file of its own with
-    /// noise of its own; hdr.exr merges them.
+    /// Exposures of the same light in steps of so many EV from the time, such as [-4, 0, 4], each a raw file of its own
+    /// with noise of its own; hdr.exr merges them.
     pub(crate) bracket_ev: Option<Vec<f64>>,
     /// The same by the times themselves, s, in place of time_s; the one in the middle takes its place.
     pub(crate) bracket_times_s: Option<Vec<f64>>,
@@ -46,13 +48,13 @@ pub(crate) struct ExposureTable {
     pub(crate) frames: Option<u32>,
     /// Time from the start of one picture to that of the next, s. Left out: one exposure follows another.
     pub(crate) frame_interval_s: Option<f64>,
-    /// The part of the sensor that is read out: [first column, first row, columns, rows]. Light is traced and metered for
-    /// all of it, so that `photosite expose` can read out another. Left out: all, with covered pixels.
+    /// The part of the sensor that is read out: [first column, first row, columns, rows]. Light is traced and metered
+    /// for all of it, so that `photosite expose` can read out another. Left out: all, with covered pixels.
     pub(crate) region_px: Option<[usize; 4]>,
     /// Columns and rows of pixels of one colour that are read out as one, such as [2, 2]. Left out: [1, 1].
     pub(crate) binning: Option<[usize; 2]>,
-    /// How: "charge" adds electrons before they are read out, "sum" numbers, "mean" takes the mean of numbers. Left out:
-    /// "charge" for a CCD, else "mean".
+    /// How: "charge" adds electrons before they are read out, "sum" numbers, "mean" takes the mean of numbers. Left
+    /// out: "charge" for a CCD, else "mean".
     pub(crate) binning_method: Option<BinningMethod>,
     /// The stages of the sensor that take part, such as ["shot-noise"] to see that noise alone; [] for none. Left out:
     /// all.
@@ -69,8 +71,8 @@ pub(crate) struct RenderTable {
     pub(crate) samples_per_pixel: Option<u32>,
     /// Stop after so many seconds.
     pub(crate) time_limit_s: Option<f64>,
-    /// Stop in each pixel once the noise of rendering is below this part of the sensor's noise there, at the exposure (ratio
-    /// of standard deviations).
+    /// Stop in each pixel once the noise of rendering is below this part of the sensor's noise there, at the exposure
+    /// (ratio of standard deviations).
     pub(crate) noise_target: Option<f64>,
     /// Most segments of a light path; 1 sees lamps only, 2 direct light. Left out: 16.
     pub(crate) max_depth: Option<u32>,
@@ -79,18 +81,19 @@ pub(crate) struct RenderTable {
     /// Paths that go on from the first surface that is no mirror, for each sample, 1 to 256: light that comes off other
     /// surfaces costs less so. Left out: 1.
     pub(crate) splitting: Option<u32>,
-    /// Neighbouring pixels that share what their paths find beyond the first surface where both are diffuse, 1 to 64: 16 of them,
-    /// a square, have as little noise of light off other surfaces as sixteen times the samples, but errors of neighbours go
-    /// together. Not where a camera or a scene moves, nor with wavelengths = "own-filter" or light_paths. Left out: 1.
+    /// Neighbouring pixels that share what their paths find beyond the first surface where both are diffuse, 1 to 64:
+    /// 16 of them, a square, have as little noise of light off other surfaces as sixteen times the samples, but errors
+    /// of neighbours go together. Not where a camera or a scene moves, nor with wavelengths = "own-filter" or
+    /// light_paths. Left out: 1.
     pub(crate) reuse: Option<u32>,
-    /// Paths that set out from surfaces that shine, for each sample, 0 to 64: they look for caustics, what glass, mirrors and
-    /// polished metal throw on other surfaces. Not where a camera or a scene moves, on sensors that scan, nor with wavelengths =
-    /// "own-filter" or reuse. Left out: 0.
+    /// Paths that set out from surfaces that shine, for each sample, 0 to 64: they look for caustics, what glass,
+    /// mirrors and polished metal throw on other surfaces. Not where a camera or a scene moves, on sensors that scan,
+    /// nor with wavelengths = "own-filter" or reuse. Left out: 0.
     pub(crate) light_paths: Option<f64>,
-    /// Whose wavelengths the paths of a pixel carry: "all-filters"; or "own-filter", mostly what the filter above the pixel
-    /// lets through, for raw pictures of glass that disperses or through more than four narrow filters: what else is told of
-    /// the pixel's light (other filters in electrons.exr, irradiance.exr, ideal.exr) is noisier, and elsewhere the raw picture
-    /// too. Without effect where all pixels see the same. Left out: "all-filters".
+    /// Whose wavelengths the paths of a pixel carry: "all-filters"; or "own-filter", mostly what the filter above the
+    /// pixel lets through, for raw pictures of glass that disperses or through more than four narrow filters: what else
+    /// is told of the pixel's light (other filters in electrons.exr, irradiance.exr, ideal.exr) is noisier, and
+    /// elsewhere the raw picture too. Without effect where all pixels see the same. Left out: "all-filters".
     pub(crate) wavelengths: Option<WavelengthsName>,
     /// Where random numbers come from. Left out: "sobol".
     pub(crate) sampler: Option<SamplerName>,
@@ -125,39 +128,42 @@ pub(crate) struct OutputTable {
     /// Formats of the raw picture. Left out: ["dng"].
     pub(crate) raw: Option<Vec<RawFormat>>,
     /// How DNG files are compressed, always without loss: "none"; "packed", with no more bits than numbers need;
-    /// "lossless-jpeg", which every developer reads; or "deflate", for which numbers become floating-point ones. Left out:
-    /// "none".
+    /// "lossless-jpeg", which every developer reads; or "deflate", for which numbers become floating-point ones. Left
+    /// out: "none".
     pub(crate) dng_compression: Option<DngCompression>,
-    /// By how much developers, this one among them, are to brighten a DNG file unasked, EV (BaselineExposure). Left out: 0.
+    /// By how much developers, this one among them, are to brighten a DNG file unasked, EV (BaselineExposure). Left
+    /// out: 0.
     pub(crate) dng_baseline_exposure_ev: Option<f64>,
-    /// The filters that raw files tell of: those of the "sensor"; a "bayer" mosaic made from blocks of pixels of one colour
-    /// (Quad Bayer); or red, green and blue at every pixel, "linear", made from any mosaic of them. Left out: "sensor".
+    /// The filters that raw files tell of: those of the "sensor"; a "bayer" mosaic made from blocks of pixels of one
+    /// colour (Quad Bayer); or red, green and blue at every pixel, "linear", made from any mosaic of them. Left out:
+    /// "sensor".
     pub(crate) raw_layout: Option<RawLayout>,
-    /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Wavelengths are drawn for the picture first, and
-    /// at most a fifth of them for bands where the sensor sees little, which are noisier therefore. Left out: false.
+    /// Spectral irradiance on the sensor: true, or { bands_nm = [first, last, step] }. Wavelengths are drawn for the
+    /// picture first, and at most a fifth of them for bands where the sensor sees little, which are noisier therefore.
+    /// Left out: false.
     pub(crate) irradiance: Option<IrradianceSource>,
-    /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise, mosaic
-    /// or errors of colour, as ideal.exr and ideal.png. Left out: false.
+    /// The ideal picture beside image.png: what an observer with the eyes of the CIE would see, without sensor noise,
+    /// mosaic or errors of colour, as ideal.exr and ideal.png. Left out: false.
     pub(crate) ideal: Option<bool>,
-    /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position" (world, m),
-    /// "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture), "disparity" (px,
-    /// left picture less right one). Of all pixels of the sensor, before exposure.region_px and exposure.binning; where something
-    /// moves, in the middle of the exposure of each row. Left out: false.
+    /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position"
+    /// (world, m), "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture),
+    /// "disparity" (px, left picture less right one). Of all pixels of the sensor, before exposure.region_px and
+    /// exposure.binning; where something moves, in the middle of the exposure of each row. Left out: false.
     pub(crate) truth: Option<TruthSource>,
     /// Formats of that: "exr" for one file truth.exr; "npy" or "png" (16 bits) for one file a layer. Left out: ["exr"].
     pub(crate) truth_formats: Option<Vec<TruthFormat>>,
     /// Millimetres that one step of a depth or distance in a PNG file stands for. Left out: 1.
     pub(crate) truth_depth_unit_mm: Option<f64>,
-    /// Where the other camera of a stereo pair is, one of the same kind, for "disparity"; false where there is none, so that it is
-    /// left out.
+    /// Where the other camera of a stereo pair is, one of the same kind, for "disparity"; false where there is none, so
+    /// that it is left out.
     pub(crate) truth_partner: Option<PartnerSource>,
-    /// What makes the next picture, which "flow" leads to: changes to keys of this capture, as `--set` has them, such as
-    /// ["camera.position_m=[0.1, 0, 1]"]; or false where there is none, so that no flow is valid. Left out: time alone, in which
-    /// camera and scene move on.
+    /// What makes the next picture, which "flow" leads to: changes to keys of this capture, as `--set` has them, such
+    /// as ["camera.position_m=[0.1, 0, 1]"]; or false where there is none, so that no flow is valid. Left out: time
+    /// alone, in which camera and scene move on.
     pub(crate) truth_next: Option<NextSource>,
-    /// What each effect of the sensor has added to every number of the raw picture: true for all maps, or a list such as
-    /// "photon_shot_noise_e", "dark_current_e", "prnu_e", "dsnu_e", "read_noise_e", "quantisation_dn", "saturated"; e for e⁻, dn for
-    /// DN. Left out: false.
+    /// What each effect of the sensor has added to every number of the raw picture: true for all maps, or a list such
+    /// as "photon_shot_noise_e", "dark_current_e", "prnu_e", "dsnu_e", "read_noise_e", "quantisation_dn", "saturated";
+    /// e for e⁻, dn for DN. Left out: false.
     pub(crate) noise: Option<NoiseSource>,
     /// Formats of that: "exr" for one file noise.exr, "npy" for one file a map. Left out: ["exr"].
     pub(crate) noise_formats: Option<Vec<NoiseFormat>>,
@@ -165,8 +171,8 @@ pub(crate) struct OutputTable {
     pub(crate) electrons: Option<bool>,
     /// Seconds between pictures of a render that is under way; 0 for none. Left out: 10.
     pub(crate) preview_interval_s: Option<f64>,
-    /// Seconds between checkpoints, from which a render that is broken off goes on when it is given again; 0 for none. Left
-    /// out: 60.
+    /// Seconds between checkpoints, from which a render that is broken off goes on when it is given again; 0 for none.
+    /// Left out: 60.
     pub(crate) checkpoint_interval_s: Option<f64>,
 }
 

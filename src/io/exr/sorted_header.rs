@@ -6,8 +6,8 @@ use std::mem;
 /// Magic number and version come before the attributes.
 const START: usize = 8;
 
-/// Passes on a one-part file with the attributes of its header sorted by name. The library keeps them in a hash map, whose
-/// order differs from run to run; their order means nothing, and their length stays.
+/// Passes on a one-part file with the attributes of its header sorted by name. The library keeps them in a hash map,
+/// whose order differs from run to run; their order means nothing, and their length stays.
 pub(super) struct SortedHeader<W> {
     /// What has come of the header, until it is whole.
     header: Option<Vec<u8>>,

@@ -49,8 +49,8 @@ pub struct ChannelSets {
     pub wavelengths: Vec<SpectralSet>,
     /// Sets for the dark current at several temperatures.
     pub temperatures: Vec<ThermalSet>,
-    /// Rise of temperature that doubles the dark current, K, as fitted to the expected dark currents; `None` for fewer than
-    /// two temperatures.
+    /// Rise of temperature that doubles the dark current, K, as fitted to the expected dark currents; `None` for fewer
+    /// than two temperatures.
     pub doubling_temperature_k: Option<f64>,
 }
 

@@ -18,8 +18,8 @@ pub struct MeasuredSet {
     pub stacks: Option<[SpatialStack; 2]>,
 }
 
-/// Reads a descriptor and the images that it names. `taken` is called after each. Several dark pairs of one exposure time count
-/// as their mean.
+/// Reads a descriptor and the images that it names. `taken` is called after each. Several dark pairs of one exposure
+/// time count as their mean.
 pub fn read_set(path: &Path, taken: &dyn Fn()) -> Result<MeasuredSet> {
     let bytes = std::fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
     // Comments may be in any encoding.

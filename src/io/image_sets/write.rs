@@ -51,7 +51,8 @@ fn write_png16(raw: &RawImage, to: impl Write) -> io::Result<()> {
         .map_err(io::Error::other)
 }
 
-/// Takes images of a sensor with noise that is new in each, and writes them to a folder that is synced when it is finished.
+/// Takes images of a sensor with noise that is new in each, and writes them to a folder that is synced when it is
+/// finished.
 #[derive(Debug)]
 pub struct SetWriter {
     folder: PathBuf,

@@ -18,7 +18,8 @@ const SODIUM_NM: f64 = 589.3;
 pub(super) struct ExportedMaterial {
     pub(super) id: String,
     pub(super) bsdf: Element,
-    /// The UVs that its textures want in the mesh: Mitsuba's textures have no choice and no exact transform of their own.
+    /// The UVs that its textures want in the mesh: Mitsuba's textures have no choice and no exact transform of their
+    /// own.
     pub(super) uv_set: usize,
     pub(super) uv_transform: UvTransform,
 }
@@ -165,8 +166,8 @@ fn principled(layers: &LayeredDescription, name: &str, textures: &Textures<'_>, 
     })
 }
 
-/// Mitsuba's microfacets hide each other from the two directions independently, G = G₁(wo)·G₁(wi); ours know that what is
-/// hidden from one is deep and hidden from the other too.
+/// Mitsuba's microfacets hide each other from the two directions independently, G = G₁(wo)·G₁(wi); ours know that what
+/// is hidden from one is deep and hidden from the other too.
 fn shadowing(name: &str) -> String {
     format!("the correlated shadowing of the microfacets of {name}: Mitsuba's is uncorrelated")
 }

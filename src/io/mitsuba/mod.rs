@@ -4,14 +4,14 @@
 //! In: a [`Capture`] and the [`Camera`] that it places. Out: the files of a folder, `scene.xml` first. What Mitsuba has
 //! no exact counterpart for is refused by name, or approximated and listed.
 //!
-//! The picture that Mitsuba's `specfilm` gives for it is that of `electrons.exr`: mean photo-electrons in every channel.
-//! With a falloff of none, E = τ·Ω·L̄, so that each channel's response to radiance is
+//! The picture that Mitsuba's `specfilm` gives for it is that of `electrons.exr`: mean photo-electrons in every
+//! channel. With a falloff of none, E = τ·Ω·L̄, so that each channel's response to radiance is
 //!
 //! R(λ)·τ(λ)·Ω·t, in e⁻ per W·m⁻²·sr⁻¹·nm⁻¹ and nm,
 //!
 //! with R the sensor's response to irradiance ([`SensorModel::responses`](crate::sensor::SensorModel::responses)), the
-//! transmittance τ, the projected solid angle Ω of the aperture ([`Camera::on_axis_sr`]: π·sin²θ', tan θ' = D/2v) and the exposure
-//! time t.
+//! transmittance τ, the projected solid angle Ω of the aperture ([`Camera::on_axis_sr`]: π·sin²θ', tan θ' = D/2v) and
+//! the exposure time t.
 //!
 //! | here | in Mitsuba | module |
 //! |---|---|---|

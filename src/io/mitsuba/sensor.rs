@@ -27,8 +27,8 @@ pub(super) fn responses(capture: &Capture, camera: &Camera, out: &mut Output) ->
     capture.sensor.responses().into_iter().map(|(name, response)| (name, to_radiance(response))).collect()
 }
 
-/// Whether a sensor sees light of wavelengths at which Mitsuba's RGB colours are black: more than a millionth of what it
-/// sees in all.
+/// Whether a sensor sees light of wavelengths at which Mitsuba's RGB colours are black: more than a millionth of what
+/// it sees in all.
 pub(super) fn sees_beyond_cie(response: &Spectrum) -> bool {
     let [low, high] = MITSUBA_RGB_NM;
     let beyond = response.map(|lambda, value| if (low..=high).contains(&lambda) { 0.0 } else { value });

@@ -83,7 +83,8 @@ fn shape(
     shape.child(Element::object("emitter", "area").spectrum("radiance", &radiance))
 }
 
-/// Whether the microfacets of a material have a direction. The anisotropy of layers is left out, which their export tells.
+/// Whether the microfacets of a material have a direction. The anisotropy of layers is left out, which their export
+/// tells.
 fn is_anisotropic(material: &MaterialDescription) -> bool {
     let mut found = IsAnisotropic(false);
     material.model.visit(&mut found);

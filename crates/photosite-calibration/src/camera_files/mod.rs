@@ -9,8 +9,8 @@
 //! | COLMAP `cameras.txt`, `images.txt`, `points3D.txt` | PINHOLE, OPENCV, FULL_OPENCV, OPENCV_FISHEYE | centres at halves | world → camera |
 //! | EuRoC `sensor.yaml` | pinhole with radial-tangential or equidistant | centres at whole numbers | sensor → body |
 //!
-//! Of a rig, Kalibr has the way from each camera to the next; ROS and OpenCV have pairs, each of the rig's first camera, the reference,
-//! with another one ([`StereoPair`]).
+//! Of a rig, Kalibr has the way from each camera to the next; ROS and OpenCV have pairs, each of the rig's first
+//! camera, the reference, with another one ([`StereoPair`]).
 
 mod colmap;
 mod euroc;

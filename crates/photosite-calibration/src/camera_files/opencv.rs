@@ -34,8 +34,9 @@ pub fn opencv(camera: &CalibratedCamera) -> Result<String, Invalid> {
     ))
 }
 
-/// A pair as `stereoCalibrate` and `stereoRectify` give it, under the names of OpenCV's sample: matrices and coefficients of both
-/// cameras (M1, D1, M2, D2), R and T from the first to the second, R1, R2, P1, P2 and Q. `distortion_model` is that of both.
+/// A pair as `stereoCalibrate` and `stereoRectify` give it, under the names of OpenCV's sample: matrices and
+/// coefficients of both cameras (M1, D1, M2, D2), R and T from the first to the second, R1, R2, P1, P2 and Q.
+/// `distortion_model` is that of both.
 pub fn opencv_pair(pair: &StereoPair<'_>) -> Result<String, Invalid> {
     let [first, second] = pair.cameras;
     let model = |camera: &CalibratedCamera| match camera.projection.calibration_model() {

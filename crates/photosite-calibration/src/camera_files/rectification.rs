@@ -1,6 +1,7 @@
-//! Two cameras of a rig turned, in thought, until they look the same way across the line between them, so that a point appears in
-//! the same row of both pictures (in the same column, where they stand one above the other): Bouguet's rule, as
-//! `cv2.stereoRectify` has it with `CALIB_ZERO_DISPARITY` and alpha = −1 ([OpenCv](photosite_core::references#opencv)).
+//! Two cameras of a rig turned, in thought, until they look the same way across the line between them, so that a point
+//! appears in the same row of both pictures (in the same column, where they stand one above the other): Bouguet's rule,
+//! as `cv2.stereoRectify` has it with `CALIB_ZERO_DISPARITY` and alpha = −1
+//! ([OpenCv](photosite_core::references#opencv)).
 //!
 //! Coordinates are OpenCV's: x right, y down, z forward, whole numbers at the centres of pixels, metres.
 
@@ -28,10 +29,10 @@ pub struct StereoPair<'a> {
 }
 
 impl<'a> StereoPair<'a> {
-    /// Both cameras turn by half of what they differ in, and then together until their line is that of the rows, or that of the
-    /// columns if that is nearer. f is the mean of the focal lengths across the line. c is the mean over both cameras of what
-    /// brings the mean of the corners, without distortion, to the centre of the picture; of a fisheye, whose corners a plane
-    /// need not have, the middle of the sensor stands for them.
+    /// Both cameras turn by half of what they differ in, and then together until their line is that of the rows, or
+    /// that of the columns if that is nearer. f is the mean of the focal lengths across the line. c is the mean over
+    /// both cameras of what brings the mean of the corners, without distortion, to the centre of the picture; of a
+    /// fisheye, whose corners a plane need not have, the middle of the sensor stands for them.
     pub fn new(first: &'a CalibratedCamera, second: &'a CalibratedCamera) -> Result<Self, Invalid> {
         let cameras = [first, second];
         let from_first = second.from_world() * first.from_world().inverse();
@@ -71,8 +72,8 @@ impl<'a> StereoPair<'a> {
         Ok(Self { cameras, from_first, rotations, focal_length_px, centre_px, baseline_m, is_vertical })
     }
 
-    /// P₁ and P₂ row by row: f, 0, c_x, T_x; 0, f, c_y, T_y; 0, 0, 1, 0. The last column is that of the baseline times f in the
-    /// second, so that T_x = −f·b of a camera that stands b to the right of the first.
+    /// P₁ and P₂ row by row: f, 0, c_x, T_x; 0, f, c_y, T_y; 0, 0, 1, 0. The last column is that of the baseline times
+    /// f in the second, so that T_x = −f·b of a camera that stands b to the right of the first.
     pub fn projections(&self) -> [[f64; 12]; 2] {
         let (f, c) = (self.focal_length_px, self.centre_px);
         let [x, y] = self.offset();
@@ -97,7 +98,8 @@ impl<'a> StereoPair<'a> {
     }
 }
 
-/// Where the corners of a picture, or the middle of that of a fisheye, lie on average on the plane z = 1 of a camera that is turned.
+/// Where the corners of a picture, or the middle of that of a fisheye, lie on average on the plane z = 1 of a camera
+/// that is turned.
 fn mean_direction(camera: &CalibratedCamera, rotation: DMat3) -> Option<DVec2> {
     let reach = camera.projection.reach(None);
     let last = DVec2::from_array(camera.resolution.map(|n| f64::from(n) - 1.0));
@@ -139,7 +141,8 @@ mod tests {
         })
     }
 
-    /// In the world a point has one place; on the rectified pictures it lies in one row (column), farther apart by f·b/Z.
+    /// In the world a point has one place; on the rectified pictures it lies in one row (column), farther apart by
+    /// f·b/Z.
     #[rstest]
     #[case::side_by_side(DVec3::new(0.12, 0.0, 0.0), DVec3::ZERO, false)]
     #[case::turned(DVec3::new(0.12, 0.01, -0.02), DVec3::new(0.05, -0.1, 0.03), false)]
@@ -192,8 +195,8 @@ mod tests {
         let pair = StereoPair::new(&first, &second).expect("a pair");
         assert!(pair.rotations.iter().all(|r| r.abs_diff_eq(DMat3::IDENTITY, 1e-15)));
         let [p1, p2] = pair.projections();
-        // f = fy; c keeps the middle of the picture, (319.5, 239.5), where the corners' mean has been: with square pixels that
-        // would be the principal point itself.
+        // f = fy; c keeps the middle of the picture, (319.5, 239.5), where the corners' mean has been: with square
+        // pixels that would be the principal point itself.
         let scale = 505.0 / 500.0;
         let expected = [319.5 - (319.5 - 324.5) * scale, 237.5];
         assert!((p1[2] - expected[0]).abs() < 1e-9 && (p1[6] - expected[1]).abs() < 1e-9, "{p1:?}");

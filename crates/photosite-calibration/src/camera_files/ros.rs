@@ -14,8 +14,8 @@ pub fn ros(camera: &CalibratedCamera) -> Result<String, Invalid> {
     camera_info(camera, &DMat3::IDENTITY, &projection)
 }
 
-/// The files of both cameras of a pair: the rectification rotation and the projection matrix of each, of which the second has
-/// Tx = −fx'·b (or Ty of cameras one above the other) in its last column.
+/// The files of both cameras of a pair: the rectification rotation and the projection matrix of each, of which the
+/// second has Tx = −fx'·b (or Ty of cameras one above the other) in its last column.
 pub fn ros_pair(pair: &StereoPair<'_>) -> Result<[String; 2], Invalid> {
     let [first, second] = pair.projections();
     let info = |i: usize, projection| camera_info(pair.cameras[i], &pair.rotations[i], projection);

@@ -12,11 +12,11 @@ pub struct DatasetDescription {
     pub capture: String,
     /// How many frames. Left out: as many as the poses ask for, else 1.
     pub frames: Option<u32>,
-    /// Seed of everything that is random. Left out: 0. The seed of each picture is made from it, the number of the frame, the
-    /// camera and `render.seed` of the capture, which gives other noise in the same frames.
+    /// Seed of everything that is random. Left out: 0. The seed of each picture is made from it, the number of the
+    /// frame, the camera and `render.seed` of the capture, which gives other noise in the same frames.
     pub seed: Option<u32>,
-    /// Changes to keys of the capture, for all frames, as overrides have them: "render.samples_per_pixel=64". Unless one of them
-    /// says otherwise, `develop.distortion` and `develop.square_pixels` are false.
+    /// Changes to keys of the capture, for all frames, as overrides have them: "render.samples_per_pixel=64". Unless
+    /// one of them says otherwise, `develop.distortion` and `develop.square_pixels` are false.
     #[serde(default)]
     pub set: Vec<String>,
     /// The cameras of a rig. Left out: one, called "camera".
@@ -41,11 +41,13 @@ pub struct RigCameraDescription {
     pub look_at_m: Option<[f64; 3]>,
     /// What is up in its picture. Left out: [0, 1, 0].
     pub up: Option<[f64; 3]>,
-    /// Changes to keys of the capture for this camera: "lens.focal_length_mm=8". Unless one of them is `sensor.serial`, cameras have
-    /// the serial number of the capture and those that follow it, in the order of this list, each a fixed pattern of its own.
+    /// Changes to keys of the capture for this camera: "lens.focal_length_mm=8". Unless one of them is `sensor.serial`,
+    /// cameras have the serial number of the capture and those that follow it, in the order of this list, each a fixed
+    /// pattern of its own.
     #[serde(default)]
     pub set: Vec<String>,
-    /// Name of the camera that `disparity` of ground truth leads to. Left out: `disparity` is left out of this camera's ground truth.
+    /// Name of the camera that `disparity` of ground truth leads to. Left out: `disparity` is left out of this camera's
+    /// ground truth.
     pub disparity_to: Option<String>,
 }
 
@@ -97,8 +99,8 @@ fn straight() -> Vec<f64> {
     vec![0.0]
 }
 
-/// Views of a target, or of a point, drawn evenly from these ranges. The middle of the target is sent all over the picture,
-/// as near to its border as the whole target allows.
+/// Views of a target, or of a point, drawn evenly from these ranges. The middle of the target is sent all over the
+/// picture, as near to its border as the whole target allows.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomPoses {

@@ -3,8 +3,8 @@
 use super::DatasetDescription;
 
 impl DatasetDescription {
-    /// The key that asks for a change (`key=value`) to the capture of the camera of that number in the rig. `None` for changes
-    /// that every data set makes.
+    /// The key that asks for a change (`key=value`) to the capture of the camera of that number in the rig. `None` for
+    /// changes that every data set makes.
     pub fn key_of(&self, camera: usize, change: &str) -> Option<String> {
         let key = change.split_once('=').map_or(change, |(key, _)| key).trim();
         let of_rig = self.cameras.get(camera);

@@ -15,8 +15,8 @@ use photosite_transport::scene::description::looking;
 /// The folder beside those of the cameras that is kept for what is known of all of them; no camera is called so.
 pub const CALIBRATION_FOLDER: &str = "calibration";
 
-/// What is set in all frames before anything else: pictures keep the distortion of the lens and the grid of the sensor, so that
-/// they show things where ground truth has them.
+/// What is set in all frames before anything else: pictures keep the distortion of the lens and the grid of the sensor,
+/// so that they show things where ground truth has them.
 const AS_TAKEN: [&str; 2] = ["develop.distortion=false", "develop.square_pixels=false"];
 
 /// Everything that frames are made from.
@@ -116,8 +116,8 @@ impl Plan {
         Ok(now.into_iter().enumerate().map(of_camera).collect())
     }
 
-    /// Light and temporal noise of their own for each picture, in as many bits as a JSON number holds. What the capture states
-    /// makes other ones.
+    /// Light and temporal noise of their own for each picture, in as many bits as a JSON number holds. What the capture
+    /// states makes other ones.
     fn seed_of(&self, camera: usize, number: u32) -> u64 {
         let seed = hash64(self.seed_for(Purpose::Light, camera), u64::from(number));
         let stated = self.cameras[camera].seed;
@@ -182,8 +182,8 @@ fn check_variations(variations: &[Variation], cameras: &[RigCamera]) -> Result<(
     Ok(())
 }
 
-/// The changes that make a capture that of another frame, as far as flow goes: what differs of `next` from `now`, and those of
-/// the arguments, which come after, that speak of the same tables.
+/// The changes that make a capture that of another frame, as far as flow goes: what differs of `next` from `now`, and
+/// those of the arguments, which come after, that speak of the same tables.
 fn changes(now: &[String], next: &[String], arguments: &[String]) -> Vec<String> {
     let table = |argument: &String| argument.split(['.', '=']).next().unwrap_or_default().trim().to_owned();
     let is_in_view = |argument: &&String| {
@@ -278,8 +278,8 @@ fn pose_keys(to_world: &DAffine3) -> [(&'static str, String); 3] {
 
 /// The way of a camera from the start of a frame to the end of the next.
 fn on_the_way(way: &Way, frame: u32, camera: &RigCamera) -> [String; 2] {
-    // Between two of these the camera goes straight. On its turns it is off its way by (angle)²/8 of the distance to the
-    // middle of the rig: a millionth where it turns by a twentieth of a radian.
+    // Between two of these the camera goes straight. On its turns it is off its way by (angle)²/8 of the distance to
+    // the middle of the rig: a millionth where it turns by a twentieth of a radian.
     const STEPS: u32 = 32;
     let interval = 1.0 / way.frame_rate_hz;
     let pose = |step: u32| {

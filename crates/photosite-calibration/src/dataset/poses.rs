@@ -211,8 +211,8 @@ impl Around {
         })
     }
 
-    /// A view drawn at random. The middle of the subject is sent to a point of the first camera's picture, moved towards
-    /// its middle until all points are in all pictures; points of successive frames are spread evenly
+    /// A view drawn at random. The middle of the subject is sent to a point of the first camera's picture, moved
+    /// towards its middle until all points are in all pictures; points of successive frames are spread evenly
     /// ([Roberts18](photosite_core::references#roberts18)).
     fn pose(&self, seed: u64, frame: u32, cameras: &[RigCamera]) -> Result<DAffine3, Invalid> {
         const VIEWS: usize = 1000;

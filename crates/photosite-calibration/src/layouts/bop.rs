@@ -7,14 +7,16 @@
 //! train/000000/{mask, mask_visib}/000000_000000.png
 //! ```
 //!
-//! Each camera of the rig has a scene folder. Lengths are millimetres. A model is an object without its scale, in its own frame:
-//! that of the node of a glTF file, the world's for OBJ files, that of a target for a target; objects of the same shape share a model.
-//! `cam_R_m2c` and `cam_t_m2c` lead from there to the camera, `cam_R_w2c` and `cam_t_w2c` from the world, whose y points up.
+//! Each camera of the rig has a scene folder. Lengths are millimetres. A model is an object without its scale, in its
+//! own frame: that of the node of a glTF file, the world's for OBJ files, that of a target for a target; objects of the
+//! same shape share a model. `cam_R_m2c` and `cam_t_m2c` lead from there to the camera, `cam_R_w2c` and `cam_t_w2c`
+//! from the world, whose y points up.
 //!
-//! Depth is along the axis, in steps of `depth_scale` of 0.1 mm or the smallest power of ten times that which 16 bits can hold; 0 is nothing. A
-//! mask is all that would be seen of the object if nothing stood before it, `mask_visib` what is. As in the toolkit's `calc_gt_info.py`,
-//! `px_count_all` and `bbox_obj` count what lies beyond the picture as well, on a canvas of three times its width and height, and the width
-//! of a box is the difference of its last and its first column. What is seen is taken from the instance layer, exactly, and not from depths.
+//! Depth is along the axis, in steps of `depth_scale` of 0.1 mm or the smallest power of ten times that which 16 bits
+//! can hold; 0 is nothing. A mask is all that would be seen of the object if nothing stood before it, `mask_visib` what
+//! is. As in the toolkit's `calc_gt_info.py`, `px_count_all` and `bbox_obj` count what lies beyond the picture as well,
+//! on a canvas of three times its width and height, and the width of a box is the difference of its last and its first
+//! column. What is seen is taken from the instance layer, exactly, and not from depths.
 //!
 //! The format has no distortion, and one pose a picture: lenses with distortion, and rows that are taken one after the
 //! other while something moves, are refused.

@@ -5,12 +5,13 @@
 //! annotations/instances.json
 //! ```
 //!
-//! A category for each name of an object. Regions are exact: the pixels of the instance layer as uncompressed run lengths, column by column,
-//! with their count as the area; `iscrowd` is 0, as each is one object. Boxes are x, y, width, height, where 0, 0, 1, 1 encloses the first pixel.
+//! A category for each name of an object. Regions are exact: the pixels of the instance layer as uncompressed run
+//! lengths, column by column, with their count as the area; `iscrowd` is 0, as each is one object. Boxes are x, y,
+//! width, height, where 0, 0, 1, 1 encloses the first pixel.
 //!
-//! The points of a target are key points of its category, x, y, v each, with integer coordinates at pixel centres, as COCO's
-//! annotations have them: v is 2 for one that is visible, 1 for one that is hidden, and all three are 0 for one beyond the picture.
-//! What no pixel sees is not annotated.
+//! The points of a target are key points of its category, x, y, v each, with integer coordinates at pixel centres, as
+//! COCO's annotations have them: v is 2 for one that is visible, 1 for one that is hidden, and all three are 0 for one
+//! beyond the picture. What no pixel sees is not annotated.
 
 use serde_json::{Value, json};
 

@@ -5,8 +5,8 @@
 //! sparse/0/{cameras.txt, images.txt, points3D.txt}
 //! ```
 //!
-//! A camera for each lens that the cameras of the rig have had. The points are the corners of targets, each seen where it is
-//! visible; their error is 0. Pixels are counted from the corner of the first one.
+//! A camera for each lens that the cameras of the rig have had. The points are the corners of targets, each seen where
+//! it is visible; their error is 0. Pixels are counted from the corner of the first one.
 
 use std::collections::BTreeMap;
 

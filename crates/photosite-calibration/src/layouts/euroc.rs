@@ -6,9 +6,9 @@
 //! mav0/state_groundtruth_estimate0/{data.csv, sensor.yaml}
 //! ```
 //!
-//! Pictures are 8-bit grey and named by their time stamps. The body B is the first camera, so that its `T_BS` is the identity.
-//! The state is that of the body in the world at the stamps of the first camera: p_RS_R and q_RS lead from the body to the
-//! world, v_RS_R is its velocity; the biases are those of no instrument and 0.
+//! Pictures are 8-bit grey and named by their time stamps. The body B is the first camera, so that its `T_BS` is the
+//! identity. The state is that of the body in the world at the stamps of the first camera: p_RS_R and q_RS lead from
+//! the body to the world, v_RS_R is its velocity; the biases are those of no instrument and 0.
 
 use glam::DQuat;
 

@@ -1,5 +1,5 @@
-//! What `kalibr_bagcreater` makes a bag of, with what a calibration of it shall find ([Kalibr](photosite_core::references#kalibr),
-//! "Bag format", "Calibration targets", "YAML formats"):
+//! What `kalibr_bagcreater` makes a bag of, with what a calibration of it shall find
+//! ([Kalibr](photosite_core::references#kalibr), "Bag format", "Calibration targets", "YAML formats"):
 //!
 //! ```text
 //! cam0/NS.png …
@@ -7,8 +7,8 @@
 //! target-NAME.yaml
 //! ```
 //!
-//! Pictures are 8-bit grey and named by their time stamps. There is a file for each target of a kind that Kalibr detects:
-//! aprilgrid, checkerboard (whose rows and columns count inner corners), symmetric circle grid.
+//! Pictures are 8-bit grey and named by their time stamps. There is a file for each target of a kind that Kalibr
+//! detects: aprilgrid, checkerboard (whose rows and columns count inner corners), symmetric circle grid.
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Finished data sets in the folders and files that other tools read: one file a layout.
 //!
-//! In: a [`PictureSet`], what is known of the pictures of a data set; and [`LayoutFiles`], by which pictures and ground truth
-//! are read and files are written. Out: files. Reading the data set is left to
+//! In: a [`PictureSet`], what is known of the pictures of a data set; and [`LayoutFiles`], by which pictures and ground
+//! truth are read and files are written. Out: files. Reading the data set is left to
 //! `photosite::dataset`.
 //!
 //! | layout | poses | corners of targets | ground truth that it needs |
@@ -13,8 +13,8 @@
 //! | [COCO](photosite_core::references#coco) | – | as key points | instance |
 //!
 //! Cameras have OpenCV's axes (x right, y down, z forward) in all of them; the world is that of glTF, metres with y up.
-//! Pictures are copied, never linked: a tool that changes its pictures in place must not change the data set, and a folder
-//! that is moved to another disk or packed stays whole.
+//! Pictures are copied, never linked: a tool that changes its pictures in place must not change the data set, and a
+//! folder that is moved to another disk or packed stays whole.
 
 mod bop;
 mod coco;

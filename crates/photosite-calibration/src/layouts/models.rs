@@ -15,8 +15,8 @@ pub(super) struct Model {
     triangles: Vec<[DVec3; 3]>,
 }
 
-/// The object's frame without its scale → world. A frame that is skewed or mirrored has no rotation: its origin remains, with
-/// the axes of the world.
+/// The object's frame without its scale → world. A frame that is skewed or mirrored has no rotation: its origin
+/// remains, with the axes of the world.
 pub(super) fn rigid(to_world: &DAffine3) -> DAffine3 {
     let DMat3 { x_axis, y_axis, z_axis } = to_world.matrix3;
     let axes = DMat3::from_cols(x_axis.normalize(), y_axis.normalize(), z_axis.normalize());

@@ -4,8 +4,8 @@ use glam::DAffine3;
 
 use photosite_core::image::Planes;
 
-/// A thing: all that bears the same name in the same place. An instance has one material only, so that a target of two inks is
-/// two instances.
+/// A thing: all that bears the same name in the same place. An instance has one material only, so that a target of two
+/// inks is two instances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneObject {
     /// Its name.
@@ -17,8 +17,8 @@ pub struct SceneObject {
 }
 
 impl SceneObject {
-    /// The objects that instances make, by their names and places in the order of their numbers. The parts of an object follow
-    /// one another.
+    /// The objects that instances make, by their names and places in the order of their numbers. The parts of an object
+    /// follow one another.
     pub fn of_instances(instances: impl IntoIterator<Item = (String, DAffine3)>) -> Vec<Self> {
         let mut objects: Vec<Self> = Vec::new();
         for (number, (name, to_world)) in (1..).zip(instances) {

@@ -33,7 +33,8 @@ pub struct Shot {
     pub frame: u32,
     /// Index of the camera.
     pub camera: usize,
-    /// The middle of the exposure of the middle row, from [`EPOCH_NS`] on. Where frames have no times, they are taken a second apart.
+    /// The middle of the exposure of the middle row, from [`EPOCH_NS`] on. Where frames have no times, they are taken a
+    /// second apart.
     pub stamp_ns: u64,
     /// The camera as it stands then.
     pub calibrated: CalibratedCamera,
@@ -41,8 +42,8 @@ pub struct Shot {
     pub start: DAffine3,
     /// Velocity of the centre of the lens in the world, m/s.
     pub velocity_m_per_s: DVec3,
-    /// Whether the developed picture shows things in other places than the camera saw them, without its distortion or with square
-    /// pixels.
+    /// Whether the developed picture shows things in other places than the camera saw them, without its distortion or
+    /// with square pixels.
     pub is_resampled: bool,
     /// Whether rows are taken one after the other while something moves.
     pub is_skewed: bool,
@@ -52,8 +53,8 @@ pub struct Shot {
     pub objects: Vec<SceneObject>,
 }
 
-/// When the first frame begins, ns: tools take seconds and nanoseconds from places in the number, and sort names of files as
-/// text.
+/// When the first frame begins, ns: tools take seconds and nanoseconds from places in the number, and sort names of
+/// files as text.
 pub const EPOCH_NS: u64 = 1_000_000_000_000_000_000;
 
 /// A target in a picture.
@@ -88,11 +89,11 @@ impl PictureSet {
         self.shots.iter().filter(move |shot| shot.camera == camera)
     }
 
-    /// The cameras of the rig as they stand at the start of the first frame, if they and their places on the rig are the same
-    /// in all frames.
+    /// The cameras of the rig as they stand at the start of the first frame, if they and their places on the rig are
+    /// the same in all frames.
     pub fn rig(&self) -> Result<Vec<CalibratedCamera>, Invalid> {
-        /// Poses go through decimal numbers and rotations of a few roundings; no rig is known as well as that (m, and sines of
-        /// angles).
+        /// Poses go through decimal numbers and rotations of a few roundings; no rig is known as well as that (m, and
+        /// sines of angles).
         const SAME: f64 = 1e-9;
         let mut rig = Vec::new();
         for (camera, name) in self.cameras.iter().enumerate() {

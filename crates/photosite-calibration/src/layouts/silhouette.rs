@@ -20,8 +20,8 @@ pub(super) struct Silhouette {
 }
 
 impl Silhouette {
-    /// That of all of a scene through a camera without distortion, on a canvas of three times the picture's width and height
-    /// with the picture in its middle. `corners` are points between which it lies, in the world, m.
+    /// That of all of a scene through a camera without distortion, on a canvas of three times the picture's width and
+    /// height with the picture in its middle. `corners` are points between which it lies, in the world, m.
     pub(super) fn new(scene: &Scene, corners: &[DVec3], camera: &CalibratedCamera) -> Self {
         let [width, height] = camera.resolution.map(i64::from);
         let canvas = [-width, -height, 2 * width, 2 * height];

@@ -9,9 +9,10 @@ use super::markers::{Dictionary, MarkerStyle};
 use super::{Ink, Target};
 use photosite_core::Invalid;
 
-/// Kalibr's aprilgrid: tags of the family 36h11 with a border of two bits and black squares where their corners meet. As
-/// Kalibr has it, tags are numbered row by row from the bottom left, and the tags stand as AprilTag has them.
-/// The origin is the bottom-left corner of the first tag; y points down all the same, so that the others have a negative y.
+/// Kalibr's aprilgrid: tags of the family 36h11 with a border of two bits and black squares where their corners meet.
+/// As Kalibr has it, tags are numbered row by row from the bottom left, and the tags stand as AprilTag has them.
+/// The origin is the bottom-left corner of the first tag; y points down all the same, so that the others have a
+/// negative y.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AprilGrid {

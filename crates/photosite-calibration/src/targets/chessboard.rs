@@ -12,8 +12,8 @@ use photosite_core::Invalid;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Chessboard {
-    /// Squares across and down. OpenCV counts the inner corners, one fewer each. With one number even and the other odd,
-    /// there is only one way up. Left out: [10, 7].
+    /// Squares across and down. OpenCV counts the inner corners, one fewer each. With one number even and the other
+    /// odd, there is only one way up. Left out: [10, 7].
     pub squares: [u32; 2],
     /// Side of a square, mm. Left out: 25.
     pub square_mm: f64,

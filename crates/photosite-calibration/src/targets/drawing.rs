@@ -175,8 +175,8 @@ impl Target {
 const DISC_SIDES: u32 = 128;
 
 impl Outline {
-    /// The corners of the polygon that stands for it in a mesh. That of a disc has 128 sides and the disc's own area and
-    /// middle; it leaves the circle by no more than 2·10⁻⁴ of the radius.
+    /// The corners of the polygon that stands for it in a mesh. That of a disc has 128 sides and the disc's own area
+    /// and middle; it leaves the circle by no more than 2·10⁻⁴ of the radius.
     pub fn corners(&self) -> Vec<DVec2> {
         match self {
             Self::Polygon(corners) => corners.clone(),

@@ -8,8 +8,8 @@ use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
 
-/// Reflectances of the light and the dark side of an edge: the contrast of 4:1 that [ISO 12233](photosite_core::references#iso12233) asks of its slanted
-/// edges, at a level assumed here.
+/// Reflectances of the light and the dark side of an edge: the contrast of 4:1 that [ISO
+/// 12233](photosite_core::references#iso12233) asks of its slanted edges, at a level assumed here.
 const LIGHT: f64 = 0.72;
 const DARK: f64 = 0.18;
 

@@ -1,8 +1,8 @@
 //! Dictionaries of square markers: ArUco and AprilTag.
 //!
 //! The bits are those of OpenCV's predefined dictionaries (`assets/markers`), by OpenCV's names. A marker of n × n bits
-//! has a black border around it, one cell wide unless stated otherwise. OpenCV's AprilTags are turned by 180° against those
-//! that AprilTag's own programs call upright.
+//! has a black border around it, one cell wide unless stated otherwise. OpenCV's AprilTags are turned by 180° against
+//! those that AprilTag's own programs call upright.
 
 use std::sync::OnceLock;
 
@@ -171,8 +171,8 @@ mod tests {
         }
     }
 
-    /// Codes that others publish: AprilTag's own list for 36h11 begins with 0xd5d628584, which OpenCV has upside down; its
-    /// original ArUco markers encode 0 as rows of 10000.
+    /// Codes that others publish: AprilTag's own list for 36h11 begins with 0xd5d628584, which OpenCV has upside down;
+    /// its original ArUco markers encode 0 as rows of 10000.
     #[test]
     fn codes_are_those_that_others_publish() {
         let tag = Dictionary::named("DICT_APRILTAG_36h11").expect("listed");

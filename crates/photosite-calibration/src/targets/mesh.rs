@@ -1,7 +1,7 @@
 //! A target as triangles.
 //!
-//! The edges of all shapes become edges of one constrained Delaunay triangulation of the sheet, so that inks meet exactly,
-//! without gaps and overlaps; each triangle then has the ink of the last shape that holds its middle.
+//! The edges of all shapes become edges of one constrained Delaunay triangulation of the sheet, so that inks meet
+//! exactly, without gaps and overlaps; each triangle then has the ink of the last shape that holds its middle.
 
 use std::collections::HashMap;
 

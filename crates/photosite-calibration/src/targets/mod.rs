@@ -1,15 +1,15 @@
 //! Calibration targets: flat sheets with a pattern of exact edges, inks of known reflectance, and points whose places
 //! are known.
 //!
-//! In: a [`TargetDescription`], which is what `[[targets]]` of a capture file says. Out: a [`Target`], a drawing of shapes
-//! in metres. [`mesh`](Target::meshes) makes triangles of it, [`print`](mod@print) SVG and PDF in true size.
+//! In: a [`TargetDescription`], which is what `[[targets]]` of a capture file says. Out: a [`Target`], a drawing of
+//! shapes in metres. [`mesh`](Target::meshes) makes triangles of it, [`print`](mod@print) SVG and PDF in true size.
 //!
 //! # The frame of a target
 //!
-//! That of OpenCV: x to the right and y down along the front of the sheet, z = x × y into the sheet, metres. The origin is
-//! where OpenCV puts that of the same pattern's object points: the first inner corner of a chessboard, the top-left
-//! corner of a ChArUco or marker board, the first circle of a grid. Charts without such a custom have it in their middle.
-//! Points stand in the order in which OpenCV lists them.
+//! That of OpenCV: x to the right and y down along the front of the sheet, z = x × y into the sheet, metres. The origin
+//! is where OpenCV puts that of the same pattern's object points: the first inner corner of a chessboard, the top-left
+//! corner of a ChArUco or marker board, the first circle of a grid. Charts without such a custom have it in their
+//! middle. Points stand in the order in which OpenCV lists them.
 
 mod april_grid;
 mod charts;

@@ -16,7 +16,8 @@ const FIRST_NM: f32 = 380.0;
 /// Distance of neighbouring wavelengths: 64 from 380 to 780 nm, beyond which eyes see next to nothing.
 const STEP_NM: f32 = 6.25;
 
-/// What turns a reflectance into linear sRGB: wavelengths, with the weight of each in X, Y and Z under D65, and XYZ → RGB.
+/// What turns a reflectance into linear sRGB: wavelengths, with the weight of each in X, Y and Z under D65, and XYZ →
+/// RGB.
 struct Quadrature {
     bundles: Vec<(Wavelengths, [DVec3; 4])>,
     to_rgb: DMat3,
@@ -39,11 +40,12 @@ static QUADRATURE: LazyLock<Quadrature> = LazyLock::new(|| {
     Quadrature { bundles, to_rgb }
 });
 
-/// Directional-hemispherical reflectance plus transmittance ρ(ωo, λ) = ∫ f(ωo, ωi, λ)·|cos θi| dωi towards the viewer, as
-/// linear sRGB under D65: ∫ ρ·D65·(x̄, ȳ, z̄) dλ, scaled so that white is 1. Colours beyond sRGB have negative parts.
+/// Directional-hemispherical reflectance plus transmittance ρ(ωo, λ) = ∫ f(ωo, ωi, λ)·|cos θi| dωi towards the viewer,
+/// as linear sRGB under D65: ∫ ρ·D65·(x̄, ȳ, z̄) dλ, scaled so that white is 1. Colours beyond sRGB have negative
+/// parts.
 ///
-/// The integral over directions is estimated from one sample for each bundle of wavelengths; it is exact where f·cos/pdf
-/// does not depend on the direction, as for diffuse surfaces and mirrors. `pixel` keys the samples.
+/// The integral over directions is estimated from one sample for each bundle of wavelengths; it is exact where
+/// f·cos/pdf does not depend on the direction, as for diffuse surfaces and mirrors. `pixel` keys the samples.
 pub(super) fn albedo(scene: &Scene, point: &SurfacePoint, wo: Vec3, pixel: u64) -> DVec3 {
     let Quadrature { bundles, to_rgb } = &*QUADRATURE;
     let mut xyz = DVec3::ZERO;

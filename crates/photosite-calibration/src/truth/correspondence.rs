@@ -6,8 +6,8 @@ use photosite_transport::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use photosite_transport::optics::Camera;
 use photosite_transport::scene::Scene;
 
-/// A picture: what is in front of a camera whose rows may be exposed one after the other, or of a partner that it carries with
-/// it.
+/// A picture: what is in front of a camera whose rows may be exposed one after the other, or of a partner that it
+/// carries with it.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// What is seen.
@@ -51,8 +51,8 @@ fn project_moving(camera: &Camera, place: &DAffine3, position: impl Fn(f32) -> D
     if !camera.moves() {
         return Some(pixel);
     }
-    // Each round takes the error times (speed of the picture in rows per row time), which is far below 1 in any picture that
-    // is not torn apart.
+    // Each round takes the error times (speed of the picture in rows per row time), which is far below 1 in any picture
+    // that is not torn apart.
     for _ in 0..100 {
         let next = seen_at_row(pixel.y - 0.5)?;
         let change = (next - pixel).length();
@@ -70,8 +70,8 @@ impl<'a> View<'a> {
         Self { scene, camera, place: DAffine3::IDENTITY, resolution }
     }
 
-    /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row. `None` behind the
-    /// camera, and where it moves too fast for there to be one.
+    /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row. `None`
+    /// behind the camera, and where it moves too fast for there to be one.
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         self.project_moving(|_| point)
     }

@@ -25,12 +25,12 @@ pub enum TruthLayer {
     Instance,
     /// Which material it is of: numbers from 1 on.
     Material,
-    /// Where the surface appears in the next picture less where it appears in this one, px; x right, y down. What moves is
-    /// followed. Nothing is visible where there is no next picture.
+    /// Where the surface appears in the next picture less where it appears in this one, px; x right, y down. What moves
+    /// is followed. Nothing is visible where there is no next picture.
     Flow,
-    /// Where the surface appears in the left picture of a pair less where it appears in the right one, px; x right, y down: the
-    /// same for both cameras, x = fx·b/z of a parallel pair with the baseline b. Of a pair one above the other, in the upper
-    /// picture less in the lower one.
+    /// Where the surface appears in the left picture of a pair less where it appears in the right one, px; x right, y
+    /// down: the same for both cameras, x = fx·b/z of a parallel pair with the baseline b. Of a pair one above the
+    /// other, in the upper picture less in the lower one.
     Disparity,
 }
 

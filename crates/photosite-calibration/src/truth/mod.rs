@@ -1,8 +1,8 @@
 //! Ground truth: what the chief ray through the centre of each pixel meets first.
 //!
-//! In: a picture, as a camera and what is in front of it; the next one for flow, that of a partner for disparity. Out: planes
-//! named as in [`TruthLayer::channels`], one value a pixel, without noise, blur or anti-aliasing. Surfaces count whatever they
-//! are made of: glass is what is seen of a window. Holes of a material's alpha let the ray through.
+//! In: a picture, as a camera and what is in front of it; the next one for flow, that of a partner for disparity. Out:
+//! planes named as in [`TruthLayer::channels`], one value a pixel, without noise, blur or anti-aliasing. Surfaces count
+//! whatever they are made of: glass is what is seen of a window. Holes of a material's alpha let the ray through.
 
 mod albedo;
 mod correspondence;

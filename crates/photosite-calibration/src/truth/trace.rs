@@ -14,14 +14,15 @@ use photosite_transport::optics::Camera;
 pub struct TruthJob<'a> {
     /// The picture.
     pub view: View<'a>,
-    /// The next picture, for [`TruthLayer::Flow`]. Its scene may be another, of the [same surfaces](photosite_transport::scene::Scene::hit_in).
+    /// The next picture, for [`TruthLayer::Flow`]. Its scene may be another, of the [same
+    /// surfaces](photosite_transport::scene::Scene::hit_in).
     pub next: Option<View<'a>>,
     /// The picture of the partner, for [`TruthLayer::Disparity`].
     pub partner: Option<View<'a>>,
 }
 
-/// The planes of the layers that are asked for, in their order. A camera that moves is taken as it stands in the middle of
-/// the exposure of each row.
+/// The planes of the layers that are asked for, in their order. A camera that moves is taken as it stands in the middle
+/// of the exposure of each row.
 pub fn truth(job: &TruthJob<'_>, layers: &[TruthLayer]) -> Planes {
     let [width, height] = job.view.resolution.map(|n| n as usize);
     let names = || layers.iter().flat_map(|layer| layer.channels().iter().copied());
@@ -99,8 +100,8 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// `sign` times the way from the pixel to where another view has the point, and whether it is visible there. Nothing is
-    /// visible in a view that there is not.
+    /// `sign` times the way from the pixel to where another view has the point, and whether it is visible there.
+    /// Nothing is visible in a view that there is not.
     fn write_way(&self, other: Option<&View<'_>>, sign: f64, to: &mut [f32]) {
         let found = other.and_then(|view| view.correspondence(&self.job.view.scene.hit_in(&self.hit, view.scene)?));
         let way = found.map_or(DVec2::ZERO, |found| (found.pixel - self.pixel) * sign).as_vec2();
@@ -114,8 +115,9 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// The sign that makes disparity positive: −1 for the way to a partner that stands to the right, in whose picture things lie
-/// farther to the left, or below; 1 for one to the left or above. `place` is partner → camera (x right, y up).
+/// The sign that makes disparity positive: −1 for the way to a partner that stands to the right, in whose picture
+/// things lie farther to the left, or below; 1 for one to the left or above. `place` is partner → camera (x right, y
+/// up).
 fn disparity_sign(place: &DAffine3) -> f64 {
     let DVec3 { x, y, .. } = place.translation;
     let towards = if x.abs() >= y.abs() { x } else { -y };

@@ -101,7 +101,8 @@ mod tests {
 
     #[test]
     fn chroma_counts_less_the_more_there_is_of_it() {
-        // By hand: ΔC = 10 over 1 + 0.045·40; ΔH = 10 over 1 + 0.015·40, in which C stays (3-4-5 triangle scaled by 10).
+        // By hand: ΔC = 10 over 1 + 0.045·40; ΔH = 10 over 1 + 0.015·40, in which C stays (3-4-5 triangle scaled by
+        // 10).
         let reference = DVec3::new(50.0, 40.0, 0.0);
         assert!((delta_e_94(reference, DVec3::new(50.0, 50.0, 0.0)) - 10.0 / 2.8).abs() < 1e-12);
         let turned = DVec3::new(50.0, 24.0, 32.0);

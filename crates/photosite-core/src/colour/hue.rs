@@ -1,5 +1,5 @@
-//! HSV, HSL and HSI: RGB in terms of hue. In: RGB from 0 to 1, usually encoded. Out: hue in degrees from 0 to below 360,
-//! 0 for greys; saturation; value, lightness or intensity. All from 0 to 1 but the hue.
+//! HSV, HSL and HSI: RGB in terms of hue. In: RGB from 0 to 1, usually encoded. Out: hue in degrees from 0 to below
+//! 360, 0 for greys; saturation; value, lightness or intensity. All from 0 to 1 but the hue.
 
 use glam::DVec3;
 

@@ -41,8 +41,9 @@ impl ColourSpace {
         }
     }
 
-    /// Chromaticities of red, green and blue ([Srgb](crate::references#srgb), [SmpteEg432](crate::references#smpteeg432),
-    /// [Bt2020](crate::references#bt2020), [Aces14](crate::references#aces14)).
+    /// Chromaticities of red, green and blue ([Srgb](crate::references#srgb),
+    /// [SmpteEg432](crate::references#smpteeg432), [Bt2020](crate::references#bt2020),
+    /// [Aces14](crate::references#aces14)).
     fn primaries(self) -> Option<[[f64; 2]; 3]> {
         match self {
             Self::Srgb => Some(rgb::PRIMARIES),
@@ -53,7 +54,8 @@ impl ColourSpace {
         }
     }
 
-    /// XYZ of white with Y = 1. That of D65 is the tabulated illuminant's, of which (0.3127, 0.3290) is the rounded form.
+    /// XYZ of white with Y = 1. That of D65 is the tabulated illuminant's, of which (0.3127, 0.3290) is the rounded
+    /// form.
     pub fn white(self) -> DVec3 {
         // Searches for matrices ask for it a million times.
         static D65: OnceLock<DVec3> = OnceLock::new();

@@ -1,8 +1,8 @@
 //! Colour temperature and tint: where a white lies along the blackbodies and beside them.
 //!
 //! In the CIE 1960 (u, v) diagram the blackbodies form a line. The correlated colour temperature of a white is that of
-//! the point nearest to it, D_uv its distance, above the line where it is greenish. The tint is 3000·D_uv, the scale that
-//! photographers know from Adobe's programs.
+//! the point nearest to it, D_uv its distance, above the line where it is greenish. The tint is 3000·D_uv, the scale
+//! that photographers know from Adobe's programs.
 
 use glam::DVec2;
 

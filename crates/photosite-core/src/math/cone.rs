@@ -56,8 +56,8 @@ impl Cone {
     }
 }
 
-/// Angle between unit vectors, rad, exact where they are near (W. Kahan, "How Futile are Mindless Assessments of Roundoff",
-/// 2006, §12).
+/// Angle between unit vectors, rad, exact where they are near (W. Kahan, "How Futile are Mindless Assessments of
+/// Roundoff", 2006, §12).
 pub fn angle_between(a: Vec3, b: Vec3) -> f32 {
     2.0 * (a - b).length().atan2((a + b).length())
 }

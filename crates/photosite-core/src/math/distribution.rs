@@ -112,8 +112,8 @@ impl PiecewiseConstant2D {
     }
 }
 
-/// What a choice leaves of its number: the part of an interval [from, from + length) that lies below a number `u` in it. In
-/// [0, 1), whatever the rounding.
+/// What a choice leaves of its number: the part of an interval [from, from + length) that lies below a number `u` in
+/// it. In [0, 1), whatever the rounding.
 #[inline]
 pub fn rest(u: f32, from: f32, length: f32) -> f32 {
     ((u - from) / length).clamp(0.0, 1.0 - f32::EPSILON / 2.0)

@@ -1,8 +1,8 @@
 //! Sums of 106 bits, as a pair of numbers of 53: so exact that the order of the terms makes no difference.
 //!
 //! A sum is high + low with |low| ≤ ulp(high)/2. Adding a term keeps what rounding loses of it (by Knuth's
-//! algorithm [Knuth97](crate::references#knuth97), and that of products of [Dekker71](crate::references#dekker71)). A sum whose
-//! bits lie within 106 of each other is exact, in whatever order and by whatever partial sums it came about.
+//! algorithm [Knuth97](crate::references#knuth97), and that of products of [Dekker71](crate::references#dekker71)). A
+//! sum whose bits lie within 106 of each other is exact, in whatever order and by whatever partial sums it came about.
 
 /// A number of 106 bits, high + low.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

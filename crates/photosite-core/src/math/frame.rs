@@ -25,7 +25,8 @@ impl Frame {
     /// A frame about a unit normal `z` whose x lies along `tangent` made perpendicular to z. Falls back to
     /// [`Self::from_normal`] where the tangent is parallel to the normal, zero or not finite.
     pub fn from_normal_tangent(z: Vec3, tangent: Vec3) -> Self {
-        // y comes out imprecise where the tangent nearly lies along z; the second product makes x exactly perpendicular.
+        // y comes out imprecise where the tangent nearly lies along z; the second product makes x exactly
+        // perpendicular.
         match z.cross(tangent).try_normalize().and_then(|y| y.cross(z).try_normalize()) {
             Some(x) => Self { x, y: z.cross(x), z },
             None => Self::from_normal(z),

@@ -1,6 +1,7 @@
-//! Mathematics that knows nothing of light: frames, cones of directions, warps of the unit square, discrete distributions, hashing,
-//! counter-based random numbers, linear equations, minima, floating-point error bounds, probability densities with a measure, the normal
-//! distribution, statistics, sums of 106 bits, formulas for one number and for eight at a time.
+//! Mathematics that knows nothing of light: frames, cones of directions, warps of the unit square, discrete
+//! distributions, hashing, counter-based random numbers, linear equations, minima, floating-point error bounds,
+//! probability densities with a measure, the normal distribution, statistics, sums of 106 bits, formulas for one number
+//! and for eight at a time.
 
 pub mod cone;
 pub mod distribution;

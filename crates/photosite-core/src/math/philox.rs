@@ -25,8 +25,9 @@ impl Philox {
         Self { key, counter, block: [0; 4], used: 4 }
     }
 
-    /// The two streams number 2·`pair` and 2·`pair` + 1 of another kind: they share their first block, so that neighbours
-    /// that need no more than 64 bits each cost one block together. Not to be mixed with [`Self::new`] for the same key.
+    /// The two streams number 2·`pair` and 2·`pair` + 1 of another kind: they share their first block, so that
+    /// neighbours that need no more than 64 bits each cost one block together. Not to be mixed with [`Self::new`] for
+    /// the same key.
     #[inline]
     pub fn pair(key: u64, pair: u64) -> [Self; 2] {
         let key = [key as u32, (key >> 32) as u32];

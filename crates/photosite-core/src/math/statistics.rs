@@ -83,8 +83,8 @@ pub fn sidak_p_value(alpha: f64, tests: usize) -> f64 {
     -((-alpha).ln_1p() / tests.max(1) as f64).exp_m1()
 }
 
-/// Kolmogorov–Smirnov: the largest distance between the distribution of a sample, sorted upwards, and the one that `cdf`
-/// says. 0 for an empty sample.
+/// Kolmogorov–Smirnov: the largest distance between the distribution of a sample, sorted upwards, and the one that
+/// `cdf` says. 0 for an empty sample.
 pub fn kolmogorov_smirnov(sorted: &[f64], cdf: impl Fn(f64) -> f64) -> f64 {
     let n = sorted.len() as f64;
     let distance = |(i, &x): (usize, &f64)| {

@@ -20,8 +20,9 @@ pub fn concentric_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
     [R::select(is_x, along, aside), R::select(is_x, aside, along)]
 }
 
-/// Sine and cosine of an angle of −π/4 to π/4, to the last bit or two: Taylor's series up to x⁹ and x¹⁰, whose first term left
-/// out is 2·10⁻⁹ and 10⁻¹⁰ of the whole at most. The same on every machine, and cheaper than functions of any angle.
+/// Sine and cosine of an angle of −π/4 to π/4, to the last bit or two: Taylor's series up to x⁹ and x¹⁰, whose first
+/// term left out is 2·10⁻⁹ and 10⁻¹⁰ of the whole at most. The same on every machine, and cheaper than functions of any
+/// angle.
 #[inline(always)]
 fn sin_cos_of_eighth<R: Real>(x: R) -> (R, R) {
     // Written out, since a closure would not be compiled for wide registers.

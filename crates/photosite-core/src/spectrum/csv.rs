@@ -8,9 +8,9 @@
 //! ```
 //!
 //! In: the text of a file. Out: its columns, or the line that is wrong. Comments start with `#`; one of the form
-//! `# outside: zero`, `# outside: hold` or `# outside: blackbody 6504 K` says what the values are beyond the first and last row,
-//! see [`Outside`]. The line of column names may be missing. Columns are separated by commas, semicolons, tabs or blanks. Reading the file, and checking
-//! that a reflectance lies within 0–1, is left to the caller.
+//! `# outside: zero`, `# outside: hold` or `# outside: blackbody 6504 K` says what the values are beyond the first and
+//! last row, see [`Outside`]. The line of column names may be missing. Columns are separated by commas, semicolons,
+//! tabs or blanks. Reading the file, and checking that a reflectance lies within 0–1, is left to the caller.
 
 use std::fmt;
 use std::path::Path;

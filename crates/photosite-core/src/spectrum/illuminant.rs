@@ -4,20 +4,21 @@
 //! published with (A and the D series are 100 at 560 nm); only [`blackbody`] is absolute. Bringing a spectrum to a
 //! luminance or an illuminance is left to the caller, see [`cie::luminous`](super::cie::luminous).
 //!
-//! The CIE tabulates daylight up to 830 nm, where silicon still sees. Beyond, it is assumed to go on as the blackbody of its
-//! correlated colour temperature T, without the bands in which water vapour absorbs:
+//! The CIE tabulates daylight up to 830 nm, where silicon still sees. Beyond, it is assumed to go on as the blackbody
+//! of its correlated colour temperature T, without the bands in which water vapour absorbs:
 //!
 //! S(λ) = S(830 nm)·B(λ, T)/B(830 nm, T), 830 nm < λ ≤ 1100 nm, B by [`planck`].
 //!
-//! Fluorescent lamps and LEDs end where their tables end, at 780 or 830 nm. [`Spectrum::known_nm`] tells which is which.
+//! Fluorescent lamps and LEDs end where their tables end, at 780 or 830 nm. [`Spectrum::known_nm`] tells which is
+//! which.
 
 use std::sync::OnceLock;
 
 pub use super::planck::planck;
 use super::{Outside, Spectrum, library};
 
-/// Ratio of today's second radiation constant to the one by which D50, D55, D65 and D75 were named: D65 has a correlated
-/// colour temperature of 6500 K × 1.4388/1.4380 (CIE 015:2018, 4.1.2).
+/// Ratio of today's second radiation constant to the one by which D50, D55, D65 and D75 were named: D65 has a
+/// correlated colour temperature of 6500 K × 1.4388/1.4380 (CIE 015:2018, 4.1.2).
 const NOMINAL_TO_CCT: f64 = 1.4388 / 1.4380;
 
 /// CIE standard illuminant D65, 300–830 nm as tabulated and a blackbody of 6504 K beyond, 100 at 560 nm.
@@ -74,8 +75,8 @@ pub fn a() -> Spectrum {
     Spectrum::from_fn(|lambda| 100.0 * (560.0 / lambda).powi(5) * exponential(560.0) / exponential(lambda))
 }
 
-/// CIE daylight of a correlated colour temperature of 4000–25000 K, 300–830 nm and a blackbody beyond, 100 at 560 nm (CIE
-/// 015:2018, eqs. 4.7–4.12): S = S₀ + M₁·S₁ + M₂·S₂. `None` outside that range.
+/// CIE daylight of a correlated colour temperature of 4000–25000 K, 300–830 nm and a blackbody beyond, 100 at 560 nm
+/// (CIE 015:2018, eqs. 4.7–4.12): S = S₀ + M₁·S₁ + M₂·S₂. `None` outside that range.
 pub fn daylight(cct_k: f64) -> Option<Spectrum> {
     let [x, y] = daylight_chromaticity(cct_k)?;
     let m = 0.0241 + 0.2562 * x - 0.7341 * y;

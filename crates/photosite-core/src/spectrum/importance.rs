@@ -1,24 +1,26 @@
 //! Which wavelengths are worth drawing, where several responses look at the same light.
 //!
-//! Four wavelengths λ₀…λ₃ that share a density p evenly ([`WavelengthSampler`]) estimate what a response R makes of light L by
+//! Four wavelengths λ₀…λ₃ that share a density p evenly ([`WavelengthSampler`]) estimate what a response R makes of
+//! light L by
 //!
 //! g(u) = ¼·Σₖ f(λₖ)/p(λₖ),   f = R·L,   λₖ where the cumulative distribution of p is u + k/4 (mod 1).
 //!
-//! Where p is the mean of all f, each scaled to an integral of 1, g varies by some tenths of its mean with u: of four wavelengths
-//! one or two are in the red, and pixels have noise of colour that no number of bounces explains. Yet p may be any density. Of
-//! three responses that overlap there is one for which each of the three g is nearly the same for any u: where red is steep,
-//! so is p, such that the next of the four comes in as one leaves. It is found here. With the responses of a camera the variance
-//! of g falls to a hundredth.
+//! Where p is the mean of all f, each scaled to an integral of 1, g varies by some tenths of its mean with u: of four
+//! wavelengths one or two are in the red, and pixels have noise of colour that no number of bounces explains. Yet p may
+//! be any density. Of three responses that overlap there is one for which each of the three g is nearly the same for
+//! any u: where red is steep, so is p, such that the next of the four comes in as one leaves. It is found here. With
+//! the responses of a camera the variance of g falls to a hundredth.
 //!
-//! The density is p ∝ exp(h)·Σ f/∫f dλ with h linear between knots, an even part added by the sampler. Over h, by gradient
-//! descent, least becomes
+//! The density is p ∝ exp(h)·Σ f/∫f dλ with h linear between knots, an even part added by the sampler. Over h, by
+//! gradient descent, least becomes
 //!
 //! J = Σ over responses of ln r + G·max(0, r − 1)²,   r = v/v₀,   v = V₄ + κ·(V₁ + 1),
 //!
-//! v₀ being v where h is 0, V₄ the variance of g relative to its mean squared, and V₁ that of a single wavelength, as paths
-//! carry it that have dispersed: it keeps p near to what one wavelength wants, and stands for reflectances, which make f another
-//! in each pixel. The logarithm counts by how many times each variance falls, so that one that cannot, of a narrow band, does not
-//! take all the care. What comes with G is there for more responses than four wavelengths can tell: none is given up for others.
+//! v₀ being v where h is 0, V₄ the variance of g relative to its mean squared, and V₁ that of a single wavelength, as
+//! paths carry it that have dispersed: it keeps p near to what one wavelength wants, and stands for reflectances, which
+//! make f another in each pixel. The logarithm counts by how many times each variance falls, so that one that cannot,
+//! of a narrow band, does not take all the care. What comes with G is there for more responses than four wavelengths
+//! can tell: none is given up for others.
 
 use super::wavelength_sampler::{PIECES, probabilities};
 use super::{LANES, Spectrum, TABLE_LEN};
@@ -33,12 +35,13 @@ const STEPS: usize = 64;
 const STEP: f64 = 0.1;
 /// κ: a tenth of it leaves half of V₄, but makes single wavelengths of a camera's red 4 % noisier.
 const LONE_PART: f64 = 0.005;
-/// G: with it no variance grows by more than some hundredths, without it that of five bands of 30 nm by up to eight times.
+/// G: with it no variance grows by more than some hundredths, without it that of five bands of 30 nm by up to eight
+/// times.
 const GROWTH: f64 = 10.0;
 
 /// How much each wavelength matters to the responses (any units, not negative, the light included): a
-/// [`WavelengthSampler`](super::WavelengthSampler) of it finds each with little variance. Positive wherever one of them is, and
-/// zero if all are.
+/// [`WavelengthSampler`](super::WavelengthSampler) of it finds each with little variance. Positive wherever one of them
+/// is, and zero if all are.
 pub fn importance(responses: &[Spectrum]) -> Spectrum {
     let responses: Vec<&Spectrum> = responses.iter().filter(|response| response.max() > 0.0).collect();
     match *responses.as_slice() {
@@ -164,7 +167,8 @@ impl Problem {
         Cost { value, slopes: self.slopes(&importances, &by_piece, scale) }
     }
 
-    /// From derivatives by probabilities, which are in proportion to importances but for their sum, to those by heights.
+    /// From derivatives by probabilities, which are in proportion to importances but for their sum, to those by
+    /// heights.
     fn slopes(&self, importances: &[f64], by_piece: &[f64], scale: f64) -> [f64; KNOTS] {
         let masses = importances.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
         let all: f64 = masses.clone().sum();

@@ -12,8 +12,8 @@ pub enum Outside {
     Zero,
     /// The value at the nearest measured wavelength: reflectance, refractive index.
     Hold,
-    /// A blackbody of this temperature in kelvin, scaled to the last value beyond it, and zero before the first: daylight, whose
-    /// tables end at 830 nm.
+    /// A blackbody of this temperature in kelvin, scaled to the last value beyond it, and zero before the first:
+    /// daylight, whose tables end at 830 nm.
     Blackbody(u32),
 }
 
@@ -83,9 +83,9 @@ impl Spectrum {
         Ok(spectrum.known_within([lambda_nm[0] as f32, lambda_nm[last] as f32]))
     }
 
-    /// First and last wavelength at which the values are those of whoever stated the spectrum, nm; beyond them a rule such as
-    /// [`Outside`] has been applied. A product is known where all its factors are; the first may exceed the last, then it is
-    /// known nowhere.
+    /// First and last wavelength at which the values are those of whoever stated the spectrum, nm; beyond them a rule
+    /// such as [`Outside`] has been applied. A product is known where all its factors are; the first may exceed the
+    /// last, then it is known nowhere.
     pub fn known_nm(&self) -> [f32; 2] {
         self.known_nm
     }

@@ -9,9 +9,9 @@ const EVEN_PART: f64 = 0.05;
 /// Pieces of a density, each a nanometre long: the intervals between the entries of a table.
 pub(super) const PIECES: usize = TABLE_LEN - 1;
 
-/// The probability of each piece, for importances at the entries, of which those below zero count as zero: a factor times the
-/// mean of its two ends, and the even part. With that factor. A piece counts as useful where either end does; where none
-/// is, all are.
+/// The probability of each piece, for importances at the entries, of which those below zero count as zero: a factor
+/// times the mean of its two ends, and the even part. With that factor. A piece counts as useful where either end does;
+/// where none is, all are.
 pub(super) fn probabilities(importances: &[f64]) -> (Vec<f64>, f64) {
     let mut masses: Vec<f64> = importances.windows(2).map(|ends| 0.5 * (ends[0].max(0.0) + ends[1].max(0.0))).collect();
     if masses.iter().all(|&mass| mass == 0.0) {
@@ -30,8 +30,9 @@ pub(super) fn probabilities(importances: &[f64]) -> (Vec<f64>, f64) {
 pub struct WavelengthSampler {
     /// From short waves to long ones, each a nanometre long, and one where the last ends.
     pieces: Vec<Piece>,
-    /// For each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in, and [`MANY`] where it goes
-    /// on beyond the next. So fine are they that most lie in one piece ([Devroye86](crate::references#devroye86) §III.2.4).
+    /// For each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in, and [`MANY`]
+    /// where it goes on beyond the next. So fine are they that most lie in one piece
+    /// ([Devroye86](crate::references#devroye86) §III.2.4).
     guide: Vec<u16>,
 }
 

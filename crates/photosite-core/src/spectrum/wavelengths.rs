@@ -37,8 +37,8 @@ impl Wavelengths {
         self.lambda_nm
     }
 
-    /// Where the wavelength of a lane lies in a spectral table: the entry before it, at most the last but one, and how far it
-    /// is from there to the next.
+    /// Where the wavelength of a lane lies in a spectral table: the entry before it, at most the last but one, and how
+    /// far it is from there to the next.
     #[inline]
     pub fn place_in_table(&self, lane: usize) -> (usize, f32) {
         (self.entry[lane] as usize, self.part[lane])
@@ -75,8 +75,8 @@ impl Wavelengths {
     }
 }
 
-/// Where a wavelength of 300 to 1100 nm lies in a table: the entry at or below it, at most the last but one, and how far it is
-/// from there to the next, 0 to 1.
+/// Where a wavelength of 300 to 1100 nm lies in a table: the entry at or below it, at most the last but one, and how
+/// far it is from there to the next, 0 to 1.
 #[inline]
 pub(super) fn place_in_table(lambda_nm: f32) -> (u32, f32) {
     let x = lambda_nm - LAMBDA_MIN_NM;

@@ -9,9 +9,9 @@
 //! d 20000000               dark images follow: exposure time in ns
 //! ```
 //!
-//! Lines that begin with `#` and empty lines say nothing, and lines may end as Windows ends them. An exposure time of 0 stands
-//! for one that is not known, as in sets of one exposure time and light that varies: `b 000.00 000.35`. Two images after a `b` or `d` are a pair for temporal noise, more are a stack
-//! for spatial non-uniformity.
+//! Lines that begin with `#` and empty lines say nothing, and lines may end as Windows ends them. An exposure time of 0
+//! stands for one that is not known, as in sets of one exposure time and light that varies: `b 000.00 000.35`. Two
+//! images after a `b` or `d` are a pair for temporal noise, more are a stack for spatial non-uniformity.
 
 use std::fmt;
 

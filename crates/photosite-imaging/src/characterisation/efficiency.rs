@@ -4,15 +4,17 @@ use crate::raw::Cfa;
 use crate::sensor::SensorModel;
 use photosite_core::units::photon_energy;
 
-/// Quantum efficiency η of a channel: electrons that its pixels collect per photon that falls on the whole area of a pixel,
-/// whatever filters, microlenses, fill factor and neighbours (crosstalk) make of it. `channel` is one of the sensor's.
+/// Quantum efficiency η of a channel: electrons that its pixels collect per photon that falls on the whole area of a
+/// pixel, whatever filters, microlenses, fill factor and neighbours (crosstalk) make of it. `channel` is one of the
+/// sensor's.
 pub fn quantum_efficiency(sensor: &SensorModel, channel: usize, wavelength_nm: f64) -> f64 {
     let [x, y] = first_place(&sensor.cfa, channel);
     sensor.collected(&freed_per_photon(sensor, wavelength_nm), x, y)
 }
 
 /// Electrons that a photon on a pixel frees in each of the sensor's channels, wherever they are collected. From the
-/// response R of [`SensorModel::responses`], in e⁻/s for each W·m⁻²·nm⁻¹ and nm, and the pixel's area A, it is R·(h·c/λ)/A.
+/// response R of [`SensorModel::responses`], in e⁻/s for each W·m⁻²·nm⁻¹ and nm, and the pixel's area A, it is
+/// R·(h·c/λ)/A.
 pub(super) fn freed_per_photon(sensor: &SensorModel, wavelength_nm: f64) -> Vec<f64> {
     let per_photon = photon_energy(wavelength_nm) / sensor.pixel_area_m2();
     let responses = sensor.responses().into_iter();

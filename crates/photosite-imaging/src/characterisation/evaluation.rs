@@ -124,14 +124,14 @@ const LEAST_DARK_VARIANCE: f64 = 0.24;
 /// Evaluates an image set ([Emva1288](photosite_core::references#emva1288) release 4.0 linear).
 ///
 /// - The sensor saturates where σ_y² is largest.
-/// - K is the slope through the origin of σ_y² − σ_y.dark² over μ_y − μ_y.dark, R that of μ_y − μ_y.dark over μ_p, both up
-///   to 70 % of saturation; η = R/K.
+/// - K is the slope through the origin of σ_y² − σ_y.dark² over μ_y − μ_y.dark, R that of μ_y − μ_y.dark over μ_p, both
+///   up to 70 % of saturation; η = R/K.
 /// - σ_y.dark² is the offset of the line through the dark variances over exposure time; with fewer than three exposure
 ///   times it is that of the shortest. Below 0.24 DN² quantisation hides the noise, and 0.24 stands for it.
 ///   σ_d² = (σ_y.dark² − 1/12)/K².
 /// - DSNU = s_y.dark/K, PRNU = √(s_y² − s_y.dark²)/(μ_y − μ_y.dark), from the stacks (dark, bright).
-/// - Linearity errors are the deviations, in percent of the fit, from the line that fits the points between 5 and 95 % of
-///   saturation with weights 1/(μ_y − μ_y.dark)².
+/// - Linearity errors are the deviations, in percent of the fit, from the line that fits the points between 5 and 95 %
+///   of saturation with weights 1/(μ_y − μ_y.dark)².
 /// - Dark current: slopes of μ_y.dark/K and σ_y.dark²/K² over exposure time.
 pub fn evaluate(mut points: Vec<TemporalPoint>, stacks: Option<[SpatialVariances; 2]>) -> Result<Evaluation, Invalid> {
     points
@@ -182,8 +182,8 @@ pub fn evaluate(mut points: Vec<TemporalPoint>, stacks: Option<[SpatialVariances
     Ok(Evaluation { figures, saturation, last_fitted, linearity, dark_current, spatial: stacks, points })
 }
 
-/// R in DN per photon of a set of few points, such as that of one wavelength of a sweep: the slope through the origin up
-/// to 70 % of the brightest point, which need not saturate.
+/// R in DN per photon of a set of few points, such as that of one wavelength of a sweep: the slope through the origin
+/// up to 70 % of the brightest point, which need not saturate.
 pub fn responsivity(points: &[TemporalPoint]) -> Result<f64, Invalid> {
     let brightest = (0..points.len()).max_by(|&a, &b| points[a].signal().total_cmp(&points[b].signal()));
     let last = last_fitted(points, brightest.ok_or_else(|| Invalid::new("", "no bright images"))?)?;
@@ -198,8 +198,8 @@ pub fn doubling_temperature(currents: impl Iterator<Item = (f64, f64)> + Clone) 
     line(points).map(|fit| 1.0 / fit.slope)
 }
 
-/// The point of the largest variance. Those beyond it, where hardly a pixel is below saturation, have tiny variances in any
-/// order, among which a search from the bright end for the first maximum can stop.
+/// The point of the largest variance. Those beyond it, where hardly a pixel is below saturation, have tiny variances in
+/// any order, among which a search from the bright end for the first maximum can stop.
 fn saturation_point(points: &[TemporalPoint]) -> Result<usize, Invalid> {
     if points.len() < 3 {
         let message = format!("{} pairs of bright images are too few for a photon transfer curve", points.len());

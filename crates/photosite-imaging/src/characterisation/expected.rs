@@ -9,14 +9,14 @@ use super::evaluation::{TemporalPoint, evaluate};
 use super::figures::{Figures, SpatialFigures, sensitivity_threshold_e};
 use super::plan::{OperatingPoint, Plan, Shot};
 
-/// The figures of the sensor at an operating point, from the images of a plan. Non-uniformity is that of its stacks, during
-/// whose exposure an uneven dark current adds to that of the dark signal.
+/// The figures of the sensor at an operating point, from the images of a plan. Non-uniformity is that of its stacks,
+/// during whose exposure an uneven dark current adds to that of the dark signal.
 ///
 /// Where the converter's range ends before the full well, that is what saturates. No linearity error is expected of a
-/// linear sensor, and of the dark current the mean and the variance tell the same. Amplifiers or converters that bend have
-/// other gains at other signals, and the second of two gains adds noise of its own to bright images alone, which K takes for
-/// the light's: of such sensors the figures are those that the standard's evaluation finds in the exact means and variances
-/// of the plan's images.
+/// linear sensor, and of the dark current the mean and the variance tell the same. Amplifiers or converters that bend
+/// have other gains at other signals, and the second of two gains adds noise of its own to bright images alone, which K
+/// takes for the light's: of such sensors the figures are those that the standard's evaluation finds in the exact means
+/// and variances of the plan's images.
 pub fn expected_figures(sensor: &SensorModel, point: &OperatingPoint, plan: &Plan) -> Figures {
     let linear = linear_figures(sensor, point, plan.half_time);
     if !sensor.is_nonlinear() {
@@ -42,8 +42,8 @@ pub fn expected_figures(sensor: &SensorModel, point: &OperatingPoint, plan: &Pla
     }
 }
 
-/// Keys of the effects that a sensor has and [`expected_figures`] leaves out, which has no closed form for them: defective
-/// pixels and numbers, steps of unequal width, pixels that repel each other's charge.
+/// Keys of the effects that a sensor has and [`expected_figures`] leaves out, which has no closed form for them:
+/// defective pixels and numbers, steps of unequal width, pixels that repel each other's charge.
 pub fn effects_left_out(sensor: &SensorModel) -> Vec<&'static str> {
     let SensorModel { noise, converter, brighter_fatter_per_e, .. } = sensor;
     let effects = [
@@ -56,8 +56,8 @@ pub fn effects_left_out(sensor: &SensorModel) -> Vec<&'static str> {
     effects.into_iter().filter(|(_, is_there)| *is_there).map(|(key, _)| key).collect()
 }
 
-/// Means and variances of the plan's pairs, of so many pixels that they are exact: rounded, and clipped near saturation,
-/// which decides where the evaluation finds it.
+/// Means and variances of the plan's pairs, of so many pixels that they are exact: rounded, and clipped near
+/// saturation, which decides where the evaluation finds it.
 fn exact_points(sensor: &SensorModel, point: &OperatingPoint, shots: &[Shot]) -> Vec<TemporalPoint> {
     let efficiency = quantum_efficiency(sensor, point.channel, point.wavelength_nm);
     // Patterns are wider than what they hide; numbers round within a standard deviation of a quiet sensor.
@@ -106,7 +106,8 @@ fn linear_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_time: Se
     let quantisation = 1.0 / (12.0 * gain * gain);
     let saturation = sensor.saturation_capacity(&point.exposure(spatial_time)).0;
     let threshold = sensitivity_threshold_e(dark_variance.sqrt());
-    // Hot pixels count with their part p of all: a mean of p·m, and of an exponential distribution a variance of p·(2 − p)·m².
+    // Hot pixels count with their part p of all: a mean of p·m, and of an exponential distribution a variance of p·(2 −
+    // p)·m².
     let noise = &sensor.noise;
     let hot = |time| noise.hot_electrons(point.temperature, time).0;
     let part = noise.defects.hot;

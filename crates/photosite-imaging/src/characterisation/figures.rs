@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The figures that characterise a sensor at one operating point ([Emva1288](photosite_core::references#emva1288) release 4.0
-/// linear). Those that cannot be known are `None`.
+/// The figures that characterise a sensor at one operating point ([Emva1288](photosite_core::references#emva1288)
+/// release 4.0 linear). Those that cannot be known are `None`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// System gain K, DN/e⁻.
@@ -125,8 +125,9 @@ impl Decibel for f64 {
 ///
 /// μ_e.min = √(σ_dark² + ¼) + ½
 ///
-/// with the dark noise σ_dark = σ_y.dark/K, quantisation included, in e⁻ ([Emva1288](photosite_core::references#emva1288), section
-/// on absolute sensitivity threshold; the approximation σ_dark + ½ that some programs use is up to ½ e⁻ too small).
+/// with the dark noise σ_dark = σ_y.dark/K, quantisation included, in e⁻
+/// ([Emva1288](photosite_core::references#emva1288), section on absolute sensitivity threshold; the approximation
+/// σ_dark + ½ that some programs use is up to ½ e⁻ too small).
 pub(super) fn sensitivity_threshold_e(dark_noise_e: f64) -> f64 {
     (dark_noise_e.powi(2) + 0.25).sqrt() + 0.5
 }

@@ -20,14 +20,14 @@ pub struct FlatField<'a> {
     size: [usize; 2],
     /// Where the channel first stands in the tile of the colour filter array.
     place: [usize; 2],
-    /// Columns and rows of tiles around the images that are exposed, too: pixels at an edge lack neighbours whose crosstalk
-    /// those of real sensors have.
+    /// Columns and rows of tiles around the images that are exposed, too: pixels at an edge lack neighbours whose
+    /// crosstalk those of real sensors have.
     margin: [usize; 2],
 }
 
 impl<'a> FlatField<'a> {
-    /// `size`: columns and rows of the images, which show one number of every tile of the colour filter array, of channel
-    /// `point.channel`: programs that evaluate them know of no mosaics.
+    /// `size`: columns and rows of the images, which show one number of every tile of the colour filter array, of
+    /// channel `point.channel`: programs that evaluate them know of no mosaics.
     pub fn new(sensor: &'a SensorModel, point: &OperatingPoint, size: [usize; 2]) -> Self {
         let (reach, tile) = (sensor.crosstalk_reach(), pixels_of_tile(&sensor.cfa));
         Self {

@@ -16,8 +16,8 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Of finite values, in at most `most` bins, or one more. Values that were averaged from whole numbers lie `quantum` apart, or some
-    /// multiple of it: so must the bins, or some would collect more values than others.
+    /// Of finite values, in at most `most` bins, or one more. Values that were averaged from whole numbers lie
+    /// `quantum` apart, or some multiple of it: so must the bins, or some would collect more values than others.
     pub fn new(values: &[f64], quantum: f64, most: usize) -> Self {
         let count = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / count;

@@ -11,8 +11,8 @@
 //! | truth | the sensor's model | the [`Figures`] that an exact measurement would find | `expected.rs`, `efficiency.rs` |
 //!
 //! The light is no renderer's: every pixel receives the same number of photons, so that what spreads in an image is the
-//! sensor's. Photons are counted on the whole area of a pixel, as the standard does. Symbols are the standard's: μ and σ²
-//! are mean and temporal variance, s² is spatial variance, y is in DN, e in electrons, p in photons.
+//! sensor's. Photons are counted on the whole area of a pixel, as the standard does. Symbols are the standard's: μ and
+//! σ² are mean and temporal variance, s² is spatial variance, y is in DN, e in electrons, p in photons.
 //!
 //! [`report`] makes a page of it; [`noise`] estimates the noise of any picture. Files are left to `photosite`.
 

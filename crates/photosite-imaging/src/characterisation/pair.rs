@@ -2,12 +2,12 @@
 
 use photosite_core::Invalid;
 
-/// What two images taken of the same light tell ([Emva1288](photosite_core::references#emva1288), section on mean and variance of
-/// gray value), in DN:
+/// What two images taken of the same light tell ([Emva1288](photosite_core::references#emva1288), section on mean and
+/// variance of gray value), in DN:
 ///
 /// - μ_y = (μ\[0\] + μ\[1\])/2, the mean of both images
-/// - σ_y² = Σ(y\[0\] − y\[1\])²/(2·N) − (μ\[0\] − μ\[1\])²/2 over the N pixels: fixed patterns and what is common to all
-///   pixels of an image cancel.
+/// - σ_y² = Σ(y\[0\] − y\[1\])²/(2·N) − (μ\[0\] − μ\[1\])²/2 over the N pixels: fixed patterns and what is common to
+///   all pixels of an image cancel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PairStatistics {
     /// μ_y, DN.

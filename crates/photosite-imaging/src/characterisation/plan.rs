@@ -21,8 +21,8 @@ pub struct OperatingPoint {
 }
 
 impl OperatingPoint {
-    /// Refuses what this sensor cannot do, and single-photon counters, of which the standard's linear model does not hold:
-    /// their counts bend with the light, and the noise of counts that saturate falls to nothing.
+    /// Refuses what this sensor cannot do, and single-photon counters, of which the standard's linear model does not
+    /// hold: their counts bend with the light, and the noise of counts that saturate falls to nothing.
     pub fn validate(&self, sensor: &SensorModel) -> Result<(), Invalid> {
         self.exposure(USUAL_TIME).validate(sensor)?;
         if sensor.architecture.spad().is_some() {
@@ -113,9 +113,9 @@ impl Plan {
         Ok(Self { shots, half_time })
     }
 
-    /// A set for the quantum efficiency at one more wavelength: pairs at 20, 40 and 60 % of saturation with one exposure
-    /// time; with fewer, programs that look for saturation find no point below 70 % of it. `None` where the channel is
-    /// blind at this wavelength.
+    /// A set for the quantum efficiency at one more wavelength: pairs at 20, 40 and 60 % of saturation with one
+    /// exposure time; with fewer, programs that look for saturation find no point below 70 % of it. `None` where the
+    /// channel is blind at this wavelength.
     pub fn spectral(sensor: &SensorModel, point: &OperatingPoint, time: Seconds) -> Option<Self> {
         let flux = saturating_flux(sensor, point, time).ok()?;
         let [dark, _] = pair("level-0", time, 0.0);
@@ -126,8 +126,8 @@ impl Plan {
         Some(Self { shots: std::iter::once(dark).chain(bright).collect(), half_time: time })
     }
 
-    /// A set for the dark current at one temperature: pairs of bright and dark images at `steps` exposure times up to that
-    /// at which the dark current's shot noise is four times the variance of the rest. The light reaches 60 % of
+    /// A set for the dark current at one temperature: pairs of bright and dark images at `steps` exposure times up to
+    /// that at which the dark current's shot noise is four times the variance of the rest. The light reaches 60 % of
     /// saturation.
     pub fn dark_current(sensor: &SensorModel, point: &OperatingPoint, steps: u32) -> Result<Self, Invalid> {
         let last = telling_time(sensor, point, 4.0);
@@ -153,8 +153,8 @@ fn both(name: &str, time: Seconds, photons: f64, images: u32) -> [Shot; 2] {
     })
 }
 
-/// The time at which the dark current's variance is `ratio` times that of all other dark noise, but its mean no more than
-/// a hundredth of saturation.
+/// The time at which the dark current's variance is `ratio` times that of all other dark noise, but its mean no more
+/// than a hundredth of saturation.
 fn telling_time(sensor: &SensorModel, point: &OperatingPoint, ratio: f64) -> Seconds {
     let start = point.exposure(Seconds(0.0));
     let current = sensor.noise.dark_current(point.temperature);

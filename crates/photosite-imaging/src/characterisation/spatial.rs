@@ -18,13 +18,14 @@ pub struct SpatialStack {
 /// Spatial variances of a stack, DN², corrected for the temporal noise that averaging leaves
 /// ([Emva1288](photosite_core::references#emva1288) release 4.0, section on spatial nonuniformity).
 ///
-/// With the average ⟨y⟩ of L images of M rows and N columns, its sample variance s²_measured and the mean σ²_stack of the
-/// pixels' temporal variances,
+/// With the average ⟨y⟩ of L images of M rows and N columns, its sample variance s²_measured and the mean σ²_stack of
+/// the pixels' temporal variances,
 ///
 /// - s² = s²_measured − σ²_stack/L
 /// - s²_cav = Σ(column means − μ)²/N − σ²_stack/(L·M), s²_rav = Σ(row means − μ)²/M − σ²_stack/(L·N)
 ///
-/// and as s² = s²_row + s²_col + s²_pixel, s²_cav = s²_col + s²_pixel/M, s²_rav = s²_row + s²_pixel/N, the parts follow.
+/// and as s² = s²_row + s²_col + s²_pixel, s²_cav = s²_col + s²_pixel/M, s²_rav = s²_row + s²_pixel/N, the parts
+/// follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpatialVariances {
     /// μ_y, DN.
@@ -158,8 +159,8 @@ mod tests {
         }
         let found = stack.variances().expect("images");
         assert_relative_eq!(found.row + found.column + found.pixel, found.total, max_relative = 1e-9);
-        // The pattern itself is a sample: a variance of n numbers spreads by √(2/n) of itself, 5 times that; columns and
-        // rows have 50²/160 and 50²/240 of the pixels' pattern, and what averaging leaves of the noise, on top.
+        // The pattern itself is a sample: a variance of n numbers spreads by √(2/n) of itself, 5 times that; columns
+        // and rows have 50²/160 and 50²/240 of the pixels' pattern, and what averaging leaves of the noise, on top.
         let pixels = (SIZE[0] * SIZE[1]) as f64;
         let left = temporal * temporal / 8.0;
         for (name, value, expected, on_top, n) in [

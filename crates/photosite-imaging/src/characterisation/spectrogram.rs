@@ -23,7 +23,8 @@ pub struct Spectrogram {
 
 impl Spectrogram {
     /// p\[k\] = ⟨|Σ_n (y\[n\] − μ)·exp(−2πi·k·n/N)|²⟩/N, averaged over the lines of the image, whose mean is μ
-    /// ([Emva1288](photosite_core::references#emva1288), section on spectrograms). White noise has its variance at every frequency.
+    /// ([Emva1288](photosite_core::references#emva1288), section on spectrograms). White noise has its variance at
+    /// every frequency.
     pub fn new(image: &[f64], [width, height]: [usize; 2], direction: Direction) -> Self {
         let mean = image.iter().sum::<f64>() / image.len().max(1) as f64;
         let (length, lines) = match direction {

@@ -1,4 +1,5 @@
-//! What a raw file says about the colours of its camera: calibrations of the sensor and the response to the scene's white.
+//! What a raw file says about the colours of its camera: calibrations of the sensor and the response to the scene's
+//! white.
 
 use super::SensorCalibration;
 use crate::raw::{ColourCalibration, RawMetadata};
@@ -10,8 +11,8 @@ pub use super::colour_matrix::neutral;
 /// The colour entries of a raw file's metadata.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraColour {
-    /// What the channels mean in A, D65 and D50, in this order: readers that use one matrix look for that of D65 or take the
-    /// second; those that use two mix the first and the second.
+    /// What the channels mean in A, D65 and D50, in this order: readers that use one matrix look for that of D65 or
+    /// take the second; those that use two mix the first and the second.
     pub calibrations: Vec<ColourCalibration>,
     /// The camera's response to the scene's white, the largest component 1.
     pub neutral: Vec<f64>,

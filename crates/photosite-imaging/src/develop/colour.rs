@@ -99,8 +99,8 @@ pub(super) fn inverse(rows: &[DVec3]) -> Vec<DVec3> {
     rows.iter().map(|row| inverse * *row).collect()
 }
 
-/// White-balanced camera → linear RGB of the space, a column per channel, in which white (1, 1, 1 …) is white. `None` for
-/// a raw file that has no matrix.
+/// White-balanced camera → linear RGB of the space, a column per channel, in which white (1, 1, 1 …) is white. `None`
+/// for a raw file that has no matrix.
 pub(super) fn camera_to_rgb(
     metadata: &RawMetadata,
     neutral: &[f64],
@@ -116,8 +116,8 @@ pub(super) fn camera_to_rgb(
     }
     let (white, to_xyz) = matrices.scene_white(neutral);
     let columns: Vec<DVec3> = match matrices.forward_at(white) {
-        // The way that the specification prefers. Of three channels the inverse of the colour matrix is as exact, and between
-        // two lights it is nearer to the colours of a third.
+        // The way that the specification prefers. Of three channels the inverse of the colour matrix is as exact, and
+        // between two lights it is nearer to the colours of a third.
         Some(forward) if neutral.len() > 3 => forward.into_iter().map(|column| space.from_xyz(D50) * column).collect(),
         Some(_) | None => {
             let from_xyz = space.from_xyz(white / white.y);
@@ -127,8 +127,8 @@ pub(super) fn camera_to_rgb(
     if white.is_finite() && columns.iter().all(|column| column.is_finite()) { Ok(Some(columns)) } else { Err(wrong()) }
 }
 
-/// Correlated colour temperature, K, of a white of this XYZ: McCamy (1992), good to a few kelvin from A to D65, which is all
-/// that counts here.
+/// Correlated colour temperature, K, of a white of this XYZ: McCamy (1992), good to a few kelvin from A to D65, which
+/// is all that counts here.
 fn temperature(white: DVec3) -> f64 {
     let [x, y] = [white.x, white.y].map(|component| component / white.element_sum());
     let n = (x - 0.3320) / (0.1858 - y);

@@ -1,17 +1,18 @@
-//! What the colours of a camera mean: the matrices between its channels and XYZ, and its response to white, all computed
-//! from spectral responses.
+//! What the colours of a camera mean: the matrices between its channels and XYZ, and its response to white, all
+//! computed from spectral responses.
 //!
 //! In: the responses of three channels or more (any common unit), as [`SensorModel::responses`] gives them, times the
-//! transmittance of the lens where it has a colour; the spectrum of the light. Out: the numbers of a DNG file's ColorMatrix,
-//! ForwardMatrix and AsShotNeutral ([Dng16](photosite_core::references#dng16), chapter 6).
+//! transmittance of the lens where it has a colour; the spectrum of the light. Out: the numbers of a DNG file's
+//! ColorMatrix, ForwardMatrix and AsShotNeutral ([Dng16](photosite_core::references#dng16), chapter 6).
 //!
-//! Both kinds of matrix are made for colours as readers show them: the mean ΔE₀₀ of the 24 patches of a colour checker. It
-//! has no closed form; a simplex search lessens it, white kept. Of three channels a colour matrix is the inverse of a forward
-//! matrix. Of more, no colour matrix has an inverse that is as good: those that keep white take the sum of all channels for
-//! a brightness. So it is found by itself, for readers that know no forward matrix and to tell the scene's white.
+//! Both kinds of matrix are made for colours as readers show them: the mean ΔE₀₀ of the 24 patches of a colour checker.
+//! It has no closed form; a simplex search lessens it, white kept. Of three channels a colour matrix is the inverse of
+//! a forward matrix. Of more, no colour matrix has an inverse that is as good: those that keep white take the sum of
+//! all channels for a brightness. So it is found by itself, for readers that know no forward matrix and to tell the
+//! scene's white.
 //!
-//! Matrices of A and D65 alone would be mixed for lights between them. Where the channels overlap much, what is best for D50
-//! lies beside that mixture, so D50 has matrices of its own.
+//! Matrices of A and D65 alone would be mixed for lights between them. Where the channels overlap much, what is best
+//! for D50 lies beside that mixture, so D50 has matrices of its own.
 //!
 //! [`SensorModel::responses`]: crate::sensor::SensorModel::responses
 
@@ -26,7 +27,8 @@ use photosite_core::colour::{ColourSpace, cielab, difference};
 use photosite_core::math::minimise::nelder_mead;
 use photosite_core::spectrum::{Spectrum, cie, illuminant, library};
 
-/// What three channels or more mean in A, D65 and D50: of the sensor and its lens alone, whatever the light of the scene.
+/// What three channels or more mean in A, D65 and D50: of the sensor and its lens alone, whatever the light of the
+/// scene.
 pub(super) fn calibrations(responses: &[(String, Spectrum)]) -> Result<Vec<ColourCalibration>, Invalid> {
     let d50 = illuminant::illuminant("D50").unwrap_or_else(|| illuminant::d65().clone());
     let lights = [(LightSource::A, &illuminant::a()), (LightSource::D65, illuminant::d65()), (LightSource::D50, &d50)];
@@ -85,8 +87,8 @@ fn searched(start: &[f64], error: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     const ROUNDS: usize = 12;
     let first = error(start);
     let (mut best, mut least) = (start.to_vec(), first);
-    // The edge of the simplex is of the size that entries change by. It gets thin before it gets small; a new one goes on
-    // from where it stopped, until that gains next to nothing.
+    // The edge of the simplex is of the size that entries change by. It gets thin before it gets small; a new one goes
+    // on from where it stopped, until that gains next to nothing.
     for _ in 0..ROUNDS {
         let found = nelder_mead(&best, 0.02, 100 * start.len(), &error);
         let gain = least - error(&found);
@@ -143,8 +145,8 @@ impl Chart {
         Self { white: white / white.y, neutral, to_screen, patches: checker().map(patch).collect() }
     }
 
-    /// Mean ΔE₀₀ of the patches as a forward matrix shows them, their brightness brought to that of the chart: how bright a
-    /// picture is, is a matter of exposure.
+    /// Mean ΔE₀₀ of the patches as a forward matrix shows them, their brightness brought to that of the chart: how
+    /// bright a picture is, is a matter of exposure.
     fn error(&self, columns: &[DVec3]) -> f64 {
         let shown =
             |camera: &[f64]| self.to_screen * camera.iter().zip(columns).map(|(c, column)| *column * *c).sum::<DVec3>();
@@ -162,9 +164,9 @@ impl Chart {
         self.patches.iter().map(difference).sum::<f64>() / self.patches.len() as f64
     }
 
-    /// The same with a price on noise where there are more than three channels: the patches leave combinations of them open,
-    /// of which those with large entries of both signs would show more noise than colour. Shot noise of a balanced channel
-    /// has a variance in proportion to 1/n.
+    /// The same with a price on noise where there are more than three channels: the patches leave combinations of them
+    /// open, of which those with large entries of both signs would show more noise than colour. Shot noise of a
+    /// balanced channel has a variance in proportion to 1/n.
     fn cost(&self, columns: &[DVec3]) -> f64 {
         if columns.len() == 3 {
             return self.error(columns);
@@ -174,9 +176,9 @@ impl Chart {
         self.error(columns) + NOISE_PRICE * noise
     }
 
-    /// A colour matrix to begin with: each row c is min Σᵢ (c·xᵢ − rᵢ)² rᵢ^(−4/3), subject to c·w = n, with the responses rᵢ to
-    /// the patches xᵢ. The weights turn errors into those of CIELAB, which is made of cube roots: d(r^⅓) ∝ r^(−⅔) dr.
-    /// Without them bright patches would be all that counts.
+    /// A colour matrix to begin with: each row c is min Σᵢ (c·xᵢ − rᵢ)² rᵢ^(−4/3), subject to c·w = n, with the
+    /// responses rᵢ to the patches xᵢ. The weights turn errors into those of CIELAB, which is made of cube roots:
+    /// d(r^⅓) ∝ r^(−⅔) dr. Without them bright patches would be all that counts.
     fn regression(&self) -> Vec<DVec3> {
         let row = |(channel, neutral): (usize, &f64)| {
             // Normal equations A·c = b. A Lagrange multiplier then shares out what c·w lacks, along A⁻¹·w.
@@ -197,8 +199,8 @@ impl Chart {
         complete(&searched(&free(&self.forward_matrix_of(start)), |free| self.cost(&complete(free))))
     }
 
-    /// The colour matrix nearby whose inverse shows the patches best, white kept: the middle of each row is what white leaves
-    /// it.
+    /// The colour matrix nearby whose inverse shows the patches best, white kept: the middle of each row is what white
+    /// leaves it.
     fn colour_matrix(&self, start: &[DVec3]) -> Vec<DVec3> {
         let complete = |free: &[f64]| -> Vec<DVec3> {
             let row = |([x, z], neutral): (&[f64; 2], &f64)| {

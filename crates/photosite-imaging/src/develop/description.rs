@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::raw::{BlackLevel, Cfa, ColourCalibration, LightSource, RawImage};
 use photosite_core::Invalid;
 
-/// What holds of a raw file whatever it says itself: TIFF, PGM and NPY files say nothing of this. What is left out is what
-/// the file says, or of such files that of a monochrome or RGB picture that goes from 0 to the largest number.
+/// What holds of a raw file whatever it says itself: TIFF, PGM and NPY files say nothing of this. What is left out is
+/// what the file says, or of such files that of a monochrome or RGB picture that goes from 0 to the largest number.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RawDescription {

@@ -41,8 +41,8 @@ pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPict
     Ok(EncodedPicture { pixel_aspect, ..encode(picture, &settings.encoding()) })
 }
 
-/// Develops to linear planes of the colour space, `R`, `G` and `B` (`X`, `Y` and `Z`), or `Y` for a monochrome sensor. 1 is
-/// white at saturation, before the exposure correction.
+/// Develops to linear planes of the colour space, `R`, `G` and `B` (`X`, `Y` and `Z`), or `Y` for a monochrome sensor.
+/// 1 is white at saturation, before the exposure correction.
 pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     raw.validate()?;
     settings.validate()?;

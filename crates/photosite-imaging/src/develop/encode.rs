@@ -74,9 +74,9 @@ impl Default for Encoding {
     }
 }
 
-/// Encodes linear planes, 1 or 3 of them with white at 1: each value becomes the nearest code after the transfer function,
-/// clipped to 0–1 first; not-a-number becomes black. With dithering, a value between two codes becomes either, in
-/// proportion to its nearness, by a pattern that is always the same. Pixels are square.
+/// Encodes linear planes, 1 or 3 of them with white at 1: each value becomes the nearest code after the transfer
+/// function, clipped to 0–1 first; not-a-number becomes black. With dithering, a value between two codes becomes
+/// either, in proportion to its nearness, by a pattern that is always the same. Pixels are square.
 pub fn encode(mut linear: Planes, encoding: &Encoding) -> EncodedPicture {
     let curve = Curve::new(encoding.transfer);
     let encoded = encoding.sharpening != 0.0;

@@ -39,7 +39,8 @@ fn clip(picture: &mut Planes) {
     }
 }
 
-/// Brightness of the unclipped colour, with the distance from grey that the clipped one has: v = m + (u − m)·|c − m_c| /
+/// Brightness of the unclipped colour, with the distance from grey that the clipped one has: v = m + (u − m)·|c − m_c|
+/// /
 /// |u − m|, of which u is the pixel, c the same clipped at 1, m and m_c their means over the channels.
 fn blend(picture: &mut Planes) {
     for_pixels(picture, |_, pixel| {
@@ -59,8 +60,8 @@ fn blend(picture: &mut Planes) {
 /// Pixels along a cell of the map of colours.
 const CELL: usize = 16;
 
-/// Full channels take the value that the others predict by the ratio of channels nearby, at least their level. Where all
-/// are full, white of the highest level is all that can be said.
+/// Full channels take the value that the others predict by the ratio of channels nearby, at least their level. Where
+/// all are full, white of the highest level is all that can be said.
 fn reconstruct(picture: &mut Planes, levels: &[f32]) {
     let (width, channels) = (picture.width(), picture.channels().len());
     let colours = surrounding_colours(picture, levels);

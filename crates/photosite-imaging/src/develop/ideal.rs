@@ -1,5 +1,5 @@
-//! The ideal picture: what an observer with the eyes of the CIE would make of the light on the sensor. It has no noise but
-//! that of light transport, no mosaic and no error of the colour matrix, so that each of these can be told apart.
+//! The ideal picture: what an observer with the eyes of the CIE would make of the light on the sensor. It has no noise
+//! but that of light transport, no mosaic and no error of the colour matrix, so that each of these can be told apart.
 //!
 //! In: ∫ E(λ)·(x̄, ȳ, z̄)(λ) dλ at every pixel, from the same film as the electrons. Out: planes like those of
 //! [`develop_linear`](super::develop_linear), adapted to the same white, 1 being white at saturation.

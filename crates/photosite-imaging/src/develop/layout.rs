@@ -1,8 +1,8 @@
 //! Other layouts: a raw picture as a sensor with other filters would have taken it, for developers that know few.
 //!
-//! In: a mosaic. Out: a raw picture of its active area as a Bayer mosaic, or with red, green and blue at every pixel, on
-//! the scale of digital numbers that it came on. What it says of noise holds for pixels that were measured; those that
-//! were found from their neighbours are smoother.
+//! In: a mosaic. Out: a raw picture of its active area as a Bayer mosaic, or with red, green and blue at every pixel,
+//! on the scale of digital numbers that it came on. What it says of noise holds for pixels that were measured; those
+//! that were found from their neighbours are smoother.
 
 use std::borrow::Cow;
 

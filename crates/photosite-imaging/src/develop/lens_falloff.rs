@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::raw::{GainMap, RawImage};
 
-/// Multiplies the signal by the gains of the raw file's map. A saturated pixel stays at the edge of saturation times its
-/// gain, above 1, so that highlights are clipped alike over the picture.
+/// Multiplies the signal by the gains of the raw file's map. A saturated pixel stays at the edge of saturation times
+/// its gain, above 1, so that highlights are clipped alike over the picture.
 pub(super) fn correct(signal: &mut [f32], raw: &RawImage) {
     let Some(map) = &raw.metadata.gain_map else { return };
     let samples = raw.cfa.samples_per_pixel();

@@ -1,5 +1,5 @@
-//! Merging a bracket: raw pictures of the same light that were exposed for different times become one signal that reaches
-//! further than any of them.
+//! Merging a bracket: raw pictures of the same light that were exposed for different times become one signal that
+//! reaches further than any of them.
 //!
 //! Every picture i gives an estimate x_i/t_i of the light on a pixel, with the signal x_i (0 for no light, 1 for
 //! saturation) and the time t_i. They are weighted by the inverse of their variance,
@@ -7,12 +7,12 @@
 //! L = Σ t_i·x_i/v_i / Σ t_i²/v_i,  v_i = S_i·L·t_i + O_i
 //!
 //! with the noise S·x + O that the raw files state: shot noise, and that of dark current, read-out and quantisation
-//! ([Granados10](photosite_core::references#granados10), after [Robertson03](photosite_core::references#robertson03)). The variance is that of the common
-//! estimate L, found in a few rounds, and not that of each noisy x_i: low samples would get more weight than high ones, and
-//! the result would be too dark.
+//! ([Granados10](photosite_core::references#granados10), after [Robertson03](photosite_core::references#robertson03)).
+//! The variance is that of the common estimate L, found in a few rounds, and not that of each noisy x_i: low samples
+//! would get more weight than high ones, and the result would be too dark.
 //!
-//! Signals within 5 σ of saturation are left out, those that noise took below included ([`LEFT_OUT_SIGMA`]). Where that is all
-//! of a pixel's, the shortest exposure stands for it.
+//! Signals within 5 σ of saturation are left out, those that noise took below included ([`LEFT_OUT_SIGMA`]). Where that
+//! is all of a pixel's, the shortest exposure stands for it.
 
 use rayon::prelude::*;
 
@@ -22,11 +22,11 @@ use photosite_core::Invalid;
 
 /// How far below saturation a signal must lie to count, in standard deviations of its noise there.
 pub const LEFT_OUT_SIGMA: f64 = 5.0;
-/// Noise of pictures that state none, (S, O): shot noise of 10 000 electrons at saturation, and as much read noise as the
-/// shot noise of 100 of them. Assumed.
+/// Noise of pictures that state none, (S, O): shot noise of 10 000 electrons at saturation, and as much read noise as
+/// the shot noise of 100 of them. Assumed.
 const ASSUMED_NOISE: [f64; 2] = [1e-4, 1e-6];
-/// Rounds in which weights and estimate follow each other. The weights of the second are right to the noise of the first
-/// estimate, and what a weight is wrong by counts in the result by its square only.
+/// Rounds in which weights and estimate follow each other. The weights of the second are right to the noise of the
+/// first estimate, and what a weight is wrong by counts in the result by its square only.
 const ROUNDS: usize = 3;
 /// Most pictures of a bracket.
 const MOST: usize = 32;
@@ -57,8 +57,8 @@ struct Shot {
     limit: Vec<f32>,
 }
 
-/// Merges two or more raw pictures, in any order. Keys of errors are those of the pictures' metadata, after the number of the
-/// picture: `1.ExposureTime`.
+/// Merges two or more raw pictures, in any order. Keys of errors are those of the pictures' metadata, after the number
+/// of the picture: `1.ExposureTime`.
 pub fn merge(pictures: &[RawImage]) -> Result<Merged, Invalid> {
     check(pictures)?;
     let mut sorted: Vec<&RawImage> = pictures.iter().collect();

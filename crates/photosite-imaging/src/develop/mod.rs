@@ -1,8 +1,9 @@
 //! Development: from a raw picture to RGB, one file a step.
 //!
-//! In: a [`RawImage`](crate::raw::RawImage) and [`DevelopSettings`]. Out: linear planes of a colour space (white is 1), or a
-//! picture of 8 or 16 bits. [`develop_linear`] reads as the list of the steps. By default there is no noise filter, no
-//! sharpening and no tone curve but the transfer function: what the picture shows is what the sensor recorded.
+//! In: a [`RawImage`](crate::raw::RawImage) and [`DevelopSettings`]. Out: linear planes of a colour space (white is 1),
+//! or a picture of 8 or 16 bits. [`develop_linear`] reads as the list of the steps. By default there is no noise
+//! filter, no sharpening and no tone curve but the transfer function: what the picture shows is what the sensor
+//! recorded.
 //!
 //! | step | file |
 //! |---|---|

@@ -24,8 +24,8 @@ impl Step {
     }
 }
 
-/// Steps from a place of the tile to the pixels of a channel, the pixel itself included, within a square of this radius,
-/// nearest first; among equally near ones from the top, then from the left.
+/// Steps from a place of the tile to the pixels of a channel, the pixel itself included, within a square of this
+/// radius, nearest first; among equally near ones from the top, then from the left.
 pub(super) fn steps(cfa: &Cfa, [x, y]: [usize; 2], channel: usize, radius: usize) -> Vec<Step> {
     let (columns, rows) = cfa.tile_size();
     let r = radius as isize;

@@ -1,9 +1,9 @@
-//! Distortion and pixels that are not square: moves every pixel to where a lens without distortion shows it on a grid of square
-//! pixels, in one step.
+//! Distortion and pixels that are not square: moves every pixel to where a lens without distortion shows it on a grid
+//! of square pixels, in one step.
 //!
-//! The grid of square pixels has the pitch of the finer side, as DNG's DefaultScale and dcraw have it: pixels of p_x × p_y make
-//! a picture of ⌊columns·p_x/p + ½⌋ × ⌊rows·p_y/p + ½⌋ pixels with p = min(p_x, p_y). Its top-left corner is that of the
-//! active area; it ends up to half a pixel within or beyond the opposite one.
+//! The grid of square pixels has the pitch of the finer side, as DNG's DefaultScale and dcraw have it: pixels of p_x ×
+//! p_y make a picture of ⌊columns·p_x/p + ½⌋ × ⌊rows·p_y/p + ½⌋ pixels with p = min(p_x, p_y). Its top-left corner is
+//! that of the active area; it ends up to half a pixel within or beyond the opposite one.
 //!
 //! What lies beyond the edge of the sensor's picture takes its nearest pixel; what a lens cannot see is black.
 
@@ -39,7 +39,8 @@ enum Lens {
 }
 
 impl Resampling {
-    /// What the settings ask for of a picture whose active area has these columns and rows; `None` where it stays as it is.
+    /// What the settings ask for of a picture whose active area has these columns and rows; `None` where it stays as it
+    /// is.
     pub fn new(metadata: &RawMetadata, size_px: [usize; 2], settings: &DevelopSettings) -> Option<Self> {
         let aspect = metadata.pixel_aspect();
         let lens = match metadata.distortion.filter(|_| settings.distortion) {
@@ -69,8 +70,8 @@ impl Resampling {
         self.scale
     }
 
-    /// Where a position of the picture is found on the grid of the sensor, both in continuous coordinates from the corner of
-    /// the active area; `None` where the lens sees nothing.
+    /// Where a position of the picture is found on the grid of the sensor, both in continuous coordinates from the
+    /// corner of the active area; `None` where the lens sees nothing.
     #[inline]
     pub fn source_px(&self, position: DVec2) -> Option<DVec2> {
         let on_grid = position / DVec2::from_array(self.scale);
@@ -84,7 +85,8 @@ impl Resampling {
         }
     }
 
-    /// Takes every plane by Catmull–Rom splines ([Catmull74](photosite_core::references#catmull74)) at the places that it names.
+    /// Takes every plane by Catmull–Rom splines ([Catmull74](photosite_core::references#catmull74)) at the places that
+    /// it names.
     pub fn apply(&self, picture: Planes) -> Planes {
         let ([width, height], channels) = (self.to, picture.channels());
         let mut data = vec![vec![0.0; width * height]; channels.len()];
@@ -166,8 +168,8 @@ mod tests {
         Resampling::new(metadata, SIZE, &DevelopSettings::default()).expect("something to do")
     }
 
-    /// Every pixel whose four neighbours are there holds the value of where the resampling says it comes from, which lies
-    /// where `place` computes it.
+    /// Every pixel whose four neighbours are there holds the value of where the resampling says it comes from, which
+    /// lies where `place` computes it.
     fn check(metadata: &RawMetadata, size: [usize; 2], place: impl Fn(DVec2) -> DVec2) {
         let resampling = resampling(metadata);
         assert_eq!(resampling.size_px(), size);

@@ -1,7 +1,8 @@
 //! The calibrations of a sensor, each found once: the search takes longer than exposing a small picture.
 //!
-//! In: the spectral responses of the channels. Out: what they mean in A, D65 and D50, with a fingerprint of the responses by which
-//! a later exposure knows whether they still hold. Those that were found last are kept, for the next frame of a data set.
+//! In: the spectral responses of the channels. Out: what they mean in A, D65 and D50, with a fingerprint of the
+//! responses by which a later exposure knows whether they still hold. Those that were found last are kept, for the next
+//! frame of a data set.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -30,8 +31,8 @@ const KEPT: usize = 16;
 
 impl SensorCalibration {
     /// Calibration of channels with these responses, as [`camera_colour`](super::camera_colour::camera_colour) takes
-    /// them. `stored`, which an earlier run has found, is taken where it is of the same responses; otherwise it is found anew. `None` for a camera of
-    /// less than three channels, which sees no colours.
+    /// them. `stored`, which an earlier run has found, is taken where it is of the same responses; otherwise it is
+    /// found anew. `None` for a camera of less than three channels, which sees no colours.
     ///
     /// # Errors
     /// Where the channels do not tell colours apart.

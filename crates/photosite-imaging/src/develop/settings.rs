@@ -27,8 +27,8 @@ pub struct DevelopSettings {
     pub white_balance: WhiteBalance,
     /// Colour temperature of white_balance = "temperature", K.
     pub temperature_k: Option<f64>,
-    /// Tint of white_balance = "temperature": 3000 times the distance from the blackbodies in CIE 1960 (u, v), positive for
-    /// a greenish light. Left out: 0.
+    /// Tint of white_balance = "temperature": 3000 times the distance from the blackbodies in CIE 1960 (u, v), positive
+    /// for a greenish light. Left out: 0.
     pub tint: Option<f64>,
     /// The grey patch of white_balance = "patch": column and row of its first pixel, columns and rows.
     pub patch_px: Option<[usize; 4]>,
@@ -38,18 +38,19 @@ pub struct DevelopSettings {
     pub highlights: Highlights,
     /// Smooths noise. Left out: "none".
     pub noise_filter: NoiseFilter,
-    /// Radius of the noise filter's window, pixels. Left out: 1 for mean and median, 2 for gaussian, 3 for bilateral, 5 for
-    /// non-local-means.
+    /// Radius of the noise filter's window, pixels. Left out: 1 for mean and median, 2 for gaussian, 3 for bilateral, 5
+    /// for non-local-means.
     pub noise_radius_px: Option<usize>,
-    /// How much noise bilateral and non-local-means take for noise, in standard deviations of what the raw file states or,
-    /// where it says nothing, the picture shows. Left out: 1.
+    /// How much noise bilateral and non-local-means take for noise, in standard deviations of what the raw file states
+    /// or, where it says nothing, the picture shows. Left out: 1.
     pub noise_strength: Option<f64>,
-    /// Undoes the lens's distortion: the picture is that of a pinhole of the camera's matrix, an omnidirectional lens's over 1 + ξ. Known of
-    /// DNG files alone. Lenses whose picture reaches 90° from the axis, and panoramas, keep theirs. Left out: true.
+    /// Undoes the lens's distortion: the picture is that of a pinhole of the camera's matrix, an omnidirectional lens's
+    /// over 1 + ξ. Known of DNG files alone. Lenses whose picture reaches 90° from the axis, and panoramas, keep
+    /// theirs. Left out: true.
     pub distortion: bool,
     /// Gives the picture square pixels of the finer pitch, ⌊columns·p_x/p + ½⌋ × ⌊rows·p_y/p + ½⌋ of them with
-    /// p = min(p_x, p_y); false keeps the grid of the sensor, and PNG, TIFF, JPEG and EXR files state the shape of its pixels.
-    /// Known of DNG files alone. Left out: true.
+    /// p = min(p_x, p_y); false keeps the grid of the sensor, and PNG, TIFF, JPEG and EXR files state the shape of its
+    /// pixels. Known of DNG files alone. Left out: true.
     pub square_pixels: bool,
     /// Turns the camera's channels into colours by its colour matrix. Left out: true.
     pub colour_matrix: bool,
@@ -67,7 +68,8 @@ pub struct DevelopSettings {
     pub sharpening_radius_px: Option<f64>,
     /// Bits of the picture's codes, 8 or 16; JPEG has 8, EXR 32-bit floats. Left out: 8.
     pub bits: u8,
-    /// Adds noise of one code before rounding, so that flat gradients have no steps and means stay exact. Left out: false.
+    /// Adds noise of one code before rounding, so that flat gradients have no steps and means stay exact. Left out:
+    /// false.
     pub dither: bool,
 }
 
@@ -105,8 +107,8 @@ pub enum WhiteBalance {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Demosaic {
-    /// The best that the filter array allows: menon for Bayer, markesteijn for X-Trans, lmmse for Quad Bayer and others, guided
-    /// for large tiles.
+    /// The best that the filter array allows: menon for Bayer, markesteijn for X-Trans, lmmse for Quad Bayer and
+    /// others, guided for large tiles.
     #[default]
     Auto,
     /// The nearest pixel of the channel. Any filter array.
@@ -122,8 +124,8 @@ pub enum Demosaic {
     /// In four directions, of which those where colours change least are taken, after Markesteijn. X-Trans and other
     /// arrays in which green is densest.
     Markesteijn,
-    /// Linear estimates of the least mean square error along rows and along columns, the more of either the less colours
-    /// change along it, after Zhang and Wu (2005). Any filter array with tiles of up to 64 pixels.
+    /// Linear estimates of the least mean square error along rows and along columns, the more of either the less
+    /// colours change along it, after Zhang and Wu (2005). Any filter array with tiles of up to 64 pixels.
     Lmmse,
 }
 

@@ -17,8 +17,8 @@ pub(super) fn apply(picture: &mut Planes, curve: ToneCurve) {
     }
 }
 
-/// x(2.51x + 0.03)/(x(2.43x + 0.59) + 0.14) for x ≥ 0: a fit to the Academy's reference rendering, with a soft toe and a
-/// shoulder that reaches 1 near x = 7 and stays below 1.033 ([Narkowicz16](photosite_core::references#narkowicz16)).
+/// x(2.51x + 0.03)/(x(2.43x + 0.59) + 0.14) for x ≥ 0: a fit to the Academy's reference rendering, with a soft toe and
+/// a shoulder that reaches 1 near x = 7 and stays below 1.033 ([Narkowicz16](photosite_core::references#narkowicz16)).
 fn filmic(x: f32) -> f32 {
     let x = x.max(0.0);
     // Beyond here squares would overflow; the curve is at its end.

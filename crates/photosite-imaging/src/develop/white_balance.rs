@@ -71,8 +71,8 @@ fn for_channels(
 
 /// Signal from which on a pixel counts as saturated: noise takes some of the full ones below 1.
 const SATURATED: f32 = 0.98;
-/// Part of the tiles of a cell that may be saturated, as those of hot pixels are. Where there are more, noise decides which
-/// of the others are, and those that are left are too dark.
+/// Part of the tiles of a cell that may be saturated, as those of hot pixels are. Where there are more, noise decides
+/// which of the others are, and those that are left are too dark.
 const MOST_SATURATED: f64 = 1.0 / 16.0;
 /// Pixels along a cell, about. Pictures have six cells along their shorter side at least.
 const CELL: usize = 16;
@@ -106,8 +106,8 @@ impl Sums {
 /// A square of whole tiles, every other of which is counted in each of two sums.
 type Cell = [Sums; 2];
 
-/// Cells of a rectangle: columns and rows of its first pixel, columns and rows. A tile that is saturated in one channel is
-/// left out in all, and a cell with many of them altogether: of blown highlights the other channels would stay.
+/// Cells of a rectangle: columns and rows of its first pixel, columns and rows. A tile that is saturated in one channel
+/// is left out in all, and a cell with many of them altogether: of blown highlights the other channels would stay.
 fn cells(raw: &RawImage, signal: &[f32], [x, y, columns, rows]: [usize; 4]) -> Vec<Cell> {
     let (samples, row_length, channels) = (raw.cfa.samples_per_pixel(), raw.row_length(), raw.cfa.channels().len());
     let (tile_numbers, tile_rows) = raw.cfa.tile_size();
@@ -162,9 +162,9 @@ fn means(raw: &RawImage, signal: &[f32], rectangle: [usize; 4]) -> Result<Vec<f6
     total(cells.iter().flatten(), raw.cfa.channels().len()).means().ok_or_else(nothing_to_balance)
 }
 
-/// Mean of the brightest cells that are not saturated. The channels count for brightness by what they are of their means,
-/// so that none rules by being sensitive. Noise would make bright cells of those in which it adds up; so one half of each
-/// tells how bright it is, and the other what is white.
+/// Mean of the brightest cells that are not saturated. The channels count for brightness by what they are of their
+/// means, so that none rules by being sensitive. Noise would make bright cells of those in which it adds up; so one
+/// half of each tells how bright it is, and the other what is white.
 fn brightest(raw: &RawImage, signal: &[f32]) -> Result<Vec<f64>, Invalid> {
     let channels = raw.cfa.channels().len();
     let cells = cells(raw, signal, [0, 0, raw.width, raw.height]);

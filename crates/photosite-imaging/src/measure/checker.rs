@@ -12,8 +12,8 @@ use photosite_core::image::Planes;
 pub struct CheckerReport {
     /// Each patch.
     pub patches: Vec<PatchReport>,
-    /// What the picture was multiplied by, so that its brightness is that of the chart: a picture's exposure is a matter
-    /// of taste, its colours are not.
+    /// What the picture was multiplied by, so that its brightness is that of the chart: a picture's exposure is a
+    /// matter of taste, its colours are not.
     pub scale: f64,
     /// Mean of ΔE₀₀.
     pub mean_delta_e_2000: f64,

@@ -1,10 +1,10 @@
 //! Modulation transfer function from a slanted edge (e-SFR, [Iso12233](photosite_core::references#iso12233), annex D).
 //!
-//! The edge is found row by row as the centroid of the derivative, and a straight line is fitted through it. Every pixel
-//! lies at some distance from that line; gathered in bins of a quarter of a pixel, the pixels give the edge spread
-//! function four times finer than the pixels are. The Fourier transform of its derivative is the transfer function, after
-//! what the bins and the finite difference take from it is put back. That of the pixels' own area stays, since it is part
-//! of what is measured.
+//! The edge is found row by row as the centroid of the derivative, and a straight line is fitted through it. Every
+//! pixel lies at some distance from that line; gathered in bins of a quarter of a pixel, the pixels give the edge
+//! spread function four times finer than the pixels are. The Fourier transform of its derivative is the transfer
+//! function, after what the bins and the finite difference take from it is put back. That of the pixels' own area
+//! stays, since it is part of what is measured.
 
 use std::f64::consts::PI;
 
@@ -34,8 +34,8 @@ pub struct EdgeResponse {
     pub at_nyquist: f64,
 }
 
-/// The response of an edge within the region (column, row, columns, rows) of a plane of linear values. The edge must run
-/// through all of the region's rows, or through all of its columns, and not along them.
+/// The response of an edge within the region (column, row, columns, rows) of a plane of linear values. The edge must
+/// run through all of the region's rows, or through all of its columns, and not along them.
 pub fn slanted_edge(
     plane: &[f32],
     [width, height]: [usize; 2],
@@ -211,10 +211,10 @@ mod tests {
                 assert!((found.angle_deg - angle).abs() < 0.02 && found.is_vertical, "{}", found.angle_deg);
                 for (f, m) in found.frequency_cy_per_px.iter().zip(&found.mtf).filter(|(f, _)| **f <= 0.6) {
                     let expected = truth(*f, angle, sigma);
-                    // 96 rows cross a pixel at 96 places, about 0.01 px apart, so that the mean place of a bin's pixels is
-                    // off its middle by half of that at most, 0.003 px as a standard deviation d. Over bins of Δ = 0.25 px
-                    // across a line of at least s = 0.42 px (the Gaussian and the pixel) that leaves an error of
-                    // 2πf·d·√(Δ/(2√π·s)) = 0.005 at f = 0.6; twice that.
+                    // 96 rows cross a pixel at 96 places, about 0.01 px apart, so that the mean place of a bin's pixels
+                    // is off its middle by half of that at most, 0.003 px as a standard deviation d. Over bins of Δ =
+                    // 0.25 px across a line of at least s = 0.42 px (the Gaussian and the pixel) that leaves an error
+                    // of 2πf·d·√(Δ/(2√π·s)) = 0.005 at f = 0.6; twice that.
                     assert!((m - expected).abs() < 0.01, "{angle}° σ {sigma}: {m} at {f}, must be {expected}");
                 }
                 let exact = (0..10_000).map(|i| f64::from(i) * 1e-4).find(|f| truth(*f, angle, sigma) < 0.5);

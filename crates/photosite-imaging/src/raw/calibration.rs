@@ -15,8 +15,8 @@ impl LightSource {
     /// CIE illuminant D50.
     pub const D50: Self = Self(23);
 
-    /// Its correlated colour temperature, K: that of the illuminant, or what Adobe's DNG SDK takes the name for. What has no
-    /// name is taken for D65.
+    /// Its correlated colour temperature, K: that of the illuminant, or what Adobe's DNG SDK takes the name for. What
+    /// has no name is taken for D65.
     pub fn temperature_k(self) -> f64 {
         match self.0 {
             // Tungsten, and A.
@@ -44,8 +44,8 @@ impl LightSource {
 pub struct ColourCalibration {
     /// The light.
     pub light: LightSource,
-    /// XYZ → camera, a row per channel in the order of the CFA's channels, scaled so that the largest response to the light's
-    /// own white of Y = 1 is 1.
+    /// XYZ → camera, a row per channel in the order of the CFA's channels, scaled so that the largest response to the
+    /// light's own white of Y = 1 is 1.
     pub colour_matrix: Vec<[f64; 3]>,
     /// White-balanced camera → XYZ adapted to D50, a column per channel, where it is known.
     pub forward_matrix: Option<Vec<[f64; 3]>>,

@@ -154,9 +154,9 @@ impl Cfa {
         cfa
     }
 
-    /// The layout of bins of so many columns and rows of pixels of one colour, and how far apart along both sides the pixels
-    /// of a bin are: neighbours where whole blocks of that size have one colour, else pixels of the same place in
-    /// neighbouring tiles.
+    /// The layout of bins of so many columns and rows of pixels of one colour, and how far apart along both sides the
+    /// pixels of a bin are: neighbours where whole blocks of that size have one colour, else pixels of the same place
+    /// in neighbouring tiles.
     pub fn binned(&self, factor: [usize; 2]) -> (Self, [usize; 2]) {
         let samples = self.samples_per_pixel;
         let tile = [self.width / samples, self.height];

@@ -9,16 +9,16 @@ use super::{RawImage, read_dng, read_npy, read_pnm, read_tiff, write_dng, write_
 use photosite_core::output::write_whole;
 use photosite_core::{Error, Invalid, Result};
 
-/// Reads a DNG, TIFF, PBM, PGM, PPM or NPY file. Only DNG says more than the numbers: of the others, grey ones are taken
-/// for those of a monochrome sensor.
+/// Reads a DNG, TIFF, PBM, PGM, PPM or NPY file. Only DNG says more than the numbers: of the others, grey ones are
+/// taken for those of a monochrome sensor.
 pub fn read(path: &Path) -> Result<RawImage> {
     let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
     read_any(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
 }
 
 impl RawImage {
-    /// Writes it in the format that the extension asks for: .dng, which holds all that is known of it, or .tiff, .pgm or
-    /// .npy, which hold its numbers. The file appears whole or not at all; an older one is replaced.
+    /// Writes it in the format that the extension asks for: .dng, which holds all that is known of it, or .tiff, .pgm
+    /// or .npy, which hold its numbers. The file appears whole or not at all; an older one is replaced.
     ///
     /// # Errors
     ///

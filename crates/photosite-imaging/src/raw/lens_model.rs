@@ -29,8 +29,8 @@ impl LensModel {
         Undistortion { lens: *self, pinhole: self.pinhole(), reach: self.projection.reach(self.max_angle_rad) }
     }
 
-    /// Whether all that the lens shows of a grid of these columns and rows lies less than 90° from its axis, as a pinhole
-    /// could show it.
+    /// Whether all that the lens shows of a grid of these columns and rows lies less than 90° from its axis, as a
+    /// pinhole could show it.
     pub fn is_within_a_half_space(&self, [columns, rows]: [usize; 2]) -> bool {
         let reach = self.projection.reach(self.max_angle_rad);
         let is_seen = |x: usize, y: usize| {
@@ -38,7 +38,8 @@ impl LensModel {
             // What is beyond the reach is no farther away than that is.
             seen.map_or(reach.angle < std::f64::consts::FRAC_PI_2, |seen| seen.direction.z > 0.0)
         };
-        // What lies within is nearer to the axis than the edge is, unless the axis is far outside; then the edge has both.
+        // What lies within is nearer to the axis than the edge is, unless the axis is far outside; then the edge has
+        // both.
         (0..=columns).all(|x| is_seen(x, 0) && is_seen(x, rows))
             && (0..=rows).all(|y| is_seen(0, y) && is_seen(columns, y))
     }
@@ -53,7 +54,8 @@ pub struct Undistortion {
 }
 
 impl Undistortion {
-    /// Where a position of the pinhole's picture (continuous coordinates) is in that of the lens; `None` beyond its reach.
+    /// Where a position of the pinhole's picture (continuous coordinates) is in that of the lens; `None` beyond its
+    /// reach.
     #[inline]
     pub fn source(&self, pixel: DVec2) -> Option<DVec2> {
         let direction: DVec3 = self.pinhole.place(pixel).extend(1.0);

@@ -52,8 +52,8 @@ pub struct RawImage {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Digital numbers, row by row from the top-left pixel: one a pixel in a mosaic, or those of all channels, one beside
-    /// the other ([`Cfa::samples_per_pixel`]).
+    /// Digital numbers, row by row from the top-left pixel: one a pixel in a mosaic, or those of all channels, one
+    /// beside the other ([`Cfa::samples_per_pixel`]).
     pub data: Vec<u16>,
     /// Which channel each number belongs to.
     pub cfa: Cfa,
@@ -61,8 +61,8 @@ pub struct RawImage {
     pub active_area: Option<PixelArea>,
     /// Bits of the digital numbers, 8–16.
     pub bits: u32,
-    /// What makes the numbers linear: for each of them one in proportion to light, the last for all beyond. `None` where
-    /// they are so already.
+    /// What makes the numbers linear: for each of them one in proportion to light, the last for all beyond. `None`
+    /// where they are so already.
     pub linearisation: Option<Vec<u16>>,
     /// Linear number of no light, DN.
     pub black_level_dn: BlackLevel,
@@ -200,8 +200,8 @@ pub struct RawMetadata {
     pub f_number: Option<f64>,
     /// Focal length, m.
     pub focal_length_m: Option<f64>,
-    /// What its colours mean in up to three lights, in the order of DNG files; none where that is not known or they have no
-    /// meaning.
+    /// What its colours mean in up to three lights, in the order of DNG files; none where that is not known or they
+    /// have no meaning.
     pub calibrations: Vec<ColourCalibration>,
     /// The camera's response to the scene's white, per channel, the largest 1; `None` for monochrome.
     pub as_shot_neutral: Option<Vec<f64>>,

@@ -1,5 +1,5 @@
-//! The digital numbers as a picture of Netpbm: written as binary PGM (Netpbm's `pgm(5)`) of 16 bits, most significant byte
-//! first, or PPM (`ppm(5)`) where every pixel has three channels; read from any of
+//! The digital numbers as a picture of Netpbm: written as binary PGM (Netpbm's `pgm(5)`) of 16 bits, most significant
+//! byte first, or PPM (`ppm(5)`) where every pixel has three channels; read from any of
 //!
 //! | begins with | holds |
 //! |---|---|
@@ -13,8 +13,8 @@ use photosite_core::Invalid;
 
 use super::{Cfa, MAX_SIDE, RawImage};
 
-/// Writes a PGM file, or a PPM file of three numbers a pixel. Its maximum is 65535 whatever the converter's bits, so that no
-/// reader rescales the numbers.
+/// Writes a PGM file, or a PPM file of three numbers a pixel. Its maximum is 65535 whatever the converter's bits, so
+/// that no reader rescales the numbers.
 pub fn write_pgm<W: Write>(raw: &RawImage, mut to: W) -> io::Result<()> {
     let magic = match raw.cfa.samples_per_pixel() {
         1 => "P5",
@@ -31,8 +31,8 @@ pub fn write_pgm<W: Write>(raw: &RawImage, mut to: W) -> io::Result<()> {
     Ok(())
 }
 
-/// Reads a PBM or PGM file as the numbers of a monochrome sensor and a PPM file as RGB, unscaled: nothing in it says more.
-/// The file's maximum is the white level.
+/// Reads a PBM or PGM file as the numbers of a monochrome sensor and a PPM file as RGB, unscaled: nothing in it says
+/// more. The file's maximum is the white level.
 pub fn read_pnm<R: BufRead>(mut from: R) -> Result<RawImage, Invalid> {
     let mut magic = [0; 2];
     let begun = from.read_exact(&mut magic);

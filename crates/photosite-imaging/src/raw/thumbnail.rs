@@ -1,5 +1,5 @@
-//! A small picture for file browsers: the mosaic averaged over blocks, white-balanced, in sRGB as far as the matrix for D65
-//! knows. It shows what is in the file; development proper is [`develop`](crate::develop)'s.
+//! A small picture for file browsers: the mosaic averaged over blocks, white-balanced, in sRGB as far as the matrix for
+//! D65 knows. It shows what is in the file; development proper is [`develop`](crate::develop)'s.
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;

@@ -48,8 +48,8 @@ fn write<W: Write + Seek>(raw: &RawImage, to: W) -> TiffResult<()> {
     }
 }
 
-/// Reads a TIFF file of grey as the numbers of a monochrome sensor, and of three components as RGB, unscaled: nothing in it
-/// says more. The largest number of its 8 or 16 bits is the white level.
+/// Reads a TIFF file of grey as the numbers of a monochrome sensor, and of three components as RGB, unscaled: nothing
+/// in it says more. The largest number of its 8 or 16 bits is the white level.
 pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     let unreadable = |error: TiffError| {
         let invalid = Invalid::new("", format!("cannot read it as TIFF: {error}"));

@@ -10,8 +10,8 @@ use photosite_core::projection::{BrownConrady, Intrinsics, Projection};
 
 /// Where a corrected pixel is found in the distorted picture.
 ///
-/// With the offset (x, y) from the centre in units of the distance from the centre to the farthest corner, both measured in
-/// widths of pixels whatever their height, and r² = x² + y², WarpRectilinear is
+/// With the offset (x, y) from the centre in units of the distance from the centre to the farthest corner, both
+/// measured in widths of pixels whatever their height, and r² = x² + y², WarpRectilinear is
 ///
 /// x' = x·(k₀ + k₁r² + k₂r⁴ + k₃r⁶) + t₀·2xy + t₁·(r² + 2x²)
 ///
@@ -51,8 +51,8 @@ impl Warp {
     /// What an opcode may miss of a lens, px.
     pub const LARGEST_ERROR_PX: f64 = 0.1;
 
-    /// The opcode that says what a lens does to a picture of these columns and rows of pixels that are `aspect` times as wide
-    /// as high: exactly where it has the lens's own polynomial, else one that comes as near as
+    /// The opcode that says what a lens does to a picture of these columns and rows of pixels that are `aspect` times
+    /// as wide as high: exactly where it has the lens's own polynomial, else one that comes as near as
     /// [`LARGEST_ERROR_PX`](Self::LARGEST_ERROR_PX) wherever the picture shows something. `None` where there is none.
     pub fn of_lens(lens: &LensModel, size_px: [usize; 2], aspect: f64) -> Option<Self> {
         let Intrinsics { fx, fy, cx, cy, skew } = lens.intrinsics;
@@ -81,8 +81,8 @@ impl Warp {
         (error < Self::LARGEST_ERROR_PX).then_some(warp)
     }
 
-    /// Where to find the corrected pixel of these coordinates (integer at centres) in a picture of that size whose pixels are
-    /// `aspect` times as wide as high.
+    /// Where to find the corrected pixel of these coordinates (integer at centres) in a picture of that size whose
+    /// pixels are `aspect` times as wide as high.
     pub fn source_px(&self, pixel: [f64; 2], size_px: [usize; 2], aspect: f64) -> [f64; 2] {
         let centre = self.centre_px(size_px);
         let unit = self.unit(size_px, aspect);
@@ -163,8 +163,8 @@ impl Warp {
     }
 }
 
-/// Places of the corrected picture, evenly, and where the lens has put what they show, of those that lie in its picture; integer
-/// coordinates at pixel centres.
+/// Places of the corrected picture, evenly, and where the lens has put what they show, of those that lie in its
+/// picture; integer coordinates at pixel centres.
 fn places(
     lens: &LensModel,
     size_px: [usize; 2],

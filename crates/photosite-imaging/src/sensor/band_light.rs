@@ -24,9 +24,10 @@ const UNSEEN: f64 = 0.01;
 ///
 /// rate_c = Σ_b E_b · ∫_b R_c(λ) dλ
 ///
-/// with the response R_c of [`SensorModel::responses`] over the band b, in which the irradiance counts as constant. Planes
-/// are named by the central wavelengths of their bands in nm and sorted by them; bands reach half way to their
-/// neighbours. `light`, in any unit, tells how much of the signal lies outside all bands: that is missing, and reported.
+/// with the response R_c of [`SensorModel::responses`] over the band b, in which the irradiance counts as constant.
+/// Planes are named by the central wavelengths of their bands in nm and sorted by them; bands reach half way to their
+/// neighbours. `light`, in any unit, tells how much of the signal lies outside all bands: that is missing, and
+/// reported.
 pub fn electron_rates(bands: &Planes, sensor: &SensorModel, light: &Spectrum) -> Result<BandRates, Invalid> {
     let edges = edges_nm(bands)?;
     let mut warnings = Vec::new();

@@ -5,8 +5,8 @@
 //! of which has a file of its own in `stages/`; names and symbols are those of
 //! [Emva1288](photosite_core::references#emva1288).
 //!
-//! Exposure control is beside that list: [`auto_exposure()`] finds time and gains, [`SensorModel::gains_for_iso`] the gains of a
-//! speed, [`SensorModel::linearisation`] the way back from nonlinear numbers.
+//! Exposure control is beside that list: [`auto_exposure()`] finds time and gains, [`SensorModel::gains_for_iso`] the
+//! gains of a speed, [`SensorModel::linearisation`] the way back from nonlinear numbers.
 //!
 //! Light is left to the renderer, which needs [`SensorModel::responses`] from here; files are left to
 //! [`raw`](crate::raw), colour to [`develop`](crate::develop).

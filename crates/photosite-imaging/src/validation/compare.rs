@@ -47,8 +47,8 @@ pub struct Comparison {
     pub verdict: Option<Verdict>,
 }
 
-/// How a channel differs. Errors are those of the finite pixels, in the pictures' unit. Numbers that do not exist or are
-/// infinite are `null` in JSON.
+/// How a channel differs. Errors are those of the finite pixels, in the pictures' unit. Numbers that do not exist or
+/// are infinite are `null` in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChannelDifference {
     /// Name of the channel.
@@ -67,8 +67,8 @@ pub struct ChannelDifference {
     pub mean_difference_percent: f64,
     /// Root of the mean squared error, √(mean of (a − b)²).
     pub rmse: f64,
-    /// Mean of (a − b)²/(b² + ε·(mean of b)²): that of [Rousselle11](photosite_core::references#rousselle11), whose ε is a
-    /// radiance squared, made independent of the unit.
+    /// Mean of (a − b)²/(b² + ε·(mean of b)²): that of [Rousselle11](photosite_core::references#rousselle11), whose ε
+    /// is a radiance squared, made independent of the unit.
     pub relative_mse: f64,
     /// Mean of |a − b|.
     pub mae: f64,
@@ -105,8 +105,8 @@ pub struct PixelDifference {
 
 /// Whether noise explains the differences. All pixels of all channels are tested at once, and with them each channel's
 /// mean, which shows what is too faint for a pixel alone. Pictures that agree are said to differ with probability α,
-/// however many pixels they have (Šidák's correction, [Sidak67](photosite_core::references#sidak67)). Valid for variances from
-/// many samples; see [`ZScores`] for few.
+/// however many pixels they have (Šidák's correction, [Sidak67](photosite_core::references#sidak67)). Valid for
+/// variances from many samples; see [`ZScores`] for few.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
     /// The probability of a wrong "differ".

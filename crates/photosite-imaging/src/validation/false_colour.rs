@@ -6,8 +6,9 @@ use super::compare::{Settings, relative_difference};
 use super::pair::{Pair, once, pairs};
 use super::picture::Picture;
 
-/// ColorBrewer's eleven classes RdBu ([Brewer03](photosite_core::references#brewer03)), from blue to red, sRGB. They include color
-/// specifications and designs developed by Cynthia Brewer (<https://colorbrewer.org/>), under the Apache License 2.0.
+/// ColorBrewer's eleven classes RdBu ([Brewer03](photosite_core::references#brewer03)), from blue to red, sRGB. They
+/// include color specifications and designs developed by Cynthia Brewer (<https://colorbrewer.org/>), under the Apache
+/// License 2.0.
 const BLUE_TO_RED: [[u8; 3]; 11] = [
     [5, 48, 97],
     [33, 102, 172],

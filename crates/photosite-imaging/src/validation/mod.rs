@@ -1,8 +1,9 @@
 //! Whether two pictures show the same thing: how far they lie apart, and whether noise explains it.
 //!
 //! In: two [`Picture`]s of one size, the second of which counts as the reference; where they are Monte Carlo estimates,
-//! with the variance of every pixel (of both: a difference has none without). Out: a [`Comparison`] of numbers per channel with z-scores ([`ZScores`]) and a
-//! [`Verdict`], what of it is past the [`Limits`] that a user sets, and a [`FalseColour`] picture of the differences.
+//! with the variance of every pixel (of both: a difference has none without). Out: a [`Comparison`] of numbers per
+//! channel with z-scores ([`ZScores`]) and a [`Verdict`], what of it is past the [`Limits`] that a user sets, and a
+//! [`FalseColour`] picture of the differences.
 //!
 //! Files are left to `photosite::io`.
 

@@ -26,8 +26,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A raw picture: the digital numbers as they are, black level included. A mosaic is one plane, [`MOSAIC`]; a picture
-    /// that has all channels at every pixel is a plane of each.
+    /// A raw picture: the digital numbers as they are, black level included. A mosaic is one plane, [`MOSAIC`]; a
+    /// picture that has all channels at every pixel is a plane of each.
     pub fn from_raw(name: String, raw: RawImage, pixels: Pixels) -> Self {
         let active_area = raw.active_area.filter(|_| pixels == Pixels::Active);
         let raw = match active_area {

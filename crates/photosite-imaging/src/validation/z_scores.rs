@@ -7,9 +7,9 @@
 //! **From few samples they do not.** A variance is estimated from the same n samples as its mean, so that z of normal
 //! samples follows Student's t with 2·(n − 1) degrees of freedom: among 480 000 numbers, with the bound of
 //! [`Verdict`](super::Verdict) at |z| = 5.6, one expects 30 beyond it from 8 samples a pixel on either side, 0.06 from
-//! 64, and 0.01 from very many. Samples of light transport are skew besides: rare bright paths that have not come yet are
-//! missing from the mean and from the variance alike, which makes tails longer. A stratified sampler's variance is too
-//! large, since it is computed as if samples were independent, and the spread falls below 1
+//! 64, and 0.01 from very many. Samples of light transport are skew besides: rare bright paths that have not come yet
+//! are missing from the mean and from the variance alike, which makes tails longer. A stratified sampler's variance is
+//! too large, since it is computed as if samples were independent, and the spread falls below 1
 //! ([Jung20](photosite_core::references#jung20) discuss all three).
 
 use serde::Serialize;
@@ -34,8 +34,8 @@ pub struct ZScores {
     pub different_without_variance: usize,
     /// Mean, 0 if pictures agree.
     pub mean: f64,
-    /// z-score of the channel as a whole, Σ(a − b)/√Σ(var a + var b): a faint difference of all pixels, lost in the noise
-    /// of each, shows here. Infinite (`null` in JSON) where there is no variance at all; 0 for equal pictures.
+    /// z-score of the channel as a whole, Σ(a − b)/√Σ(var a + var b): a faint difference of all pixels, lost in the
+    /// noise of each, shows here. Infinite (`null` in JSON) where there is no variance at all; 0 for equal pictures.
     pub of_mean: f64,
     /// Standard deviation, 1 if pictures agree and their variances are right.
     pub spread: f64,

@@ -193,7 +193,8 @@ fn zeros(accessor: &Accessor, key: &str) -> Result<usize, Invalid> {
     })
 }
 
-/// The part of `bytes` from `offset` on, once it is sure to hold `count` elements of `size` bytes, `stride` bytes apart.
+/// The part of `bytes` from `offset` on, once it is sure to hold `count` elements of `size` bytes, `stride` bytes
+/// apart.
 fn slice<'a>(
     bytes: &'a [u8],
     offset: USize64,

@@ -26,9 +26,9 @@ pub struct Moment {
 /// Most parts that the time of a picture is cut into.
 const MOST_PARTS: usize = 64;
 
-/// How far a transform may be from the straight line between the ends of a part: as a part of the length of its axes, of
-/// the whole way of its origin, and of the largest weight of a morph target. It is 1 − cos(2.6°): a body turns by at most
-/// 5° in a part.
+/// How far a transform may be from the straight line between the ends of a part: as a part of the length of its axes,
+/// of the whole way of its origin, and of the largest weight of a morph target. It is 1 − cos(2.6°): a body turns by at
+/// most 5° in a part.
 const TOLERANCE: f64 = 1e-3;
 
 /// The names of a document's animations, in order.
@@ -39,8 +39,8 @@ pub(super) fn names(root: &Root) -> Vec<String> {
     root.animations.iter().enumerate().map(name).collect()
 }
 
-/// The nodes of a document at evenly spaced times from the start of a moment to its end, close enough together for straight
-/// lines between them. Without a moment, or the animation that it names, there is one time: that of the file.
+/// The nodes of a document at evenly spaced times from the start of a moment to its end, close enough together for
+/// straight lines between them. Without a moment, or the animation that it names, there is one time: that of the file.
 pub(super) fn poses(
     accessors: Accessors<'_>,
     moment: Option<&Moment>,

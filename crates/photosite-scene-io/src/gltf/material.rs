@@ -126,8 +126,8 @@ impl Reader<'_, '_> {
         Ok(Base { layers, alpha_factor: self.unit(a, &at("baseColorFactor"))? })
     }
 
-    /// The deprecated model, as `KHR_materials_specular`, "Specular-glossiness materials", has it: no metal, F₀ the specular
-    /// colour, the diffuse colour under it.
+    /// The deprecated model, as `KHR_materials_specular`, "Specular-glossiness materials", has it: no metal, F₀ the
+    /// specular colour, the diffuse colour under it.
     fn specular_glossiness(&mut self, table: &extensions::SpecularGlossiness) -> Result<Base, Invalid> {
         let at = |name: &str| format!("extensions.KHR_materials_pbrSpecularGlossiness.{name}");
         let [r, g, b, a] = table.diffuse_factor;

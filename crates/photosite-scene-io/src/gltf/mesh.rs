@@ -214,7 +214,8 @@ fn read_primitive(
     Ok(Some(mesh))
 }
 
-/// Geometry whose real bytes are compressed, which no kept library reads: without this, its absence would show as garbage.
+/// Geometry whose real bytes are compressed, which no kept library reads: without this, its absence would show as
+/// garbage.
 fn refuse_compression(primitive: &Primitive, key: &str) -> Result<(), Invalid> {
     const DRACO: &str = "KHR_draco_mesh_compression";
     match primitive.extensions.as_ref().and_then(|e| e.others.get(DRACO)) {

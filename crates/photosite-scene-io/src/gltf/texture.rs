@@ -39,8 +39,8 @@ pub(super) struct Textures<'a> {
 enum Picture {
     /// The image itself.
     Image(usize),
-    /// The roughness 1 − factor·alpha, in the green channel, of an image whose alpha is glossiness. The factor is kept by
-    /// its bits.
+    /// The roughness 1 − factor·alpha, in the green channel, of an image whose alpha is glossiness. The factor is kept
+    /// by its bits.
     Roughness(usize, u32),
 }
 

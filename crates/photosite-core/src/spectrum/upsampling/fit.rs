@@ -1,5 +1,5 @@
-//! Fitting a [`SigmoidPolynomial`] to a colour: the coefficients for which a surface under D65 has the linear sRGB asked
-//! for.
+//! Fitting a [`SigmoidPolynomial`] to a colour: the coefficients for which a surface under D65 has the linear sRGB
+//! asked for.
 
 use std::sync::OnceLock;
 

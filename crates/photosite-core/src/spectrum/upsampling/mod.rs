@@ -1,9 +1,9 @@
 //! Colours of textures and files as spectra, after [JakobHanika19](crate::references#jakobhanika19).
 //!
-//! In: linear sRGB. Out: a smooth reflectance between 0 and 1 that has this colour under D65, or light of this colour as
-//! a multiple of D65. Greys become constants. Of the infinitely many spectra of a colour this is a plausible one, not
-//! the true one: where the light is far from D65, or the sensor far from the eye, a measured spectrum is worth more.
-//! Beyond 360–830 nm the value at the nearer end holds.
+//! In: linear sRGB. Out: a smooth reflectance between 0 and 1 that has this colour under D65, or light of this colour
+//! as a multiple of D65. Greys become constants. Of the infinitely many spectra of a colour this is a plausible one,
+//! not the true one: where the light is far from D65, or the sensor far from the eye, a measured spectrum is worth
+//! more. Beyond 360–830 nm the value at the nearer end holds.
 //!
 //! [`reflectance_polynomial`] is for textures, a table look-up good to about 0.002 in each channel; the functions that
 //! give a [`Spectrum`] are for constants and exact.
@@ -43,17 +43,17 @@ pub fn reflectance_spectrum(rgb: [f32; 3]) -> Spectrum {
     precise_polynomial(rgb).to_spectrum()
 }
 
-/// Any colour without an upper bound, as a factor and a polynomial: rgb = factor·S with S at most about ½, so that bright
-/// saturated colours stay smooth ([pbrt4](crate::references#pbrt4) §4.6.6). Negative channels, infinite ones and what is
-/// no number become 0.
+/// Any colour without an upper bound, as a factor and a polynomial: rgb = factor·S with S at most about ½, so that
+/// bright saturated colours stay smooth ([pbrt4](crate::references#pbrt4) §4.6.6). Negative channels, infinite ones and
+/// what is no number become 0.
 #[inline]
 pub fn unbounded_polynomial(rgb: [f32; 3]) -> (f32, SigmoidPolynomial) {
     let (factor, rgb) = halved(rgb);
     (factor, reflectance_polynomial(rgb))
 }
 
-/// Light of this linear sRGB: factor·S(λ) times D65 in the scale of [`illuminant::d65`], so that (1, 1, 1) is D65 itself.
-/// Channels may be above 1.
+/// Light of this linear sRGB: factor·S(λ) times D65 in the scale of [`illuminant::d65`], so that (1, 1, 1) is D65
+/// itself. Channels may be above 1.
 pub fn rgb_illuminant(rgb: [f32; 3]) -> Spectrum {
     let (factor, rgb) = halved(rgb);
     reflectance_spectrum(rgb).product(illuminant::d65()).scale(f64::from(factor))
@@ -77,8 +77,8 @@ fn halved(rgb: [f32; 3]) -> (f32, [f32; 3]) {
     }
 }
 
-/// The content of `assets/spectra/jakob-hanika-srgb.bin`, fitted anew, and the largest error of a channel relative to its
-/// colour's largest channel; for `examples/fit_upsampling.rs`.
+/// The content of `assets/spectra/jakob-hanika-srgb.bin`, fitted anew, and the largest error of a channel relative to
+/// its colour's largest channel; for `examples/fit_upsampling.rs`.
 #[doc(hidden)]
 pub fn fit_table() -> (Vec<u8>, f64) {
     table::fit_all()
@@ -90,7 +90,8 @@ mod tests {
     use crate::math::philox::philox4x32_10;
     use crate::spectrum::{Wavelengths, cie, rgb};
 
-    /// Colours of the unit cube: half of them dark, as photographs are, a third of them on a face or an edge of the cube.
+    /// Colours of the unit cube: half of them dark, as photographs are, a third of them on a face or an edge of the
+    /// cube.
     fn colours(count: u32) -> impl Iterator<Item = [f32; 3]> {
         (0..count).map(|i| {
             let random = philox4x32_10([i, 0, 0, 0], [19, 0]);

@@ -14,9 +14,9 @@ const HALF_WIDTH_NM: f32 = 0.5 * (RANGE_NM[1] - RANGE_NM[0]);
 ///
 /// S(λ) = ½ + p/(2√(1 + p²)), p = c₀t² + c₁t + c₂, t = (λ − 595 nm)/235 nm.
 ///
-/// The coefficients are kept as homogeneous coordinates (b, w) with c = b/w, of any length: S = ½ + P/(2√(w² + P²)) with
-/// P = b₀t² + b₁t + b₂. Black and white, whose c is infinite, are then ordinary points with w = 0, and interpolating
-/// between polynomials is harmless. w is never negative; w and b are not all zero.
+/// The coefficients are kept as homogeneous coordinates (b, w) with c = b/w, of any length: S = ½ + P/(2√(w² + P²))
+/// with P = b₀t² + b₁t + b₂. Black and white, whose c is infinite, are then ordinary points with w = 0, and
+/// interpolating between polynomials is harmless. w is never negative; w and b are not all zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SigmoidPolynomial(Vec4);
 

@@ -4,8 +4,8 @@
 //! x = (next channel)/z and y = (the one after)/z, as in [JakobHanika19](crate::references#jakobhanika19) §4.1. Along
 //! each of the three axes the nodes are at z = s²/(s² + (1 − s)²) for evenly spaced s: near 0 and near 1, where the
 //! coefficients of saturated spectra run off like 1/√z and 1/√(1 − z), they lie dense in proportion. What is stored and
-//! interpolated are homogeneous coordinates (see [`SigmoidPolynomial`]), which stay finite there, and are nearly linear in
-//! s.
+//! interpolated are homogeneous coordinates (see [`SigmoidPolynomial`]), which stay finite there, and are nearly linear
+//! in s.
 
 use std::sync::OnceLock;
 

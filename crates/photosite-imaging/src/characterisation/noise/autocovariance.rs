@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 /// Covariances C(Δr, Δc) = ⟨e(r, c)·e(r + Δr, c + Δc)⟩ of deviations e from the mean, averaged over all pairs of pixels
-/// so far apart ([TruccoVerri98](photosite_core::references#truccoverri98), algorithm `AUTO_COVARIANCE`, divided by the number of
-/// pairs so that it is not biased towards nothing).
+/// so far apart ([TruccoVerri98](photosite_core::references#truccoverri98), algorithm `AUTO_COVARIANCE`, divided by the
+/// number of pairs so that it is not biased towards nothing).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Autocovariance {
     /// C(0, Δc) for Δc = 0, 1, …: along rows.
@@ -15,8 +15,8 @@ pub struct Autocovariance {
     pub covariances: Vec<Vec<f64>>,
     /// Standard error of a correlation C/C(0, 0) of noise without any: 1/√(values).
     pub correlation_error: f64,
-    /// Largest difference between the correlation at (Δr, Δc) and the product of those along columns and along rows: nothing
-    /// where noise is correlated along both independently.
+    /// Largest difference between the correlation at (Δr, Δc) and the product of those along columns and along rows:
+    /// nothing where noise is correlated along both independently.
     pub inseparability: f64,
 }
 

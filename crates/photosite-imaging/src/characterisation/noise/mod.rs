@@ -1,8 +1,8 @@
 //! Estimates of the noise of any picture: from several pictures of the same scene, from a patch of even light, from a
 //! patch with linear shading.
 //!
-//! In: values of the same patch in one or more pictures, in any unit. Out: a [`NoiseEstimate`]. All estimates are of the
-//! picture as it is: fixed patterns count as noise unless several pictures tell them apart.
+//! In: values of the same patch in one or more pictures, in any unit. Out: a [`NoiseEstimate`]. All estimates are of
+//! the picture as it is: fixed patterns count as noise unless several pictures tell them apart.
 
 mod autocovariance;
 mod patch;
@@ -49,7 +49,8 @@ pub struct NoiseEstimate {
     pub uniform: Variance,
     /// From one patch whose shading is linear: a plane and what is left of it.
     pub plane: PlaneFit,
-    /// How noise of neighbouring pixels goes together: of what changes from picture to picture, or of what a plane leaves.
+    /// How noise of neighbouring pixels goes together: of what changes from picture to picture, or of what a plane
+    /// leaves.
     pub autocovariance: Autocovariance,
     /// Signal over noise.
     pub snr: SignalToNoise,
@@ -82,8 +83,8 @@ pub struct Quantisation {
     pub part_percent: Option<f64>,
 }
 
-/// Estimates the noise of a patch in one or more pictures of the same light. Autocovariance is estimated up to a distance of
-/// `most_lag` pixels.
+/// Estimates the noise of a patch in one or more pictures of the same light. Autocovariance is estimated up to a
+/// distance of `most_lag` pixels.
 pub fn estimate(patches: &[Patch], known: &Knowledge, most_lag: usize) -> Result<NoiseEstimate, Invalid> {
     let Some(first) = patches.first() else { return Err(Invalid::new("", "there is no picture")) };
     let size = [first.width, first.height];

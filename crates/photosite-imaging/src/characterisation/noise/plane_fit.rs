@@ -30,8 +30,8 @@ pub struct ChiSquared {
 }
 
 impl PlaneFit {
-    /// The fit, and its residuals. The columns and rows of a patch are so even that the three parameters do not depend on
-    /// each other: around the middle, a = Σx·y/Σx².
+    /// The fit, and its residuals. The columns and rows of a patch are so even that the three parameters do not depend
+    /// on each other: around the middle, a = Σx·y/Σx².
     pub(super) fn new(patch: &Patch, known_variance: Option<f64>) -> (Self, Vec<f64>) {
         let Patch { width, height, ref values } = *patch;
         let middle = [width, height].map(|n| (n - 1) as f64 / 2.0);
@@ -58,7 +58,8 @@ impl PlaneFit {
 
 impl ChiSquared {
     /// The p-value is that of Wilson and Hilferty's normal deviate for (χ²/k)^⅓
-    /// ([WilsonHilferty31](photosite_core::references#wilsonhilferty31)), good to 1 % of itself down to 10⁻³ from 30 degrees on.
+    /// ([WilsonHilferty31](photosite_core::references#wilsonhilferty31)), good to 1 % of itself down to 10⁻³ from 30
+    /// degrees on.
     fn new(value: f64, freedom: f64) -> Self {
         let reduced = value / freedom;
         let spread = 2.0 / (9.0 * freedom);

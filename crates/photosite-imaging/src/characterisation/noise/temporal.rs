@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use super::patch::{Patch, Variance};
 
-/// Noise that changes from picture to picture ([TruccoVerri98](photosite_core::references#truccoverri98), algorithm `EST_NOISE`).
+/// Noise that changes from picture to picture ([TruccoVerri98](photosite_core::references#truccoverri98), algorithm
+/// `EST_NOISE`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TemporalNoise {
     /// Mean over all pixels of each pixel's sample variance over N pictures, Σ(y_i − ȳ)²/(N − 1).

@@ -1,8 +1,9 @@
 //! Linear interpolation between the nearest pixels of a channel, for any filter array.
 //!
-//! The value is a mean weighted by a tent, (r + 1 − |Δx|)·(r + 1 − |Δy|) within the smallest radius r at which every pixel
-//! has a neighbour of every channel (normalised convolution, [Knutsson93](photosite_core::references#knutsson93)). For Bayer
-//! mosaics r = 1, and that is bilinear interpolation. At the edges the mean is over what lies in the picture.
+//! The value is a mean weighted by a tent, (r + 1 − |Δx|)·(r + 1 − |Δy|) within the smallest radius r at which every
+//! pixel has a neighbour of every channel (normalised convolution,
+//! [Knutsson93](photosite_core::references#knutsson93)). For Bayer mosaics r = 1, and that is bilinear interpolation.
+//! At the edges the mean is over what lies in the picture.
 
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
 //! The densest channel first, and the others by their differences to it: for any filter array.
 //!
-//! Detail is much the same in all channels; so the difference between two is smoother than either, and less is lost when
-//! it is interpolated. Both steps are means weighted by a tent ([`bilinear`](super::bilinear)).
+//! Detail is much the same in all channels; so the difference between two is smoother than either, and less is lost
+//! when it is interpolated. Both steps are means weighted by a tent ([`bilinear`](super::bilinear)).
 
 use super::bilinear::Tent;
 use super::channels::{planes, together};

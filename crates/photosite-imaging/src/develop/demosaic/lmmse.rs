@@ -5,14 +5,15 @@
 //!
 //! C(d, a, b) = exp(−√((dx/l_x)² + (dy/l_y)²)) · (1 if a = b, else ρ),
 //!
-//! the best linear estimate of a channel is a weighted sum of the numbers around a pixel, whatever channels they are of. The
-//! weights follow from C at each place of the tile, with those of the channel adding up to 1 and those of each other to 0, so
-//! that even surfaces come out exactly. It is made twice: for structure along rows, l_x ≫ l_y, and along columns. Where
-//! colour differences change less along one of the two, that is an edge's direction, and counts for more.
+//! the best linear estimate of a channel is a weighted sum of the numbers around a pixel, whatever channels they are
+//! of. The weights follow from C at each place of the tile, with those of the channel adding up to 1 and those of each
+//! other to 0, so that even surfaces come out exactly. It is made twice: for structure along rows, l_x ≫ l_y, and along
+//! columns. Where colour differences change less along one of the two, that is an edge's direction, and counts for
+//! more.
 //!
-//! That is the idea of Zhang and Wu for Bayer mosaics ([Zhang05](photosite_core::references#zhang05)), with the weights for any
-//! mosaic after Chaix de Lavarène, Alleysson and Hérault ([Chaix07](photosite_core::references#chaix07)), who take them from example
-//! pictures. Correlation and lengths are chosen on test charts.
+//! That is the idea of Zhang and Wu for Bayer mosaics ([Zhang05](photosite_core::references#zhang05)), with the weights
+//! for any mosaic after Chaix de Lavarène, Alleysson and Hérault ([Chaix07](photosite_core::references#chaix07)), who
+//! take them from example pictures. Correlation and lengths are chosen on test charts.
 //!
 //! In: the mosaic, white-balanced, since channels are taken for alike. Out: planes of all channels in the same unit;
 //! measured values stay. Beyond the edges the mosaic goes on as in [`markesteijn`](super::markesteijn).
@@ -124,8 +125,8 @@ impl Weights {
     }
 }
 
-/// A band of rows with its margin. The numbers of a row lie in as many pieces as the tile has columns, so that those of one
-/// place of the tile are neighbours.
+/// A band of rows with its margin. The numbers of a row lie in as many pieces as the tile has columns, so that those of
+/// one place of the tile are neighbours.
 struct Band {
     tile: [usize; 2],
     /// Numbers of a piece.

@@ -1,6 +1,6 @@
 //! Bilinear interpolation corrected by the curvature of the pixel's own channel, for Bayer mosaics
-//! ([Malvar04](photosite_core::references#malvar04)): what the mean of the neighbours lacks of a bend, the pixel's own channel,
-//! which bends alike, tells. At the edges the mosaic is mirrored.
+//! ([Malvar04](photosite_core::references#malvar04)): what the mean of the neighbours lacks of a bend, the pixel's own
+//! channel, which bends alike, tells. At the edges the mosaic is mirrored.
 
 use rayon::prelude::*;
 

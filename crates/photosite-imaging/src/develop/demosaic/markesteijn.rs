@@ -1,10 +1,11 @@
 //! Demosaicking in four directions, for X-Trans and other arrays of red, green and blue in which green is densest.
 //!
-//! Along each of four directions, row, column and both diagonals, a whole picture is made: green by linear interpolation
-//! along the direction, red and blue by their differences to it. Where a picture bends least along its own direction,
-//! that direction is an edge's; the directions in which most of the surroundings are even so are averaged. The idea of
-//! counting even neighbours is Hirakawa's and Parks's ([Hirakawa05](photosite_core::references#hirakawa05)); that of four
-//! directions on X-Trans arrays is Frank Markesteijn's.
+//! Along each of four directions, row, column and both diagonals, a whole picture is made: green by linear
+//! interpolation along the direction, red and blue by their differences to it. Where a picture bends least along its
+//! own direction, that direction is an edge's; the directions in which most of the surroundings are even so are
+//! averaged. The idea of counting even neighbours is Hirakawa's and Parks's
+//! ([Hirakawa05](photosite_core::references#hirakawa05)); that of four directions on X-Trans arrays is Frank
+//! Markesteijn's.
 //!
 //! Beyond the edges the mosaic goes on with what lies a tile further inwards, which has the same channel.
 

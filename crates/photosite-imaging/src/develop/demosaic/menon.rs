@@ -5,8 +5,8 @@
 //! directions, and a refinement smooths those differences once more
 //! ([Menon07](photosite_core::references#menon07), "DDFAPD"). Linear gradients come out exactly.
 //!
-//! In: the mosaic of a Bayer filter in any of its four phases, white-balanced, since the method takes colour differences
-//! for smooth. Out: planes R, G, B in the same unit. At the edges the mosaic is mirrored.
+//! In: the mosaic of a Bayer filter in any of its four phases, white-balanced, since the method takes colour
+//! differences for smooth. Out: planes R, G, B in the same unit. At the edges the mosaic is mirrored.
 
 use rayon::prelude::*;
 

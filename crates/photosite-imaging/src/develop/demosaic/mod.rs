@@ -156,10 +156,10 @@ mod tests {
         -10.0 * (squares / f64::from(count)).log10()
     }
 
-    /// Mean squares of what bilinear interpolation of a grey sinusoid of frequencies φ and ψ (rad/px) along x and y misses on a
-    /// Bayer mosaic, over its amplitude's. A channel that is interpolated from both neighbours along x passes a part cos φ,
-    /// along y cos ψ, from the four at the corners cos φ·cos ψ, and green from the four at the sides (cos φ + cos ψ)/2. Green
-    /// is missing at half of the pixels, red and blue at a quarter each way.
+    /// Mean squares of what bilinear interpolation of a grey sinusoid of frequencies φ and ψ (rad/px) along x and y
+    /// misses on a Bayer mosaic, over its amplitude's. A channel that is interpolated from both neighbours along x
+    /// passes a part cos φ, along y cos ψ, from the four at the corners cos φ·cos ψ, and green from the four at the
+    /// sides (cos φ + cos ψ)/2. Green is missing at half of the pixels, red and blue at a quarter each way.
     fn bilinear_loss([x, y]: [f64; 2]) -> f64 {
         let square = |passed: f64| (1.0 - passed).powi(2);
         let green = 0.5 * square(0.5 * (x.cos() + y.cos()));
@@ -178,14 +178,14 @@ mod tests {
         }
         let expected = -10.0 * (loss / f64::from(count)).log10();
         let found = zone_plate("RGGB", Demosaic::Bilinear);
-        // Frequencies change by 0.0036 cycles/px in a pixel, a phase of 0.011 rad: cos 0.011 of the amplitude. Rings pass through
-        // all phases some 30 times on the way outwards, so that the mean of their squares is a half to a few thousandths:
-        // 1 %, 0.05 dB.
+        // Frequencies change by 0.0036 cycles/px in a pixel, a phase of 0.011 rad: cos 0.011 of the amplitude. Rings
+        // pass through all phases some 30 times on the way outwards, so that the mean of their squares is a half to a
+        // few thousandths: 1 %, 0.05 dB.
         assert!((found - expected).abs() < 0.05, "{found} dB for {expected} dB");
     }
 
-    /// How far the methods are ahead is no theory's to say: the figures are what they have reached, less 1 dB or so, against
-    /// changes for the worse.
+    /// How far the methods are ahead is no theory's to say: the figures are what they have reached, less 1 dB or so,
+    /// against changes for the worse.
     #[test]
     fn what_auto_takes_is_as_far_ahead_of_simpler_methods_on_a_zone_plate_as_it_was() {
         for (text, ahead_db) in [("RGGB", 8.0), ("x-trans", 3.0), ("quad-bayer", 6.0), ("rgbw", 1.0)] {

@@ -1,8 +1,9 @@
-//! The bilateral filter ([Tomasi98](photosite_core::references#tomasi98)): a mean weighted by nearness, and by likeness within noise.
+//! The bilateral filter ([Tomasi98](photosite_core::references#tomasi98)): a mean weighted by nearness, and by likeness
+//! within noise.
 //!
 //! w = exp(−|Δ|²/(2σ_s²)) · exp(−d²/(2σ_r²)), with d² the mean over the channels of the squared difference in standard
-//! deviations of noise, σ_s a third of the radius plus ½, and σ_r = 3·strength: the difference of two pixels of one value
-//! has a standard deviation of √2.
+//! deviations of noise, σ_s a third of the radius plus ½, and σ_r = 3·strength: the difference of two pixels of one
+//! value has a standard deviation of √2.
 
 use rayon::prelude::*;
 

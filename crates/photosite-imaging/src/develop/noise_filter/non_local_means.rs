@@ -1,5 +1,5 @@
-//! Non-local means ([Buades05](photosite_core::references#buades05)): a mean of the pixels of a window, weighted by how alike their
-//! surroundings of 3 × 3 pixels look.
+//! Non-local means ([Buades05](photosite_core::references#buades05)): a mean of the pixels of a window, weighted by how
+//! alike their surroundings of 3 × 3 pixels look.
 //!
 //! w = exp(−max(d² − 2, 0)/h²) with d² the mean over surroundings and channels of the squared difference in standard
 //! deviations of noise, which is 2 between surroundings that differ by noise alone, and h² = strength².

@@ -54,8 +54,8 @@ impl NoiseModel {
         plane
     }
 
-    /// The values before the transform. What noise is left in f makes the mean of its squares too large, at most by S/4, a
-    /// quarter of an electron.
+    /// The values before the transform. What noise is left in f makes the mean of its squares too large, at most by
+    /// S/4, a quarter of an electron.
     pub(super) fn inverse(&self, mut plane: Vec<f32>) -> Vec<f32> {
         let Self { s, o } = *self;
         let at_black = (0.375 * s * s + o).sqrt();

@@ -1,8 +1,8 @@
 //! What the colours mean (chapter 6 of the specification).
 //!
-//! A file may give the matrices of a model and, beside them, what sets the single camera apart: its calibration (n × n) and
-//! analogue balance, XYZ → camera being AnalogBalance · CameraCalibration · ColorMatrix. In a picture's metadata they are
-//! one.
+//! A file may give the matrices of a model and, beside them, what sets the single camera apart: its calibration (n × n)
+//! and analogue balance, XYZ → camera being AnalogBalance · CameraCalibration · ColorMatrix. In a picture's metadata
+//! they are one.
 
 use std::io::{Read, Seek, Write};
 

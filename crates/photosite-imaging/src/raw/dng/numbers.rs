@@ -221,8 +221,9 @@ fn write_tags<W: Write + Seek>(
     ifd.write_tag(Tag::PlanarConfiguration, PlanarConfiguration::Chunky.to_u16())
 }
 
-/// The numbers as floating-point ones, with differences taken as the predictor wants it (Adobe's TIFF Technical Note 3):
-/// of each row the first bytes of all numbers, then the second, third and fourth ones, each less that of the pixel before.
+/// The numbers as floating-point ones, with differences taken as the predictor wants it (Adobe's TIFF Technical Note
+/// 3): of each row the first bytes of all numbers, then the second, third and fourth ones, each less that of the pixel
+/// before.
 fn deflated(numbers: &[u16], row_length: usize, samples: usize) -> io::Result<Vec<u8>> {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     for row in numbers.chunks_exact(row_length) {

@@ -1,5 +1,6 @@
 //! A way round the TIFF library, which opens no file whose first picture it cannot decode, as mosaics in the first
-//! directory are: it is shown a picture of one grey pixel first, and the true first directory is asked for by its place.
+//! directory are: it is shown a picture of one grey pixel first, and the true first directory is asked for by its
+//! place.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -7,7 +8,8 @@ use tiff::decoder::Decoder;
 use tiff::tags::IfdPointer;
 use tiff::{TiffError, TiffFormatError, TiffResult};
 
-/// Where that picture's directory seems to be: the last place that a TIFF file can point to, well beyond the end of others.
+/// Where that picture's directory seems to be: the last place that a TIFF file can point to, well beyond the end of
+/// others.
 const FAR: u32 = u32::MAX - 0xff;
 
 /// The file with another first directory far behind its end.

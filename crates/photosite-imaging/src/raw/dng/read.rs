@@ -1,7 +1,7 @@
 //! Reading DNG files: those that [`write_dng`](super::write_dng) writes, and those of other programs as far as they are
-//! made alike: one plane or interleaved numbers of 8–16 bits or whole floating-point numbers, in strips or tiles, without
-//! compression, as lossless JPEG or zlib. Lossy files, JPEG XL and makers' own formats are left to programs made for
-//! them.
+//! made alike: one plane or interleaved numbers of 8–16 bits or whole floating-point numbers, in strips or tiles,
+//! without compression, as lossless JPEG or zlib. Lossy files, JPEG XL and makers' own formats are left to programs
+//! made for them.
 
 use std::io::{Read, Seek};
 

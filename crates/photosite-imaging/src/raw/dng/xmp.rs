@@ -1,8 +1,8 @@
 //! The same facts as XMP, for programs that read nothing else, and what DNG has no words for: the model of the lens.
 //!
-//! Opcodes come near to most lenses and have no words for others. So that development from the file is that of the render, the
-//! lens itself stands in properties of a namespace of our own, with the size of the active area that it holds for: a program
-//! that crops the picture leaves them behind.
+//! Opcodes come near to most lenses and have no words for others. So that development from the file is that of the
+//! render, the lens itself stands in properties of a namespace of our own, with the size of the active area that it
+//! holds for: a program that crops the picture leaves them behind.
 
 use glam::DVec2;
 use quick_xml::NsReader;

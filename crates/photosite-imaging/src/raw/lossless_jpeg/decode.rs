@@ -12,8 +12,8 @@ struct Frame {
     components: Vec<u8>,
 }
 
-/// Decodes exactly `count` numbers, row by row, those of the components beside each other. Takes no more memory than they
-/// need, and that only where there are bytes enough for them.
+/// Decodes exactly `count` numbers, row by row, those of the components beside each other. Takes no more memory than
+/// they need, and that only where there are bytes enough for them.
 pub(in crate::raw) fn decode(coded: &[u8], count: usize) -> Result<Vec<u16>, String> {
     let mut from = coded;
     if take(&mut from, 2)? != [0xff, SOI] {

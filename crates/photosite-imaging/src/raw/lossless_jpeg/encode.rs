@@ -6,8 +6,8 @@ use super::{DHT, EOI, SOF3, SOI, SOS};
 /// Bits of the numbers.
 const PRECISION: u8 = 16;
 
-/// Encodes rows of `row_length` numbers, those of `components` (1–4) beside each other. Both sides are at most 65 535, and
-/// rows are whole.
+/// Encodes rows of `row_length` numbers, those of `components` (1–4) beside each other. Both sides are at most 65 535,
+/// and rows are whole.
 pub(in crate::raw) fn encode(numbers: &[u16], row_length: usize, components: usize) -> Vec<u8> {
     let mut occurrences = [0; CATEGORIES];
     for_each_difference(numbers, row_length, components, |difference| occurrences[category(difference) as usize] += 1);

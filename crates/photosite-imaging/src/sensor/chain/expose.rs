@@ -33,7 +33,8 @@ use crate::sensor::stages::telegraph::Telegraph;
 use crate::sensor::stages::{brighter_fatter, ccd};
 use crate::sensor::{Binning, Exposure, NoiseKey, RegionOfInterest, SensorModel};
 
-/// A function that lets stages change a row one after the other, each with its noise map. A stage is a line of the list.
+/// A function that lets stages change a row one after the other, each with its noise map. A stage is a line of the
+/// list.
 macro_rules! row_stages {
     ($frame:ident, $record:ident;) => { |_: &mut Row<'_>| {} };
     ($frame:ident, $record:ident; $stage:ident => $map:ident, $($more:tt)*) => {{
@@ -136,7 +137,8 @@ pub fn expose_after(
     Ok(Exposed { raw, maps, left })
 }
 
-/// Light and heat free electrons in each pixel. Returns what a well of a CCD collects while it passes through each column.
+/// Light and heat free electrons in each pixel. Returns what a well of a CCD collects while it passes through each
+/// column.
 fn free_electrons(frame: &Frame<'_>, charge: &mut ChargePlane, record: &Recorder) -> Vec<f32> {
     let ccd = frame.sensor.architecture.ccd();
     let passing = ccd.map(|ccd| ccd::smear(ccd, frame, charge)).unwrap_or_default();
@@ -252,8 +254,8 @@ fn process(frame: &Frame<'_>, numbers: Vec<u16>, record: &mut Recorder) -> (Vec<
     (data, size)
 }
 
-/// All that is read out of a picture of these columns and rows, with what a raw file says of it, and the part of it that is
-/// asked for.
+/// All that is read out of a picture of these columns and rows, with what a raw file says of it, and the part of it
+/// that is asked for.
 fn raw_image(
     frame: &Frame<'_>,
     data: Vec<u16>,

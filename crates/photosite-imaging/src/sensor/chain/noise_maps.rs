@@ -1,12 +1,12 @@
 //! Noise maps: what each effect of the sensor has added to, or taken from, every number of one picture.
 //!
-//! Maps are differences: the signal behind an effect less that before it, e⁻ up to the gain and DN behind it. So they sum to
-//! the picture, in the units of their names,
+//! Maps are differences: the signal behind an effect less that before it, e⁻ up to the gain and DN behind it. So they
+//! sum to the picture, in the units of their names,
 //!
 //! DN = black level + K·Σ (maps in e⁻) + Σ (maps in DN)
 //!
-//! with the system gain K, DN/e⁻, and `photo_electrons_e` among the first. In bins, charge that is added adds the maps; of
-//! numbers that are added, maps in e⁻ are the mean over the pixels of a bin.
+//! with the system gain K, DN/e⁻, and `photo_electrons_e` among the first. In bins, charge that is added adds the maps;
+//! of numbers that are added, maps in e⁻ are the mean over the pixels of a bin.
 
 use std::sync::{Mutex, MutexGuard};
 
@@ -24,7 +24,8 @@ use crate::sensor::{Binning, BinningMethod, Converter, SensorModel};
 /// The maps of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseMaps {
-    /// Maps under their names, with `.` and the channel behind it where every pixel has several; as large as the raw picture.
+    /// Maps under their names, with `.` and the channel behind it where every pixel has several; as large as the raw
+    /// picture.
     pub planes: Planes,
     /// System gain K, DN/e⁻.
     pub system_gain: f64,

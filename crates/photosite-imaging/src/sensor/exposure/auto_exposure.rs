@@ -1,5 +1,5 @@
-//! Automatic exposure: the time that a picture needs, the gain where that time is too long, and what is to be said where both
-//! end.
+//! Automatic exposure: the time that a picture needs, the gain where that time is too long, and what is to be said
+//! where both end.
 
 use photosite_core::Invalid;
 use photosite_core::image::Planes;
@@ -41,8 +41,8 @@ impl Default for Metering {
     }
 }
 
-/// Times that automatic exposure finds beyond these, s, are worth a warning: hardly a shutter is as short, and a scene whose
-/// pictures take longer is most likely darker than meant.
+/// Times that automatic exposure finds beyond these, s, are worth a warning: hardly a shutter is as short, and a scene
+/// whose pictures take longer is most likely darker than meant.
 const USUAL_TIMES_S: [f64; 2] = [1e-6, 10.0];
 
 /// What automatic exposure has found.
@@ -66,8 +66,8 @@ pub enum TimeLimit {
 }
 
 impl AutoExposed {
-    /// What a user is to know of it: a limit that was reached, or a time that is hardly meant, and what to do. Keys are those of
-    /// the capture file.
+    /// What a user is to know of it: a limit that was reached, or a time that is hardly meant, and what to do. Keys are
+    /// those of the capture file.
     pub fn warning(&self) -> Option<String> {
         let Exposure { time: Seconds(time_s), gain, digital_gain, .. } = self.exposure;
         let key = match self.limit {
@@ -105,17 +105,17 @@ impl AutoExposed {
     }
 }
 
-/// The exposure of a picture of mean electrons (e⁻, a plane for each of the sensor's channels) that are collected within the
-/// time `collected`: for electron rates, one second. All but its time and, with automatic gain control, its gains are
-/// those of `wanted`.
+/// The exposure of a picture of mean electrons (e⁻, a plane for each of the sensor's channels) that are collected
+/// within the time `collected`: for electron rates, one second. All but its time and, with automatic gain control, its
+/// gains are those of `wanted`.
 ///
-/// Metering finds the time x that each electron of saturation capacity shall take, s/e⁻, such that with the rates r_i of
-/// the mosaic and the dark current I(T)
+/// Metering finds the time x that each electron of saturation capacity shall take, s/e⁻, such that with the rates r_i
+/// of the mosaic and the dark current I(T)
 ///
 /// (r + I)·x = level for the quantile r of the highlights, or mean(min((r_i + I)·x, 1)) = level
 ///
-/// The time is then t = x·q_sat with the saturation capacity q_sat. Where that is longer than its limit, it ends there, and
-/// gains rise until q_sat = t/x, the analogue one first. A picture that is too dark for any time is refused.
+/// The time is then t = x·q_sat with the saturation capacity q_sat. Where that is longer than its limit, it ends there,
+/// and gains rise until q_sat = t/x, the analogue one first. A picture that is too dark for any time is refused.
 pub fn auto_exposure(
     electrons: &Planes,
     collected: Seconds,

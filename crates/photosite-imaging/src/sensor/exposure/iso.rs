@@ -6,8 +6,8 @@ use photosite_core::units::{Decibels, Electrons, Seconds};
 
 use crate::sensor::{Binning, Exposure, RegionOfInterest, SensorModel};
 
-/// The constant of the saturation-based speed, lx·s: a grey of 18 % then lies at 12.7 % of saturation, half a stop below
-/// what would just fit.
+/// The constant of the saturation-based speed, lx·s: a grey of 18 % then lies at 12.7 % of saturation, half a stop
+/// below what would just fit.
 const SATURATION_CONSTANT: f64 = 78.0;
 
 impl SensorModel {
@@ -15,9 +15,9 @@ impl SensorModel {
     ///
     /// S_sat = 78 lx·s / H_sat,  H_sat = q_sat/r
     ///
-    /// with the saturation capacity q_sat in e⁻ and the electrons r for each lx·s on the sensor in light of illuminant D65.
-    /// Of the channels it is the one that saturates first. The lens does not count, nor does dark current. `None` for
-    /// logarithmic sensors, which have no one speed.
+    /// with the saturation capacity q_sat in e⁻ and the electrons r for each lx·s on the sensor in light of illuminant
+    /// D65. Of the channels it is the one that saturates first. The lens does not count, nor does dark current. `None`
+    /// for logarithmic sensors, which have no one speed.
     pub fn iso(&self, exposure: &Exposure) -> Option<f64> {
         let speed = SATURATION_CONSTANT * self.electrons_per_lux_second() / self.saturation_capacity(exposure).0;
         self.logarithmic.is_none().then_some(speed)

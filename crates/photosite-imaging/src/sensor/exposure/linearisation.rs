@@ -19,8 +19,8 @@ pub struct Linearisation {
 impl SensorModel {
     /// The inverse of all that bends the response on purpose; `None` for sensors that are linear as they are.
     ///
-    /// Companded numbers become those of the converter again. Those of logarithmic pixels become 1024 for no light to 65 535 for
-    /// saturation; where they span more than 16 bits, the table is coarser than the sensor in the dark.
+    /// Companded numbers become those of the converter again. Those of logarithmic pixels become 1024 for no light to
+    /// 65 535 for saturation; where they span more than 16 bits, the table is coarser than the sensor in the dark.
     pub fn linearisation(&self, exposure: &Exposure) -> Option<Linearisation> {
         let converter = &self.converter;
         let expanded: Vec<f64> = match &converter.companding {

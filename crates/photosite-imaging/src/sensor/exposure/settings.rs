@@ -31,8 +31,8 @@ pub struct Exposure {
 pub struct RegionOfInterest {
     /// Pixels that are read out as one.
     pub binning: Binning,
-    /// The pixels that leave the sensor, before binning; `None` for all, with those that are covered. Nothing about them
-    /// depends on what else is read out.
+    /// The pixels that leave the sensor, before binning; `None` for all, with those that are covered. Nothing about
+    /// them depends on what else is read out.
     pub pixels: Option<PixelArea>,
 }
 

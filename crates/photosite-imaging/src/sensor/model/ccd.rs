@@ -18,8 +18,8 @@ pub struct CcdDescription {
     pub vertical_cti: f64,
     /// Charge-transfer inefficiency along the read-out register.
     pub horizontal_cti: f64,
-    /// Interline: light that leaks into the vertical registers, dB, as data sheets state it (a tenth of the rows lit, read
-    /// in the time of the exposure). No smear where left out.
+    /// Interline: light that leaks into the vertical registers, dB, as data sheets state it (a tenth of the rows lit,
+    /// read in the time of the exposure). No smear where left out.
     pub smear_db: Option<f64>,
     /// Interline: time to read one line, µs; smear grows with it.
     pub line_time_us: Option<f64>,

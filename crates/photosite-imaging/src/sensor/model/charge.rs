@@ -17,7 +17,7 @@ pub struct ChargeDescription {
     pub brighter_fatter_per_e: [f64; 2],
     /// Image lag. Left out: none.
     pub image_lag: Option<ImageLagDescription>,
-    /// Makes the pixels logarithmic: their voltage follows log(1 + i/i₀), with this photocurrent i₀, e⁻/s. Left out: they are
-    /// linear.
+    /// Makes the pixels logarithmic: their voltage follows log(1 + i/i₀), with this photocurrent i₀, e⁻/s. Left out:
+    /// they are linear.
     pub logarithmic_reference_e_per_s: Option<f64>,
 }

@@ -1,5 +1,5 @@
-//! `[adc.companding]`: numbers of many bits leave the sensor as numbers of fewer, along a curve that is steep where shot
-//! noise is small.
+//! `[adc.companding]`: numbers of many bits leave the sensor as numbers of fewer, along a curve that is steep where
+//! shot noise is small.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,15 +8,15 @@ use photosite_core::Invalid;
 
 use super::checks::positive;
 
-/// How numbers of the converter become those of fewer bits that leave the sensor. Raw files in the DNG format tell how to
-/// make them linear again.
+/// How numbers of the converter become those of fewer bits that leave the sensor. Raw files in the DNG format tell how
+/// to make them linear again.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompandingDescription {
     /// Bits of the numbers that leave the sensor, 8 to those of the converter.
     pub bits: u32,
-    /// Straight lines: both ends and the knees in between, each as [number of the converter, number that leaves the sensor],
-    /// such as [[0, 0], [1024, 1024], [65535, 4095]].
+    /// Straight lines: both ends and the knees in between, each as [number of the converter, number that leaves the
+    /// sensor], such as [[0, 0], [1024, 1024], [65535, 4095]].
     pub knee_points_dn: Option<Vec<[u32; 2]>>,
     /// In their place: numbers are x^(1/gamma), 1 to 5.
     pub gamma: Option<f64>,

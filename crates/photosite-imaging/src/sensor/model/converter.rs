@@ -13,10 +13,10 @@ use super::companding::{Companding, CompandingDescription};
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdcDescription {
-    /// Bits of the converter, 8–16. Where a capture gives a preset other bits, what the preset states in digital numbers of this
-    /// converter follows by the factor 2^(new − old), so that it takes the same charge, unless the capture states it too:
-    /// conversion gain, black level, offsets of columns, inl_dn and knee points (but not dnl_dn, which is of a single
-    /// step, nor the numbers of single-photon detectors, which are counts).
+    /// Bits of the converter, 8–16. Where a capture gives a preset other bits, what the preset states in digital
+    /// numbers of this converter follows by the factor 2^(new − old), so that it takes the same charge, unless the
+    /// capture states it too: conversion gain, black level, offsets of columns, inl_dn and knee points (but not dnl_dn,
+    /// which is of a single step, nor the numbers of single-photon detectors, which are counts).
     pub bits: u32,
     /// System gain K at 0 dB, DN per electron.
     pub conversion_gain_dn_per_e: f64,
@@ -25,12 +25,12 @@ pub struct AdcDescription {
     /// Smallest and largest gain that an exposure may ask for, dB. Left out: 0 dB alone.
     #[serde(default)]
     pub gain_db_range: [f64; 2],
-    /// Nonlinearity of the amplifiers: a charge q passes as q·(1 + c₁·q/F + c₂·(q/F)² + …), with the full well F and these
-    /// c₁, c₂ … in percent. Left out: linear.
+    /// Nonlinearity of the amplifiers: a charge q passes as q·(1 + c₁·q/F + c₂·(q/F)² + …), with the full well F and
+    /// these c₁, c₂ … in percent. Left out: linear.
     #[serde(default)]
     pub amplifier_nonlinearity_percent: Vec<f64>,
-    /// Integral nonlinearity of the converter: it bends by so many DN in the middle of its range, upwards or downwards. With
-    /// dual_gain, it is that of either converter in its own DN; so is dnl_dn.
+    /// Integral nonlinearity of the converter: it bends by so many DN in the middle of its range, upwards or downwards.
+    /// With dual_gain, it is that of either converter in its own DN; so is dnl_dn.
     #[serde(default)]
     pub inl_dn: f64,
     /// Differential nonlinearity of the converter: standard deviation of the width of its steps, DN, up to 0.4. Steps
@@ -91,8 +91,8 @@ pub struct Converter {
     pub black_level_dn: u16,
     /// Smallest and largest gain.
     pub gain_range: [Decibels; 2],
-    /// Nonlinearity of the amplifiers: c₁, c₂ … of q·(1 + c₁·q/F + c₂·(q/F)² + …) with the full well F; empty for linear
-    /// ones.
+    /// Nonlinearity of the amplifiers: c₁, c₂ … of q·(1 + c₁·q/F + c₂·(q/F)² + …) with the full well F; empty for
+    /// linear ones.
     pub amplifier_nonlinearity: Vec<f64>,
     /// Integral nonlinearity in the middle of the converter's range, DN.
     pub inl_dn: f64,
@@ -179,7 +179,8 @@ impl Converter {
         let inl_dn = finite("inl_dn", d.inl_dn)?;
         // The nonlinearity is that of the two converters, and so are the bits.
         let max_dn = d.dual_gain.as_ref().map_or(max_dn, |dual| (1 << dual.bits.min(16)) - 1);
-        // A larger one would make the converter's numbers fall with rising voltage: the slope at the ends is 1 ± 4·INL/max.
+        // A larger one would make the converter's numbers fall with rising voltage: the slope at the ends is 1 ±
+        // 4·INL/max.
         if 4.0 * inl_dn.abs() >= f64::from(max_dn) {
             let message = format!("{inl_dn} DN is too much for a range of {max_dn} DN");
             return Err(Invalid::new("inl_dn", message).help("the nonlinearity of converters is some DN at most"));

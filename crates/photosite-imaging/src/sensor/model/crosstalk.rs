@@ -1,7 +1,7 @@
 //! Crosstalk: where the electrons of a pixel are collected.
 
-/// Where the electrons of a pixel are collected: parts that sum to 1, an odd number of rows and columns around the pixel
-/// itself.
+/// Where the electrons of a pixel are collected: parts that sum to 1, an odd number of rows and columns around the
+/// pixel itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernel {
     width: usize,
@@ -10,8 +10,8 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// From rows of equal, odd length; the parts are not negative and not all 0. They are scaled to sum to 1. `None` for
-    /// anything else.
+    /// From rows of equal, odd length; the parts are not negative and not all 0. They are scaled to sum to 1. `None`
+    /// for anything else.
     pub fn new(rows: &[Vec<f64>]) -> Option<Self> {
         let (width, height) = (rows.first()?.len(), rows.len());
         let parts = rows.concat();

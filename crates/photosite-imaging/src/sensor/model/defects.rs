@@ -14,7 +14,8 @@ use super::checks::{in_a_million, not_negative};
 pub struct DefectsDescription {
     /// Pixels of a million with more dark current than others.
     pub hot_per_million: f64,
-    /// The mean of what hot pixels have more at the reference temperature, e⁻/s; they follow an exponential distribution.
+    /// The mean of what hot pixels have more at the reference temperature, e⁻/s; they follow an exponential
+    /// distribution.
     pub hot_dark_current_e_per_s: f64,
     /// Pixels of a million that do not see light.
     pub dead_per_million: f64,

@@ -31,9 +31,9 @@ pub struct SensorDescription {
     /// Technology of the pixels.
     #[serde(default)]
     pub kind: SensorKind,
-    /// Serial number: which specimen of this sensor it is. Fixed pattern (PRNU, DSNU, defects, columns) belongs to it, whatever the seed
-    /// and the frame; another number is another camera of the same make. In the rig of a data set, cameras that are not told otherwise
-    /// count on from it.
+    /// Serial number: which specimen of this sensor it is. Fixed pattern (PRNU, DSNU, defects, columns) belongs to it,
+    /// whatever the seed and the frame; another number is another camera of the same make. In the rig of a data set,
+    /// cameras that are not told otherwise count on from it.
     #[serde(default)]
     pub serial: u64,
     /// How a CCD moves its charge.
@@ -56,13 +56,13 @@ pub struct SensorDescription {
     /// Size of the whole sensor by the name of its format, "1", "2/3", "1/2", "1/3" or "1/4" inch, in place of
     /// pixel_pitch_um, which is that size over the resolution.
     pub format: Option<String>,
-    /// Part of a pixel's area that is sensitive to light, above 0 up to 1. Leave it at 1 where the quantum efficiency was
-    /// measured for whole pixels, as EMVA 1288 does.
+    /// Part of a pixel's area that is sensitive to light, above 0 up to 1. Leave it at 1 where the quantum efficiency
+    /// was measured for whole pixels, as EMVA 1288 does.
     #[serde(default = "one")]
     pub fill_factor: f64,
-    /// Colour filter array: "mono"; a tile, row by row from the top-left pixel ("RGGB", or "RGRG/GBGB" with its rows apart);
-    /// "quad-bayer", "nona-bayer", "x-trans", "rgbw", "rgb-ir", "rccb", "rccc", "ryyb" or "cygm"; or "full:RGB" for all
-    /// channels at every pixel.
+    /// Colour filter array: "mono"; a tile, row by row from the top-left pixel ("RGGB", or "RGRG/GBGB" with its rows
+    /// apart); "quad-bayer", "nona-bayer", "x-trans", "rgbw", "rgb-ir", "rccb", "rccc", "ryyb" or "cygm"; or "full:RGB"
+    /// for all channels at every pixel.
     pub cfa: String,
     /// Filters in front of all pixels, such as one that blocks infrared.
     #[serde(default)]
@@ -108,8 +108,8 @@ pub struct ChannelDescription {
     /// Photo-electrons per photon that reaches the pixel, colour filter included, 0–1 at every wavelength; for a
     /// single-photon detector, its photon detection probability.
     pub quantum_efficiency: Option<SpectrumSource>,
-    /// In its place: the depths of silicon, µm, between which photons are absorbed into this channel, the upper one first,
-    /// as in the layers of a stacked pixel. What is reflected before the silicon belongs to the filter.
+    /// In its place: the depths of silicon, µm, between which photons are absorbed into this channel, the upper one
+    /// first, as in the layers of a stacked pixel. What is reflected before the silicon belongs to the filter.
     pub depth_um: Option<[f64; 2]>,
     /// Crosstalk of the electrons behind this filter, where it differs from that of the others.
     pub crosstalk: Option<Vec<Vec<f64>>>,

@@ -18,8 +18,8 @@ pub struct ImageLagDescription {
     pub percent: f64,
     /// Residual signal of that frame besides, whatever the signal, e⁻.
     pub electrons: f64,
-    /// Residual signal of each dark frame over that of the one before it. Left out: percent/100, as where a part of the charge
-    /// is not transferred.
+    /// Residual signal of each dark frame over that of the one before it. Left out: percent/100, as where a part of the
+    /// charge is not transferred.
     pub decay: Option<f64>,
 }
 

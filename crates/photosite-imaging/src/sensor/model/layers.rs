@@ -10,8 +10,8 @@ use photosite_core::spectrum::{Spectrum, library};
 /// η(λ) = exp(−α(λ)·z₀) − exp(−α(λ)·z₁),  α = 4π·k/λ
 ///
 /// the part of the light that entered the silicon which is absorbed there, by the law of Beer and Lambert with the
-/// extinction coefficient k(λ) of [Green08](photosite_core::references#green08). What is reflected before it enters is left to the
-/// sensor's filter. Electrons that wander from layer to layer are left out.
+/// extinction coefficient k(λ) of [Green08](photosite_core::references#green08). What is reflected before it enters is
+/// left to the sensor's filter. Electrons that wander from layer to layer are left out.
 pub(super) fn quantum_efficiency(depth_um: [f64; 2]) -> Spectrum {
     let silicon = library::silicon();
     Spectrum::from_fn(|lambda_nm| {

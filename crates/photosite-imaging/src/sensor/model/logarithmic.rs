@@ -6,10 +6,11 @@ use photosite_core::units::Seconds;
 ///
 /// V ∝ ln(1 + i/i₀),  i = q/t
 ///
-/// with the charge q that light and heat free during the time t, over which the pixel averages, and the reference current
-/// i₀, from which on the response is more logarithmic than linear ([Kavadias00](photosite_core::references#kavadias00)). Signals
-/// are referred to electrons as those of linear pixels are: s = q₀·ln(1 + q/q₀) with q₀ = i₀·t, which is q for little
-/// light. What the read-out adds, it adds to s. Below zero the response is a straight line.
+/// with the charge q that light and heat free during the time t, over which the pixel averages, and the reference
+/// current i₀, from which on the response is more logarithmic than linear
+/// ([Kavadias00](photosite_core::references#kavadias00)). Signals are referred to electrons as those of linear pixels
+/// are: s = q₀·ln(1 + q/q₀) with q₀ = i₀·t, which is q for little light. What the read-out adds, it adds to s. Below
+/// zero the response is a straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Logarithmic {
     /// Reference current i₀, e⁻/s, above 0.

@@ -18,8 +18,8 @@ use super::telegraph::{TelegraphDescription, TelegraphSignal};
 pub struct NoiseDescription {
     /// Temporal dark noise of the read-out, standard deviation in e⁻.
     pub read_noise_e: f64,
-    /// Gives read noise the heavy tails of Student's t distribution with so many degrees of freedom, above 2 (few: heavy);
-    /// its standard deviation stays. Left out: a normal distribution.
+    /// Gives read noise the heavy tails of Student's t distribution with so many degrees of freedom, above 2 (few:
+    /// heavy); its standard deviation stays. Left out: a normal distribution.
     pub read_noise_degrees_of_freedom: Option<f64>,
     /// Dark current at the reference temperature, mean of all pixels without the hot ones, e⁻/s per pixel.
     pub dark_current_e_per_s: f64,
@@ -31,8 +31,8 @@ pub struct NoiseDescription {
     pub dark_current_doubling_k: Option<f64>,
     /// Band gap for the law "arrhenius", eV. Left out: that of silicon, which shrinks with temperature.
     pub dark_current_band_gap_ev: Option<f64>,
-    /// Dark current non-uniformity: spatial standard deviation of the dark current in percent of its mean. Pixels follow a
-    /// log-normal distribution.
+    /// Dark current non-uniformity: spatial standard deviation of the dark current in percent of its mean. Pixels
+    /// follow a log-normal distribution.
     pub dark_current_nonuniformity_percent: f64,
     /// Photo response non-uniformity: spatial standard deviation of the response in percent of its mean.
     pub prnu_percent: f64,

@@ -50,7 +50,8 @@ pub struct SensorModel {
     pub filter: Spectrum,
     /// Quantum efficiency η(λ), 0–1, one for each of the CFA's channels in their order.
     pub quantum_efficiency: Vec<Spectrum>,
-    /// Where electrons are collected, one for each of the CFA's channels in their order; `None` for each in its own pixel.
+    /// Where electrons are collected, one for each of the CFA's channels in their order; `None` for each in its own
+    /// pixel.
     pub crosstalk: Option<Vec<Kernel>>,
     /// Noise sources.
     pub noise: Noise,

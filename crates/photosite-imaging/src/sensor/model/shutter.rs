@@ -4,8 +4,8 @@
 //!
 //! n = |y + ½ − m| − ½
 //!
-//! rows come before it: all above it for m = 0, those nearer to the middle for m = rows/2. What moves across the picture
-//! with v pixels a second is skewed by v·t_row pixels a row.
+//! rows come before it: all above it for m = 0, those nearer to the middle for m = rows/2. What moves across the
+//! picture with v pixels a second is skewed by v·t_row pixels a row.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

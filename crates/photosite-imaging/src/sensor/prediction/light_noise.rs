@@ -1,7 +1,7 @@
 //! Monte Carlo noise of light beside the noise of the sensor that sees it: what is worth another sample.
 //!
-//! In: electron rates with the variance of their mean (e⁻·s⁻¹ and its square), and the samples of each pixel. Out: ratios
-//! of standard deviations, and numbers of samples that bring a ratio down.
+//! In: electron rates with the variance of their mean (e⁻·s⁻¹ and its square), and the samples of each pixel. Out:
+//! ratios of standard deviations, and numbers of samples that bring a ratio down.
 
 use crate::sensor::{Exposure, SensorModel};
 use photosite_core::image::{Estimate, Planes};
@@ -64,8 +64,8 @@ pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) 
 /// with the variance s² of one sample and the mean μ in the pixel's own channel (the worst of those that it has), the
 /// exposure time t, b pixels in a bin, and the sensor's variance σ² ([`SensorModel::noise_variance`]). Few samples tell
 /// little of s², least where bright ones are rare: both s² and μ are those of the pixel's N samples with a weight of
-/// N and of its neighbours among the 5 × 5 pixels about it with a weight of 64. Saturated pixels need none, and are nobody's
-/// neighbours.
+/// N and of its neighbours among the 5 × 5 pixels about it with a weight of 64. Saturated pixels need none, and are
+/// nobody's neighbours.
 pub fn samples_needed(
     rates: &Estimate,
     counts: &[u32],
@@ -88,8 +88,8 @@ pub fn samples_needed(
     needed
 }
 
-/// Electron rates whose pixels are those of `rates` and their neighbourhoods, as in [`samples_needed`], so that an automatic
-/// exposure does not take the noise of few samples for bright parts.
+/// Electron rates whose pixels are those of `rates` and their neighbourhoods, as in [`samples_needed`], so that an
+/// automatic exposure does not take the noise of few samples for bright parts.
 pub fn smoothed_mean(rates: &Estimate, counts: &[u32], sensor: &SensorModel, neighbours: Neighbours) -> Planes {
     let mut mean = rates.mean.clone();
     let size @ [width, _] = [mean.width(), mean.height()];

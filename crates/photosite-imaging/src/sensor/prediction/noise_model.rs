@@ -1,5 +1,5 @@
-//! The sensor's noise in closed form: what [`expose()`](crate::sensor::expose()) does, predicted. It tells a renderer when Monte
-//! Carlo noise is small beside it, and a raw file what its noise profile is.
+//! The sensor's noise in closed form: what [`expose()`](crate::sensor::expose()) does, predicted. It tells a renderer
+//! when Monte Carlo noise is small beside it, and a raw file what its noise profile is.
 
 use photosite_core::units::{Decibels, DigitalNumber, Electrons};
 
@@ -13,11 +13,11 @@ impl SensorModel {
     /// σ² = μ + μ_d + (σ_read² + σ_reset² + σ_row² + σ_column² + σ_flicker² + σ_telegraph² + (1/12 + σ_DNL²)/K²)/s²
     ///
     /// shot noise of light and dark current, noise of the read-out, quantisation (the linear model of
-    /// [Emva1288](photosite_core::references#emva1288), whose σ_d² is all but the first and the last), and the rounding that follows a
-    /// digital gain and companding. The slope s is 1 but for logarithmic pixels. Of a bin, all is that of the mean of its
-    /// pixels. Hot pixels and telegraph signals count
-    /// with their part of all pixels. Fixed patterns are no temporal noise, and what transmission errors do has no useful
-    /// variance. Valid below saturation, and for amplifiers that are nearly linear.
+    /// [Emva1288](photosite_core::references#emva1288), whose σ_d² is all but the first and the last), and the rounding
+    /// that follows a digital gain and companding. The slope s is 1 but for logarithmic pixels. Of a bin, all is that
+    /// of the mean of its pixels. Hot pixels and telegraph signals count
+    /// with their part of all pixels. Fixed patterns are no temporal noise, and what transmission errors do has no
+    /// useful variance. Valid below saturation, and for amplifiers that are nearly linear.
     pub fn noise_variance(&self, mean: Electrons, exposure: &Exposure) -> f64 {
         let thermal = self.thermal_electrons(exposure);
         let charge = mean.0.max(0.0) + thermal;
@@ -64,8 +64,8 @@ impl SensorModel {
         gaussian.iter().map(|sigma| sigma.0 * sigma.0).sum::<f64>() + noise.telegraph.variance()
     }
 
-    /// Variance at a mean of `mean` photo-electrons before the signal becomes a number, (e⁻)², without binning; with two
-    /// gains, σ_read is that of the one which counts.
+    /// Variance at a mean of `mean` photo-electrons before the signal becomes a number, (e⁻)², without binning; with
+    /// two gains, σ_read is that of the one which counts.
     pub fn signal_variance(&self, mean: Electrons, exposure: &Exposure) -> f64 {
         let read = self.branch(mean, exposure.gain).map_or(self.noise.read, |(_, read_noise)| read_noise);
         let shared = self.noise.row.0.powi(2) + self.noise.column.0.powi(2);
@@ -87,8 +87,8 @@ impl SensorModel {
         (step * step - 1.0) / 12.0 / (gain * gain)
     }
 
-    /// Electrons at which a pixel saturates: the full well, the end of the converter's range, or the end of what a digital
-    /// gain leaves of that, whichever comes first; of a bin, the mean of its pixels.
+    /// Electrons at which a pixel saturates: the full well, the end of the converter's range, or the end of what a
+    /// digital gain leaves of that, whichever comes first; of a bin, the mean of its pixels.
     pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
         let converter = &self.converter;
         let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
@@ -99,15 +99,16 @@ impl SensorModel {
         Electrons(self.full_well.0.min(charge))
     }
 
-    /// Whether signal and noise are other than the linear model of [Emva1288](photosite_core::references#emva1288) has them, in which
-    /// signals lie on a line and K·signal is all of the light's noise: amplifiers and converters that bend, two gains.
+    /// Whether signal and noise are other than the linear model of [Emva1288](photosite_core::references#emva1288) has
+    /// them, in which signals lie on a line and K·signal is all of the light's noise: amplifiers and converters that
+    /// bend, two gains.
     pub fn is_nonlinear(&self) -> bool {
         let converter = &self.converter;
         !converter.amplifier_nonlinearity.is_empty() || converter.inl_dn != 0.0 || converter.dual_gain.is_some()
     }
 
-    /// The number that becomes of a charge with its noise, e⁻, without digital gain, companding and the patterns of columns
-    /// and converters, DN.
+    /// The number that becomes of a charge with its noise, e⁻, without digital gain, companding and the patterns of
+    /// columns and converters, DN.
     pub fn number(&self, charge: Electrons, gain: Decibels) -> f64 {
         let signal = self.amplified(charge.0.min(self.full_well.0));
         let convert = |converter: &Converter, signal: f64| {
@@ -144,8 +145,8 @@ impl SensorModel {
     ///
     /// S = K/(n·R), O = K²·σ_0²/R²
     ///
-    /// where n is the number of pixels in a bin and σ_0² is the noise without light, in (e⁻)². What companding adds has no place in it; the noise of logarithmic
-    /// pixels has another form, and `None` is said of it.
+    /// where n is the number of pixels in a bin and σ_0² is the noise without light, in (e⁻)². What companding adds has
+    /// no place in it; the noise of logarithmic pixels has another form, and `None` is said of it.
     pub(in crate::sensor) fn noise_profile(&self, exposure: &Exposure) -> Option<[f64; 2]> {
         let gain = self.system_gain(exposure);
         let range = f64::from(self.white_level_dn(exposure) - self.converter.black_level_dn);

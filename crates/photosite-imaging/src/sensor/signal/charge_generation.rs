@@ -1,7 +1,7 @@
 //! Charge generation: each pixel takes the electrons that light frees behind its own colour filter.
 //!
-//! How many those are on average is known already: quantum efficiency, fill factor and filters are in the mean electrons
-//! (see [`SensorModel::responses`](crate::sensor::SensorModel::responses)).
+//! How many those are on average is known already: quantum efficiency, fill factor and filters are in the mean
+//! electrons (see [`SensorModel::responses`](crate::sensor::SensorModel::responses)).
 
 use rayon::prelude::*;
 

@@ -23,8 +23,8 @@ pub(in crate::sensor) struct Row<'a, T = f32> {
     pub(in crate::sensor) values: &'a mut [T],
 }
 
-/// An effect that each pixel suffers by itself. A stage that is switched off or that the sensor does not have is `None`,
-/// and does nothing.
+/// An effect that each pixel suffers by itself. A stage that is switched off or that the sensor does not have is
+/// `None`, and does nothing.
 pub(in crate::sensor) trait RowStage<T = f32> {
     /// Changes a row.
     fn apply(&self, row: &mut Row<'_, T>);
@@ -54,8 +54,8 @@ impl ChargePlane {
         Self { width, height, samples, electrons: vec![0.0; width * height] }
     }
 
-    /// The same charge with all columns changed, in any order, and `height` values high: what comes after the last row is
-    /// 0 before.
+    /// The same charge with all columns changed, in any order, and `height` values high: what comes after the last row
+    /// is 0 before.
     pub(in crate::sensor) fn map_columns(&self, height: usize, change: impl Fn(usize, &mut [f64]) + Sync) -> Self {
         let mut columns = vec![0.0f32; self.width * height];
         columns.par_chunks_mut(height.max(1)).enumerate().for_each_init(Vec::new, |line, (x, column)| {
@@ -73,8 +73,8 @@ impl ChargePlane {
     }
 
     /// The same charge with all rows changed, in any order, those of each detector by themselves. They get `before` and
-    /// `after` pixels more, which are 0; `change` does not see those before. It is given the column of the first value that
-    /// it sees, the distance to the next, and the row.
+    /// `after` pixels more, which are 0; `change` does not see those before. It is given the column of the first value
+    /// that it sees, the distance to the next, and the row.
     pub(in crate::sensor) fn map_rows(
         &self,
         before: usize,

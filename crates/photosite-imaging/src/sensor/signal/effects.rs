@@ -1,5 +1,5 @@
-//! The physical effects of a sensor by name: [`Stage`]s, which of them take part in an exposure, and the [`NoiseMap`]s of
-//! what each has changed.
+//! The physical effects of a sensor by name: [`Stage`]s, which of them take part in an exposure, and the [`NoiseMap`]s
+//! of what each has changed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -130,7 +130,8 @@ impl Default for Stages {
 /// Declares [`NoiseMap`] by its table: what a map holds, and its name in files, which ends with its unit.
 macro_rules! noise_maps {
     ($($(#[$doc:meta])* $map:ident = $name:literal,)+) => {
-        /// An effect whose part of a picture can be recorded. Its name ends with its unit, but for those that have none.
+        /// An effect whose part of a picture can be recorded. Its name ends with its unit, but for those that have
+        /// none.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
         pub enum NoiseMap {
             $($(#[$doc])* #[serde(rename = $name)] $map,)+

@@ -1,4 +1,5 @@
-//! What stages have in common: rows and planes of charge, their names, their random numbers and the names of noise maps.
+//! What stages have in common: rows and planes of charge, their names, their random numbers and the names of noise
+//! maps.
 
 pub(super) mod charge_generation;
 pub(super) mod charge_plane;

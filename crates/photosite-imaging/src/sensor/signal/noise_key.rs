@@ -1,6 +1,6 @@
-//! Where the sensor's random numbers come from: one stream for every (seed, frame, stage, pixel), and for what marks the
-//! sensor itself for every (serial number, stage, pixel), so that the noise of a pixel does not depend on threads, on the order
-//! of pixels, on the size of the picture, or on whether other stages are switched on.
+//! Where the sensor's random numbers come from: one stream for every (seed, frame, stage, pixel), and for what marks
+//! the sensor itself for every (serial number, stage, pixel), so that the noise of a pixel does not depend on threads,
+//! on the order of pixels, on the size of the picture, or on whether other stages are switched on.
 
 use rand::RngExt;
 use rand_distr::StandardNormal;

@@ -6,8 +6,8 @@ use crate::sensor::signal::charge_plane::{Row, RowStage};
 use crate::sensor::signal::effects::Stage;
 
 impl SensorModel {
-    /// The signal that leaves the amplifiers for a charge q, referred to electrons: q·(1 + c₁·q/F + c₂·(q/F)² + …), with
-    /// the full well F. Beyond the full well and below zero the factor is that of the end.
+    /// The signal that leaves the amplifiers for a charge q, referred to electrons: q·(1 + c₁·q/F + c₂·(q/F)² + …),
+    /// with the full well F. Beyond the full well and below zero the factor is that of the end.
     pub fn amplified(&self, charge_e: f64) -> f64 {
         charge_e * factor(&self.converter, (charge_e / self.full_well.0).clamp(0.0, 1.0))
     }

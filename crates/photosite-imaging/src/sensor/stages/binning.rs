@@ -93,7 +93,8 @@ mod tests {
         let ramp: Vec<f32> = (0..24).map(|i| i as f32).collect();
         // Neighbours: 0 + 1 + 6 + 7 …
         assert_eq!(binned("mono", [2, 2], 6, &ramp), [14.0, 22.0, 30.0, 62.0, 70.0, 78.0]);
-        // Every other pixel, in the Bayer tile's places: R 0 + 2 + 12 + 14, G 1 + 3 + 13 + 15; a column pair is left over.
+        // Every other pixel, in the Bayer tile's places: R 0 + 2 + 12 + 14, G 1 + 3 + 13 + 15; a column pair is left
+        // over.
         assert_eq!(binned("RGGB", [2, 2], 6, &ramp), [28.0, 32.0, 52.0, 56.0]);
         // The blocks of a Quad Bayer are neighbours again.
         assert_eq!(binned("quad-bayer", [2, 2], 4, &ramp[..16]), [10.0, 18.0, 42.0, 50.0]);

@@ -3,13 +3,14 @@
 //! noise: variance stays below the mean and neighbours are correlated.
 //!
 //! While a picture builds up, the boundary between pixels p and q is displaced in proportion to the difference of their
-//! charges and so hands over the part a·(Q_p − Q_q) of the charge that falls near it, (Q_p + Q_q)/2. Both grow with time,
-//! so that half of the final product has been handed over at the end:
+//! charges and so hands over the part a·(Q_p − Q_q) of the charge that falls near it, (Q_p + Q_q)/2. Both grow with
+//! time, so that half of the final product has been handed over at the end:
 //!
 //! ΔQ(p → q) = a/4 · (Q_p² − Q_q²)
 //!
-//! ([Antilogus14](photosite_core::references#antilogus14), restricted to nearest neighbours; [Guyonnet15](photosite_core::references#guyonnet15)
-//! eq. 10). What one pixel loses its neighbour gains. On a flat field of mean μ with shot noise, to first order in a·μ,
+//! ([Antilogus14](photosite_core::references#antilogus14), restricted to nearest neighbours;
+//! [Guyonnet15](photosite_core::references#guyonnet15) eq. 10). What one pixel loses its neighbour gains. On a flat
+//! field of mean μ with shot noise, to first order in a·μ,
 //!
 //! neighbours along x are correlated by a_x·μ, along y by a_y·μ, and Var(Q) = μ·(1 − 2·(a_x + a_y)·μ),
 //!
@@ -29,8 +30,9 @@ pub(in crate::sensor) fn apply(frame: &Frame<'_>, charge: &mut ChargePlane) {
     }
 }
 
-/// Hands charge (e⁻, `width` in a row, neighbours `samples` apart) over the boundaries. `per_e`: a_x and a_y, the correlation of neighbours along x
-/// and along y for each electron of a flat field, 1/e⁻; (a_x + a_y)·Q is at most 1 everywhere.
+/// Hands charge (e⁻, `width` in a row, neighbours `samples` apart) over the boundaries. `per_e`: a_x and a_y, the
+/// correlation of neighbours along x and along y for each electron of a flat field, 1/e⁻; (a_x + a_y)·Q is at most 1
+/// everywhere.
 fn spread(charges: &mut [f32], width: usize, samples: usize, per_e: [f64; 2]) {
     let [along_x, along_y] = per_e.map(|a| a / 4.0);
     let flow = |a: f64, from: f64, to: f64| a * (from * from - to * to);
@@ -98,9 +100,9 @@ mod tests {
             products.mean() / mean_e
         };
         let spread_of_one = 1.0 / (SIDE as f64);
-        // The exact linear response, of which the model states the first order: the pixel keeps 1 − 4b, b_x = a_x·μ/2 goes to
-        // each neighbour. Variance over mean is (1 − 2b_x − 2b_y)² + 2b_x² + 2b_y²; √2/500 is the standard deviation of a
-        // sample variance of 500² numbers, 1/500 that of a correlation; 5 σ.
+        // The exact linear response, of which the model states the first order: the pixel keeps 1 − 4b, b_x = a_x·μ/2
+        // goes to each neighbour. Variance over mean is (1 − 2b_x − 2b_y)² + 2b_x² + 2b_y²; √2/500 is the standard
+        // deviation of a sample variance of 500² numbers, 1/500 that of a correlation; 5 σ.
         let [bx, by] = per_e.map(|a| a * mean_e / 2.0);
         let keep = 1.0 - 2.0 * (bx + by);
         let variance = keep * keep + 2.0 * (bx * bx + by * by);

@@ -1,5 +1,5 @@
-//! Companding: numbers of many bits leave the sensor as numbers of fewer, along a curve that is steep where shot noise is
-//! small. A table brings them back: [`SensorModel::linearisation`].
+//! Companding: numbers of many bits leave the sensor as numbers of fewer, along a curve that is steep where shot noise
+//! is small. A table brings them back: [`SensorModel::linearisation`].
 
 use super::frame::Frame;
 use crate::sensor::SensorModel;

@@ -20,8 +20,9 @@ impl DarkCurrentLaw {
     ///
     /// - doubling: 2^((T − T_ref)/ΔT) ([Emva1288](photosite_core::references#emva1288), dark current);
     /// - Arrhenius: (T/T_ref)^(3/2) · exp(E_g(T_ref)/(2k·T_ref) − E_g(T)/(2k·T))
-    ///   ([Janesick01](photosite_core::references#janesick01), dark current of depleted silicon), with a constant band gap or
-    ///   silicon's, E_g = 1.1557 − 7.021·10⁻⁴·T²/(T + 1108) eV ([Varshni67](photosite_core::references#varshni67)).
+    ///   ([Janesick01](photosite_core::references#janesick01), dark current of depleted silicon), with a constant band
+    ///   gap or silicon's, E_g = 1.1557 − 7.021·10⁻⁴·T²/(T + 1108) eV
+    ///   ([Varshni67](photosite_core::references#varshni67)).
     pub fn factor(&self, reference: Celsius, temperature: Celsius) -> f64 {
         match *self {
             Self::Doubling { interval_k } => ((temperature.0 - reference.0) / interval_k).exp2(),
@@ -90,8 +91,8 @@ pub(in crate::sensor) struct DarkCurrent {
 }
 
 /// Pixels whose dark current is the mean times exp(s·n − s²/2), n standard normal: log-normal, as the concentrations of
-/// impurities are that cause it ([Konnik14](photosite_core::references#konnik14), dark current fixed pattern noise). The mean of
-/// the factor is 1, its standard deviation √(exp(s²) − 1).
+/// impurities are that cause it ([Konnik14](photosite_core::references#konnik14), dark current fixed pattern noise).
+/// The mean of the factor is 1, its standard deviation √(exp(s²) − 1).
 #[derive(Clone, Copy, Debug)]
 struct Nonuniformity {
     s: f64,

@@ -1,5 +1,5 @@
-//! Dark signal non-uniformity (DSNU): every pixel's read-out starts from an offset of its own. A fixed pattern, the same
-//! in every frame.
+//! Dark signal non-uniformity (DSNU): every pixel's read-out starts from an offset of its own. A fixed pattern, the
+//! same in every frame.
 
 use super::fixed_pattern::Deviations;
 use super::frame::Frame;

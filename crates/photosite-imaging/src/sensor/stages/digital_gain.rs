@@ -15,8 +15,8 @@ impl SensorModel {
     }
 }
 
-/// Variance that rounding after a digital gain and after taking means adds, referred to electrons, (e⁻)²: 1/(12·K²) with
-/// the gain K so far. Whole factors need no rounding.
+/// Variance that rounding after a digital gain and after taking means adds, referred to electrons, (e⁻)²: 1/(12·K²)
+/// with the gain K so far. Whole factors need no rounding.
 pub(in crate::sensor) fn rounding_variance_e2(sensor: &SensorModel, exposure: &Exposure) -> f64 {
     let (factor, binning) = (exposure.digital_gain.factor(), exposure.region.binning);
     let rounding = |gain: f64| (1.0 / 12.0) / gain.powi(2);

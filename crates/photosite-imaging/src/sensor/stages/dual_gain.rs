@@ -1,5 +1,5 @@
-//! Dual gain: two amplifiers with a converter each look at the charge of a pixel, one with a high gain and little noise,
-//! one with a low gain that takes the full well. Their numbers are merged into one of more bits.
+//! Dual gain: two amplifiers with a converter each look at the charge of a pixel, one with a high gain and little
+//! noise, one with a low gain that takes the full well. Their numbers are merged into one of more bits.
 //!
 //! The number of the high gain counts unless it lies in the top sixteenth of its range, where it may be clipped. The
 //! dynamic range is then that from the noise of the one to the range of the other.
@@ -71,8 +71,8 @@ impl DualGainDigitiser {
         })
     }
 
-    /// Converts a row of charges twice and merges the numbers. The charges are left with the noise of the amplifier that
-    /// counts.
+    /// Converts a row of charges twice and merges the numbers. The charges are left with the noise of the amplifier
+    /// that counts.
     pub(in crate::sensor) fn convert(&self, row: &mut Row<'_>, numbers: &mut Row<'_, u16>) {
         for (x, (charge_e, number)) in row.values.iter_mut().zip(numbers.values.iter_mut()).enumerate() {
             let noisy_e = self.high.with_noise(*charge_e, x, row.y);

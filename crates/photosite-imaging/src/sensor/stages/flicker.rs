@@ -2,8 +2,8 @@
 //! that falls as 1/f^γ.
 //!
 //! Samples that one amplifier reads after each other are made by drawing their Fourier coefficients: normally
-//! distributed, with variances as the power, but none for the mean. So that the last sample does not meet the first, the
-//! period is longer than what is used of it. Every sample has the stated variance.
+//! distributed, with variances as the power, but none for the mean. So that the last sample does not meet the first,
+//! the period is longer than what is used of it. Every sample has the stated variance.
 //!
 //! Every picture is a sequence of its own: what is slower than one picture is left to the dark current and its
 //! temperature, and pictures of a series have no flicker noise in common.

@@ -1,20 +1,21 @@
-//! Image lag: charge that does not leave the pixel when it is read out, and comes with later frames. Barriers and pockets
-//! between a pinned photodiode and its transfer gate cause it, and in interline CCDs the same at the gate to the register
-//! ([Fossum14](photosite_core::references#fossum14), section V).
+//! Image lag: charge that does not leave the pixel when it is read out, and comes with later frames. Barriers and
+//! pockets between a pinned photodiode and its transfer gate cause it, and in interline CCDs the same at the gate to
+//! the register ([Fossum14](photosite_core::references#fossum14), section V).
 //!
-//! A pixel reads out what light and heat have freed in the frame, q, less what it keeps of it, plus what comes out of what it
-//! has kept before, s:
+//! A pixel reads out what light and heat have freed in the frame, q, less what it keeps of it, plus what comes out of
+//! what it has kept before, s:
 //!
 //! signal = q − k(q) + (1 − d)·s,  s' = k(q) + d·s,  k(q) = ℓ·q + min(L, (1 − ℓ)·q)
 //!
-//! with the lag ℓ, a number of electrons L that stay whatever the signal, and the part d of the kept charge that stays once
-//! more. Under steady light s is k/(1 − d), so that the signal is q, and the first dark frame after it shows k(q): what data
-//! sheets state as image lag. The one after that shows d·k(q), and so on. Charge that is transferred incompletely, with no
-//! memory but the charge itself, has d = ℓ.
+//! with the lag ℓ, a number of electrons L that stay whatever the signal, and the part d of the kept charge that stays
+//! once more. Under steady light s is k/(1 − d), so that the signal is q, and the first dark frame after it shows k(q):
+//! what data sheets state as image lag. The one after that shows d·k(q), and so on. Charge that is transferred
+//! incompletely, with no memory but the charge itself, has d = ℓ.
 //!
 //! Electrons stay one by one, each with the probability ℓ or d, so that charge is conserved to the electron and
-//! Poisson-distributed charge stays so. Only whole electrons stay: a fraction, or a negative charge, is read out. Emission
-//! over the barrier whose rate depends on the charge is left out, as is a reset of the photodiode between frames.
+//! Poisson-distributed charge stays so. Only whole electrons stay: a fraction, or a negative charge, is read out.
+//! Emission over the barrier whose rate depends on the charge is left out, as is a reset of the photodiode between
+//! frames.
 
 use rayon::prelude::*;
 
@@ -51,7 +52,8 @@ impl LeftCharge {
     }
 }
 
-/// Takes out of the pixels what stays there when they are read out, where the sensor has lag. `before` is in their charge.
+/// Takes out of the pixels what stays there when they are read out, where the sensor has lag. `before` is in their
+/// charge.
 pub(in crate::sensor) fn keep_back(
     frame: &Frame<'_>,
     charge: &mut ChargePlane,

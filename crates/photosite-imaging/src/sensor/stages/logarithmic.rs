@@ -1,5 +1,5 @@
-//! Logarithmic response: a transistor below threshold turns the photocurrent of a pixel into a voltage, so that equal ratios
-//! of light become equal steps over many decades.
+//! Logarithmic response: a transistor below threshold turns the photocurrent of a pixel into a voltage, so that equal
+//! ratios of light become equal steps over many decades.
 
 use photosite_core::units::Seconds;
 

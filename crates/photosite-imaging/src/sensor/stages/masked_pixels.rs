@@ -1,5 +1,5 @@
-//! Masked pixels: columns and rows around the picture that are covered. They have all noise but see no light, and tell a
-//! developer what darkness looks like.
+//! Masked pixels: columns and rows around the picture that are covered. They have all noise but see no light, and tell
+//! a developer what darkness looks like.
 
 use crate::sensor::model::MaskedPixels;
 use crate::sensor::signal::charge_plane::ChargePlane;

@@ -1,8 +1,9 @@
-//! Single-photon avalanche diodes (SPAD): every detected photon is counted, with no amplifier noise, but after each count
-//! the diode is dead for a while.
+//! Single-photon avalanche diodes (SPAD): every detected photon is counted, with no amplifier noise, but after each
+//! count the diode is dead for a while.
 //!
 //! A photon that reaches the diode is detected with a probability, the quantum efficiency here. Dark counts add to the
-//! photons', at a rate of each pixel's own where they are uneven or it is a hot one. A count is followed by another one, without light, with the afterpulsing probability p.
+//! photons', at a rate of each pixel's own where they are uneven or it is a hot one. A count is followed by another
+//! one, without light, with the afterpulsing probability p.
 
 use rand::RngExt;
 use rand::distr::Distribution;
@@ -89,14 +90,14 @@ impl RowStage for PhotonCounter<'_> {
 
 /// Counts of a diode that is free to fire whenever it is not dead, during a time.
 ///
-/// At a rate n of what could be counted and with the dead time τ, which further photons do not prolong, it counts at the
-/// rate
+/// At a rate n of what could be counted and with the dead time τ, which further photons do not prolong, it counts at
+/// the rate
 ///
 /// m = n / (1 + n·τ)
 ///
-/// and never above 1/τ ([Knoll10](photosite_core::references#knoll10), §4.VII, nonparalyzable). An afterpulse fires at the end of the
-/// dead time, so m = n/(1 − p + n·τ) with afterpulsing. `mean`: photons and dark counts that would be counted during
-/// `time` without dead time.
+/// and never above 1/τ ([Knoll10](photosite_core::references#knoll10), §4.VII, nonparalyzable). An afterpulse fires at
+/// the end of the dead time, so m = n/(1 − p + n·τ) with afterpulsing. `mean`: photons and dark counts that would be
+/// counted during `time` without dead time.
 pub(in crate::sensor) fn free_running(
     mean: f64,
     time: Seconds,
@@ -116,8 +117,8 @@ pub(in crate::sensor) fn free_running(
         return 0.0;
     }
     counts += 1.0;
-    // As many intervals at once as fit for certain: eight standard deviations of their sum are exceeded with a probability
-    // of 10⁻¹⁵. A wait that takes place with the probability w has the variance 2w − w².
+    // As many intervals at once as fit for certain: eight standard deviations of their sum are exceeded with a
+    // probability of 10⁻¹⁵. A wait that takes place with the probability w has the variance 2w − w².
     let deviation = ((2.0 * waits - waits * waits).sqrt() / (dead + waits)).max(1.0);
     loop {
         let fit = left / (dead + waits);
@@ -156,8 +157,8 @@ fn sum_of_waits(intervals: f64, waits: f64, random: &mut Philox) -> f64 {
 ///
 /// P = 1 − exp(−H)
 ///
-/// ([Ma20](photosite_core::references#ma20), eq. 3), and with 1 − (1 − P)·(1 − p) after a frame that was 1. `mean`: detectable photons
-/// and dark counts of all frames together.
+/// ([Ma20](photosite_core::references#ma20), eq. 3), and with 1 − (1 − P)·(1 − p) after a frame that was 1. `mean`:
+/// detectable photons and dark counts of all frames together.
 pub(in crate::sensor) fn one_bit_frames(mean: f64, frames: u32, afterpulsing: f64, random: &mut Philox) -> f64 {
     let per_frame = mean.max(0.0) / f64::from(frames);
     let detected = -(-per_frame).exp_m1();
@@ -167,8 +168,8 @@ pub(in crate::sensor) fn one_bit_frames(mean: f64, frames: u32, afterpulsing: f6
     if detected <= 0.0 {
         return 0.0;
     }
-    // Runs of zeros end with the probability `detected`, runs of ones with (1 − P)·(1 − p); their lengths are geometric,
-    // drawn by inversion. The chain begins after a zero.
+    // Runs of zeros end with the probability `detected`, runs of ones with (1 − P)·(1 − p); their lengths are
+    // geometric, drawn by inversion. The chain begins after a zero.
     let run = |log_go_on: f64, random: &mut Philox| {
         let uniform = 1.0 - random.random::<f64>();
         (uniform.ln() / log_go_on).floor() + 1.0
@@ -212,8 +213,9 @@ mod tests {
             let m = counts(trials, |random| free_running(mean, TIME, dead, 0.0, random));
             let (n, x) = (mean / TIME.0, mean / TIME.0 * dead.0);
             let law = n / (1.0 + x) * TIME.0;
-            // Renewal theory for intervals of mean τ + 1/n and standard deviation 1/n, of which the first lacks its τ: the mean
-            // is the law's and x²/(2·(1 + x)²), less than half a count, the variance law/(1 + x)² and less than one.
+            // Renewal theory for intervals of mean τ + 1/n and standard deviation 1/n, of which the first lacks its τ:
+            // the mean is the law's and x²/(2·(1 + x)²), less than half a count, the variance law/(1 + x)² and less
+            // than one.
             let mean_count = law + x * x / (2.0 * (1.0 + x).powi(2));
             let variance = law / (1.0 + x).powi(2);
             // 5 σ of the mean, and of the variance, of 4000 nearly normal numbers.

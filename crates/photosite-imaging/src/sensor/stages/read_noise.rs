@@ -8,8 +8,8 @@ use crate::sensor::signal::charge_plane::{Row, RowStage};
 use crate::sensor::signal::effects::Stage;
 use crate::sensor::signal::noise_key::Streams;
 
-/// Adds noise of a stated standard deviation: normally distributed, or heavy-tailed as of pixels whose amplifiers are of
-/// very different quality, with Student's t distribution of ν degrees of freedom times σ·√((ν − 2)/ν).
+/// Adds noise of a stated standard deviation: normally distributed, or heavy-tailed as of pixels whose amplifiers are
+/// of very different quality, with Student's t distribution of ν degrees of freedom times σ·√((ν − 2)/ν).
 #[derive(Clone, Copy, Debug)]
 pub(in crate::sensor) struct ReadNoise {
     standard_deviation_e: f64,

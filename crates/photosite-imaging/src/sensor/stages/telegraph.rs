@@ -1,10 +1,10 @@
-//! Random telegraph signals: a single trap in a pixel's amplifier fills and empties, and the pixel's signal jumps between
-//! two levels as it does.
+//! Random telegraph signals: a single trap in a pixel's amplifier fills and empties, and the pixel's signal jumps
+//! between two levels as it does.
 //!
 //! Each level lasts for a time that follows an exponential distribution. Such a signal is the same as one that is drawn
-//! anew, high with the probability of its duty, at the moments of a Poisson process of rate 1/τ_high + 1/τ_low: the rate
-//! of leaving the high level is then that rate times the probability of the low one, 1/τ_high, as it should be. The state
-//! at any time is what was drawn last, and can be found for any frame without those before.
+//! anew, high with the probability of its duty, at the moments of a Poisson process of rate 1/τ_high + 1/τ_low: the
+//! rate of leaving the high level is then that rate times the probability of the low one, 1/τ_high, as it should be.
+//! The state at any time is what was drawn last, and can be found for any frame without those before.
 
 use rand::RngExt;
 use rand_distr::{Exp1, Poisson};
@@ -71,7 +71,8 @@ impl Telegraph {
 }
 
 impl RowStage for Telegraph {
-    /// Mean-free: a pixel of amplitude A is A·(1 − duty) above its mean on the high level, A·duty below it on the low one.
+    /// Mean-free: a pixel of amplitude A is A·(1 − duty) above its mean on the high level, A·duty below it on the low
+    /// one.
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
         for x in self.traps.chosen(self.signal.pixels, row.y, row.values.len()) {

@@ -83,8 +83,8 @@ fn skinned_vertices_follow_their_joints() {
     assert!(error.contains("vertex 1 follows joint 1 of 1"), "{error}");
 }
 
-/// A square that goes 2 m along x in 2 s and then turns by 90° about y in 1 s, with a camera and a lamp on it, and a morph
-/// target that comes in the same time.
+/// A square that goes 2 m along x in 2 s and then turns by 90° about y in 1 s, with a camera and a lamp on it, and a
+/// morph target that comes in the same time.
 fn animated() -> Fixture {
     let mut f = Fixture::square();
     let times = f.floats("SCALAR", &[0.0, 2.0]);
@@ -121,7 +121,8 @@ fn animations_are_evaluated_over_the_time_of_a_picture() {
     assert_eq!(instance.later[0].translation, DVec3::X * 1.5);
     assert_eq!((mesh.positions[2].z, mesh.later_shapes.len(), mesh.later_shapes[0].positions[2].z), (0.25, 1, 0.75));
     assert_eq!(scene.cameras[0].later[0].translation, DVec3::new(1.5, 0.0, 1.0));
-    // A quarter turn is cut into parts of less than 5.2°, the angle of which the arc is 0.1 % off its chord: 32, of 2.8°.
+    // A quarter turn is cut into parts of less than 5.2°, the angle of which the arc is 0.1 % off its chord: 32, of
+    // 2.8°.
     let scene = at_moment(animated(), 2.0, 1.0).expect("valid");
     let places = &scene.instances[0].later;
     assert_eq!(places.len(), 32);

@@ -4,8 +4,8 @@
 //! An anti-blooming drain beside the pixel takes a part of what overflows away first; data sheets say up to how many
 //! times the saturating light it does so.
 
-/// Lets a column of charges (e⁻) overflow. The drain of a pixel takes up to `drain_e`. What reaches an end of the column
-/// is lost, too. Returns the lost electrons, so that column and loss together keep the charge.
+/// Lets a column of charges (e⁻) overflow. The drain of a pixel takes up to `drain_e`. What reaches an end of the
+/// column is lost, too. Returns the lost electrons, so that column and loss together keep the charge.
 pub(in crate::sensor) fn overflow(column: &mut [f64], full_well_e: f64, drain_e: f64) -> f64 {
     // Downwards; the half that goes up waits on top of its full well.
     let (mut lost, mut down) = (0.0, 0.0);

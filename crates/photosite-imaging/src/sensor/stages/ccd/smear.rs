@@ -1,20 +1,20 @@
 //! Smear: light that reaches a column while its charge is on the move draws a line through every bright spot.
 //!
-//! A packet passes every row of its column once for each picture: those on its way out after the exposure, the others as
-//! an empty well on its way in. If it collects for the time τ in each row that it passes, row y of an exposure of length
-//! t holds
+//! A packet passes every row of its column once for each picture: those on its way out after the exposure, the others
+//! as an empty well on its way in. If it collects for the time τ in each row that it passes, row y of an exposure of
+//! length t holds
 //!
 //! μ'(y) = μ(y) + τ/t · Σ μ(y'),  y' over all other rows of the column
 //!
-//! ([Ruyten99](photosite_core::references#ruyten99), eq. 1). In a frame-transfer CCD τ is the time that one row shift takes. In an
-//! interline CCD light leaks into the shielded register beside the pixels; there the own row is passed, too, and τ is
-//! the time to read a line times the leaking part of the light.
+//! ([Ruyten99](photosite_core::references#ruyten99), eq. 1). In a frame-transfer CCD τ is the time that one row shift
+//! takes. In an interline CCD light leaks into the shielded register beside the pixels; there the own row is passed,
+//! too, and τ is the time to read a line times the leaking part of the light.
 //!
 //! The added light has shot noise like any other, so this acts on mean electrons.
 
-/// Adds smear to mean electrons, `width` in a row, of an exposure of which each passed row takes the part `ratio` = τ/t.
-/// `own_row`: whether the row of a packet itself counts among those that it passes. Returns, for each column, what a well
-/// collects that passes all rows.
+/// Adds smear to mean electrons, `width` in a row, of an exposure of which each passed row takes the part `ratio` =
+/// τ/t. `own_row`: whether the row of a packet itself counts among those that it passes. Returns, for each column, what
+/// a well collects that passes all rows.
 pub(in crate::sensor) fn add(mean_electrons: &mut [f32], width: usize, ratio: f64, own_row: bool) -> Vec<f32> {
     let mut sums = vec![0.0f64; width];
     for row in mean_electrons.chunks_exact(width.max(1)) {

@@ -2,13 +2,13 @@
 //! every shift a few electrons stay behind and join the packet that follows.
 //!
 //! An electron stays behind at a shift with the probability ε, the charge-transfer inefficiency (CTI). One that starts
-//! n shifts away from the end makes n shifts that succeed and k that do not, so it arrives in the k-th packet behind its
-//! own with the probability
+//! n shifts away from the end makes n shifts that succeed and k that do not, so it arrives in the k-th packet behind
+//! its own with the probability
 //!
 //! P(k) = C(n + k − 1, k) · (1 − ε)ⁿ · εᵏ,
 //!
-//! the negative binomial distribution (the linear model of [Janesick01](photosite_core::references#janesick01), §5.3). Every
-//! electron is drawn for itself, so charge is conserved to the electron and Poisson-distributed charge stays so.
+//! the negative binomial distribution (the linear model of [Janesick01](photosite_core::references#janesick01), §5.3).
+//! Every electron is drawn for itself, so charge is conserved to the electron and Poisson-distributed charge stays so.
 //! Traps that fill up, whose inefficiency depends on the charge, are left out.
 
 use photosite_core::math::philox::Philox;
@@ -118,8 +118,8 @@ mod tests {
             }
             let expected = one_shift_at_a_time(&line, inefficiency, shifts);
             for (i, (mean, expected)) in means.iter().zip(&expected).enumerate() {
-                // The variance of a binomial count is at most its mean, and at most what is missing from the packet: √(e/n)
-                // for the mean of n, 5 σ, and 5/n for counts so rare that they are Poisson's.
+                // The variance of a binomial count is at most its mean, and at most what is missing from the packet:
+                // √(e/n) for the mean of n, 5 σ, and 5/n for counts so rare that they are Poisson's.
                 let spread = 5.0 * (expected / f64::from(TRIALS)).sqrt() + 5.0 / f64::from(TRIALS);
                 assert!((mean - expected).abs() < spread, "ε = {inefficiency}, packet {i}: {mean} for {expected}");
             }
@@ -136,9 +136,9 @@ mod tests {
             // Packets that have had many before them, so that as much comes in as stays behind.
             shifted(line, 0.002, 100, trial).0[20..].iter().for_each(|&e| all.add(e));
         }
-        // Packet i receives Σₖ C(n + i − 1, k)·(1 − ε)^(n + i − k)·εᵏ = 1 − ε of the mean: the line leaves a little longer than
-        // it came. 54 000 numbers: relative standard deviations 1/√(400·n) of the mean and √(2/n) of the variance; 5 σ.
-        // A model that moved mean charge would lose 2·ε·n = 48 % of the variance and more.
+        // Packet i receives Σₖ C(n + i − 1, k)·(1 − ε)^(n + i − k)·εᵏ = 1 − ε of the mean: the line leaves a little
+        // longer than it came. 54 000 numbers: relative standard deviations 1/√(400·n) of the mean and √(2/n) of the
+        // variance; 5 σ. A model that moved mean charge would lose 2·ε·n = 48 % of the variance and more.
         let (n, expected) = (54_000f64, mean_e * (1.0 - 0.002));
         assert!((all.mean() / expected - 1.0).abs() < 5.0 / (400.0 * n).sqrt(), "{}", all.mean());
         assert!((all.variance() / expected - 1.0).abs() < 5.0 * (2.0 / n).sqrt(), "{}", all.variance());
