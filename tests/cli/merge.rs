@@ -74,54 +74,116 @@ fn a_scene_without_a_capture_file_and_changed_keys_are_merged() {
     assert!(folder.results("there/merged")["raw.dng"] == folder.results("whole")["raw.dng"]);
 }
 
-#[test]
-fn parts_that_make_no_whole_are_refused() {
+/// A folder with the parts of a render of 8 samples.
+fn parts() -> Folder {
     let folder = room("[render]\nsamples_per_pixel = 8\n");
     render_parts(&folder, "capture.toml");
-    let refused = |parts: &str, status, wanted: &[&str]| {
-        folder.fail(&format!("merge {parts} -o merged"), status, wanted);
-    };
-    refused("part0 part2", 2, &["samples 1..6 are missing between part0 and part2", "--samples 1..6"]);
-    refused("part1 part2", 2, &["samples 0..1 are missing before those of part1"]);
-    refused("part1 part0", 2, &["samples 6..8 are missing after those of part1"]);
-    refused("part0 part1 part1 part2", 2, &["part1 and part1 both hold the samples 1..6"]);
-    folder.succeed("render capture.toml --samples 4..7 -o between");
-    refused("part0 part1 between part2", 2, &["part1 and between both hold the samples 4..6"]);
-    folder.succeed("render capture.toml --samples 6..8 --seed 5 -o seed");
-    refused("part0 part1 seed", 2, &["part1 and seed are no parts of the same render: in seed, the capture says"]);
-    folder.succeed("render capture.toml -o whole");
-    refused("part0 whole", 1, &["whole", "holds a whole picture and no part"]);
-    refused("part0 nowhere", 1, &["nowhere", "there is no part.json", "broken off"]);
-    refused("", 2, &["<DIR>"]);
+    folder
+}
 
-    // Neither is taken for the other.
-    folder.fail("expose part0", 1, &["part0", "holds no capture.json", "photosite merge"]);
-    folder.fail("render capture.toml -o part0", 2, &["part0 holds a part of a render", "--force"]);
-    folder.fail("merge part0 part1 part2 -o whole", 2, &["whole holds the results of an earlier render", "--force"]);
-    folder.fail("merge part0 part1 part2 -o part0", 2, &["part0 holds a part of a render"]);
-
-    let film = folder.results("part1")["film.npy"].clone();
-    for place in [3, 60, film.len() / 2, film.len() - 1] {
-        let mut damaged = film.clone();
-        damaged[place] ^= 1;
-        folder.add("part1/film.npy", damaged);
-        refused("part0 part1 part2", 1, &["part1/film.npy", "is damaged: its checksum", "render that part again"]);
+#[rstest]
+#[case::gap("", "part0 part2", 2, &["samples 1..6 are missing between part0 and part2", "--samples 1..6"])]
+#[case::beginning("", "part1 part2", 2, &["samples 0..1 are missing before those of part1"])]
+#[case::end("", "part1 part0", 2, &["samples 6..8 are missing after those of part1"])]
+#[case::twice("", "part0 part1 part1 part2", 2, &["part1 and part1 both hold the samples 1..6"])]
+#[case::overlap(
+    "--samples 4..7 -o between",
+    "part0 part1 between part2",
+    2,
+    &["part1 and between both hold the samples 4..6"]
+)]
+#[case::another_seed(
+    "--samples 6..8 --seed 5 -o seed",
+    "part0 part1 seed",
+    2,
+    &["part1 and seed are no parts of the same render: in seed, the capture says"]
+)]
+#[case::whole("-o whole", "part0 whole", 1, &["whole", "holds a whole picture and no part"])]
+#[case::nowhere("", "part0 nowhere", 1, &["nowhere", "there is no part.json", "broken off"])]
+#[case::nothing("", "", 2, &["<DIR>"])]
+fn parts_that_make_no_whole_are_refused(
+    #[case] rendered: &str,
+    #[case] merged: &str,
+    #[case] status: i32,
+    #[case] wanted: &[&str],
+) {
+    let folder = parts();
+    if !rendered.is_empty() {
+        folder.succeed(&format!("render capture.toml {rendered}"));
     }
+    folder.fail(&format!("merge {merged} -o merged"), status, wanted);
+}
+
+#[rstest]
+#[case::exposed("expose part0", 1, &["part0", "holds no capture.json", "photosite merge"])]
+#[case::rendered_over("render capture.toml -o part0", 2, &["part0 holds a part of a render", "--force"])]
+#[case::merged_over_a_render(
+    "merge part0 part1 part2 -o whole",
+    2,
+    &["whole holds the results of an earlier render", "--force"]
+)]
+#[case::merged_over_a_part("merge part0 part1 part2 -o part0", 2, &["part0 holds a part of a render"])]
+fn parts_and_renders_are_not_taken_for_each_other(#[case] command: &str, #[case] status: i32, #[case] wanted: &[&str]) {
+    let folder = parts();
+    if command.contains("whole") {
+        folder.succeed("render capture.toml -o whole");
+    }
+    folder.fail(command, status, wanted);
+}
+
+fn cut_film(folder: &Folder) {
+    let film = folder.results("part1")["film.npy"].clone();
     folder.add("part1/film.npy", &film[..film.len() / 2]);
-    refused("part0 part1 part2", 1, &["part1/film.npy", "render that part again"]);
+}
+
+fn flip_bits_of_film(folder: &Folder) {
+    let mut film = folder.results("part1")["film.npy"].clone();
+    let whole = film.clone();
+    for place in [3, 60, film.len() / 2, film.len() - 1] {
+        film[place] ^= 1;
+        folder.add("part1/film.npy", &film);
+        folder.fail("merge part0 part1 part2 -o merged", 1, &["part1/film.npy", "is damaged: its checksum"]);
+        film[place] = whole[place];
+    }
+    film[200] ^= 0x80;
+    folder.add("part1/film.npy", &film);
+}
+
+fn remove_film(folder: &Folder) {
     fs::remove_file(folder.path("part1/film.npy")).expect("removed");
-    refused("part0 part1 part2", 1, &["part1/film.npy", "cannot read"]);
+}
+
+fn cut_report(folder: &Folder) {
     folder.add("part1/part.json", "{ \"samples\": ");
-    refused("part0 part1 part2", 1, &["part1/part.json", "is damaged"]);
+}
+
+fn state_samples_backwards(folder: &Folder) {
     let text = String::from_utf8(folder.results("part0")["part.json"].clone()).expect("UTF-8");
     let text: String = text.split_whitespace().collect();
     folder.add("part1/part.json", text.replace("\"samples\":[0,1]", "\"samples\":[3,1]"));
-    refused("part0 part1 part2", 1, &["part1/part.json", "is damaged", "[3, 1] of 8"]);
+}
 
+fn render_another_capture(folder: &Folder) {
     let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
     folder.add("capture.toml", capture.replace("roughness = 0.3", "roughness = 0.2"));
     folder.succeed("render capture.toml --samples 1..6 -o part1 --force");
-    refused("part0 part1 part2", 2, &["part0 and part1 are no parts", "the capture says something else"]);
+}
+
+#[rstest]
+#[case::film_cut(cut_film, 1, &["part1/film.npy", "render that part again"])]
+#[case::film_flipped(flip_bits_of_film, 1, &["part1/film.npy", "is damaged: its checksum", "render that part again"])]
+#[case::film_missing(remove_film, 1, &["part1/film.npy", "cannot read"])]
+#[case::report_cut(cut_report, 1, &["part1/part.json", "is damaged"])]
+#[case::samples_backwards(state_samples_backwards, 1, &["part1/part.json", "is damaged", "[3, 1] of 8"])]
+#[case::another_capture(
+    render_another_capture,
+    2,
+    &["part0 and part1 are no parts", "the capture says something else"]
+)]
+fn damaged_and_foreign_parts_are_refused(#[case] damage: fn(&Folder), #[case] status: i32, #[case] wanted: &[&str]) {
+    let folder = parts();
+    damage(&folder);
+    folder.fail("merge part0 part1 part2 -o merged", status, wanted);
 }
 
 #[rstest]
