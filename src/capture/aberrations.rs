@@ -45,7 +45,7 @@ pub(super) fn point_spread(
     }
 }
 
-/// What is to be said of kernels whose light is not about their middle, by the one that shifts the picture most.
+/// A warning about kernels whose light is not about their middle, by the one that shifts the picture most.
 fn shift_warning(kernels: &[(DVec2, Kernel)], pixel_pitch_m: [f64; 2]) -> Option<String> {
     let shifts = kernels.iter().map(|(_, kernel)| kernel.centroid_m() / DVec2::from_array(pixel_pitch_m));
     let (number, shift) = shifts.enumerate().max_by(|(_, a), (_, b)| a.length().total_cmp(&b.length()))?;

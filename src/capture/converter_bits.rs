@@ -10,7 +10,7 @@ use super::tree::{Node, Value};
 const IN_MERGED_DN: [&[&str]; 3] =
     [&["adc", "conversion_gain_dn_per_e"], &["adc", "black_level_dn"], &["adc", "column_offset_dn"]];
 
-/// The same of each of the two of dual gain.
+/// Figures in the numbers of the two converters of dual gain.
 const IN_DUAL_DN: [&[&str]; 3] = [
     &["adc", "dual_gain", "black_level_dn"],
     &["adc", "dual_gain", "high_gain_dn_per_e"],

@@ -11,9 +11,9 @@ use crate::{Error, Invalid, Result};
 /// A data set file as read.
 #[derive(Debug)]
 pub struct DatasetFile {
-    /// What it says.
+    /// Its description.
     pub description: DatasetDescription,
-    /// The same as JSON, without comments and order.
+    /// The description as JSON, without comments and order.
     pub values: serde_json::Value,
     source: CaptureSource,
 }

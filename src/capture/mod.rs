@@ -130,12 +130,12 @@ impl Capture {
         Self::load_with(path.as_ref(), &[])
     }
 
-    /// The same with changes to its keys laid over it, `key=value` as in `exposure.time_s=0.02`.
+    /// Loads a capture with changes to its keys laid over it, `key=value` as in `exposure.time_s=0.02`.
     pub fn load_with(path: &Path, overrides: &[String]) -> Result<Self> {
         Self::load_frame(path, overrides, 0)
     }
 
-    /// The same for the picture of that number, in whose time an animated scene has gone on.
+    /// Loads a capture with changes for the picture of that number, in whose time an animated scene has gone on.
     pub fn load_frame(path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
         Self::of_source(read_source(path)?, path, overrides, frame)
     }

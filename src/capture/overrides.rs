@@ -71,7 +71,7 @@ fn alternatives_in_exposure(key: &str, value: &str) -> &'static [&'static str] {
     }
 }
 
-/// The same for keys below `table`.
+/// Applies an override to a key below `table`.
 pub(super) fn set_below(source: &mut CaptureSource, table: &str, argument: &str) -> Result<()> {
     // With the name of the table, as a capture file has it, it is the same key.
     let prefix =
@@ -79,7 +79,7 @@ pub(super) fn set_below(source: &mut CaptureSource, table: &str, argument: &str)
     set_in(source, &prefix, "noise.read_noise_e=2", argument)
 }
 
-/// The same for keys of a calibration target.
+/// Applies an override to a key of a calibration target.
 pub(super) fn set_target(source: &mut CaptureSource, argument: &str) -> Result<()> {
     set_in(source, "target.", "square_mm=20", argument)
 }

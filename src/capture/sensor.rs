@@ -58,8 +58,8 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
         }
     }
     for (key, tables) in KINDS {
-        let said = |sensor: &Node| sensor.at(key).and_then(Node::as_str).map(str::to_owned);
-        if said(&changes).is_some_and(|new| said(&merged) != Some(new)) {
+        let stated = |sensor: &Node| sensor.at(key).and_then(Node::as_str).map(str::to_owned);
+        if stated(&changes).is_some_and(|new| stated(&merged) != Some(new)) {
             tables.iter().for_each(|table| drop(merged.remove(table)));
         }
     }
@@ -131,7 +131,7 @@ pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
 }
 
 /// A sensor by the name of a preset or the path of a sensor file, with overrides, `key=value`, laid over its
-/// keys; and what is to be said of them.
+/// keys; and warnings about them.
 pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<(SensorModel, Vec<String>)> {
     if is_path(name) {
         std::fs::metadata(name).map_err(|reason| Error::io(Path::new(name), "read", reason))?;
@@ -171,7 +171,7 @@ fn base(source: &mut CaptureSource, folder: &Path, preset: Option<&Node>, change
         (Some(name), None) => named(source, folder, &name, preset.unwrap_or(changes)),
         (Some(name), Some(mut stored)) => {
             let (mut other, name) = named(source, folder, &name, preset.unwrap_or(changes))?;
-            // Stored light has its number of pixels, and so has all that is said of places in the picture; cameras of a
+            // Stored light has its number of pixels, and so has every position in the image; cameras of a
             // rig stay different specimens.
             for key in ["resolution_px", "serial"] {
                 if let Some(value) = stored.remove(key) {

@@ -111,7 +111,7 @@ pub struct OutputSettings {
     pub dng_compression: DngCompression,
     /// By how much developers brighten DNG files unasked, EV.
     pub dng_baseline_exposure_ev: f64,
-    /// The filters that raw files tell of.
+    /// The colour filter array that raw files state.
     pub raw_layout: RawLayout,
     /// Whether the mean electrons are written.
     pub electrons: bool,
@@ -147,9 +147,9 @@ pub struct TruthOutput {
 /// The picture that flow leads to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NextPicture {
-    /// That of the same series, in which what moves has moved on.
+    /// The next picture of the same series, in which what moves has moved on.
     OfSeries,
-    /// That of the capture with these overrides.
+    /// The picture of the capture with these overrides.
     Changed(Vec<String>),
     /// There is none.
     None,
@@ -464,7 +464,7 @@ fn truth(table: &OutputTable) -> Result<TruthOutput, Invalid> {
     let mut layers = match &table.truth {
         None | Some(TruthSource::Flag(false)) => Vec::new(),
         Some(TruthSource::Flag(true)) => {
-            // Without a partner there is no disparity to tell.
+            // Without a partner there is no disparity.
             let is_there = |layer: &TruthLayer| *layer != TruthLayer::Disparity || table.truth_partner.is_some();
             TruthLayer::ALL.into_iter().filter(is_there).collect()
         }

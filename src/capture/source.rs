@@ -25,7 +25,7 @@ pub struct CaptureSource {
     path: PathBuf,
     texts: Vec<Text>,
     root: Node,
-    /// What is to be said of keys that overrides have put others in the place of.
+    /// Warnings about keys that overrides have replaced by others.
     displaced: Vec<String>,
     /// The whole sensor that a report holds.
     stored_sensor: Option<Node>,

@@ -39,7 +39,7 @@ pub struct StoredCapture {
     pub seed: u64,
     /// The lens that the stored light has passed. What a glTF camera or autofocus decided of it is not known here.
     pub lens: LensDescription,
-    /// What is to be said of it.
+    /// Warnings about it.
     pub warnings: Vec<String>,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
@@ -76,7 +76,7 @@ impl StoredCapture {
             move |invalid: Invalid| source.error(invalid.within(table))
         };
         let sensor = sensor_model(&merged).map_err(at("sensor"))?;
-        // What is to be said of the lens was said when light was traced.
+        // Warnings about the lens were given when light was traced.
         let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity), &mut Warnings::default());
         let lens = lens.map_err(at("lens"))?;
         Ok(Self {

@@ -61,7 +61,7 @@ impl Node {
         path.iter().try_fold(self, |node, key| Some(&node.as_table()?.get(*key)?.node))
     }
 
-    /// The same, to be changed.
+    /// The value at a path of keys through tables, to be changed.
     pub(super) fn at_mut(&mut self, path: &[&str]) -> Option<&mut Self> {
         path.iter().try_fold(self, |node, key| match &mut node.value {
             Value::Table(table) => table.get_mut(*key).map(|entry| &mut entry.node),

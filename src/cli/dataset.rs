@@ -74,7 +74,7 @@ pub(super) fn run(args: &DatasetArgs) -> Result<()> {
     };
     let folder = set.claim_part(path, samples, &args.input)?;
     let made = set.make(&frames, &folder, &monitor, |_, _| Ok(LightSource::Part(samples.clone())))?;
-    // Of parts nothing is said together: they are no pictures.
+    // Parts have no summary: they are no images.
     let present = set.present(&folder);
     report.print(&set, &folder, [made, present], "parts of pictures")
 }
@@ -91,7 +91,7 @@ impl SetReport {
         Self { quiet, json }
     }
 
-    /// Writes what is said of the pictures together, and tells of it.
+    /// Writes the summary of the images, and prints it.
     pub(super) fn finish(self, set: &DataSet, folder: &DatasetFolder, made: usize) -> Result<()> {
         let (present, left_out) = set.write_index(folder)?;
         if !self.quiet {

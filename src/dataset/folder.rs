@@ -31,11 +31,11 @@ use crate::io::pretty_json::pretty_json;
 use crate::pipeline::{PART, are_checkpoints_in, difference, fingerprinted, keys_and_files};
 use crate::report::{REPORT, Report, listed_files};
 
-/// What the folder is for.
+/// The file that identifies the data set.
 const IDENTITY: &str = "dataset.json";
 /// Its key in folders of parts.
 const OF_PART: &str = "part";
-/// The same for people.
+/// The folder's contents for people.
 const CARD: &str = "README.md";
 
 /// Everything that decides what the pictures are: version, description, captures, and the files that these name. How
@@ -63,7 +63,7 @@ pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[St
     }))))
 }
 
-/// The same for a folder that holds a part of every picture, made from the data set file `input`.
+/// The identity of a folder that holds a part of every picture, made from the data set file `input`.
 pub(super) fn part_identity(identity: &Value, samples: &Range<u32>, input: &Path) -> Value {
     let mut identity = identity.clone();
     identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": real_path(input) });
@@ -331,7 +331,7 @@ impl DatasetFolder {
 
 /// Whose a picture is to make.
 pub(super) enum Turn {
-    /// It is there.
+    /// The picture is there.
     Done,
     /// Another process is at it.
     Theirs,

@@ -123,7 +123,7 @@ impl DataSet {
                     }
                 };
                 let light = light(camera, number)?;
-                // What is to be said of the scene is said once.
+                // Warnings about the scene are given once.
                 let monitor = OfOnePicture { monitor, warns: std::mem::take(&mut is_first) };
                 self.picture((number, camera), overrides, light, &picture, &monitor)?;
                 made += usize::from(picture.finish()?);
@@ -166,7 +166,7 @@ impl DataSet {
         rendered.map(|_| ()).map_err(|error| self.error_of_change(error, camera, number, overrides))
     }
 
-    /// Writes what is said of the pictures together: how many are there, and which files of the cameras are left out,
+    /// Writes the summary of the images: how many are there, and which files of the cameras are left out,
     /// with the reasons.
     pub fn write_index(&self, folder: &DatasetFolder) -> Result<(usize, Vec<String>)> {
         folder.write_index(&self.file, &self.identity, &self.plan)

@@ -1,7 +1,7 @@
 //! `film.npy`: the sums of a part of a render, from which the whole is put together.
 //!
 //! A NumPy array of `float64`, shape (rows, columns, channels, 4). The four are Σ v over the samples v of the pixel and
-//! what rounding leaves of it, and the same of Σ v²: [`Sums`]. What the channels are is said elsewhere. It is written
+//! what rounding leaves of it, and the same of Σ v²: [`Sums`]. The channels are named elsewhere. It is written
 //! and read strip by strip, since films of large pictures do not fit into memory.
 
 use std::io::{self, Read, Seek, SeekFrom, Write};

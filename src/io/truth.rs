@@ -93,7 +93,7 @@ fn visible(truth: &Planes, layer: TruthLayer) -> impl Iterator<Item = [f64; 2]> 
     (0..count).map(at).filter(|[.., visible]| *visible > 0.0).map(|[x, y, _]| [x, y])
 }
 
-/// What is to be said of ways that PNG files tell half, or not at all.
+/// Warnings about displacements that PNG files hold in part, or not at all.
 pub fn lost_in_png(truth: &Planes) -> Vec<String> {
     let mut lost = Vec::new();
     let aside = visible(truth, TruthLayer::Disparity).map(|[_, y]| y.abs()).fold(0.0, f64::max);

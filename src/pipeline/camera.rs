@@ -37,7 +37,7 @@ pub fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<Hit>) ->
     place_camera_at(capture, capture.camera_to_world, closest)
 }
 
-/// The same in another place.
+/// The camera of a capture at another pose, focused in the same way.
 pub(super) fn place_camera_at(
     capture: &Capture,
     to_world: DAffine3,
@@ -75,7 +75,7 @@ pub fn standalone_camera(capture: &Capture) -> Result<Camera> {
     place_camera(capture, |ray| built.get_or_init(build).closest(ray))
 }
 
-/// The same taking the first picture of the capture.
+/// The camera of a capture that is not rendered, as it takes the capture's first picture.
 pub fn standalone_recording_camera(capture: &Capture) -> Result<Camera> {
     let camera = standalone_camera(capture)?;
     Ok(match &capture.recording {

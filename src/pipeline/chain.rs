@@ -1,4 +1,4 @@
-//! From traced light to raw files and a picture: exposure, sensor, development, and what is said of them.
+//! From traced light to raw files and a picture: exposure, sensor, development, and warnings about them.
 
 use crate::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
 use crate::develop::camera_colour::{CameraColour, neutral};
@@ -54,7 +54,7 @@ impl<'a> From<&'a StoredCapture> for Settings<'a> {
     }
 }
 
-/// The lens that light has passed, as far as raw files tell of it.
+/// The lens that light has passed, as far as raw files describe it.
 pub(super) struct Optics {
     pub(super) f_number: Option<f64>,
     pub(super) focal_length_m: Option<f64>,
@@ -83,7 +83,7 @@ pub(super) struct Exposed {
     pub(super) exposure: Exposure,
     /// Mean electrons with the variance that light transport leaves, e⁻ and (e⁻)².
     pub(super) electrons: Estimate,
-    /// What is to be said of an automatic exposure.
+    /// A warning about the automatic exposure.
     pub(super) warning: Option<String>,
 }
 
@@ -130,7 +130,7 @@ impl SensorColours {
 }
 
 impl<'a> Chain<'a> {
-    /// The steps after light transport. With a lens, raw files tell of its falloff and distortion.
+    /// The steps after light transport. With a lens, raw files hold its falloff and distortion.
     pub(super) fn new(
         settings: Settings<'a>,
         optics: &'a Optics,
@@ -140,7 +140,7 @@ impl<'a> Chain<'a> {
         Self { settings, optics, colours, lens }
     }
 
-    /// What is to be said of what pictures and raw files do not show of the lens.
+    /// Warnings about what images and raw files do not show of the lens.
     pub(super) fn lens_warnings(&self) -> Vec<String> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
         let seen = self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.region));
@@ -182,7 +182,7 @@ impl<'a> Chain<'a> {
         self.read_out_with_maps(exposed, frame, &[], &mut None).map(|(raw, _)| raw)
     }
 
-    /// The same with maps of what some effects did. `left` is the charge that the frame before has left in the sensor,
+    /// Reads out with maps of what some effects did. `left` is the charge that the frame before has left in the sensor,
     /// and then what this one leaves.
     pub(super) fn read_out_with_maps(
         &self,
@@ -244,14 +244,14 @@ impl<'a> Chain<'a> {
         let Settings { sensor, exposure: wanted, .. } = self.settings;
         match wanted.time {
             ExposureTime::Fixed(time) => Ok((wanted.at(time), None)),
-            // Any time serves to tell the rest.
+            // Any time serves to find the rest.
             ExposureTime::Auto(target) => auto_exposure(light, collected, sensor, &wanted.at(Seconds(1.0)), target)
                 .map(|found| (found.exposure, found.warning())),
         }
     }
 
     /// Ratio of Monte Carlo noise to that of the sensor over a picture of at least so many samples a pixel. `None`
-    /// where there is not enough light for an exposure, and after a single sample, which tells nothing of noise.
+    /// where there is not enough light for an exposure, and after a single sample, which gives no variance.
     pub(super) fn noise_ratio(&self, rates: &Estimate, samples: u32) -> Option<f64> {
         if samples < 2 {
             return None;
@@ -260,7 +260,7 @@ impl<'a> Chain<'a> {
         noise_ratio(rates, self.settings.sensor, &exposure)
     }
 
-    /// How many samples of each pixel bring that ratio down to `target` there, as far as rates of so many samples tell;
+    /// How many samples of each pixel bring that ratio down to `target` there, estimated from rates of so many samples;
     /// `None` as above.
     pub(super) fn samples_needed(&self, rates: &Estimate, counts: &[u32], target: f64) -> Option<Vec<f32>> {
         let Settings { sensor, neighbours, .. } = self.settings;

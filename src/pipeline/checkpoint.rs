@@ -71,11 +71,11 @@ pub(super) struct Checkpoints<'a> {
     /// Whether another render's may be replaced.
     force: bool,
     provenance: &'a Map<String, Value>,
-    due: Throttle,
+    throttle: Throttle,
     rows: Option<DoneRows>,
 }
 
-/// The file of the rows that are done, to be synced before a checkpoint tells of them.
+/// The file of the rows that are done, to be synced before a checkpoint counts them.
 struct DoneRows {
     file: File,
     /// Its length when all rows before one are done.
@@ -91,7 +91,7 @@ pub(super) struct Resumed {
     pub(super) elapsed: Duration,
     /// The films of the strip from that row on.
     pub(super) films: Option<SavedFilms>,
-    /// What is to be said of it.
+    /// A warning about it, if there is one.
     pub(super) warning: Option<String>,
     /// The file that it was read from.
     pub(super) path: PathBuf,
@@ -152,8 +152,8 @@ impl<'a> Checkpoints<'a> {
     ) -> Self {
         let [path, before_path, rows_path] = [FILM, BEFORE, ROWS].map(|kind| folder.join(named(STEM, number, kind)));
         let samples = [samples.start, samples.end];
-        let (force, due) = (is_forced, Throttle::every(interval));
-        Self { path, before_path, rows_path, is_part, samples, force, provenance, due, rows: None }
+        let (force, throttle) = (is_forced, Throttle::every(interval));
+        Self { path, before_path, rows_path, is_part, samples, force, provenance, throttle, rows: None }
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -274,18 +274,18 @@ impl<'a> Checkpoints<'a> {
 
     /// Writes one of films under way if it is time for it.
     pub(super) fn keep(&mut self, film: &Film, pilot: Option<&Pilot>, elapsed: Duration) -> Result<()> {
-        if !self.due.is_now() {
+        if !self.throttle.is_now() {
             return Ok(());
         }
         let start = Instant::now();
         let kept = self.keep_now(film, pilot, elapsed);
-        self.due.done_since(start);
+        self.throttle.done_since(start);
         kept
     }
 
     /// Writes one at once, if any are to be written at all.
     pub(super) fn keep_now(&mut self, film: &Film, pilot: Option<&Pilot>, elapsed: Duration) -> Result<()> {
-        if self.due.is_never() {
+        if self.throttle.is_never() {
             return Ok(());
         }
         let Range { start: first, end } = film.picture_rows();

@@ -43,7 +43,7 @@ impl<'a> LensSeen<'a> {
         Self { lens, camera, area, factor, pitch_m }
     }
 
-    /// Puts falloff and distortion into what is said of a raw picture of this window.
+    /// Writes falloff and distortion into the metadata of a raw image of this window.
     pub(super) fn write_to(&self, metadata: &mut RawMetadata) {
         metadata.gain_map = match self.lens.falloff {
             Falloff::None if self.lens.stops.is_empty() => None,
@@ -74,7 +74,7 @@ impl<'a> LensSeen<'a> {
         })
     }
 
-    /// What is to be said of pictures and files that do not tell, or show, what one might expect.
+    /// Warnings about images and files that lack what one might expect.
     pub(super) fn warnings(&self, settings: &DevelopSettings, output: &OutputSettings) -> Vec<String> {
         let mut warnings = Vec::new();
         let name = self.lens.projection.name();

@@ -92,7 +92,7 @@ impl Prepared {
         Ok(prepared)
     }
 
-    /// What is to be said of the capture, each once.
+    /// Warnings about the capture, each once.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -122,7 +122,7 @@ impl Prepared {
     }
 }
 
-/// What is to be said of settings that change nothing in this scene and with this sensor.
+/// Warnings about settings that change nothing in this scene and with this sensor.
 fn ineffective_settings(capture: &Capture, scene: &Scene) -> Vec<String> {
     let render = &capture.render;
     let (light_paths, shines) = (render.light_paths > 0.0, scene.lights().has_emitters());

@@ -9,11 +9,11 @@ use super::strips::FilmMemory;
 
 /// Where the light of a render comes from.
 pub enum LightSource {
-    /// It is traced.
+    /// All samples are traced.
     Traced,
-    /// These samples of it are, which make no picture yet.
+    /// Some samples of each pixel are traced, which make no image yet.
     Part(Range<u32>),
-    /// It was, in parts.
+    /// Parts that were traced before are merged.
     Merged(Parts),
 }
 
@@ -21,7 +21,7 @@ pub enum LightSource {
 pub struct Request<'a> {
     /// The file that the capture was read from.
     pub input: &'a Path,
-    /// The same as reports call it: as it reads from their folder, or from the data set file.
+    /// The input as reports name it: relative to their folder, or to the data set file.
     pub named: String,
     /// The changes that the capture was read with, `key=value`.
     pub overrides: Vec<String>,

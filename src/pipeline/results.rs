@@ -122,7 +122,7 @@ pub(super) fn write_results(
     Ok(raw)
 }
 
-/// The same light, collected for another time.
+/// The light of an exposure, collected for another time.
 fn shot(exposed: &Exposed, time: Seconds) -> Exposed {
     let mean = exposed.electrons.mean.clone().scaled(time.0 / exposed.exposure.time.0);
     // No picture needs the variance.

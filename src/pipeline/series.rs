@@ -148,7 +148,7 @@ impl Series<'_> {
     }
 
     /// One picture, with the view of the next one.
-    #[expect(clippy::too_many_arguments, reason = "a picture, where it goes, and what is told of it")]
+    #[expect(clippy::too_many_arguments, reason = "a picture, where it goes, and its report")]
     fn picture(
         &self,
         scene: &Scene,
@@ -275,7 +275,7 @@ impl Series<'_> {
     }
 }
 
-/// Finds truth that no PNG file can hold before light is traced, which may take an hour; returns what is to be said of
+/// Finds truth that no PNG file can hold before light is traced, which may take an hour; returns warnings about
 /// what they leave out.
 fn check_png(job: &TruthJob<'_>, output: &TruthOutput) -> Result<Vec<String>, Invalid> {
     if !output.formats.contains(&TruthFormat::Png) {

@@ -35,7 +35,7 @@ impl Default for Options<'_> {
 }
 
 /// Renders the first picture of a capture: prepares, traces, exposes it. No file is touched but those that the capture
-/// names. What is to be said of it goes to the monitor.
+/// names. Warnings go to the monitor.
 ///
 /// ```no_run
 /// # fn main() -> photosite::Result<()> {
@@ -97,7 +97,7 @@ pub struct Shot {
     pub noise_maps: NoiseMaps,
     /// Charge that stays in the sensor for the frame after this one; `None` of a sensor without image lag.
     pub left: Option<LeftCharge>,
-    /// What is to be said of the exposure.
+    /// Warnings about the exposure.
     pub warnings: Vec<String>,
 }
 
@@ -153,7 +153,7 @@ impl Prepared {
         self.expose_after(light, frame, None)
     }
 
-    /// The same after a frame that has [left](Shot::left) charge in the sensor.
+    /// Exposes to that light after a frame that has [left](Shot::left) charge in the sensor.
     ///
     /// # Errors
     ///
@@ -168,7 +168,7 @@ impl Prepared {
         Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings: warning.into_iter().collect() })
     }
 
-    /// The same capture with another exposure, for light that was traced already.
+    /// This capture with another exposure, for light that was traced already.
     #[must_use]
     pub fn with_exposure(mut self, exposure: ExposureSettings) -> Self {
         self.capture.exposure = exposure;

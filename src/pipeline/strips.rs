@@ -80,7 +80,7 @@ impl Strips {
         self.most < self.height
     }
 
-    /// Those from a row on.
+    /// The strips from a row on.
     pub(super) fn from(self, first: usize) -> impl Iterator<Item = Range<usize>> {
         (first..self.height).step_by(self.most).map(move |first| first..(first + self.most).min(self.height))
     }

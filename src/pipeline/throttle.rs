@@ -25,7 +25,7 @@ impl Throttle {
         self.at.is_some_and(|at| Instant::now() >= at)
     }
 
-    /// It is done, which took the time from `start` on.
+    /// Starts the next interval after work that took the time from `start` on.
     pub(super) fn done_since(&mut self, start: Instant) {
         let now = Instant::now();
         let pause = self.interval.map(|interval| interval.max((now - start).saturating_mul(PATIENCE)));

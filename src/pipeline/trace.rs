@@ -29,7 +29,7 @@ use super::throttle::Throttle;
 /// What tracing reads.
 pub(super) struct Trace<'a> {
     pub(super) capture: &'a Capture,
-    /// Those of the capture, with a seed for this frame.
+    /// Render settings of the capture, with a seed for this frame.
     pub(super) settings: &'a RenderSettings,
     pub(super) scene: &'a Scene,
     pub(super) camera: &'a Camera,

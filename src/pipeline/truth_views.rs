@@ -42,8 +42,8 @@ pub(super) struct ChangedPicture {
 }
 
 impl ChangedPicture {
-    /// That of a capture whose next picture is such. It was read from `input` with `overrides`, and `scene` is built of
-    /// it.
+    /// The next picture of a capture, changed by overrides. It was read from `input` with `overrides`, and `scene` is
+    /// built of it.
     pub(super) fn read(
         input: &Path,
         overrides: &[String],
@@ -71,9 +71,9 @@ impl ChangedPicture {
 
 /// Whether a change may touch what is in front of the camera.
 fn is_of_scene(change: &str) -> bool {
-    let beside = ["camera", "lens", "sensor", "exposure", "render", "develop", "output"];
+    let other_tables = ["camera", "lens", "sensor", "exposure", "render", "develop", "output"];
     let table = change.split(['.', '=']).next().unwrap_or_default().trim();
-    !beside.contains(&table)
+    !other_tables.contains(&table)
 }
 
 /// A picture in whose time something moves, of a series.

@@ -89,7 +89,7 @@ pub(crate) struct MergedSensor {
     /// Of the preset or file.
     pub(crate) name: String,
     pub(crate) description: SensorDescription,
-    /// What is to be said of the changes.
+    /// Warnings about the changes.
     pub(crate) warnings: Vec<String>,
 }
 

@@ -29,57 +29,57 @@ impl Element {
         Self::new("ref").attribute("id", id)
     }
 
-    /// The same with another attribute.
+    /// This element with another attribute.
     pub(super) fn attribute(mut self, name: &'static str, value: impl ToString) -> Self {
         self.attributes.push((name, value.to_string()));
         self
     }
 
-    /// The same under the name that its parent knows it by.
+    /// This element under the name that its parent knows it by.
     pub(super) fn named(self, name: impl ToString) -> Self {
         self.attribute("name", name)
     }
 
-    /// The same with another child.
+    /// This element with another child.
     pub(super) fn child(mut self, child: Element) -> Self {
         self.children.push(child);
         self
     }
 
-    /// The same with more children.
+    /// This element with more children.
     pub(super) fn with(mut self, children: impl IntoIterator<Item = Element>) -> Self {
         self.children.extend(children);
         self
     }
 
-    /// The same with a real number.
+    /// This element with a real number.
     pub(super) fn float(self, name: &str, value: f64) -> Self {
         self.child(Self::new("float").named(name).attribute("value", value))
     }
 
-    /// The same with a whole number.
+    /// This element with a whole number.
     pub(super) fn integer(self, name: &str, value: impl ToString) -> Self {
         self.child(Self::new("integer").named(name).attribute("value", value))
     }
 
-    /// The same with a text.
+    /// This element with a text.
     pub(super) fn string(self, name: &str, value: impl ToString) -> Self {
         self.child(Self::new("string").named(name).attribute("value", value))
     }
 
-    /// The same with a switch.
+    /// This element with a switch.
     pub(super) fn boolean(self, name: &str, value: bool) -> Self {
         self.child(Self::new("boolean").named(name).attribute("value", value))
     }
 
-    /// The same with a matrix, rows first.
+    /// This element with a matrix, rows first.
     pub(super) fn transform(self, name: &str, matrix: [[f64; 4]; 4]) -> Self {
         let value = join(" ", matrix.as_flattened().iter());
         self.child(Self::new("transform").named(name).child(Self::new("matrix").attribute("value", value)))
     }
 
-    /// The same with a spectrum, taken over point by point: Mitsuba's `regular` spectra are linear between their points
-    /// as ours are.
+    /// This element with a spectrum, taken over point by point: Mitsuba's `regular` spectra are linear between their
+    /// points as ours are.
     pub(super) fn spectrum(self, name: &str, spectrum: &Spectrum) -> Self {
         if spectrum.min() == 0.0 && spectrum.max() == 0.0 {
             // A `regular` spectrum may not be black.
