@@ -9,12 +9,13 @@ use photosite::io::developed::write_png;
 use photosite::io::output::write_whole;
 use photosite::io::picture_file::read_picture_file;
 use photosite::raw::Pixels;
+use photosite::report::{ComparedFile, ComparisonReport, DifferencePicture, UntestedChannels};
 use photosite::validation::{
     ChannelDifference, Comparison, FalseColour, Limits, Picture, Settings, VarianceOf, compare, failures, false_colour,
 };
 use photosite::{Error, Invalid, Result};
 
-use super::compare_report::{FileReport, PictureReport, Report, Untested, text};
+use super::compare_report::text;
 use super::print::{print_json, println_out, refuse_existing};
 
 /// Compare two pictures: errors per channel, and where variances are known whether noise explains them.
@@ -121,7 +122,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {
     let untested = untested(&comparison, &a, &b);
     let failures = failures(&comparison, &limits);
     let judged = comparison.verdict.is_some() || !limits.is_empty() || !failures.is_empty();
-    let report = Report {
+    let report = ComparisonReport {
         a: file_report(&a),
         b: file_report(&b),
         comparison,
@@ -169,7 +170,7 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
 
 /// Which channels noise is not asked about, though the variance of one picture is known or could be, and how to give
 /// it.
-fn untested(comparison: &Comparison, a: &Picture, b: &Picture) -> Vec<Untested> {
+fn untested(comparison: &Comparison, a: &Picture, b: &Picture) -> Vec<UntestedChannels> {
     let of = |(letter, other, picture): (&str, VarianceOf, &Picture)| {
         let has_moment = |name: &str| picture.has_second_moment(name);
         let is_missing = |c: &&ChannelDifference| {
@@ -183,13 +184,13 @@ fn untested(comparison: &Comparison, a: &Picture, b: &Picture) -> Vec<Untested> 
             format!("give it with --variance-{option} FILE, or say --variance-{option} 0 where {letter} is exact")
         };
         let missing = format!("the variance of {letter} is unknown");
-        (!channels.is_empty()).then_some(Untested { channels, missing, help })
+        (!channels.is_empty()).then_some(UntestedChannels { channels, missing, help })
     };
     [("A", VarianceOf::B, a), ("B", VarianceOf::A, b)].into_iter().filter_map(of).collect()
 }
 
-fn file_report(picture: &Picture) -> FileReport {
-    FileReport {
+fn file_report(picture: &Picture) -> ComparedFile {
+    ComparedFile {
         file: picture.name.clone(),
         unit: picture.unit.clone(),
         channels: picture.mean.channels().iter().map(|c| c.name.clone()).collect(),
@@ -206,11 +207,11 @@ fn refuse_picture(path: &Path, force: bool) -> Result<()> {
     refuse_existing(path, force)
 }
 
-fn write_picture(path: &Path, picture: FalseColour) -> Result<PictureReport> {
+fn write_picture(path: &Path, picture: FalseColour) -> Result<DifferencePicture> {
     let FalseColour { width, height, pixels, shown, range } = picture;
     let picture = EncodedPicture::srgb8(width, height, 3, pixels.into_flattened());
     write_whole(path, |to| write_png(&picture, to))?;
-    Ok(PictureReport { file: path.display().to_string(), shows: shown.name(), range })
+    Ok(DifferencePicture { file: path.display().to_string(), shows: shown.name(), range })
 }
 
 fn number(text: &str, is_fit: fn(f64) -> bool, wanted: &str) -> Result<f64, String> {

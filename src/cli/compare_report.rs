@@ -1,54 +1,10 @@
-//! What `photosite compare` says: to programs as JSON, to people as text.
+//! What `photosite compare` says to people.
 
+use photosite::report::{ComparedFile, ComparisonReport, UntestedChannels};
 use photosite::validation::{ChannelDifference, Comparison, PixelDifference, Verdict, ZScores};
 
-use serde::Serialize;
-
-/// The object that `--json` prints.
-#[derive(Serialize)]
-pub(super) struct Report {
-    pub(super) a: FileReport,
-    pub(super) b: FileReport,
-    #[serde(flatten)]
-    pub(super) comparison: Comparison,
-    /// "agree", "differ", or "not judged" without variances and limits.
-    pub(super) outcome: &'static str,
-    /// Why the pictures differ.
-    pub(super) failures: Vec<String>,
-    /// What noise cannot be asked about.
-    pub(super) untested: Vec<Untested>,
-    pub(super) picture: Option<PictureReport>,
-}
-
-/// A picture that was compared.
-#[derive(Serialize)]
-pub(super) struct FileReport {
-    pub(super) file: String,
-    /// `null` where the file does not say.
-    pub(super) unit: Option<String>,
-    pub(super) channels: Vec<String>,
-    pub(super) variances: bool,
-}
-
-/// Channels that cannot be tested against noise.
-#[derive(Serialize)]
-pub(super) struct Untested {
-    pub(super) channels: Vec<String>,
-    pub(super) missing: String,
-    pub(super) help: String,
-}
-
-/// The picture that was written.
-#[derive(Serialize)]
-pub(super) struct PictureReport {
-    pub(super) file: String,
-    pub(super) shows: &'static str,
-    /// The ends of its colours lie at ± this.
-    pub(super) range: f64,
-}
-
 /// The report as text.
-pub(super) fn text(report: &Report) -> String {
+pub(super) fn text(report: &ComparisonReport) -> String {
     let comparison = &report.comparison;
     let mut blocks = vec![files(report), errors(comparison)];
     blocks.extend(z_scores(comparison));
@@ -63,9 +19,9 @@ pub(super) fn text(report: &Report) -> String {
     blocks.join("\n\n")
 }
 
-fn files(report: &Report) -> String {
+fn files(report: &ComparisonReport) -> String {
     let [width, height] = report.comparison.resolution_px;
-    let line = |letter: &str, f: &FileReport| {
+    let line = |letter: &str, f: &ComparedFile| {
         let variances = if f.variances { ", with variances" } else { "" };
         let unit = f.unit.as_deref().unwrap_or("unit not stated");
         format!("{letter}  {}: {width} × {height}, {}, {unit}{variances}", f.file, f.channels.join(" "))
@@ -171,9 +127,9 @@ fn worst(pixels: &[PixelDifference]) -> String {
     table(&header[..if tested { 7 } else { 5 }], pixels.iter().map(row).collect())
 }
 
-fn outcome(report: &Report) -> String {
+fn outcome(report: &ComparisonReport) -> String {
     if report.outcome == "not judged" {
-        let [Untested { missing, help, .. }, ..] = &report.untested[..] else {
+        let [UntestedChannels { missing, help, .. }, ..] = &report.untested[..] else {
             return "not judged: no variances are known and no limit was set".to_owned();
         };
         return format!(
@@ -186,8 +142,9 @@ fn outcome(report: &Report) -> String {
         text +=
             &format!("\n  noise explains all pixels and means: |z| ≤ {z_bound:.2} (Šidák, α = {alpha}, {tests} tests)");
     }
-    let untested =
-        |u: &Untested| format!("not tested against noise: {}, since {}; {}", u.channels.join(", "), u.missing, u.help);
+    let untested = |u: &UntestedChannels| {
+        format!("not tested against noise: {}, since {}; {}", u.channels.join(", "), u.missing, u.help)
+    };
     let lines = report.failures.iter().cloned().chain(report.untested.iter().map(untested));
     lines.fold(text, |text, line| text + "\n  " + &line)
 }

@@ -120,17 +120,12 @@ pub(crate) fn run() -> ExitCode {
     };
     match outcome {
         Ok(()) => done,
-        Err(error) => {
+        Err(mut error) => {
             let status = status(&error);
             // Who asked the work to stop, the program alone knows.
-            let error = match error {
-                Error::Cancelled { help, .. } => Error::Cancelled { message: signals::stopped_by().to_owned(), help },
-                error @ (Error::Input(_)
-                | Error::Io { .. }
-                | Error::Override { .. }
-                | Error::Usage { .. }
-                | Error::Temporary(_)) => error,
-            };
+            if let Error::Cancelled { message, .. } = &mut error {
+                signals::stopped_by().clone_into(message);
+            }
             let error = error.in_words(&in_options, "--set");
             log::error(error, status);
             ExitCode::from(status)

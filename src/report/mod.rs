@@ -4,6 +4,7 @@
 //! Poses and intrinsics are in OpenCV's conventions: x right, y down, z forward, pixel centres at integer coordinates.
 
 mod camera;
+mod comparison;
 mod exposed;
 mod image;
 mod matrix;
@@ -20,6 +21,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use camera::{CameraReport, FieldOfViewReport};
+pub use comparison::{ComparedFile, ComparisonReport, DifferencePicture, UntestedChannels};
 pub use exposed::{ExposureReport, LensReport, SensorReport};
 pub use image::ImageReport;
 pub use motion::{MotionReport, PathReport, PoseReport};
