@@ -24,6 +24,7 @@ mod layout;
 mod lens;
 mod light_paths;
 mod limits;
+mod log;
 mod merge;
 mod motion;
 mod mtl;
