@@ -9,6 +9,7 @@ use super::settings::positive_number;
 use super::tables::{KernelOrigin, LateralColourTable, PointSpreadTable, StopTable};
 use crate::Invalid;
 use crate::optics::{Kernel, KernelField, LateralColour, PointSpread, Stop};
+use photosite_core::input;
 use photosite_core::warnings::Warnings;
 
 /// Kernels that shift the picture by more than this, px, are worth a warning: corners are found as well as that.
@@ -67,7 +68,7 @@ fn shift_warning(kernels: &[(DVec2, Kernel)], pixel_pitch_m: [f64; 2]) -> Option
 fn measured(finder: &Finder<'_>, file: &str, pitch_m: f64) -> Result<Kernel, Invalid> {
     let path = finder.path(file);
     let wrong = |message: String| Invalid::new("file", format!("{}: {message}", path.display()));
-    let text = std::fs::read_to_string(&path).map_err(|reason| {
+    let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| {
         wrong(format!("cannot be read: {reason}")).help("paths are relative to the file that they are written in")
     })?;
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or_default().trim()));

@@ -16,6 +16,7 @@ use crate::sensor::SpectrumSource;
 use crate::spectrum::csv::SpectralTable;
 use crate::spectrum::{Outside, Spectrum, illuminant, library, rgb};
 use crate::texture::{Bitmap, Filter, SamplerSettings, UvTransform, Wrap};
+use photosite_core::input;
 use photosite_core::suggest::{did_you_mean, list};
 use photosite_scene_io::read_picture;
 
@@ -54,7 +55,7 @@ impl<'a> Finder<'a> {
     /// The columns of a CSV file.
     pub(super) fn table(&self, file: &str, outside: Outside) -> Result<SpectralTable, Invalid> {
         let path = self.path(file);
-        let text = std::fs::read_to_string(&path).map_err(|source| {
+        let text = input::read_text(&path, input::TABLE_BYTES).map_err(|source| {
             Invalid::new("", format!("cannot read {}: {source}", path.display()))
                 .help("paths are relative to the file that they are written in")
         })?;

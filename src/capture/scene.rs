@@ -52,7 +52,8 @@ impl ReadScene {
         let mut read = Self::default();
         for (i, file) in table.geometry.iter().enumerate() {
             let path = folder.join(file);
-            if !path.is_file() {
+            // Found to be something else when it is read
+            if !path.exists() || path.is_dir() {
                 let message = format!("there is no file {}", path.display());
                 let help = "paths are relative to the capture file";
                 return Err(source.error(Invalid::new(format!("scene.geometry[{i}]"), message).help(help)));

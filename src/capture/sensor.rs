@@ -18,6 +18,7 @@ use super::tree::{Node, Table, Value, parse};
 use crate::sensor::{SensorModel, presets};
 use crate::spectrum::Outside;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 use photosite_core::suggest::{did_you_mean, list};
 
 /// Makes the model of a sensor.
@@ -191,7 +192,7 @@ fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) ->
     }
     if is_path(name) {
         let path = folder.join(name);
-        let text = std::fs::read_to_string(&path).map_err(|reason| {
+        let text = input::read_text(&path, input::TREE_BYTES).map_err(|reason| {
             let message = format!("cannot read {}: {reason}", path.display());
             let help = "paths are relative to the file that they are written in";
             source.error(Invalid::new("sensor.preset", message).help(help))

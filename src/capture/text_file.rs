@@ -1,10 +1,10 @@
 //! Text of files that a user names.
 
-use std::fs;
 use std::path::Path;
 
 use crate::report::REPORT;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The text of a capture file, a report or a sensor file.
 pub(super) fn read_text(path: &Path) -> Result<String> {
@@ -13,8 +13,13 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
         let help = format!("give the capture file in it, for example {}", path.join(name).display());
         return Err(Invalid::new("", "is a folder").help(help).in_file(path));
     }
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
-    String::from_utf8(bytes).map_err(|_| unknown_kind(path))
+    let unreadable = |reason| Error::io(path, "read", reason);
+    let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(unreadable)?;
+    // A picture or an archive rather than a text with a wrong letter
+    if bytes.contains(&0) {
+        return Err(unknown_kind(path));
+    }
+    input::text(bytes).map_err(unreadable)
 }
 
 /// The error of a file that is none of those.

@@ -19,6 +19,7 @@ use serde_json::{Map, Value, json};
 use super::listing::listing;
 use super::print::{print_json, println_out, rounded};
 use photosite::pipeline::camera_of;
+use photosite_core::input;
 
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
@@ -76,7 +77,7 @@ fn facts(path: &Path) -> Result<Map<String, Value>> {
 }
 
 fn open(path: &Path) -> Result<BufReader<File>> {
-    File::open(path).map(BufReader::new).map_err(|source| Error::io(path, "read", source))
+    input::open(path).map(BufReader::new).map_err(|source| Error::io(path, "read", source))
 }
 
 fn map(facts: Value) -> Map<String, Value> {

@@ -30,6 +30,7 @@ use super::finished::{MANIFEST, read_present};
 use crate::io::pretty_json::pretty_json;
 use crate::pipeline::{PART, are_checkpoints_in, difference, fingerprinted, keys_and_files};
 use crate::report::{REPORT, Report, listed_files};
+use photosite_core::input;
 
 /// The file that identifies the data set.
 const IDENTITY: &str = "dataset.json";
@@ -126,7 +127,7 @@ impl PartFolder {
 }
 
 fn read_identity(path: &Path) -> Result<Value> {
-    let text = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let text = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
     serde_json::from_slice(&text).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
 }
 

@@ -30,6 +30,7 @@ use crate::image::{Channel, Planes};
 use crate::raw::Pixels;
 use crate::spectrum::{cie, rgb};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// What the numbers of a picture mean.
 struct Meaning {
@@ -99,7 +100,7 @@ fn meaning(path: &Path) -> Result<Option<Meaning>> {
         "exr" => of_exr,
         _ => return Ok(None),
     };
-    let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
+    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
     read(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
 }
 

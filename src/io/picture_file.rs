@@ -24,6 +24,7 @@ use crate::image::{Channel, Planes};
 use crate::raw::{self, PixelArea, Pixels, read_pixels, refuse_planar_tiles};
 use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 use photosite_scene_io::decode;
 
 /// Reads a picture by the kind that the file's name says.
@@ -47,7 +48,7 @@ pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
             });
         }
     };
-    let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
+    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
     read(&mut BufReader::new(file), name).map_err(|invalid| invalid.in_file(path))
 }
 

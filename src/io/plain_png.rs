@@ -1,7 +1,6 @@
 //! PNG files of plain numbers, which say nothing of colours: ground truth, masks, and pictures for tools that want
 //! grey.
 
-use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use image::DynamicImage;
 use png::{BitDepth, ColorType};
 
 use crate::{Error, Result};
+use photosite_core::input;
 use photosite_scene_io::decode;
 
 /// A picture of 8-bit grey.
@@ -38,7 +38,7 @@ pub fn picture_size(path: &Path) -> Result<[u32; 2]> {
 }
 
 fn open(path: &Path) -> Result<DynamicImage> {
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;
     decode(&bytes, &path.display().to_string()).map_err(|invalid| invalid.in_file(path))
 }
 

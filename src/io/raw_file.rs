@@ -1,12 +1,12 @@
 //! Any raw file, those that [`raw`] reads and EXR files.
 
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use super::raw_exr::read_raw_exr;
 use crate::raw::{self, RawImage};
 use crate::{Error, Result};
+use photosite_core::input;
 
 /// What EXR files begin with.
 const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -14,7 +14,7 @@ const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// Reads a DNG, TIFF, PBM, PGM, PPM, NPY or EXR file of digital numbers, recognised by what it begins with.
 pub fn read_raw(path: &Path) -> Result<RawImage> {
     let unreadable = |reason| Error::io(path, "read", reason);
-    let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
+    let mut file = BufReader::new(input::open(path).map_err(unreadable)?);
     let mut magic = Vec::new();
     file.by_ref().take(EXR.len() as u64).read_to_end(&mut magic).map_err(unreadable)?;
     if magic != EXR {

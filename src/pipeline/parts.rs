@@ -3,8 +3,7 @@
 //! A part is a folder with the sums of its samples, `film.npy` (numbered where a camera moves), and `part.json`,
 //! written last, which says what they are the sums of. Sensor, noise and development come when all are together.
 
-use photosite_core::{Help, Remedy};
-use std::fs::File;
+use photosite_core::{Help, Remedy, input};
 use std::io::{BufReader, Seek};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -140,7 +139,7 @@ impl Parts {
         let open = |(folder, part): &(PathBuf, PartReport)| {
             let path = folder.join(named("film", number, "npy"));
             let unreadable = |reason| Error::io(&path, "read", reason);
-            let mut file = File::open(&path).map_err(unreadable)?;
+            let mut file = input::open(&path).map_err(unreadable)?;
             // Before any of it is taken for light
             let found = checksum(&mut file).map_err(unreadable)?;
             let known = path.file_name().and_then(|name| part.crc32.get(&*name.to_string_lossy()));
@@ -180,7 +179,7 @@ fn read_report(folder: &Path) -> Result<PartReport> {
                     again";
         return Err(Invalid::new("", message).help(help).in_file(folder));
     }
-    let text = std::fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+    let text = input::read_at_most(&path, input::TREE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
     let damaged =
         |what: String| Invalid::new("", format!("is damaged: {what}")).help("render that part again").in_file(&path);
     let part: PartReport = serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;

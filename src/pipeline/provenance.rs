@@ -1,10 +1,10 @@
 //! Provenance: what decides the bytes of a result, that is the keys of its capture and the files that these name.
 
-use std::fs;
 use std::path::Path;
 
 use crate::capture::Capture;
 use crate::{Error, Result};
+use photosite_core::input;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
@@ -41,7 +41,7 @@ fn add_files(values: &Value, folder: &Path, hashes: &mut Map<String, Value>) -> 
 }
 
 fn add_file(name: &str, path: &Path, hashes: &mut Map<String, Value>) -> Result<()> {
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;
     hashes.insert(name.to_owned(), hex(&Sha256::digest(bytes)).into());
     Ok(())
 }

@@ -1,6 +1,5 @@
 //! Light that a render has stored: electrons of one sensor, or irradiance for any.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +10,7 @@ use crate::io::exr::read_exr;
 use crate::io::spectral_exr::irradiance;
 use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 pub(super) enum StoredLight {
     /// Mean electrons of the sensor's channels, collected within a time.
@@ -23,7 +23,7 @@ impl StoredLight {
     /// Reads an EXR file, which says itself what it holds.
     pub(super) fn read(path: &Path) -> Result<Self> {
         let at = |invalid: Invalid| invalid.in_file(path);
-        let file = File::open(path).map_err(|reason| Error::io(path, "read", reason))?;
+        let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
         let picture = read_exr(BufReader::new(file)).map_err(at)?;
         if picture.text("spectralLayoutVersion").is_some() {
             return Ok(Self::Irradiance { path: path.to_owned(), bands: irradiance(picture).map_err(at)? });

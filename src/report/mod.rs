@@ -14,7 +14,6 @@ mod schema;
 mod traced;
 mod truth;
 
-use std::fs;
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -31,6 +30,7 @@ pub use traced::{LightReport, NoiseReport, RenderReport};
 pub use truth::{TargetReport, TruthReport};
 
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The file that holds the report of a render.
 pub const REPORT: &str = "capture.json";
@@ -130,7 +130,7 @@ impl Report {
     ///
     /// A file that is missing, is none, or is of a version that this program does not know.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+        let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
         Self::of_json(path, &bytes)
     }
 
@@ -162,7 +162,7 @@ struct Listing {
 
 /// The names of the files that a report or a part's report at `path` lists.
 pub(crate) fn listed_files(path: &Path) -> Result<Vec<String>> {
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
     let listing: Result<Listing, _> = serde_json::from_slice(&bytes);
     listing.map(|listing| listing.files).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
 }

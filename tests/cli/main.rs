@@ -9,6 +9,7 @@ mod dataset;
 mod develop;
 mod documents;
 mod emva1288;
+mod endless;
 mod exit_status;
 mod export_mitsuba;
 mod expose;

@@ -12,6 +12,7 @@ pub mod error;
 pub mod fail_point;
 pub mod help;
 pub mod image;
+pub mod input;
 pub mod json;
 pub mod math;
 pub mod output;

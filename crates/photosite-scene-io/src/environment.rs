@@ -1,6 +1,5 @@
 //! Environment pictures: Radiance HDR and OpenEXR files of linear sRGB.
 
-use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use exr::prelude::{ReadChannels, ReadLayers, read};
 
 use super::picture::decode_picture;
 use photosite_core::Invalid;
+use photosite_core::input;
 use photosite_core::warnings::Warnings;
 use photosite_transport::texture::{Bitmap, Texels};
 
@@ -21,7 +21,7 @@ const MAX_TEXELS: usize = 1 << 27;
 /// programs leave behind, become zero with a warning.
 pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<Bitmap, Invalid> {
     let name = path.display().to_string();
-    let bytes = fs::read(path).map_err(|source| {
+    let bytes = input::read(path).map_err(|source| {
         Invalid::new("", format!("cannot read {name}: {source}"))
             .help("paths are relative to the file that they are written in")
     })?;
@@ -84,6 +84,8 @@ fn decode_exr(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     const SKY: [[f32; 3]; 2] = [[0.25, 1.0, 2000.0], [0.5, 0.125, 0.0]];

@@ -4,15 +4,15 @@
 //! In: the text of a file of any edition from 1986 on. Out: a [`Profile`] in candela, of photometric type C.
 
 use std::f32::consts::TAU;
-use std::fs;
 use std::path::Path;
 
+use photosite_core::input;
 use photosite_core::{Error, Invalid, Result};
 use photosite_transport::light::Profile;
 
 /// Reads an IES file.
 pub fn read_ies(path: &Path) -> Result<Profile> {
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
     // Keywords come in any code page; what counts is ASCII.
     let text = String::from_utf8_lossy(&bytes);
     parse(&text).map_err(|(invalid, line)| match line {

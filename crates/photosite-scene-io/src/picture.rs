@@ -6,6 +6,7 @@ use std::path::Path;
 use image::{DynamicImage, ImageError, ImageReader};
 
 use photosite_core::Invalid;
+use photosite_core::input;
 use photosite_transport::texture::{Bitmap, Texels};
 
 /// Largest picture, pixels along a side.
@@ -15,7 +16,7 @@ const MAX_BYTES: u64 = 4 << 30;
 
 /// Reads a picture file.
 pub fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
-    let bytes = std::fs::read(path).map_err(|source| {
+    let bytes = input::read(path).map_err(|source| {
         Invalid::new("", format!("cannot read {}: {source}", path.display()))
             .help("put the picture there, or correct its name")
     })?;

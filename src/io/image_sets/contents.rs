@@ -1,12 +1,12 @@
 //! `emva1288.json`: which image sets a folder holds, and what they are expected to show.
 
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use crate::characterisation::Figures;
 use crate::{Error, Result};
+use photosite_core::input;
 
 /// Name of the file.
 pub const CONTENTS: &str = "emva1288.json";
@@ -80,7 +80,7 @@ impl ImageSets {
     /// Reads the file of a folder of image sets.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(CONTENTS);
-        let text = fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let text = input::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
         serde_json::from_slice(&text)
             .map_err(|error| Error::in_file(&path, "", format!("is not what photosite emva1288 writes: {error}")))
     }

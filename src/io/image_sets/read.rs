@@ -6,6 +6,7 @@ use crate::characterisation::{Descriptor, Light, PairStatistics, Series, Spatial
 use crate::io::picture_file::read_picture_file;
 use crate::raw::Pixels;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// Statistics of an image set.
 #[derive(Clone, Debug)]
@@ -21,7 +22,7 @@ pub struct MeasuredSet {
 /// Reads a descriptor and the images that it names. `taken` is called after each. Several dark pairs of one exposure
 /// time count as their mean.
 pub fn read_set(path: &Path, taken: &dyn Fn()) -> Result<MeasuredSet> {
-    let bytes = std::fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
     // Comments may be in any encoding.
     let text = String::from_utf8_lossy(&bytes);
     let descriptor = Descriptor::parse(&text).map_err(|(line, invalid)| invalid.at_line(path, line))?;

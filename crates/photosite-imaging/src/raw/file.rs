@@ -1,18 +1,18 @@
 //! Any raw file: read as what it begins with, written as its name ends.
 
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use super::dng::is_dng;
 use super::{RawImage, read_dng, read_npy, read_pnm, read_tiff, write_dng, write_npy, write_pgm, write_tiff};
+use photosite_core::input;
 use photosite_core::output::write_whole;
 use photosite_core::{Error, Invalid, Result};
 
 /// Reads a DNG, TIFF, PBM, PGM, PPM or NPY file. Only DNG says more than the numbers: of the others, grey ones are
 /// taken for those of a monochrome sensor.
 pub fn read(path: &Path) -> Result<RawImage> {
-    let file = File::open(path).map_err(|source| Error::io(path, "read", source))?;
+    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
     read_any(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
 }
 

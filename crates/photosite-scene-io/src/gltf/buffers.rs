@@ -1,7 +1,6 @@
 //! Where bytes come from: the binary chunk, files beside the document, data URIs.
 
 use std::borrow::Cow;
-use std::fs;
 use std::path::Path;
 
 use base64::Engine;
@@ -11,6 +10,7 @@ use gltf::json::{Root, buffer};
 use percent_encoding::percent_decode_str;
 
 use photosite_core::Invalid;
+use photosite_core::input;
 
 /// The bytes of all buffers of a document.
 #[derive(Debug)]
@@ -96,7 +96,7 @@ pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Invalid> {
         return decode_data_uri(rest);
     }
     let path = folder.join(&*decoded_path(uri)?);
-    fs::read(&path).map_err(|source| {
+    input::read(&path).map_err(|source| {
         Invalid::new("", format!("cannot read {}: {source}", path.display()))
             .help("put the file there, or export the scene with its data embedded (.glb)")
     })
@@ -134,6 +134,8 @@ fn decode_data_uri(rest: &str) -> Result<Vec<u8>, Invalid> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -26,7 +26,6 @@ mod tests;
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
@@ -38,6 +37,7 @@ use accessor::Accessors;
 pub use animation::Moment;
 use buffers::Buffers;
 use mesh::{MeshReader, Pose};
+use photosite_core::input;
 use photosite_core::json::located;
 use photosite_core::warnings::Warnings;
 use photosite_core::{Error, Invalid, Result};
@@ -91,7 +91,7 @@ pub struct Choice<'a> {
 
 /// Reads a `.gltf` or `.glb` file.
 pub fn read(path: &Path, choice: Choice<'_>) -> Result<GltfFile> {
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;
     read_bytes(&bytes, path, choice)
 }
 

@@ -1,13 +1,13 @@
 //! Text files and the names by which they refer to each other.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
+use photosite_core::input;
 use photosite_core::{Error, Result};
 
 /// Bytes that are no UTF-8, as in comments and names of old files, become replacement characters.
 pub(super) fn read_text(path: &Path) -> Result<String> {
-    let bytes = fs::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;
     Ok(String::from_utf8(bytes).unwrap_or_else(|bad| String::from_utf8_lossy(bad.as_bytes()).into_owned()))
 }
 

@@ -1,0 +1,137 @@
+//! Reading files that users name: regular ones, and texts of a bounded size.
+//!
+//! Devices, pipes and sockets may have no end, or keep a reader waiting for ever.
+
+use std::fs::{self, File, FileType};
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// Most bytes of a text that is read as a whole into a tree, as captures and sensors are: a tree takes some seventy times as
+/// much memory.
+pub const TREE_BYTES: u64 = 16 << 20;
+
+/// Most bytes of a table of numbers.
+pub const TABLE_BYTES: u64 = 256 << 20;
+
+/// Opens a regular file.
+///
+/// # Errors
+///
+/// That it cannot be opened, or is a folder, a device, a pipe or a socket.
+pub fn open(path: &Path) -> io::Result<File> {
+    // Before it is opened: that of a pipe waits for somebody who writes.
+    let found = fs::metadata(path)?;
+    if let Some(kind) = other_kind(found.file_type()) {
+        return Err(io::Error::new(ErrorKind::InvalidInput, format!("it is {kind}, where a file is needed")));
+    }
+    File::open(path)
+}
+
+/// Reads a regular file as a whole.
+///
+/// # Errors
+///
+/// As [`open`]; that it cannot be read.
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut file = open(path)?;
+    let mut bytes = Vec::new();
+    // Memory that there is not is an error of this file alone.
+    let length = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
+    bytes.try_reserve_exact(length).map_err(|_| {
+        io::Error::new(ErrorKind::OutOfMemory, format!("its {length} bytes are more than there is memory for"))
+    })?;
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Reads a regular file of at most so many bytes as a whole.
+///
+/// # Errors
+///
+/// As [`read`]; that it is longer.
+pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let file = open(path)?;
+    let mut bytes = Vec::new();
+    // It may grow while it is read.
+    file.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let message = format!("it has more than {} MiB, the most that is read of such a file", most >> 20);
+        return Err(io::Error::new(ErrorKind::FileTooLarge, message));
+    }
+    Ok(bytes)
+}
+
+/// Reads a text of at most so many bytes.
+///
+/// # Errors
+///
+/// As [`read_at_most`]; that it is no UTF-8, with the line.
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    text(read_at_most(path, most)?)
+}
+
+/// Bytes as text.
+///
+/// # Errors
+///
+/// The line that is no UTF-8.
+pub fn text(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|bad| {
+        let valid = &bad.as_bytes()[..bad.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
+        io::Error::new(
+            ErrorKind::InvalidData,
+            format!("line {line} is no text in UTF-8; save the file in that encoding"),
+        )
+    })
+}
+
+/// What there is instead of a file.
+fn other_kind(kind: FileType) -> Option<&'static str> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if kind.is_block_device() || kind.is_char_device() {
+            return Some("a device");
+        }
+        if kind.is_fifo() {
+            return Some("a pipe");
+        }
+        if kind.is_socket() {
+            return Some("a socket");
+        }
+    }
+    kind.is_dir().then_some("a folder")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regular_files_are_read_up_to_their_limit() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("text");
+        fs::write(&path, "one\ntwo").expect("written");
+        assert_eq!(read(&path).expect("read"), b"one\ntwo");
+        assert_eq!(read_text(&path, 7).expect("read"), "one\ntwo");
+        assert_eq!(read_at_most(&path, 6).expect_err("too long").kind(), ErrorKind::FileTooLarge);
+        fs::write(&path, b"one\ntwo\n\xff").expect("written");
+        let error = read_text(&path, 100).expect_err("no text").to_string();
+        assert!(error.contains("line 3"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_named_and_not_waited_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let socket = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).expect("a socket");
+        for (path, kind) in [(Path::new("/dev/zero"), "a device"), (folder.path(), "a folder"), (&*socket, "a socket")]
+        {
+            for error in [read(path).expect_err(kind), read_text(path, 10).expect_err(kind)] {
+                assert!(error.to_string().contains(kind), "{error}");
+            }
+        }
+    }
+}
