@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 /// Crates, or modules of them, that may touch files of the disk. All others get bytes or values.
 const WITH_FILES: &[&str] = &[
     "src",
+    "crates/photosite-core/src/input.rs",
     "crates/photosite-core/src/output.rs",
     "crates/photosite-core/src/cleanup.rs",
     "crates/photosite-core/src/fail_point.rs",
