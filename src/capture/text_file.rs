@@ -14,7 +14,9 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
         return Err(Invalid::new("", "is a folder").help(help).in_file(path));
     }
     let unreadable = |reason| Error::io(path, "read", reason);
-    let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(unreadable)?;
+    let is_report = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let most = if is_report { input::TABLE_BYTES } else { input::TREE_BYTES };
+    let bytes = input::read_at_most(path, most).map_err(unreadable)?;
     // A picture or an archive rather than a text with a wrong letter
     if bytes.contains(&0) {
         return Err(unknown_kind(path));

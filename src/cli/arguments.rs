@@ -7,15 +7,16 @@ use photosite::Error;
 /// Starts as many threads as are asked for.
 pub(super) fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
     /// So many that wait for each other slow down a small machine only a little.
-    const MOST: usize = 256;
+    const FEW: usize = 256;
     let Some(threads) = threads.map(usize::from) else { return Ok(()) };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let usage = |message: String| Error::Usage {
         message,
         help: Some(format!("this machine runs {cores} at once; more than these make nothing faster").into()),
     };
-    if threads > MOST.max(4 * cores) {
-        return Err(usage(format!("--threads {threads}: at most {} can be asked for", MOST.max(4 * cores))));
+    let most = FEW.max(4 * cores);
+    if threads > most {
+        return Err(usage(format!("--threads {threads}: at most {most} can be asked for")));
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     pool.map_err(|reason| usage(format!("cannot start {threads} threads: {reason}")))

@@ -2,8 +2,8 @@
 //!
 //! Nobody may be listening: a log that is closed or full changes neither the work nor the exit status.
 
-use std::fmt::{self, Write as _};
-use std::io::Write as _;
+use std::fmt;
+use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -54,9 +54,8 @@ pub(super) fn object(event: &str, what: Value) {
     let since = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .map_or_else(|before| -before.duration().as_secs_f64(), |t| t.as_secs_f64());
-    let mut object = Map::new();
-    object.insert("time_s".to_owned(), json!((since * 1e3).round() / 1e3));
-    object.insert("event".to_owned(), json!(event));
+    let time_s = json!((since * 1e3).round() / 1e3);
+    let mut object = Map::from_iter([("time_s".to_owned(), time_s), ("event".to_owned(), json!(event))]);
     if let Value::Object(what) = what {
         object.extend(what);
     }
@@ -66,24 +65,25 @@ pub(super) fn object(event: &str, what: Value) {
 /// Says why the program fails.
 pub(super) fn error(error: Error, status: u8) {
     if !is_json() {
-        let mut text = String::new();
-        // Only a formatter that fails by itself could fail here.
-        let _ = write!(text, "{:?}", miette::Report::new(error));
-        return line(&text);
+        return line(&format!("{:?}", miette::Report::new(error)));
     }
-    let (path, place, key) = match &error {
-        Error::Input(input) => (Some(input.path.display().to_string()), input.line, Some(input.key.clone())),
-        Error::Io { path, .. } => (Some(path.display().to_string()), None, None),
-        Error::Override { .. } | Error::Usage { .. } | Error::Temporary(_) | Error::Cancelled { .. } => {
-            (None, None, None)
-        }
-    };
+    let (file, place, key) = place(&error);
     let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
     let message = error.to_string();
     object(
         "error",
-        json!({ "message": message, "help": help, "file": path, "line": place, "key": key, "status": status }),
+        json!({ "message": message, "help": help, "file": file, "line": place, "key": key, "status": status }),
     );
+}
+
+/// The file, the line and the key that are at fault.
+fn place(error: &Error) -> (Option<String>, Option<usize>, Option<&str>) {
+    match error {
+        Error::Input(input) => (Some(input.path.display().to_string()), input.line, Some(&input.key)),
+        Error::Io { path, .. } => (Some(path.display().to_string()), None, None),
+        Error::Temporary(error) => place(error),
+        Error::Override { .. } | Error::Usage { .. } | Error::Cancelled { .. } => (None, None, None),
+    }
 }
 
 fn line(text: &str) {

@@ -87,7 +87,7 @@ impl Progress {
         say!("{} {:.0} %, {}{left}", clock(seconds), 100.0 * part, self.state);
     }
 
-    fn say_state(&mut self, all: u64, state: impl FnOnce(f64, u64) -> String) {
+    fn update(&mut self, all: u64, state: impl FnOnce(f64, u64) -> String) {
         let (seconds, done) = self.since();
         (self.all, self.state) = (all, state(seconds, done));
         if let Some(bar) = &self.bar {
@@ -159,7 +159,7 @@ impl Monitor for TerminalMonitor {
             Event::Traced(paths) if !is_of_set => self.advance(paths),
             Event::PassEnds { samples_per_pixel, expected } if !is_of_set => {
                 if let Some(progress) = &mut *locked(&self.progress) {
-                    progress.say_state(expected, |seconds, paths| {
+                    progress.update(expected, |seconds, paths| {
                         format!("{samples_per_pixel:.0} samples a pixel, {:.2} M paths/s", paths as f64 / seconds / 1e6)
                     });
                 }

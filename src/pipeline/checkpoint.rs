@@ -10,7 +10,7 @@
 
 use photosite_core::{Help, Remedy};
 use std::fs::{self, File};
-use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
+use std::io::{BufRead, BufReader, BufWriter, ErrorKind, IntoInnerError, Read, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -325,11 +325,12 @@ impl<'a> Checkpoints<'a> {
             provenance: self.provenance.clone(),
         };
         let next = write_beside(&self.path, |to| {
-            let mut to = Summing::new(to);
+            // Films come number by number; sums take whole buffers.
+            let mut to = BufWriter::new(Summing::new(to));
             serde_json::to_writer(&mut to, &header)?;
             to.write_all(b"\n")?;
             films(&mut to)?;
-            to.write_last_line()
+            to.into_inner().map_err(IntoInnerError::into_error)?.write_last_line()
         })?;
         match fs::rename(&self.path, &self.before_path) {
             Err(reason) if reason.kind() != ErrorKind::NotFound => Err(Error::io(&self.before_path, "write", reason)),

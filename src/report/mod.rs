@@ -130,7 +130,7 @@ impl Report {
     ///
     /// A file that is missing, is none, or is of a version that this program does not know.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
+        let bytes = input::read_at_most(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
         Self::of_json(path, &bytes)
     }
 
@@ -162,7 +162,7 @@ struct Listing {
 
 /// The names of the files that a report or a part's report at `path` lists.
 pub(crate) fn listed_files(path: &Path) -> Result<Vec<String>> {
-    let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
+    let bytes = input::read_at_most(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
     let listing: Result<Listing, _> = serde_json::from_slice(&bytes);
     listing.map(|listing| listing.files).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
 }

@@ -3,6 +3,7 @@
 use rstest::rstest;
 
 use crate::folder::Folder;
+use crate::room::room;
 
 #[test]
 fn a_target_is_printed_photographed_and_handed_on() {
@@ -74,4 +75,22 @@ fn wrong_targets_are_told(#[case] arguments: &str, #[case] status: i32, #[case] 
 fn wrong_targets_of_captures_are_told(#[case] table: &str, #[case] message: &str) {
     let folder = Folder::new([("capture.toml", format!("[[targets]]\n{table}\n").into_bytes())]);
     folder.fail("render capture.toml", 1, &[message]);
+}
+
+/// Each point of a target is a few lines of the report: some 18 MB for three large ones.
+#[test]
+fn a_report_of_a_hundred_thousand_points_is_read_again() {
+    let folder = room("[render]\nsamples_per_pixel = 1\n");
+    let target = |i: u32| {
+        format!(
+            "[[targets]]\ntype = \"chessboard\"\nname = \"t{i}\"\nsquares = [200, 200]\nsquare_mm = 0.1\n\
+             position_m = [0, 0, 0.{i}]\n"
+        )
+    };
+    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    folder.add("capture.toml", capture + &[1, 2, 3].map(target).concat());
+    folder.succeed("render capture.toml -o out");
+    assert!(std::fs::metadata(folder.path("out/capture.json")).expect("a report").len() > 16 << 20);
+    folder.succeed("expose out -o again");
+    folder.succeed("info out/capture.json");
 }

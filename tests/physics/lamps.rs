@@ -179,6 +179,47 @@ fn a_gaussian_beam_has_its_flux_and_its_width_on_any_plane_across_it(
     }
 }
 
+/// A beam among lamps of together the intensity that the tree takes it for: 1 W in a cone of 0.5 rad is 1.3 W/sr. Where it
+/// does not shine, a lamp is found about half of the times. With the intensity of its true cone the beam all but hid the
+/// lamps that share a branch of the tree with it: of their light 6 % was found.
+#[test]
+fn a_beam_does_not_hide_the_lamps_beside_it() {
+    let emission = |level: f64| EmissionDescription {
+        colour: Colour::Spectrum(Spectrum::constant(level as f32)),
+        level: None,
+        texture: None,
+    };
+    let light = |kind: LightKind, position: DVec3, level: f64| LightDescription {
+        name: String::new(),
+        to_world: DAffine3::from_translation(position),
+        later: Vec::new(),
+        kind,
+        emission: emission(level),
+    };
+    let beam = GaussianBeam::new([1e-3; 2], [0.0; 2]);
+    let mut stage = Stage::default().light(light(LightKind::GaussianBeam(beam), DVec3::Z, 1.0));
+    let mut expected = 0.0;
+    // Below the lamps, 0.3 m beside the beam's axis.
+    let point = Vec3::new(0.3, 0.0, -1.0);
+    for i in 0..20 {
+        let angle = f64::from(i) * 2.4;
+        let position = DVec3::new(0.5 * angle.cos(), 0.5 * angle.sin(), 1.0 + 0.01 * f64::from(i));
+        let to_lamp = position - point.as_dvec3();
+        expected += 1.3 / 20.0 * to_lamp.z / to_lamp.length().powi(3);
+        stage = stage.light(light(LightKind::Point(PointLight), position, 1.3 / 20.0));
+    }
+    let scene = stage.build();
+    const SAMPLES: usize = 4096;
+    let draws: Vec<f64> = (0..SAMPLES)
+        .map(|i| irradiance(&scene, point, Vec3::Z, 0.0, [(i as f32 + 0.5) / SAMPLES as f32, 0.5]))
+        .collect();
+    let found = draws.iter().filter(|&&draw| draw > 0.0).count() as f64 / SAMPLES as f64;
+    assert!(found > 0.25, "{found}");
+    // Numbers are evenly spread: each lamp's share of them is right to one in its count, of 20 lamps.
+    let mean = draws.iter().sum::<f64>() / SAMPLES as f64;
+    assert!((mean / expected - 1.0).abs() < 40.0 / (found * SAMPLES as f64), "{mean} {expected}");
+}
+
 #[test]
 fn light_of_a_gaussian_beam_travels_on_straight_lines() {
     // A ray of the beam, by the wavefront's slope at a point far off the axis: all points of it see the light come from

@@ -6,11 +6,11 @@ use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-/// Most bytes of a text that is read as a whole into a tree, as captures and sensors are: a tree takes some seventy times as
-/// much memory.
+/// Most bytes of a description that is read into a tree, as captures and sensors are: the tree of a TOML file takes some
+/// seventy times as much memory.
 pub const TREE_BYTES: u64 = 16 << 20;
 
-/// Most bytes of a table of numbers.
+/// Most bytes of a table of numbers, or of a report, which has a line for each point of a target.
 pub const TABLE_BYTES: u64 = 256 << 20;
 
 /// Opens a regular file.

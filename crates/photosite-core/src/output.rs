@@ -24,8 +24,7 @@ impl<T: Write + Seek> Sink for T {}
 /// Writes `path` through a temporary file beside it, renamed into place once `write` has succeeded. On failure nothing
 /// is left behind and an older file of that name stays as it was.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<()> {
-    Temporary::write(path, write)?.synced(path)?.persist(path)?;
-    sync_folder(folder_of(path)?)
+    write_beside(path, write)?.put_in_place(path)
 }
 
 /// Writes a file beside its place, synced, under a name that nobody knows.

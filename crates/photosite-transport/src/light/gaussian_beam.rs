@@ -12,6 +12,11 @@ use photosite_core::spectrum::SpectrumId;
 /// Radii beyond this multiple of the beam's radius get no light: a part e⁻¹⁸ = 1.5·10⁻⁸ of the flux.
 const CUT: f32 = 3.0;
 
+/// Half-angle of the narrowest cone that the light tree is told of, rad. The tree takes a light for a point whose intensity
+/// fills its cone: that of a collimated beam would outshine all lights that are its neighbours in the tree, also at points
+/// that it does not reach, where samples of it are lost.
+const NARROWEST: f32 = 0.5;
+
 /// A simple astigmatic Gaussian beam (ISO 11146-1:2021 §3) that leaves the plane z = 0 of its space along −z. Its level
 /// is its spectral flux Φ, W·nm⁻¹.
 ///
@@ -46,7 +51,8 @@ impl GaussianBeam {
 impl DeltaModel for GaussianBeam {
     fn extent(&self, pose: &LightPose) -> Option<DeltaExtent> {
         // No slope is above that of the beam's edge far away.
-        let directions = Cone::of(pose.axis).widened((CUT * self.tan_divergence.length()).atan());
+        let steepest = (CUT * self.tan_divergence.length()).atan();
+        let directions = Cone::of(pose.axis).widened(steepest.max(NARROWEST));
         Some(DeltaExtent { radius: CUT * self.waist.length(), directions })
     }
 
