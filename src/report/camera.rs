@@ -115,3 +115,40 @@ impl CameraReport {
         DAffine3::from_mat3_translation(axes, DVec3::from_array(self.position_m))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec2};
+
+    use super::*;
+    use crate::optics::{Focus, PixelGrid};
+
+    /// x = K·(R·X + t), OpenCV's equation of a pinhole, ends half a pixel up and left of where the camera, which counts
+    /// from the picture's corner, sees the point.
+    #[test]
+    fn what_opencv_projects_by_the_report_is_what_the_camera_sees() {
+        let grid = PixelGrid { resolution: [640, 480], pitch_m: [5e-6, 6e-6] };
+        let to_world = DAffine3::from_rotation_translation(
+            DQuat::from_euler(glam::EulerRot::YXZ, 0.3, -0.2, 0.5),
+            DVec3::new(0.4, -1.0, 2.0),
+        );
+        let mut lens = LensDescription::thin(0.004, 2.0, Focus::Infinity);
+        let skewed = Intrinsics { fx: 700.0, fy: 650.0, cx: 300.0, cy: 250.0, skew: 1.5 };
+        for intrinsics in [None, Some(skewed)] {
+            lens.intrinsics = intrinsics;
+            let camera = Camera::new(&lens, &grid, to_world, f64::NAN).expect("a lens");
+            let report = CameraReport::new(&lens, &camera, grid.resolution, None);
+            let k = from_rows(&report.camera_matrix);
+            let seen = from_rows(&report.rotation);
+            for point in [DVec3::new(0.0, 0.0, -2.0), DVec3::new(0.3, 0.2, -1.0), DVec3::new(-0.5, 0.1, -3.0)] {
+                let in_world = to_world.transform_point3(point);
+                let image = k * (seen * in_world + DVec3::from_array(report.translation_m));
+                let pixel = camera.project_camera(point).expect("in front");
+                let centred = DVec2::new(image.x / image.z + 0.5, image.y / image.z + 0.5);
+                assert!((centred - pixel).length() < 1e-9, "{point}: {centred} {pixel}");
+            }
+            assert_eq!(report.intrinsics(), camera.intrinsics());
+            assert!((report.to_world().inverse() * to_world).abs_diff_eq(DAffine3::IDENTITY, 1e-12));
+        }
+    }
+}
