@@ -27,6 +27,7 @@ impl Monitor for Counter {
             | Event::PassEnds { .. }
             | Event::TraceEnds
             | Event::SetBegins { .. }
+            | Event::PictureFails { .. }
             | Event::PictureEnds
             | Event::Waiting { .. }
             | Event::SetEnds => {}

@@ -19,6 +19,11 @@ pub struct DatasetFile {
 }
 
 impl DatasetFile {
+    /// Where it was read from.
+    pub fn path(&self) -> &Path {
+        self.source.path()
+    }
+
     /// Reads a data set file.
     pub fn read(path: &Path) -> Result<Self> {
         let source = CaptureSource::parse(path, read_text(path)?)?;

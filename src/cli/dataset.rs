@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::Args;
-use photosite::dataset::{DataSet, DatasetFolder};
+use photosite::Result;
+use photosite::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, Shard};
 use photosite::pipeline::LightSource;
-use photosite::{Error, Result};
 use serde_json::json;
 
 use super::arguments::{parse_range, start_threads};
@@ -18,9 +18,10 @@ use super::print::print_json;
 /// Render a data set: a capture from many poses, under many conditions, by one camera or a rig.
 ///
 /// Each frame is a folder as `photosite render` makes it, DIR/CAMERA/NUMBER. A data set that was broken off goes on
-/// where it stopped when the same command is given again. Several processes and machines can share the work: by the
-/// same command in the same folder, where each picture is made by one of them, with frames of their own (--frames) if
-/// they like, or each with samples of its own (--samples) in a folder of its own.
+/// where it stopped when the same command is given again; pictures that have lost a file are made again. Several
+/// processes and machines can share the work: by the same command in the same folder, where each picture is made by one
+/// of them, with frames of their own (--frames, --shard) if they like, or each with samples of its own (--samples) in a
+/// folder of its own.
 #[derive(Args)]
 pub(super) struct DatasetArgs {
     /// A data set file (.toml), which names a capture file and says what differs from frame to frame.
@@ -28,13 +29,32 @@ pub(super) struct DatasetArgs {
     /// Folder of the data set, created where missing [default: the input's name, in the current folder].
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Make these frames only: from A up to, but without, B; 0..10 are the first ten.
-    #[arg(long, value_name = "A..B", value_parser = parse_range)]
-    frames: Option<Range<u32>>,
+    /// Make these frames only: numbers, and ranges from A up to, but without, B; 0..4,9 are the first four and the
+    /// tenth. Frames that there are not are left out.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    frames: Option<FrameList>,
+    /// Make the K-th of N equal shares of the frames.
+    #[arg(long, value_name = "K/N", allow_hyphen_values = true)]
+    shard: Option<Shard>,
     /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes one data set of
     /// the folders of all parts.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     samples: Option<Range<u32>>,
+    /// Go past frames that cannot be made, and end with status 1 if there were any.
+    #[arg(long)]
+    keep_going: bool,
+    /// Make no picture: check every frame's keys, and say how long the pictures that are missing would take, and how
+    /// much memory and disk.
+    #[arg(long, conflicts_with_all = ["samples", "index_only", "verify"])]
+    dry_run: bool,
+    /// Make no picture: write manifest.jsonl, calibration/ and README.md anew, and end with status 1 if a picture is
+    /// missing.
+    #[arg(long, conflicts_with = "samples")]
+    index_only: bool,
+    /// Read every file of the pictures that are there, and make those that are damaged again; with --index-only, name
+    /// them and end with status 1.
+    #[arg(long)]
+    verify: bool,
     /// Change a key of the capture file in all frames, for example --set render.samples_per_pixel=16.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -53,30 +73,47 @@ pub(super) struct DatasetArgs {
 
 pub(super) fn run(args: &DatasetArgs) -> Result<()> {
     start_threads(args.threads)?;
+    let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
     let set = DataSet::read(&args.input, &args.overrides, args.film_memory.value())?;
     if let Some(samples) = &args.samples {
         set.check_samples(samples)?;
     }
-    let numbers = args.frames.clone().unwrap_or(0..set.frame_count());
-    if numbers.end > set.frame_count() {
-        let message = format!("--frames {}..{}: there are {} frames", numbers.start, numbers.end, set.frame_count());
-        return Err(Error::Usage { message, help: Some(format!("write at most 0..{}", set.frame_count()).into()) });
+    let count = set.frame_count();
+    let (mut numbers, is_more) = args.frames.as_ref().map_or(((0..count).collect(), false), |list| list.among(count));
+    if is_more && !args.quiet {
+        warning!("--frames names frames that there are not: the data set has {count}, 0..{count}");
     }
-    let frames = set.frames(numbers)?;
-    set.check_first(&frames)?;
+    if let Some(shard) = args.shard {
+        numbers = shard.share(numbers);
+    }
+    let frames = set.frames(numbers, args.keep_going, &monitor)?;
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
     let path = args.output.as_deref().unwrap_or(&default);
-    let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
-    let Some(samples) = &args.samples else {
-        let folder = set.claim(path)?;
-        let made = set.make(&frames, &folder, &monitor, |_, _| Ok(LightSource::Traced))?;
-        return report.finish(&set, &folder, made);
+    if args.dry_run {
+        let forecast = set.forecast(&frames, path, args.keep_going, &monitor)?;
+        return report.forecast(&forecast);
+    }
+    if !args.keep_going {
+        set.check_first(&frames)?;
+    }
+    let folder = match &args.samples {
+        _ if args.index_only => set.open(path)?,
+        Some(samples) => set.claim_part(path, samples, &args.input)?,
+        None => set.claim(path)?,
     };
-    let folder = set.claim_part(path, samples, &args.input)?;
-    let made = set.make(&frames, &folder, &monitor, |_, _| Ok(LightSource::Part(samples.clone())))?;
+    let damaged = if args.verify { set.verify(&frames, &folder, !args.index_only, &monitor)? } else { 0 };
+    if args.index_only {
+        return report.index(&set, &frames, &folder, damaged);
+    }
+    let light = |_: &str, _| Ok(args.samples.clone().map_or(LightSource::Traced, LightSource::Part));
+    let made = set.make(&frames, &folder, &monitor, args.keep_going, light)?;
+    if args.samples.is_none() {
+        return report.finish(&set, &folder, &made);
+    }
     // Parts have no summary: they are no images.
     let present = set.present(&folder);
-    report.print(&set, &folder, [made, present], "parts of pictures")
+    report.print(&set, &folder, [made.pictures, present], "parts of pictures")?;
+    made.check(&folder)
 }
 
 /// How the end of a data set is reported.
@@ -92,12 +129,29 @@ impl SetReport {
     }
 
     /// Writes the summary of the images, and prints it.
-    pub(super) fn finish(self, set: &DataSet, folder: &DatasetFolder, made: usize) -> Result<()> {
-        let (present, left_out) = set.write_index(folder)?;
+    pub(super) fn finish(self, set: &DataSet, folder: &DatasetFolder, made: &Made) -> Result<()> {
+        let index = set.write_index(folder)?;
         if !self.quiet {
-            left_out.iter().for_each(|why| warning!("calibration/ is without {}", why.replace('`', "")));
+            index.left_out.iter().for_each(|why| warning!("calibration/ is without {}", why.replace('`', "")));
         }
-        self.print(set, folder, [made, present], "pictures")
+        self.print(set, folder, [made.pictures, index.present], "pictures")?;
+        made.check(folder)
+    }
+
+    /// Writes the summary of what is there, and holds it against what was asked for.
+    fn index(self, set: &DataSet, frames: &Frames, folder: &DatasetFolder, damaged: usize) -> Result<()> {
+        let index = set.write_index(folder)?;
+        self.print(set, folder, [0, index.present - damaged], "pictures")?;
+        index.check(frames, damaged, folder)
+    }
+
+    fn forecast(self, forecast: &Forecast) -> Result<()> {
+        if self.json {
+            print_json(forecast)?;
+        } else {
+            say!("{forecast}");
+        }
+        forecast.check()
     }
 
     fn print(self, set: &DataSet, folder: &DatasetFolder, [made, present]: [usize; 2], what: &str) -> Result<()> {

@@ -3,27 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use glam::{DVec2, DVec3};
-use photosite::capture::Capture;
-use photosite::colour::adaptation::bradford;
+use glam::DVec3;
 use photosite::colour::{ColourSpace, cielab, difference};
-use photosite::develop::Resampling;
 use photosite::image::{Channel, Planes};
 use photosite::io::linear_picture::read_linear_picture;
 use photosite::io::picture_file::read_picture_file;
-use photosite::measure::{CheckerReport, EdgeResponse, Histogram, checker, histogram, slanted_edge, ssim};
-use photosite::optics::Camera;
+use photosite::measure::{CheckerReport, EdgeResponse, Histogram, histogram, slanted_edge, ssim};
+use photosite::pipeline::measure_checker;
 use photosite::raw::Pixels;
-use photosite::scene::description::{Colour, Diffuse, MaterialDescription, MaterialModel};
-use photosite::scene::{self, Scene};
-use photosite::sensor::RegionOfInterest;
-use photosite::spectrum::{Spectrum, cie, library};
 use photosite::validation::Picture;
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
 use super::print::{print_json, println_out};
-use photosite::pipeline::{LensSeen, pixels, place_camera};
 
 /// Measure pictures: sharpness, colours, likeness, histograms.
 #[derive(Args)]
@@ -182,100 +174,6 @@ fn histogram_text(histograms: &[Histogram]) -> String {
             &format!("\n{}  {:.5}  {:.5}  {}  {full}", h.channel, h.mean, h.standard_deviation, percentiles.join("  "));
     }
     text
-}
-
-/// Pixels that a patch's edge is kept away from, since neighbours mix there.
-const MARGIN: usize = 3;
-
-fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result<CheckerReport> {
-    let mut capture = Capture::load_with(path, &[])?;
-    let size = [picture.width(), picture.height()];
-    let description = std::mem::take(&mut capture.scene);
-    let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
-    let spectra: Vec<Spectrum> = names.iter().filter_map(|name| library::spectrum(name)).collect();
-    let patch_of_material: Vec<Option<usize>> =
-        description.materials.iter().map(|material| patch_of(material, &spectra)).collect();
-    let scene = scene::build(description, &Spectrum::constant(1.0));
-    let camera = place_camera(&capture, |ray| scene.closest(ray))?;
-    let grid = Grid::of_picture(&capture, &camera, size).map_err(|invalid| invalid.in_file(picture_path))?;
-    let seen = shown_patches(&grid, &camera, &scene, &patch_of_material);
-    if seen.iter().all(Option::is_none) {
-        let help = "the chart's materials must have reflectances \"colour-checker/01-dark-skin\" and so on";
-        let message = "its camera sees no patch of a colour checker";
-        return Err(capture.source.error(Invalid::new("materials", message).help(help)));
-    }
-    let light = scene.light_spectrum();
-    let white = DVec3::from_array(cie::xyz(light));
-    let adaptation = bradford(white / white.y, ColourSpace::Srgb.white());
-    let colour = |spectrum: &Spectrum| adaptation * (DVec3::from_array(cie::xyz(&light.product(spectrum))) / white.y);
-    let patches: Vec<(String, DVec3)> =
-        names.iter().zip(&spectra).map(|(name, spectrum)| ((*name).to_owned(), colour(spectrum))).collect();
-    checker(picture, &seen, &patches).map_err(|invalid| invalid.in_file(picture_path))
-}
-
-/// The patch whose reflectance a material has.
-fn patch_of(material: &MaterialDescription, spectra: &[Spectrum]) -> Option<usize> {
-    if let MaterialModel::Diffuse(Diffuse { reflectance }) = &material.model
-        && let (Colour::Spectrum(spectrum), None) = (&reflectance.colour, &reflectance.texture)
-    {
-        return spectra.iter().position(|patch| patch == spectrum);
-    }
-    None
-}
-
-/// Which places of the sensor the pixels of a picture show.
-struct Grid {
-    size: [usize; 2],
-    /// `None` for those of the sensor itself.
-    resampling: Option<Resampling>,
-}
-
-impl Grid {
-    /// That of a picture which was developed as the capture says; of a picture of the sensor's size that such a one has
-    /// not, that of the sensor.
-    fn of_picture(capture: &Capture, camera: &Camera, size: [usize; 2]) -> Result<Self, Invalid> {
-        let sensor = pixels(capture).map(|n| n as usize);
-        let seen = LensSeen::new(&capture.lens, camera, &capture.sensor, &RegionOfInterest::WHOLE);
-        let resampling = seen.resampling(&capture.develop);
-        let developed = resampling.as_ref().map_or(sensor, Resampling::size_px);
-        if size == developed || size == sensor {
-            return Ok(Self { size, resampling: resampling.filter(|_| size == developed) });
-        }
-        let [[width, height], [columns, rows]] = [size, developed];
-        let message = format!("the picture has {width} × {height} pixels, the capture {columns} × {rows}");
-        Err(Invalid::new("", message).help("give the capture that the picture was rendered from"))
-    }
-
-    /// The place that the centre of a pixel shows.
-    fn source(&self, [x, y]: [usize; 2]) -> Option<DVec2> {
-        let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-        self.resampling.as_ref().map_or(Some(centre), |resampling| resampling.source_px(centre))
-    }
-}
-
-/// For every pixel the patch that it shows, with all of its surroundings.
-fn shown_patches(
-    grid: &Grid,
-    camera: &Camera,
-    scene: &Scene,
-    patch_of_material: &[Option<usize>],
-) -> Vec<Option<usize>> {
-    let [width, height] = grid.size;
-    let patch = |i: usize| {
-        let place = grid.source([i % width, i / width])?;
-        let hit = scene.closest(&camera.chief_ray(place)?)?;
-        patch_of_material.get(scene.point(&hit, 0.0).material as usize).copied().flatten()
-    };
-    let shown: Vec<Option<usize>> = (0..width * height).map(patch).collect();
-    let whole = |i: usize| {
-        let (x, y) = (i % width, i / width);
-        let inside =
-            (MARGIN..width.saturating_sub(MARGIN)).contains(&x) && (MARGIN..height.saturating_sub(MARGIN)).contains(&y);
-        let same =
-            || (y - MARGIN..=y + MARGIN).all(|y| (x - MARGIN..=x + MARGIN).all(|x| shown[y * width + x] == shown[i]));
-        shown[i].filter(|_| inside && same())
-    };
-    (0..width * height).map(whole).collect()
 }
 
 fn checker_text(report: &CheckerReport) -> String {

@@ -84,7 +84,8 @@ fn merge_sets(args: &MergeArgs) -> Result<()> {
     let input = args.input.clone().unwrap_or_else(|| parts[0].input());
     let set = DataSet::read(&input, &parts[0].arguments(), args.film_memory.value())?;
     parts.iter().try_for_each(|part| set.check_part(part))?;
-    let frames = set.frames(0..set.frame_count())?;
+    let monitor = TerminalMonitor::new(args.quiet, args.json);
+    let frames = set.frames(0..set.frame_count(), false, &monitor)?;
     let of_picture = |camera: &str, number: u32| {
         let found: Vec<PathBuf> = parts.iter().filter_map(|part| part.picture(camera, number)).collect();
         if found.is_empty() {
@@ -95,12 +96,11 @@ fn merge_sets(args: &MergeArgs) -> Result<()> {
         Parts::read(&found)
     };
     // What is missing shows before anything is made.
-    for &number in frames.keys() {
+    for number in frames.numbers() {
         set.cameras().try_for_each(|camera| of_picture(camera, number).map(|_| ()))?;
     }
     let folder = set.claim(&args.output)?;
-    let monitor = TerminalMonitor::new(args.quiet, args.json);
-    let made =
-        set.make(&frames, &folder, &monitor, |camera, number| of_picture(camera, number).map(LightSource::Merged))?;
-    SetReport::of(args.quiet, args.json).finish(&set, &folder, made)
+    let light = |camera: &str, number| of_picture(camera, number).map(LightSource::Merged);
+    let made = set.make(&frames, &folder, &monitor, false, light)?;
+    SetReport::of(args.quiet, args.json).finish(&set, &folder, &made)
 }

@@ -176,6 +176,11 @@ impl Monitor for TerminalMonitor {
                 self.begin(0, pictures, format!("{pictures} images"));
                 self.log("set_begins", json!({ "pictures": pictures }));
             }
+            Event::PictureFails { camera, frame, error } => {
+                let camera = if camera.is_empty() { String::new() } else { format!(" of {camera}") };
+                warning!("frame {frame}{camera} is left out: {error}");
+                self.log("picture_fails", json!({ "frame": frame, "message": error.to_string() }));
+            }
             Event::PictureEnds => {
                 self.advance(1);
                 self.log("picture_ends", json!({}));

@@ -1,38 +1,41 @@
 //! Data sets: a capture again and again, from other poses, under other conditions.
 
+mod calibration;
 mod finished;
 mod folder;
+mod forecast;
+mod frames;
+mod identity;
+mod index;
 mod layout_folder;
+mod make;
+mod presence;
+mod rig;
+mod selection;
+mod verify;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::Duration;
 
-use glam::DVec2;
 use serde_json::Value;
 
 pub use finished::{read_dataset, read_present};
-pub use folder::{DatasetFolder, PartFolder};
+pub use folder::DatasetFolder;
+pub use forecast::Forecast;
+pub use frames::Frames;
+pub use identity::PartFolder;
+pub use index::Index;
 pub use layout_folder::LayoutFolder;
+pub use make::Made;
+pub use selection::{FrameList, Shard};
 
-use folder::{NewPicture, Turn, identity, part_identity};
+use identity::{identity, part_identity};
+use rig::plan;
 
-use crate::calibration::dataset::{Plan, RigCamera, Subject};
-use crate::calibration::targets::PlacedTarget;
-use crate::calibration::truth::TruthLayer;
+use crate::calibration::dataset::Plan;
 use crate::capture::{Capture, DatasetFile};
-use crate::pipeline::{
-    Event, FilmMemory, LightSource, Monitor, OutputFolder, Request, check_samples, render_into, standalone_camera,
-};
-use crate::report::Timings;
-use crate::sensor::SensorModel;
+use crate::pipeline::{Event, FilmMemory, Monitor, check_samples};
 use crate::{Error, Invalid, Result};
-
-/// Between two looks at what other processes make, at first and after a while.
-const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
-const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 
 /// A data set file with all that it needs.
 pub struct DataSet {
@@ -57,14 +60,35 @@ impl DataSet {
         Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), film_memory, identity })
     }
 
-    /// All changes to the capture in the frames of these numbers, for each camera. Poses that cannot be had show here
-    /// rather than after an hour.
-    pub fn frames(&self, numbers: Range<u32>) -> Result<BTreeMap<u32, Vec<Vec<String>>>> {
-        let frame = |number| {
-            let frame = self.plan.frame(number, &self.arguments).map_err(|invalid| self.file.error(invalid))?;
-            Ok((number, frame))
+    /// Plans the frames of these numbers: poses that cannot be had show here rather than after an hour. With
+    /// `keeps_going` a frame that cannot be had is reported and left out.
+    pub fn frames(
+        &self,
+        numbers: impl IntoIterator<Item = u32>,
+        keeps_going: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<Frames> {
+        let mut frames = Frames::default();
+        for number in numbers {
+            match self.plan.frame(number, &self.arguments).map_err(|invalid| self.file.error(invalid)) {
+                Ok(changes) => drop(frames.changes.insert(number, changes)),
+                Err(error) if keeps_going => {
+                    monitor.report(Event::PictureFails { camera: "", frame: number, error: &error });
+                    frames.failed.push(number);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(frames)
+    }
+
+    /// All pictures of these frames, with the changes to the capture that make them.
+    fn pictures<'a>(&'a self, frames: &'a Frames) -> impl Iterator<Item = (u32, &'a str, &'a [String])> {
+        let of_frame = |(number, changes): (&'a u32, &'a Vec<Vec<String>>)| {
+            let number = *number;
+            self.cameras().zip(changes).map(move |(camera, changes)| (number, camera, &**changes))
         };
-        numbers.map(frame).collect()
+        frames.changes.iter().flat_map(of_frame)
     }
 
     /// The names of the rig's cameras.
@@ -84,92 +108,9 @@ impl DataSet {
         self.file.error_of_change(error, camera, Some(number), &changes)
     }
 
-    /// Makes all pictures of the frames that are not there, with the light that a camera has in a frame, and returns
-    /// how many those were.
-    pub fn make(
-        &self,
-        frames: &BTreeMap<u32, Vec<Vec<String>>>,
-        folder: &DatasetFolder,
-        monitor: &dyn Monitor,
-        light: impl Fn(&str, u32) -> Result<LightSource>,
-    ) -> Result<usize> {
-        let pictures = frames.iter().flat_map(|(number, frame)| {
-            self.cameras().zip(frame).map(move |(camera, overrides)| (*number, camera, overrides))
-        });
-        if self.captures.iter().any(|capture| capture.sensor.image_lag.is_some()) {
-            monitor.report(Event::Warning(
-                "the pictures of a data set are made one by one, maybe by several processes: each starts without the charge that \
-                 sensor.charge.image_lag keeps from the frame before",
-            ));
-        }
-        let mut todo: Vec<_> = pictures.filter(|&(number, camera, _)| !folder.is_done(camera, number)).collect();
-        monitor.report(Event::SetBegins { pictures: todo.len() as u64 });
-        let _until_end = UntilSetEnds(monitor);
-        let (mut made, mut is_first) = (0, true);
-        let mut pause = SHORTEST_PAUSE;
-        while !todo.is_empty() {
-            // What other processes make is looked at again in the end: they may die.
-            let mut theirs = Vec::new();
-            for (number, camera, overrides) in todo {
-                let picture = match folder.begin(camera, number)? {
-                    Turn::Ours(picture) => picture,
-                    Turn::Theirs => {
-                        theirs.push((number, camera, overrides));
-                        continue;
-                    }
-                    Turn::Done => {
-                        monitor.report(Event::PictureEnds);
-                        continue;
-                    }
-                };
-                let light = light(camera, number)?;
-                // Warnings about the scene are given once.
-                let monitor = OfOnePicture { monitor, warns: std::mem::take(&mut is_first) };
-                self.picture((number, camera), overrides, light, &picture, &monitor)?;
-                made += usize::from(picture.finish()?);
-                monitor.report(Event::PictureEnds);
-            }
-            todo = theirs;
-            if !todo.is_empty() {
-                if pause == SHORTEST_PAUSE {
-                    monitor.report(Event::Waiting { pictures: todo.len() });
-                }
-                sleep(pause);
-                pause = LONGEST_PAUSE.min(pause * 2);
-            }
-        }
-        Ok(made)
-    }
-
-    /// Makes one picture, but for its name.
-    fn picture(
-        &self,
-        (number, camera): (u32, &str),
-        overrides: &[String],
-        light: LightSource,
-        picture: &NewPicture,
-        monitor: &dyn Monitor,
-    ) -> Result<()> {
-        // It was read before, with all that it names.
-        let capture = self.capture(camera, number, overrides).map_err(Error::since_begun)?;
-        let mut results = OutputFolder::own(picture.path());
-        let request = Request {
-            input: &self.capture_path,
-            named: self.file.description.capture.clone(),
-            overrides: overrides.to_vec(),
-            light,
-            film_memory: self.film_memory,
-            monitor,
-            is_timed: false,
-        };
-        let rendered = render_into(capture, &request, &mut results, Timings::default());
-        rendered.map(|_| ()).map_err(|error| self.error_of_change(error, camera, number, overrides))
-    }
-
-    /// Writes the summary of the images: how many are there, and which files of the cameras are left out,
-    /// with the reasons.
-    pub fn write_index(&self, folder: &DatasetFolder) -> Result<(usize, Vec<String>)> {
-        folder.write_index(&self.file, &self.identity, &self.plan)
+    /// Writes the summary of the pictures.
+    pub fn write_index(&self, folder: &DatasetFolder) -> Result<Index> {
+        index::write_index(folder, &self.file, &self.identity, &self.plan)
     }
 
     /// How many pictures, or parts of pictures, a folder holds.
@@ -188,6 +129,15 @@ impl DataSet {
         DatasetFolder::claim(path, &self.identity, &self.plan)
     }
 
+    /// The folder of the whole data set, which must be there.
+    pub fn open(&self, path: &Path) -> Result<DatasetFolder> {
+        if !PartFolder::is_one(path) {
+            let help = "give the folder of the data set";
+            return Err(Invalid::new("", "holds no data set").help(help).in_file(path));
+        }
+        self.claim(path)
+    }
+
     /// Takes a folder for a part of every picture, of a data set that was read from `input`.
     pub fn claim_part(&self, path: &Path, samples: &Range<u32>, input: &Path) -> Result<DatasetFolder> {
         DatasetFolder::claim(path, &part_identity(&self.identity, samples, input), &self.plan)
@@ -204,121 +154,13 @@ impl DataSet {
     }
 
     /// Reads the captures of the first of these frames: keys that there are not show before anything is made.
-    pub fn check_first(&self, frames: &BTreeMap<u32, Vec<Vec<String>>>) -> Result<()> {
-        let Some((number, frame)) = frames.first_key_value() else { return Ok(()) };
-        self.cameras().zip(frame).try_for_each(|(camera, changes)| self.capture(camera, *number, changes).map(|_| ()))
-    }
-}
-
-/// What is heard of one picture of a set: that it was cancelled, and warnings of the first alone.
-struct OfOnePicture<'a> {
-    monitor: &'a dyn Monitor,
-    warns: bool,
-}
-
-impl Monitor for OfOnePicture<'_> {
-    fn report(&self, event: Event<'_>) {
-        match event {
-            Event::Warning(_) if self.warns => self.monitor.report(event),
-            // While a picture is traced it stops by itself and keeps a checkpoint.
-            Event::TraceBegins { .. } | Event::TraceEnds => self.monitor.report(event),
-            Event::Warning(_)
-            | Event::Traced(_)
-            | Event::PassEnds { .. }
-            | Event::SetBegins { .. }
-            | Event::PictureEnds
-            | Event::Waiting { .. }
-            | Event::SetEnds => {}
-        }
+    pub fn check_first(&self, frames: &Frames) -> Result<()> {
+        let mut first = self.pictures(frames).take(self.cameras().count());
+        first.try_for_each(|(number, camera, changes)| self.capture(camera, number, changes).map(drop))
     }
 
-    fn is_cancelled(&self) -> bool {
-        self.monitor.is_cancelled()
+    /// Reads the captures of all of these frames.
+    pub fn check_all(&self, frames: &Frames) -> Result<()> {
+        self.pictures(frames).try_for_each(|(number, camera, changes)| self.capture(camera, number, changes).map(drop))
     }
-}
-
-/// Reports the end of a set whichever way it ends.
-struct UntilSetEnds<'a>(&'a dyn Monitor);
-
-impl Drop for UntilSetEnds<'_> {
-    fn drop(&mut self) {
-        self.0.report(Event::SetEnds);
-    }
-}
-
-/// What frames there are, and the capture of each camera as it is before anything is varied.
-fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result<(Plan, Vec<Capture>)> {
-    let description = &file.description;
-    let rig = description.rig().map_err(|invalid| file.error(invalid))?;
-    let mut cameras = Vec::new();
-    let mut captures = Vec::new();
-    for place in rig {
-        let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
-        let read = || {
-            let capture = Capture::load_with(capture_path, &set)?;
-            check(&capture)?;
-            let camera = standalone_camera(&capture)?;
-            Ok((camera, capture))
-        };
-        let read = read().map_err(|error| file.error_of_change(error, &place.name, None, &place.set));
-        let (camera, capture) = read?;
-        // Cameras of a rig of which nothing else is stated are specimens of their own.
-        let serial = capture.sensor.serial.saturating_add(if place.is_numbered { 0 } else { captures.len() as u64 });
-        let seed = capture.render.seed;
-        // A variation may ask for flow in some frames.
-        let varies_truth = description.vary.iter().any(|variation| variation.key.trim().starts_with("output"));
-        let flows = varies_truth || capture.output.truth.layers.contains(&TruthLayer::Flow);
-        cameras.push(RigCamera { place, camera, serial, seed, flows });
-        captures.push(capture);
-    }
-    for (index, camera) in cameras.iter().enumerate() {
-        if let Some(other) = cameras[..index].iter().find(|other| other.serial == camera.serial) {
-            let (name, number) = (&other.place.name, camera.serial);
-            let message = format!("has the serial number {number} of {name}, and so the same fixed pattern");
-            let invalid = Invalid::new(format!("cameras[{index}]"), message);
-            return Err(file.error(invalid.help("give each a sensor.serial of its own in its `set`")));
-        }
-    }
-    for (index, camera) in cameras.iter().enumerate() {
-        let Some(partner) = camera.place.partner else { continue };
-        let (own, other) = (&captures[index], &captures[partner]);
-        let geometry = |capture: &Capture| {
-            let SensorModel { resolution, pixel_pitch_m, shutter, .. } = capture.sensor;
-            (resolution, pixel_pitch_m, shutter)
-        };
-        if own.lens != other.lens || geometry(own) != geometry(other) {
-            let message = "disparity is that of two cameras of one kind, and lens or sensor of the other differ";
-            let key = format!("cameras[{index}].disparity_to");
-            return Err(file.error(Invalid::new(key, message).help("remove it, or give both the same `set`")));
-        }
-    }
-    let subjects = subjects(&captures[0]);
-    let start = captures[0].camera_to_world;
-    let plan = Plan::new(description, cameras, &subjects, start).map_err(|invalid| file.error(invalid))?;
-    Ok((plan, captures))
-}
-
-/// The targets that poses can be taken around: those who look for one want all of its sheet.
-fn subjects(capture: &Capture) -> Vec<Subject> {
-    let of_target = |target: &PlacedTarget| {
-        let [low, high] = target.target.sheet;
-        let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
-        let points = corners.map(|corner| target.world(corner)).to_vec();
-        Subject { name: target.name.clone(), to_world: target.to_world, points }
-    };
-    capture.targets.iter().map(of_target).collect()
-}
-
-/// What a capture must not ask for in a data set.
-fn check(capture: &Capture) -> Result<()> {
-    let refuse =
-        |key: &str, message: &str, help: &str| Err(capture.source.error(Invalid::new(key, message).help(help)));
-    if capture.exposure.frames != 1 {
-        return refuse("exposure.frames", "a data set makes its own series", "remove it");
-    }
-    if capture.render.time_limit.is_some() {
-        let help = "write samples_per_pixel or noise_target";
-        return refuse("render.time_limit_s", "would make another data set each time", help);
-    }
-    Ok(())
 }

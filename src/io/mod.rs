@@ -4,6 +4,7 @@ pub mod checksum;
 pub mod developed;
 pub mod electrons;
 pub mod exr;
+pub mod file_sum;
 pub mod film_file;
 #[cfg(all(test, target_os = "linux"))]
 mod full_disk_tests;

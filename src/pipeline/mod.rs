@@ -16,6 +16,7 @@
 mod camera;
 mod chain;
 mod checkpoint;
+mod colour_checker;
 mod completed_rows;
 mod file_names;
 mod ideal;
@@ -40,8 +41,10 @@ mod truth_views;
 
 pub use camera::{camera_of, pixels, place_camera, standalone_camera, standalone_recording_camera};
 pub(crate) use checkpoint::are_in as are_checkpoints_in;
+pub use colour_checker::measure_checker;
 pub use file_names::PART;
 pub use lens_corrections::{LensSeen, Resampled};
+pub(crate) use monitor::go_on;
 pub use monitor::{Event, Monitor, Silent};
 pub use output_folder::OutputFolder;
 pub use parts::{Parts, check_samples};

@@ -52,7 +52,16 @@ pub enum Event<'a> {
         /// Their number.
         pictures: u64,
     },
-    /// Another picture of it is there.
+    /// A picture of it cannot be made, and is left out.
+    PictureFails {
+        /// Whose; empty where no camera of the rig gets one.
+        camera: &'a str,
+        /// The frame's number.
+        frame: u32,
+        /// Why.
+        error: &'a Error,
+    },
+    /// Another picture of it is there, or was given up.
     PictureEnds,
     /// Other processes are making so many of its pictures, which are waited for.
     Waiting {
@@ -81,7 +90,7 @@ impl Drop for UntilTraceEnds<'_> {
 }
 
 /// Whether the work may go on; the error says that nothing is lost but what is under way.
-pub(super) fn go_on(monitor: &dyn Monitor) -> crate::Result<()> {
+pub(crate) fn go_on(monitor: &dyn Monitor) -> crate::Result<()> {
     if monitor.is_cancelled() {
         return Err(cancelled(
             "give the same command again, and it begins anew, or goes on from its checkpoint".to_owned(),

@@ -13,10 +13,10 @@ use crate::capture::{NoiseOutput, OutputSettings, RawFormat, SpectralBands, Trut
 use crate::colour::ColourSpace;
 use crate::develop::{DevelopSettings, EncodedPicture, encode, with_layout};
 use crate::image::Planes;
-use crate::io::checksum::Summing;
 use crate::io::cleanup::Cleanup;
 use crate::io::developed::{write_hdr, write_linear, write_png};
 use crate::io::electrons::write_electrons;
+use crate::io::file_sum::FileSum;
 use crate::io::film_file::write_samples;
 use crate::io::light_rows::{LightRows, Store};
 use crate::io::lock::Lock;
@@ -35,7 +35,7 @@ use super::chain::Exposed;
 use super::checkpoint;
 use super::file_names::{PART, named};
 use crate::io::pretty_json::pretty_json;
-use crate::report::{PartReport, REPORT, Report, listed_files};
+use crate::report::{Listing, PartReport, REPORT, Report};
 
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
 /// unasked: a texture may be called `image.png`.
@@ -67,8 +67,8 @@ pub struct OutputFolder {
     path: PathBuf,
     force: bool,
     written: Vec<String>,
-    /// CRC-32 of the films among them, which parts state.
-    film_checksums: BTreeMap<String, String>,
+    /// Of the files that were written.
+    sums: BTreeMap<String, FileSum>,
     /// What tells the files that were written from any that another process writes.
     stamps: BTreeMap<String, Stamp>,
     /// The files that were written, until they are complete; removed before another process can claim the folder.
@@ -128,7 +128,7 @@ impl OutputFolder {
             path,
             force,
             written,
-            film_checksums: BTreeMap::new(),
+            sums: BTreeMap::new(),
             stamps,
             unfinished,
             _removal: None,
@@ -158,10 +158,16 @@ impl OutputFolder {
         self.written.clone()
     }
 
+    /// Sizes and checksums of the files written so far.
+    pub(super) fn sums(&self) -> &BTreeMap<String, FileSum> {
+        &self.sums
+    }
+
     /// Removes the results of an earlier render, its report first: none may pass for results of this one.
     pub(super) fn remove_earlier(&self) -> Result<()> {
         for report_name in [REPORT, PART] {
-            let files = listed_files(&self.path.join(report_name)).unwrap_or_default();
+            let files =
+                Listing::read(&self.path.join(report_name)).map_or_else(|_| Vec::new(), |listing| listing.files);
             // A report that somebody edited must not reach beyond the folder.
             let files =
                 files.iter().map(String::as_str).filter(|name| Path::new(name).file_name() == Some(name.as_ref()));
@@ -248,22 +254,10 @@ impl OutputFolder {
     /// The sums of a part of a render, from the file in which they were kept. That one stays until the part is there as
     /// a whole.
     pub(super) fn write_film(&mut self, number: Option<u32>, mut kept: File) -> Result<()> {
-        let name = named("film", number, "npy");
-        let mut sum = String::new();
-        self.write(&name, |to| {
+        self.write(&named("film", number, "npy"), |to| {
             kept.rewind()?;
-            let mut to = Summing::new(to);
-            std::io::copy(&mut kept, &mut to)?;
-            sum = to.checksum();
-            Ok(())
-        })?;
-        self.film_checksums.insert(name, sum);
-        Ok(())
-    }
-
-    /// CRC-32 of the files of sums written so far.
-    pub(super) fn film_checksums(&self) -> &BTreeMap<String, String> {
-        &self.film_checksums
+            std::io::copy(&mut kept, to).map(|_| ())
+        })
     }
 
     /// The last file of a part.
@@ -343,6 +337,9 @@ impl OutputFolder {
 
     fn write(&mut self, name: &str, write: impl FnOnce(&mut dyn Sink) -> IoResult<()>) -> Result<()> {
         self.stamp(name, write)?;
+        let path = self.path.join(name);
+        let sum = FileSum::of(&path).map_err(|reason| self.since_claimed(Error::io(&path, "read", reason)))?;
+        self.sums.insert(name.to_owned(), sum);
         self.written.push(name.to_owned());
         Ok(())
     }

@@ -4,13 +4,13 @@
 //! written last, which says what they are the sums of. Sensor, noise and development come when all are together.
 
 use photosite_core::{Help, Remedy, input};
-use std::io::{BufReader, Seek};
+use std::io::BufReader;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::capture::Capture;
 use crate::film::{Film, FilmResponses, Response};
-use crate::io::checksum::checksum;
+use crate::io::file_sum::FileSum;
 use crate::io::film_file::FilmReader;
 use crate::io::light_rows::LightRows;
 use crate::{Error, Invalid, Result};
@@ -139,15 +139,14 @@ impl Parts {
         let open = |(folder, part): &(PathBuf, PartReport)| {
             let path = folder.join(named("film", number, "npy"));
             let unreadable = |reason| Error::io(&path, "read", reason);
-            let mut file = input::open(&path).map_err(unreadable)?;
             // Before any of it is taken for light
-            let found = checksum(&mut file).map_err(unreadable)?;
-            let known = path.file_name().and_then(|name| part.crc32.get(&*name.to_string_lossy()));
+            let found = FileSum::of(&path).map_err(unreadable)?;
+            let known = path.file_name().and_then(|name| part.sums.get(&*name.to_string_lossy()));
             if known != Some(&found) {
                 let message = format!("is damaged: its checksum is not the one that {PART} has");
                 return Err(Invalid::new("", message).help("render that part again").in_file(&path));
             }
-            file.rewind().map_err(unreadable)?;
+            let file = input::open(&path).map_err(unreadable)?;
             let sums = FilmReader::new(size, responses.len(), BufReader::new(file));
             let sums = sums.map_err(|invalid| invalid.in_file(&path))?;
             Ok((path, part.samples[1] - part.samples[0], sums))

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::capture::Capture;
+use crate::io::file_sum::{FileSum, hex};
 use crate::{Error, Result};
-use photosite_core::input;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
@@ -41,8 +41,8 @@ fn add_files(values: &Value, folder: &Path, hashes: &mut Map<String, Value>) -> 
 }
 
 fn add_file(name: &str, path: &Path, hashes: &mut Map<String, Value>) -> Result<()> {
-    let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;
-    hashes.insert(name.to_owned(), hex(&Sha256::digest(bytes)).into());
+    let sum = FileSum::of(path).map_err(|reason| Error::io(path, "read", reason))?;
+    hashes.insert(name.to_owned(), sum.sha256.into());
     Ok(())
 }
 
@@ -51,10 +51,6 @@ pub(crate) fn fingerprinted(whole: Value) -> Map<String, Value> {
     let fingerprint = hex(&Sha256::digest(whole.to_string()));
     let keys = if let Value::Object(keys) = whole { keys } else { Map::new() };
     std::iter::once(("fingerprint".to_owned(), Value::from(fingerprint))).chain(keys).collect()
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The first thing in which the provenance of two results differs, of the later one.

@@ -142,6 +142,7 @@ fn expose_into(
         image: chain.image_report(),
         exposure: chain.exposure_report(&exposure),
         files: folder.files(),
+        sums: folder.sums().clone(),
         warnings,
         timings: Some(timings),
     };

@@ -115,6 +115,7 @@ pub fn render_into(
         image: chain.image_report(),
         exposure: chain.exposure_report(&exposure),
         files: folder.files(),
+        sums: folder.sums().clone(),
         warnings: [prepared.warnings(), &warnings].concat(),
         timings: request.is_timed.then_some(timings),
     };
@@ -143,7 +144,7 @@ fn part_report(
         overrides: request.overrides.clone(),
         trace_s: request.is_timed.then_some(trace_s),
         files: folder.files(),
-        crc32: folder.film_checksums().clone(),
+        sums: folder.sums().clone(),
         channels: prepared.responses.iter().map(|response: &Response| response.name.clone()).collect(),
         provenance,
     }

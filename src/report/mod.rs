@@ -14,6 +14,7 @@ mod schema;
 mod traced;
 mod truth;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -29,6 +30,7 @@ pub use schema::report_schema;
 pub use traced::{LightReport, NoiseReport, RenderReport};
 pub use truth::{TargetReport, TruthReport};
 
+use crate::io::file_sum::FileSum;
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
 
@@ -68,6 +70,9 @@ pub struct Report {
     pub exposure: ExposureReport,
     /// File names in the output folder.
     pub files: Vec<String>,
+    /// Their sizes and checksums by their names; none in reports of earlier versions.
+    #[serde(default)]
+    pub sums: BTreeMap<String, FileSum>,
     /// What the user was warned of.
     #[serde(default)]
     pub warnings: Vec<String>,
@@ -156,13 +161,17 @@ impl Report {
 
 /// The files that `capture.json` or `part.json` names.
 #[derive(Deserialize)]
-struct Listing {
-    files: Vec<String>,
+pub(crate) struct Listing {
+    pub(crate) files: Vec<String>,
+    /// By the files' names; none in reports of earlier versions.
+    #[serde(default)]
+    pub(crate) sums: BTreeMap<String, FileSum>,
 }
 
-/// The names of the files that a report or a part's report at `path` lists.
-pub(crate) fn listed_files(path: &Path) -> Result<Vec<String>> {
-    let bytes = input::read_at_most(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
-    let listing: Result<Listing, _> = serde_json::from_slice(&bytes);
-    listing.map(|listing| listing.files).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
+impl Listing {
+    /// Reads the report at `path`, of which nothing else is looked at.
+    pub(crate) fn read(path: &Path) -> Result<Self> {
+        let bytes = input::read_at_most(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
+        serde_json::from_slice(&bytes).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
+    }
 }

@@ -8,6 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::io::file_sum::FileSum;
+
 /// The object that `part.json` holds.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 pub struct PartReport {
@@ -26,8 +28,8 @@ pub struct PartReport {
     pub trace_s: Option<f64>,
     /// File names in the folder.
     pub files: Vec<String>,
-    /// CRC-32 of the files of sums by their names, eight hexadecimal digits each.
-    pub crc32: BTreeMap<String, String>,
+    /// Their sizes and checksums by their names.
+    pub sums: BTreeMap<String, FileSum>,
     /// Names of the film's channels.
     pub channels: Vec<String>,
     /// What all parts of a render have in common beside the above: the version of photosite, the capture, hashes of its

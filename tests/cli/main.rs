@@ -36,6 +36,7 @@ mod report;
 mod room;
 mod same_bytes;
 mod seeds;
+mod shared_work;
 mod signals;
 mod specimens;
 mod stored_sensors;

@@ -1,0 +1,92 @@
+//! `calibration/`: what calibrations of the cameras shall find, for OpenCV, ROS and Kalibr.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use crate::calibration::camera_files::{CalibratedCamera, StereoPair, kalibr, opencv, opencv_pair, ros, ros_pair};
+use crate::calibration::dataset::CALIBRATION_FOLDER;
+use crate::calibration::layouts::PictureSet;
+use crate::io::output::{create_folder, write_whole};
+use crate::{Error, Invalid, Result};
+
+/// Writes the files as far as the formats have words for the lenses, and returns why what is not there is not. Of
+/// lenses that differ from frame to frame only the pictures' own reports can tell.
+pub(super) fn write_calibration(set: &PictureSet) -> Result<Vec<String>> {
+    let folder = set.folder.join(CALIBRATION_FOLDER);
+    let mut left_out = Vec::new();
+    let mut written = BTreeSet::new();
+    match set.rig() {
+        Ok(rig) => {
+            for (name, text) in calibration_files(&rig) {
+                match text {
+                    Ok(text) => {
+                        let path = folder.join(&name);
+                        create_folder(path.parent().unwrap_or(&folder))?;
+                        write_whole(&path, |to| to.write_all(text.as_bytes()))?;
+                        written.insert(name);
+                    }
+                    Err(invalid) => left_out.push(format!("`{name}`: {}", invalid.message)),
+                }
+            }
+        }
+        Err(invalid) => left_out.push(format!("all of its files: {}", invalid.message)),
+    }
+    // What was true of fewer frames is not left behind.
+    let earlier = calibration_names(&set.cameras).into_iter().filter(|name| !written.contains(name));
+    earlier.map(|name| folder.join(name)).try_for_each(|path| remove(&path))?;
+    Ok(left_out)
+}
+
+/// Another process may have removed it.
+fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        // A folder that is not there, or a file of that name in its place
+        Err(reason) if matches!(reason.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(()),
+        removed => removed.map_err(|reason| Error::io(path, "remove the earlier file", reason)),
+    }
+}
+
+/// The files of a rig by their names. OpenCV's and ROS's pairs are those of the first camera with each other one; ROS
+/// files of rigs of more than two cameras lie in a folder for each pair, in which the first camera is turned for that
+/// one.
+fn calibration_files(rig: &[CalibratedCamera]) -> Vec<(String, Result<String, Invalid>)> {
+    let mut files = vec![("camchain.yaml".to_owned(), kalibr(rig))];
+    files.extend(beside_the_first(rig).map(|camera| (format!("opencv/{}.yaml", camera.name), opencv(&camera))));
+    let Some((first, others)) = rig.split_first() else { return files };
+    if others.is_empty() {
+        files.push((format!("ros/{}.yaml", first.name), ros(first)));
+    }
+    for other in others {
+        let pair_name = format!("{}-{}", first.name, other.name);
+        let folder = if others.len() > 1 { format!("ros/{pair_name}") } else { "ros".to_owned() };
+        let pair = StereoPair::new(first, other);
+        let pair = pair.as_ref().map_err(Invalid::clone);
+        files.push((format!("opencv/stereo/{pair_name}.yaml"), pair.clone().and_then(opencv_pair)));
+        let names = [first, other].map(|camera| format!("{folder}/{}.yaml", camera.name));
+        match pair.and_then(ros_pair) {
+            Ok(texts) => files.extend(names.into_iter().zip(texts.map(Ok))),
+            Err(invalid) => files.extend(names.map(|name| (name, Err(invalid.clone())))),
+        }
+    }
+    files
+}
+
+/// The names of all files that [`calibration_files`] may give for cameras of these names.
+fn calibration_names(cameras: &[String]) -> Vec<String> {
+    let mut names = vec!["camchain.yaml".to_owned()];
+    let Some(first) = cameras.first() else { return names };
+    for camera in cameras {
+        names.extend(["opencv", "ros"].map(|folder| format!("{folder}/{camera}.yaml")));
+        names.push(format!("opencv/stereo/{first}-{camera}.yaml"));
+        names.extend([first, camera].map(|of_pair| format!("ros/{first}-{camera}/{of_pair}.yaml")));
+    }
+    names
+}
+
+/// The cameras in a world whose axes are OpenCV's of the first: its own pose is the identity.
+fn beside_the_first(rig: &[CalibratedCamera]) -> impl Iterator<Item = CalibratedCamera> {
+    let to_first = rig.first().map(CalibratedCamera::from_world).unwrap_or_default();
+    rig.iter().map(move |camera| CalibratedCamera { to_world: to_first * camera.to_world, ..camera.clone() })
+}

@@ -1,0 +1,178 @@
+//! What a data set will take: its first picture is made with few samples, and the rest follows in proportion.
+
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::DataSet;
+use super::frames::Frames;
+use super::presence::{Look, damage, picture};
+use super::selection::FrameList;
+use crate::capture::Capture;
+use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent, render_into};
+use crate::report::Timings;
+use crate::{Error, Invalid, Result};
+
+/// Tracing for less than this says little of the speed, s.
+const ENOUGH_S: f64 = 1.0;
+
+/// What the pictures that are missing will take, on this machine with this process alone.
+#[derive(Clone, Debug, Serialize)]
+pub struct Forecast {
+    /// The data set file.
+    #[serde(skip)]
+    input: PathBuf,
+    /// Pictures of the frames that are asked for.
+    pub pictures: usize,
+    /// Those of them that are there.
+    pub present: usize,
+    /// Frames that cannot be made.
+    pub failed: Vec<u32>,
+    /// Time for the others, s.
+    pub time_s: f64,
+    /// Whether pictures may take less: they end when their noise is low enough.
+    pub is_at_most: bool,
+    /// Most memory of the process, bytes; unknown on systems that do not tell.
+    pub memory_bytes: Option<u64>,
+    /// Disk for the others, bytes.
+    pub disk_bytes: u64,
+}
+
+impl DataSet {
+    /// Checks the keys of every frame, and tells what it takes to make the pictures that are missing in the folder at
+    /// `path`, of which nothing is changed. With `keeps_going` frames that cannot be made are reported and counted.
+    pub fn forecast(&self, frames: &Frames, path: &Path, keeps_going: bool, monitor: &dyn Monitor) -> Result<Forecast> {
+        let mut failed = frames.failed.clone();
+        let (mut pictures, mut present, mut first) = (0, 0, None);
+        let mut is_at_most = false;
+        for (number, camera, changes) in self.pictures(frames) {
+            pictures += 1;
+            match self.capture(camera, number, changes) {
+                Ok(_) if damage(&picture(path, camera, number), Look::Sizes).is_none() => present += 1,
+                Ok(capture) => {
+                    is_at_most |= capture.render.noise_target.is_some();
+                    first.get_or_insert((camera, number, changes, capture));
+                }
+                Err(error) if keeps_going => {
+                    monitor.report(Event::PictureFails { camera, frame: number, error: &error });
+                    failed.push(number);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        let failed_pictures = failed.len() - frames.failed.len();
+        failed.dedup();
+        let missing = (pictures - present - failed_pictures) as f64;
+        let cost = match first {
+            Some((camera, number, changes, capture)) => self.cost(camera, number, changes, &capture)?,
+            None => Cost::default(),
+        };
+        Ok(Forecast {
+            input: self.file.path().to_owned(),
+            pictures,
+            present,
+            failed,
+            time_s: cost.time_s * missing,
+            is_at_most,
+            memory_bytes: most_memory_bytes(),
+            disk_bytes: (cost.disk_bytes as f64 * missing) as u64,
+        })
+    }
+
+    /// What a picture takes.
+    fn cost(&self, camera: &str, number: u32, changes: &[String], capture: &Capture) -> Result<Cost> {
+        let all = capture.render.samples_per_pixel;
+        let mut few = 1;
+        loop {
+            let folder =
+                tempfile::tempdir().map_err(|reason| Error::io(&std::env::temp_dir(), "write into", reason))?;
+            let start = Instant::now();
+            let request = Request {
+                input: &self.capture_path,
+                named: self.file.description.capture.clone(),
+                overrides: changes.to_vec(),
+                light: LightSource::Traced,
+                film_memory: self.film_memory,
+                monitor: &Silent,
+                is_timed: true,
+            };
+            let mut capture = self.capture(camera, number, changes)?;
+            (capture.render.samples_per_pixel, capture.render.noise_target) = (few, None);
+            let mut results = OutputFolder::own(folder.path());
+            let rendered = render_into(capture, &request, &mut results, Timings::default())
+                .map_err(|error| self.error_of_change(error, camera, number, changes))?;
+            let Rendered::Picture { timings, .. } = rendered else { return Ok(Cost::default()) };
+            let whole_s = start.elapsed().as_secs_f64();
+            if timings.trace_s >= ENOUGH_S || few == all {
+                let per_sample_s = timings.trace_s / f64::from(few);
+                let time_s = whole_s - timings.trace_s + per_sample_s * f64::from(all);
+                return Ok(Cost { time_s, disk_bytes: bytes_in(folder.path()) });
+            }
+            let enough = f64::from(few) * (1.5 * ENOUGH_S / timings.trace_s.max(1e-3));
+            few = all.min(enough.ceil() as u32);
+        }
+    }
+}
+
+impl Forecast {
+    /// Refuses to call a data set good of which frames cannot be made.
+    pub fn check(&self) -> Result<()> {
+        if self.failed.is_empty() {
+            return Ok(());
+        }
+        let message = format!("frames cannot be made: {}", FrameList::of(&self.failed));
+        Err(Invalid::new("", message).help("see what was said of each").in_file(&self.input))
+    }
+}
+
+/// What a picture takes.
+#[derive(Default)]
+struct Cost {
+    time_s: f64,
+    disk_bytes: u64,
+}
+
+fn bytes_in(folder: &Path) -> u64 {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.filter_map(|entry| entry.metadata().ok()).map(|file| file.len()).sum()
+}
+
+/// The most memory that this process has had, as Linux tells it.
+fn most_memory_bytes() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let kib: u64 =
+        status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib << 10)
+}
+
+impl fmt::Display for Forecast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { pictures, present, time_s, is_at_most, memory_bytes, disk_bytes, .. } = self;
+        let about = if *is_at_most { "at most" } else { "about" };
+        let (time, disk) = (duration(*time_s), size(*disk_bytes));
+        let memory = memory_bytes.map_or("an unknown amount".to_owned(), size);
+        write!(
+            f,
+            "{present} of {pictures} pictures are there; the others take {about} {time} on this machine, {memory} of \
+             memory and {disk} of disk"
+        )
+    }
+}
+
+/// Two digits of the unit that fits.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        ..100.0 => format!("{seconds:.1} s"),
+        ..6000.0 => format!("{:.0} min", seconds / 60.0),
+        ..360_000.0 => format!("{:.1} h", seconds / 3600.0),
+        _ => format!("{:.1} days", seconds / 86400.0),
+    }
+}
+
+fn size(bytes: u64) -> String {
+    let mib = bytes as f64 / f64::from(1 << 20);
+    if mib < 1000.0 { format!("{mib:.1} MiB") } else { format!("{:.1} GiB", mib / 1024.0) }
+}

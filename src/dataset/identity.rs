@@ -1,0 +1,128 @@
+//! What the pictures of a folder are pictures of: `dataset.json`, written once and compared ever after.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use photosite_core::input;
+use serde_json::{Map, Value, json};
+
+use super::presence::picture;
+use crate::calibration::truth::TruthLayer;
+use crate::capture::{Capture, DatasetFile, real_path};
+use crate::pipeline::{difference, fingerprinted, keys_and_files};
+use crate::{Error, Invalid, Result};
+
+/// The file that identifies the data set.
+pub(super) const IDENTITY: &str = "dataset.json";
+/// Its key in folders of parts.
+const OF_PART: &str = "part";
+
+/// Everything that decides what the pictures are: version, description, captures, and the files that these name. How
+/// many frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow
+/// tells of the next one.
+pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[String]) -> Result<Value> {
+    let mut description = file.values.clone();
+    let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some());
+    // Flow of the last frame leads nowhere.
+    let flows = captures.iter().any(|capture| capture.output.truth.layers.contains(&TruthLayer::Flow));
+    if let (false, Value::Object(keys)) = (sweeps || flows, &mut description) {
+        keys.remove("frames");
+    }
+    let mut named = Map::new();
+    let mut keys = Vec::new();
+    for capture in captures {
+        keys.push(keys_and_files(capture, &mut named)?);
+    }
+    Ok(Value::Object(fingerprinted(json!({
+        "photosite_version": env!("CARGO_PKG_VERSION"),
+        "dataset": description,
+        "overrides": overrides,
+        "captures": keys,
+        "files_sha256": named,
+    }))))
+}
+
+/// The identity of a folder that holds a part of every picture, made from the data set file `input`.
+pub(super) fn part_identity(identity: &Value, samples: &Range<u32>, input: &Path) -> Value {
+    let mut identity = identity.clone();
+    identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": real_path(input) });
+    identity
+}
+
+/// A folder of parts of pictures.
+pub struct PartFolder {
+    path: PathBuf,
+    identity: Value,
+}
+
+impl PartFolder {
+    /// Whether a folder is that of a data set.
+    pub fn is_one(path: &Path) -> bool {
+        path.join(IDENTITY).exists()
+    }
+
+    /// Reads what a folder is a part of.
+    pub fn read(path: &Path) -> Result<Self> {
+        let refuse = |message: &str| {
+            let help = "give folders that hold a part of a data set";
+            Err(Invalid::new("", message).help(help).in_file(path))
+        };
+        if !Self::is_one(path) {
+            return refuse("holds no part of a data set");
+        }
+        let identity = read_identity(&path.join(IDENTITY))?;
+        if identity[OF_PART].is_null() {
+            return refuse("holds a whole data set and no part of one");
+        }
+        Ok(Self { path: path.to_owned(), identity })
+    }
+
+    /// Where the data set file was.
+    pub fn input(&self) -> PathBuf {
+        PathBuf::from(self.identity[OF_PART]["path"].as_str().unwrap_or_default())
+    }
+
+    /// The overrides that it was made with.
+    pub fn arguments(&self) -> Vec<String> {
+        let arguments = self.identity["overrides"].as_array().into_iter().flatten();
+        arguments.filter_map(Value::as_str).map(str::to_owned).collect()
+    }
+
+    /// Refuses parts of another data set.
+    pub fn check(&self, whole: &Value) -> Result<()> {
+        if self.identity["fingerprint"] == whole["fingerprint"] {
+            return Ok(());
+        }
+        let difference = difference(&self.identity, whole);
+        let message = format!("{} is a part of another data set: {difference}", self.path.display());
+        Err(Error::Usage { message, help: Some("give parts of one data set, and its file as it was".into()) })
+    }
+
+    /// The part of a picture, if it is there.
+    pub fn picture(&self, camera: &str, number: u32) -> Option<PathBuf> {
+        Some(picture(&self.path, camera, number)).filter(|path| path.exists())
+    }
+}
+
+/// Reads the identity of a folder.
+pub(super) fn read_identity(path: &Path) -> Result<Value> {
+    let text = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
+    serde_json::from_slice(&text).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
+}
+
+/// Says why the pictures of two identities are not those of one data set, or of the same part of it.
+pub(super) fn refusal(earlier: &Value, now: &Value) -> Option<String> {
+    if earlier["fingerprint"] != now["fingerprint"] {
+        return Some(format!("holds another data set: {}", difference(earlier, now)));
+    }
+    let samples = |identity: &Value| identity[OF_PART]["samples"].clone();
+    let range = samples(earlier);
+    if range == samples(now) {
+        return None;
+    }
+    Some(if range.is_null() {
+        "holds the whole of this data set".to_owned()
+    } else {
+        format!("holds the samples {}..{} of each pixel", range[0], range[1])
+    })
+}

@@ -1,0 +1,168 @@
+//! What a folder of a data set tells of itself: `manifest.jsonl`, `calibration/` and `README.md`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use super::calibration::write_calibration;
+use super::finished::{MANIFEST, read_present};
+use super::folder::DatasetFolder;
+use super::frames::Frames;
+use super::selection::FrameList;
+use crate::calibration::dataset::Plan;
+use crate::capture::DatasetFile;
+use crate::io::file_sum::FileSum;
+use crate::io::lock::Lock;
+use crate::io::output::write_whole;
+use crate::report::{REPORT, Report};
+use crate::{Error, Invalid, Result};
+
+/// The folder's contents for people.
+const CARD: &str = "README.md";
+
+/// What an index tells of its folder.
+pub struct Index {
+    /// How many pictures are there.
+    pub present: usize,
+    /// Numbers of the frames that lack a picture, from the first on.
+    pub missing: Vec<u32>,
+    /// Files of the cameras that are left out, with the reasons.
+    pub left_out: Vec<String>,
+}
+
+impl Index {
+    /// Refuses a folder that lacks pictures of these frames, or has `damaged` ones among them.
+    pub fn check(&self, frames: &Frames, damaged: usize, folder: &DatasetFolder) -> Result<()> {
+        let missing: Vec<u32> = frames.numbers().filter(|number| self.missing.binary_search(number).is_ok()).collect();
+        let message = match (missing.len(), damaged) {
+            (0, 0) => return Ok(()),
+            (0, _) => format!("has pictures that are damaged, in number {damaged}"),
+            (_, 0) => format!("lacks pictures of the frames {}", FrameList::of(&missing)),
+            (..) => {
+                let list = FrameList::of(&missing);
+                format!("lacks pictures of the frames {list}, and has pictures that are damaged, in number {damaged}")
+            }
+        };
+        let help = "give the same command without --index-only, which makes them";
+        Err(Invalid::new("", message).help(help).in_file(folder.path()))
+    }
+}
+
+/// Writes the manifest, the cameras and the card of what is there. Of processes that end at the same time the last to
+/// write knows of the pictures of all.
+pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: &Value, plan: &Plan) -> Result<Index> {
+    let _lock = Lock::wait_for_folder(folder.path())?;
+    folder.sweep(plan)?;
+    let path = folder.path().join(MANIFEST);
+    let earlier = report_sums(&path);
+    let (mut lines, mut missing) = (Vec::new(), Vec::new());
+    for number in 0..plan.frames() {
+        for camera in plan.cameras().iter().map(|camera| &*camera.place.name) {
+            if folder.is_done(camera, number) {
+                lines.push(line(folder, camera, number, plan, &earlier)?.to_string());
+            } else if missing.last() != Some(&number) {
+                missing.push(number);
+            }
+        }
+    }
+    write_whole(&path, |to| lines.iter().try_for_each(|line| writeln!(to, "{line}")))?;
+    let present = lines.len();
+    let left_out = if present == 0 { Vec::new() } else { write_calibration(&read_present(folder.path())?)? };
+    let card = card(file, identity, plan, present, &left_out);
+    write_whole(&folder.path().join(CARD), |to| to.write_all(card.as_bytes()))?;
+    Ok(Index { present, missing, left_out })
+}
+
+/// A line of an earlier manifest, as far as checks read it.
+#[derive(Deserialize)]
+struct Line {
+    folder: String,
+    #[serde(default)]
+    sums: BTreeMap<String, FileSum>,
+}
+
+/// The sums of the pictures' reports in a manifest, by the pictures' folders; those of lines that can be read. Nothing
+/// else vouches for a report.
+pub(super) fn report_sums(manifest: &Path) -> BTreeMap<String, FileSum> {
+    let text = fs::read_to_string(manifest).unwrap_or_default();
+    let lines = text.lines().filter_map(|line| serde_json::from_str::<Line>(line).ok());
+    lines.filter_map(|mut line| Some((line.folder, line.sums.remove(REPORT)?))).collect()
+}
+
+/// What the manifest says of a picture.
+fn line(
+    folder: &DatasetFolder,
+    camera: &str,
+    number: u32,
+    plan: &Plan,
+    earlier: &BTreeMap<String, FileSum>,
+) -> Result<Value> {
+    let path = folder.picture(camera, number).join(REPORT);
+    let Report { files, mut sums, seed, overrides, traced, exposure, .. } = Report::read(&path)?;
+    let name = format!("{camera}/{number:06}");
+    // A picture has the same bytes whenever it is made: another sum than before is that of a damaged report.
+    let report = earlier.get(&name).cloned().map_or_else(|| FileSum::of(&path), Ok);
+    sums.insert(REPORT.to_owned(), report.map_err(|reason| Error::io(&path, "read", reason))?);
+    let pose = traced.camera.as_ref();
+    Ok(json!({
+        "frame": number,
+        "frames": plan.frames(),
+        "camera": camera,
+        "time_s": plan.time_s(number),
+        "folder": name,
+        "files": files,
+        "sums": sums,
+        "seed": seed,
+        "overrides": overrides,
+        "pose": {
+            "rotation": pose.map(|camera| camera.rotation),
+            "translation_m": pose.map(|camera| camera.translation_m),
+        },
+        "camera_matrix": pose.map(|camera| camera.camera_matrix),
+        "exposure": exposure,
+    }))
+}
+
+/// What a reader who finds the folder has to know.
+fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_out: &[String]) -> String {
+    let cameras: Vec<String> = plan
+        .cameras()
+        .iter()
+        .map(|c| {
+            let [width, height] = c.camera.resolution();
+            format!("- `{}`: {width} × {height} pixels", c.place.name)
+        })
+        .collect();
+    let varied: Vec<String> = file.description.vary.iter().map(|v| format!("- `{}`", v.key)).collect();
+    let left_out: String = left_out.iter().map(|why| format!("  - not there, {why}\n")).collect();
+    let varied = if varied.is_empty() { "Nothing but poses and noise.".to_owned() } else { varied.join("\n") };
+    format!(
+        "# Synthetic pictures\n\n\
+         Made by photosite {version} from `{capture}`; everything in them is computed, nothing was photographed.\n\n\
+         {frames} frames by {count} cameras; {present} of {all} pictures are here.\n\n\
+         ## Cameras\n\n{cameras}\n\n\
+         ## What differs from frame to frame\n\n{varied}\n\n\
+         ## Files\n\n\
+         - `CAMERA/NUMBER/`: one picture. `raw.*` are digital numbers of the sensor, `image.png` is developed from them, \
+         `electrons.exr` holds the mean photo-electrons without noise, `truth.*` what is really there at each pixel, \
+         `capture.json` everything that is needed to use and to repeat the picture.\n\
+         - `manifest.jsonl`: a line for each picture: pose (world → camera, OpenCV's axes: x right, y down, z forward), \
+         camera matrix (integer coordinates at pixel centres), exposure, changes to the capture, sizes and SHA-256 of the files.\n\
+         - `calibration/`: the cameras for OpenCV, ROS and Kalibr, as far as these know such lenses. The first camera is the \
+         reference: poses of `opencv/CAMERA.yaml` lead from it; `opencv/stereo/FIRST-CAMERA.yaml` holds a pair (R, T, R1, R2, P1, P2, Q) and \
+         `ros/` the same with Tx = -fx·b in P, for the raw picture and for `image.png` where that keeps its distortion.\n{left_out}\
+         - `dataset.json`: what the data set was made from, with hashes of the files.\n\n\
+         `photosite layout` arranges all this as COLMAP, EuRoC, Kalibr, BOP or COCO have it.\n\n\
+         Lengths are metres, the world is that of glTF (y up). Fingerprint: `{fingerprint}`.\n",
+        version = env!("CARGO_PKG_VERSION"),
+        capture = file.description.capture,
+        frames = plan.frames(),
+        count = plan.cameras().len(),
+        all = plan.frames() as usize * plan.cameras().len(),
+        cameras = cameras.join("\n"),
+        fingerprint = identity["fingerprint"].as_str().unwrap_or_default(),
+    )
+}

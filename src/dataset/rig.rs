@@ -1,0 +1,91 @@
+//! The cameras of a data set with their captures, as they are before anything is varied, and what they must not ask
+//! for.
+
+use std::path::Path;
+
+use glam::DVec2;
+
+use crate::calibration::dataset::{Plan, RigCamera, Subject};
+use crate::calibration::targets::PlacedTarget;
+use crate::calibration::truth::TruthLayer;
+use crate::capture::{Capture, DatasetFile};
+use crate::pipeline::standalone_camera;
+use crate::sensor::SensorModel;
+use crate::{Invalid, Result};
+
+/// What frames there are, and the capture of each camera as it is before anything is varied.
+pub(super) fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result<(Plan, Vec<Capture>)> {
+    let description = &file.description;
+    let rig = description.rig().map_err(|invalid| file.error(invalid))?;
+    let mut cameras = Vec::new();
+    let mut captures = Vec::new();
+    for place in rig {
+        let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
+        let read = || {
+            let capture = Capture::load_with(capture_path, &set)?;
+            check(&capture)?;
+            let camera = standalone_camera(&capture)?;
+            Ok((camera, capture))
+        };
+        let read = read().map_err(|error| file.error_of_change(error, &place.name, None, &place.set));
+        let (camera, capture) = read?;
+        // Cameras of a rig of which nothing else is stated are specimens of their own.
+        let serial = capture.sensor.serial.saturating_add(if place.is_numbered { 0 } else { captures.len() as u64 });
+        let seed = capture.render.seed;
+        // A variation may ask for flow in some frames.
+        let varies_truth = description.vary.iter().any(|variation| variation.key.trim().starts_with("output"));
+        let flows = varies_truth || capture.output.truth.layers.contains(&TruthLayer::Flow);
+        cameras.push(RigCamera { place, camera, serial, seed, flows });
+        captures.push(capture);
+    }
+    for (index, camera) in cameras.iter().enumerate() {
+        if let Some(other) = cameras[..index].iter().find(|other| other.serial == camera.serial) {
+            let (name, number) = (&other.place.name, camera.serial);
+            let message = format!("has the serial number {number} of {name}, and so the same fixed pattern");
+            let invalid = Invalid::new(format!("cameras[{index}]"), message);
+            return Err(file.error(invalid.help("give each a sensor.serial of its own in its `set`")));
+        }
+    }
+    for (index, camera) in cameras.iter().enumerate() {
+        let Some(partner) = camera.place.partner else { continue };
+        let (own, other) = (&captures[index], &captures[partner]);
+        let geometry = |capture: &Capture| {
+            let SensorModel { resolution, pixel_pitch_m, shutter, .. } = capture.sensor;
+            (resolution, pixel_pitch_m, shutter)
+        };
+        if own.lens != other.lens || geometry(own) != geometry(other) {
+            let message = "disparity is that of two cameras of one kind, and lens or sensor of the other differ";
+            let key = format!("cameras[{index}].disparity_to");
+            return Err(file.error(Invalid::new(key, message).help("remove it, or give both the same `set`")));
+        }
+    }
+    let subjects = subjects(&captures[0]);
+    let start = captures[0].camera_to_world;
+    let plan = Plan::new(description, cameras, &subjects, start).map_err(|invalid| file.error(invalid))?;
+    Ok((plan, captures))
+}
+
+/// The targets that poses can be taken around: those who look for one want all of its sheet.
+fn subjects(capture: &Capture) -> Vec<Subject> {
+    let of_target = |target: &PlacedTarget| {
+        let [low, high] = target.target.sheet;
+        let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+        let points = corners.map(|corner| target.world(corner)).to_vec();
+        Subject { name: target.name.clone(), to_world: target.to_world, points }
+    };
+    capture.targets.iter().map(of_target).collect()
+}
+
+/// What a capture must not ask for in a data set.
+fn check(capture: &Capture) -> Result<()> {
+    let refuse =
+        |key: &str, message: &str, help: &str| Err(capture.source.error(Invalid::new(key, message).help(help)));
+    if capture.exposure.frames != 1 {
+        return refuse("exposure.frames", "a data set makes its own series", "remove it");
+    }
+    if capture.render.time_limit.is_some() {
+        let help = "write samples_per_pixel or noise_target";
+        return refuse("render.time_limit_s", "would make another data set each time", help);
+    }
+    Ok(())
+}

@@ -1,0 +1,41 @@
+//! Reading every file of the pictures that are there, for damage that their names do not show.
+
+use rayon::prelude::*;
+
+use super::DataSet;
+use super::finished::MANIFEST;
+use super::folder::DatasetFolder;
+use super::frames::Frames;
+use super::index::report_sums;
+use super::presence::{Look, damage, damage_of_report};
+use crate::Result;
+use crate::pipeline::{Event, Monitor};
+
+impl DataSet {
+    /// Holds every file of the frames' pictures against its checksum, and warns of those that are damaged. With `mends`
+    /// such pictures are taken away, to be made again. Returns how many
+    /// pictures are damaged that pass for whole ones by the names and sizes of their files.
+    pub fn verify(&self, frames: &Frames, folder: &DatasetFolder, mends: bool, monitor: &dyn Monitor) -> Result<usize> {
+        let sums = report_sums(&folder.path().join(MANIFEST));
+        let pictures: Vec<_> = self.pictures(frames).collect();
+        let damaged = pictures.par_iter().filter_map(|&(number, camera, _)| {
+            let path = folder.picture(camera, number);
+            if !path.exists() {
+                return None;
+            }
+            let of_report =
+                || sums.get(&format!("{camera}/{number:06}")).and_then(|known| damage_of_report(&path, known));
+            damage(&path, Look::Contents).or_else(of_report).map(|what| (camera, number, what))
+        });
+        let damaged: Vec<_> = damaged.collect();
+        for (camera, number, what) in &damaged {
+            monitor.report(Event::Warning(&format!("{camera}/{number:06} is damaged: {what}")));
+        }
+        let is_hidden = |&&(camera, number, _): &&(&str, u32, String)| folder.is_done(camera, number);
+        let hidden = damaged.iter().filter(is_hidden).count();
+        if mends {
+            damaged.iter().try_for_each(|(camera, number, _)| folder.remove(camera, *number))?;
+        }
+        Ok(hidden)
+    }
+}

@@ -1,0 +1,65 @@
+//! Size and SHA-256 of a file, by which damage shows that a file's name does not.
+
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+use photosite_core::input;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// What is read at a time.
+const BUFFER_BYTES: usize = 1 << 16;
+
+/// Size and SHA-256 of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+pub struct FileSum {
+    /// Size, bytes.
+    pub bytes: u64,
+    /// SHA-256 (FIPS 180-4), 64 hexadecimal digits.
+    pub sha256: String,
+}
+
+impl FileSum {
+    /// That of the file at `path`, which is read once.
+    pub fn of(path: &Path) -> io::Result<Self> {
+        Self::of_file(&mut input::open(path)?)
+    }
+
+    fn of_file(file: &mut File) -> io::Result<Self> {
+        let (mut sum, mut bytes) = (Sha256::new(), 0);
+        let mut buffer = vec![0; BUFFER_BYTES];
+        loop {
+            match file.read(&mut buffer) {
+                Ok(0) => return Ok(Self { bytes, sha256: hex(&sum.finalize()) }),
+                Ok(count) => {
+                    sum.update(&buffer[..count]);
+                    bytes += count as u64;
+                }
+                Err(reason) if reason.kind() == ErrorKind::Interrupted => {}
+                Err(reason) => return Err(reason),
+            }
+        }
+    }
+}
+
+/// Two digits a byte.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sum_is_that_of_the_standard() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("abc");
+        std::fs::write(&path, "abc").expect("written");
+        // FIPS 180-4's example of one block
+        let sha256 = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad".to_owned();
+        assert_eq!(FileSum::of(&path).expect("read"), FileSum { bytes: 3, sha256 });
+    }
+}
