@@ -94,7 +94,9 @@ impl DatasetFolder {
             return Ok(Turn::Done);
         }
         let lost = damage(&path, Look::Sizes).filter(|_| path.exists());
-        remove_picture(&path)?;
+        if let Some(what) = &lost {
+            remove_picture(&path, what, &lock)?;
+        }
         // Before there is one of this process.
         let left = if lock.is_proven() { unfinished_folders(&path) } else { Vec::new() };
         let folder = UnfinishedFolder::beside(&path, are_checkpoints_in)?;
@@ -110,12 +112,11 @@ impl DatasetFolder {
         Ok(Turn::Ours(NewPicture { folder, lost, _lock: lock }))
     }
 
-    /// Takes away a picture that is damaged; not while another process has its turn.
-    pub(super) fn remove(&self, camera: &str, number: u32) -> Result<()> {
-        match Lock::try_take(&self.lock(camera, number))? {
-            Some(_lock) => remove_picture(&self.picture(camera, number)),
-            None => Ok(()),
-        }
+    /// Takes away a picture that is damaged, unless another process makes it anew, or has done so.
+    pub(super) fn remove(&self, camera: &str, number: u32, damage: impl Fn(&Path) -> Option<String>) -> Result<()> {
+        let Some(lock) = Lock::try_take(&self.lock(camera, number))? else { return Ok(()) };
+        let path = self.picture(camera, number);
+        damage(&path).map_or(Ok(()), |what| remove_picture(&path, &what, &lock))
     }
 
     /// Where a picture is.
@@ -186,14 +187,18 @@ impl NewPicture {
     }
 }
 
-/// Removes what has a picture's number. It loses the number first, so that none is ever seen that lacks more and more.
-fn remove_picture(path: &Path) -> Result<()> {
-    if !path.exists() {
-        return Ok(());
+/// Removes a picture of which something is damaged. It loses its number first, so that none is ever seen that lacks
+/// more and more.
+///
+/// Without a lock another process may be about to put a whole one in its place, which must not be lost.
+fn remove_picture(path: &Path, what: &str, lock: &Lock) -> Result<()> {
+    if !lock.is_proven() {
+        let message = format!("is damaged: {what}; and its file system knows no locks");
+        let help = "remove the folder while no process fills the data set, and give the command again";
+        return Err(Invalid::new("", message).help(help).in_file(path));
     }
     // Under a name of its own it is one that is given up.
-    let aside = UnfinishedFolder::beside(path, |_| false)?;
-    aside.take_over(path);
+    UnfinishedFolder::beside(path, |_| false)?.take_over(path);
     Ok(())
 }
 

@@ -1,6 +1,8 @@
 //! Data sets: a capture again and again, from other poses, under other conditions.
 
 mod calibration;
+#[cfg(test)]
+mod claim_model;
 mod finished;
 mod folder;
 mod forecast;

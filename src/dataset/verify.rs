@@ -1,5 +1,7 @@
 //! Reading every file of the pictures that are there, for damage that their names do not show.
 
+use std::path::Path;
+
 use rayon::prelude::*;
 
 use super::DataSet;
@@ -18,14 +20,16 @@ impl DataSet {
     pub fn verify(&self, frames: &Frames, folder: &DatasetFolder, mends: bool, monitor: &dyn Monitor) -> Result<usize> {
         let sums = report_sums(&folder.path().join(MANIFEST));
         let pictures: Vec<_> = self.pictures(frames).collect();
+        let damage_of = |path: &Path, camera: &str, number: u32| {
+            // One that is missing is not damaged.
+            damage(path, Look::Contents).filter(|_| path.exists()).or_else(|| {
+                let known = sums.get(&format!("{camera}/{number:06}"))?;
+                damage_of_report(path, known).filter(|_| path.exists())
+            })
+        };
         let damaged = pictures.par_iter().filter_map(|&(number, camera, _)| {
-            let path = folder.picture(camera, number);
-            if !path.exists() {
-                return None;
-            }
-            let of_report =
-                || sums.get(&format!("{camera}/{number:06}")).and_then(|known| damage_of_report(&path, known));
-            damage(&path, Look::Contents).or_else(of_report).map(|what| (camera, number, what))
+            let what = damage_of(&folder.picture(camera, number), camera, number)?;
+            Some((camera, number, what))
         });
         let damaged: Vec<_> = damaged.collect();
         for (camera, number, what) in &damaged {
@@ -34,7 +38,9 @@ impl DataSet {
         let is_hidden = |&&(camera, number, _): &&(&str, u32, String)| folder.is_done(camera, number);
         let hidden = damaged.iter().filter(is_hidden).count();
         if mends {
-            damaged.iter().try_for_each(|(camera, number, _)| folder.remove(camera, *number))?;
+            for (camera, number, _) in &damaged {
+                folder.remove(camera, *number, |path| damage_of(path, camera, *number))?;
+            }
         }
         Ok(hidden)
     }
