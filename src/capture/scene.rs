@@ -245,6 +245,7 @@ impl ReadScene {
         }));
         scene.lights.extend(other.lights);
         scene.cameras.extend(other.cameras);
+        scene.files.extend(other.files);
         scene.warnings.extend(other.warnings);
     }
 

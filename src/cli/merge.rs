@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use photosite::capture::{Capture, relative_path};
 use photosite::dataset::{DataSet, PartFolder};
-use photosite::pipeline::{LightSource, OutputFolder, Parts, Request, render_into};
+use photosite::pipeline::{LightSource, Parts, Place, Request, render_into};
 use photosite::report::Timings;
 use photosite::{Error, Result};
 
@@ -14,7 +14,7 @@ use super::arguments::start_threads;
 use super::dataset::SetReport;
 use super::film_memory::FilmMemoryArgs;
 use super::monitor::TerminalMonitor;
-use super::render::finish;
+use super::render::{finish, finish_again};
 
 /// Put together what several runs of `photosite render --samples A..B`, or of `photosite dataset --samples A..B`, have
 /// traced.
@@ -61,15 +61,21 @@ fn merge_pictures(args: &MergeArgs) -> Result<()> {
     let (input, overrides) = (args.input.clone().unwrap_or_else(|| part.path.clone()), part.overrides.clone());
     let capture = Capture::load_with(&input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
-    let mut folder = OutputFolder::claim(&args.output, args.force)?;
+    let is_timed = parts.trace_s().is_some();
+    let light = LightSource::Merged(parts);
+    let monitor = &TerminalMonitor::new(args.quiet, args.json);
+    let mut folder = match Place::claim(&args.output, args.force, &capture, &light, monitor)? {
+        Place::Free(folder) => folder,
+        Place::Done(rendered) => return finish_again(&rendered, &args.output, args.quiet, args.json),
+    };
     let request = Request {
         input: &input,
         named: relative_path(&input, folder.path()),
         overrides,
-        is_timed: parts.trace_s().is_some(),
-        light: LightSource::Merged(parts),
+        is_timed,
+        light,
         film_memory: args.film_memory.value(),
-        monitor: &TerminalMonitor::new(args.quiet, args.json),
+        monitor,
     };
     let rendered = render_into(capture, &request, &mut folder, timings)?;
     finish(&rendered, &folder, args.quiet, args.json)

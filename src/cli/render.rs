@@ -7,7 +7,7 @@ use std::time::Instant;
 use clap::Args;
 use photosite::Result;
 use photosite::capture::{Capture, relative_path};
-use photosite::pipeline::{LightSource, OutputFolder, Rendered, Request, render_into};
+use photosite::pipeline::{LightSource, OutputFolder, Place, Rendered, Request, render_into};
 use photosite::report::{REPORT, Report, Timings};
 
 use super::arguments::parse_range;
@@ -41,14 +41,20 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let overrides = args.common.overrides();
     let capture = Capture::load_with(&args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
-    let mut folder = OutputFolder::claim(&output.clone().unwrap_or_else(|| default_folder(&args.input)), *force)?;
+    let path = output.clone().unwrap_or_else(|| default_folder(&args.input));
+    let light = args.samples.clone().map_or(LightSource::Traced, LightSource::Part);
+    let monitor = &args.common.monitor();
+    let mut folder = match Place::claim(&path, *force, &capture, &light, monitor)? {
+        Place::Free(folder) => folder,
+        Place::Done(rendered) => return finish_again(&rendered, &path, *quiet, *json),
+    };
     let request = Request {
         input: &args.input,
         named: relative_path(&args.input, folder.path()),
         overrides,
-        light: args.samples.clone().map_or(LightSource::Traced, LightSource::Part),
+        light,
         film_memory: args.film_memory.value(),
-        monitor: &args.common.monitor(),
+        monitor,
         is_timed: true,
     };
     let rendered = render_into(capture, &request, &mut folder, timings)?;
@@ -80,6 +86,18 @@ pub(super) fn finish(rendered: &Rendered, folder: &OutputFolder, quiet: bool, js
         }
     }
     Ok(())
+}
+
+/// Says that all of a render was there before.
+pub(super) fn finish_again(rendered: &Rendered, folder: &Path, quiet: bool, json: bool) -> Result<()> {
+    if !quiet {
+        say!("{} holds this render already; --force makes it anew", folder.display());
+    }
+    match rendered {
+        Rendered::Picture { report, .. } if json => print_json(report),
+        Rendered::Part(part) if json => print_json(part),
+        Rendered::Picture { .. } | Rendered::Part(_) => Ok(()),
+    }
 }
 
 fn summarise(report: &Report, timings: &Timings, folder: &OutputFolder) {

@@ -17,13 +17,14 @@ use photosite_core::{Remedy, fail_point};
 use serde_json::Value;
 
 use super::identity::{IDENTITY, read_identity, refusal};
-use super::presence::{Look, damage, picture};
+use super::presence::{damage, picture};
 use crate::calibration::dataset::Plan;
 use crate::io::lock::Lock;
 use crate::io::output::{create_folder, remove_leftovers, write_new};
 use crate::io::pretty_json::pretty_json;
 use crate::io::unfinished::{UnfinishedFolder, unfinished_folders};
 use crate::pipeline::are_checkpoints_in;
+use crate::report::Look;
 use crate::{Error, Invalid, Result};
 
 /// A folder that is known to be that of this data set.

@@ -9,11 +9,11 @@ use serde::Serialize;
 
 use super::DataSet;
 use super::frames::Frames;
-use super::presence::{Look, damage, picture};
+use super::presence::{damage, picture};
 use super::selection::FrameList;
 use crate::capture::Capture;
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent, render_into};
-use crate::report::Timings;
+use crate::report::{Look, Timings};
 use crate::{Error, Invalid, Result};
 
 /// Tracing for less than this says little of the speed, s.

@@ -9,9 +9,10 @@ use super::finished::MANIFEST;
 use super::folder::DatasetFolder;
 use super::frames::Frames;
 use super::index::report_sums;
-use super::presence::{Look, damage, damage_of_report};
+use super::presence::{damage, damage_of_report};
 use crate::Result;
 use crate::pipeline::{Event, Monitor};
+use crate::report::Look;
 
 impl DataSet {
     /// Holds every file of the frames' pictures against its checksum, and warns of those that are damaged. With `mends`

@@ -58,7 +58,7 @@ pub struct Parts {
 impl Parts {
     /// Reads folders that hold all samples of one render, each of them once.
     pub fn read(folders: &[PathBuf]) -> Result<Self> {
-        let read = |folder: &PathBuf| Ok((folder.clone(), read_report(folder)?));
+        let read = |folder: &PathBuf| Ok((folder.clone(), read_part(folder)?));
         let mut parts = folders.iter().map(read).collect::<Result<Vec<_>>>()?;
         parts.sort_by_key(|(_, part)| part.samples);
         let refuse = |message: String, help: Help| Err(Error::Usage { message, help: Some(help) });
@@ -165,7 +165,8 @@ impl Parts {
     }
 }
 
-fn read_report(folder: &Path) -> Result<PartReport> {
+/// Reads what a folder is a part of.
+pub(super) fn read_part(folder: &Path) -> Result<PartReport> {
     let path = folder.join(PART);
     if !path.exists() {
         let whole = folder.join(REPORT).exists();

@@ -46,6 +46,8 @@ impl Prepared {
         let importance = importance(&responses);
         let filters = filters(&capture);
         let description = std::mem::take(&mut capture.scene);
+        // Its files still tell what the results are made of.
+        capture.scene.files.clone_from(&description.files);
         let mut warnings = description.warnings.clone();
         warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
         let wanted = &capture.output.truth;

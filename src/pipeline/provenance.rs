@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::capture::Capture;
+use crate::capture::{Capture, relative_path};
 use crate::io::file_sum::{FileSum, hex};
 use crate::{Error, Result};
 use serde_json::{Map, Value, json};
@@ -25,6 +25,9 @@ pub(crate) fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>)
     let folder = capture.source.path().parent().unwrap_or(Path::new(""));
     let values = capture.to_json(folder)?;
     add_files(&values, folder, hashes)?;
+    // What scenes name in turn, by names that do not depend on where the command was given
+    let named_from = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    capture.scene.files.iter().try_for_each(|path| add_file(&relative_path(path, named_from), path, hashes))?;
     Ok(values)
 }
 

@@ -136,6 +136,7 @@ fn expose_into(
         input: relative_path(input, folder.path()),
         overrides: overrides.to_vec(),
         capture: capture.to_json(folder.path())?,
+        fingerprint: None,
         seed: capture.seed,
         traced,
         sensor: chain.sensor_report(&exposure, &first),

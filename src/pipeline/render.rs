@@ -109,6 +109,7 @@ pub fn render_into(
         input: request.named.clone(),
         overrides: request.overrides.clone(),
         capture: capture.to_json(folder.path())?,
+        fingerprint: provenance["fingerprint"].as_str().map(str::to_owned),
         seed: capture.render.seed,
         traced,
         sensor: chain.sensor_report(&exposure, &first),

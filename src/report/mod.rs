@@ -7,6 +7,7 @@ mod camera;
 mod comparison;
 mod exposed;
 mod image;
+mod listing;
 mod matrix;
 mod motion;
 mod part;
@@ -24,6 +25,7 @@ pub use camera::{CameraReport, FieldOfViewReport};
 pub use comparison::{ComparedFile, ComparisonReport, DifferencePicture, UntestedChannels};
 pub use exposed::{ExposureReport, LensReport, SensorReport};
 pub use image::ImageReport;
+pub(crate) use listing::{Listing, Look, damage_of_file};
 pub use motion::{MotionReport, PathReport, PoseReport};
 pub use part::PartReport;
 pub use schema::report_schema;
@@ -56,6 +58,10 @@ pub struct Report {
     /// Every key that was given: the capture file, the sensor's preset and overrides, laid over each other. With the
     /// files that it names it is a capture file again.
     pub capture: serde_json::Value,
+    /// SHA-256 of all that decides the results: the version, the keys, and the files that these and the scene name. Of
+    /// renders alone; none in reports of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<String>,
     /// Seed of sensor noise.
     pub seed: u64,
     /// What holds for the light, whatever sensor it falls on.
@@ -156,22 +162,5 @@ impl Report {
             return Err(Invalid::new("schema_version", message).help(help).in_file(path));
         }
         Ok(report)
-    }
-}
-
-/// The files that `capture.json` or `part.json` names.
-#[derive(Deserialize)]
-pub(crate) struct Listing {
-    pub(crate) files: Vec<String>,
-    /// By the files' names; none in reports of earlier versions.
-    #[serde(default)]
-    pub(crate) sums: BTreeMap<String, FileSum>,
-}
-
-impl Listing {
-    /// Reads the report at `path`, of which nothing else is looked at.
-    pub(crate) fn read(path: &Path) -> Result<Self> {
-        let bytes = input::read_at_most(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
-        serde_json::from_slice(&bytes).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
     }
 }

@@ -39,7 +39,7 @@ fn errors_of_set_name_the_argument(#[case] argument: &str, #[case] message: &str
 fn earlier_results_are_kept_unless_told_otherwise() {
     let folder = room("[render]\nsamples_per_pixel = 1");
     folder.succeed("render capture.toml -o out");
-    folder.fail("render capture.toml -o out", 2, &["out holds the results of an earlier render", "--force"]);
+    folder.fail("render capture.toml --seed 2 -o out", 2, &["out holds the results of an earlier render", "--force"]);
     // A picture of that name may be anything, a texture for example.
     folder.add("image.png", "mine");
     folder.fail("render capture.toml -o .", 2, &[". holds a file image.png already", "--force"]);

@@ -16,6 +16,7 @@ mod expose;
 mod folder;
 mod frames;
 mod geometry_alone;
+mod given_again;
 mod gltf;
 mod gltf_features;
 mod image_lag;

@@ -1,7 +1,7 @@
 //! Where bytes come from: the binary chunk, files beside the document, data URIs.
 
 use std::borrow::Cow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::GeneralPurposeConfig;
@@ -100,6 +100,11 @@ pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Invalid> {
         Invalid::new("", format!("cannot read {}: {source}", path.display()))
             .help("put the file there, or export the scene with its data embedded (.glb)")
     })
+}
+
+/// The file that a URI names; none where it holds its data itself.
+pub(super) fn path_of(uri: &str, folder: &Path) -> Option<PathBuf> {
+    if uri.starts_with("data:") { None } else { decoded_path(uri).ok().map(|path| folder.join(&*path)) }
 }
 
 /// The relative path that a URI names.

@@ -27,7 +27,7 @@ mod tests;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 use gltf::json::Root;
@@ -119,8 +119,20 @@ pub(super) fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Resul
     };
     read().map_err(in_text).map(|(mut file, warnings)| {
         file.scene.warnings = warnings.of_file(path);
+        file.scene.files = named_files(&root, folder);
         file
     })
+}
+
+/// The files that a document names, each once. What names none by then is an error already.
+fn named_files(root: &Root, folder: &Path) -> Vec<PathBuf> {
+    let buffers = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    let images = root.images.iter().filter_map(|image| image.uri.as_deref());
+    let mut files: Vec<PathBuf> = buffers.chain(images).filter_map(|uri| buffers::path_of(uri, folder)).collect();
+    files.retain(|path| path.is_file());
+    files.sort();
+    files.dedup();
+    files
 }
 
 /// Checks what a document needs from a reader.

@@ -100,6 +100,10 @@ pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
         };
         return Err(Invalid::new("", message).help("export the scene with its faces").in_file(path));
     }
+    let libraries = libraries.into_values().map(|(path, _)| path);
+    scene.files = libraries.chain(pictures.slots.into_keys().map(|(path, _)| path)).collect();
+    scene.files.sort();
+    scene.files.dedup();
     scene.images = pictures.images;
     scene.warnings = warnings.of_file(path);
     Ok(ObjFile { scene, undescribed_materials })

@@ -46,11 +46,11 @@ const LARGEST_EXPONENT: f32 = 1000.0;
 pub(super) struct Pictures {
     pub(super) images: Vec<Arc<Bitmap>>,
     /// By path and what was made of them.
-    slots: HashMap<(PathBuf, String), Prepared>,
+    pub(super) slots: HashMap<(PathBuf, String), Prepared>,
 }
 
 #[derive(Clone, Copy)]
-struct Prepared {
+pub(super) struct Prepared {
     image: usize,
     /// Whether it is a map of normals though heights were asked for.
     has_normals: bool,

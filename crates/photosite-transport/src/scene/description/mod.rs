@@ -12,6 +12,7 @@ mod mesh;
 mod model;
 mod texture;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::geometry::QuadricKind;
@@ -46,6 +47,8 @@ pub struct SceneDescription {
     pub environment: Option<EnvironmentDescription>,
     /// Cameras of the files, in order.
     pub cameras: Vec<CameraDescription>,
+    /// The files that those name which it was read from: buffers, pictures, material libraries, each once.
+    pub files: Vec<PathBuf>,
     /// Things worth telling the user that are no errors, each once.
     pub warnings: Vec<String>,
 }
