@@ -55,6 +55,30 @@ fn a_signal_ends_a_render_with_a_checkpoint(#[case] signal: &str, #[case] status
     assert_eq!(folder.results("out").into_keys().collect::<Vec<_>>(), ["checkpoint.film"]);
 }
 
+/// Both come before the render has kept anything: it is held on until both are there.
+#[test]
+fn a_second_signal_ends_a_render_at_once() {
+    let folder = room("");
+    let mut process = folder
+        .command(&format!("render capture.toml --quiet -o out {ENDLESS}"))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary runs");
+    while !folder.path("out/preview.png").exists() {
+        assert!(process.try_wait().expect("a child").is_none(), "it ended before it was interrupted");
+        sleep(Duration::from_millis(1));
+    }
+    for signal in ["STOP", "INT", "TERM", "CONT"] {
+        send(signal, process.id());
+    }
+    let output = process.wait_with_output().expect("it ends");
+    // The second's status, and no word of a checkpoint.
+    assert_eq!(output.status.code(), Some(143), "{output:?}");
+    assert_eq!(output.stderr, b"", "{output:?}");
+    assert!(!folder.path("out").exists(), "nothing is left behind");
+}
+
 /// Broken off again and again, after some part of the time that it takes when it is left alone.
 #[rstest]
 #[case::uniform("")]
