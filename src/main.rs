@@ -6,6 +6,12 @@ mod cli;
 
 use std::process::ExitCode;
 
+use photosite_simd::Heap;
+
+/// Says so where memory ends, and never waits for any.
+#[global_allocator]
+static HEAP: Heap = Heap;
+
 fn main() -> ExitCode {
     cli::run()
 }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 const WITH_FILES: &[&str] = &[
     "src",
     "crates/photosite-core/src/input.rs",
+    "crates/photosite-core/src/memory",
     "crates/photosite-core/src/output.rs",
     "crates/photosite-core/src/cleanup.rs",
     "crates/photosite-core/src/fail_point.rs",

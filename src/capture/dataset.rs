@@ -43,6 +43,7 @@ impl DatasetFile {
             Error::Input(_)
             | Error::Io { .. }
             | Error::Usage { .. }
+            | Error::Resources { .. }
             | Error::Temporary(_)
             | Error::Cancelled { .. } => {
                 return error;
@@ -54,7 +55,11 @@ impl DatasetFile {
         let (message, help) = match error {
             Error::Input(error) => (format!("{}: {}", error.key, error.message), error.help),
             Error::Override { message, help, .. } => (message, help),
-            Error::Io { .. } | Error::Usage { .. } | Error::Temporary(_) | Error::Cancelled { .. } => return error,
+            Error::Io { .. }
+            | Error::Usage { .. }
+            | Error::Resources { .. }
+            | Error::Temporary(_)
+            | Error::Cancelled { .. } => return error,
         };
         // A file has no options.
         let help = help.map(|help| help.to_string().into());

@@ -72,6 +72,19 @@ pub enum Bracket {
 }
 
 impl Bracket {
+    /// Number of pictures.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Steps(steps) => steps.len(),
+            Self::Times(times) => times.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// The times, in the order in which they were written, around that of the exposure.
     pub fn times(&self, exposure: Seconds) -> Vec<Seconds> {
         match self {

@@ -8,18 +8,27 @@ use photosite::Error;
 pub(super) fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
     /// So many that wait for each other slow down a small machine only a little.
     const FEW: usize = 256;
-    let Some(threads) = threads.map(usize::from) else { return Ok(()) };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let usage = |message: String| Error::Usage {
-        message,
-        help: Some(format!("this machine runs {cores} at once; more than these make nothing faster").into()),
-    };
     let most = FEW.max(4 * cores);
+    // Of none rayon makes as many as there are cores, or as RAYON_NUM_THREADS says.
+    let threads = threads.map_or(0, usize::from);
     if threads > most {
-        return Err(usage(format!("--threads {threads}: at most {most} can be asked for")));
+        let message = format!("--threads {threads}: at most {most} can be asked for");
+        let help = format!("this machine runs {cores} at once; more than these make nothing faster");
+        return Err(Error::Usage { message, help: Some(help.into()) });
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-    pool.map_err(|reason| usage(format!("cannot start {threads} threads: {reason}")))
+    pool.map_err(|reason| no_threads(if threads == 0 { cores } else { threads }, &reason))
+}
+
+/// The error of threads that the system does not start.
+pub(super) fn no_threads(count: usize, reason: &dyn std::fmt::Display) -> Error {
+    let message = format!(
+        "cannot start {}: {reason}",
+        if count == 1 { "a thread".to_owned() } else { format!("{count} threads") }
+    );
+    let help = "lower --threads, or raise the limits of memory (ulimit -v) and of processes (ulimit -u)";
+    Error::Resources { message, help: Some(help.into()) }
 }
 
 /// A range of whole numbers as arguments have it, `A..B`: from A up to, but without, B.

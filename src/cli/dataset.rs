@@ -9,7 +9,7 @@ use photosite::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Ma
 use photosite::pipeline::LightSource;
 use serde_json::json;
 
-use super::arguments::{parse_range, start_threads};
+use super::arguments::parse_range;
 use super::film_memory::FilmMemoryArgs;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
@@ -58,9 +58,6 @@ pub(super) struct DatasetArgs {
     /// Change a key of the capture file in all frames, for example --set render.samples_per_pixel=16.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
     #[command(flatten)]
     film_memory: FilmMemoryArgs,
     /// Print nothing but errors.
@@ -72,7 +69,6 @@ pub(super) struct DatasetArgs {
 }
 
 pub(super) fn run(args: &DatasetArgs) -> Result<()> {
-    start_threads(args.threads)?;
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
     let set = DataSet::read(&args.input, &args.overrides, args.film_memory.value())?;
     if let Some(samples) = &args.samples {

@@ -59,7 +59,6 @@ struct Timings {
 }
 
 pub(super) fn run(args: &DevelopArgs) -> Result<()> {
-    args.common.start_threads()?;
     let path = args
         .output
         .clone()

@@ -8,7 +8,6 @@ use photosite::capture::{CaptureSource, read_develop_settings};
 use photosite::develop::DevelopSettings;
 use photosite::io::output::Sink;
 
-use super::arguments::start_threads;
 use super::print::{refuse_existing, write_result};
 
 #[derive(Args)]
@@ -19,9 +18,6 @@ pub(super) struct CommonDevelopArgs {
     /// Change a key of that table, for example --set develop.colour_space=acescg.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
     /// Print nothing but errors.
     #[arg(short, long)]
     pub(super) quiet: bool,
@@ -34,11 +30,6 @@ pub(super) struct CommonDevelopArgs {
 }
 
 impl CommonDevelopArgs {
-    /// Starts as many threads as are asked for.
-    pub(super) fn start_threads(&self) -> Result<()> {
-        start_threads(self.threads)
-    }
-
     /// How to develop, and where that stands.
     pub(super) fn settings(&self) -> Result<(DevelopSettings, CaptureSource)> {
         read_develop_settings(self.capture.as_deref(), &self.overrides)

@@ -26,7 +26,6 @@ pub(super) struct ExposeArgs {
 
 pub(super) fn run(args: &ExposeArgs) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
-    args.common.start_threads()?;
     let stored = StoredRender::read(&args.input, &args.common.overrides())?;
     let folder = output.clone().unwrap_or_else(|| default_folder(&args.input));
     refuse_own_folder(&folder, &args.input)?;

@@ -7,12 +7,12 @@ use photosite::pipeline::FilmMemory;
 pub(super) struct FilmMemoryArgs {
     /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long = "film-memory", value_name = "GIB", default_value = "4", value_parser = parse)]
-    memory: FilmMemory,
+    film_memory: FilmMemory,
 }
 
 impl FilmMemoryArgs {
     pub(super) fn value(self) -> FilmMemory {
-        self.memory
+        self.film_memory
     }
 }
 

@@ -15,6 +15,10 @@ static IS_JSON: AtomicBool = AtomicBool::new(false);
 /// From now on lines are objects.
 pub(super) fn speak_json() {
     IS_JSON.store(true, Ordering::Relaxed);
+    photosite_simd::Heap::set_message(
+        r#"{"event":"error","status":1,"message":"there is no more memory: "#,
+        " bytes cannot be had\"}\n",
+    );
 }
 
 /// Whether lines are objects.
@@ -82,7 +86,9 @@ fn place(error: &Error) -> (Option<String>, Option<usize>, Option<&str>) {
         Error::Input(input) => (Some(input.path.display().to_string()), input.line, Some(&input.key)),
         Error::Io { path, .. } => (Some(path.display().to_string()), None, None),
         Error::Temporary(error) => place(error),
-        Error::Override { .. } | Error::Usage { .. } | Error::Cancelled { .. } => (None, None, None),
+        Error::Override { .. } | Error::Usage { .. } | Error::Resources { .. } | Error::Cancelled { .. } => {
+            (None, None, None)
+        }
     }
 }
 

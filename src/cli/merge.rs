@@ -10,7 +10,6 @@ use photosite::pipeline::{LightSource, Parts, Place, Request, render_into};
 use photosite::report::Timings;
 use photosite::{Error, Result};
 
-use super::arguments::start_threads;
 use super::dataset::SetReport;
 use super::film_memory::FilmMemoryArgs;
 use super::monitor::TerminalMonitor;
@@ -33,9 +32,6 @@ pub(super) struct MergeArgs {
     /// What was rendered, where it no longer is where it was.
     #[arg(long, value_name = "FILE")]
     input: Option<PathBuf>,
-    /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
     #[command(flatten)]
     film_memory: FilmMemoryArgs,
     /// Print nothing but errors.
@@ -50,7 +46,6 @@ pub(super) struct MergeArgs {
 }
 
 pub(super) fn run(args: &MergeArgs) -> Result<()> {
-    start_threads(args.threads)?;
     if args.parts.iter().any(|part| PartFolder::is_one(part)) { merge_sets(args) } else { merge_pictures(args) }
 }
 

@@ -59,7 +59,6 @@ struct Timings {
 }
 
 pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
-    args.common.start_threads()?;
     if PictureFormat::of(&args.output)? != PictureFormat::Exr {
         return Err(Error::Usage {
             message: format!("{} cannot hold the range of a bracket", args.output.display()),

@@ -36,7 +36,10 @@ use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use photosite::{Error, Remedy};
+use photosite::{Error, Remedy, Result};
+use photosite_core::memory;
+
+use arguments::start_threads;
 
 /// What scripts and schedulers go by.
 const EXIT_STATUS: &str = "\
@@ -52,6 +55,12 @@ struct Cli {
     /// error …) and what belongs to it.
     #[arg(long, global = true)]
     log_json: bool,
+    /// Threads to use [default: all cores].
+    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Most memory to take, GiB: what needs more is refused [default: what is free, and what cgroups allow].
+    #[arg(long, global = true, value_name = "GIB", allow_negative_numbers = true)]
+    memory: Option<f64>,
     #[command(subcommand)]
     command: Command,
 }
@@ -84,7 +93,6 @@ enum Command {
 /// Runs the command line of this process, with the exit status that [`EXIT_STATUS`] tells of.
 pub(crate) fn run() -> ExitCode {
     let cli = Cli::parse();
-    signals::listen();
     if cli.log_json {
         log::speak_json();
     }
@@ -96,30 +104,8 @@ pub(crate) fn run() -> ExitCode {
     };
     // Fails only if a handler was set before, and this is the only place that sets one.
     let _ = miette::set_hook(Box::new(handler));
-    let mut done = ExitCode::SUCCESS;
-    let outcome = match cli.command {
-        Command::Render(args) => render::run(&args),
-        Command::Develop(args) => develop::run(&args),
-        Command::Expose(args) => expose::run(&args),
-        Command::Compare(args) => compare::run(&args).map(|status| done = status),
-        Command::Measure(args) => measure::run(&args),
-        Command::Merge(args) => merge::run(&args),
-        Command::MergeHdr(args) => merge_hdr::run(&args),
-        Command::Dataset(args) => dataset::run(&args),
-        Command::Layout(args) => layout::run(&args),
-        Command::ExportMitsuba(args) => export_mitsuba::run(&args),
-        Command::Emva1288(args) => emva1288::run(&args),
-        Command::Emva1288Report(args) => emva1288_report::run(&args),
-        Command::Info(args) => info::run(&args),
-        Command::Noise(args) => noise::run(&args),
-        Command::Project(args) => project::run(&args),
-        Command::Camera(args) => camera::run(&args),
-        Command::Sensors(args) => sensors::run(&args),
-        Command::Schema(args) => schema::run(&args),
-        Command::Target(args) => target::run(&args),
-    };
-    match outcome {
-        Ok(()) => done,
+    match run_command(&cli) {
+        Ok(done) => done,
         Err(mut error) => {
             let status = status(&error);
             // Who asked the work to stop, the program alone knows.
@@ -133,6 +119,35 @@ pub(crate) fn run() -> ExitCode {
     }
 }
 
+/// Runs a command, with the threads and the memory that it is given.
+fn run_command(cli: &Cli) -> Result<ExitCode> {
+    cli.memory.map_or(Ok(()), memory::set_limit)?;
+    signals::listen()?;
+    start_threads(cli.threads)?;
+    let done = match &cli.command {
+        Command::Render(args) => render::run(args),
+        Command::Develop(args) => develop::run(args),
+        Command::Expose(args) => expose::run(args),
+        Command::Compare(args) => return compare::run(args),
+        Command::Measure(args) => measure::run(args),
+        Command::Merge(args) => merge::run(args),
+        Command::MergeHdr(args) => merge_hdr::run(args),
+        Command::Dataset(args) => dataset::run(args),
+        Command::Layout(args) => layout::run(args),
+        Command::ExportMitsuba(args) => export_mitsuba::run(args),
+        Command::Emva1288(args) => emva1288::run(args),
+        Command::Emva1288Report(args) => emva1288_report::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Noise(args) => noise::run(args),
+        Command::Project(args) => project::run(args),
+        Command::Camera(args) => camera::run(args),
+        Command::Sensors(args) => sensors::run(args),
+        Command::Schema(args) => schema::run(args),
+        Command::Target(args) => target::run(args),
+    };
+    done.map(|()| ExitCode::SUCCESS)
+}
+
 fn status(error: &Error) -> u8 {
     /// EX_TEMPFAIL of sysexits.h.
     const ANOTHER_TRY: u8 = 75;
@@ -140,7 +155,7 @@ fn status(error: &Error) -> u8 {
         Error::Cancelled { .. } => signals::status(),
         Error::Override { .. } | Error::Usage { .. } => 2,
         Error::Input(_) | Error::Io { .. } | Error::Temporary(_) if error.is_temporary() => ANOTHER_TRY,
-        Error::Input(_) | Error::Io { .. } | Error::Temporary(_) => 1,
+        Error::Input(_) | Error::Io { .. } | Error::Resources { .. } | Error::Temporary(_) => 1,
     }
 }
 
@@ -154,6 +169,7 @@ fn in_options(remedy: &Remedy) -> String {
         Remedy::Override(change) => format!("add --set {change}"),
         Remedy::Example(change) => format!("for example --set {change}"),
         Remedy::FilmMemory(gib) => format!("add --film-memory {gib}"),
+        Remedy::Memory(gib) => format!("allow it with --memory {gib}"),
         Remedy::Samples([from, to]) => format!("render them with --samples {from}..{to}"),
         Remedy::Channels(names) => format!("name channels that both have: --channels {}", names.join(",")),
         Remedy::Masked { name, area } => {

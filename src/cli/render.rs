@@ -36,7 +36,6 @@ pub(super) struct RenderArgs {
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
-    args.common.start_threads()?;
     let start = Instant::now();
     let overrides = args.common.overrides();
     let capture = Capture::load_with(&args.input, &overrides)?;

@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use photosite::Result;
 
-use super::arguments::start_threads;
 use super::monitor::TerminalMonitor;
 
 #[derive(Args)]
@@ -19,9 +17,6 @@ pub(super) struct RunArgs {
     /// Pictures to take of the same light: new temporal noise in each, fixed patterns stay.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frames: Option<u32>,
-    /// Threads to use [default: all cores].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
     /// Change a key of the capture file, for example --set exposure.time_s=0.02.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -47,10 +42,5 @@ impl RunArgs {
     /// Hears of the work, and stops it on a signal.
     pub(super) fn monitor(&self) -> TerminalMonitor {
         TerminalMonitor::new(self.quiet, self.json)
-    }
-
-    /// Starts as many threads as are asked for.
-    pub(super) fn start_threads(&self) -> Result<()> {
-        start_threads(self.threads)
     }
 }

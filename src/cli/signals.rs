@@ -52,7 +52,7 @@ pub(super) fn status() -> u8 {
 
 /// Listens from now on.
 #[cfg(unix)]
-pub(super) fn listen() {
+pub(super) fn listen() -> photosite::Result<()> {
     use photosite::io::cleanup::clean_up;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
@@ -60,8 +60,8 @@ pub(super) fn listen() {
     // Shells let commands in the background ignore SIGINT, and nohup lets them ignore SIGHUP: so it stays.
     let wanted = [SIGTERM, SIGINT, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
     // Where there is no listening, signals end the program as they end any.
-    let Ok(mut signals) = Signals::new(wanted) else { return };
-    std::thread::spawn(move || {
+    let Ok(mut signals) = Signals::new(wanted) else { return Ok(()) };
+    let listening = std::thread::Builder::new().spawn(move || {
         for signal in signals.forever() {
             // Held on to in the end: nobody becomes patient then.
             let patient = patient();
@@ -72,10 +72,13 @@ pub(super) fn listen() {
             }
         }
     });
+    listening.map(|_| ()).map_err(|reason| super::arguments::no_threads(1, &reason))
 }
 
 #[cfg(not(unix))]
-pub(super) fn listen() {}
+pub(super) fn listen() -> photosite::Result<()> {
+    Ok(())
+}
 
 /// Whether a signal was ignored when the program began, as far as the system tells.
 #[cfg(unix)]

@@ -9,7 +9,7 @@ use png::{BitDepth, ColorType};
 
 use crate::{Error, Result};
 use photosite_core::input;
-use photosite_scene_io::decode;
+use photosite_scene_io::{decode, dimensions};
 
 /// A picture of 8-bit grey.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,8 +33,8 @@ pub fn is_grey(path: &Path) -> Result<bool> {
 
 /// Columns and rows of a picture.
 pub fn picture_size(path: &Path) -> Result<[u32; 2]> {
-    let unreadable = |e: image::ImageError| Error::in_file(path, "", format!("is no picture: {e}"));
-    image::image_dimensions(path).map(|(width, height)| [width, height]).map_err(unreadable)
+    let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;
+    dimensions(&bytes).map_err(|e| Error::in_file(path, "", format!("is no picture: {e}")))
 }
 
 fn open(path: &Path) -> Result<DynamicImage> {

@@ -85,8 +85,8 @@ struct DoneRows {
 
 /// What a checkpoint holds.
 pub(super) struct Resumed {
-    /// The first row that has not all its samples.
-    pub(super) first_row: usize,
+    /// Of the film that was under way; none where a strip was just done. All rows before these are done.
+    pub(super) rows: Range<usize>,
     /// Time that was spent on it.
     pub(super) elapsed: Duration,
     /// The films of the strip from that row on.
@@ -168,7 +168,7 @@ impl<'a> Checkpoints<'a> {
     /// Reads the checkpoint, if there is one, or the one before it where the last is damaged. One of another render, or
     /// whose films are not those of a strip, is refused. `bytes_before` is the length of the file of rows that are done
     /// when all before one are.
-    pub(super) fn resume(&self, strips: Strips, bytes_before: impl Fn(usize) -> u64) -> Result<Option<Resumed>> {
+    pub(super) fn resume(&self, strips: &Strips, bytes_before: impl Fn(usize) -> u64) -> Result<Option<Resumed>> {
         let damage = match self.read(&self.path, strips, &bytes_before) {
             Ok(resumed) => return Ok(Some(resumed)),
             Err(Unusable::Other(error)) => return Err(error),
@@ -187,7 +187,7 @@ impl<'a> Checkpoints<'a> {
         }
     }
 
-    fn read(&self, path: &Path, strips: Strips, bytes_before: &dyn Fn(usize) -> u64) -> Result<Resumed, Unusable> {
+    fn read(&self, path: &Path, strips: &Strips, bytes_before: &dyn Fn(usize) -> u64) -> Result<Resumed, Unusable> {
         let unreadable = |reason| Unusable::Other(Error::io(path, "read", reason));
         let damaged = |what: &dyn std::fmt::Display| Unusable::Damaged(damaged(path, what));
         let mut file = match File::open(path) {
@@ -212,8 +212,8 @@ impl<'a> Checkpoints<'a> {
             Some(format!("it is of {}", if header.is_part { "a part" } else { "a whole picture" }))
         } else if header.samples != self.samples {
             Some(format!("it has the samples {from_sample}..{to_sample}"))
-        } else if has_films && strips.from(first_row).next() != Some(first_row..end) {
-            Some(format!("it has the rows {first_row}..{end}, as another film memory gives"))
+        } else if has_films && !strips.hold(&(first_row..end)) {
+            Some(format!("its film has the rows {first_row}..{end}, more than there is film memory for"))
         } else {
             None
         };
@@ -238,7 +238,8 @@ impl<'a> Checkpoints<'a> {
             SavedFilms { path: path.to_owned(), from, has_pilot, has_wanted }
         });
         let elapsed = Duration::try_from_secs_f64(header.elapsed_s).map_err(|error| damaged(&error))?;
-        Ok(Resumed { first_row, elapsed, films, warning: None, path: path.to_owned() })
+        let rows = first_row..end;
+        Ok(Resumed { rows, elapsed, films, warning: None, path: path.to_owned() })
     }
 
     /// What is wrong with the file of the rows that are done, of so many bytes and that checksum.

@@ -23,6 +23,7 @@ mod file_names;
 mod ideal;
 mod lens_corrections;
 mod monitor;
+mod needs;
 mod output_folder;
 mod parts;
 mod prepare;

@@ -132,7 +132,7 @@ impl Parts {
         number: Option<u32>,
         capture: &Capture,
         responses: &[Response],
-        strips: Strips,
+        strips: &Strips,
         folder: &OutputFolder,
     ) -> Result<LightRows> {
         let size = pixels(capture).map(|n| n as usize);

@@ -2,6 +2,7 @@
 
 use super::camera::place_camera;
 use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
+use super::needs;
 use super::responses::{filters, importance, responses, seen_through_lens};
 use crate::Result;
 use crate::capture::{Capture, NextPicture};
@@ -59,6 +60,7 @@ impl Prepared {
             capture.recording.as_ref(),
         );
         let surfaces = description.surfaces();
+        needs::check_scene(&description, &capture.source)?;
         let scene = scene::build(description, &importance);
         let camera = place_camera(&capture, |ray| scene.closest(ray))?;
         if let (Focus::Autofocus { pixel: [x, y] }, true) =

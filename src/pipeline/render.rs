@@ -54,7 +54,9 @@ pub fn render_into(
         LightSource::Merged(parts) => parts.check(&capture)?,
     }
     let start = Instant::now();
-    let strips = request.film_memory.strips(&capture, super::responses::responses(&capture).len())?;
+    let is_exposed = !matches!(request.light, LightSource::Part(_));
+    let channels = super::responses::responses(&capture).len();
+    let strips = request.film_memory.strips(&capture, channels, [is_exposed, true])?;
     go_on(request.monitor)?;
     let mut prepared = Prepared::new(capture)?;
     let truth = prepared.truth.take();

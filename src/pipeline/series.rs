@@ -179,7 +179,7 @@ impl Series<'_> {
         let start = Instant::now();
         let traced = match &self.request.light {
             LightSource::Merged(parts) => {
-                let light = parts.light(frames.light_number(), capture, &prepared.responses, self.strips, folder)?;
+                let light = parts.light(frames.light_number(), capture, &prepared.responses, &self.strips, folder)?;
                 let [width, height] = pixels(capture).map(u64::from);
                 let paths = width * height * u64::from(settings.samples_per_pixel);
                 Traced { rows: CompletedRows::Light(light, None), paths, pilot_paths: 0, earlier: Duration::ZERO }
@@ -204,7 +204,7 @@ impl Series<'_> {
                     camera,
                     responses: &prepared.responses,
                     filters: prepared.filters.as_ref(),
-                    strips: self.strips,
+                    strips: &self.strips,
                     is_part,
                     chain,
                     folder: Some(folder),

@@ -122,6 +122,7 @@ impl Prepared {
         let start = Instant::now();
         let camera = self.camera();
         let chain = self.chain();
+        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false])?;
         let traced = Trace {
             capture: &self.capture,
             settings: &self.capture.render,
@@ -129,7 +130,7 @@ impl Prepared {
             camera: &camera,
             responses: &self.responses,
             filters: self.filters.as_ref(),
-            strips: options.film_memory.strips(&self.capture, self.responses.len())?,
+            strips: &strips,
             is_part: false,
             chain: &chain,
             folder: None,

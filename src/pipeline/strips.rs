@@ -1,12 +1,14 @@
 //! How much of a picture is traced at a time.
 
-use photosite_core::{Help, Remedy};
 use std::ops::Range;
 
 use super::camera::pixels;
+use super::needs::{self, Needs};
 use crate::capture::Capture;
 use crate::film::Film;
 use crate::{Error, Invalid, Result};
+use photosite_core::memory;
+use photosite_core::{Help, Remedy};
 
 const GIB: f64 = (1u64 << 30) as f64;
 
@@ -24,8 +26,15 @@ impl FilmMemory {
         if usable { Ok(Self { gib }) } else { Err(Error::Usage { message: message(), help: None }) }
     }
 
-    /// The strips of a picture whose film has so many channels.
-    pub(super) fn strips(self, capture: &Capture, channels: usize) -> Result<Strips> {
+    /// The strips of a picture whose film has so many channels. What there is of memory makes them smaller than was
+    /// asked for, and refuses a picture that takes more in strips of the fewest rows, too. `is_exposed` unless sums alone
+    /// are kept; `is_filed` where the rows of several strips lie in a file.
+    pub(super) fn strips(
+        self,
+        capture: &Capture,
+        channels: usize,
+        [is_exposed, is_filed]: [bool; 2],
+    ) -> Result<Strips> {
         let [width, height] = pixels(capture).map(|n| n as usize);
         let with_pilot = match capture.render.noise_target {
             Some(_) => capture.sensor.cfa.channels().len(),
@@ -35,22 +44,45 @@ impl FilmMemory {
         if with_pilot > 0 {
             row += width * Film::bytes_per_pixel(with_pilot);
         }
+        needs::check_scene(&capture.scene, &capture.source)?;
+        let (needs, left) = (Needs::of(capture), memory::left());
+        let beside = needs::of_scene(&capture.scene).saturating_add(needs.beside_film());
+        let rows = if is_exposed { needs.rows(channels) } else { 0 };
+        let film = (row * height) as u64;
+        let whole = beside.saturating_add(film).saturating_add(rows);
+        let fits = left.is_none_or(|left| whole <= left.bytes());
         // The conversion saturates at the largest number.
-        let most = ((self.gib * GIB) as usize / row.max(1)).clamp(1, height);
+        let mut most = ((self.gib * GIB) as usize / row.max(1)).clamp(1, height);
+        if let (Some(left), false) = (left, fits) {
+            let kept = if is_filed { 0 } else { rows };
+            let for_film = left.bytes().saturating_sub(beside.saturating_add(kept));
+            most = most.min(usize::try_from(for_film).unwrap_or(usize::MAX) / row.max(1));
+            // All rows in one would not lie in a file.
+            most = most.clamp(1, (height - 1).max(1));
+        }
         let limit = [
             ("noise_target", capture.render.noise_target.is_some()),
             ("time_limit_s", capture.render.time_limit.is_some()),
         ];
-        match limit.into_iter().find(|(_, is_given)| *is_given && most < height) {
-            None => Ok(Strips { most: whole_groups(most, height, capture), height }),
-            Some((key, _)) => {
-                let needed = ((row * height) as f64 / GIB * 10.0).ceil().max(1.0) / 10.0;
-                let message = format!("takes the film of the whole picture, {needed} GiB; {} are allowed", self.gib);
-                let help =
-                    Help::any([Remedy::FilmMemory(needed.to_string()), "write samples_per_pixel in its place".into()]);
-                Err(capture.source.error(Invalid::new(key, message).help(help).within("render")))
+        if let Some((key, _)) = limit.into_iter().find(|(_, is_given)| *is_given && most < height) {
+            let instead = "write samples_per_pixel in its place";
+            let in_render = |invalid: Invalid| capture.source.error(invalid.within(key).within("render"));
+            if let (Some(left), false) = (left, fits) {
+                left.check(whole, "the film of the whole picture", instead).map_err(in_render)?;
             }
+            let needed = (film as f64 / GIB * 10.0).ceil().max(1.0) / 10.0;
+            let message = format!("takes the film of the whole picture, {needed} GiB; {} are allowed", self.gib);
+            let help = Help::any([Remedy::FilmMemory(needed.to_string()), instead.into()]);
+            return Err(in_render(Invalid::new("", message).help(help)));
         }
+        let most = whole_groups(most, height, capture);
+        if let Some(left) = left {
+            let in_memory = if is_filed && most < height { 0 } else { rows };
+            let tracing = beside.saturating_add((row * most) as u64).saturating_add(in_memory);
+            let exposing = needs::of_scene(&capture.scene).saturating_add(in_memory).saturating_add(needs.exposing());
+            needs.check(left, if is_exposed { tracing.max(exposing) } else { tracing })?;
+        }
+        Ok(Strips { most, height, first: None })
     }
 }
 
@@ -68,20 +100,37 @@ fn whole_groups(most: usize, height: usize, capture: &Capture) -> usize {
 }
 
 /// Strips of rows that are traced one after the other; one of all rows where memory allows it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Strips {
     most: usize,
     height: usize,
+    /// One that was begun with other memory.
+    first: Option<Range<usize>>,
 }
 
 impl Strips {
     /// Whether there is more than one.
-    pub(super) fn are_several(self) -> bool {
-        self.most < self.height
+    pub(super) fn are_several(&self) -> bool {
+        let is_cut = |rows: &Range<usize>| rows.start > 0 || (1..self.height).contains(&rows.end);
+        self.most < self.height || self.first.as_ref().is_some_and(is_cut)
+    }
+
+    /// Whether memory holds the film of these rows.
+    pub(super) fn hold(&self, rows: &Range<usize>) -> bool {
+        rows.end <= self.height && rows.len() <= self.most
+    }
+
+    /// Goes on with these rows.
+    pub(super) fn going_on(self, rows: Range<usize>) -> Self {
+        Self { first: Some(rows), ..self }
     }
 
     /// The strips from a row on.
-    pub(super) fn from(self, first: usize) -> impl Iterator<Item = Range<usize>> {
-        (first..self.height).step_by(self.most).map(move |first| first..(first + self.most).min(self.height))
+    pub(super) fn from(&self, first: usize) -> impl Iterator<Item = Range<usize>> + use<> {
+        let Self { most, height, .. } = *self;
+        let begun = self.first.clone().filter(|rows| rows.start == first && !rows.is_empty());
+        let next = begun.as_ref().map_or(first, |rows| rows.end);
+        let rest = (next..height).step_by(most).map(move |first| first..(first + most).min(height));
+        begun.into_iter().chain(rest)
     }
 }

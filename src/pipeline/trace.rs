@@ -35,7 +35,7 @@ pub(super) struct Trace<'a> {
     pub(super) camera: &'a Camera,
     pub(super) responses: &'a [Response],
     pub(super) filters: Option<&'a FilterTile>,
-    pub(super) strips: Strips,
+    pub(super) strips: &'a Strips,
     /// Whether it is a part of a render, of which the sums are kept.
     pub(super) is_part: bool,
     pub(super) chain: &'a Chain<'a>,
@@ -79,15 +79,17 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
     let resume = |checkpoints: &Checkpoints<'_>| checkpoints.resume(t.strips, rows_bytes(t));
     let resumed = checkpoints.as_ref().map(resume).transpose()?.flatten();
     let resumed_from = resumed.as_ref().map(|resumed| resumed.path.clone());
-    let (first_row, earlier, mut saved) = match resumed {
-        Some(Resumed { first_row, elapsed, films, warning, path: _ }) => {
+    let (begun, earlier, mut saved) = match resumed {
+        Some(Resumed { rows, elapsed, films, warning, path: _ }) => {
             warning.iter().for_each(|warning| t.monitor.report(Event::Warning(warning)));
-            (first_row, elapsed, films)
+            (rows, elapsed, films)
         }
-        None => (0, Duration::ZERO, None),
+        None => (0..0, Duration::ZERO, None),
     };
+    let first_row = begun.start;
+    let strips = t.strips.clone().going_on(begun);
     // A picture that is one strip needs no file.
-    let is_filed = checkpoints.is_some() && (t.is_part || t.strips.are_several() || first_row > 0);
+    let is_filed = checkpoints.is_some() && (t.is_part || strips.are_several());
     let mut rows = completed_rows(t, checkpoints.as_mut(), first_row, is_filed)?;
     let (mut paths, mut pilot_paths) = (per_row * first_row as u64, 0);
     let interim = Mutex::new(Interim::new(t, checkpoints, is_filed));
@@ -104,7 +106,7 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
         begin(paths, 0);
     }
     let stop = || if t.monitor.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    for strip in t.strips.from(first_row) {
+    for strip in strips.from(first_row) {
         // Before memory is taken for the film
         if stop().is_break() {
             return Err(interim.into_inner().expect("nobody panics while holding it").stopped());

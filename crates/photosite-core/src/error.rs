@@ -186,6 +186,15 @@ pub enum Error {
         #[help]
         help: Option<Help>,
     },
+    /// The machine does not give what the work takes: threads, memory.
+    #[error("{message}")]
+    Resources {
+        /// What there is not.
+        message: String,
+        /// What to do.
+        #[help]
+        help: Option<Help>,
+    },
     /// What another try may cure: a folder that another process fills, a file that was there and is gone.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -241,6 +250,7 @@ impl Error {
                 Self::Usage { message: format!("{override_of} {argument}: {message}"), help: words(help) }
             }
             Self::Usage { message, help } => Self::Usage { message, help: words(help) },
+            Self::Resources { message, help } => Self::Resources { message, help: words(help) },
             Self::Temporary(error) => Self::Temporary(Box::new(error.in_words(remedy, override_of))),
             Self::Cancelled { message, help } => Self::Cancelled { message, help: words(help) },
             error @ Self::Io { .. } => error,
@@ -252,7 +262,11 @@ impl Error {
         match self {
             Self::Temporary(_) => true,
             Self::Io { reason, .. } => may_pass(reason),
-            Self::Input(_) | Self::Override { .. } | Self::Usage { .. } | Self::Cancelled { .. } => false,
+            Self::Input(_)
+            | Self::Override { .. }
+            | Self::Usage { .. }
+            | Self::Resources { .. }
+            | Self::Cancelled { .. } => false,
         }
     }
 }

@@ -24,6 +24,8 @@ pub enum Remedy {
     Example(String),
     /// Allow so many GiB for the film.
     FilmMemory(String),
+    /// Allow so many GiB for the program.
+    Memory(String),
     /// Render these samples of each pixel: from the first up to, but without, the second.
     Samples([u32; 2]),
     /// Name these channels.
@@ -68,6 +70,7 @@ impl fmt::Display for Remedy {
             Self::Override(change) => write!(f, "override {change}"),
             Self::Example(change) => write!(f, "for example {change}"),
             Self::FilmMemory(gib) => write!(f, "allow {gib} GiB for the film"),
+            Self::Memory(gib) => write!(f, "allow {gib} GiB of memory"),
             Self::Samples([from, to]) => write!(f, "render the samples {from}..{to}"),
             Self::Channels(names) => write!(f, "name the channels {}", names.join(",")),
             Self::Masked { name, area } => {

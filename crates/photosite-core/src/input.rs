@@ -6,6 +6,8 @@ use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
+use crate::memory;
+
 /// Most bytes of a description that is read into a tree, as captures and sensors are: the tree of a TOML file takes some
 /// seventy times as much memory.
 pub const TREE_BYTES: u64 = 16 << 20;
@@ -37,6 +39,8 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     // Memory that there is not is an error of this file alone.
     let length = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
+    memory::check(length as u64, "reading it", "")
+        .map_err(|invalid| io::Error::new(ErrorKind::OutOfMemory, invalid))?;
     bytes.try_reserve_exact(length).map_err(|_| {
         io::Error::new(ErrorKind::OutOfMemory, format!("its {length} bytes are more than there is memory for"))
     })?;

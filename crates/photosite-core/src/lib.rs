@@ -15,6 +15,7 @@ pub mod image;
 pub mod input;
 pub mod json;
 pub mod math;
+pub mod memory;
 pub mod output;
 pub mod projection;
 pub mod references;

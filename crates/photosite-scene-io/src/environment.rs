@@ -4,18 +4,20 @@ use std::io::Cursor;
 use std::path::Path;
 
 use exr::meta::MetaData;
-use exr::prelude::{ReadChannels, ReadLayers, read};
+use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
 
 use super::picture::decode_picture;
 use photosite_core::Invalid;
-use photosite_core::input;
 use photosite_core::warnings::Warnings;
+use photosite_core::{input, memory};
 use photosite_transport::texture::{Bitmap, Texels};
 
 /// First bytes of an OpenEXR file.
 const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 /// Largest picture: 16384 × 8192 texels take 1.6 GB.
 const MAX_TEXELS: usize = 1 << 27;
+/// Pixels for each byte of a file; no compression of OpenEXR makes more of one.
+const MOST_INFLATION: usize = 1 << 12;
 
 /// Reads an environment picture. Texels that are not finite are refused; negative ones, which the filters of editing
 /// programs leave behind, become zero with a warning.
@@ -60,6 +62,13 @@ fn decode_exr(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
     };
     // The sizes in the header decide how much is allocated, so they are looked at first.
     let headers = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| bad(&e))?.headers;
+    let texels = |size: Vec2<usize>| size.width().saturating_mul(size.height());
+    let most = headers.iter().map(|header| texels(header.layer_size)).max().unwrap_or(0);
+    if most > bytes.len().saturating_mul(MOST_INFLATION) {
+        return Err(bad(&format!("its {} bytes cannot hold its pixels", bytes.len())));
+    }
+    // In the file's own planes, and side by side.
+    memory::check(most as u64 * 24, &format!("decoding the {most} pixels of {name}"), "make the picture smaller")?;
     if headers.iter().any(|header| header.layer_size.width().saturating_mul(header.layer_size.height()) > MAX_TEXELS) {
         return Err(bad(&format!("it has more than {MAX_TEXELS} pixels")));
     }

@@ -15,7 +15,7 @@ mod tangents;
 pub use complete::complete;
 pub use environment::read_environment;
 pub use ies::read_ies;
-pub use picture::{decode, read_picture};
+pub use picture::{decode, dimensions, read_picture};
 
 /// Tells the user of triangles that were left out.
 fn zero_area_message(count: usize) -> String {

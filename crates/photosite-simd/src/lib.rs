@@ -38,6 +38,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod dispatch;
+mod heap;
 mod lanes;
 mod memory;
 mod operation;
@@ -49,6 +50,7 @@ pub use avx2::{Avx2, Avx2Lanes, Avx2Mask};
 #[cfg(target_arch = "x86_64")]
 pub use avx512::{Avx512, Avx512Lanes, Avx512Mask};
 pub use dispatch::{dispatch, dispatch_wide};
+pub use heap::Heap;
 pub use lanes::{IdLanes, LANES, LaneMask, Lanes, MAX_LANES, Simd, Vectors, WideLanes};
 pub use memory::{compact, prefer_huge_pages, prefetch};
 pub use operation::WithSimd;

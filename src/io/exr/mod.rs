@@ -22,6 +22,7 @@ use crate::Invalid;
 use crate::image::{Channel, Planes};
 
 use super::picture_rows::PictureRows;
+use photosite_core::memory;
 use sorted_header::SortedHeader;
 
 /// A value in the header of a file.
@@ -190,6 +191,12 @@ pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrPicture, Invalid> {
             let size = format!("{} × {} pixels", header.layer_size.0, header.layer_size.1);
             return Err(unreadable(&format!("its {size} are more than the file can hold, or than fit into memory")));
         }
+    }
+    if let Some(header) = headers.first() {
+        let [width, height] = [header.layer_size.0, header.layer_size.1];
+        let of_pixel = header.channels.bytes_per_pixel.max(4 * header.channels.list.len());
+        let bytes = width.saturating_mul(height).saturating_mul(of_pixel) as u64;
+        memory::check(bytes, &format!("reading its {width} × {height} pixels"), "")?;
     }
     from.rewind().map_err(|e| unreadable(&e))?;
     let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();

@@ -7,9 +7,11 @@ use serde::Serialize;
 use crate::raw::RawImage;
 use photosite_core::Invalid;
 use photosite_core::image::{Channel, Planes};
+use photosite_core::memory;
 
 use super::description::RawDescription;
 use super::encode::{EncodedPicture, encode};
+use super::memory::bytes_per_pixel;
 use super::merge::Merged;
 use super::neighbours::densest;
 use super::resampling::Resampling;
@@ -46,11 +48,18 @@ pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPict
 pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     raw.validate()?;
     settings.validate()?;
+    check_memory(raw, settings)?;
     let raw = settings.raw.apply(raw).map_err(|invalid| invalid.within("raw"))?;
     let raw = linearisation::apply(&raw, settings.linearisation);
     let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { raw };
     let signal = black_level::subtract(&raw, settings.black_level);
     develop_signal(signal, &raw, settings)
+}
+
+/// Refuses a picture whose development takes more memory than there is.
+fn check_memory(raw: &RawImage, settings: &DevelopSettings) -> Result<(), Invalid> {
+    let bytes = (raw.width as u64 * raw.height as u64).saturating_mul(bytes_per_pixel(&raw.cfa, settings));
+    memory::check(bytes, &format!("developing {} × {} pixels", raw.width, raw.height), "")
 }
 
 /// Develops the light of a bracket to linear planes as [`develop_linear`] does. 1 is white at saturation in the longest
@@ -68,6 +77,7 @@ pub fn develop_merged(merged: Merged, settings: &DevelopSettings) -> Result<(Pla
             return Err(Invalid::new(key, message).help(format!("remove {key}")));
         }
     }
+    check_memory(&merged.raw, settings)?;
     let Merged { signal, raw, times_s: [shortest, longest], .. } = merged;
     let (picture, development) = develop_signal(signal, &raw, settings)?;
     Ok((picture.scaled(longest / shortest), development))

@@ -40,10 +40,16 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use photosite_core::Invalid;
+use photosite_core::{Invalid, memory};
 
 /// Most pixels along a side of a picture.
 const MAX_SIDE: usize = 65_535;
+
+/// Refuses so many numbers of 16 bits where there is no memory for them, and as much again while they are read.
+fn check_memory([width, height]: [usize; 2], samples: usize) -> Result<(), Invalid> {
+    let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(4 * samples as u64);
+    memory::check(bytes, &format!("reading its {width} × {height} pixels"), "")
+}
 
 /// A picture of digital numbers.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use npyz::{NpyFile, Order, WriterBuilder};
 
 use photosite_core::Invalid;
 
-use super::{Cfa, MAX_SIDE, RawImage};
+use super::{Cfa, MAX_SIDE, RawImage, check_memory};
 
 /// Writes an NPY file.
 pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
@@ -40,6 +40,7 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     }
     let numbers = array.data::<u16>().map_err(|e| unreadable(&e).help("write an array of uint16"))?;
     let wanted = width as usize * height as usize * cfa.samples_per_pixel();
+    check_memory([width as usize, height as usize], cfa.samples_per_pixel())?;
     // Not with the capacity that the header states, which may be damaged.
     let mut data = Vec::new();
     for number in numbers {

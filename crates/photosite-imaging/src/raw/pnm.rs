@@ -11,7 +11,7 @@ use std::io::{self, BufRead, Read, Write};
 
 use photosite_core::Invalid;
 
-use super::{Cfa, MAX_SIDE, RawImage};
+use super::{Cfa, MAX_SIDE, RawImage, check_memory};
 
 /// Writes a PGM file, or a PPM file of three numbers a pixel. Its maximum is 65535 whatever the converter's bits, so
 /// that no reader rescales the numbers.
@@ -57,6 +57,7 @@ pub fn read_pnm<R: BufRead>(mut from: R) -> Result<RawImage, Invalid> {
         return Err(unreadable(&format!("a maximum of {maximum} instead of 1–65535")));
     };
     let cfa = if kind == "PPM" { Cfa::full(["R", "G", "B"])? } else { Cfa::mono() };
+    check_memory([width, height], cfa.samples_per_pixel())?;
     let row_length = width * cfa.samples_per_pixel();
     let data = match (kind, is_text) {
         ("PBM", true) => text(from, row_length * height, bit),

@@ -11,7 +11,7 @@ use tiff::encoder::{
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfiguration, Tag};
 use tiff::{ColorType, TiffError, TiffResult};
 
-use super::{Cfa, MAX_SIDE, RawImage};
+use super::{Cfa, MAX_SIDE, RawImage, check_memory};
 use photosite_core::Invalid;
 
 /// Bytes of which zlib can make no more than this for each, nor any other compression of TIFF.
@@ -87,6 +87,7 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
         let message = format!("{length} bytes cannot hold {width} × {height} pixels");
         return Err(Invalid::new("StripByteCounts", message).help("the file is cut short or damaged"));
     }
+    check_memory([width, height], samples)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = limits.decoding_buffer_size.max(most);
     let (data, maximum) = match read_pixels(&mut decoder.with_limits(limits)).map_err(unreadable)? {

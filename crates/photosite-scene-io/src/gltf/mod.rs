@@ -32,6 +32,7 @@ use std::path::{Path, PathBuf};
 use glam::DAffine3;
 use gltf::json::Root;
 use gltf::json::scene::Node;
+use gltf::json::validation::Checked;
 
 use accessor::Accessors;
 pub use animation::Moment;
@@ -40,7 +41,7 @@ use mesh::{MeshReader, Pose};
 use photosite_core::input;
 use photosite_core::json::located;
 use photosite_core::warnings::Warnings;
-use photosite_core::{Error, Invalid, Result};
+use photosite_core::{Error, Invalid, Result, memory};
 use photosite_transport::scene::description::{
     CameraDescription, InstanceDescription, LightDescription, SceneDescription,
 };
@@ -152,6 +153,19 @@ fn check(root: &Root) -> Result<(), Invalid> {
     Ok(())
 }
 
+/// Refuses geometry that takes more memory than there is: corners and triangles, read, checked and kept.
+fn check_memory(root: &Root) -> Result<(), Invalid> {
+    /// Bytes of a number, three times over.
+    const NUMBER: u64 = 3 * 4;
+    let numbers = |accessor: &gltf::json::Accessor| match accessor.type_ {
+        Checked::Valid(kind) => accessor.count.0.saturating_mul(kind.multiplicity() as u64),
+        Checked::Invalid => 0,
+    };
+    let all = root.accessors.iter().map(numbers).fold(0, u64::saturating_add);
+    let invalid = memory::check(all.saturating_mul(NUMBER), "its geometry", "simplify the scene");
+    invalid.map_err(|invalid| invalid.within("accessors"))
+}
+
 fn convert(
     root: &Root,
     chunk: Option<&[u8]>,
@@ -165,6 +179,7 @@ fn convert(
     }
     let buffers = Buffers::load(root, chunk, folder)?;
     let accessors = Accessors { root, buffers: &buffers };
+    check_memory(root)?;
     let mut scene = SceneDescription::default();
 
     let mut textures = Textures::new(root);

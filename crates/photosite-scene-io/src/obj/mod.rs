@@ -32,7 +32,7 @@ use geometry::Geometry;
 use material::{describe, undescribed};
 use mtl::MtlMaterial;
 use photosite_core::warnings::Warnings;
-use photosite_core::{Invalid, Result};
+use photosite_core::{Invalid, Result, memory};
 use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
 use pictures::Pictures;
 
@@ -48,9 +48,28 @@ pub struct ObjFile {
     pub undescribed_materials: Vec<String>,
 }
 
+/// Refuses geometry that takes more memory than there is: corners and triangles, parsed and kept.
+fn check_memory(text: &str) -> Result<(), Invalid> {
+    /// Bytes of a triangle with its part of the corners, as they are measured.
+    const TRIANGLE: u64 = 210;
+    /// Most bytes for one of a text: the shortest face is "f 1 2 3".
+    const MOST: u64 = 32;
+    // Seldom is it close enough to be counted.
+    if memory::left().is_none_or(|left| text.len() as u64 * MOST <= left.bytes()) {
+        return Ok(());
+    }
+    let triangles_of = |line: &str| {
+        let face = line.trim_start().strip_prefix("f ").unwrap_or_default();
+        face.split_ascii_whitespace().count().saturating_sub(2) as u64
+    };
+    let triangles: u64 = text.lines().map(triangles_of).sum();
+    memory::check(triangles * TRIANGLE, &format!("its geometry of {triangles} triangles"), "simplify it")
+}
+
 /// Reads an `.obj` file with its materials.
 pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
     let text = read_text(path)?;
+    check_memory(&text).map_err(|invalid| invalid.in_file(path))?;
     let mut warnings = Warnings::default();
     let geometry = Geometry::parse(&text, path, &mut warnings)?;
     let folder = path.parent().unwrap_or(Path::new(""));

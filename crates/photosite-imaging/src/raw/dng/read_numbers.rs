@@ -11,7 +11,7 @@ use tiff::tags::{ByteOrder, Tag};
 
 use super::tag;
 use super::tags::{Tags, unreadable};
-use crate::raw::lossless_jpeg;
+use crate::raw::{check_memory, lossless_jpeg};
 use photosite_core::Invalid;
 
 /// How numbers lie in the bytes of a strip or tile.
@@ -77,6 +77,7 @@ pub(super) fn read<R: Read + Seek>(
         let message = format!("{bytes_there} bytes cannot hold {width} × {height} pixels");
         return Err(Invalid::new("StripByteCounts", message).help("the file is cut short or damaged"));
     }
+    check_memory([width, height], samples)?;
     let mut data = vec![0; row_length * height];
     // A row of tiles at a time, so that those that are decoded already take little memory.
     for (y, (rows, parts)) in data.chunks_mut(row_length * tile_height).zip(parts.chunks(across)).enumerate() {

@@ -1,0 +1,175 @@
+//! What Linux says of memory in the files of /proc and of control groups.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{Bound, Left};
+
+/// Where control groups of both versions are mounted.
+const GROUPS: &str = "/sys/fs/cgroup";
+
+/// Figures in bytes, as far as they are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct System {
+    /// What the process has: in memory, as address space, as data.
+    resident: u64,
+    address_space: u64,
+    data: u64,
+    /// What the machine has left, without the process.
+    available: Option<u64>,
+    /// Limits of the process and all that is with it.
+    group: Option<u64>,
+    /// Limits of the process alone.
+    most_address_space: Option<u64>,
+    most_data: Option<u64>,
+}
+
+impl System {
+    pub(super) fn read() -> Self {
+        let text = |path: &str| fs::read_to_string(path).unwrap_or_default();
+        let (status, meminfo, limits) = (text("/proc/self/status"), text("/proc/meminfo"), text("/proc/self/limits"));
+        let bytes = |name: &str| kilobytes(&status, name).unwrap_or(0);
+        let group = group_files(&text("/proc/self/cgroup"))
+            .into_iter()
+            .filter_map(|path| limit_of_group(&fs::read_to_string(path).ok()?))
+            .min();
+        Self {
+            resident: bytes("VmRSS:"),
+            address_space: bytes("VmSize:"),
+            data: bytes("VmData:"),
+            available: kilobytes(&meminfo, "MemAvailable:").or_else(|| kilobytes(&meminfo, "MemTotal:")),
+            group,
+            most_address_space: soft_limit(&limits, "Max address space"),
+            most_data: soft_limit(&limits, "Max data size"),
+        }
+    }
+
+    /// What is left for more; `told` stands in for what machine and groups have, unless it is 0.
+    pub(super) fn left(&self, told: u64) -> Option<Left> {
+        let of = |of: u64, taken: u64, bound: Bound| Left { bytes: of.saturating_sub(taken), of, bound };
+        let shared = match told {
+            0 => [
+                self.available.map(|left| Left { bytes: left, of: left + self.resident, bound: Bound::Machine }),
+                self.group.map(|most| of(most, self.resident, Bound::ControlGroup)),
+            ],
+            told => [Some(of(told, self.resident, Bound::Told)), None],
+        };
+        let own = [
+            self.most_address_space.map(|most| of(most, self.address_space, Bound::AddressSpace)),
+            self.most_data.map(|most| of(most, self.data, Bound::Data)),
+        ];
+        shared.into_iter().chain(own).flatten().min_by_key(|left| left.bytes)
+    }
+}
+
+/// Bytes in the line `name` of `/proc/meminfo` or `/proc/PID/status`, which has kilobytes of 1024.
+fn kilobytes(text: &str, name: &str) -> Option<u64> {
+    let value = text.lines().find_map(|line| line.strip_prefix(name))?;
+    value.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
+}
+
+/// The soft limit of that name in `/proc/PID/limits`; `None` where there is none.
+fn soft_limit(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+    line.split_whitespace().next()?.parse().ok()
+}
+
+/// The number in `memory.max` or `memory.limit_in_bytes`; `None` where the group has no limit, which is `max`, or the
+/// largest number of whole pages.
+fn limit_of_group(text: &str) -> Option<u64> {
+    const NONE: u64 = 1 << 62;
+    text.trim().parse().ok().filter(|&bytes| bytes < NONE)
+}
+
+/// The files with the limits of the groups that `/proc/PID/cgroup` names, and of those around them. Not all need be
+/// there: a container may see its own group as the root.
+fn group_files(text: &str) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for line in text.lines() {
+        let mut parts = line.splitn(3, ':');
+        let (Some(_), Some(controllers), Some(path)) = (parts.next(), parts.next(), parts.next()) else { continue };
+        let (mounts, file): (&[&str], &str) = if controllers.is_empty() {
+            (&["", "unified"], "memory.max")
+        } else if controllers.split(',').any(|controller| controller == "memory") {
+            (&["memory"], "memory.limit_in_bytes")
+        } else {
+            continue;
+        };
+        for group in Path::new(path.trim_start_matches('/')).ancestors() {
+            files.extend(mounts.iter().map(|mount| Path::new(GROUPS).join(mount).join(group).join(file)));
+        }
+    }
+    files
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_the_system_are_read() {
+        let meminfo = "MemTotal:       24684092 kB\nMemFree:        15040640 kB\nMemAvailable:   24072284 kB\n";
+        assert_eq!(kilobytes(meminfo, "MemAvailable:"), Some(24_072_284 << 10));
+        assert_eq!(kilobytes("VmPeak:\t  1 kB\nVmRSS:\t   20 kB\n", "VmRSS:"), Some(20 << 10));
+        for text in ["", "MemAvailable: kB", "MemAvailable: 5 MB", "MemAvailable: 99999999999999999999 kB"] {
+            assert_eq!(kilobytes(text, "MemAvailable:"), None, "{text}");
+        }
+        let limits = "Limit                     Soft Limit           Hard Limit           Units\n\
+                      Max data size             unlimited            unlimited            bytes\n\
+                      Max address space         409600000            unlimited            bytes\n";
+        assert_eq!(soft_limit(limits, "Max address space"), Some(409_600_000));
+        assert_eq!([soft_limit(limits, "Max data size"), soft_limit("", "Max data size")], [None; 2]);
+    }
+
+    #[test]
+    fn limits_of_groups_of_both_versions_are_read() {
+        assert_eq!(limit_of_group("2147483648\n"), Some(2 << 30));
+        // Of version 2, and of version 1.
+        for none in ["max\n", "9223372036854771712\n", ""] {
+            assert_eq!(limit_of_group(none), None, "{none}");
+        }
+        let text = "12:cpu,cpuacct:/a\n4:memory:/pods/one\n1:name=systemd:/init.scope\n0::/user.slice/it\n\nodd";
+        let files: Vec<_> = group_files(text).iter().map(|path| path.display().to_string()).collect();
+        let expected = [
+            "memory/pods/one/memory.limit_in_bytes",
+            "memory/pods/memory.limit_in_bytes",
+            "memory/memory.limit_in_bytes",
+            "user.slice/it/memory.max",
+            "unified/user.slice/it/memory.max",
+            "user.slice/memory.max",
+            "unified/user.slice/memory.max",
+            "memory.max",
+            "unified/memory.max",
+        ];
+        assert_eq!(files, expected.map(|file| format!("{GROUPS}/{file}")));
+    }
+
+    #[test]
+    fn the_least_counts_and_what_was_told_stands_in_for_the_machine() {
+        let system = System {
+            resident: 10,
+            address_space: 100,
+            data: 50,
+            available: Some(1000),
+            group: Some(500),
+            most_address_space: None,
+            most_data: None,
+        };
+        let left = |system: System, told| system.left(told).map(|left| (left.bytes, left.of, left.bound));
+        assert_eq!(left(system, 0), Some((490, 500, Bound::ControlGroup)));
+        assert_eq!(left(System { group: None, ..system }, 0), Some((1000, 1010, Bound::Machine)));
+        assert_eq!(left(system, 2000), Some((1990, 2000, Bound::Told)));
+        assert_eq!(left(system, 5), Some((0, 5, Bound::Told)));
+        let limited = System { most_address_space: Some(300), most_data: Some(290), ..system };
+        assert_eq!(left(limited, 2000), Some((200, 300, Bound::AddressSpace)));
+        assert_eq!(left(System { most_data: Some(150), ..limited }, 0), Some((100, 150, Bound::Data)));
+        assert_eq!(left(System::default(), 0), None);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn this_process_has_something() {
+        let system = System::read();
+        assert!(system.resident > 0 && system.address_space >= system.resident && system.available.is_some());
+    }
+}

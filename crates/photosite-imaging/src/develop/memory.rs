@@ -1,0 +1,23 @@
+//! What development takes of memory.
+
+use crate::raw::Cfa;
+
+use super::settings::{DevelopSettings, NoiseFilter};
+
+/// Bytes of a number in a plane.
+const FLOAT: u64 = 4;
+
+/// Bytes of a pixel that developing takes beside the raw image, at the step that takes most: the signal with the planes
+/// that are made of it, planes beside those that a filter makes of them, or planes and their codes.
+pub fn bytes_per_pixel(cfa: &Cfa, settings: &DevelopSettings) -> u64 {
+    let planes = cfa.channels().len() as u64 * FLOAT;
+    let signal = cfa.samples_per_pixel() as u64 * FLOAT;
+    let filters = settings.noise_filter != NoiseFilter::None
+        || settings.sharpening > 0.0
+        || settings.square_pixels
+        || settings.distortion;
+    let of_filter = if filters { planes } else { 0 };
+    // Codes, and a row of them as files have it.
+    let codes = cfa.channels().len() as u64 * (u64::from(settings.bits / 8) + 1);
+    planes + signal.max(of_filter).max(codes)
+}

@@ -1,0 +1,139 @@
+//! A heap that ends the program with a plain message where there is no more memory.
+//!
+//! The standard library's answer to a failed allocation may ask for memory itself: with `RUST_BACKTRACE=1` it collects a
+//! backtrace while it holds a lock, and where that fails, too, the program waits for itself for ever. This heap says what
+//! it has to say from the stack, and ends the program at once. A program chooses it by `#[global_allocator]`; libraries
+//! do not.
+
+#![allow(unsafe_code, reason = "an allocator is unsafe by its trait; this one hands all work to the system's")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::OnceLock;
+
+/// The status of a program that ran out of memory, as of other failures.
+#[cfg(unix)]
+const FAILED: i32 = 1;
+/// Digits of the largest size.
+const DIGITS: usize = 20;
+
+/// What is written before and after the number of bytes that there are not.
+static MESSAGE: OnceLock<[&'static str; 2]> = OnceLock::new();
+const PLAIN: [&str; 2] =
+    ["error: there is no more memory: ", " bytes cannot be had; lower the resolution, or free some memory\n"];
+
+/// The system's heap, which ends the program on standard error with status 1 where memory ends.
+///
+/// Nothing is put away then: what lies around is swept by the next run, as after SIGKILL. Allocations that their callers
+/// can do without (`try_reserve`) end the program, too; who expects one to fail looks at what there is beforehand.
+pub struct Heap;
+
+impl Heap {
+    /// What is written before and after the number of bytes, in place of a line of text. The first call counts.
+    pub fn set_message(before: &'static str, after: &'static str) {
+        let _ = MESSAGE.set([before, after]);
+    }
+}
+
+// SAFETY: every call is the system allocator's, with the arguments that came in; what it returns is handed on unless it
+// is null, after which nothing returns.
+unsafe impl GlobalAlloc for Heap {
+    #[inline]
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller keeps the contract of `alloc`.
+        or_end(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    #[inline]
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller keeps the contract of `alloc_zeroed`.
+        or_end(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    #[inline]
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract of `dealloc`; the block came from the system's heap.
+        unsafe { System.dealloc(block, layout) }
+    }
+
+    #[inline]
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: the caller keeps the contract of `realloc`; the block came from the system's heap.
+        or_end(unsafe { System.realloc(block, layout, size) }, size)
+    }
+}
+
+#[inline]
+fn or_end(block: *mut u8, size: usize) -> *mut u8 {
+    if block.is_null() {
+        end(size)
+    }
+    block
+}
+
+/// Ends the program without asking for memory or for a lock.
+#[cold]
+#[inline(never)]
+fn end(size: usize) -> ! {
+    let [before, after] = MESSAGE.get().copied().unwrap_or(PLAIN);
+    let mut digits = [0; DIGITS];
+    for text in [before.as_bytes(), decimal(size, &mut digits), after.as_bytes()] {
+        write(text);
+    }
+    #[cfg(unix)]
+    // SAFETY: it returns to nobody. Exit handlers are not run: they may ask for memory.
+    unsafe {
+        libc::_exit(FAILED)
+    }
+    #[cfg(not(unix))]
+    std::process::abort()
+}
+
+#[cfg(unix)]
+fn write(text: &[u8]) {
+    // SAFETY: the bytes are there, and only read. Nobody may be listening; nothing depends on it.
+    let _ = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
+}
+
+#[cfg(not(unix))]
+fn write(_: &[u8]) {}
+
+/// A number in decimal digits.
+fn decimal(mut number: usize, digits: &mut [u8; DIGITS]) -> &[u8] {
+    let mut first = DIGITS;
+    loop {
+        first -= 1;
+        digits[first] = b'0' + (number % 10) as u8;
+        number /= 10;
+        if number == 0 {
+            return &digits[first..];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_written_in_full() {
+        for number in [0, 7, 10, 448_000_000, usize::MAX] {
+            assert_eq!(decimal(number, &mut [0; DIGITS]), number.to_string().as_bytes());
+        }
+    }
+
+    #[test]
+    fn blocks_keep_what_is_in_them() {
+        let layout = Layout::array::<u8>(100).expect("a layout");
+        // SAFETY: a block of 100 bytes is asked for, zeroed, grown to 5000, written within and given back.
+        unsafe {
+            let block = Heap.alloc_zeroed(layout);
+            block.add(99).write(7);
+            let block = Heap.realloc(block, layout, 5000);
+            assert_eq!([block.read(), block.add(99).read()], [0, 7]);
+            Heap.dealloc(block, Layout::array::<u8>(5000).expect("a layout"));
+            let block = Heap.alloc(layout);
+            block.write(1);
+            Heap.dealloc(block, layout);
+        }
+    }
+}

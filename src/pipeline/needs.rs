@@ -1,0 +1,128 @@
+//! What steps take of memory, known before they are begun.
+//!
+//! Figures are bytes of a pixel times pixels, and of a triangle times triangles. Those of planes follow from what steps
+//! hold at the same time; those of scenes and of files under way are measured. They lie between 0.9 and 1.5 times of what
+//! renders were seen to take (`tests/cli/memory.rs` holds a few to it).
+
+use super::chain::Settings;
+use crate::Result;
+use crate::calibration::truth::TruthLayer;
+use crate::capture::{Capture, CaptureSource};
+use crate::develop;
+use crate::io::light_rows::LightRows;
+use crate::scene::description::SceneDescription;
+use crate::sensor::NoiseMap;
+use photosite_core::memory::{self, Left};
+
+/// Bytes of a number in a plane.
+const FLOAT: u64 = 4;
+/// Bytes of a digital number.
+const NUMBER: u64 = 2;
+/// Bytes of a pixel of a noise map: recorded, cut out, and written.
+const NOISE_MAP: u64 = 3 * FLOAT;
+/// Bytes of a triangle while its scene is built, and of one that shines.
+const TRIANGLE: u64 = 95;
+const SHINING_TRIANGLE: u64 = 300;
+
+/// What pictures take.
+pub(super) struct Needs<'a> {
+    settings: Settings<'a>,
+    pixels: u64,
+    /// Whether noise is stopped at, which takes a second film.
+    has_pilot: bool,
+}
+
+impl<'a> Needs<'a> {
+    pub(super) fn new(settings: Settings<'a>) -> Self {
+        let [width, height] = settings.sensor.resolution.map(|n| n as u64);
+        Self { settings, pixels: width.saturating_mul(height), has_pilot: false }
+    }
+
+    pub(super) fn of(capture: &'a Capture) -> Self {
+        Self { has_pilot: capture.render.noise_target.is_some(), ..Self::new(capture.into()) }
+    }
+
+    fn channels(&self) -> u64 {
+        self.settings.sensor.cfa.channels().len() as u64
+    }
+
+    /// Digital numbers of a pixel.
+    fn samples(&self) -> u64 {
+        self.settings.sensor.cfa.samples_per_pixel() as u64
+    }
+
+    /// Rows that are done, of a film of so many channels, where they are kept in memory.
+    pub(super) fn rows(&self, channels: usize) -> u64 {
+        self.pixels.saturating_mul(LightRows::bytes_per_pixel(channels, self.channels() as usize) as u64)
+    }
+
+    /// What tracing takes beside film and rows: pictures of the state so far, and how many samples pixels are to have.
+    pub(super) fn beside_film(&self) -> u64 {
+        let shown = self.channels() * FLOAT;
+        let preview = match self.settings.output.preview_interval {
+            Some(_) => shown + (shown + self.reading_out()).max(self.samples() * NUMBER + self.developing()),
+            None => 0,
+        };
+        let wanted = if self.has_pilot { FLOAT } else { 0 };
+        self.pixels.saturating_mul(preview + wanted)
+    }
+
+    /// Charge and digital numbers.
+    fn reading_out(&self) -> u64 {
+        self.samples() * (FLOAT + NUMBER)
+    }
+
+    fn developing(&self) -> u64 {
+        develop::bytes_per_pixel(&self.settings.sensor.cfa, self.settings.develop)
+    }
+
+    /// Exposing to light with its variances, what is written of it, and developing.
+    pub(super) fn exposing(&self) -> u64 {
+        let light = 2 * self.channels() * FLOAT;
+        let output = self.settings.output;
+        let maps = (output.noise.maps.len() as u64).min(NoiseMap::ALL.len() as u64) * self.samples() * NOISE_MAP;
+        let more_pictures =
+            self.settings.exposure.bracket.as_ref().map_or(0, |bracket| bracket.len() as u64).saturating_sub(1);
+        let kept = more_pictures * self.samples() * NUMBER;
+        let other_time = if more_pictures > 0 { self.channels() * FLOAT } else { 0 };
+        let exposing = light + self.reading_out() + maps + other_time + kept;
+        let layer = |layer: &TruthLayer| layer.channels().len() as u64 * FLOAT;
+        let truth: u64 = output.truth.layers.iter().map(layer).sum();
+        let ideal = if output.ideal { 4 * FLOAT } else { 0 };
+        let bands = if output.irradiance.is_some() { 3 * FLOAT } else { 0 };
+        let writing = light + self.samples() * NUMBER + kept + truth.max(ideal).max(bands);
+        let developing = self.samples() * NUMBER + kept + self.developing();
+        self.pixels.saturating_mul(exposing.max(writing).max(developing))
+    }
+
+    /// Refuses a picture that takes more than there is.
+    pub(super) fn check(&self, left: Left, bytes: u64) -> Result<()> {
+        let [width, height] = self.settings.sensor.resolution;
+        let what = format!("a picture of {width} × {height} pixels");
+        let instead = "lower sensor.resolution_px, or ask for less in [output]";
+        left.check(bytes, &what, instead)
+            .map_err(|invalid| self.settings.source.error(invalid.within("sensor.resolution_px")))
+    }
+}
+
+/// What building a scene takes.
+pub(super) fn of_scene(scene: &SceneDescription) -> u64 {
+    let mut uses = vec![0u64; scene.meshes.len()];
+    scene.instances.iter().for_each(|instance| uses[instance.mesh] += 1);
+    let of_mesh = |(mesh, uses): (&crate::scene::description::MeshDescription, u64)| {
+        let triangles = mesh.triangles.len() as u64;
+        let shines = scene.materials.get(mesh.material).is_some_and(|material| material.emission.is_some());
+        let shapes = 1 + mesh.later_shapes.len() as u64;
+        // What shines or deforms is in the world once an instance, other meshes once for all.
+        let copies = if shines || shapes > 1 { uses * shapes } else { uses.min(1) };
+        triangles.saturating_mul(copies * if shines { SHINING_TRIANGLE } else { TRIANGLE })
+    };
+    scene.meshes.iter().zip(uses).map(of_mesh).fold(0, u64::saturating_add)
+}
+
+/// Refuses a scene that takes more than there is.
+pub(super) fn check_scene(scene: &SceneDescription, source: &CaptureSource) -> Result<()> {
+    let triangles: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+    memory::check(of_scene(scene), &format!("a scene of {triangles} triangles"), "simplify it")
+        .map_err(|invalid| source.error(invalid.within("scene")))
+}
