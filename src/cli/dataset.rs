@@ -5,12 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use photosite::dataset::{DataSet, DatasetFolder};
-use photosite::pipeline::LightSource;
-use photosite::{Error, Result};
+use photosite::pipeline::{FilmMemory, LightSource};
+use photosite::{Error, Result, Sandbox};
 use serde_json::json;
 
 use super::arguments::parse_range;
-use super::film_memory::FilmMemoryArgs;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::print_json;
@@ -38,8 +37,9 @@ pub(super) struct DatasetArgs {
     /// Change a key of the capture file in all frames, for example --set render.samples_per_pixel=16.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    #[command(flatten)]
-    film_memory: FilmMemoryArgs,
+    /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
+    #[arg(long, value_name = "GIB", default_value = "4")]
+    film_memory: FilmMemory,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -48,8 +48,8 @@ pub(super) struct DatasetArgs {
     json: bool,
 }
 
-pub(super) fn run(args: &DatasetArgs) -> Result<()> {
-    let set = DataSet::read(&args.input, &args.overrides, args.film_memory.value())?;
+pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
+    let set = DataSet::read(sandbox, &args.input, &args.overrides, args.film_memory)?;
     if let Some(samples) = &args.samples {
         set.check_samples(samples)?;
     }

@@ -19,7 +19,7 @@ use photosite::scene::{self, Scene};
 use photosite::sensor::RegionOfInterest;
 use photosite::spectrum::{Spectrum, cie, library};
 use photosite::validation::Picture;
-use photosite::{Error, Invalid, Result};
+use photosite::{Error, Invalid, Result, Sandbox};
 use serde::Serialize;
 
 use super::print::{print_json, println_out};
@@ -110,7 +110,7 @@ impl PictureArgs {
     }
 }
 
-pub(super) fn run(args: &MeasureArgs) -> Result<()> {
+pub(super) fn run(args: &MeasureArgs, sandbox: &Sandbox) -> Result<()> {
     match &args.measure {
         Measure::Mtf { picture, region, channel } => {
             let planes = picture.read_linear(&picture.picture)?;
@@ -134,7 +134,7 @@ pub(super) fn run(args: &MeasureArgs) -> Result<()> {
         }
         Measure::Checker { picture, capture } => {
             let planes = picture.read_linear(&picture.picture)?;
-            picture.print(&measure_checker(&planes, &picture.picture, capture)?, checker_text)
+            picture.print(&measure_checker(&planes, &picture.picture, capture, sandbox)?, checker_text)
         }
         Measure::Similarity { picture, b } => picture.print(&similarity(picture, b)?, similarity_text),
     }
@@ -187,8 +187,13 @@ fn histogram_text(histograms: &[Histogram]) -> String {
 /// Pixels that a patch's edge is kept away from, since neighbours mix there.
 const MARGIN: usize = 3;
 
-fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result<CheckerReport> {
-    let mut capture = Capture::load_with(path, &[])?;
+fn measure_checker(
+    picture: &Planes,
+    picture_path: &Path,
+    path: &Path,
+    sandbox: &Sandbox,
+) -> Result<CheckerReport> {
+    let mut capture = Capture::load_within(sandbox, path, &[])?;
     let size = [picture.width(), picture.height()];
     let description = std::mem::take(&mut capture.scene);
     let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();

@@ -28,7 +28,7 @@ use crate::pipeline::{
 };
 use crate::report::Timings;
 use crate::sensor::SensorModel;
-use crate::{Error, Invalid, Result};
+use crate::{Error, Invalid, Result, Sandbox};
 
 /// Between two looks at what other processes make, at first and after a while.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
@@ -49,10 +49,11 @@ pub struct DataSet {
 
 impl DataSet {
     /// Reads a data set file with the captures of its cameras; `arguments` change their keys, after those of the file.
-    pub fn read(input: &Path, arguments: &[String], film_memory: FilmMemory) -> Result<Self> {
+    pub fn read(sandbox: &Sandbox, input: &Path, arguments: &[String], film_memory: FilmMemory) -> Result<Self> {
         let file = DatasetFile::read(input)?;
         let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
-        let (plan, captures) = plan(&file, &capture_path, arguments)?;
+        sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
+        let (plan, captures) = plan(&file, sandbox, &capture_path, arguments)?;
         let identity = identity(&file, &captures, arguments)?;
         Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), film_memory, identity })
     }
@@ -74,7 +75,7 @@ impl DataSet {
 
     /// The capture of a camera in a frame. What is wrong with a change is wrong with the key that asks for it.
     fn capture(&self, camera: &str, number: u32, overrides: &[String]) -> Result<Capture> {
-        let capture = Capture::load_with(&self.capture_path, overrides);
+        let capture = Capture::load_within(self.captures[0].source.sandbox(), &self.capture_path, overrides);
         capture.map_err(|error| self.error_of_change(error, camera, number, overrides))
     }
 
@@ -247,7 +248,12 @@ impl Drop for UntilSetEnds<'_> {
 }
 
 /// What frames there are, and the capture of each camera as it is before anything is varied.
-fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result<(Plan, Vec<Capture>)> {
+fn plan(
+    file: &DatasetFile,
+    sandbox: &Sandbox,
+    capture_path: &Path,
+    overrides: &[String],
+) -> Result<(Plan, Vec<Capture>)> {
     let description = &file.description;
     let rig = description.rig().map_err(|invalid| file.error(invalid))?;
     let mut cameras = Vec::new();
@@ -255,7 +261,7 @@ fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result
     for place in rig {
         let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
         let read = || {
-            let capture = Capture::load_with(capture_path, &set)?;
+            let capture = Capture::load_within(sandbox, capture_path, &set)?;
             check(&capture)?;
             let camera = standalone_camera(&capture)?;
             Ok((camera, capture))

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::capture::Capture;
 use crate::{Error, Result};
-use photosite_core::input;
+use photosite_core::{Sandbox, input};
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
@@ -24,18 +24,23 @@ pub(crate) fn provenance(capture: &Capture) -> Result<Map<String, Value>> {
 pub(crate) fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>) -> Result<Value> {
     let folder = capture.source.path().parent().unwrap_or(Path::new(""));
     let values = capture.to_json(folder)?;
-    add_files(&values, folder, hashes)?;
+    add_files(&values, (folder, capture.source.sandbox()), hashes)?;
     Ok(values)
 }
 
-fn add_files(values: &Value, folder: &Path, hashes: &mut Map<String, Value>) -> Result<()> {
+fn add_files(
+    values: &Value,
+    place @ (folder, sandbox): (&Path, &Sandbox),
+    hashes: &mut Map<String, Value>,
+) -> Result<()> {
     match values {
         Value::String(name) => {
             let path = folder.join(name);
-            if !name.is_empty() && path.is_file() { add_file(name, &path, hashes) } else { Ok(()) }
+            // A text may happen to be the name of a file.
+            if !name.is_empty() && sandbox.check(&path).is_ok() && path.is_file() { add_file(name, &path, hashes) } else { Ok(()) }
         }
-        Value::Array(values) => values.iter().try_for_each(|value| add_files(value, folder, hashes)),
-        Value::Object(table) => table.values().try_for_each(|value| add_files(value, folder, hashes)),
+        Value::Array(values) => values.iter().try_for_each(|value| add_files(value, place, hashes)),
+        Value::Object(table) => table.values().try_for_each(|value| add_files(value, place, hashes)),
         Value::Null | Value::Bool(_) | Value::Number(_) => Ok(()),
     }
 }
