@@ -102,9 +102,9 @@ fn short_counter(base: &Node, changes: &Node, bits: u32) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use crate::capture::read_named_sensor;
-    use photosite_core::Sandbox;
     use crate::sensor::{Exposure, presets};
     use crate::units::Seconds;
+    use photosite_core::Sandbox;
 
     /// Whatever the bits, the sensor holds the same charge. The largest number is 2^b − 1 rather than 2^b, and the
     /// black level is whole: the ends of the range are off by up to |2^Δ − 1| and by ½ of the new numbers, each of 1/K
@@ -115,7 +115,8 @@ mod tests {
         for name in presets::names() {
             let preset = presets::model(name).expect("listed");
             for bits in 8..=16 {
-                let (sensor, warnings) = read_named_sensor(&Sandbox::default(), name, &[format!("adc.bits={bits}")]).expect("valid");
+                let (sensor, warnings) =
+                    read_named_sensor(&Sandbox::default(), name, &[format!("adc.bits={bits}")]).expect("valid");
                 assert!(warnings.is_empty(), "{name}: {warnings:?}");
                 let [before, after] = [&preset, &sensor].map(|s| s.saturation_capacity(&exposure).0);
                 let factor = 2f64.powi(bits - preset.converter.bits as i32);

@@ -107,7 +107,8 @@ fn projector(
     table: &ProjectorTable,
     cameras: &[CameraDescription],
 ) -> Result<LightDescription, Invalid> {
-    let slide = finder.path(&table.image).and_then(|path| read_picture(&path)).map_err(|invalid| invalid.within("image"))?;
+    let slide =
+        finder.path(&table.image).and_then(|path| read_picture(&path)).map_err(|invalid| invalid.within("image"))?;
     let [width, height] = [slide.width, slide.height].map(|n| n as f64);
     let of_file = match &table.gltf_camera {
         None => None,

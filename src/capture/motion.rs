@@ -6,11 +6,11 @@ use super::sensor::sensor_model;
 use super::settings::{self, ExposureSettings, ExposureTime};
 use super::tables::{CameraTable, CaptureFile, MotionTable, PoseTable, SceneTable};
 use crate::Invalid;
-use photosite_core::Sandbox;
 use crate::io::gltf::Moment;
 use crate::optics::{CameraMotion, Recording, TimedPose};
 use crate::scene::description::{CameraDescription, looking, vector};
 use crate::sensor::SensorModel;
+use photosite_core::Sandbox;
 
 /// How the camera of the table moves; `None` if it stands still.
 pub(super) fn motion(camera: &CameraTable) -> Result<Option<CameraMotion>, Invalid> {
@@ -70,11 +70,7 @@ pub(super) fn motion_of_file(
 }
 
 /// When the picture of that number is taken of the animation, if one is.
-pub(super) fn moment(
-    file: &CaptureFile,
-    frame: u32,
-    sandbox: &Sandbox,
-) -> Result<Option<Moment>, Invalid> {
+pub(super) fn moment(file: &CaptureFile, frame: u32, sandbox: &Sandbox) -> Result<Option<Moment>, Invalid> {
     let SceneTable { animation, animation_time_s, .. } = &file.scene;
     let Some(animation) = animation else {
         return match animation_time_s {

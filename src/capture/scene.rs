@@ -23,8 +23,8 @@ use crate::scene::description::{
     TexturedColour,
 };
 use crate::{Invalid, Result};
-use photosite_core::suggest::{did_you_mean, list};
 use photosite_core::Sandbox;
+use photosite_core::suggest::{did_you_mean, list};
 use photosite_core::warnings::Warnings;
 
 /// Illuminance of the surroundings of scenes that have no light, lux: a bright room.
@@ -100,7 +100,10 @@ impl ReadScene {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let scene = match extension.as_deref() {
             Some("gltf" | "glb") => {
-                let mut file = gltf::read(path, Choice { variant: table.variant.as_deref(), moment, sandbox: Some(source.sandbox()) })?;
+                let mut file = gltf::read(
+                    path,
+                    Choice { variant: table.variant.as_deref(), moment, sandbox: Some(source.sandbox()) },
+                )?;
                 self.variants.append(&mut file.variants);
                 self.animations.append(&mut file.animations);
                 file.scene

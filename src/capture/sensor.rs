@@ -134,11 +134,7 @@ pub fn read_sensor_file(path: &Path, sandbox: &Sandbox) -> Result<Option<SensorM
 
 /// A sensor by the name of a preset or the path of a sensor file, with overrides, `key=value`, laid over its
 /// keys; and warnings about them.
-pub fn read_named_sensor(
-    sandbox: &Sandbox,
-    name: &str,
-    overrides: &[String],
-) -> Result<(SensorModel, Vec<String>)> {
+pub fn read_named_sensor(sandbox: &Sandbox, name: &str, overrides: &[String]) -> Result<(SensorModel, Vec<String>)> {
     if is_path(name) {
         std::fs::metadata(name).map_err(|reason| Error::io(Path::new(name), "read", reason))?;
     } else if presets::table(name).is_none() {

@@ -57,7 +57,14 @@ impl CaptureSource {
     pub(super) fn empty(path: &Path) -> Self {
         let texts = vec![Text { origin: Origin::Nothing, start: 0, text: String::new() }];
         let root = Node { span: 0..0, value: Value::Table(Table::new()) };
-        Self { path: path.to_owned(), texts, root, stored_sensor: None, displaced: Vec::new(), sandbox: Sandbox::default() }
+        Self {
+            path: path.to_owned(),
+            texts,
+            root,
+            stored_sensor: None,
+            displaced: Vec::new(),
+            sandbox: Sandbox::default(),
+        }
     }
 
     /// A scene file that stands in for the capture file: its geometry.

@@ -56,12 +56,7 @@ impl StoredCapture {
     }
 
     /// What holds where nothing is known of a stored picture but its size, with overrides, `key=value`.
-    pub fn of_picture(
-        sandbox: &Sandbox,
-        path: &Path,
-        resolution_px: [usize; 2],
-        arguments: &[String],
-    ) -> Result<Self> {
+    pub fn of_picture(sandbox: &Sandbox, path: &Path, resolution_px: [usize; 2], arguments: &[String]) -> Result<Self> {
         check(path, arguments)?;
         let mut source = CaptureSource::empty(path).within(sandbox);
         source.set_default("sensor", "resolution_px", &json!(resolution_px));

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use photosite::{Result, Sandbox};
 use photosite::calibration::camera_files::{
     CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
 };
 use photosite::capture::Capture;
 use photosite::io::lock::Lock;
 use photosite::io::output::create_folder;
+use photosite::{Result, Sandbox};
 
 use super::log::say;
 use super::print::{println_out, refuse_existing, write_result};

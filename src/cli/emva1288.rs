@@ -4,13 +4,13 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use photosite::{Result, Sandbox};
 use photosite::capture::read_named_sensor;
 use photosite::characterisation::effects_left_out;
 use photosite::emva1288::{SetPlan, SetRequest, refuse_image_sets};
 use photosite::io::image_sets::ImageFormat;
 use photosite::pipeline::{Event, Monitor};
 use photosite::units::{Celsius, Decibels, Seconds};
+use photosite::{Result, Sandbox};
 
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;

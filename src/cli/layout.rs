@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use photosite::{Result, Sandbox};
 use photosite::calibration::layouts::Layout;
 use photosite::dataset::{LayoutFolder, read_dataset};
+use photosite::{Result, Sandbox};
 use serde_json::json;
 
 use super::log::say;

@@ -86,7 +86,9 @@ fn place(error: &Error) -> (Option<String>, Option<usize>, Option<&str>) {
         Error::Input(input) => (Some(input.path.display().to_string()), input.line, Some(&input.key)),
         Error::Io { path, .. } => (Some(path.display().to_string()), None, None),
         Error::Temporary(error) => place(error),
-        Error::Override { .. } | Error::Usage { .. } | Error::Resources { .. } | Error::Cancelled { .. } => (None, None, None),
+        Error::Override { .. } | Error::Usage { .. } | Error::Resources { .. } | Error::Cancelled { .. } => {
+            (None, None, None)
+        }
     }
 }
 

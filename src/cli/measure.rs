@@ -187,12 +187,7 @@ fn histogram_text(histograms: &[Histogram]) -> String {
 /// Pixels that a patch's edge is kept away from, since neighbours mix there.
 const MARGIN: usize = 3;
 
-fn measure_checker(
-    picture: &Planes,
-    picture_path: &Path,
-    path: &Path,
-    sandbox: &Sandbox,
-) -> Result<CheckerReport> {
+fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path, sandbox: &Sandbox) -> Result<CheckerReport> {
     let mut capture = Capture::load_within(sandbox, path, &[])?;
     let size = [picture.width(), picture.height()];
     let description = std::mem::take(&mut capture.scene);

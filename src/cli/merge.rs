@@ -54,7 +54,11 @@ impl MergeArgs {
 }
 
 pub(super) fn run(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
-    if args.parts.iter().any(|part| PartFolder::is_one(part)) { merge_sets(args, sandbox) } else { merge_pictures(args, sandbox) }
+    if args.parts.iter().any(|part| PartFolder::is_one(part)) {
+        merge_sets(args, sandbox)
+    } else {
+        merge_pictures(args, sandbox)
+    }
 }
 
 fn merge_pictures(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {

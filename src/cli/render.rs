@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::{Result, Sandbox};
 use photosite::capture::{Capture, relative_path};
 use photosite::pipeline::{FilmMemory, LightSource, OutputFolder, Rendered, Request, render_into};
 use photosite::report::{REPORT, Report, Timings};
+use photosite::{Result, Sandbox};
 
 use super::arguments::parse_range;
 use super::log::say;

@@ -113,8 +113,7 @@ mod tests {
 
     const SPACES: [ColourSpace; 4] =
         [ColourSpace::Srgb, ColourSpace::DisplayP3, ColourSpace::Rec2020, ColourSpace::Acescg];
-    const TRANSFERS: [Transfer; 4] =
-        [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2), Transfer::Gamma(1.8)];
+    const TRANSFERS: [Transfer; 4] = [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2), Transfer::Gamma(1.8)];
 
     fn read(space: ColourSpace, transfer: Transfer, grey: bool) -> ColorProfile {
         ColorProfile::new_from_slice(&profile(space, transfer, grey)).expect("a profile")
@@ -123,9 +122,8 @@ mod tests {
     /// The same by the encoder of a crate, but for the date.
     fn encoded(space: ColourSpace, transfer: Transfer, grey: bool) -> Vec<u8> {
         let xyz = |[x, y, z]: [f64; 3]| Xyzd { x, y, z };
-        let text = |text: String| {
-            Some(ProfileText::Localizable(vec![LocalizableString::new("en".into(), "US".into(), text)]))
-        };
+        let text =
+            |text: String| Some(ProfileText::Localizable(vec![LocalizableString::new("en".into(), "US".into(), text)]));
         let curve = Some(ToneReprCurve::Parametric(match transfer {
             Transfer::Linear => vec![1.0],
             Transfer::Gamma(gamma) => vec![gamma as f32],

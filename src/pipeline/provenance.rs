@@ -37,7 +37,11 @@ fn add_files(
         Value::String(name) => {
             let path = folder.join(name);
             // A text may happen to be the name of a file.
-            if !name.is_empty() && sandbox.check(&path).is_ok() && path.is_file() { add_file(name, &path, hashes) } else { Ok(()) }
+            if !name.is_empty() && sandbox.check(&path).is_ok() && path.is_file() {
+                add_file(name, &path, hashes)
+            } else {
+                Ok(())
+            }
         }
         Value::Array(values) => values.iter().try_for_each(|value| add_files(value, place, hashes)),
         Value::Object(table) => table.values().try_for_each(|value| add_files(value, place, hashes)),

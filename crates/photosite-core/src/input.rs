@@ -39,7 +39,8 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     // Memory that there is not is an error of this file alone.
     let length = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
-    memory::check(length as u64, "reading it", "").map_err(|invalid| io::Error::new(ErrorKind::OutOfMemory, invalid))?;
+    memory::check(length as u64, "reading it", "")
+        .map_err(|invalid| io::Error::new(ErrorKind::OutOfMemory, invalid))?;
     bytes.try_reserve_exact(length).map_err(|_| {
         io::Error::new(ErrorKind::OutOfMemory, format!("its {length} bytes are more than there is memory for"))
     })?;

@@ -41,7 +41,8 @@ impl Sandbox {
         }
         let (path, folder) = (path.display(), folder.display());
         let message = format!("names {path}, which is not in the sandbox {folder}");
-        Err(Invalid::new("", message).help("put the file there, or give a sandbox that it is in if you trust the scene"))
+        Err(Invalid::new("", message)
+            .help("put the file there, or give a sandbox that it is in if you trust the scene"))
     }
 }
 
@@ -100,7 +101,8 @@ mod tests {
         fs::create_dir_all(at("in")).expect("made");
         fs::write(at("out"), "").expect("written");
         fs::write(at("in/a"), "").expect("written");
-        for (to, link) in [("out", "in/file"), ("", "in/folder"), ("nowhere", "in/dangling"), ("in/a", "in/fine"), ("in", "to-in")]
+        for (to, link) in
+            [("out", "in/file"), ("", "in/folder"), ("nowhere", "in/dangling"), ("in/a", "in/fine"), ("in", "to-in")]
         {
             symlink(at(to), at(link)).expect("linked");
         }

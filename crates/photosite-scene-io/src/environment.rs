@@ -8,8 +8,8 @@ use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
 
 use super::picture::decode_picture;
 use photosite_core::Invalid;
-use photosite_core::{input, memory};
 use photosite_core::warnings::Warnings;
+use photosite_core::{input, memory};
 use photosite_transport::texture::{Bitmap, Texels};
 
 /// First bytes of an OpenEXR file.

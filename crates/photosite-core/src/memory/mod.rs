@@ -131,7 +131,8 @@ mod tests {
         let left = |bound| Left { bytes: 1 << 29, of: 1 << 30, bound };
         assert_eq!(left(Bound::Told).check(1 << 29, "it", ""), Ok(()));
         let words = |bound| {
-            let invalid = left(bound).check(3 << 30, "the picture", "lower sensor.resolution_px").expect_err("too much");
+            let invalid =
+                left(bound).check(3 << 30, "the picture", "lower sensor.resolution_px").expect_err("too much");
             (invalid.message, invalid.help.expect("help").to_string())
         };
         let (message, help) = words(Bound::Told);

@@ -138,9 +138,8 @@ fn read_libraries(
     let mut known = HashMap::new();
     let folder = file.parent().unwrap_or(Path::new(""));
     for (line, names) in &geometry.libraries {
-        let allowed = |path: &Path| {
-            sandbox.check(path).map_err(|invalid| invalid.within("mtllib").at_line(file, *line))
-        };
+        let allowed =
+            |path: &Path| sandbox.check(path).map_err(|invalid| invalid.within("mtllib").at_line(file, *line));
         // A statement may list several files, or name one with blanks in its name.
         let whole = file_beside(folder, names);
         let paths = if whole.exists() && (allowed(&whole).is_ok() || !names.contains(char::is_whitespace)) {

@@ -12,8 +12,8 @@ use super::files::file_beside;
 use super::map::{Map, MapChannel, Range};
 use super::mtl::{MtlMaterial, roughness_of_exponent};
 use crate::picture::read_picture;
-use photosite_core::{Result, Sandbox};
 use photosite_core::spectrum::rgb;
+use photosite_core::{Result, Sandbox};
 use photosite_transport::scene::description::TextureDescription;
 use photosite_transport::texture::{Bitmap, Texels, Wrap};
 
