@@ -66,8 +66,8 @@ pub mod report;
 
 pub use capture::Capture;
 pub use photosite_calibration as calibration;
-pub use photosite_core::{Error, Help, Invalid, Remedy, Result};
-pub use photosite_core::{colour, error, image, math, projection, references, spectrum, units};
+pub use photosite_core::{Error, Help, Invalid, Remedy, Result, Sandbox};
+pub use photosite_core::{colour, error, image, math, memory, projection, references, spectrum, units};
 pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, validation};
 pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};
 pub use picture::Picture;

@@ -10,6 +10,7 @@ const WITH_FILES: &[&str] = &[
     "src",
     "crates/photosite-core/src/input.rs",
     "crates/photosite-core/src/memory",
+    "crates/photosite-core/src/sandbox.rs",
     "crates/photosite-core/src/output.rs",
     "crates/photosite-core/src/cleanup.rs",
     "crates/photosite-core/src/fail_point.rs",

@@ -66,7 +66,7 @@ fn shift_warning(kernels: &[(DVec2, Kernel)], pixel_pitch_m: [f64; 2]) -> Option
 
 /// A kernel from a CSV file.
 fn measured(finder: &Finder<'_>, file: &str, pitch_m: f64) -> Result<Kernel, Invalid> {
-    let path = finder.path(file);
+    let path = finder.path(file).map_err(|invalid| invalid.within("file"))?;
     let wrong = |message: String| Invalid::new("file", format!("{}: {message}", path.display()));
     let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| {
         wrong(format!("cannot be read: {reason}")).help("paths are relative to the file that they are written in")

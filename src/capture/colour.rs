@@ -16,6 +16,7 @@ use crate::sensor::SpectrumSource;
 use crate::spectrum::csv::SpectralTable;
 use crate::spectrum::{Outside, Spectrum, illuminant, library, rgb};
 use crate::texture::{Bitmap, Filter, SamplerSettings, UvTransform, Wrap};
+use photosite_core::Sandbox;
 use photosite_core::input;
 use photosite_core::suggest::{did_you_mean, list};
 use photosite_scene_io::read_picture;
@@ -24,6 +25,7 @@ use photosite_scene_io::read_picture;
 #[derive(Debug)]
 pub(super) struct Finder<'a> {
     folder: &'a Path,
+    sandbox: &'a Sandbox,
     /// Pictures of the scene; textures that are read are added.
     images: Vec<Arc<Bitmap>>,
     slots: HashMap<PathBuf, usize>,
@@ -38,8 +40,8 @@ pub(super) struct LightSpectrum {
 
 impl<'a> Finder<'a> {
     /// For files in `folder`; `images` are those that the scene has already.
-    pub(super) fn new(folder: &'a Path, images: Vec<Arc<Bitmap>>) -> Self {
-        Self { folder, images, slots: HashMap::new() }
+    pub(super) fn new(folder: &'a Path, sandbox: &'a Sandbox, images: Vec<Arc<Bitmap>>) -> Self {
+        Self { folder, sandbox, images, slots: HashMap::new() }
     }
 
     /// The pictures of the scene.
@@ -48,13 +50,14 @@ impl<'a> Finder<'a> {
     }
 
     /// The path of a file that a table names.
-    pub(super) fn path(&self, file: &str) -> PathBuf {
-        self.folder.join(file)
+    pub(super) fn path(&self, file: &str) -> Result<PathBuf, Invalid> {
+        let path = self.folder.join(file);
+        self.sandbox.check(&path).map(|()| path)
     }
 
     /// The columns of a CSV file.
     pub(super) fn table(&self, file: &str, outside: Outside) -> Result<SpectralTable, Invalid> {
-        let path = self.path(file);
+        let path = self.path(file)?;
         let text = input::read_text(&path, input::TABLE_BYTES).map_err(|source| {
             Invalid::new("", format!("cannot read {}: {source}", path.display()))
                 .help("paths are relative to the file that they are written in")
@@ -70,7 +73,7 @@ impl<'a> Finder<'a> {
             SpectrumSource::Name(name) => library::spectrum(name).ok_or_else(|| unknown_spectrum(name, library::names)),
             SpectrumSource::File(curve) => {
                 let table = self.table(&curve.file, outside)?;
-                table.single().map_err(|error| in_csv(&self.path(&curve.file), error.into()))
+                table.single().map_err(|error| in_csv(&self.folder.join(&curve.file), error.into()))
             }
         }
     }
@@ -109,7 +112,7 @@ impl<'a> Finder<'a> {
 
     /// The use of a picture.
     pub(super) fn texture(&mut self, file: &TextureFile) -> Result<TextureDescription, Invalid> {
-        let path = self.path(&file.texture);
+        let path = self.path(&file.texture).map_err(|e| e.within("texture"))?;
         let image = match self.slots.get(&path) {
             Some(&slot) => slot,
             None => {

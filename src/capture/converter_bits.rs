@@ -104,6 +104,7 @@ mod tests {
     use crate::capture::read_named_sensor;
     use crate::sensor::{Exposure, presets};
     use crate::units::Seconds;
+    use photosite_core::Sandbox;
 
     /// Whatever the bits, the sensor holds the same charge. The largest number is 2^b − 1 rather than 2^b, and the
     /// black level is whole: the ends of the range are off by up to |2^Δ − 1| and by ½ of the new numbers, each of 1/K
@@ -114,7 +115,8 @@ mod tests {
         for name in presets::names() {
             let preset = presets::model(name).expect("listed");
             for bits in 8..=16 {
-                let (sensor, warnings) = read_named_sensor(name, &[format!("adc.bits={bits}")]).expect("valid");
+                let (sensor, warnings) =
+                    read_named_sensor(&Sandbox::default(), name, &[format!("adc.bits={bits}")]).expect("valid");
                 assert!(warnings.is_empty(), "{name}: {warnings:?}");
                 let [before, after] = [&preset, &sensor].map(|s| s.saturation_capacity(&exposure).0);
                 let factor = 2f64.powi(bits - preset.converter.bits as i32);
@@ -132,7 +134,7 @@ mod tests {
     fn the_converters_of_dual_gain_follow_their_own_bits() {
         let preset = presets::model("andor-zyla-55").expect("listed");
         let set = ["adc.dual_gain.bits=10", "adc.dual_gain.low_gain_dn_per_e=0.03"].map(str::to_owned);
-        let (sensor, _) = read_named_sensor("andor-zyla-55", &set).expect("valid");
+        let (sensor, _) = read_named_sensor(&Sandbox::default(), "andor-zyla-55", &set).expect("valid");
         let [before, after] = [&preset, &sensor].map(|s| s.converter.dual_gain.as_ref().expect("two converters"));
         let gains = |dual: &crate::sensor::DualGain| [&dual.high, &dual.low].map(|c| c.conversion_gain_dn_per_e);
         assert_eq!(gains(after), [gains(before)[0] / 4.0, 0.03]);

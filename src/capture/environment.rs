@@ -95,7 +95,12 @@ fn picture(
     if !rotation_deg.is_finite() {
         return Err(Invalid::new("rotation_deg", format!("must be finite, got {rotation_deg}")));
     }
-    let image = Arc::new(read_environment(&finder.path(image), warnings).map_err(|e| e.within("image"))?);
+    let image = Arc::new(
+        finder
+            .path(image)
+            .and_then(|path| read_environment(&path, warnings))
+            .map_err(|invalid| invalid.within("image"))?,
+    );
     if matches!(level, PictureLevel::HorizontalLux(_)) && EnvironmentPicture::luminous_integrals(&image).1 <= 0.0 {
         let message = "cannot be reached: all light of the picture comes from below the horizon";
         return Err(Invalid::new("illuminance_lux", message).help("give nit_per_unit, what a value of 1 means"));

@@ -52,7 +52,8 @@ fn profile(
     table: &ProfileTable,
     lights: &[LightDescription],
 ) -> Result<LightDescription, Invalid> {
-    let measured = read_ies(&finder.path(&table.file)).map_err(|error| Invalid::new("file", error.to_string()))?;
+    let path = finder.path(&table.file).map_err(|invalid| invalid.within("file"))?;
+    let measured = read_ies(&path).map_err(|error| Invalid::new("file", error.to_string()))?;
     let direction = match (table.direction, table.look_at_m, table.position_m) {
         (Some(_), Some(_), _) => {
             return Err(Invalid::new("look_at_m", "cannot go with direction").help("keep one of them"));
@@ -106,7 +107,8 @@ fn projector(
     table: &ProjectorTable,
     cameras: &[CameraDescription],
 ) -> Result<LightDescription, Invalid> {
-    let slide = read_picture(&finder.path(&table.image)).map_err(|invalid| invalid.within("image"))?;
+    let slide =
+        finder.path(&table.image).and_then(|path| read_picture(&path)).map_err(|invalid| invalid.within("image"))?;
     let [width, height] = [slide.width, slide.height].map(|n| n as f64);
     let of_file = match &table.gltf_camera {
         None => None,

@@ -65,6 +65,7 @@ use crate::optics::{LensDescription, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
 use crate::{Invalid, Result};
+use photosite_core::Sandbox;
 use photosite_core::warnings::Warnings;
 
 use camera::place_camera;
@@ -132,12 +133,18 @@ impl Capture {
 
     /// Loads a capture with changes to its keys laid over it, `key=value` as in `exposure.time_s=0.02`.
     pub fn load_with(path: &Path, overrides: &[String]) -> Result<Self> {
-        Self::load_frame(path, overrides, 0)
+        Self::load_within(&Sandbox::default(), path, overrides)
     }
 
-    /// Loads a capture with changes for the picture of that number, in whose time an animated scene has gone on.
-    pub fn load_frame(path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
-        Self::of_source(read_source(path)?, path, overrides, frame)
+    /// Loads a capture with changes, of which all files that it names, and that these name, must lie in a sandbox. The
+    /// capture itself may lie anywhere.
+    pub fn load_within(sandbox: &Sandbox, path: &Path, overrides: &[String]) -> Result<Self> {
+        Self::load_frame(sandbox, path, overrides, 0)
+    }
+
+    /// Loads a capture so for the picture of that number, in whose time an animated scene has gone on.
+    pub fn load_frame(sandbox: &Sandbox, path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
+        Self::of_source(read_source(path)?.within(sandbox), path, overrides, frame)
     }
 
     /// A capture from the text of a capture file, which names files relative to `folder`.
@@ -168,7 +175,7 @@ impl Capture {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut file = CaptureFile::read(&mut source, folder)?;
-        let moment = motion::moment(&file, frame).map_err(|invalid| source.error(invalid))?;
+        let moment = motion::moment(&file, frame, source.sandbox()).map_err(|invalid| source.error(invalid))?;
         let geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
         if is_scene_file(path) {
             geometry.surround(&mut source)?;
@@ -210,8 +217,8 @@ impl Capture {
         folder: &Path,
         frame: u32,
     ) -> Result<Self, Invalid> {
-        let finder = Finder::new(folder, Vec::new());
-        let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
+        let finder = Finder::new(folder, source.sandbox(), Vec::new());
+        let sensor = sensor_model(&file.sensor, source.sandbox()).map_err(|invalid| invalid.within("sensor"))?;
         let motion = motion::motion(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
         let mut warnings = Warnings::default();
         source.displaced().iter().for_each(|message| warnings.once(message));
@@ -247,7 +254,7 @@ impl Capture {
             let invalid = Invalid::new("light_paths", "cannot go with a sensor that scans line by line");
             return Err(invalid.help("remove it, or sensor.shutter").within("render"));
         }
-        let mut scene = geometry.with_tables(file, folder)?;
+        let mut scene = geometry.with_tables(file, folder, source.sandbox())?;
         scene.warnings.extend(warnings.into_messages());
         scene.warnings.extend_from_slice(&file.sensor.warnings);
         Ok(Self {

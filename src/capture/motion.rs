@@ -10,6 +10,7 @@ use crate::io::gltf::Moment;
 use crate::optics::{CameraMotion, Recording, TimedPose};
 use crate::scene::description::{CameraDescription, looking, vector};
 use crate::sensor::SensorModel;
+use photosite_core::Sandbox;
 
 /// How the camera of the table moves; `None` if it stands still.
 pub(super) fn motion(camera: &CameraTable) -> Result<Option<CameraMotion>, Invalid> {
@@ -69,7 +70,7 @@ pub(super) fn motion_of_file(
 }
 
 /// When the picture of that number is taken of the animation, if one is.
-pub(super) fn moment(file: &CaptureFile, frame: u32) -> Result<Option<Moment>, Invalid> {
+pub(super) fn moment(file: &CaptureFile, frame: u32, sandbox: &Sandbox) -> Result<Option<Moment>, Invalid> {
     let SceneTable { animation, animation_time_s, .. } = &file.scene;
     let Some(animation) = animation else {
         return match animation_time_s {
@@ -82,7 +83,7 @@ pub(super) fn moment(file: &CaptureFile, frame: u32) -> Result<Option<Moment>, I
     if !start_s.is_finite() {
         return Err(Invalid::new("scene.animation_time_s", format!("must be finite, got {start_s}")));
     }
-    let sensor = sensor_model(&file.sensor).map_err(|invalid| invalid.within("sensor"))?;
+    let sensor = sensor_model(&file.sensor, sandbox).map_err(|invalid| invalid.within("sensor"))?;
     let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
     let recording = recording("scene.animation", None, &exposure, &sensor)?.later(frame);
     let start_s = start_s + recording.start_s;

@@ -23,6 +23,7 @@ use crate::scene::description::{
     TexturedColour,
 };
 use crate::{Invalid, Result};
+use photosite_core::Sandbox;
 use photosite_core::suggest::{did_you_mean, list};
 use photosite_core::warnings::Warnings;
 
@@ -52,11 +53,16 @@ impl ReadScene {
         let mut read = Self::default();
         for (i, file) in table.geometry.iter().enumerate() {
             let path = folder.join(file);
+            let key = format!("scene.geometry[{i}]");
+            // What the user gave himself in the place of a capture may lie anywhere.
+            if path != source.path() {
+                source.sandbox().check(&path).map_err(|invalid| source.error(invalid.within(&key)))?;
+            }
             // Found to be something else when it is read
             if !path.exists() || path.is_dir() {
                 let message = format!("there is no file {}", path.display());
                 let help = "paths are relative to the capture file";
-                return Err(source.error(Invalid::new(format!("scene.geometry[{i}]"), message).help(help)));
+                return Err(source.error(Invalid::new(key, message).help(help)));
             }
             read.add(source, table, moment, &path, i)?;
         }
@@ -94,7 +100,10 @@ impl ReadScene {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let scene = match extension.as_deref() {
             Some("gltf" | "glb") => {
-                let mut file = gltf::read(path, Choice { variant: table.variant.as_deref(), moment })?;
+                let mut file = gltf::read(
+                    path,
+                    Choice { variant: table.variant.as_deref(), moment, sandbox: Some(source.sandbox()) },
+                )?;
                 self.variants.append(&mut file.variants);
                 self.animations.append(&mut file.animations);
                 file.scene
@@ -104,7 +113,7 @@ impl ReadScene {
                     None | Some(NormalsName::Flat) => MissingNormals::Flat,
                     Some(NormalsName::Smooth) => MissingNormals::Smooth,
                 };
-                let mut file = obj::read(path, missing)?;
+                let mut file = obj::read_within(path, missing, source.sandbox())?;
                 let scale = unit_length(table).map_err(|invalid| source.error(invalid.within("scene")))?;
                 for instance in &mut file.scene.instances {
                     instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;
@@ -250,8 +259,13 @@ impl ReadScene {
     }
 
     /// Lays materials, lights and environment of the capture file over the geometry.
-    pub(super) fn with_tables(mut self, file: &CaptureFile, folder: &Path) -> Result<SceneDescription, Invalid> {
-        let mut finder = Finder::new(folder, std::mem::take(&mut self.scene.images));
+    pub(super) fn with_tables(
+        mut self,
+        file: &CaptureFile,
+        folder: &Path,
+        sandbox: &Sandbox,
+    ) -> Result<SceneDescription, Invalid> {
+        let mut finder = Finder::new(folder, sandbox, std::mem::take(&mut self.scene.images));
         override_materials(&file.materials, &mut finder, &mut self.scene.materials)?;
         describe_lights(&file.lights, &finder, &mut self.scene)?;
         let mut warnings = Warnings::default();

@@ -18,13 +18,14 @@ use super::tree::{Node, Table, Value, parse};
 use crate::sensor::{SensorModel, presets};
 use crate::spectrum::Outside;
 use crate::{Error, Invalid, Result};
+use photosite_core::Sandbox;
 use photosite_core::input;
 use photosite_core::suggest::{did_you_mean, list};
 
 /// Makes the model of a sensor.
-pub(super) fn sensor_model(sensor: &MergedSensor) -> Result<SensorModel, Invalid> {
+pub(super) fn sensor_model(sensor: &MergedSensor, sandbox: &Sandbox) -> Result<SensorModel, Invalid> {
     // Its paths start at no folder any more.
-    let finder = Finder::new(Path::new(""), Vec::new());
+    let finder = Finder::new(Path::new(""), sandbox, Vec::new());
     SensorModel::new(&sensor.name, &sensor.description, |spectrum| finder.spectrum(spectrum, Outside::Zero))
 }
 
@@ -119,34 +120,34 @@ fn empty_table() -> Node {
 }
 
 /// Reads a sensor file by itself; `None` where the file is no sensor file, as it has no `[adc]`.
-pub fn read_sensor_file(path: &Path) -> Result<Option<SensorModel>> {
+pub fn read_sensor_file(path: &Path, sandbox: &Sandbox) -> Result<Option<SensorModel>> {
     let source = CaptureSource::parse(path, read_text(path)?)?;
     if !source.sections().any(|(key, _)| key == "adc") {
         return Ok(None);
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let finder = Finder::new(folder, Vec::new());
+    let finder = Finder::new(folder, sandbox, Vec::new());
     let model = SensorModel::new(&stem, &source.read_whole()?, |spectrum| finder.spectrum(spectrum, Outside::Zero));
     model.map(Some).map_err(|invalid| source.error(invalid))
 }
 
 /// A sensor by the name of a preset or the path of a sensor file, with overrides, `key=value`, laid over its
 /// keys; and warnings about them.
-pub fn read_named_sensor(name: &str, overrides: &[String]) -> Result<(SensorModel, Vec<String>)> {
+pub fn read_named_sensor(sandbox: &Sandbox, name: &str, overrides: &[String]) -> Result<(SensorModel, Vec<String>)> {
     if is_path(name) {
         std::fs::metadata(name).map_err(|reason| Error::io(Path::new(name), "read", reason))?;
     } else if presets::table(name).is_none() {
         let Invalid { message, help, .. } = unknown_preset(name);
         return Err(Error::Usage { message, help });
     }
-    let mut source = CaptureSource::empty(Path::new(name));
+    let mut source = CaptureSource::empty(Path::new(name)).within(sandbox);
     source.set("", format!("sensor.preset = {}", toml::Value::from(name)))?;
     for argument in overrides {
         overrides::set_below(&mut source, "sensor", argument)?;
     }
     let merged = read_sensor(&mut source, Path::new(""))?;
-    let sensor = sensor_model(&merged).map_err(|invalid| source.error(invalid.within("sensor")))?;
+    let sensor = sensor_model(&merged, source.sandbox()).map_err(|invalid| source.error(invalid.within("sensor")))?;
     Ok((sensor, merged.warnings))
 }
 
@@ -192,6 +193,9 @@ fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) ->
     }
     if is_path(name) {
         let path = folder.join(name);
+        // What the user has given himself in the place of a capture may lie anywhere.
+        let is_allowed = if path == source.path() { Ok(()) } else { source.sandbox().check(&path) };
+        is_allowed.map_err(|invalid| source.error(invalid.within("sensor.preset")))?;
         let text = input::read_text(&path, input::TREE_BYTES).map_err(|reason| {
             let message = format!("cannot read {}: {reason}", path.display());
             let help = "paths are relative to the file that they are written in";

@@ -6,7 +6,7 @@
 //!
 //! The sensor of a report stands beside the tree: it is complete, and what the tree says of the sensor changes it.
 
-use photosite_core::Help;
+use photosite_core::{Help, Sandbox};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -29,6 +29,8 @@ pub struct CaptureSource {
     displaced: Vec<String>,
     /// The whole sensor that a report holds.
     stored_sensor: Option<Node>,
+    /// Where the files may lie that it names.
+    sandbox: Sandbox,
 }
 
 /// A text and where it begins in the imagined long one.
@@ -55,7 +57,14 @@ impl CaptureSource {
     pub(super) fn empty(path: &Path) -> Self {
         let texts = vec![Text { origin: Origin::Nothing, start: 0, text: String::new() }];
         let root = Node { span: 0..0, value: Value::Table(Table::new()) };
-        Self { path: path.to_owned(), texts, root, stored_sensor: None, displaced: Vec::new() }
+        Self {
+            path: path.to_owned(),
+            texts,
+            root,
+            stored_sensor: None,
+            displaced: Vec::new(),
+            sandbox: Sandbox::default(),
+        }
     }
 
     /// A scene file that stands in for the capture file: its geometry.
@@ -83,7 +92,18 @@ impl CaptureSource {
             node
         });
         let texts = vec![Text { origin: Origin::Report(path.to_owned()), start: 0, text }];
-        Self { path: path.to_owned(), texts, root, stored_sensor, displaced: Vec::new() }
+        Self { path: path.to_owned(), texts, root, stored_sensor, displaced: Vec::new(), sandbox: Sandbox::default() }
+    }
+
+    /// The same where the files that it names must lie in a sandbox.
+    #[must_use]
+    pub(super) fn within(self, sandbox: &Sandbox) -> Self {
+        Self { sandbox: sandbox.clone(), ..self }
+    }
+
+    /// Where the files may lie that it names.
+    pub fn sandbox(&self) -> &Sandbox {
+        &self.sandbox
     }
 
     /// The whole sensor that a report holds.

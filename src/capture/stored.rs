@@ -22,6 +22,7 @@ use crate::develop::DevelopSettings;
 use crate::optics::{Focus, LensDescription};
 use crate::sensor::SensorModel;
 use crate::{Error, Invalid, Result};
+use photosite_core::Sandbox;
 use photosite_core::warnings::Warnings;
 
 /// The part of a capture that stored light leaves open.
@@ -46,18 +47,18 @@ pub struct StoredCapture {
 }
 
 impl StoredCapture {
-    /// What a report at `path` says, with overrides, `key=value`, laid over it.
-    pub fn of_report(path: &Path, report: &StoredReport, arguments: &[String]) -> Result<Self> {
+    /// What a report at `path` says, with overrides, `key=value`, laid over it. Files that they name lie in a sandbox.
+    pub fn of_report(sandbox: &Sandbox, path: &Path, report: &StoredReport, arguments: &[String]) -> Result<Self> {
         check(path, arguments)?;
-        let mut source = report.source(path);
+        let mut source = report.source(path).within(sandbox);
         lay_over(&mut source, arguments)?;
         Self::assemble(source)
     }
 
     /// What holds where nothing is known of a stored picture but its size, with overrides, `key=value`.
-    pub fn of_picture(path: &Path, resolution_px: [usize; 2], arguments: &[String]) -> Result<Self> {
+    pub fn of_picture(sandbox: &Sandbox, path: &Path, resolution_px: [usize; 2], arguments: &[String]) -> Result<Self> {
         check(path, arguments)?;
-        let mut source = CaptureSource::empty(path);
+        let mut source = CaptureSource::empty(path).within(sandbox);
         source.set_default("sensor", "resolution_px", &json!(resolution_px));
         lay_over(&mut source, arguments)?;
         Self::assemble(source)
@@ -70,12 +71,12 @@ impl StoredCapture {
         let render = settings::render(&source.read("render")?.unwrap_or_default());
         let (exposure, output) =
             (source.read("exposure")?.unwrap_or_default(), source.read("output")?.unwrap_or_default());
-        let finder = Finder::new(source.path().parent().unwrap_or(Path::new("")), Vec::new());
+        let finder = Finder::new(source.path().parent().unwrap_or(Path::new("")), source.sandbox(), Vec::new());
         let at = |table: &'static str| {
             let source = &source;
             move |invalid: Invalid| source.error(invalid.within(table))
         };
-        let sensor = sensor_model(&merged).map_err(at("sensor"))?;
+        let sensor = sensor_model(&merged, source.sandbox()).map_err(at("sensor"))?;
         // Warnings about the lens were given when light was traced.
         let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity), &mut Warnings::default());
         let lens = lens.map_err(at("lens"))?;

@@ -23,10 +23,7 @@ pub(super) fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
 
 /// The error of threads that the system does not start.
 pub(super) fn no_threads(count: usize, reason: &dyn std::fmt::Display) -> Error {
-    let message = format!(
-        "cannot start {}: {reason}",
-        if count == 1 { "a thread".to_owned() } else { format!("{count} threads") }
-    );
+    let message = format!("cannot start {count} thread{}: {reason}", if count == 1 { "" } else { "s" });
     let help = "lower --threads, or raise the limits of memory (ulimit -v) and of processes (ulimit -u)";
     Error::Resources { message, help: Some(help.into()) }
 }

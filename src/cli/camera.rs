@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use photosite::Result;
 use photosite::calibration::camera_files::{
     CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
 };
 use photosite::capture::Capture;
 use photosite::io::lock::Lock;
 use photosite::io::output::create_folder;
+use photosite::{Result, Sandbox};
 
 use super::log::say;
 use super::print::{println_out, refuse_existing, write_result};
@@ -56,8 +56,8 @@ enum Format {
     Euroc,
 }
 
-pub(super) fn run(args: &CameraArgs) -> Result<()> {
-    let capture = Capture::load_with(&args.input, &args.overrides)?;
+pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
+    let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
     let placed = standalone_recording_camera(&capture)?.halfway();
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region);
     if let Some(done) = seen.resampled(&capture.develop) {

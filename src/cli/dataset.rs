@@ -4,13 +4,12 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::Args;
-use photosite::Result;
 use photosite::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, Shard};
-use photosite::pipeline::LightSource;
+use photosite::pipeline::{FilmMemory, LightSource};
+use photosite::{Result, Sandbox};
 use serde_json::json;
 
 use super::arguments::parse_range;
-use super::film_memory::FilmMemoryArgs;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::print_json;
@@ -58,8 +57,9 @@ pub(super) struct DatasetArgs {
     /// Change a key of the capture file in all frames, for example --set render.samples_per_pixel=16.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    #[command(flatten)]
-    film_memory: FilmMemoryArgs,
+    /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
+    #[arg(long, value_name = "GIB", default_value = "4")]
+    film_memory: FilmMemory,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -68,9 +68,9 @@ pub(super) struct DatasetArgs {
     json: bool,
 }
 
-pub(super) fn run(args: &DatasetArgs) -> Result<()> {
+pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
-    let set = DataSet::read(&args.input, &args.overrides, args.film_memory.value())?;
+    let set = DataSet::read(sandbox, &args.input, &args.overrides, args.film_memory)?;
     if let Some(samples) = &args.samples {
         set.check_samples(samples)?;
     }

@@ -4,13 +4,13 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use photosite::Result;
 use photosite::capture::read_named_sensor;
 use photosite::characterisation::effects_left_out;
 use photosite::emva1288::{SetPlan, SetRequest, refuse_image_sets};
 use photosite::io::image_sets::ImageFormat;
 use photosite::pipeline::{Event, Monitor};
 use photosite::units::{Celsius, Decibels, Seconds};
+use photosite::{Result, Sandbox};
 
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;
@@ -100,8 +100,8 @@ impl Range {
 /// Most values of a range.
 const MOST_VALUES: f64 = 10_000.0;
 
-pub(super) fn run(args: &Emva1288Args) -> Result<()> {
-    let (sensor, warnings) = read_named_sensor(&args.sensor, &args.overrides)?;
+pub(super) fn run(args: &Emva1288Args, sandbox: &Sandbox) -> Result<()> {
+    let (sensor, warnings) = read_named_sensor(sandbox, &args.sensor, &args.overrides)?;
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("emva1288-{}", sensor.name)));
     let request = SetRequest {
         channels: args.channels.clone(),

@@ -7,7 +7,7 @@ use photosite::capture::Capture;
 use photosite::io::lock::Lock;
 use photosite::io::mitsuba::export;
 use photosite::io::output::{create_folder, write_whole};
-use photosite::{Error, Result};
+use photosite::{Error, Result, Sandbox};
 
 use photosite::pipeline::standalone_camera;
 
@@ -43,9 +43,9 @@ pub(super) struct ExportMitsubaArgs {
 /// Renders the scene in Mitsuba with the variance of every pixel.
 const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
 
-pub(super) fn run(args: &ExportMitsubaArgs) -> Result<()> {
+pub(super) fn run(args: &ExportMitsubaArgs, sandbox: &Sandbox) -> Result<()> {
     refuse_scene(&args.output, args.force)?;
-    let capture = Capture::load_with(&args.input, &args.overrides)?;
+    let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
     let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
     warnings.for_each(|warning| warning!("{warning}"));
     let camera = standalone_camera(&capture)?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use photosite::pipeline::{OutputFolder, StoredRender};
 use photosite::report::REPORT;
-use photosite::{Error, Result};
+use photosite::{Error, Result, Sandbox};
 
 use super::log::say;
 use super::print::{print_json, rounded};
@@ -24,9 +24,9 @@ pub(super) struct ExposeArgs {
     common: RunArgs,
 }
 
-pub(super) fn run(args: &ExposeArgs) -> Result<()> {
+pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
-    let stored = StoredRender::read(&args.input, &args.common.overrides())?;
+    let stored = StoredRender::read(sandbox, &args.input, &args.common.overrides())?;
     let folder = output.clone().unwrap_or_else(|| default_folder(&args.input));
     refuse_own_folder(&folder, &args.input)?;
     let mut folder = OutputFolder::claim(&folder, *force)?;

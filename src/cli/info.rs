@@ -13,7 +13,7 @@ use photosite::optics::{Focus, LensKind};
 use photosite::raw::{self, RawImage};
 use photosite::scene::description::{EnvironmentDescription, MaterialDescription, SceneDescription};
 use photosite::sensor::{Binning, SensorModel, presets};
-use photosite::{Error, Invalid, Result};
+use photosite::{Error, Invalid, Result, Sandbox};
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
@@ -32,8 +32,8 @@ pub(super) struct InfoArgs {
     json: bool,
 }
 
-pub(super) fn run(args: &InfoArgs) -> Result<()> {
-    let facts = facts(&args.file)?;
+pub(super) fn run(args: &InfoArgs, sandbox: &Sandbox) -> Result<()> {
+    let facts = facts(&args.file, sandbox)?;
     if args.json {
         return print_json(&facts);
     }
@@ -41,17 +41,17 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
 }
 
 /// What the file holds, by the kind that its name says.
-fn facts(path: &Path) -> Result<Map<String, Value>> {
+fn facts(path: &Path, sandbox: &Sandbox) -> Result<Map<String, Value>> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
         "" if path.to_str().is_some_and(|name| presets::names().any(|preset| preset == name)) && !path.exists() => {
             Ok(presets::model(&path.to_string_lossy()).as_ref().map(of_sensor).unwrap_or_default())
         }
-        "toml" => match read_sensor_file(path)? {
+        "toml" => match read_sensor_file(path, sandbox)? {
             Some(sensor) => Ok(of_sensor(&sensor)),
-            None => Ok(of_capture(&Capture::load_with(path, &[])?)),
+            None => Ok(of_capture(&Capture::load_within(sandbox, path, &[])?)),
         },
-        "gltf" | "glb" | "obj" | "json" => Ok(of_capture(&Capture::load_with(path, &[])?)),
+        "gltf" | "glb" | "obj" | "json" => Ok(of_capture(&Capture::load_within(sandbox, path, &[])?)),
         "exr" => {
             let picture = read_exr(open(path)?).map_err(|invalid| invalid.in_file(path))?;
             let mut facts = of_planes(&picture.planes);

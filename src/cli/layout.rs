@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use photosite::Result;
 use photosite::calibration::layouts::Layout;
 use photosite::dataset::{LayoutFolder, read_dataset};
+use photosite::{Result, Sandbox};
 use serde_json::json;
 
 use super::log::say;
@@ -58,10 +58,10 @@ impl Format {
     }
 }
 
-pub(super) fn run(args: &LayoutArgs) -> Result<()> {
+pub(super) fn run(args: &LayoutArgs, sandbox: &Sandbox) -> Result<()> {
     LayoutFolder::check(&args.output)?;
     let set = read_dataset(&args.dataset)?;
-    let mut folder = LayoutFolder::begin(&args.output, &args.dataset)?;
+    let mut folder = LayoutFolder::begin(sandbox, &args.output, &args.dataset)?;
     args.format.layout().write(&set, &mut folder)?;
     folder.finish(&args.output)?;
     let pictures = set.shots.len();

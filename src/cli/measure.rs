@@ -12,7 +12,7 @@ use photosite::measure::{CheckerReport, EdgeResponse, Histogram, histogram, slan
 use photosite::pipeline::measure_checker;
 use photosite::raw::Pixels;
 use photosite::validation::Picture;
-use photosite::{Error, Invalid, Result};
+use photosite::{Error, Invalid, Result, Sandbox};
 use serde::Serialize;
 
 use super::print::{print_json, println_out};
@@ -102,7 +102,7 @@ impl PictureArgs {
     }
 }
 
-pub(super) fn run(args: &MeasureArgs) -> Result<()> {
+pub(super) fn run(args: &MeasureArgs, sandbox: &Sandbox) -> Result<()> {
     match &args.measure {
         Measure::Mtf { picture, region, channel } => {
             let planes = picture.read_linear(&picture.picture)?;
@@ -126,7 +126,7 @@ pub(super) fn run(args: &MeasureArgs) -> Result<()> {
         }
         Measure::Checker { picture, capture } => {
             let planes = picture.read_linear(&picture.picture)?;
-            picture.print(&measure_checker(&planes, &picture.picture, capture)?, checker_text)
+            picture.print(&measure_checker(&planes, &picture.picture, capture, sandbox)?, checker_text)
         }
         Measure::Similarity { picture, b } => picture.print(&similarity(picture, b)?, similarity_text),
     }

@@ -1,17 +1,16 @@
 //! `photosite merge`: parts of a render become the picture, parts of a data set the whole.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use photosite::capture::{Capture, relative_path};
 use photosite::dataset::{DataSet, PartFolder};
-use photosite::pipeline::{LightSource, Parts, Place, Request, render_into};
+use photosite::pipeline::{FilmMemory, LightSource, Parts, Place, Request, render_into};
 use photosite::report::Timings;
-use photosite::{Error, Result};
+use photosite::{Error, Result, Sandbox};
 
 use super::dataset::SetReport;
-use super::film_memory::FilmMemoryArgs;
 use super::monitor::TerminalMonitor;
 use super::render::{finish, finish_again};
 
@@ -32,8 +31,9 @@ pub(super) struct MergeArgs {
     /// What was rendered, where it no longer is where it was.
     #[arg(long, value_name = "FILE")]
     input: Option<PathBuf>,
-    #[command(flatten)]
-    film_memory: FilmMemoryArgs,
+    /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
+    #[arg(long, value_name = "GIB", default_value = "4")]
+    film_memory: FilmMemory,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -45,16 +45,28 @@ pub(super) struct MergeArgs {
     force: bool,
 }
 
-pub(super) fn run(args: &MergeArgs) -> Result<()> {
-    if args.parts.iter().any(|part| PartFolder::is_one(part)) { merge_sets(args) } else { merge_pictures(args) }
+impl MergeArgs {
+    /// What was rendered, which a part says that lies in that folder.
+    fn input(&self, stated: &Path, part: &Path, sandbox: &Sandbox) -> Result<PathBuf> {
+        let checked = || sandbox.check(stated).map(|()| stated.to_owned());
+        self.input.clone().map_or_else(|| checked().map_err(|invalid| invalid.in_file(part)), Ok)
+    }
 }
 
-fn merge_pictures(args: &MergeArgs) -> Result<()> {
+pub(super) fn run(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
+    if args.parts.iter().any(|part| PartFolder::is_one(part)) {
+        merge_sets(args, sandbox)
+    } else {
+        merge_pictures(args, sandbox)
+    }
+}
+
+fn merge_pictures(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     let parts = Parts::read(&args.parts)?;
     let start = Instant::now();
     let part = parts.first();
-    let (input, overrides) = (args.input.clone().unwrap_or_else(|| part.path.clone()), part.overrides.clone());
-    let capture = Capture::load_with(&input, &overrides)?;
+    let (input, overrides) = (args.input(&part.path, &args.parts[0], sandbox)?, part.overrides.clone());
+    let capture = Capture::load_within(sandbox, &input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let is_timed = parts.trace_s().is_some();
     let light = LightSource::Merged(parts);
@@ -69,21 +81,21 @@ fn merge_pictures(args: &MergeArgs) -> Result<()> {
         overrides,
         is_timed,
         light,
-        film_memory: args.film_memory.value(),
+        film_memory: args.film_memory,
         monitor,
     };
     let rendered = render_into(capture, &request, &mut folder, timings)?;
     finish(&rendered, &folder, args.quiet, args.json)
 }
 
-fn merge_sets(args: &MergeArgs) -> Result<()> {
+fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     if args.force {
         let message = "--force: a data set goes on where it was broken off, and nothing is overwritten".to_owned();
         return Err(Error::Usage { message, help: Some("remove --force, or choose another folder with -o".into()) });
     }
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
-    let input = args.input.clone().unwrap_or_else(|| parts[0].input());
-    let set = DataSet::read(&input, &parts[0].arguments(), args.film_memory.value())?;
+    let input = args.input(&parts[0].input(), &args.parts[0], sandbox)?;
+    let set = DataSet::read(sandbox, &input, &parts[0].arguments(), args.film_memory)?;
     parts.iter().try_for_each(|part| set.check_part(part))?;
     let monitor = TerminalMonitor::new(args.quiet, args.json);
     let frames = set.frames(0..set.frame_count(), false, &monitor)?;

@@ -13,7 +13,6 @@ mod emva1288_report;
 mod export_mitsuba;
 mod expose;
 mod figures_text;
-mod film_memory;
 mod info;
 mod layout;
 mod listing;
@@ -33,11 +32,11 @@ mod signals;
 mod target;
 
 use std::io::IsTerminal;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use photosite::{Error, Remedy, Result};
-use photosite_core::memory;
+use photosite::{Error, Remedy, Result, Sandbox, memory};
 
 use arguments::start_threads;
 
@@ -61,6 +60,9 @@ struct Cli {
     /// Most memory to take, GiB: what needs more is refused [default: what is free, and what cgroups allow].
     #[arg(long, global = true, value_name = "GIB", allow_negative_numbers = true)]
     memory: Option<f64>,
+    /// Refuse captures and scenes that name files outside of this folder: for those of strangers.
+    #[arg(long, global = true, value_name = "DIR")]
+    sandbox: Option<PathBuf>,
     #[command(subcommand)]
     command: Command,
 }
@@ -122,25 +124,26 @@ pub(crate) fn run() -> ExitCode {
 /// Runs a command, with the threads and the memory that it is given.
 fn run_command(cli: &Cli) -> Result<ExitCode> {
     cli.memory.map_or(Ok(()), memory::set_limit)?;
+    let sandbox = &cli.sandbox.as_deref().map_or_else(|| Ok(Sandbox::default()), Sandbox::new)?;
     signals::listen()?;
     start_threads(cli.threads)?;
     let done = match &cli.command {
-        Command::Render(args) => render::run(args),
+        Command::Render(args) => render::run(args, sandbox),
         Command::Develop(args) => develop::run(args),
-        Command::Expose(args) => expose::run(args),
+        Command::Expose(args) => expose::run(args, sandbox),
         Command::Compare(args) => return compare::run(args),
-        Command::Measure(args) => measure::run(args),
-        Command::Merge(args) => merge::run(args),
+        Command::Measure(args) => measure::run(args, sandbox),
+        Command::Merge(args) => merge::run(args, sandbox),
         Command::MergeHdr(args) => merge_hdr::run(args),
-        Command::Dataset(args) => dataset::run(args),
-        Command::Layout(args) => layout::run(args),
-        Command::ExportMitsuba(args) => export_mitsuba::run(args),
-        Command::Emva1288(args) => emva1288::run(args),
+        Command::Dataset(args) => dataset::run(args, sandbox),
+        Command::Layout(args) => layout::run(args, sandbox),
+        Command::ExportMitsuba(args) => export_mitsuba::run(args, sandbox),
+        Command::Emva1288(args) => emva1288::run(args, sandbox),
         Command::Emva1288Report(args) => emva1288_report::run(args),
-        Command::Info(args) => info::run(args),
+        Command::Info(args) => info::run(args, sandbox),
         Command::Noise(args) => noise::run(args),
-        Command::Project(args) => project::run(args),
-        Command::Camera(args) => camera::run(args),
+        Command::Project(args) => project::run(args, sandbox),
+        Command::Camera(args) => camera::run(args, sandbox),
         Command::Sensors(args) => sensors::run(args),
         Command::Schema(args) => schema::run(args),
         Command::Target(args) => target::run(args),

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use photosite::calibration::truth::project;
 use photosite::capture::Capture;
 use photosite::optics::Camera;
-use photosite::{Error, Invalid, Result};
+use photosite::{Error, Invalid, Result, Sandbox};
 
 use super::print::println_out;
 use photosite::pipeline::standalone_recording_camera;
@@ -39,8 +39,8 @@ pub(super) struct ProjectArgs {
     overrides: Vec<String>,
 }
 
-pub(super) fn run(args: &ProjectArgs) -> Result<()> {
-    let capture = Capture::load_with(&args.input, &args.overrides)?;
+pub(super) fn run(args: &ProjectArgs, sandbox: &Sandbox) -> Result<()> {
+    let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
     let camera = standalone_recording_camera(&capture)?;
     let text = read(&args.points)?;
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or("").trim()));

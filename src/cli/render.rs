@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::Result;
 use photosite::capture::{Capture, relative_path};
-use photosite::pipeline::{LightSource, OutputFolder, Place, Rendered, Request, render_into};
+use photosite::pipeline::{FilmMemory, LightSource, OutputFolder, Place, Rendered, Request, render_into};
 use photosite::report::{REPORT, Report, Timings};
+use photosite::{Result, Sandbox};
 
 use super::arguments::parse_range;
-use super::film_memory::FilmMemoryArgs;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
@@ -28,17 +27,18 @@ pub(super) struct RenderArgs {
     /// all parts.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     samples: Option<Range<u32>>,
-    #[command(flatten)]
-    film_memory: FilmMemoryArgs,
+    /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
+    #[arg(long, value_name = "GIB", default_value = "4")]
+    film_memory: FilmMemory,
     #[command(flatten)]
     common: RunArgs,
 }
 
-pub(super) fn run(args: &RenderArgs) -> Result<()> {
+pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
     let start = Instant::now();
     let overrides = args.common.overrides();
-    let capture = Capture::load_with(&args.input, &overrides)?;
+    let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let path = output.clone().unwrap_or_else(|| default_folder(&args.input));
     let light = args.samples.clone().map_or(LightSource::Traced, LightSource::Part);
@@ -52,7 +52,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         named: relative_path(&args.input, folder.path()),
         overrides,
         light,
-        film_memory: args.film_memory.value(),
+        film_memory: args.film_memory,
         monitor,
         is_timed: true,
     };

@@ -17,7 +17,7 @@ use crate::io::plain_png::{is_grey, picture_size, read_grey, write_grey8, write_
 use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use crate::report::{REPORT, Report};
 use crate::scene::description::SceneDescription;
-use crate::{Error, Invalid, Result};
+use crate::{Error, Invalid, Result, Sandbox};
 use serde_json::Value;
 
 /// The developed picture in the folder of a picture.
@@ -32,6 +32,8 @@ pub struct LayoutFolder {
     dataset: PathBuf,
     /// The scene that was read last, with the keys that it was read from.
     scene: Option<(Vec<Value>, Arc<SceneDescription>)>,
+    /// Where its files must lie.
+    sandbox: Sandbox,
 }
 
 impl LayoutFolder {
@@ -50,7 +52,7 @@ impl LayoutFolder {
     }
 
     /// Begins a folder that is not there yet, or empty.
-    pub fn begin(path: &Path, dataset: &Path) -> Result<Self> {
+    pub fn begin(sandbox: &Sandbox, path: &Path, dataset: &Path) -> Result<Self> {
         create_folder(path.parent().unwrap_or(Path::new("")))?;
         let lock = Lock::beside(path)?;
         // Another process may have finished in the meantime.
@@ -60,7 +62,7 @@ impl LayoutFolder {
             unfinished_folders(path).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
         }
         let folder = UnfinishedFolder::beside(path, |_| false)?;
-        Ok(Self { folder, _lock: lock, dataset: dataset.to_owned(), scene: None })
+        Ok(Self { folder, _lock: lock, dataset: dataset.to_owned(), scene: None, sandbox: sandbox.clone() })
     }
 
     /// Gives the complete folder its name.
@@ -160,7 +162,7 @@ impl LayoutFiles for LayoutFolder {
         {
             return Ok(scene.clone());
         }
-        let scene = Arc::new(Capture::load_with(&path, &[])?.scene);
+        let scene = Arc::new(Capture::load_within(&self.sandbox, &path, &[])?.scene);
         self.scene = Some((keys, scene.clone()));
         Ok(scene)
     }

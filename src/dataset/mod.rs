@@ -37,7 +37,7 @@ use rig::plan;
 use crate::calibration::dataset::Plan;
 use crate::capture::{Capture, DatasetFile};
 use crate::pipeline::{Event, FilmMemory, Monitor, check_samples};
-use crate::{Error, Invalid, Result};
+use crate::{Error, Invalid, Result, Sandbox};
 
 /// A data set file with all that it needs.
 pub struct DataSet {
@@ -54,10 +54,11 @@ pub struct DataSet {
 
 impl DataSet {
     /// Reads a data set file with the captures of its cameras; `arguments` change their keys, after those of the file.
-    pub fn read(input: &Path, arguments: &[String], film_memory: FilmMemory) -> Result<Self> {
+    pub fn read(sandbox: &Sandbox, input: &Path, arguments: &[String], film_memory: FilmMemory) -> Result<Self> {
         let file = DatasetFile::read(input)?;
         let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
-        let (plan, captures) = plan(&file, &capture_path, arguments)?;
+        sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
+        let (plan, captures) = plan(&file, sandbox, &capture_path, arguments)?;
         let identity = identity(&file, &captures, arguments)?;
         Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), film_memory, identity })
     }
@@ -100,7 +101,7 @@ impl DataSet {
 
     /// The capture of a camera in a frame. What is wrong with a change is wrong with the key that asks for it.
     fn capture(&self, camera: &str, number: u32, overrides: &[String]) -> Result<Capture> {
-        let capture = Capture::load_with(&self.capture_path, overrides);
+        let capture = Capture::load_within(self.captures[0].source.sandbox(), &self.capture_path, overrides);
         capture.map_err(|error| self.error_of_change(error, camera, number, overrides))
     }
 

@@ -11,10 +11,15 @@ use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, DatasetFile};
 use crate::pipeline::standalone_camera;
 use crate::sensor::SensorModel;
-use crate::{Invalid, Result};
+use crate::{Invalid, Result, Sandbox};
 
 /// What frames there are, and the capture of each camera as it is before anything is varied.
-pub(super) fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]) -> Result<(Plan, Vec<Capture>)> {
+pub(super) fn plan(
+    file: &DatasetFile,
+    sandbox: &Sandbox,
+    capture_path: &Path,
+    overrides: &[String],
+) -> Result<(Plan, Vec<Capture>)> {
     let description = &file.description;
     let rig = description.rig().map_err(|invalid| file.error(invalid))?;
     let mut cameras = Vec::new();
@@ -22,7 +27,7 @@ pub(super) fn plan(file: &DatasetFile, capture_path: &Path, overrides: &[String]
     for place in rig {
         let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
         let read = || {
-            let capture = Capture::load_with(capture_path, &set)?;
+            let capture = Capture::load_within(sandbox, capture_path, &set)?;
             check(&capture)?;
             let camera = standalone_camera(&capture)?;
             Ok((camera, capture))

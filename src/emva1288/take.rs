@@ -15,7 +15,7 @@ use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use crate::pipeline::{Event, Monitor};
 use crate::sensor::SensorModel;
 use crate::units::{Celsius, Decibels, Seconds};
-use crate::{Error, Invalid, Result};
+use crate::{Error, Invalid, Result, memory};
 
 /// Exposure times of a set for the dark current.
 const THERMAL_STEPS: u32 = 10;
@@ -79,6 +79,7 @@ impl<'a> SetPlan<'a> {
     /// Takes them into a new folder, or in the place of image sets if these may be replaced.
     pub fn take_into(&self, output: &Path, force: bool, monitor: &dyn Monitor) -> Result<ImageSets> {
         let Self { sensor, request, size, work } = self;
+        check_memory(sensor, *size)?;
         create_folder(output.parent().unwrap_or(Path::new("")))?;
         let lock = Lock::beside(output)?;
         // Another process may have finished in the meantime.
@@ -110,6 +111,15 @@ impl<'a> SetPlan<'a> {
         move_into_place(folder, output, force)?;
         Ok(sets)
     }
+}
+
+/// Refuses images that take more memory than there is. The bytes of a pixel are measured.
+fn check_memory(sensor: &SensorModel, [width, height]: [usize; 2]) -> Result<()> {
+    const PIXEL: u64 = 14;
+    let channels = sensor.cfa.channels().len() as u64;
+    let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(PIXEL * channels);
+    let checked = memory::check(bytes, &format!("an image of {width} × {height} pixels"), "ask for smaller ones");
+    checked.map_err(|Invalid { message, help, .. }| Error::Resources { message, help })
 }
 
 /// All that is to be taken of one channel.

@@ -103,7 +103,7 @@ pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
     let [width, height] = sides(picture)?;
     let mut info = png::Info::with_size(width, height);
     info.color_type = if picture.components == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgb };
-    info.icc_profile = Some(icc_profile(picture)?.into());
+    info.icc_profile = Some(icc_profile(picture).into());
     info.bit_depth = match picture.codes {
         Codes::U8(_) => png::BitDepth::Eight,
         Codes::U16(_) => png::BitDepth::Sixteen,
@@ -207,7 +207,7 @@ fn write_jpeg(picture: &EncodedPicture, to: &mut dyn Sink) -> io::Result<()> {
             unit: PixelDensityUnit::PixelAspectRatio,
         });
     }
-    encoder.set_icc_profile(icc_profile(picture)?).map_err(io::Error::other)?;
+    encoder.set_icc_profile(icc_profile(picture)).map_err(io::Error::other)?;
     let [width, height] = sides(picture)?;
     let colour = if picture.components == 1 { ExtendedColorType::L8 } else { ExtendedColorType::Rgb8 };
     encoder.write_image(codes, width, height, colour).map_err(|error| {
@@ -242,7 +242,7 @@ where
         image.x_resolution(Rational { n: x, d: 1_000_000 });
         image.y_resolution(Rational { n: y, d: 1_000_000 });
     }
-    image.encoder().write_tag(Tag::IccProfile, &icc_profile(picture)?[..])?;
+    image.encoder().write_tag(Tag::IccProfile, &icc_profile(picture)[..])?;
     image.write_data(codes)
 }
 

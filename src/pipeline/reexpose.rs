@@ -9,6 +9,7 @@ use super::camera::camera_of;
 use super::chain::{Chain, Exposed, Optics, SensorColours, Settings};
 use super::file_names::PART;
 use super::monitor::{Event, Monitor};
+use super::needs::Needs;
 use super::output_folder::OutputFolder;
 use super::results::{Frames, write_results};
 use super::stored_light::StoredLight;
@@ -22,6 +23,7 @@ use crate::sensor::{Exposure, SensorModel, electron_rates};
 use crate::spectrum::illuminant;
 use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
+use photosite_core::{Sandbox, memory};
 
 /// Light that was traced before, with what is known of it, to be exposed again.
 pub struct StoredRender {
@@ -34,9 +36,10 @@ pub struct StoredRender {
 impl StoredRender {
     /// Reads a folder that a render has filled, or an EXR file from there: electrons serve any exposure with the sensor
     /// that they were counted for; irradiance serves any sensor. `overrides` change keys of its capture, `key=value`.
-    pub fn read(input: &Path, overrides: &[String]) -> Result<Self> {
+    /// Files that either names must lie in the sandbox.
+    pub fn read(sandbox: &Sandbox, input: &Path, overrides: &[String]) -> Result<Self> {
         let start = Instant::now();
-        let stored = Stored::read(input, overrides)?;
+        let stored = Stored::read(sandbox, input, overrides)?;
         let load_s = start.elapsed().as_secs_f64();
         Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, load_s })
     }
@@ -109,6 +112,10 @@ fn expose_into(
             }
         }
     };
+    if let Some(left) = memory::left() {
+        let needs = Needs::new(settings);
+        needs.check(left, needs.exposing())?;
+    }
     let (exposed, more) = expose(light)?;
     let mut exposure = exposed.exposure;
     warnings.extend(more);
@@ -179,7 +186,7 @@ struct Stored {
 }
 
 impl Stored {
-    fn read(input: &Path, overrides: &[String]) -> Result<Self> {
+    fn read(sandbox: &Sandbox, input: &Path, overrides: &[String]) -> Result<Self> {
         let (folder, file) =
             if input.is_dir() { (input, None) } else { (input.parent().unwrap_or(Path::new("")), Some(input)) };
         let path = folder.join(REPORT);
@@ -199,13 +206,13 @@ impl Stored {
         };
         let Some(stored) = stored else {
             let light = StoredLight::read(input)?;
-            let capture = StoredCapture::of_picture(input, light.resolution(), overrides)?;
+            let capture = StoredCapture::of_picture(sandbox, input, light.resolution(), overrides)?;
             light.check(&capture)?;
             let (later, traced) = (Vec::new(), TracedReport::default());
             return Ok(Self { capture, light, later, recorded: None, gains: None, calibration: None, traced });
         };
-        let recorded = StoredCapture::of_report(&path, &stored, &[])?;
-        let capture = StoredCapture::of_report(&path, &stored, overrides)?;
+        let recorded = StoredCapture::of_report(sandbox, &path, &stored, &[])?;
+        let capture = StoredCapture::of_report(sandbox, &path, &stored, overrides)?;
         let report = stored.report;
         let moves = report.traced.camera.as_ref().is_some_and(|camera| camera.motion.is_some());
         same_times(&recorded, &capture, moves).map_err(|invalid| capture.source.error(invalid))?;

@@ -126,8 +126,13 @@ impl Series<'_> {
         timings: &mut Timings,
     ) -> Result<Moment> {
         let start = Instant::now();
-        let mut capture =
-            Capture::load_frame(self.request.input, &self.request.overrides, number).map_err(Error::since_begun)?;
+        let mut capture = Capture::load_frame(
+            self.prepared.capture.source.sandbox(),
+            self.request.input,
+            &self.request.overrides,
+            number,
+        )
+        .map_err(Error::since_begun)?;
         timings.load_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let scene = Some(build(&mut capture)?);

@@ -1,6 +1,7 @@
 //! How much of a picture is traced at a time.
 
 use std::ops::Range;
+use std::str::FromStr;
 
 use super::camera::pixels;
 use super::needs::{self, Needs};
@@ -83,6 +84,15 @@ impl FilmMemory {
             needs.check(left, if is_exposed { tracing.max(exposing) } else { tracing })?;
         }
         Ok(Strips { most, height, first: None })
+    }
+}
+
+impl FromStr for FilmMemory {
+    type Err = Error;
+
+    /// A number of GiB.
+    fn from_str(text: &str) -> Result<Self> {
+        Self::gib(text.parse().unwrap_or(f64::NAN))
     }
 }
 

@@ -53,7 +53,7 @@ impl ChangedPicture {
     ) -> Result<Option<Self>> {
         let NextPicture::Changed(changes) = &capture.output.truth.next else { return Ok(None) };
         let all: Vec<String> = overrides.iter().chain(changes).cloned().collect();
-        let mut next = Capture::load_with(input, &all)?;
+        let mut next = Capture::load_within(capture.source.sandbox(), input, &all)?;
         let builds = capture.scene_moves || changes.iter().any(|change| is_of_scene(change));
         let built = if builds { Some(common.build(&mut next)?) } else { None };
         let placed = place_camera(&next, |ray| built.as_ref().unwrap_or(scene).closest(ray))?;

@@ -1,11 +1,13 @@
 //! Renders under way: the preview, and what is left of one that is killed.
 
 use std::fs;
+use std::path::PathBuf;
 use std::thread::sleep;
 use std::time::Duration;
 
 use rstest::rstest;
 
+use crate::folder::Folder;
 use crate::room::room;
 use crate::same_bytes::{assert_same, timeless};
 
@@ -141,4 +143,26 @@ fn a_killed_render_leaves_no_half_written_file(#[values("file-written", "file-na
     }
     // Three raw files, electrons, irradiance, the picture and the report.
     assert_eq!(killed as usize, whole.len());
+}
+
+/// Whatever it is that dies half-way through a file, the next one that writes there sweeps what it leaves.
+#[rstest]
+#[case::develop("develop raw.dng -o p.png --force")]
+#[case::merge_hdr("merge-hdr raw-0000.dng raw-0001.dng -o h.exr --force")]
+#[case::target("target chessboard -o t.svg --force")]
+#[case::camera("camera capture.toml -o cameras --force")]
+fn what_a_killed_command_was_writing_is_swept(#[case] arguments: &str) {
+    let folder = room("bracket_ev = [0, -2]\n[render]\nsamples_per_pixel = 1\n[output]\nraw = ['dng']\n");
+    folder.succeed("render capture.toml -o out");
+    for (from, to) in [("0000", "raw-0000.dng"), ("0001", "raw-0001.dng"), ("0000", "raw.dng")] {
+        folder.add(to, fs::read(folder.path(&format!("out/raw-{from}.dng"))).expect("a raw file"));
+    }
+    let partial = |folder: &Folder| {
+        let is_partial = |path: &&PathBuf| path.to_string_lossy().ends_with(".partial");
+        folder.contents().keys().filter(is_partial).count()
+    };
+    assert!(folder.killed_at("file-written", 1, arguments));
+    assert_eq!(partial(&folder), 1, "killed at a bad moment");
+    folder.succeed(arguments);
+    assert_eq!(partial(&folder), 0, "{:?}", folder.contents().keys());
 }

@@ -19,6 +19,7 @@ pub mod memory;
 pub mod output;
 pub mod projection;
 pub mod references;
+pub mod sandbox;
 pub mod spectrum;
 pub mod suggest;
 pub mod units;
@@ -26,3 +27,4 @@ pub mod warnings;
 
 pub use error::{Error, Invalid, Result};
 pub use help::{Help, Remedy};
+pub use sandbox::Sandbox;

@@ -1,10 +1,13 @@
 //! Writing files so that each appears whole or not at all, and is there after a power cut.
 //!
-//! A file is written under a name that no other process has, synced, and renamed; then its folder is synced.
+//! A file is written under a name that no other process has, synced, and renamed; then its folder is synced. While it is
+//! written it is locked, so that the next process that writes to its folder knows those of dead ones, and sweeps them.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -105,8 +108,20 @@ impl Temporary {
         let failed = |reason| Error::io(path, "write", reason);
         // Its reasons do not name the temporary file, which nobody knows.
         let open = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
-        let named = tempfile::Builder::new().prefix(PREFIX).suffix(PARTIAL).make_in(folder_of(path)?, open);
-        let mut file = named.map_err(failed)?;
+        let folder = folder_of(path)?;
+        sweep_once(folder);
+        let begin = || -> io::Result<NamedTempFile> {
+            loop {
+                let file = tempfile::Builder::new().prefix(PREFIX).suffix(PARTIAL).make_in(folder, open)?;
+                // Tells that somebody lives who writes it. A file system without locks gives none, and nobody sweeps.
+                let _ = file.as_file().lock();
+                // Somebody who sweeps may have come between the two.
+                if file.path().exists() {
+                    return Ok(file);
+                }
+            }
+        };
+        let mut file = begin().map_err(failed)?;
         let temporary = file.path().to_owned();
         let cleanup = Cleanup::new(move || {
             let _ = fs::remove_file(&temporary);
@@ -248,6 +263,28 @@ pub fn remove_leftovers(folder: &Path) {
     leftovers.for_each(|entry| drop(fs::remove_file(entry.path())));
 }
 
+/// Removes files that dead processes were writing to a folder, once for each folder that this process writes to. Those
+/// of living ones are locked.
+fn sweep_once(folder: &Path) {
+    static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let Ok(whole) = folder.canonicalize() else { return };
+    if SWEPT.lock().unwrap_or_else(PoisonError::into_inner).insert(whole) {
+        sweep(folder);
+    }
+}
+
+fn sweep(folder: &Path) {
+    let names = fs::read_dir(folder).into_iter().flatten().flatten();
+    for entry in names.filter(|entry| is_temporary(&entry.file_name().to_string_lossy())) {
+        // Network file systems lock only what may be written.
+        let Ok(file) = File::options().write(true).open(entry.path()) else { continue };
+        if file.try_lock().is_ok() {
+            // Nothing depends on it.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 fn is_temporary(name: &str) -> bool {
     name.starts_with(PREFIX) && name.ends_with(PARTIAL)
 }
@@ -268,6 +305,22 @@ mod tests {
         assert!(failure.is_err());
         assert_eq!(fs::read(&path).expect("still there"), b"first");
         assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+    }
+
+    #[test]
+    fn files_of_the_dead_are_swept_and_those_of_the_living_stay() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let count = || fs::read_dir(folder.path()).expect("readable").count();
+        let dead = folder.path().join(".photosite-a1b2c3.partial");
+        let others = [".photosite.lock", ".photosite-a1b2c3", "photosite-a.partial"].map(|n| folder.path().join(n));
+        others.iter().chain([&dead]).for_each(|path| fs::write(path, "half").expect("written"));
+        let living = write_beside(&folder.path().join("a.dng"), |sink| sink.write_all(b"whole")).expect("written");
+        assert!(!dead.exists() && count() == others.len() + 1);
+        sweep(folder.path());
+        assert_eq!(count(), others.len() + 1, "what is being written stays");
+        living.put_in_place(&folder.path().join("a.dng")).expect("named");
+        sweep(folder.path());
+        assert!(count() == others.len() + 1 && folder.path().join("a.dng").exists());
     }
 
     #[test]

@@ -6,7 +6,10 @@ use crate::characterisation::{Descriptor, Light, PairStatistics, Series, Spatial
 use crate::io::picture_file::read_picture_file;
 use crate::raw::Pixels;
 use crate::{Error, Invalid, Result};
-use photosite_core::input;
+use photosite_core::{input, memory};
+
+/// Bytes of a pixel while a set is evaluated, as they are measured: two stacks of sums, and images.
+const PIXEL: u64 = 40;
 
 /// Statistics of an image set.
 #[derive(Clone, Debug)]
@@ -26,6 +29,10 @@ pub fn read_set(path: &Path, taken: &dyn Fn()) -> Result<MeasuredSet> {
     // Comments may be in any encoding.
     let text = String::from_utf8_lossy(&bytes);
     let descriptor = Descriptor::parse(&text).map_err(|(line, invalid)| invalid.at_line(path, line))?;
+    let Descriptor { width, height, .. } = descriptor;
+    let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(PIXEL);
+    memory::check(bytes, &format!("evaluating images of {width} × {height} pixels"), "give smaller ones")
+        .map_err(|invalid| invalid.in_file(path))?;
     let reader = ImageReader { folder: path.parent().unwrap_or(Path::new("")), descriptor: &descriptor, taken };
     let unfit = |message: String| Invalid::new("", message).in_file(path);
 

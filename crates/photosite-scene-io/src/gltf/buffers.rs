@@ -9,8 +9,8 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose};
 use gltf::json::{Root, buffer};
 use percent_encoding::percent_decode_str;
 
-use photosite_core::Invalid;
 use photosite_core::input;
+use photosite_core::{Invalid, Sandbox};
 
 /// The bytes of all buffers of a document.
 #[derive(Debug)]
@@ -19,13 +19,13 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    /// Loads every buffer. `chunk` is the binary chunk of a GLB file, `folder` what URIs are relative to.
-    pub(super) fn load(root: &Root, chunk: Option<&[u8]>, folder: &Path) -> Result<Self, Invalid> {
+    /// Loads every buffer. `chunk` is the binary chunk of a GLB file, `place` what URIs are relative to.
+    pub(super) fn load(root: &Root, chunk: Option<&[u8]>, place: Place<'_>) -> Result<Self, Invalid> {
         let mut data = Vec::with_capacity(root.buffers.len());
         for (i, buffer) in root.buffers.iter().enumerate() {
             let key = format!("buffers[{i}]");
             let mut bytes = match (&buffer.uri, chunk) {
-                (Some(uri), _) => read_uri(uri, folder).map_err(|e| e.within(&format!("{key}.uri")))?,
+                (Some(uri), _) => read_uri(uri, place).map_err(|e| e.within(&format!("{key}.uri")))?,
                 (None, Some(chunk)) if i == 0 => chunk.to_vec(),
                 (None, _) => {
                     return Err(Invalid::new(key, "has no uri, and there is no binary chunk that could stand for it")
@@ -90,12 +90,22 @@ pub(super) fn out_of_range(key: &str, array: &str, index: usize, len: usize) -> 
         .help("the file is damaged; correct the number, or export it again")
 }
 
-/// Reads what a URI stands for: a data URI, or a percent-encoded path relative to `folder`.
-pub(super) fn read_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Invalid> {
+/// Where the files are that a document names.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place<'a> {
+    /// What URIs are relative to.
+    pub(super) folder: &'a Path,
+    /// What they may not lead out of.
+    pub(super) sandbox: Option<&'a Sandbox>,
+}
+
+/// Reads what a URI stands for: a data URI, or a percent-encoded relative path.
+pub(super) fn read_uri(uri: &str, place: Place<'_>) -> Result<Vec<u8>, Invalid> {
     if let Some(rest) = uri.strip_prefix("data:") {
         return decode_data_uri(rest);
     }
-    let path = folder.join(&*decoded_path(uri)?);
+    let path = place.folder.join(&*decoded_path(uri)?);
+    place.sandbox.map_or(Ok(()), |sandbox| sandbox.check(&path))?;
     input::read(&path).map_err(|source| {
         Invalid::new("", format!("cannot read {}: {source}", path.display()))
             .help("put the file there, or export the scene with its data embedded (.glb)")
@@ -143,14 +153,18 @@ mod tests {
 
     use super::*;
 
+    fn place(folder: &Path) -> Place<'_> {
+        Place { folder, sandbox: None }
+    }
+
     #[test]
     fn data_uris_are_decoded_with_and_without_padding() {
         let here = Path::new(".");
         for uri in ["data:application/octet-stream;base64,AAEC/w==", "data:;base64,AAEC/w", "data:,%00%01%02%FF"] {
-            assert_eq!(read_uri(uri, here).expect(uri), [0, 1, 2, 255], "{uri}");
+            assert_eq!(read_uri(uri, place(here)).expect(uri), [0, 1, 2, 255], "{uri}");
         }
         for uri in ["data:;base64", "data:;base64,A", "data:;base64,?!", "http://example.org/a.bin", "file:///a.bin"] {
-            assert!(read_uri(uri, here).is_err(), "{uri}");
+            assert!(read_uri(uri, place(here)).is_err(), "{uri}");
         }
     }
 
@@ -158,8 +172,8 @@ mod tests {
     fn file_names_are_percent_decoded() {
         let folder = tempfile::tempdir().expect("temporary folder");
         fs::write(folder.path().join("a b é.bin"), [7]).expect("written");
-        assert_eq!(read_uri("a%20b%20%C3%A9.bin", folder.path()).expect("found"), [7]);
-        let missing = read_uri("absent.bin", folder.path()).expect_err("there is none");
+        assert_eq!(read_uri("a%20b%20%C3%A9.bin", place(folder.path())).expect("found"), [7]);
+        let missing = read_uri("absent.bin", place(folder.path())).expect_err("there is none");
         assert!(missing.message.contains("absent.bin"), "{missing}");
     }
 }

@@ -36,12 +36,12 @@ use gltf::json::validation::Checked;
 
 use accessor::Accessors;
 pub use animation::Moment;
-use buffers::Buffers;
+use buffers::{Buffers, Place};
 use mesh::{MeshReader, Pose};
 use photosite_core::input;
 use photosite_core::json::located;
 use photosite_core::warnings::Warnings;
-use photosite_core::{Error, Invalid, Result, memory};
+use photosite_core::{Error, Invalid, Result, Sandbox, memory};
 use photosite_transport::scene::description::{
     CameraDescription, InstanceDescription, LightDescription, SceneDescription,
 };
@@ -88,6 +88,8 @@ pub struct Choice<'a> {
     pub variant: Option<&'a str>,
     /// Where things are then; without it, as the file has them.
     pub moment: Option<&'a Moment>,
+    /// Where the files must lie that it names, if anywhere.
+    pub sandbox: Option<&'a Sandbox>,
 }
 
 /// Reads a `.gltf` or `.glb` file.
@@ -109,28 +111,28 @@ pub(super) fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Resul
         let is_binary = is_glb || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
         if is_binary || json.is_empty() { invalid.in_file(path) } else { invalid.at_line(path, error.line()) }
     })?;
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let place = Place { folder: path.parent().unwrap_or(Path::new("")), sandbox: choice.sandbox };
     let in_text = |invalid| if is_glb { Invalid::in_file(invalid, path) } else { located(invalid, path, json) };
     let read = || {
         check(&root)?;
         let variants = variants::names(&root)?;
         let chosen = choice.variant.and_then(|variant| variants.iter().position(|name| name == variant));
-        let (scene, warnings) = convert(&root, chunk, folder, chosen, choice.moment)?;
+        let (scene, warnings) = convert(&root, chunk, place, chosen, choice.moment)?;
         Ok((GltfFile { scene, variants, animations: animation::names(&root) }, warnings))
     };
     read().map_err(in_text).map(|(mut file, warnings)| {
         file.scene.warnings = warnings.of_file(path);
-        file.scene.files = named_files(&root, folder);
+        file.scene.files = named_files(&root, place);
         file
     })
 }
 
-/// The files that a document names, each once. What names none by then is an error already.
-fn named_files(root: &Root, folder: &Path) -> Vec<PathBuf> {
+/// The files that a document names, each once. What must be read and names none is an error by then.
+fn named_files(root: &Root, place: Place<'_>) -> Vec<PathBuf> {
     let buffers = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
     let images = root.images.iter().filter_map(|image| image.uri.as_deref());
-    let mut files: Vec<PathBuf> = buffers.chain(images).filter_map(|uri| buffers::path_of(uri, folder)).collect();
-    files.retain(|path| path.is_file());
+    let mut files: Vec<PathBuf> = buffers.chain(images).filter_map(|uri| buffers::path_of(uri, place.folder)).collect();
+    files.retain(|path| place.sandbox.is_none_or(|sandbox| sandbox.check(path).is_ok()) && path.is_file());
     files.sort();
     files.dedup();
     files
@@ -169,7 +171,7 @@ fn check_memory(root: &Root) -> Result<(), Invalid> {
 fn convert(
     root: &Root,
     chunk: Option<&[u8]>,
-    folder: &Path,
+    place: Place<'_>,
     variant: Option<usize>,
     moment: Option<&Moment>,
 ) -> Result<(SceneDescription, Warnings), Invalid> {
@@ -177,7 +179,7 @@ fn convert(
     for name in root.extensions_used.iter().filter(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str())) {
         warnings.once(format!("the extension {name} is not supported and is ignored"));
     }
-    let buffers = Buffers::load(root, chunk, folder)?;
+    let buffers = Buffers::load(root, chunk, place)?;
     let accessors = Accessors { root, buffers: &buffers };
     check_memory(root)?;
     let mut scene = SceneDescription::default();
@@ -258,7 +260,7 @@ fn convert(
     if scene.meshes.iter().all(|mesh| mesh.material != default_material) {
         scene.materials.truncate(default_material);
     }
-    scene.images = textures.decode(&buffers, folder)?;
+    scene.images = textures.decode(&buffers, place)?;
     Ok((scene, warnings))
 }
 

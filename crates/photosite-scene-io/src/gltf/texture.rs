@@ -1,7 +1,6 @@
 //! Textures: images, samplers and UV transforms. An image is decoded once, and only if a material uses it.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec2;
@@ -11,7 +10,7 @@ use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use rayon::prelude::*;
 
-use super::buffers::{Buffers, out_of_range, read_uri};
+use super::buffers::{Buffers, Place, out_of_range, read_uri};
 use super::mesh::UV_SETS;
 use crate::picture::decode_picture;
 use photosite_core::Invalid;
@@ -117,10 +116,10 @@ impl<'a> Textures<'a> {
     }
 
     /// Decodes the images that were asked for, in parallel.
-    pub(super) fn decode(self, buffers: &Buffers, folder: &Path) -> Result<Vec<Arc<Bitmap>>, Invalid> {
+    pub(super) fn decode(self, buffers: &Buffers, place: Place<'_>) -> Result<Vec<Arc<Bitmap>>, Invalid> {
         let decode = |&picture: &Picture| match picture {
-            Picture::Image(image) => read_image(self.root, image, buffers, folder).map(Arc::new),
-            Picture::Roughness(image, glossiness) => read_image(self.root, image, buffers, folder)
+            Picture::Image(image) => read_image(self.root, image, buffers, place).map(Arc::new),
+            Picture::Roughness(image, glossiness) => read_image(self.root, image, buffers, place)
                 .map(|glossy| Arc::new(roughness(&glossy, f32::from_bits(glossiness)))),
         };
         // Collected before the first error is looked for, so that always the same error is reported.
@@ -129,14 +128,14 @@ impl<'a> Textures<'a> {
     }
 }
 
-fn read_image(root: &Root, index: usize, buffers: &Buffers, folder: &Path) -> Result<Bitmap, Invalid> {
+fn read_image(root: &Root, index: usize, buffers: &Buffers, place: Place<'_>) -> Result<Bitmap, Invalid> {
     let image = &root.images[index];
     let key = format!("images[{index}]");
     let (bytes, name) = match (&image.uri, image.buffer_view) {
         (Some(uri), _) => {
             let key = format!("{key}.uri");
             let name = if uri.starts_with("data:") { key.clone() } else { uri.clone() };
-            (read_uri(uri, folder).map_err(|e| e.within(&key))?.into(), image.name.clone().unwrap_or(name))
+            (read_uri(uri, place).map_err(|e| e.within(&key))?.into(), image.name.clone().unwrap_or(name))
         }
         (None, Some(view)) => {
             let (bytes, _) = buffers.view(root, view.value(), &format!("{key}.bufferView"))?;

@@ -32,7 +32,7 @@ use geometry::Geometry;
 use material::{describe, undescribed};
 use mtl::MtlMaterial;
 use photosite_core::warnings::Warnings;
-use photosite_core::{Invalid, Result, memory};
+use photosite_core::{Invalid, Result, Sandbox, memory};
 use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
 use pictures::Pictures;
 
@@ -68,15 +68,19 @@ fn check_memory(text: &str) -> Result<(), Invalid> {
 
 /// Reads an `.obj` file with its materials.
 pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
+    read_within(path, missing_normals, &Sandbox::default())
+}
+
+/// Reads an `.obj` file, whose materials and pictures must lie in a sandbox.
+pub fn read_within(path: &Path, missing_normals: MissingNormals, sandbox: &Sandbox) -> Result<ObjFile> {
     let text = read_text(path)?;
     check_memory(&text).map_err(|invalid| invalid.in_file(path))?;
     let mut warnings = Warnings::default();
     let geometry = Geometry::parse(&text, path, &mut warnings)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let libraries = read_libraries(&geometry, folder, &mut warnings)?;
+    let libraries = read_libraries(&geometry, path, sandbox, &mut warnings)?;
 
     let mut scene = SceneDescription::default();
-    let mut pictures = Pictures::default();
+    let mut pictures = Pictures::within(sandbox);
     let mut undescribed_materials = Vec::new();
     for name in &geometry.materials {
         scene.materials.push(match libraries.get(name) {
@@ -131,19 +135,24 @@ pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
 /// Materials by name, each with the path of its library. The first description of a name counts.
 fn read_libraries(
     geometry: &Geometry,
-    folder: &Path,
+    file: &Path,
+    sandbox: &Sandbox,
     warnings: &mut Warnings,
 ) -> Result<HashMap<String, (PathBuf, MtlMaterial)>> {
     let mut known = HashMap::new();
+    let folder = file.parent().unwrap_or(Path::new(""));
     for (line, names) in &geometry.libraries {
+        let allowed =
+            |path: &Path| sandbox.check(path).map_err(|invalid| invalid.within("mtllib").at_line(file, *line));
         // A statement may list several files, or name one with blanks in its name.
         let whole = file_beside(folder, names);
-        let paths = if whole.exists() {
+        let paths = if whole.exists() && (allowed(&whole).is_ok() || !names.contains(char::is_whitespace)) {
             vec![whole]
         } else {
             names.split_whitespace().map(|n| file_beside(folder, n)).collect()
         };
         for path in paths {
+            allowed(&path)?;
             if !path.exists() {
                 warnings.once(format!("line {line}: the material library {} is missing", path.display()));
                 continue;

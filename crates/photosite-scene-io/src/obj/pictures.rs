@@ -12,8 +12,8 @@ use super::files::file_beside;
 use super::map::{Map, MapChannel, Range};
 use super::mtl::{MtlMaterial, roughness_of_exponent};
 use crate::picture::read_picture;
-use photosite_core::Result;
 use photosite_core::spectrum::rgb;
+use photosite_core::{Result, Sandbox};
 use photosite_transport::scene::description::TextureDescription;
 use photosite_transport::texture::{Bitmap, Texels, Wrap};
 
@@ -45,6 +45,8 @@ const LARGEST_EXPONENT: f32 = 1000.0;
 #[derive(Default)]
 pub(super) struct Pictures {
     pub(super) images: Vec<Arc<Bitmap>>,
+    /// Where they must lie.
+    sandbox: Sandbox,
     /// By path and what was made of them.
     pub(super) slots: HashMap<(PathBuf, String), Prepared>,
 }
@@ -76,6 +78,11 @@ enum Preparation {
 }
 
 impl Pictures {
+    /// None yet, of those in a sandbox.
+    pub(super) fn within(sandbox: &Sandbox) -> Self {
+        Self { sandbox: sandbox.clone(), ..Self::default() }
+    }
+
     pub(super) fn of_material(&mut self, mtl: &MtlMaterial, library: &Path) -> Result<MaterialTextures> {
         let mut texture = |map: &Option<Map>, preparation: fn(&Map) -> Preparation| match map {
             Some(map) => self.texture(map, library, preparation(map)).map(|(texture, _)| Some(texture)),
@@ -116,7 +123,8 @@ impl Pictures {
         let prepared = match self.slots.entry((path, format!("{preparation:?}"))) {
             Entry::Occupied(entry) => *entry.get(),
             Entry::Vacant(entry) => {
-                let picture = read_picture(&entry.key().0);
+                let path = &entry.key().0;
+                let picture = self.sandbox.check(path).and_then(|()| read_picture(path));
                 let picture = picture.map_err(|e| e.within(&map.key).at_line(library, map.line))?;
                 let (picture, has_normals) = preparation.apply(picture);
                 self.images.push(Arc::new(picture));

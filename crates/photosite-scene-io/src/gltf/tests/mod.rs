@@ -117,7 +117,7 @@ impl Fixture {
     }
 
     fn variant(self, variant: Option<&str>) -> Result<GltfFile> {
-        read_bytes(self.text().as_bytes(), Path::new("scene.gltf"), Choice { variant, moment: None })
+        read_bytes(self.text().as_bytes(), Path::new("scene.gltf"), Choice { variant, ..Choice::default() })
     }
 
     fn scene(self) -> SceneDescription {

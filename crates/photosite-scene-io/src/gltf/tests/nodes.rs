@@ -108,7 +108,7 @@ fn animated() -> Fixture {
 
 fn at_moment(fixture: Fixture, start_s: f64, duration_s: f64) -> Result<SceneDescription> {
     let moment = Moment { animation: "go".into(), start_s, duration_s };
-    let choice = Choice { variant: None, moment: Some(&moment) };
+    let choice = Choice { moment: Some(&moment), ..Choice::default() };
     read_bytes(fixture.text().as_bytes(), Path::new("scene.gltf"), choice).map(|file| file.scene)
 }
 
