@@ -66,7 +66,10 @@ fn headers_of_more_pixels_than_the_file_holds_are_refused() {
     let folder = Folder::new([("large.png", png), ("large.hdr", hdr)]);
     folder.add("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n");
     folder.add("a.mtl", "newmtl a\nmap_Kd large.png\n");
-    folder.add("sky.toml", "[scene]\ngeometry = ['b.obj']\nenvironment = { image = 'large.hdr' }\n");
+    folder.add(
+        "sky.toml",
+        "[scene]\ngeometry = ['b.obj']\nenvironment = { image = 'large.hdr', illuminance_lux = 500 }\n",
+    );
     folder.add("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     for (command, file) in [
         ("info a.obj", "large.png"),

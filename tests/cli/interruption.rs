@@ -150,7 +150,7 @@ fn a_killed_render_leaves_no_half_written_file(#[values("file-written", "file-na
 #[case::develop("develop raw.dng -o p.png --force")]
 #[case::merge_hdr("merge-hdr raw-0000.dng raw-0001.dng -o h.exr --force")]
 #[case::target("target chessboard -o t.svg --force")]
-#[case::camera("camera capture.toml -o cameras --force")]
+#[case::camera("camera capture.toml --format opencv -o camera.yaml --force")]
 fn what_a_killed_command_was_writing_is_swept(#[case] arguments: &str) {
     let folder = room("bracket_ev = [0, -2]\n[render]\nsamples_per_pixel = 1\n[output]\nraw = ['dng']\n");
     folder.succeed("render capture.toml -o out");

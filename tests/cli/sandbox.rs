@@ -30,7 +30,7 @@ fn folder(more: &str) -> Folder {
 /// Every command that reads it refuses it, and only with the option.
 fn refuse(folder: &Folder, wanted: &[&str]) {
     let words = [&["not in the sandbox", "put the file there"], wanted].concat();
-    for command in ["info in/capture.toml", "render in/capture.toml -o r", "camera in/capture.toml -o c"] {
+    for command in ["info in/capture.toml", "render in/capture.toml -o r", "camera in/capture.toml --format opencv"] {
         folder.fail(&format!("{command} --sandbox in"), 1, &words);
     }
 }
@@ -39,10 +39,10 @@ fn refuse(folder: &Folder, wanted: &[&str]) {
 #[case::curve("[materials.a]\ntype = 'diffuse'\nreflectance = { file = '../out.csv' }", "materials.a.reflectance")]
 #[case::texture("[materials.a]\ntype = 'diffuse'\nreflectance = { texture = '../out.png' }", "reflectance.texture")]
 #[case::steps("[materials.a]\ntype = 'diffuse'\nreflectance = { file = 'x/../../out.csv' }", "materials.a.reflectance")]
-#[case::environment("environment = { image = '../sky.hdr' }", "scene.environment.image")]
+#[case::environment("environment = { image = '../sky.hdr', illuminance_lux = 500 }", "scene.environment.image")]
 #[case::profile("[[lights]]\ntype = 'profile'\nfile = '../lamp.ies'\nposition_m = [0, 0, 1]", "lights[0].file")]
 #[case::sensor("[sensor]\npreset = '../sensor.toml'", "sensor.preset")]
-#[case::filter("[sensor]\nfilter = { file = '../out.csv' }", "sensor.filter")]
+#[case::filter("[sensor]\nfilter = { transmittance = { file = '../out.csv' } }", "sensor.filter")]
 #[case::lens("[lens]\ntransmittance = { file = '../out.csv' }", "lens.transmittance")]
 fn captures_name_nothing_outside(#[case] more: &str, #[case] key: &str) {
     refuse(&folder(more), &["in/capture.toml", key]);
@@ -107,7 +107,7 @@ fn links_lead_nowhere_else() {
 
 #[test]
 fn what_lies_inside_is_read_wherever_the_capture_is() {
-    let more = "[materials.a]\ntype = 'diffuse'\nreflectance = { file = 'own.csv' }\n[render]\nsamples_per_pixel = 1\n";
+    let more = "environment = { illuminant = 'D65', illuminance_lux = 500 }\n[materials.a]\ntype = 'diffuse'\nreflectance = { file = 'own.csv' }\n[render]\nsamples_per_pixel = 1\n";
     let folder = folder(more);
     let small = "--set sensor.resolution_px=[8,6] --sandbox in";
     folder.succeed(&format!("render in/capture.toml {small} -o r"));
@@ -122,8 +122,10 @@ fn what_lies_inside_is_read_wherever_the_capture_is() {
 
 #[test]
 fn data_sets_reports_and_parts_keep_to_it() {
-    let folder =
-        folder("[sensor]\nresolution_px = [8, 6]\nfilter = { file = '../out.csv' }\n[render]\nsamples_per_pixel = 2\n");
+    let folder = folder(
+        "environment = { illuminant = 'D65', illuminance_lux = 500 }\n[sensor]\nresolution_px = [8, 6]\n\
+         filter = { transmittance = { file = '../out.csv' } }\n[render]\nsamples_per_pixel = 2\n",
+    );
     folder.add("in/set.toml", "capture = 'capture.toml'\nframes = 1\n");
     folder.add("in/far.toml", "capture = '../capture.toml'\nframes = 1\n");
     folder.succeed("render in/capture.toml -o r");

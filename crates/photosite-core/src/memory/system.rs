@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Bound, Left};
+use super::left::{Bound, Left};
 
 /// Where control groups of both versions are mounted.
 const GROUPS: &str = "/sys/fs/cgroup";
