@@ -155,12 +155,14 @@ fn check(root: &Root) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Refuses geometry that takes more memory than there is: corners and triangles, read, checked and kept.
+/// Refuses geometry that takes more memory than there is, of buffers that are there: corners and triangles, read, checked and kept.
 fn check_memory(root: &Root) -> Result<(), Invalid> {
     /// Bytes of a number, three times over.
     const NUMBER: u64 = 3 * 4;
+    // What nothing backs is told in its place; a number has a byte at least.
+    let most = root.buffers.iter().map(|buffer| buffer.byte_length.0).fold(0, u64::saturating_add);
     let numbers = |accessor: &gltf::json::Accessor| match accessor.type_ {
-        Checked::Valid(kind) => accessor.count.0.saturating_mul(kind.multiplicity() as u64),
+        Checked::Valid(kind) => accessor.count.0.saturating_mul(kind.multiplicity() as u64).min(most),
         Checked::Invalid => 0,
     };
     let all = root.accessors.iter().map(numbers).fold(0, u64::saturating_add);
