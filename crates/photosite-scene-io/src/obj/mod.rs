@@ -50,9 +50,13 @@ pub struct ObjFile {
 
 /// Reads an `.obj` file with its materials.
 pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
-    let text = read_text(path)?;
+    parse(&read_text(path)?, path, missing_normals)
+}
+
+/// Reads the text of an `.obj` file; `path` is for messages and for the files that the text refers to.
+pub fn parse(text: &str, path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
     let mut warnings = Warnings::default();
-    let geometry = Geometry::parse(&text, path, &mut warnings)?;
+    let geometry = Geometry::parse(text, path, &mut warnings)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let libraries = read_libraries(&geometry, folder, &mut warnings)?;
 
