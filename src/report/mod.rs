@@ -145,8 +145,12 @@ impl Report {
         Self::of_json(path, &bytes)
     }
 
-    /// Checksum of the bytes of the file at `path`.
-    pub(crate) fn of_json(path: &Path, bytes: &[u8]) -> Result<Self> {
+    /// Reads a report from memory; `path` is for messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read), but for files that are missing.
+    pub fn of_json(path: &Path, bytes: &[u8]) -> Result<Self> {
         let report: Self = serde_json::from_slice(bytes).map_err(|error| {
             let is_other = |value: serde_json::Value| !value["capture"].is_object();
             let message = if serde_json::from_slice(bytes).is_ok_and(is_other) {

@@ -19,19 +19,24 @@ const MAX_TEXELS: usize = 1 << 27;
 /// Pixels for each byte of a file; no compression of OpenEXR makes more of one.
 const MOST_INFLATION: usize = 1 << 12;
 
-/// Reads an environment picture. Texels that are not finite are refused; negative ones, which the filters of editing
-/// programs leave behind, become zero with a warning.
+/// Reads an environment picture, as [`decode_environment`] does.
 pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<Bitmap, Invalid> {
     let name = path.display().to_string();
     let bytes = input::read(path).map_err(|source| {
         Invalid::new("", format!("cannot read {name}: {source}"))
             .help("paths are relative to the file that they are written in")
     })?;
+    decode_environment(&bytes, name, warnings)
+}
+
+/// Decodes an environment picture; `name` is for messages. Texels that are not finite are refused; negative ones, which the filters of editing
+/// programs leave behind, become zero with a warning.
+pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -> Result<Bitmap, Invalid> {
     let mut picture = if bytes.starts_with(EXR_MAGIC) {
-        decode_exr(&bytes, name)?
+        decode_exr(bytes, name)?
     } else {
         let help = "the picture is damaged, or neither Radiance HDR (.hdr) nor OpenEXR (.exr); export it again";
-        decode_picture(&bytes, name).map_err(|invalid| invalid.help(help))?
+        decode_picture(bytes, name).map_err(|invalid| invalid.help(help))?
     };
     let Texels::Rgb32F(texels) = &mut picture.texels else {
         let message = format!("{} has no more than 16 bits, too few for a sky with a sun", picture.name);

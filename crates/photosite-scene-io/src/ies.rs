@@ -13,8 +13,13 @@ use photosite_transport::light::Profile;
 /// Reads an IES file.
 pub fn read_ies(path: &Path) -> Result<Profile> {
     let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
+    parse_ies(&bytes, path)
+}
+
+/// Reads an IES file from memory; `path` is for messages.
+pub fn parse_ies(bytes: &[u8], path: &Path) -> Result<Profile> {
     // Keywords come in any code page; what counts is ASCII.
-    let text = String::from_utf8_lossy(&bytes);
+    let text = String::from_utf8_lossy(bytes);
     parse(&text).map_err(|(invalid, line)| match line {
         0 => invalid.in_file(path),
         line => invalid.at_line(path, line),

@@ -13,8 +13,8 @@ mod picture;
 mod tangents;
 
 pub use complete::complete;
-pub use environment::read_environment;
-pub use ies::read_ies;
+pub use environment::{decode_environment, read_environment};
+pub use ies::{parse_ies, read_ies};
 pub use picture::{decode, dimensions, read_picture};
 
 /// Tells the user of triangles that were left out.

@@ -55,19 +55,34 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
 
 /// Bytes of the longest header: that of a picture has a line of text.
 const LONGEST_HEADER: u32 = 1 << 16;
+/// Most opening brackets in a header: that of plain numbers has two. Each one within others doubles the time that the
+/// parser of headers takes.
+const MOST_BRACKETS: usize = 8;
 
-/// The same file, unless its header states a length that memory must not be taken for.
+/// The same file, unless its header states a length that memory must not be taken for, or would take for ever to parse.
 pub fn with_short_header<R: Read>(mut from: R) -> Result<impl Read, Invalid> {
+    let refused = |problem: String| Invalid::new("", format!("cannot read it as NPY: {problem}"));
     let mut start = Vec::new();
-    let read = from.by_ref().take(12).read_to_end(&mut start);
-    read.map_err(|error| Invalid::new("", format!("cannot read it as NPY: {error}")))?;
+    let mut read = |start: &mut Vec<u8>, most: u32| {
+        let read = from.by_ref().take(most.into()).read_to_end(start);
+        read.map(drop).map_err(|error| refused(error.to_string()))
+    };
+    read(&mut start, 12)?;
     // Version 1 has two bytes for the length, later ones four.
-    if let [_, _, _, _, _, _, 2..=u8::MAX, _, a, b, c, d] = start[..] {
-        let length = u32::from_le_bytes([a, b, c, d]);
-        if length > LONGEST_HEADER {
-            let message = format!("cannot read it as NPY: a header of {length} bytes");
-            return Err(Invalid::new("", message).help("the file is damaged"));
-        }
+    let (header, length) = match start[..] {
+        [_, _, _, _, _, _, 2..=u8::MAX, _, a, b, c, d] => (12, u32::from_le_bytes([a, b, c, d])),
+        [_, _, _, _, _, _, _, _, a, b, ..] => (10, u16::from_le_bytes([a, b]).into()),
+        _ => (start.len(), 0),
+    };
+    if length > LONGEST_HEADER {
+        return Err(refused(format!("a header of {length} bytes")).help("the file is damaged"));
+    }
+    let more = (header + length as usize).saturating_sub(start.len());
+    read(&mut start, more as u32)?;
+    let brackets = start.iter().skip(header).take(length as usize).filter(|byte| b"([{".contains(byte)).count();
+    if brackets > MOST_BRACKETS {
+        let help = "write an array of plain numbers, as numpy.save(\"picture.npy\", array) does";
+        return Err(refused(format!("a header of {brackets} brackets")).help(help));
     }
     Ok(io::Cursor::new(start).chain(from))
 }
@@ -82,6 +97,17 @@ mod tests {
         write_npy(&raw, &mut file).expect("written");
         assert_eq!(read_npy(&file[..]), Ok(raw));
         file
+    }
+
+    #[test]
+    fn headers_of_lists_in_lists_are_refused_at_once() {
+        for (version, length) in [(1u8, &[100u8, 0][..]), (2, &[100, 0, 0, 0])] {
+            let start = [&b"\x93NUMPY"[..], &[version, 0], length, b"{'descr': "].concat();
+            // What comes behind the header may have as many brackets as it likes.
+            let file = [&start[..], &b"[".repeat(90), &b"[".repeat(1000)].concat();
+            let error = read_npy(&file[..]).expect_err("no array");
+            assert!(error.message.contains("91 brackets"), "{error}");
+        }
     }
 
     #[test]

@@ -99,7 +99,7 @@ pub fn read(path: &Path, choice: Choice<'_>) -> Result<GltfFile> {
 }
 
 /// Reads a document from memory; `path` is for messages and for what the document refers to.
-pub(super) fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfFile> {
+pub fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfFile> {
     let is_glb = glb::is_glb(bytes);
     let (json, chunk) =
         if is_glb { glb::split(bytes).map_err(|invalid| invalid.in_file(path))? } else { (bytes, None) };

@@ -73,10 +73,15 @@ pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
 
 /// Reads an `.obj` file, whose materials and pictures must lie in a sandbox.
 pub fn read_within(path: &Path, missing_normals: MissingNormals, sandbox: &Sandbox) -> Result<ObjFile> {
-    let text = read_text(path)?;
-    check_memory(&text).map_err(|invalid| invalid.in_file(path))?;
+    parse(&read_text(path)?, path, missing_normals, sandbox)
+}
+
+/// Reads the text of an `.obj` file; `path` is for messages and for the files that the text refers to, which must lie in
+/// a sandbox.
+pub fn parse(text: &str, path: &Path, missing_normals: MissingNormals, sandbox: &Sandbox) -> Result<ObjFile> {
+    check_memory(text).map_err(|invalid| invalid.in_file(path))?;
     let mut warnings = Warnings::default();
-    let geometry = Geometry::parse(&text, path, &mut warnings)?;
+    let geometry = Geometry::parse(text, path, &mut warnings)?;
     let libraries = read_libraries(&geometry, path, sandbox, &mut warnings)?;
 
     let mut scene = SceneDescription::default();

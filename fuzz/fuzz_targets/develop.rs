@@ -1,0 +1,18 @@
+//! DNG files that can be read are developed.
+#![no_main]
+
+use std::io::Cursor;
+
+use libfuzzer_sys::fuzz_target;
+use photosite::Picture;
+use photosite::develop::DevelopSettings;
+use photosite::raw::read_dng;
+
+fuzz_target!(|data: &[u8]| {
+    // Large pictures take their time.
+    if let Ok(raw) = read_dng(Cursor::new(data))
+        && raw.data.len() <= 4096
+    {
+        let _ = Picture::develop(&raw, &DevelopSettings::default());
+    }
+});

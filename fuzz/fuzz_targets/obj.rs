@@ -1,0 +1,11 @@
+//! OBJ files.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use photosite::Sandbox;
+use photosite::io::obj::{MissingNormals, parse};
+use photosite_fuzz::files;
+
+fuzz_target!(|text: &str| {
+    let _ = parse(text, &files().join("fuzzed.obj"), MissingNormals::Smooth, &Sandbox::default());
+});
