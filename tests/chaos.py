@@ -8,7 +8,7 @@ disturbed, and nothing else may be left. A worker must end with a status that fi
 """
 
 import argparse
-import os
+import errno
 import random
 import shutil
 import signal
@@ -86,18 +86,32 @@ def mounted(folder: Path, mib: int) -> bool:
 
 
 def fill(disk: Path) -> Path:
-    """Leaves some hundred kilobytes at most."""
+    """Leaves some hundred kilobytes at most, or nothing where workers write meanwhile."""
     path = disk / "filler"
     free = shutil.disk_usage(disk).free
-    with open(path, "wb") as file:
-        file.write(b"\0" * max(0, free - random.randrange(1, 300_000)))
+    try:
+        with open(path, "wb") as file:
+            file.write(b"\0" * max(0, free - random.randrange(1, 300_000)))
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
     return path
 
 
 def disturb(options: argparse.Namespace, inputs: Path, disk: Path, is_small: bool) -> Counts:
     """Starts workers again and again until so many were killed; ends them all, and leaves the set as it is."""
+    workers: list[Worker] = []
+    try:
+        return disturbed(options, inputs, disk, is_small, workers)
+    finally:
+        for worker in workers:
+            worker.process.kill()
+            worker.process.wait()
+
+
+def disturbed(options: argparse.Namespace, inputs: Path, disk: Path, is_small: bool, workers: list[Worker]) -> Counts:
     output = disk / "out"
-    counts, workers, faults = Counts(), [], []
+    counts, faults = Counts(), []
     filler, filled_until, next_fill = None, 0.0, time.monotonic() + 2.0
 
     def start(number: int) -> Worker:
@@ -165,10 +179,6 @@ def disturb(options: argparse.Namespace, inputs: Path, disk: Path, is_small: boo
                     pass
     if filler:
         filler.unlink()
-    for worker in workers:
-        worker.process.send_signal(signal.SIGCONT)
-        worker.process.kill()
-        worker.process.wait()
     if faults:
         sys.exit(faults[0])
     return counts

@@ -62,7 +62,7 @@ pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: 
     for number in 0..plan.frames() {
         for camera in plan.cameras().iter().map(|camera| &*camera.place.name) {
             if folder.is_done(camera, number) {
-                lines.push(line(folder, camera, number, plan, &earlier)?.to_string());
+                lines.push(line(folder, camera, number, plan, &earlier).map_err(Error::since_begun)?.to_string());
             } else if missing.last() != Some(&number) {
                 missing.push(number);
             }
@@ -70,7 +70,11 @@ pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: 
     }
     write_whole(&path, |to| lines.iter().try_for_each(|line| writeln!(to, "{line}")))?;
     let present = lines.len();
-    let left_out = if present == 0 { Vec::new() } else { write_calibration(&read_present(folder.path())?)? };
+    let left_out = if present == 0 {
+        Vec::new()
+    } else {
+        write_calibration(&read_present(folder.path()).map_err(Error::since_begun)?)?
+    };
     let card = card(file, identity, plan, present, &left_out);
     write_whole(&folder.path().join(CARD), |to| to.write_all(card.as_bytes()))?;
     Ok(Index { present, missing, left_out })
