@@ -113,7 +113,7 @@ impl ReadScene {
                     None | Some(NormalsName::Flat) => MissingNormals::Flat,
                     Some(NormalsName::Smooth) => MissingNormals::Smooth,
                 };
-                let mut file = obj::read_within(path, missing, source.sandbox())?;
+                let mut file = obj::read(path, missing, source.sandbox())?;
                 let scale = unit_length(table).map_err(|invalid| source.error(invalid.within("scene")))?;
                 for instance in &mut file.scene.instances {
                     instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;

@@ -85,7 +85,7 @@ fn merge_pictures(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
         monitor,
     };
     let rendered = render_into(capture, &request, &mut folder, timings)?;
-    finish(&rendered, &folder, args.quiet, args.json)
+    finish(&rendered, folder.path(), args.quiet, args.json)
 }
 
 fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use photosite::capture::{Capture, relative_path};
-use photosite::pipeline::{FilmMemory, LightSource, OutputFolder, Place, Rendered, Request, render_into};
+use photosite::pipeline::{FilmMemory, LightSource, Place, Rendered, Request, render_into};
 use photosite::report::{REPORT, Report, Timings};
 use photosite::{Result, Sandbox};
 
@@ -57,7 +57,7 @@ pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
         is_timed: true,
     };
     let rendered = render_into(capture, &request, &mut folder, timings)?;
-    finish(&rendered, &folder, *quiet, *json)
+    finish(&rendered, folder.path(), *quiet, *json)
 }
 
 /// `scenes/cornell-box/capture.toml` → `cornell-box`, `scenes/checker/capture-a.toml` → `checker-a`, `helmet.glb` →
@@ -72,7 +72,7 @@ fn default_folder(input: &Path) -> PathBuf {
 }
 
 /// Says on standard output or on standard error what a render has given.
-pub(super) fn finish(rendered: &Rendered, folder: &OutputFolder, quiet: bool, json: bool) -> Result<()> {
+pub(super) fn finish(rendered: &Rendered, folder: &Path, quiet: bool, json: bool) -> Result<()> {
     match rendered {
         Rendered::Picture { report, .. } if json => return print_json(report),
         Rendered::Part(part) if json => return print_json(part),
@@ -80,7 +80,7 @@ pub(super) fn finish(rendered: &Rendered, folder: &OutputFolder, quiet: bool, js
         Rendered::Picture { report, timings } => summarise(report, timings, folder),
         Rendered::Part(part) => {
             let ([from, to], all) = (part.samples, part.samples_per_pixel);
-            let folder = folder.path().display();
+            let folder = folder.display();
             say!("traced the samples {from}..{to} of {all}; {folder} is a part for photosite merge");
         }
     }
@@ -92,14 +92,10 @@ pub(super) fn finish_again(rendered: &Rendered, folder: &Path, quiet: bool, json
     if !quiet {
         say!("{} holds this render already; --force makes it anew", folder.display());
     }
-    match rendered {
-        Rendered::Picture { report, .. } if json => print_json(report),
-        Rendered::Part(part) if json => print_json(part),
-        Rendered::Picture { .. } | Rendered::Part(_) => Ok(()),
-    }
+    finish(rendered, folder, true, json)
 }
 
-fn summarise(report: &Report, timings: &Timings, folder: &OutputFolder) {
+fn summarise(report: &Report, timings: &Timings, folder: &Path) {
     let Report { exposure, files, traced, .. } = report;
     let paths = traced.paths.unwrap_or(0);
     let count = match paths {
@@ -112,6 +108,6 @@ fn summarise(report: &Report, timings: &Timings, folder: &OutputFolder) {
         paths as f64 / timings.trace_s / 1e6,
         rounded(exposure.time_s * 1e3, 4),
         files.join(", "),
-        folder.path().display()
+        folder.display()
     );
 }

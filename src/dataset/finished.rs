@@ -2,6 +2,7 @@
 //!
 //! In: the folder. Out: a [`PictureSet`], from which [layouts](crate::calibration::layouts) are made.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -11,6 +12,7 @@ use serde_json::Value;
 
 use crate::calibration::camera_files::CalibratedCamera;
 use crate::calibration::layouts::{EPOCH_NS, PictureSet, SceneObject, SeenPoint, SeenTarget, Shot};
+use crate::io::file_sum::FileSum;
 use crate::optics::{CameraMotion, Projection, Recording};
 use crate::report::{REPORT, Report, TargetReport, TracedReport};
 use crate::{Error, Invalid, Result};
@@ -70,12 +72,15 @@ fn read(folder: &Path) -> Result<(PictureSet, u32)> {
 
 /// A line of the manifest.
 #[derive(Deserialize)]
-struct Line {
+pub(super) struct Line {
     frame: u32,
     frames: u32,
     camera: String,
     time_s: Option<f64>,
-    folder: String,
+    pub(super) folder: String,
+    /// None in manifests of earlier versions.
+    #[serde(default)]
+    pub(super) sums: BTreeMap<String, FileSum>,
 }
 
 fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {

@@ -10,8 +10,7 @@ use serde::Serialize;
 use super::DataSet;
 use super::frames::Frames;
 use super::presence::{damage, picture};
-use super::selection::FrameList;
-use crate::capture::Capture;
+use super::selection::{FrameList, in_order};
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent, render_into};
 use crate::report::{Look, Timings};
 use crate::{Error, Invalid, Result};
@@ -54,7 +53,8 @@ impl DataSet {
                 Ok(_) if damage(&picture(path, camera, number), Look::Sizes).is_none() => present += 1,
                 Ok(capture) => {
                     is_at_most |= capture.render.noise_target.is_some();
-                    first.get_or_insert((camera, number, changes, capture));
+                    // Not the capture itself, which the picture will load again.
+                    first.get_or_insert((camera, number, changes, capture.render.samples_per_pixel));
                 }
                 Err(error) if keeps_going => {
                     monitor.report(Event::PictureFails { camera, frame: number, error: &error });
@@ -64,17 +64,16 @@ impl DataSet {
             }
         }
         let failed_pictures = failed.len() - frames.failed.len();
-        failed.dedup();
         let missing = (pictures - present - failed_pictures) as f64;
         let cost = match first {
-            Some((camera, number, changes, capture)) => self.cost(camera, number, changes, &capture)?,
+            Some((camera, number, changes, samples)) => self.cost(camera, number, changes, samples)?,
             None => Cost::default(),
         };
         Ok(Forecast {
             input: self.file.path().to_owned(),
             pictures,
             present,
-            failed,
+            failed: in_order(failed),
             time_s: cost.time_s * missing,
             is_at_most,
             memory_bytes: most_memory_bytes(),
@@ -82,9 +81,8 @@ impl DataSet {
         })
     }
 
-    /// What a picture takes.
-    fn cost(&self, camera: &str, number: u32, changes: &[String], capture: &Capture) -> Result<Cost> {
-        let all = capture.render.samples_per_pixel;
+    /// What a picture of so many samples a pixel takes.
+    fn cost(&self, camera: &str, number: u32, changes: &[String], all: u32) -> Result<Cost> {
         let mut few = 1;
         loop {
             let folder =

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::calibration::write_calibration;
-use super::finished::{MANIFEST, read_present};
+use super::finished::{Line, MANIFEST, read_present};
 use super::folder::DatasetFolder;
 use super::frames::Frames;
+use super::presence::name;
 use super::selection::FrameList;
 use crate::calibration::dataset::Plan;
 use crate::capture::DatasetFile;
@@ -80,14 +80,6 @@ pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: 
     Ok(Index { present, missing, left_out })
 }
 
-/// A line of an earlier manifest, as far as checks read it.
-#[derive(Deserialize)]
-struct Line {
-    folder: String,
-    #[serde(default)]
-    sums: BTreeMap<String, FileSum>,
-}
-
 /// The sums of the pictures' reports in a manifest, by the pictures' folders; those of lines that can be read. Nothing
 /// else vouches for a report.
 pub(super) fn report_sums(manifest: &Path) -> BTreeMap<String, FileSum> {
@@ -106,7 +98,7 @@ fn line(
 ) -> Result<Value> {
     let path = folder.picture(camera, number).join(REPORT);
     let Report { files, mut sums, seed, overrides, traced, exposure, .. } = Report::read(&path)?;
-    let name = format!("{camera}/{number:06}");
+    let name = name(camera, number);
     // A picture has the same bytes whenever it is made: another sum than before is that of a damaged report.
     let report = earlier.get(&name).cloned().map_or_else(|| FileSum::of(&path), Ok);
     sums.insert(REPORT.to_owned(), report.map_err(|reason| Error::io(&path, "read", reason))?);

@@ -8,7 +8,8 @@ use std::time::Duration;
 use super::DataSet;
 use super::folder::{DatasetFolder, NewPicture, Turn};
 use super::frames::Frames;
-use super::selection::FrameList;
+use super::presence::name;
+use super::selection::{FrameList, in_order};
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Request, go_on, render_into};
 use crate::report::Timings;
 use crate::{Error, Invalid, Result};
@@ -104,8 +105,7 @@ impl DataSet {
                 pause = LONGEST_PAUSE.min(pause * 2);
             }
         }
-        made.failed.sort_unstable();
-        made.failed.dedup();
+        made.failed = in_order(made.failed);
         Ok(made)
     }
 
@@ -134,7 +134,7 @@ impl DataSet {
         monitor: &dyn Monitor,
     ) -> Result<bool> {
         if let Some(lost) = picture.lost() {
-            monitor.report(Event::Warning(&format!("{camera}/{number:06} is made again: {lost}")));
+            monitor.report(Event::Warning(&format!("{} is made again: {lost}", name(camera, number))));
         }
         let light = light(camera, number)?;
         // It was read before, with all that it names.

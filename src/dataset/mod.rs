@@ -161,9 +161,4 @@ impl DataSet {
         let mut first = self.pictures(frames).take(self.cameras().count());
         first.try_for_each(|(number, camera, changes)| self.capture(camera, number, changes).map(drop))
     }
-
-    /// Reads the captures of all of these frames.
-    pub fn check_all(&self, frames: &Frames) -> Result<()> {
-        self.pictures(frames).try_for_each(|(number, camera, changes)| self.capture(camera, number, changes).map(drop))
-    }
 }

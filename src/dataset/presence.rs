@@ -7,9 +7,14 @@ use crate::io::file_sum::FileSum;
 use crate::pipeline::PART;
 use crate::report::{Listing, Look, REPORT, damage_of_file};
 
+/// CAMERA/NUMBER, as the manifest has it.
+pub(super) fn name(camera: &str, number: u32) -> String {
+    format!("{camera}/{number:06}")
+}
+
 /// DIR/CAMERA/NUMBER.
 pub(super) fn picture(folder: &Path, camera: &str, number: u32) -> PathBuf {
-    folder.join(camera).join(format!("{number:06}"))
+    folder.join(name(camera, number))
 }
 
 /// What is wrong with the first file of a picture of which something is: its name, and what.

@@ -23,11 +23,16 @@ impl FrameList {
 
     /// Those that there are of `count` frames, each once and in order, and whether the list names more.
     pub fn among(&self, count: u32) -> (Vec<u32>, bool) {
-        let mut numbers: Vec<u32> = self.0.iter().flat_map(|range| range.start..range.end.min(count)).collect();
-        numbers.sort_unstable();
-        numbers.dedup();
-        (numbers, self.0.iter().any(|range| range.end > count))
+        let numbers = self.0.iter().flat_map(|range| range.start..range.end.min(count)).collect();
+        (in_order(numbers), self.0.iter().any(|range| range.end > count))
     }
+}
+
+/// Numbers, each once and in order.
+pub(super) fn in_order(mut numbers: Vec<u32>) -> Vec<u32> {
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers
 }
 
 impl FromStr for FrameList {

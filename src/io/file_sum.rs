@@ -1,6 +1,5 @@
 //! Size and SHA-256 of a file, by which damage shows that a file's name does not.
 
-use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
@@ -24,10 +23,7 @@ pub struct FileSum {
 impl FileSum {
     /// That of the file at `path`, which is read once.
     pub fn of(path: &Path) -> io::Result<Self> {
-        Self::of_file(&mut input::open(path)?)
-    }
-
-    fn of_file(file: &mut File) -> io::Result<Self> {
+        let mut file = input::open(path)?;
         let (mut sum, mut bytes) = (Sha256::new(), 0);
         let mut buffer = vec![0; BUFFER_BYTES];
         loop {

@@ -35,15 +35,16 @@ impl Place {
         light: &LightSource,
         monitor: &dyn Monitor,
     ) -> Result<Self> {
-        if force {
-            return OutputFolder::claim(path, force).map(Self::Free);
-        }
-        let Some((done, damage)) = earlier(path, capture, light)? else {
-            return OutputFolder::claim(path, force).map(Self::Free);
+        let earlier = if force { None } else { earlier(path, capture, light)? };
+        let is_damaged = match earlier {
+            Some((done, None)) => return Ok(Self::Done(done)),
+            Some((_, Some(what))) => {
+                monitor.report(Event::Warning(&format!("{} is made again: {what}", path.display())));
+                true
+            }
+            None => false,
         };
-        let Some(what) = damage else { return Ok(Self::Done(done)) };
-        monitor.report(Event::Warning(&format!("{} is made again: {what}", path.display())));
-        OutputFolder::claim(path, true).map(Self::Free)
+        OutputFolder::claim(path, force || is_damaged).map(Self::Free)
     }
 }
 

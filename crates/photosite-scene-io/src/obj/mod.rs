@@ -66,13 +66,8 @@ fn check_memory(text: &str) -> Result<(), Invalid> {
     memory::check(triangles * TRIANGLE, &format!("its geometry of {triangles} triangles"), "simplify it")
 }
 
-/// Reads an `.obj` file with its materials.
-pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<ObjFile> {
-    read_within(path, missing_normals, &Sandbox::default())
-}
-
-/// Reads an `.obj` file, whose materials and pictures must lie in a sandbox.
-pub fn read_within(path: &Path, missing_normals: MissingNormals, sandbox: &Sandbox) -> Result<ObjFile> {
+/// Reads an `.obj` file with its materials, which must lie in a sandbox as their pictures must.
+pub fn read(path: &Path, missing_normals: MissingNormals, sandbox: &Sandbox) -> Result<ObjFile> {
     parse(&read_text(path)?, path, missing_normals, sandbox)
 }
 

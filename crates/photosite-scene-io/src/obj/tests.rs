@@ -21,7 +21,7 @@ fn folder(files: &[(&str, &[u8])]) -> TempDir {
 
 fn read_text(text: &str) -> Result<ObjFile> {
     let folder = folder(&[("scene.obj", text.as_bytes())]);
-    read(&folder.path().join("scene.obj"), MissingNormals::Flat)
+    read(&folder.path().join("scene.obj"), MissingNormals::Flat, &Sandbox::default())
 }
 
 fn scene(text: &str) -> SceneDescription {
@@ -75,7 +75,8 @@ fn smoothing_groups_smooth_within_themselves() {
     assert_eq!(half.len(), 8, "explicit flat normals beside smooth ones");
 
     let folder = folder(&[("scene.obj", format!("{roof}{up}\n{side}").as_bytes())]);
-    let file = read(&folder.path().join("scene.obj"), MissingNormals::Smooth).expect("a valid file");
+    let file =
+        read(&folder.path().join("scene.obj"), MissingNormals::Smooth, &Sandbox::default()).expect("a valid file");
     assert_eq!(file.scene.meshes[0].normals.len(), 6, "smooth on request");
 }
 
@@ -87,7 +88,7 @@ fn materials_come_from_the_library_and_pictures_from_beside_it() {
     let mtl = b"newmtl my wood\nKd 1 0.5 0.25\nmap_Kd -s 2 2 my pic.png\nmap_d my pic.png\n# comment\nnewmtl lamp\nKe 3 3 3\n";
     let obj = format!("mtllib my lib.mtl\n{SQUARE}vt 0 0\nusemtl my wood\nf 1/1 2/1 3/1\nusemtl lamp\nf 1 2 3\n");
     let folder = folder(&[("scene.obj", obj.as_bytes()), ("my lib.mtl", mtl), ("my pic.png", png.get_ref())]);
-    let file = read(&folder.path().join("scene.obj"), MissingNormals::Flat).expect("a valid file");
+    let file = read(&folder.path().join("scene.obj"), MissingNormals::Flat, &Sandbox::default()).expect("a valid file");
     let scene = file.scene;
     assert!(file.undescribed_materials.is_empty());
     let wood = &scene.materials[0];
@@ -112,7 +113,9 @@ fn a_missing_library_is_a_warning_and_a_missing_picture_an_error() {
 
     let obj = format!("mtllib a.mtl\n{SQUARE}usemtl red\nf 1 2 3\n");
     let folder = folder(&[("scene.obj", obj.as_bytes()), ("a.mtl", b"newmtl red\nKd 1 0 0\nmap_Kd gone.png\n")]);
-    let error = read(&folder.path().join("scene.obj"), MissingNormals::Flat).expect_err("no picture").to_string();
+    let error = read(&folder.path().join("scene.obj"), MissingNormals::Flat, &Sandbox::default())
+        .expect_err("no picture")
+        .to_string();
     assert!(error.contains("a.mtl:3: map_Kd: ") && error.contains("gone.png"), "{error}");
 }
 
