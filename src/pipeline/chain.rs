@@ -298,6 +298,7 @@ impl<'a> Chain<'a> {
             auto: matches!(self.settings.exposure.time, ExposureTime::Auto(_)),
             gain_db: gain.0,
             digital_gain_db: digital_gain.0,
+            exposure_value: self.optics.f_number.map(|n| (n * n / time.0).log2()),
             iso: self.settings.sensor.iso(exposure),
             temperature_c: temperature.0,
             frames: self.settings.exposure.frames,

@@ -38,7 +38,7 @@ pub fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path, sandb
     let patch_of_material: Vec<Option<usize>> =
         description.materials.iter().map(|material| patch_of(material, &spectra)).collect();
     let scene = scene::build(description, &Spectrum::constant(1.0));
-    let camera = place_camera(&capture, |ray| scene.closest(ray))?;
+    let camera = place_camera(&capture, || &scene)?;
     let grid = Grid::of_picture(&capture, &camera, size).map_err(|invalid| invalid.in_file(picture_path))?;
     let seen = shown_patches(&grid, &camera, &scene, &patch_of_material);
     if seen.iter().all(Option::is_none) {

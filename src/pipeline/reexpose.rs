@@ -69,12 +69,13 @@ fn expose_into(
             illuminant::d65().clone()
         }
     };
+    let lens = traced.lens.as_ref();
     let optics = Optics {
-        f_number: traced.lens.as_ref().map(|lens| lens.f_number),
-        focal_length_m: traced.lens.as_ref().map(|lens| lens.focal_length_mm / 1e3),
+        f_number: lens.and_then(|lens| lens.f_number),
+        focal_length_m: lens.and_then(|lens| lens.focal_length_mm).filter(|f| *f > 0.0).map(|f| f / 1e3),
         transmittance: capture.lens.transmittance.clone(),
     };
-    let placed = recorded.as_ref().zip(traced.lens.as_ref()).and_then(|(recorded, lens)| placed_lens(recorded, lens));
+    let placed = recorded.as_ref().zip(lens).and_then(|(recorded, lens)| placed_lens(recorded, lens));
     let settings = Settings::from(&capture);
     let colours = SensorColours::find(settings, &optics, &white, calibration.as_ref(), &mut warnings)?;
     let chain = Chain::new(settings, &optics, &colours, placed.as_ref().map(|(lens, camera)| (lens, camera)));
@@ -161,12 +162,16 @@ fn expose_into(
 /// The lens as the report has it, so that raw files tell of its falloff and distortion as those of the render do.
 /// `None` where the report does not say enough.
 fn placed_lens(recorded: &StoredCapture, reported: &LensReport) -> Option<(LensDescription, Camera)> {
-    let focus = reported.focus_distance_m.map_or(Focus::Infinity, Focus::Distance);
-    let focal_length_m = reported.focal_length_mm / 1e3;
+    let focus = match reported.focus_distance_m {
+        Some(u) if u > 0.0 => Focus::Distance(u),
+        Some(_) => Focus::ImageDistance(reported.image_distance_mm? / 1e3),
+        None => Focus::Infinity,
+    };
+    let focal_length_m = reported.focal_length_mm? / 1e3;
     let lens = LensDescription { focus, focal_length_m, ..recorded.lens.clone() };
     // Where the camera stands makes no difference to what its lens does.
     let camera = camera_of(&lens, &recorded.sensor, DAffine3::IDENTITY, f64::NAN).ok()?;
-    Some((lens, camera))
+    camera.makes_picture().then_some((lens, camera))
 }
 
 /// What is read: the capture as it shall be, and the light for it.

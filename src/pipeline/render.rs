@@ -96,7 +96,7 @@ pub fn render_into(
     let recording = capture.recording.as_ref();
     let traced = TracedReport {
         camera: Some(CameraReport::new(&capture.lens, &first_camera.halfway(), pixels(capture), recording)),
-        lens: Some(LensReport::new(&capture.lens, camera)),
+        lens: Some(LensReport::new(&capture.lens, camera, capture.sensor.pixel_pitch_m, &prepared.focus_steps)),
         render: Some(render_report(capture, scene, reached)),
         scene_light: Some(LightReport::new(&prepared.light)),
         targets: Some(capture.targets.iter().map(report_target).collect()),
