@@ -71,9 +71,10 @@ fn ground(
             Err(Invalid::new("radii_mm", format!("unknown radius {name:?}")).help("write a number of mm, or \"flat\""))
         }
     };
-    Ok(GroundLens {
+    let ground = GroundLens {
         radii_m: [radius_m(&radii[0])?, radius_m(&radii[1])?],
         thickness_m: thickness_mm.unwrap_or(0.0) / 1e3,
         index: index(finder, glass.name, glass.index, glass.abbe)?,
-    })
+    };
+    ground.validate().map(|()| ground)
 }

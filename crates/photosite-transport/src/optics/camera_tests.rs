@@ -539,4 +539,13 @@ fn a_lens_goes_no_nearer_than_it_can() {
     assert_eq!(lens.validate().expect_err("too near").key, "focus_distance_m");
     lens.focus = Focus::Autofocus { pixel: [320.0, 240.0], method: AutofocusMethod::Exact };
     assert_eq!(Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.3).expect("a lens").focus_distance_m(), 0.45);
+    // With 2 dioptres before it, it goes from 0.5 m down to 1/(2 + 1/0.45) m.
+    lens.supplementary = vec![SupplementaryLens { power: Power::Constant(2.0), distance_m: 0.0 }];
+    for (u, message) in [(0.23, "no nearer than 0.23684"), (0.6, "no farther than 0.5 m")] {
+        lens.focus = Focus::Distance(u);
+        let error = Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.0).expect_err("out of range");
+        assert!(error.message.contains(message), "{}", error.message);
+    }
+    lens.focus = Focus::Distance(0.24);
+    assert!(Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.0).is_ok());
 }

@@ -59,6 +59,22 @@ impl LensDescription {
             return Err(Invalid::new("image_distance_mm", format!("must be above 0, got {} mm", v * 1e3))
                 .help("for example image_distance_mm = 16.5"));
         }
+        let diverges = self.focal_length_m < 0.0 && self.supplementary.is_empty();
+        match self.focus {
+            Focus::Distance(_) | Focus::Infinity | Focus::Autofocus { .. }
+                if diverges && self.kind == LensKind::Thin =>
+            {
+                let f_mm = self.focal_length_m * 1e3;
+                let message =
+                    format!("a lens of {f_mm} mm makes light diverge, so that nothing becomes sharp behind it");
+                let help =
+                    "write image_distance_mm, where the sensor stands; or add [[lens.supplementary]] that converge";
+                let key =
+                    if matches!(self.focus, Focus::Autofocus { .. }) { "autofocus_px" } else { "focus_distance_m" };
+                return Err(Invalid::new(key, message).help(help));
+            }
+            Focus::Distance(_) | Focus::Infinity | Focus::Autofocus { .. } | Focus::ImageDistance(_) => {}
+        }
         let (Focus::Distance(u), LensKind::Thin) = (self.focus, self.kind) else { return Ok(()) };
         let alone = self.supplementary.is_empty();
         if !(u.is_finite() && u > 0.0) || alone && u <= self.focal_length_m {
@@ -138,8 +154,9 @@ impl LensDescription {
         Ok(())
     }
 
-    /// A distance that autofocus found, or the nearest that the main lens can be focused on.
+    /// A distance that autofocus found, or the nearest that the lens can be focused on, where nothing stands before it.
     pub(super) fn within_focus_range(&self, distance_m: f64) -> f64 {
-        self.min_focus_distance_m.map_or(distance_m, |nearest| distance_m.max(nearest))
+        let nearest = self.min_focus_distance_m.filter(|_| self.supplementary.is_empty());
+        nearest.map_or(distance_m, |nearest| distance_m.max(nearest))
     }
 }

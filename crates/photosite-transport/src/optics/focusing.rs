@@ -130,12 +130,13 @@ impl Focusing {
         } else {
             1.0 / (1.0 / f - front.needed(u))
         };
-        if !(v > 0.0 && v.is_finite()) || f < 0.0 && lens.supplementary.is_empty() {
+        if !(v > 0.0 && v.is_finite()) {
             return Err(unfocused(lens, key, u));
         }
         // The main lens goes from infinity to its nearest distance, and no element stands behind what is sharp.
         let main = 1.0 / front.needed(u);
-        if !lens.supplementary.is_empty() && (main < 0.0 || u <= front.b / front.d) {
+        let is_too_near = lens.min_focus_distance_m.is_some_and(|nearest| main < nearest * NEARLY);
+        if !lens.supplementary.is_empty() && (main < 0.0 || is_too_near || u <= front.b / front.d) {
             return Err(unreached(lens, &front, key, u));
         }
         Ok(focused(v, u))
@@ -161,11 +162,6 @@ fn chromatic(lens: &LensDescription, v: f64) -> Option<ChromaticFocus> {
 
 fn unfocused(lens: &LensDescription, key: &str, u: f64) -> Invalid {
     let f_mm = lens.focal_length_m * 1e3;
-    if lens.focal_length_m < 0.0 && lens.supplementary.is_empty() {
-        let message = format!("a lens of {f_mm} mm makes light diverge, so that nothing becomes sharp behind it");
-        let help = "write image_distance_mm, where the sensor stands; or add [[lens.supplementary]] that converge";
-        return Invalid::new(key, message).help(help);
-    }
     if key == "autofocus_px" {
         // As precise as intersections are.
         let distance = u as f32;
@@ -178,18 +174,22 @@ fn unfocused(lens: &LensDescription, key: &str, u: f64) -> Invalid {
 }
 
 fn unreached(lens: &LensDescription, front: &Front, key: &str, u: f64) -> Invalid {
-    let farthest = (1.0 / front.seen(0.0)) as f32;
     if u <= front.b / front.d {
         let message = format!("what is {u} m away lies behind the supplementary lenses");
         return Invalid::new(key, message).help("write a larger distance");
     }
-    let message = if farthest > 0.0 {
-        format!("through its supplementary lenses it focuses on what is {farthest} m away at the farthest, not {u} m")
-    } else {
-        format!("through its supplementary lenses it cannot be focused on what is {u} m away")
+    // As precise as anybody reads a scale.
+    let seen = |q: f64| (1.0 / front.seen(q)) as f32;
+    let nearest = lens.min_focus_distance_m.map(|nearest| seen(1.0 / nearest));
+    let farthest = seen(0.0);
+    let range = match nearest {
+        Some(nearest) if front.needed(u) > 0.0 => format!("no nearer than {nearest} m"),
+        Some(_) | None if farthest > 0.0 => format!("no farther than {farthest} m"),
+        Some(_) | None => "nowhere".to_owned(),
     };
+    let message = format!("through its supplementary lenses the lens focuses {range}, not at {u} m");
     let image_distance_mm = 1e3 / (1.0 / lens.focal_length_m - front.needed(u));
     Invalid::new(key, message).help(format!(
-        "write a smaller distance; or image_distance_mm = {image_distance_mm:.6} for a sensor nearer to the lens than at infinity"
+        "write another distance; or image_distance_mm = {image_distance_mm:.6}, for a sensor where this lens does not bring it"
     ))
 }
