@@ -14,8 +14,8 @@ fn folder(capture: String) -> Folder {
 
 #[rstest]
 #[case::negative_noise("[sensor.noise]\nread_noise_e = -2", "noise.read_noise_e: must not be negative", "write 0")]
-#[case::no_bits("[sensor.adc]\nbits = 0", "adc.bits: must lie between 8 and 16, got 0", "for example bits = 12")]
-#[case::many_bits("[sensor.adc]\nbits = 40", "adc.bits: must lie between 8 and 16, got 40", "for example bits = 12")]
+#[case::no_bits("[sensor.adc]\nbits = 0", "adc.bits: must lie between 1 and 16, got 0", "for example bits = 12")]
+#[case::many_bits("[sensor.adc]\nbits = 40", "adc.bits: must lie between 1 and 16, got 40", "for example bits = 12")]
 #[case::black_level("[sensor.adc]\nblack_level_dn = 5000", "adc.black_level_dn: 5000 leaves no room", "less than 4095")]
 #[case::efficiency("[sensor.channels.G]\nquantum_efficiency = 1.2", "quantum_efficiency: must lie between 0 and 1", "")]
 #[case::no_spectrum("[sensor]\ncfa = 'rccb'", "sensor.channels.", "C")]
@@ -75,7 +75,7 @@ fn folder(capture: String) -> Folder {
 )]
 #[case::companding_bits(
     "[sensor.adc]\ncompanding = { bits = 14, gamma = 2 }",
-    "adc.companding.bits: must lie between 8 and",
+    "adc.companding.bits: must lie between 1 and",
     "12"
 )]
 #[case::companding_curve("[sensor.adc]\ncompanding = { bits = 10 }", "adc.companding.gamma: is missing", "gamma = 2.2")]

@@ -64,7 +64,7 @@ impl Camera {
     /// f-number has one exposure on the axis.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
-        self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, 0.0)
+        self.ray(pixel, self.place(pixel), aperture_sample, 0.0)
     }
 
     /// Whether a ray needs a sample of the aperture.
@@ -95,7 +95,7 @@ impl Camera {
             wavelengths.terminate_secondary();
         }
         let (place, weights) = self.spread_place(pixel, spread, wavelengths);
-        Some((self.ray(place, pixel.y.floor(), aperture, time)?, weights))
+        Some((self.ray(pixel, place, aperture, time)?, weights))
     }
 
     /// Makes the rays of several samples, see [`generate_spectral`](Self::generate_spectral), and gives `take` the
@@ -138,8 +138,11 @@ impl Camera {
     }
 
     #[inline]
-    fn ray(&self, place: DVec2, row: f64, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
-        let (to_world, time) = self.pose(row, u_time);
+    fn ray(&self, pixel: DVec2, place: DVec2, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
+        if !self.cells.sees_light(pixel) {
+            return None;
+        }
+        let (to_world, time) = self.pose(self.cells.cell_at(pixel).y, u_time);
         let opening = self.opening(aperture_sample);
         let aim = self.aim(place, opening)?;
         if !self.passes(aim.seen.chief, opening, aim.towards) {
