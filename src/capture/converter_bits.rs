@@ -122,7 +122,9 @@ mod tests {
         let exposure = Exposure::of(Seconds(0.01));
         for name in presets::names() {
             let preset = presets::model(name).expect("listed");
-            for bits in 1..=16 {
+            // A counter of fewer bits ends before its pixels do, and says so.
+            let least = if preset.architecture.spad().is_some() { 8 } else { 1 };
+            for bits in least..=16 {
                 let (sensor, warnings) =
                     read_named_sensor(&Sandbox::default(), name, &[format!("adc.bits={bits}")]).expect("valid");
                 assert!(warnings.is_empty(), "{name}: {warnings:?}");

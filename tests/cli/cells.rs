@@ -89,8 +89,9 @@ fn the_camera_of_the_picture_is_that_of_the_samples() {
         let found = report[of]["camera_matrix"][axis][axis].as_f64().expect("a number");
         assert!((found / wanted - 1.0).abs() < 1e-12, "{of} {axis}: {found}");
     };
-    [("camera", 0, 30.0), ("camera", 1, 30.0), ("image", 0, 22.5), ("image", 1, 45.0)]
-        .map(|(of, axis, f)| near(of, axis, f));
+    for (of, axis, f) in [("camera", 0, 30.0), ("camera", 1, 30.0), ("image", 0, 22.5), ("image", 1, 45.0)] {
+        near(of, axis, f);
+    }
     // The middle of 24 columns is 11.5 where whole numbers are centres.
     assert_eq!(report["image"]["camera_matrix"][0][2], 11.5);
     assert_eq!(report["image"]["pixel_aspect"], 2.0);
