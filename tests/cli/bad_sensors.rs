@@ -136,14 +136,18 @@ fn folder(capture: String) -> Folder {
 #[case::no_circle("[sensor]\nimage_circle_mm = 0", "sensor.image_circle_mm: must be above 0, got 0", "8.0")]
 #[case::tiny_circle("[sensor]\nimage_circle_mm = 1e-4", "image_circle_mm: a circle of 0.0001 mm", "diameter")]
 #[case::video_gamma("[sensor.video]\ngamma = 0.3", "video.gamma: must lie between 0.4 and 5, got 0.3", "0.45")]
-#[case::no_clock("[sensor.video]\nbandwidth_mhz = 4.2", "video.pixel_clock_mhz: missing", "13.5")]
+#[case::no_clock("[sensor]\nvideo = { bandwidth_mhz = 4.2 }", "video.pixel_clock_mhz: missing", "13.5")]
 #[case::no_bandwidth("[sensor.video]\npixel_clock_mhz = 13.5", "video.pixel_clock_mhz: says nothing", "4.2")]
 #[case::narrow(
     "[sensor.video]\npixel_clock_mhz = 10\nbandwidth_mhz = 1e-4",
     "video.bandwidth_mhz: 0.0001 MHz",
     "at least"
 )]
-#[case::mosaic("[sensor.frame_grabber]\nsize_px = [40, 30]", "sensor.frame_grabber: cannot go with a mosaic", "keep")]
+#[case::mosaic(
+    "[sensor]\nframe_grabber = { size_px = [40, 30] }",
+    "sensor.frame_grabber: cannot go with a mosaic",
+    "keep"
+)]
 #[case::no_samples("[sensor.frame_grabber]\nsize_px = [40, 0]", "frame_grabber.size_px: must lie between 1", "[768")]
 #[case::counts(
     "[sensor]\npreset = 'swissspad2'\nvideo.gamma = 2",
