@@ -269,6 +269,8 @@ impl Capture {
         let mut scene = geometry.with_tables(file, folder, source.sandbox())?;
         scene.warnings.extend(warnings.into_messages());
         scene.warnings.extend_from_slice(&file.sensor.warnings);
+        scene.warnings.extend(sensor.warnings());
+        scene.warnings.extend(exposure.warning());
         Ok(Self {
             recording,
             scene_moves,

@@ -13,7 +13,7 @@ use photosite::optics::{Camera, Focus, LensDescription, LensKind};
 use photosite::raw::{self, RawImage};
 use photosite::report::LensReport;
 use photosite::scene::description::{EnvironmentDescription, MaterialDescription, SceneDescription};
-use photosite::sensor::{Binning, SensorModel, presets};
+use photosite::sensor::{Binning, Format, SensorModel, presets};
 use photosite::{Error, Invalid, Result, Sandbox};
 use serde_json::{Map, Value, json};
 
@@ -221,6 +221,24 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
 }
 
 fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
+    let mut facts = of_plain_sensor(sensor);
+    // What few sensors have.
+    let more = [
+        ("cells", sensor.cells.is_staggered().then(|| json!("hexagonal"))),
+        (
+            "image_circle_mm",
+            sensor.cells.image_circle.map(|circle| json!(round(2e3 * circle.radii_px.x * sensor.pixel_pitch_m[0]))),
+        ),
+        ("video_gamma", sensor.video.curve.map(|curve| json!(curve.gamma))),
+        ("video_correlation_of_neighbours", sensor.video.low_pass.map(|low_pass| json!(round(low_pass.missing)))),
+        ("video_delay_px", sensor.video.low_pass.map(|low_pass| json!(round(low_pass.delay_px())))),
+        ("frame_grabber_px", sensor.frame_grabber.map(|grabber| json!(grabber.size))),
+    ];
+    facts.extend(more.into_iter().filter_map(|(key, fact)| Some((key.to_owned(), fact?))));
+    facts
+}
+
+fn of_plain_sensor(sensor: &SensorModel) -> Map<String, Value> {
     let peaks: Vec<_> = sensor.efficiencies().iter().map(|qe| round(qe.max().into())).collect();
     map(json!({
         "name": sensor.name,
@@ -229,6 +247,8 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "source": sensor.source,
         "resolution_px": sensor.resolution,
         "pixel_pitch_um": sensor.pixel_pitch_m.map(|m| round(m * 1e6)),
+        "size_mm": sensor.size_m().map(|m| round(m * 1e3)),
+        "format": Format::nearest(sensor.size_m()).map(|format| format.names[0]),
         "cfa": sensor.cfa.to_string(),
         "channels": sensor.cfa.channels(),
         "peak_quantum_efficiency": peaks,

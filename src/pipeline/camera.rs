@@ -30,7 +30,7 @@ pub fn camera_of(
     autofocus_distance_m: f64,
 ) -> Result<Camera, Invalid> {
     let grid = PixelGrid { resolution: in_u32(sensor.pixel_array()), pitch_m: sensor.pixel_pitch_m };
-    let camera = Camera::new(lens, &grid, to_world, autofocus_distance_m)?;
+    let camera = Camera::new(lens, &grid, to_world, autofocus_distance_m)?.with_cells(sensor.cells);
     Ok(if sensor.shutter.scans() { camera.scanning() } else { camera })
 }
 

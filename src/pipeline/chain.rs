@@ -14,7 +14,7 @@ use crate::sensor::{
     expose_after, noise_ratio, samples_needed, smoothed_mean,
 };
 use crate::spectrum::{Spectrum, illuminant};
-use crate::units::Seconds;
+use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
 
 use super::lens_corrections::LensSeen;
@@ -179,20 +179,22 @@ impl<'a> Chain<'a> {
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
-        self.read_out_with_maps(exposed, frame, &[], &mut None).map(|(raw, _)| raw)
+        self.read_out_with_maps(exposed, exposed.exposure.gain, frame, &[], &mut None).map(|(raw, _)| raw)
     }
 
-    /// Reads out with maps of what some effects did. `left` is the charge that the frame before has left in the sensor,
+    /// Reads out at an analogue gain, with maps of what some effects did. `left` is the charge that the frame before has left in the sensor,
     /// and then what this one leaves.
     pub(super) fn read_out_with_maps(
         &self,
         exposed: &Exposed,
+        gain: Decibels,
         frame: u32,
         maps: &[NoiseMap],
         left: &mut Option<LeftCharge>,
     ) -> Result<(RawImage, NoiseMaps)> {
         let Settings { sensor, exposure: ExposureSettings { stages, .. }, seed, .. } = self.settings;
         let Exposed { exposure, electrons, .. } = exposed;
+        let exposure = &Exposure { gain, ..*exposure };
         let key = NoiseKey { seed, frame: u64::from(frame) };
         let shot = expose_after(&electrons.mean, sensor, exposure, *stages, key, maps, left.as_ref());
         let shot = shot.map_err(|e| self.in_exposure(e))?;
@@ -291,12 +293,14 @@ impl<'a> Chain<'a> {
         }
     }
 
-    pub(super) fn exposure_report(&self, exposure: &Exposure) -> ExposureReport {
+    /// `gains` are those that gain control has found.
+    pub(super) fn exposure_report(&self, exposure: &Exposure, gains: &[Decibels]) -> ExposureReport {
         let Exposure { time, gain, digital_gain, temperature, .. } = *exposure;
         ExposureReport {
             time_s: time.0,
             auto: matches!(self.settings.exposure.time, ExposureTime::Auto(_)),
             gain_db: gain.0,
+            frame_gains_db: (!gains.is_empty()).then(|| gains.iter().map(|gain| gain.0).collect()),
             digital_gain_db: digital_gain.0,
             exposure_value: self.optics.f_number.map(|n| (n * n / time.0).log2()),
             iso: self.settings.sensor.iso(exposure),

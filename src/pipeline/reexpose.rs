@@ -11,7 +11,7 @@ use super::file_names::PART;
 use super::monitor::{Event, Monitor};
 use super::needs::Needs;
 use super::output_folder::OutputFolder;
-use super::results::{Frames, write_results};
+use super::results::{Carried, Frames, write_results};
 use super::stored_light::StoredLight;
 use crate::capture::{StoredCapture, StoredReport, relative_path};
 use crate::develop::SensorCalibration;
@@ -125,8 +125,8 @@ fn expose_into(
     timings.expose_s = start.elapsed().as_secs_f64();
     let of = 1 + later.len() as u32;
     let frames = if of > 1 { Frames::One { number: 0, of } } else { Frames::All(capture.exposure.frames) };
-    let mut left = None;
-    let first = write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
+    let mut carried = Carried::default();
+    let first = write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut carried, |_, _| Ok(()))?;
     for (number, path) in (1..).zip(&later) {
         let start = Instant::now();
         let light = StoredLight::read(path)?;
@@ -135,7 +135,7 @@ fn expose_into(
         exposure = exposed.exposure;
         timings.expose_s += start.elapsed().as_secs_f64();
         let frames = Frames::One { number, of };
-        write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
+        write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut carried, |_, _| Ok(()))?;
     }
 
     let report = Report {
@@ -149,7 +149,7 @@ fn expose_into(
         traced,
         sensor: chain.sensor_report(&exposure, &first),
         image: chain.image_report(),
-        exposure: chain.exposure_report(&exposure),
+        exposure: chain.exposure_report(&exposure, &carried.gains),
         files: folder.files(),
         sums: folder.sums().clone(),
         warnings,
@@ -221,6 +221,7 @@ impl Stored {
         let report = stored.report;
         let moves = report.traced.camera.as_ref().is_some_and(|camera| camera.motion.is_some());
         same_times(&recorded, &capture, moves).map_err(|invalid| capture.source.error(invalid))?;
+        same_cells(&recorded.sensor, &capture.sensor).map_err(|invalid| capture.source.error(invalid))?;
         let numbered = moves && recorded.exposure.frames > 1;
         let same_response = recorded.sensor.responses() == capture.sensor.responses();
         let file = match file {
@@ -272,6 +273,22 @@ fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) ->
     if moves && is.1.frames > was.1.frames {
         let message = format!("the camera moves, and the light of {} pictures is stored", was.1.frames);
         return Err(Invalid::new("exposure.frames", message).help("ask for as many or fewer, or render again"));
+    }
+    Ok(())
+}
+
+/// Refuses cells that would have collected light at other places, or where none was traced.
+fn same_cells(recorded: &SensorModel, sensor: &SensorModel) -> Result<(), Invalid> {
+    let help = "keep it as it was rendered, or render again";
+    if recorded.cells.shape != sensor.cells.shape {
+        let message = "cells of this shape collect light at other places than those of the rendered sensor";
+        return Err(Invalid::new("sensor.cells", message).help(help));
+    }
+    let [was, is] = [recorded, sensor].map(|sensor| sensor.cells.image_circle);
+    let is_wider = was.is_some_and(|was| is.is_none_or(|is| is.radii_px.cmpgt(was.radii_px).any()));
+    if is_wider {
+        let message = "the picture was rendered for a smaller circle, and no light was traced beyond";
+        return Err(Invalid::new("sensor.image_circle_mm", message).help(help));
     }
     Ok(())
 }

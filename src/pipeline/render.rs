@@ -81,7 +81,7 @@ pub fn render_into(
     let series = Series { request, provenance: &provenance, prepared, strips, common, changed, partner };
     let recorded = series.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
     let Recorded { exposed, paths, warnings } = recorded;
-    let Some(ExposedSeries { exposure, first, reached }) = exposed else {
+    let Some(ExposedSeries { exposure, gains, first, reached }) = exposed else {
         let part = part_report(request, prepared, provenance, folder, timings.trace_s);
         folder.write_part(&part)?;
         return Ok(Rendered::Part(part));
@@ -116,7 +116,7 @@ pub fn render_into(
         traced,
         sensor: chain.sensor_report(&exposure, &first),
         image: chain.image_report(),
-        exposure: chain.exposure_report(&exposure),
+        exposure: chain.exposure_report(&exposure, &gains),
         files: folder.files(),
         sums: folder.sums().clone(),
         warnings: [prepared.warnings(), &warnings].concat(),

@@ -48,8 +48,11 @@ pub struct ExposureReport {
     pub time_s: f64,
     /// Whether that was found by itself.
     pub auto: bool,
-    /// Analogue gain.
+    /// Analogue gain; under gain control, that of the first picture.
     pub gain_db: f64,
+    /// Analogue gain of each picture, where gain control has found it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame_gains_db: Option<Vec<f64>>,
     /// Digital gain.
     pub digital_gain_db: f64,
     /// Exposure value log₂(N²/t) of f-number and time in seconds; `null` without a lens.

@@ -261,6 +261,10 @@
 //! K. Hirakawa, T. W. Parks, "Adaptive Homogeneity-Directed Demosaicing Algorithm", IEEE Transactions on Image
 //! Processing 14(3), 360–369 (2005).
 //!
+//! ## Mersereau79
+//! R. M. Mersereau, "The Processing of Hexagonally Sampled Two-Dimensional Signals", Proceedings of the IEEE 67(6),
+//! 930–949 (1979).
+//!
 //! ## Knutsson93
 //! H. Knutsson, C.-F. Westin, "Normalized and Differential Convolution", CVPR (1993).
 //!

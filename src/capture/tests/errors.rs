@@ -268,7 +268,7 @@ use super::*;
     "sensor.preset: photosite has no sensor \"generic-cmos-colour\"; did you mean `generic-cmos-color`?"
 )]
 #[case::sensor_file("[sensor]\npreset = 'gone.toml'", 5, "gone.toml")]
-#[case::sensor_value("[sensor]\nadc = { bits = 40 }", 5, "sensor.adc.bits: must lie between 8 and 16, got 40")]
+#[case::sensor_value("[sensor]\nadc = { bits = 40 }", 5, "sensor.adc.bits: must lie between 1 and 16, got 40")]
 #[case::sensor_channel(
     "[sensor]\npreset = 'generic-cmos-color'\ncfa = 'mono'",
     5,

@@ -65,6 +65,8 @@ pub(super) fn sensor(
         (lens.point_spread.is_some(), "psf of [lens]: points stay points"),
         (lens.lateral_colour.is_some(), "lateral_colour of [lens]: all wavelengths are as large"),
         (!lens.stops.is_empty(), "stops of [lens]: they cut off nothing"),
+        (capture.sensor.cells.is_staggered(), "hexagonal cells of [sensor]: those of Mitsuba are square"),
+        (capture.sensor.cells.image_circle.is_some(), "image_circle_mm of [sensor]: all pixels see light"),
     ] {
         if is_there {
             out.approximate(what);

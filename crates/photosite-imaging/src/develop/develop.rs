@@ -15,7 +15,7 @@ use super::memory::bytes_per_pixel;
 use super::merge::Merged;
 use super::neighbours::densest;
 use super::resampling::Resampling;
-use super::settings::{Demosaic, DevelopSettings};
+use super::settings::{Demosaic, DevelopSettings, NoiseFilter};
 use super::{
     black_level, colour, defects, demosaic, highlights, lens_falloff, linearisation, noise_filter, tone, white_balance,
 };
@@ -48,12 +48,22 @@ pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPict
 pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     raw.validate()?;
     settings.validate()?;
+    check_rows(raw, settings)?;
     check_memory(raw, settings)?;
     let raw = settings.raw.apply(raw).map_err(|invalid| invalid.within("raw"))?;
     let raw = linearisation::apply(&raw, settings.linearisation);
     let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { raw };
     let signal = black_level::subtract(&raw, settings.black_level);
     develop_signal(signal, &raw, settings)
+}
+
+/// Refuses what needs rows whose pixels stand in columns.
+fn check_rows(raw: &RawImage, settings: &DevelopSettings) -> Result<(), Invalid> {
+    if raw.metadata.is_staggered && settings.noise_filter != NoiseFilter::None {
+        let message = "works on rows and columns, and the rows of hexagonal cells are staggered";
+        return Err(Invalid::new("noise_filter", message).help("remove it, or filter the developed picture"));
+    }
+    Ok(())
 }
 
 /// Refuses a picture whose development takes more memory than there is.
@@ -66,6 +76,7 @@ fn check_memory(raw: &RawImage, settings: &DevelopSettings) -> Result<(), Invali
 /// exposure, above which the shorter ones reach.
 pub fn develop_merged(merged: Merged, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     settings.validate()?;
+    check_rows(&merged.raw, settings)?;
     let default = RawDescription::default();
     for (key, is_default) in [
         ("raw", settings.raw == default),
@@ -96,7 +107,7 @@ fn develop_signal(
     }
     let neutral = white_balance::neutral(raw, &signal, settings)?;
     white_balance::apply(&mut signal, raw, &neutral, highlights::ceiling(settings.highlights));
-    let mut picture = demosaic::demosaic(&signal, size, &raw.cfa, settings.demosaic)?;
+    let mut picture = demosaic::demosaic(&signal, raw, settings.demosaic)?;
     drop(signal);
     highlights::recover(&mut picture, &neutral, settings.highlights);
     noise_filter::apply(&mut picture, settings, &raw.metadata.noise_profile, &neutral);
@@ -109,7 +120,7 @@ fn develop_signal(
     let light = colour::temperature_of(&raw.metadata, &neutral);
     let development = Development {
         cfa: raw.cfa.to_string(),
-        demosaic: if raw.cfa.is_mosaic() { Some(demosaic::method_for(&raw.cfa, settings.demosaic)?) } else { None },
+        demosaic: if raw.cfa.is_mosaic() { Some(demosaic::method_for(raw, settings.demosaic)?) } else { None },
         temperature_k: light.map(|(kelvin, _)| kelvin),
         tint: light.map(|(_, tint)| tint),
         pixel_aspect: settings.pixel_aspect(&raw.metadata),

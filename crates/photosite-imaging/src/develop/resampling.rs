@@ -5,6 +5,10 @@
 //! p_y make a picture of ⌊columns·p_x/p + ½⌋ × ⌊rows·p_y/p + ½⌋ pixels with p = min(p_x, p_y). Its top-left corner is
 //! that of the active area; it ends up to half a pixel within or beyond the opposite one.
 //!
+//! Staggered rows, those of hexagonal cells, are brought to the columns of that grid in the same step; where it is not
+//! asked for, the picture has staggered rows, too. Splines of each row come before those across rows, so that every row is
+//! taken where its pixels are.
+//!
 //! What lies beyond the edge of the sensor's picture takes its nearest pixel; what a lens cannot see is black.
 
 use glam::DVec2;
@@ -12,6 +16,7 @@ use rayon::prelude::*;
 
 use super::settings::DevelopSettings;
 use crate::raw::{Distortion, RawMetadata, Undistortion, Warp};
+use photosite_core::cells::shift;
 use photosite_core::image::{Channel, Planes};
 
 /// Most pixels along a side of a picture.
@@ -27,6 +32,8 @@ pub struct Resampling {
     /// Pixels of the picture in one of the sensor, across and down.
     scale: [f64; 2],
     lens: Lens,
+    /// Whether every second row lies half a pixel farther to the right: of the sensor's grid, and of the picture's.
+    staggered: [bool; 2],
 }
 
 /// What a lens has done to the picture.
@@ -51,13 +58,15 @@ impl Resampling {
         let scale = [aspect.max(1.0), (1.0 / aspect).max(1.0)];
         // A damaged file may say anything.
         let fits = (0..2).all(|axis| size_px[axis] as f64 * scale[axis] <= LARGEST_SIDE);
-        let is_stretched = settings.square_pixels && aspect != 1.0 && fits;
+        let is_staggered = metadata.is_staggered;
+        let is_stretched = settings.square_pixels && (aspect != 1.0 || is_staggered) && fits;
         if let (Lens::Straight, false) = (&lens, is_stretched) {
             return None;
         }
         let scale = if is_stretched { scale } else { [1.0; 2] };
         let to = std::array::from_fn(|axis| (size_px[axis] as f64 * scale[axis] + 0.5) as usize);
-        Some(Self { from: size_px, to, scale, lens })
+        let staggered = [is_staggered, is_staggered && !is_stretched];
+        Some(Self { from: size_px, to, scale, lens, staggered })
     }
 
     /// Columns and rows of the picture.
@@ -96,10 +105,17 @@ impl Resampling {
             rows.iter_mut().zip(plane.chunks_mut(width.max(1))).for_each(|(row, part)| row.push(part));
         }
         rows.par_iter_mut().enumerate().for_each(|(y, row)| {
+            let [from_staggered, to_staggered] = self.staggered;
+            let right = if to_staggered { shift(y as f64) } else { 0.0 };
             for x in 0..width {
-                let Some(source) = self.source_px(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)) else { continue };
-                let taps = [taps(source.x - 0.5), taps(source.y - 0.5)];
-                row.iter_mut().zip(channels).for_each(|(to, from)| to[x] = sample(&from.data, self.from, &taps));
+                let place = DVec2::new(x as f64 + right, y as f64) + 0.5;
+                let Some(source) = self.source_px(place) else { continue };
+                let across = taps(source.x - 0.5);
+                let across_odd = if from_staggered { taps(source.x - 0.5 - shift(1.0)) } else { across };
+                let (across, down) = ([across, across_odd], taps(source.y - 0.5));
+                row.iter_mut()
+                    .zip(channels)
+                    .for_each(|(to, from)| to[x] = sample(&from.data, self.from, &across, &down));
             }
         });
         drop(rows);
@@ -112,13 +128,15 @@ impl Resampling {
 /// The first of four pixels around a place along an axis, and their weights.
 type Taps = (i64, [f32; 4]);
 
-/// The value at a place between pixels.
-fn sample(plane: &[f32], [width, height]: [usize; 2], [across, down]: &[Taps; 2]) -> f32 {
+/// The value at a place between pixels, whose taps across are those of even and of odd rows.
+fn sample(plane: &[f32], [width, height]: [usize; 2], across: &[Taps; 2], down: &Taps) -> f32 {
     let clamped = |i: i64, n: usize| i.clamp(0, n as i64 - 1) as usize;
-    let ((left, weights_x), (top, weights_y)) = (across, down);
+    let (top, weights_y) = down;
     let mut sum = 0.0;
     for (k, weight_y) in (0..).zip(weights_y) {
-        let row = &plane[clamped(top + k, height) * width..][..width];
+        let y = clamped(top + k, height);
+        let (left, weights_x) = &across[y % 2];
+        let row = &plane[y * width..][..width];
         let along: f32 = (0..).zip(weights_x).map(|(k, weight)| weight * row[clamped(left + k, width)]).sum();
         sum += weight_y * along;
     }
@@ -263,6 +281,39 @@ mod tests {
     fn wide_pixels_become_square_ones() {
         check(&metadata(None, [16.6e-6, 12.4e-6]), [80, 40], |p| DVec2::new(p.x * 12.4 / 16.6, p.y));
         check(&metadata(None, [3e-6, 6e-6]), [60, 80], |p| DVec2::new(p.x, p.y / 2.0));
+    }
+
+    /// Of parabolas, to the square grid and, with a lens in the way, to a staggered one.
+    #[test]
+    fn staggered_rows_are_taken_where_their_pixels_are() {
+        let pitch_m = [4e-6, 4e-6 * photosite_core::cells::REGULAR_ROWS];
+        let metadata = RawMetadata { is_staggered: true, ..metadata(None, pitch_m) };
+        let centre = |i: usize| DVec2::new((i % 60) as f64 + 0.5 + shift((i / 60) as f64), (i / 60) as f64 + 0.5);
+        let data = (0..60 * 40).map(|i| value(centre(i)) as f32).collect();
+        let staggered = Planes::new(60, 40, vec![Channel { name: "Y".to_owned(), data }]).expect("right size");
+        let square = resampling(&metadata).apply(staggered.clone());
+        // 60 pitches are 69.28 distances of rows.
+        assert_eq!([square.width(), square.height()], [69, 40]);
+        for (i, found) in square.channels()[0].data.iter().enumerate() {
+            let place =
+                DVec2::new(((i % 69) as f64 + 0.5) * photosite_core::cells::REGULAR_ROWS, (i / 69) as f64 + 0.5);
+            if place.cmpgt(DVec2::splat(2.5)).all() && place.cmplt(DVec2::new(57.0, 38.0)).all() {
+                // Sixteen products in f32 of values below 1.
+                assert!((f64::from(*found) - value(place)).abs() < 2e-6, "pixel {i}: {found}");
+            }
+        }
+        let settings = DevelopSettings { square_pixels: false, ..DevelopSettings::default() };
+        assert!(Resampling::new(&metadata, SIZE, &settings).is_none());
+        let lens = LensModel {
+            intrinsics: Intrinsics { fx: 70.0, fy: 70.0, cx: 30.0, cy: 20.0, skew: 0.0 },
+            projection: Projection::Division { lambda: 0.0 },
+            max_angle_rad: None,
+        };
+        let seen = RawMetadata { distortion: Some(Distortion::Lens(lens)), ..metadata };
+        let same = Resampling::new(&seen, SIZE, &settings).expect("a lens").apply(staggered.clone());
+        for (found, wanted) in same.channels()[0].data.iter().zip(&staggered.channels()[0].data) {
+            assert!((found - wanted).abs() < 2e-6, "{found} {wanted}");
+        }
     }
 
     #[test]

@@ -18,6 +18,7 @@ use super::{
 };
 use crate::geometry::Ray;
 use photosite_core::Invalid;
+use photosite_core::cells::CellLayout;
 
 pub use connection::Connection;
 pub use figures::LensFigures;
@@ -73,6 +74,7 @@ pub struct Camera {
     time: f32,
     /// Whether all lines of the picture are seen by one row of pixels.
     scans: bool,
+    cells: CellLayout,
 }
 
 /// From OpenCV's camera space to that of glTF.
@@ -146,6 +148,7 @@ impl Camera {
             recording: None,
             time: 0.0,
             scans: false,
+            cells: CellLayout::default(),
         })
     }
 
@@ -165,6 +168,17 @@ impl Camera {
     #[must_use]
     pub fn scanning(self) -> Self {
         Self { scans: true, ..self }
+    }
+
+    /// The same camera with pixels of another shape, or of which some see no light.
+    #[must_use]
+    pub fn with_cells(self, cells: CellLayout) -> Self {
+        Self { cells, ..self }
+    }
+
+    /// Where in the picture each pixel collects light.
+    pub fn cells(&self) -> &CellLayout {
+        &self.cells
     }
 
     /// Whether paths start at times of their own.
@@ -308,8 +322,12 @@ impl Camera {
     }
 
     /// The ray through the centre of the lens, in world space. Its parameter t is the distance in metres that focusing
-    /// counts: along the axis, or along the ray where the lens can see more than a half-space.
+    /// counts: along the axis, or along the ray where the lens can see more than a half-space. `None` of a place that
+    /// sees nothing, or whose pixel sees no light.
     pub fn chief_ray(&self, pixel: DVec2) -> Option<Ray> {
+        if !self.cells.sees_light(pixel) {
+            return None;
+        }
         let direction = self.to_world.transform_vector3(self.seen(pixel)?.chief);
         Some(Ray::new(self.to_world.translation.as_vec3(), direction.as_vec3()).at_time(self.time))
     }

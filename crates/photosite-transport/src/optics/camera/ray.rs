@@ -69,9 +69,9 @@ impl Camera {
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
         if !self.makes_picture() {
-            return Some(self.bare_ray(pixel, aperture_sample, 0.0));
+            return self.bare_ray(pixel, aperture_sample, 0.0);
         }
-        self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, 0.0, self.focus_distance_m)
+        self.ray(pixel, self.place(pixel), aperture_sample, 0.0, self.focus_distance_m)
     }
 
     /// Whether a ray needs a sample of the aperture, or of the directions before a bare sensor.
@@ -116,13 +116,13 @@ impl Camera {
     ) -> Option<(CameraRay, SampledSpectrum)> {
         let &CameraSample { pixel, aperture, time, spread } = sample;
         if !self.makes_picture() {
-            return Some((self.bare_ray(pixel, aperture, time), SampledSpectrum::ONE));
+            return Some((self.bare_ray(pixel, aperture, time)?, SampledSpectrum::ONE));
         }
         if self.parts_wavelengths() {
             wavelengths.terminate_secondary();
         }
         let (place, weights) = self.spread_place(pixel, spread, wavelengths);
-        Some((self.ray(place, pixel.y.floor(), aperture, time, self.focus_of(wavelengths))?, weights))
+        Some((self.ray(pixel, place, aperture, time, self.focus_of(wavelengths))?, weights))
     }
 
     /// Makes the rays of several samples, see [`generate_spectral`](Self::generate_spectral), and gives `take` the
@@ -171,13 +171,16 @@ impl Camera {
     #[inline]
     fn ray(
         &self,
+        pixel: DVec2,
         place: DVec2,
-        row: f64,
         aperture_sample: [f32; 2],
         u_time: f32,
         focus_distance_m: f64,
     ) -> Option<CameraRay> {
-        let (to_world, time) = self.pose(row, u_time);
+        if !self.cells.sees_light(pixel) {
+            return None;
+        }
+        let (to_world, time) = self.pose(self.cells.cell_at(pixel).y, u_time);
         let opening = self.opening(aperture_sample);
         let aim = self.aim(place, opening, focus_distance_m)?;
         if !self.passes(aim.seen.chief, opening, aim.towards) {
@@ -191,8 +194,11 @@ impl Camera {
     /// The ray from a place of a sensor without a lens. The sensor stands as behind a lens, upside down: what is to the
     /// right of the picture lies to the left.
     #[inline]
-    fn bare_ray(&self, pixel: DVec2, direction_sample: [f32; 2], u_time: f32) -> CameraRay {
-        let (to_world, time) = self.pose(pixel.y.floor(), u_time);
+    fn bare_ray(&self, pixel: DVec2, direction_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
+        if !self.cells.sees_light(pixel) {
+            return None;
+        }
+        let (to_world, time) = self.pose(self.cells.cell_at(pixel).y, u_time);
         let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
         let Intrinsics { cx, cy, .. } = self.intrinsics;
         let [width, height] = self.pitch_m;
@@ -201,7 +207,7 @@ impl Camera {
         let direction = DVec3::new(up.x.into(), up.y.into(), -f64::from(up.z));
         let direction = to_world.transform_vector3(direction).normalize();
         let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time);
-        CameraRay { ray, weight: self.sample_sr as f32 }
+        Some(CameraRay { ray, weight: self.sample_sr as f32 })
     }
 
     /// A point of the aperture.
