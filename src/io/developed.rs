@@ -5,11 +5,16 @@
 //! | extension | holds |
 //! |---|---|
 //! | `.png` | 8 or 16 bits |
-//! | `.tif`, `.tiff` | 8 or 16 bits, uncompressed |
-//! | `.jpg`, `.jpeg` | 8 bits, quality 95 |
+//! | `.tif`, `.tiff` | 8 or 16 bits, uncompressed; 32-bit floats of what is no picture for viewers |
+//! | `.jpg`, `.jpeg` | 8 bits |
 //! | `.pgm` | 8 or 16 bits of grey, P5 |
 //! | `.ppm` | 8 or 16 bits, P6, or P5 for grey |
 //! | `.exr` | linear 32-bit floats |
+//! | `.npy` | linear 32-bit floats of the shape (rows, columns) or (rows, columns, components) |
+//!
+//! Numbers of a colour model such as HSV, and X, Y and Z, are 32-bit floats: in EXR files planes of their names, in TIFF
+//! and NPY files in their order. Hues go from 0 to 360, L\* from 0 to 100, a\* and b\* about 0, all else from 0 to 1. TIFF
+//! says what they are in ImageDescription, and takes them for no colours (BlackIsZero, with two unspecified samples).
 
 use std::io::{self, Seek, Write};
 use std::path::Path;
@@ -17,16 +22,17 @@ use std::path::Path;
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
 use image::{ExtendedColorType, ImageEncoder as _, ImageError};
 use rayon::prelude::*;
-use tiff::encoder::colortype::{ColorType, Gray8, Gray16, RGB8, RGB16};
+use tiff::encoder::colortype::{ColorType, Gray8, Gray16, Gray32Float, RGB8, RGB16};
 use tiff::encoder::{ImageEncoder, Rational, TiffEncoder, TiffKindStandard, TiffValue};
-use tiff::tags::{ResolutionUnit, Tag};
+use tiff::tags::{ExtraSamples, ResolutionUnit, Tag};
 use tiff::{TiffError, TiffResult};
 
 use super::exr::{Attribute, write_exr};
 use super::icc::icc_profile;
+use super::npy::write_planes;
 use super::output::Sink;
 use crate::colour::{ColourSpace, Transfer};
-use crate::develop::{Codes, DevelopSettings, EncodedPicture};
+use crate::develop::{Codes, ColourModel, DevelopSettings, EncodedPicture, encode, in_model};
 use crate::image::Planes;
 use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
@@ -46,6 +52,19 @@ pub enum PictureFormat {
     Ppm,
     /// OpenEXR.
     Exr,
+    /// NumPy array.
+    Npy,
+}
+
+/// What the numbers of a file are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Numbers {
+    /// Codes of a picture for display.
+    Codes,
+    /// Linear components of the colour space.
+    Linear,
+    /// Those of a colour model.
+    Model,
 }
 
 impl PictureFormat {
@@ -59,29 +78,62 @@ impl PictureFormat {
             "pgm" => Ok(Self::Pgm),
             "ppm" => Ok(Self::Ppm),
             "exr" => Ok(Self::Exr),
+            "npy" => Ok(Self::Npy),
             _ => Err(Error::Usage {
                 message: format!("{} is no name of a picture that photosite can write", path.display()),
-                help: Some("give a name that ends with .png, .tiff, .jpg, .pgm, .ppm or .exr".into()),
+                help: Some("give a name that ends with .png, .tiff, .jpg, .pgm, .ppm, .exr or .npy".into()),
             }),
+        }
+    }
+
+    /// What the file holds of a picture that is developed so.
+    fn numbers(self, settings: &DevelopSettings) -> Numbers {
+        let is_shown = settings.colour_model.is_shown();
+        match self {
+            Self::Png | Self::Jpeg | Self::Pgm | Self::Ppm => Numbers::Codes,
+            Self::Tiff if is_shown && (settings.colour_space != ColourSpace::Xyz || is_grey(settings)) => {
+                Numbers::Codes
+            }
+            Self::Tiff | Self::Exr | Self::Npy if is_shown => Numbers::Linear,
+            Self::Tiff | Self::Exr | Self::Npy => Numbers::Model,
         }
     }
 
     /// Refuses settings that the format cannot hold.
     pub fn check(self, settings: &DevelopSettings) -> Result<(), Invalid> {
+        let numbers = self.numbers(settings);
         if self == Self::Jpeg && settings.bits != 8 {
             return Err(Invalid::new("bits", "a JPEG file has 8 bits").help("write a .png or .tiff file"));
         }
-        if self != Self::Exr && settings.colour_space == ColourSpace::Xyz {
+        if numbers == Numbers::Codes && !settings.colour_model.is_shown() {
+            let name = settings.colour_model.name();
+            let message = format!("viewers of such a file would take the numbers of {name} for colours");
+            return Err(Invalid::new("colour_model", message).help("write an .exr, .tiff or .npy file"));
+        }
+        if numbers == Numbers::Codes && settings.colour_space == ColourSpace::Xyz && !is_grey(settings) {
             let message = "X and Z of white pass 1, which codes cannot hold";
+            return Err(Invalid::new("colour_space", message)
+                .help("write an .exr, .tiff or .npy file, or choose another colour space"));
+        }
+        if numbers != Numbers::Codes && settings.sharpening != 0.0 {
+            let message = "sharpening works on the codes that are shown, not on the floats of this file";
             return Err(
-                Invalid::new("colour_space", message).help("write an .exr file, or choose another colour space")
+                Invalid::new("sharpening", message).help("write a .png or .tiff file of colour_model = \"rgb\"")
             );
         }
-        if self == Self::Exr && settings.sharpening != 0.0 {
-            let message = "sharpening works on what is shown, not on the linear light of an EXR file";
-            return Err(Invalid::new("sharpening", message).help("write a .png or .tiff file"));
-        }
         Ok(())
+    }
+
+    /// Keys of the settings that were given and change nothing in such a file.
+    pub fn unused_keys(self, settings: &DevelopSettings) -> Vec<&'static str> {
+        let default = DevelopSettings::default();
+        let has_codes = self.numbers(settings) == Numbers::Codes;
+        let unused = [
+            ("jpeg_quality", settings.jpeg_quality != default.jpeg_quality && self != Self::Jpeg),
+            ("bits", settings.bits != default.bits && !has_codes),
+            ("dither", settings.dither != default.dither && !has_codes),
+        ];
+        unused.into_iter().filter_map(|(key, is_unused)| is_unused.then_some(key)).collect()
     }
 
     /// Refuses a picture that the format cannot hold.
@@ -92,6 +144,51 @@ impl PictureFormat {
             return Err(Invalid::new("", message).help("write a .ppm, .png or .tiff file"));
         }
         Ok(())
+    }
+}
+
+fn is_grey(settings: &DevelopSettings) -> bool {
+    settings.colour_model == ColourModel::Grey
+}
+
+/// Writes linear planes that were developed by these settings, with tone curve, colour model and encoding. The pixels
+/// are `aspect` times as wide as high. Settings and planes must be such that the format can hold them.
+pub fn write_developed(
+    planes: Planes,
+    settings: &DevelopSettings,
+    aspect: f64,
+    format: PictureFormat,
+    to: &mut dyn Sink,
+) -> io::Result<()> {
+    let space = settings.colour_space;
+    let (planes, attributes) = match format.numbers(settings) {
+        Numbers::Codes => {
+            let picture = EncodedPicture { pixel_aspect: aspect, ..encode(planes, &settings.encoding()) };
+            return write_encoded(&picture, format, settings.jpeg_quality, to);
+        }
+        Numbers::Linear => {
+            let attributes = attributes(&planes, space, aspect);
+            (planes, attributes)
+        }
+        Numbers::Model => {
+            let what = format!("{} of {}", settings.colour_model.name(), space.name());
+            let attributes =
+                vec![("colorSpace", Attribute::Text(what)), ("pixelAspectRatio", Attribute::PixelAspect(aspect))];
+            (in_model(planes, settings), attributes)
+        }
+    };
+    match format {
+        PictureFormat::Exr => write_exr(&planes, &attributes, to),
+        PictureFormat::Npy => {
+            let data: Vec<&[f32]> = planes.channels().iter().map(|channel| &channel.data[..]).collect();
+            write_planes([planes.width(), planes.height()], &data, |value| value, to)
+        }
+        PictureFormat::Tiff | PictureFormat::Png | PictureFormat::Jpeg | PictureFormat::Pgm | PictureFormat::Ppm => {
+            let names: Vec<&str> = planes.channels().iter().map(|channel| &channel.name[..]).collect();
+            let model = if settings.colour_model.is_shown() { "" } else { settings.colour_model.name() };
+            let description = format!("{model} {} of {}", names.join(", "), space.name());
+            write_float_tiff(&planes, description.trim_start(), aspect, to)
+        }
     }
 }
 
@@ -108,8 +205,11 @@ pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
         Codes::U8(_) => png::BitDepth::Eight,
         Codes::U16(_) => png::BitDepth::Sixteen,
     };
-    info.pixel_dims =
-        not_square(picture).map(|[xppu, yppu]| png::PixelDimensions { xppu, yppu, unit: png::Unit::Unspecified });
+    info.pixel_dims = not_square(picture.pixel_aspect).map(|[xppu, yppu]| png::PixelDimensions {
+        xppu,
+        yppu,
+        unit: png::Unit::Unspecified,
+    });
     let mut encoder = png::Encoder::with_info(to, info)?;
     // Noise does not compress: more effort gains a few percent and takes several times as long.
     encoder.set_compression(png::Compression::Fast);
@@ -126,8 +226,8 @@ pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
 }
 
 /// Columns and rows of pixels along equal lengths; `None` of square ones.
-fn not_square(picture: &EncodedPicture) -> Option<[u32; 2]> {
-    (picture.pixel_aspect != 1.0).then(|| [(1e6 / picture.pixel_aspect).round() as u32, 1_000_000])
+fn not_square(aspect: f64) -> Option<[u32; 2]> {
+    (aspect != 1.0).then(|| [(1e6 / aspect).round() as u32, 1_000_000])
 }
 
 /// Primaries and transfer function as H.273 numbers them; `None` where it has no number for one of them.
@@ -154,15 +254,22 @@ fn big_endian(codes: &[u16]) -> Vec<u8> {
     bytes
 }
 
-/// Writes a picture of codes in a format other than EXR.
-pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut dyn Sink) -> io::Result<()> {
+/// Writes a picture of codes in a format that holds such; JPEG with a quality of 1–100.
+pub fn write_encoded(
+    picture: &EncodedPicture,
+    format: PictureFormat,
+    jpeg_quality: u8,
+    to: &mut dyn Sink,
+) -> io::Result<()> {
     match format {
         PictureFormat::Png => write_png(picture, to),
         PictureFormat::Tiff => write_tiff(picture, to),
-        PictureFormat::Jpeg => write_jpeg(picture, to),
+        PictureFormat::Jpeg => write_jpeg(picture, jpeg_quality, to),
         PictureFormat::Pgm if picture.components != 1 => Err(io::Error::other("a PGM file holds no colours")),
         PictureFormat::Pgm | PictureFormat::Ppm => write_ppm(picture, to),
-        PictureFormat::Exr => Err(io::Error::other("an EXR file holds linear values, not codes")),
+        PictureFormat::Exr | PictureFormat::Npy => {
+            Err(io::Error::other("EXR and NPY files hold linear values, not codes"))
+        }
     }
 }
 
@@ -196,10 +303,10 @@ fn attributes(planes: &Planes, space: ColourSpace, aspect: f64) -> Vec<(&'static
     attributes
 }
 
-fn write_jpeg(picture: &EncodedPicture, to: &mut dyn Sink) -> io::Result<()> {
+fn write_jpeg(picture: &EncodedPicture, quality: u8, to: &mut dyn Sink) -> io::Result<()> {
     let Codes::U8(codes) = &picture.codes else { return Err(io::Error::other("a JPEG file has 8 bits")) };
-    let mut encoder = JpegEncoder::new_with_quality(to, 95);
-    if let Some([x, y]) = not_square(picture) {
+    let mut encoder = JpegEncoder::new_with_quality(to, quality);
+    if let Some([x, y]) = not_square(picture.pixel_aspect) {
         // As near as 16 bits come.
         let density = [x, y].map(|n| (f64::from(n) * (65_535.0 / f64::from(x.max(y)))).round() as u16);
         encoder.set_pixel_density(PixelDensity {
@@ -237,13 +344,36 @@ where
     [C::Inner]: TiffValue,
 {
     let mut image = image?;
-    if let Some([x, y]) = not_square(picture) {
+    state_aspect(&mut image, picture.pixel_aspect);
+    image.encoder().write_tag(Tag::IccProfile, &icc_profile(picture)[..])?;
+    image.write_data(codes)
+}
+
+fn state_aspect<W: Write + Seek, C: ColorType>(image: &mut ImageEncoder<'_, W, C, TiffKindStandard>, aspect: f64) {
+    if let Some([x, y]) = not_square(aspect) {
         image.resolution_unit(ResolutionUnit::None);
         image.x_resolution(Rational { n: x, d: 1_000_000 });
         image.y_resolution(Rational { n: y, d: 1_000_000 });
     }
-    image.encoder().write_tag(Tag::IccProfile, &icc_profile(picture)[..])?;
-    image.write_data(codes)
+}
+
+/// Writes planes of floats pixel by pixel.
+fn write_float_tiff(planes: &Planes, description: &str, aspect: f64, to: &mut dyn Sink) -> io::Result<()> {
+    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
+    let (width, height) = (side(planes.width())?, side(planes.height())?);
+    let mut file = TiffEncoder::new(to).map_err(tiff_error)?;
+    let channels = planes.channels();
+    let pixels = planes.width() * planes.height();
+    let numbers: Vec<f32> = (0..pixels).flat_map(|i| channels.iter().map(move |c| c.data[i])).collect();
+    let written = file.new_image::<Gray32Float>(width, height).and_then(|mut image| {
+        if channels.len() > 1 {
+            image.extra_samples(&vec![ExtraSamples::Unspecified; channels.len() - 1])?;
+        }
+        state_aspect(&mut image, aspect);
+        image.encoder().write_tag(Tag::ImageDescription, description)?;
+        image.write_data(&numbers)
+    });
+    written.map_err(tiff_error)
 }
 
 fn tiff_error(error: TiffError) -> io::Error {
@@ -296,7 +426,7 @@ mod tests {
                 for bits in [8, 16] {
                     let picture = picture(components, bits);
                     let mut file = Cursor::new(Vec::new());
-                    write_encoded(&picture, format, &mut file).expect("written");
+                    write_encoded(&picture, format, 95, &mut file).expect("written");
                     let read = image::load_from_memory(file.get_ref()).expect("a picture");
                     assert_eq!((read.width(), read.height()), (5, 4));
                     let codes = match &picture.codes {
@@ -305,20 +435,20 @@ mod tests {
                     };
                     assert_eq!(read.as_bytes(), codes, "{format:?} {components} × {bits}");
                     let mut again = Cursor::new(Vec::new());
-                    write_encoded(&picture, format, &mut again).expect("written");
+                    write_encoded(&picture, format, 95, &mut again).expect("written");
                     assert_eq!(file, again, "the same bytes");
                 }
             }
         }
         let mut grey = Cursor::new(Vec::new());
-        write_encoded(&picture(1, 16), PictureFormat::Pgm, &mut grey).expect("written");
+        write_encoded(&picture(1, 16), PictureFormat::Pgm, 95, &mut grey).expect("written");
         assert!(grey.get_ref().starts_with(b"P5\n5 4\n65535\n"));
-        assert!(write_encoded(&picture(3, 8), PictureFormat::Pgm, &mut grey).is_err());
+        assert!(write_encoded(&picture(3, 8), PictureFormat::Pgm, 95, &mut grey).is_err());
         let refused = PictureFormat::Pgm.check_picture(&Planes::zeros(5, 4, ["R", "G", "B"]));
         assert!(refused.expect_err("colours").message.ends_with("the picture has R, G, B"));
         assert_eq!(PictureFormat::Pgm.check_picture(&Planes::zeros(5, 4, ["Y"])), Ok(()));
         let mut jpeg = Cursor::new(Vec::new());
-        write_encoded(&picture(3, 8), PictureFormat::Jpeg, &mut jpeg).expect("written");
+        write_encoded(&picture(3, 8), PictureFormat::Jpeg, 95, &mut jpeg).expect("written");
         assert_eq!(image::load_from_memory(jpeg.get_ref()).expect("a picture").width(), 5);
     }
 

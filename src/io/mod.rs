@@ -1,6 +1,7 @@
 //! The files: capture files, scenes, pictures. With [`raw`](crate::raw) the only modules that read or write any.
 
 pub mod checksum;
+pub mod developable;
 pub mod developed;
 pub mod electrons;
 pub mod exr;

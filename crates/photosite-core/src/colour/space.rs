@@ -87,6 +87,19 @@ impl ColourSpace {
         }
     }
 
+    /// Names of its planes.
+    pub fn channels(self) -> [&'static str; 3] {
+        match self {
+            Self::Srgb | Self::DisplayP3 | Self::Rec2020 | Self::Acescg => ["R", "G", "B"],
+            Self::Xyz => ["X", "Y", "Z"],
+        }
+    }
+
+    /// What its components add to relative luminance Y: the second row of [`Self::to_xyz`].
+    pub fn luminance_weights(self) -> DVec3 {
+        self.to_xyz().row(1)
+    }
+
     /// XYZ relative to a white → linear RGB, in which that white is white (Bradford adaptation).
     pub fn from_xyz(self, white: DVec3) -> DMat3 {
         self.to_xyz().inverse() * bradford(white, self.white())

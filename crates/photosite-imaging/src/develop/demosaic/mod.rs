@@ -15,7 +15,7 @@ mod nearest;
 
 use rayon::prelude::*;
 
-use super::settings::Demosaic;
+use super::choices::Demosaic;
 use crate::raw::Cfa;
 use channels::{planes, together};
 use photosite_core::Invalid;
