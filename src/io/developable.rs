@@ -25,7 +25,7 @@ use photosite_core::input;
 #[derive(Clone, Debug)]
 pub enum Developable {
     /// Digital numbers of a sensor.
-    Raw(RawImage),
+    Raw(Box<RawImage>),
     /// A picture.
     Light(Light),
 }
@@ -51,15 +51,19 @@ pub fn read_developable(path: &Path) -> Result<Developable> {
         }
         "jpg" | "jpeg" => of_picture(path, 1.0),
         "exr" => of_exr(path),
-        _ => read_raw(path).map(Developable::Raw),
+        _ => of_raw(path),
     }
+}
+
+fn of_raw(path: &Path) -> Result<Developable> {
+    Ok(Developable::Raw(Box::new(read_raw(path)?)))
 }
 
 fn of_exr(path: &Path) -> Result<Developable> {
     let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
     let picture = read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?;
     match picture.text("unit") {
-        Some("DN") => read_raw(path).map(Developable::Raw),
+        Some("DN") => of_raw(path),
         Some(unit) => {
             let message = format!("holds a quantity in {unit}, and no picture");
             let help = "photosite expose makes a raw file of electrons.exr; develop that";
@@ -77,7 +81,8 @@ fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
         && mosaic.name == MOSAIC
     {
         let numbers = mosaic.data.iter().map(|&number| number as u16).collect();
-        return Ok(Developable::Raw(RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX)));
+        let raw = RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX);
+        return Ok(Developable::Raw(Box::new(raw)));
     }
     let wanted: &[&str] = if channels.iter().any(|channel| channel.name == "R") { &["R", "G", "B"] } else { &["Y"] };
     let mut planes = Vec::new();

@@ -17,7 +17,6 @@
 //! says what they are in ImageDescription, and takes them for no colours (BlackIsZero, with two unspecified samples).
 
 use std::io::{self, Seek, Write};
-use std::path::Path;
 
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
 use image::{ExtendedColorType, ImageEncoder as _, ImageError};
@@ -27,129 +26,17 @@ use tiff::encoder::{ImageEncoder, Rational, TiffEncoder, TiffKindStandard, TiffV
 use tiff::tags::{ExtraSamples, ResolutionUnit, Tag};
 use tiff::{TiffError, TiffResult};
 
+pub use super::picture_format::PictureFormat;
+
 use super::exr::{Attribute, write_exr};
 use super::icc::icc_profile;
 use super::npy::write_planes;
 use super::output::Sink;
+use super::picture_format::Numbers;
 use crate::colour::{ColourSpace, Transfer};
-use crate::develop::{Codes, ColourModel, DevelopSettings, EncodedPicture, encode, in_model};
+use crate::develop::{Codes, DevelopSettings, EncodedPicture, encode, in_model};
 use crate::image::Planes;
 use crate::units::Seconds;
-use crate::{Error, Invalid, Result};
-
-/// Formats of developed pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// Portable network graphics.
-    Png,
-    /// Tagged image file format.
-    Tiff,
-    /// JPEG.
-    Jpeg,
-    /// Portable greymap.
-    Pgm,
-    /// Portable pixmap, or greymap.
-    Ppm,
-    /// OpenEXR.
-    Exr,
-    /// NumPy array.
-    Npy,
-}
-
-/// What the numbers of a file are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Numbers {
-    /// Codes of a picture for display.
-    Codes,
-    /// Linear components of the colour space.
-    Linear,
-    /// Those of a colour model.
-    Model,
-}
-
-impl PictureFormat {
-    /// The format that a file's name says.
-    pub fn of(path: &Path) -> Result<Self> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        match extension.as_str() {
-            "png" => Ok(Self::Png),
-            "tif" | "tiff" => Ok(Self::Tiff),
-            "jpg" | "jpeg" => Ok(Self::Jpeg),
-            "pgm" => Ok(Self::Pgm),
-            "ppm" => Ok(Self::Ppm),
-            "exr" => Ok(Self::Exr),
-            "npy" => Ok(Self::Npy),
-            _ => Err(Error::Usage {
-                message: format!("{} is no name of a picture that photosite can write", path.display()),
-                help: Some("give a name that ends with .png, .tiff, .jpg, .pgm, .ppm, .exr or .npy".into()),
-            }),
-        }
-    }
-
-    /// What the file holds of a picture that is developed so.
-    fn numbers(self, settings: &DevelopSettings) -> Numbers {
-        let is_shown = settings.colour_model.is_shown();
-        match self {
-            Self::Png | Self::Jpeg | Self::Pgm | Self::Ppm => Numbers::Codes,
-            Self::Tiff if is_shown && (settings.colour_space != ColourSpace::Xyz || is_grey(settings)) => {
-                Numbers::Codes
-            }
-            Self::Tiff | Self::Exr | Self::Npy if is_shown => Numbers::Linear,
-            Self::Tiff | Self::Exr | Self::Npy => Numbers::Model,
-        }
-    }
-
-    /// Refuses settings that the format cannot hold.
-    pub fn check(self, settings: &DevelopSettings) -> Result<(), Invalid> {
-        let numbers = self.numbers(settings);
-        if self == Self::Jpeg && settings.bits != 8 {
-            return Err(Invalid::new("bits", "a JPEG file has 8 bits").help("write a .png or .tiff file"));
-        }
-        if numbers == Numbers::Codes && !settings.colour_model.is_shown() {
-            let name = settings.colour_model.name();
-            let message = format!("viewers of such a file would take the numbers of {name} for colours");
-            return Err(Invalid::new("colour_model", message).help("write an .exr, .tiff or .npy file"));
-        }
-        if numbers == Numbers::Codes && settings.colour_space == ColourSpace::Xyz && !is_grey(settings) {
-            let message = "X and Z of white pass 1, which codes cannot hold";
-            return Err(Invalid::new("colour_space", message)
-                .help("write an .exr, .tiff or .npy file, or choose another colour space"));
-        }
-        if numbers != Numbers::Codes && settings.sharpening != 0.0 {
-            let message = "sharpening works on the codes that are shown, not on the floats of this file";
-            return Err(
-                Invalid::new("sharpening", message).help("write a .png or .tiff file of colour_model = \"rgb\"")
-            );
-        }
-        Ok(())
-    }
-
-    /// Keys of the settings that were given and change nothing in such a file.
-    pub fn unused_keys(self, settings: &DevelopSettings) -> Vec<&'static str> {
-        let default = DevelopSettings::default();
-        let has_codes = self.numbers(settings) == Numbers::Codes;
-        let unused = [
-            ("jpeg_quality", settings.jpeg_quality != default.jpeg_quality && self != Self::Jpeg),
-            ("bits", settings.bits != default.bits && !has_codes),
-            ("dither", settings.dither != default.dither && !has_codes),
-        ];
-        unused.into_iter().filter_map(|(key, is_unused)| is_unused.then_some(key)).collect()
-    }
-
-    /// Refuses a picture that the format cannot hold.
-    pub fn check_picture(self, planes: &Planes) -> Result<(), Invalid> {
-        if self == Self::Pgm && planes.channels().len() != 1 {
-            let names: Vec<&str> = planes.channels().iter().map(|c| &c.name[..]).collect();
-            let message = format!("a PGM file holds grey, the picture has {}", names.join(", "));
-            return Err(Invalid::new("", message).help("write a .ppm, .png or .tiff file"));
-        }
-        Ok(())
-    }
-}
-
-fn is_grey(settings: &DevelopSettings) -> bool {
-    settings.colour_model == ColourModel::Grey
-}
 
 /// Writes linear planes that were developed by these settings, with tone curve, colour model and encoding. The pixels
 /// are `aspect` times as wide as high. Settings and planes must be such that the format can hold them.
@@ -164,7 +51,11 @@ pub fn write_developed(
     let (planes, attributes) = match format.numbers(settings) {
         Numbers::Codes => {
             let picture = EncodedPicture { pixel_aspect: aspect, ..encode(planes, &settings.encoding()) };
-            return write_encoded(&picture, format, settings.jpeg_quality, to);
+            return if format == PictureFormat::Jpeg {
+                write_jpeg(&picture, settings.jpeg_quality, to)
+            } else {
+                write_encoded(&picture, format, to)
+            };
         }
         Numbers::Linear => {
             let attributes = attributes(&planes, space, aspect);
@@ -254,17 +145,12 @@ fn big_endian(codes: &[u16]) -> Vec<u8> {
     bytes
 }
 
-/// Writes a picture of codes in a format that holds such; JPEG with a quality of 1–100.
-pub fn write_encoded(
-    picture: &EncodedPicture,
-    format: PictureFormat,
-    jpeg_quality: u8,
-    to: &mut dyn Sink,
-) -> io::Result<()> {
+/// Writes a picture of codes in a format that holds such; JPEG with the quality that settings have by default.
+pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut dyn Sink) -> io::Result<()> {
     match format {
         PictureFormat::Png => write_png(picture, to),
         PictureFormat::Tiff => write_tiff(picture, to),
-        PictureFormat::Jpeg => write_jpeg(picture, jpeg_quality, to),
+        PictureFormat::Jpeg => write_jpeg(picture, DevelopSettings::default().jpeg_quality, to),
         PictureFormat::Pgm if picture.components != 1 => Err(io::Error::other("a PGM file holds no colours")),
         PictureFormat::Pgm | PictureFormat::Ppm => write_ppm(picture, to),
         PictureFormat::Exr | PictureFormat::Npy => {
@@ -426,7 +312,7 @@ mod tests {
                 for bits in [8, 16] {
                     let picture = picture(components, bits);
                     let mut file = Cursor::new(Vec::new());
-                    write_encoded(&picture, format, 95, &mut file).expect("written");
+                    write_encoded(&picture, format, &mut file).expect("written");
                     let read = image::load_from_memory(file.get_ref()).expect("a picture");
                     assert_eq!((read.width(), read.height()), (5, 4));
                     let codes = match &picture.codes {
@@ -435,20 +321,20 @@ mod tests {
                     };
                     assert_eq!(read.as_bytes(), codes, "{format:?} {components} × {bits}");
                     let mut again = Cursor::new(Vec::new());
-                    write_encoded(&picture, format, 95, &mut again).expect("written");
+                    write_encoded(&picture, format, &mut again).expect("written");
                     assert_eq!(file, again, "the same bytes");
                 }
             }
         }
         let mut grey = Cursor::new(Vec::new());
-        write_encoded(&picture(1, 16), PictureFormat::Pgm, 95, &mut grey).expect("written");
+        write_encoded(&picture(1, 16), PictureFormat::Pgm, &mut grey).expect("written");
         assert!(grey.get_ref().starts_with(b"P5\n5 4\n65535\n"));
-        assert!(write_encoded(&picture(3, 8), PictureFormat::Pgm, 95, &mut grey).is_err());
+        assert!(write_encoded(&picture(3, 8), PictureFormat::Pgm, &mut grey).is_err());
         let refused = PictureFormat::Pgm.check_picture(&Planes::zeros(5, 4, ["R", "G", "B"]));
         assert!(refused.expect_err("colours").message.ends_with("the picture has R, G, B"));
         assert_eq!(PictureFormat::Pgm.check_picture(&Planes::zeros(5, 4, ["Y"])), Ok(()));
         let mut jpeg = Cursor::new(Vec::new());
-        write_encoded(&picture(3, 8), PictureFormat::Jpeg, 95, &mut jpeg).expect("written");
+        write_encoded(&picture(3, 8), PictureFormat::Jpeg, &mut jpeg).expect("written");
         assert_eq!(image::load_from_memory(jpeg.get_ref()).expect("a picture").width(), 5);
     }
 
@@ -472,20 +358,5 @@ mod tests {
             assert_eq!(numbers, expected, "{colour_space:?} {transfer:?}");
             assert!(found.is_none_or(|c| c.matrix_coefficients == 0 && c.is_video_full_range_image));
         }
-    }
-
-    #[test]
-    fn names_say_the_format() {
-        for (name, format) in
-            [("a.png", PictureFormat::Png), ("b.TIF", PictureFormat::Tiff), ("c.jpeg", PictureFormat::Jpeg)]
-        {
-            assert_eq!(PictureFormat::of(name.as_ref()).expect("known"), format);
-        }
-        assert!(PictureFormat::of("raw.dng".as_ref()).is_err() && PictureFormat::of("picture".as_ref()).is_err());
-        let deep = DevelopSettings { bits: 16, ..DevelopSettings::default() };
-        assert_eq!(PictureFormat::Jpeg.check(&deep).expect_err("8 bits").key, "bits");
-        let xyz = DevelopSettings { colour_space: ColourSpace::Xyz, ..DevelopSettings::default() };
-        assert_eq!(PictureFormat::Png.check(&xyz).expect_err("passes 1").key, "colour_space");
-        assert!(PictureFormat::Exr.check(&xyz).is_ok());
     }
 }

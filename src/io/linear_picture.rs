@@ -273,7 +273,7 @@ mod tests {
                 let picture = encode(planes(space), &encoding);
                 for (format, extension) in [(PictureFormat::Png, "png"), (PictureFormat::Tiff, "tiff")] {
                     let path = folder.path().join(format!("{space:?}-{transfer:?}.{extension}"));
-                    write_whole(&path, |to| write_encoded(&picture, format, 95, to)).expect("written");
+                    write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");
                     // Profiles have 16 bits behind the point, as codes have; wide spaces and steep curves multiply
                     // that.
                     check(&path, 2e-4);
@@ -292,7 +292,7 @@ mod tests {
             EncodedPicture { width: 8, height: 8, components: 3, codes, colour_space, transfer, pixel_aspect: 1.0 };
         for (format, name) in [(PictureFormat::Jpeg, "a.jpg"), (PictureFormat::Ppm, "a.ppm")] {
             let path = folder.path().join(name);
-            write_whole(&path, |to| write_encoded(&picture, format, 95, to)).expect("written");
+            write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");
             let found = read_linear_picture(&path, false, Pixels::Active).expect("read");
             let rgb = DVec3::from_array([180.0f32, 90.0, 60.0].map(|code| transfer.decode(code / 255.0).into()));
             let expected = match format {

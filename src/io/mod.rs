@@ -18,6 +18,7 @@ pub mod mitsuba;
 pub mod noise_maps;
 mod npy;
 pub mod picture_file;
+mod picture_format;
 pub mod picture_rows;
 pub mod plain_png;
 pub mod pretty_json;

@@ -128,7 +128,7 @@ def lamps(tool):
         strip.append(cv2.imread(str(png)))
     rows = [numpy.hstack(strip[:5]), numpy.hstack(strip[5:])]
     cv2.imwrite(str(tool.picture("lamps.png")), numpy.vstack(rows))
-    card = develop(tool, folder / "raw.dng", "white_balance=incandescent", "colour_model=lab")[8:24, 25:55].mean((0, 1))
+    card = develop(tool, folder / "raw.dng", "white_balance=incandescent", "colour_model=lab")[6:20, 20:44].mean((0, 1))
     # Under the lamp whose name is given, a grey card is grey: below what eyes tell.
     figures.append(Figure("chroma of a grey card under incandescent light", float(numpy.hypot(card[1], card[2])), 0, 1, ""))
     return figures

@@ -57,8 +57,8 @@ pub fn in_model(picture: Planes, settings: &DevelopSettings) -> Planes {
 
 /// As codes hold it, but for rounding.
 fn encoded(linear: f64, transfer: Transfer) -> f64 {
-    // Not-a-number is black.
-    transfer.encode_exactly(linear.max(0.0).min(1.0))
+    // Not-a-number is black, too.
+    transfer.encode_exactly(if linear > 0.0 { linear.min(1.0) } else { 0.0 })
 }
 
 fn converted(picture: Planes, names: [&str; 3], convert: impl Fn(DVec3) -> DVec3 + Sync) -> Planes {

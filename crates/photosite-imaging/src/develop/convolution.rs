@@ -46,7 +46,7 @@ impl Kernel {
         if let Some(row) = rows.iter().position(|row| row.len() != columns) {
             return refused(format!("row {} has {} numbers, the first {columns}", row + 1, rows[row].len()));
         }
-        if let Some(number) = rows.iter().flatten().find(|number| !(number.abs() <= 1e6)) {
+        if let Some(number) = rows.iter().flatten().find(|number| !(-1e6..=1e6).contains(*number)) {
             return refused(format!("numbers must lie from -1e6 to 1e6, got {number}"));
         }
         let sum: f64 = rows.iter().flatten().sum();

@@ -37,7 +37,7 @@ mod tests {
         // Two halves of 1 to 10 000, each with stripes of a tenth.
         let value = |i: usize| {
             let half = if i % 64 < 32 { 1e-4 } else { 1.0 };
-            half * if i % 2 == 0 { 1.0 } else { 1.1 }
+            half * if i.is_multiple_of(2) { 1.0 } else { 1.1 }
         };
         let light: Vec<f32> = (0..64 * 48).map(value).collect();
         let found = shown(&light, [64, 48], 3.0, 0.4, 100.0);

@@ -42,7 +42,7 @@ fn by_luminance(picture: &mut Planes, settings: &DevelopSettings, shown: impl Fn
     let size = [picture.width(), picture.height()];
     let mut light = luminance(picture, settings.colour_space);
     // Not-a-number becomes 0, too.
-    light.par_iter_mut().for_each(|value| *value = value.max(0.0).min(1e30));
+    light.par_iter_mut().for_each(|value| *value = if *value > 0.0 { value.min(1e30) } else { 0.0 });
     let shown = shown(&light, size);
     for channel in picture.channels_mut() {
         channel.data.par_iter_mut().zip(&light).zip(&shown).for_each(|((value, light), shown)| {
