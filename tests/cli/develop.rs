@@ -103,6 +103,11 @@ fn what_goes_wrong_is_told() {
         ("out/raw.dng -o p.png --set develop.kernel=[[1,2],[3,4]]", 1, &["develop.kernel", "odd", "2 × 2"]),
         ("out/raw.dng -o p.png --set develop.resize_px=[0,5]", 1, &["resize_px", "65535"]),
         ("out/raw.dng -o p.png --set develop.tone_white=2", 1, &["tone_white", "tone_curve = \"reinhard\""]),
+        (
+            "out/raw.dng -o p.png --memory 1 --set develop.resize_px=[60000,60000]",
+            1,
+            &["developing 32 × 24 pixels to 60000 × 60000", "GiB"],
+        ),
         ("out/electrons.exr -o p.png", 1, &["electrons.exr", "a quantity in e-", "photosite expose"]),
         (
             "out/raw.dng -o p.png --set develop.white_balance=patch --set develop.patch_px=[30,0,9,9]",

@@ -14,7 +14,7 @@ use photosite_core::memory;
 use super::choices::{Demosaic, Thresholding, ToneCurve};
 use super::description::RawDescription;
 use super::encode::{EncodedPicture, encode};
-use super::memory::bytes_per_pixel;
+use super::memory::{bytes_of_resized, bytes_per_pixel};
 use super::merge::Merged;
 use super::neighbours::densest;
 use super::resampling::Resampling;
@@ -62,10 +62,10 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Pla
 
 /// Refuses a picture whose development takes more memory than there is.
 fn check_memory([width, height]: [usize; 2], cfa: &Cfa, settings: &DevelopSettings) -> Result<(), Invalid> {
-    let [columns, rows] = settings.resize_px.unwrap_or_default();
-    let pixels = (width as u64 * height as u64).saturating_add(columns as u64 * rows as u64);
-    let bytes = pixels.saturating_mul(bytes_per_pixel(cfa, settings));
-    memory::check(bytes, &format!("developing {width} × {height} pixels"), "")
+    let bytes = (width as u64 * height as u64).saturating_mul(bytes_per_pixel(cfa, settings));
+    let bytes = bytes.saturating_add(bytes_of_resized(cfa, settings));
+    let resized = settings.resize_px.map_or_else(String::new, |[columns, rows]| format!(" to {columns} × {rows}"));
+    memory::check(bytes, &format!("developing {width} × {height} pixels{resized}"), "")
 }
 
 /// Develops a picture that is linear light already, R, G and B of sRGB or Y alone, with white at 1: what of the steps

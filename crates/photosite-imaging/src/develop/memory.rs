@@ -30,3 +30,9 @@ pub fn bytes_per_pixel(cfa: &Cfa, settings: &DevelopSettings) -> u64 {
     let codes = cfa.channels().len() as u64 * (u64::from(settings.bits / 8) + 1);
     planes + signal.max(of_filter).max(of_tone).max(codes)
 }
+
+/// Bytes that the pixels take which the settings resize a picture to, beside those that it had.
+pub fn bytes_of_resized(cfa: &Cfa, settings: &DevelopSettings) -> u64 {
+    let [columns, rows] = settings.resize_px.unwrap_or_default().map(|n| n as u64);
+    columns.saturating_mul(rows).saturating_mul(bytes_per_pixel(cfa, settings))
+}

@@ -74,7 +74,7 @@ pub use develop::{Development, develop, develop_linear, develop_merged, develop_
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;
 pub use layout::{RawLayout, with_layout};
-pub use memory::bytes_per_pixel;
+pub use memory::{bytes_of_resized, bytes_per_pixel};
 pub use resampling::Resampling;
 pub use sensor_calibration::SensorCalibration;
 pub use settings::DevelopSettings;
