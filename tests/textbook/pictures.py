@@ -29,7 +29,8 @@ def write_exr(path, picture, aspect=1.0):
     first = len(header) + 8 * rows
     table = struct.pack(f"<{rows}Q", *(first + y * length for y in range(rows)))
     lines = (
-        struct.pack("<ii", y, length - 8) + b"".join(plane[y].tobytes() for plane in planes.values()) for y in range(rows)
+        struct.pack("<ii", y, length - 8) + b"".join(plane[y].tobytes() for plane in planes.values())
+        for y in range(rows)
     )
     path.write_bytes(header + table + b"".join(lines))
     return path

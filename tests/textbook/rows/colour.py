@@ -41,7 +41,11 @@ def hue_models(tool):
         # Hues go around: 0 and 1 are one.
         turn = numpy.abs(found - expected)
         turn[..., 0] = numpy.minimum(turn[..., 0], 1 - turn[..., 0])
-        figures.append(Figure(f"{model.upper()}, largest difference (hues over 360°)", float(turn.max()), 0, EXACT, "colour-science"))
+        figures.append(
+            Figure(
+                f"{model.upper()}, largest difference (hues over 360°)", float(turn.max()), 0, EXACT, "colour-science"
+            )
+        )
     r, g, b = numpy.moveaxis(encoded, 2, 0)
     intensity = (r + g + b) / 3
     with numpy.errstate(invalid="ignore", divide="ignore"):
@@ -52,7 +56,12 @@ def hue_models(tool):
     hsi = develop(tool, path, "colour_model=hsi")
     coloured = saturation > 1e-6
     figures += [
-        Figure("HSI, saturation and intensity, largest difference", max(largest(hsi[..., 1], saturation), largest(hsi[..., 2], intensity)), 0, EXACT),
+        Figure(
+            "HSI, saturation and intensity, largest difference",
+            max(largest(hsi[..., 1], saturation), largest(hsi[..., 2], intensity)),
+            0,
+            EXACT,
+        ),
         # An arc cosine loses half the digits near 0° and 180°.
         Figure("HSI, hue, largest difference over 360°", largest(hsi[..., 0][coloured], hue[coloured]) / 360, 0, 1e-5),
     ]
@@ -88,7 +97,13 @@ def grey(tool):
     return [
         Figure("linear Y in NPY, largest difference", largest(found, luminance), 0, EXACT, "colour-science"),
         # Codes of 16 bits, half a code.
-        Figure("encoded Y in PNG, largest difference", largest(coded, colour.models.eotf_inverse_sRGB(luminance)), 0, 0.51 / 65535, "colour-science, OpenCV"),
+        Figure(
+            "encoded Y in PNG, largest difference",
+            largest(coded, colour.models.eotf_inverse_sRGB(luminance)),
+            0,
+            0.51 / 65535,
+            "colour-science, OpenCV",
+        ),
     ]
 
 
@@ -98,7 +113,15 @@ def files(tool):
     for model in ["hsv", "lab"]:
         array = develop(tool, path, f"colour_model={model}")
         tiff = develop(tool, path, f"colour_model={model}", output="model.tiff")
-        figures.append(Figure(f"{model.upper()} in TIFF and NPY, largest difference", largest(tifffile.imread(tiff), array), 0, 0, "tifffile"))
+        figures.append(
+            Figure(
+                f"{model.upper()} in TIFF and NPY, largest difference",
+                largest(tifffile.imread(tiff), array),
+                0,
+                0,
+                "tifffile",
+            )
+        )
     return figures
 
 
@@ -124,20 +147,39 @@ def lamps(tool):
         done = tool.json("develop", folder / "raw.dng", "-o", png, "--set", f"develop.white_balance={lamp}")
         # The daylight locus of the CIE is a fit, and the raw file's matrices are interpolated: the way from a white to
         # the camera's response and back is exact, but for the fixed point.
-        figures.append(Figure(f"colour temperature of {lamp}, K", done["temperature_k"], kelvin, 4e-3 * kelvin, "CIE 15"))
+        figures.append(
+            Figure(f"colour temperature of {lamp}, K", done["temperature_k"], kelvin, 4e-3 * kelvin, "CIE 15")
+        )
         strip.append(cv2.imread(str(png)))
     rows = [numpy.hstack(strip[:5]), numpy.hstack(strip[5:])]
     cv2.imwrite(str(tool.picture("lamps.png")), numpy.vstack(rows))
     card = develop(tool, folder / "raw.dng", "white_balance=incandescent", "colour_model=lab")[6:20, 20:44].mean((0, 1))
     # Under the lamp whose name is given, a grey card is grey: below what eyes tell.
-    figures.append(Figure("chroma of a grey card under incandescent light", float(numpy.hypot(card[1], card[2])), 0, 1, ""))
+    figures.append(
+        Figure("chroma of a grey card under incandescent light", float(numpy.hypot(card[1], card[2])), 0, 1, "")
+    )
     return figures
 
 
 ROWS = [
-    Row("Hue, saturation and value, lightness, intensity", "V = max, L = (max + min)/2, I = (R + G + B)/3", "photosite develop PICTURE -o hsv.npy --set develop.colour_model=hsv", hue_models),
-    Row("CIE XYZ and L*a*b*", "L* = 116·f(Y/Yₙ) − 16, a* = 500·(f(X/Xₙ) − f(Y/Yₙ)), b* = 200·(f(Y/Yₙ) − f(Z/Zₙ))", "photosite develop PICTURE -o lab.exr --set develop.colour_model=lab", cielab),
-    Row("Grey by luminance", "Y = 0.2126·R + 0.7152·G + 0.0722·B", "photosite develop PICTURE -o grey.pgm --set develop.colour_model=grey", grey),
+    Row(
+        "Hue, saturation and value, lightness, intensity",
+        "V = max, L = (max + min)/2, I = (R + G + B)/3",
+        "photosite develop PICTURE -o hsv.npy --set develop.colour_model=hsv",
+        hue_models,
+    ),
+    Row(
+        "CIE XYZ and L*a*b*",
+        "L* = 116·f(Y/Yₙ) − 16, a* = 500·(f(X/Xₙ) − f(Y/Yₙ)), b* = 200·(f(Y/Yₙ) − f(Z/Zₙ))",
+        "photosite develop PICTURE -o lab.exr --set develop.colour_model=lab",
+        cielab,
+    ),
+    Row(
+        "Grey by luminance",
+        "Y = 0.2126·R + 0.7152·G + 0.0722·B",
+        "photosite develop PICTURE -o grey.pgm --set develop.colour_model=grey",
+        grey,
+    ),
     Row("Models in files", "", "photosite develop PICTURE -o lab.tiff --set develop.colour_model=lab", files),
     Row("White balance by lamp", "(u, v) of a blackbody or of daylight", "lamps.toml", lamps, "lamps.png"),
 ]

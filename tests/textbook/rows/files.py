@@ -51,7 +51,15 @@ def written(tool):
             read = cv2.imread(str(file), cv2.IMREAD_UNCHANGED | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_ANYCOLOR)
             read = read[..., ::-1] if colours == 3 else read[..., None]
             expected = numpy.rint(values * (2**bits - 1))
-            figures.append(Figure(f"{extension.upper()} of {bits} bits, codes that differ by more than rounding", float((numpy.abs(read - expected) > 1).sum()), 0, 0, "OpenCV"))
+            figures.append(
+                Figure(
+                    f"{extension.upper()} of {bits} bits, codes that differ by more than rounding",
+                    float((numpy.abs(read - expected) > 1).sum()),
+                    0,
+                    0,
+                    "OpenCV",
+                )
+            )
     values, path = picture(tool)
     array = develop(tool, path)
     figures.append(Figure("NPY, largest difference", largest(array, values), 0, 0, "NumPy"))
@@ -70,7 +78,11 @@ def jpeg(tool):
         scale = 5000 / quality if quality < 50 else 200 - 2 * quality
         expected = ((ANNEX_K * scale + 50) // 100).clip(1, 255)
         found = Image.open(file).quantization[0][:8]
-        figures.append(Figure(f"quality {quality}: first row of steps, largest difference", largest(found, expected), 0, 0, "Pillow"))
+        figures.append(
+            Figure(
+                f"quality {quality}: first row of steps, largest difference", largest(found, expected), 0, 0, "Pillow"
+            )
+        )
     return figures
 
 
@@ -89,6 +101,16 @@ def density(tool):
 ROWS = [
     Row("PBM, PGM and PPM", "P1–P6, maximum 1–65535", "photosite develop PICTURE.pgm -o picture.npy", read_netpbm),
     Row("Pictures for other programs", "", "photosite develop PICTURE -o picture.png", written),
-    Row("Quality of JPEG", "S = 5000/q below 50, else 200 − 2q", "photosite develop PICTURE -o picture.jpg --set develop.jpeg_quality=50", jpeg),
-    Row("Shape of pixels in PNG", "pHYs", "photosite develop PICTURE -o picture.png --set develop.square_pixels=false", density),
+    Row(
+        "Quality of JPEG",
+        "S = 5000/q below 50, else 200 − 2q",
+        "photosite develop PICTURE -o picture.jpg --set develop.jpeg_quality=50",
+        jpeg,
+    ),
+    Row(
+        "Shape of pixels in PNG",
+        "pHYs",
+        "photosite develop PICTURE -o picture.png --set develop.square_pixels=false",
+        density,
+    ),
 ]

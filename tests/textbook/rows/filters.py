@@ -38,9 +38,20 @@ def integer_gaussian(tool):
     given = f"kernel={[[1, 4, 7, 4, 1], [4, 16, 26, 16, 4], [7, 26, 41, 26, 7], [4, 16, 26, 16, 4], [1, 4, 7, 4, 1]]}"
     rounded = filtered(tool, point, given, "kernel_normalised=true")[2:7, 2:7]
     return [
-        Figure("numbers that differ from getGaussianKernel(5, 1), largest", largest(window, column @ column.T), 0, SINGLE, "OpenCV"),
+        Figure(
+            "numbers that differ from getGaussianKernel(5, 1), largest",
+            largest(window, column @ column.T),
+            0,
+            SINGLE,
+            "OpenCV",
+        ),
         Figure("over the smallest and rounded: sum of the table", float(table.sum()), 331, 0),
-        Figure("entries that differ from the table 1 4 7 4 1 / 4 20 33 20 4 / 7 33 55 33 7 …", float((table != notes).sum()), 0, 0),
+        Figure(
+            "entries that differ from the table 1 4 7 4 1 / 4 20 33 20 4 / 7 33 55 33 7 …",
+            float((table != notes).sum()),
+            0,
+            0,
+        ),
         # Sampled at pixel centres here, integrated over pixels there.
         Figure("the common table of sum 273, given as a kernel, differs by", largest(window, rounded), 0, 0.013),
     ]
@@ -50,12 +61,12 @@ def gaussian(tool):
     figures = []
     for sigma, radius in [(1, 2), (0.6, 1), (2.5, 8)]:
         picture = scene()
-        found = filtered(
-            tool, picture, "noise_filter=gaussian", f"noise_radius_px={radius}", f"noise_sigma_px={sigma}"
-        )
+        found = filtered(tool, picture, "noise_filter=gaussian", f"noise_radius_px={radius}", f"noise_sigma_px={sigma}")
         size = 2 * radius + 1
         expected = cv2.GaussianBlur(picture, (size, size), sigma, borderType=cv2.BORDER_REFLECT_101)
-        figures.append(Figure(f"largest difference, {size} × {size}, σ = {sigma}", largest(found, expected), 0, SINGLE, "OpenCV"))
+        figures.append(
+            Figure(f"largest difference, {size} × {size}, σ = {sigma}", largest(found, expected), 0, SINGLE, "OpenCV")
+        )
     return figures
 
 
@@ -76,7 +87,13 @@ def mean(tool):
     smooth = filtered(tool, noise, "noise_filter=mean", "noise_radius_px=1")
     left = float(smooth.std() / noise.std())
     return [
-        Figure("largest difference, 5 × 5", largest(found, cv2.blur(picture, (5, 5), borderType=cv2.BORDER_REFLECT_101)), 0, SINGLE, "OpenCV"),
+        Figure(
+            "largest difference, 5 × 5",
+            largest(found, cv2.blur(picture, (5, 5), borderType=cv2.BORDER_REFLECT_101)),
+            0,
+            SINGLE,
+            "OpenCV",
+        ),
         # σ of nine neighbours over that of one; the standard deviation of 65 536/9 independent means is known to 0.8 %.
         Figure("noise left by 3 × 3, σ'/σ", left, 1 / 3, 0.01),
     ]
@@ -94,9 +111,16 @@ def median(tool):
     blurred = filtered(tool, noisy, "noise_filter=mean", "noise_radius_px=1")
     cv2.imwrite(str(tool.picture("filters.png")), comparison(tool))
     return [
-        Figure("pixels within that differ from medianBlur", float((inner != expected[1:-1, 1:-1]).sum()), 0, 0, "OpenCV"),
+        Figure(
+            "pixels within that differ from medianBlur", float((inner != expected[1:-1, 1:-1]).sum()), 0, 0, "OpenCV"
+        ),
         # Four standard deviations of a count in which the 25 windows that overlap go together.
-        Figure("salt and pepper left of 40 %", float((inner != 0.5).mean()), 2 * five, 4 * math.sqrt(25 * 2 * five / inner.size)),
+        Figure(
+            "salt and pepper left of 40 %",
+            float((inner != 0.5).mean()),
+            2 * five,
+            4 * math.sqrt(25 * 2 * five / inner.size),
+        ),
         Figure("error of the mean filter, rms", float((blurred - 0.5).std()), 0.5 * math.sqrt(rate) / 3, 0.003),
     ]
 
@@ -132,7 +156,11 @@ def bilateral(tool):
         )
         expected = cv2.bilateralFilter(picture, 9, 0.12, 2, borderType=cv2.BORDER_REFLECT_101)
         # OpenCV takes the exponential from a table.
-        figures.append(Figure(f"largest difference, d = 9, σ_s = 2, σ_r = 0.12, {name}", largest(found, expected), 0, 1e-5, "OpenCV"))
+        figures.append(
+            Figure(
+                f"largest difference, d = 9, σ_s = 2, σ_r = 0.12, {name}", largest(found, expected), 0, 1e-5, "OpenCV"
+            )
+        )
     return figures
 
 
@@ -175,29 +203,70 @@ def resizing(tool):
     for name, number in filters.items():
         apart = 0
         for size in [(150, 101), (61, 47), (23, 31)]:
-            found = filtered(tool, picture, f"resize_px={list(size)}", f"resize_filter={name}", "resize_antialias=false")
+            found = filtered(
+                tool, picture, f"resize_px={list(size)}", f"resize_filter={name}", "resize_antialias=false"
+            )
             apart = max(apart, largest(found, cv2.resize(picture, size, interpolation=number)))
         figures.append(Figure(f"largest difference, {name}, larger and smaller", apart, 0, 5e-6, "OpenCV"))
     grey = scene()
     smaller = filtered(tool, grey, "resize_px=[20, 16]", "resize_filter=linear")
     expected = numpy.asarray(Image.fromarray(grey).resize((20, 16), Image.Resampling.BILINEAR))
     figures.append(
-        Figure("largest difference within, linear with antialiasing", largest(smaller[2:-2, 2:-2], expected[2:-2, 2:-2]), 0, 5e-6, "Pillow")
+        Figure(
+            "largest difference within, linear with antialiasing",
+            largest(smaller[2:-2, 2:-2], expected[2:-2, 2:-2]),
+            0,
+            5e-6,
+            "Pillow",
+        )
     )
     ramp = numpy.tile(numpy.arange(64, dtype="f4") / 64, (48, 1))
     zoomed = filtered(tool, ramp, "digital_zoom=2", "resize_filter=linear")
-    figures.append(Figure("slope of a ramp at a digital zoom of 2, over that before", float((zoomed[20, 40] - zoomed[20, 20]) * 64 / 20), 0.5, 1e-5))
+    figures.append(
+        Figure(
+            "slope of a ramp at a digital zoom of 2, over that before",
+            float((zoomed[20, 40] - zoomed[20, 20]) * 64 / 20),
+            0.5,
+            1e-5,
+        )
+    )
     return figures
 
 
 ROWS = [
-    Row("Gaussian kernel in integers", "G(i, j) = e^−(i² + j²)/(2σ²), 5 × 5, σ = 1", "photosite develop --set develop.noise_filter=gaussian --set develop.noise_radius_px=2 --set develop.noise_sigma_px=1", integer_gaussian),
-    Row("Gaussian filter", "I_G = I ∗ G", "photosite develop --set develop.noise_filter=gaussian", gaussian),
-    Row("Separability", "I ∗ G = (I ∗ g_x) ∗ g_y", "photosite develop --set develop.kernel=[[…]]", separability),
-    Row("Mean filter", "A = 1/m² · 1, σ' = σ/m", "photosite develop --set develop.noise_filter=mean", mean),
-    Row("Median filter and salt and pepper", "P = 2·Σ_{k≥5} C(9, k)·qᵏ·(1 − q)⁹⁻ᵏ", "photosite develop --set develop.noise_filter=median", median, "filters.png"),
-    Row("Bilateral filter", "w = e^−|Δ|²/(2σ_s²) · e^−d²/(2σ_r²)", "photosite develop --set develop.noise_filter=bilateral --set develop.noise_sigma_range=0.12", bilateral),
-    Row("Any kernel", "f(x, y) = Σ k(i, j)·I(x + i, y + j)", "photosite develop --set develop.kernel=[[-1,0,1],[-2,0,2],[-1,0,1]]", kernels),
-    Row("Thresholding", "B = 1 where I > t", "photosite develop --set develop.threshold=otsu", thresholds),
-    Row("Resizing, digital zoom", "s = (i + ½)·d − ½", "photosite develop --set develop.resize_px=[640,480] --set develop.resize_filter=lanczos", resizing),
+    Row(
+        "Gaussian kernel in integers",
+        "G(i, j) = e^−(i² + j²)/(2σ²), 5 × 5, σ = 1",
+        "photosite develop PICTURE --set develop.noise_filter=gaussian --set develop.noise_radius_px=2 --set develop.noise_sigma_px=1",
+        integer_gaussian,
+    ),
+    Row("Gaussian filter", "I_G = I ∗ G", "photosite develop PICTURE --set develop.noise_filter=gaussian", gaussian),
+    Row("Separability", "I ∗ G = (I ∗ g_x) ∗ g_y", "photosite develop PICTURE --set develop.kernel=[[…]]", separability),
+    Row("Mean filter", "A = 1/m² · 1, σ' = σ/m", "photosite develop PICTURE --set develop.noise_filter=mean", mean),
+    Row(
+        "Median filter and salt and pepper",
+        "P = 2·Σ_{k≥5} C(9, k)·qᵏ·(1 − q)⁹⁻ᵏ",
+        "photosite develop PICTURE --set develop.noise_filter=median",
+        median,
+        "filters.png",
+    ),
+    Row(
+        "Bilateral filter",
+        "w = e^−|Δ|²/(2σ_s²) · e^−d²/(2σ_r²)",
+        "photosite develop PICTURE --set develop.noise_filter=bilateral --set develop.noise_sigma_range=0.12",
+        bilateral,
+    ),
+    Row(
+        "Any kernel",
+        "f(x, y) = Σ k(i, j)·I(x + i, y + j)",
+        "photosite develop PICTURE --set develop.kernel=[[-1,0,1],[-2,0,2],[-1,0,1]]",
+        kernels,
+    ),
+    Row("Thresholding", "B = 1 where I > t", "photosite develop PICTURE --set develop.threshold=otsu", thresholds),
+    Row(
+        "Resizing, digital zoom",
+        "s = (i + ½)·d − ½",
+        "photosite develop PICTURE --set develop.resize_px=[640,480] --set develop.resize_filter=lanczos",
+        resizing,
+    ),
 ]

@@ -6,6 +6,7 @@ from pictures import develop, largest, write_exr
 from rows.colour import to_xyz
 from table import Figure, Row
 
+
 def light(tool, colours=False):
     """Five decades of luminance on 48 × 36 pixels, and the file that holds them."""
     y, x = numpy.mgrid[0:36, 0:48]
@@ -16,6 +17,25 @@ def light(tool, colours=False):
 
 def logarithmic_mean(luminance):
     return numpy.exp(numpy.log(luminance).mean())
+
+
+def bracket(tool):
+    """The lamp, which saturates the longest exposure, over the wall behind, which is dark in the shortest."""
+    larger = ["sensor.resolution_px=[200, 200]", "sensor.pixel_pitch_um=[12, 12]", "render.samples_per_pixel=64"]
+    # What falloff the lens has stays, as it does in what an ideal observer sees.
+    folder = tool.render("tone.toml", "tone", "output.ideal=true", "develop.lens_falloff=false", *larger)
+    grey = ["colour_model=grey"]
+    merged, seen = (develop(tool, folder / name, *grey).astype(float) for name in ["hdr.exr", "ideal.exr"])
+    single = develop(tool, folder / "raw-0002.dng", *grey, "lens_falloff=false").astype(float)
+    lamp = cv2.erode((seen > 0.9 * seen.max()).astype("u1"), numpy.ones((3, 3))) > 0
+    wall = numpy.zeros_like(lamp)
+    wall[75:110, 105:140] = True
+    contrast = [float(picture[lamp].mean() / picture[wall].mean()) for picture in (merged, seen, single)]
+    return [
+        # The camera is no colorimeter: its matrix is right to a few percent.
+        Figure("lamp over wall, merged", contrast[0], contrast[1], 0.05 * contrast[1], "the light itself"),
+        Figure("lamp over wall in the longest exposure, in parts of that", contrast[2] / contrast[1], 0, 0.1),
+    ]
 
 
 def reinhard(tool):
@@ -31,7 +51,9 @@ def reinhard(tool):
         shown = scaled * (1 + scaled / white**2) / (1 + scaled)
         expected = picture * (shown / luminance)[..., None]
         found = develop(tool, path, "tone_curve=reinhard", *settings)
-        figures.append(Figure(f"{name}, largest relative difference", float((numpy.abs(found / expected - 1)).max()), 0, 1e-6))
+        figures.append(
+            Figure(f"{name}, largest relative difference", float((numpy.abs(found / expected - 1)).max()), 0, 1e-6)
+        )
     cv2.imwrite(str(tool.picture("tone.png")), comparison(tool))
     return figures
 
@@ -87,8 +109,26 @@ def local(tool):
 
 
 ROWS = [
-    Row("Reinhard's global curve", "L_d = L·(1 + L/L_white²)/(1 + L), L = a·L_w/L̄_w", "tone.toml", reinhard, "tone.png"),
-    Row("Logarithmic curve (Drago)", "L_d = log₁₀(L + 1)/log₁₀(L_max + 1) · ln 10/ln(2 + 8·(L/L_max)^(ln b/ln ½))", "photosite develop hdr.exr -o picture.png --set develop.tone_curve=log", drago),
-    Row("Filmic curve", "x·(2.51x + 0.03)/(x·(2.43x + 0.59) + 0.14)", "photosite develop hdr.exr -o picture.png --set develop.tone_curve=filmic", filmic),
-    Row("Local curve by a bilateral base", "log L_d = γ·(B − max B) + (log L − B)", "photosite develop hdr.exr -o picture.png --set develop.tone_curve=local", local),
+    Row("Exposure bracket", "L = Σ (tᵢ·xᵢ/vᵢ)/Σ (tᵢ²/vᵢ)", "tone.toml", bracket),
+    Row(
+        "Reinhard's global curve", "L_d = L·(1 + L/L_white²)/(1 + L), L = a·L_w/L̄_w", "tone.toml", reinhard, "tone.png"
+    ),
+    Row(
+        "Logarithmic curve (Drago)",
+        "L_d = log₁₀(L + 1)/log₁₀(L_max + 1) · ln 10/ln(2 + 8·(L/L_max)^(ln b/ln ½))",
+        "photosite develop hdr.exr -o picture.png --set develop.tone_curve=log",
+        drago,
+    ),
+    Row(
+        "Filmic curve",
+        "x·(2.51x + 0.03)/(x·(2.43x + 0.59) + 0.14)",
+        "photosite develop hdr.exr -o picture.png --set develop.tone_curve=filmic",
+        filmic,
+    ),
+    Row(
+        "Local curve by a bilateral base",
+        "log L_d = γ·(B − max B) + (log L − B)",
+        "photosite develop hdr.exr -o picture.png --set develop.tone_curve=local",
+        local,
+    ),
 ]

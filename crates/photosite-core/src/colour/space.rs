@@ -22,7 +22,7 @@ pub enum ColourSpace {
     Rec2020,
     /// ACEScg (AP1 primaries, white near D60), in which films are composited.
     Acescg,
-    /// CIE XYZ relative to D65, Y = 1 for white; for EXR files, since X and Z pass 1.
+    /// CIE XYZ relative to D65, Y = 1 for white; for EXR, TIFF and NPY files, since X and Z pass 1.
     Xyz,
 }
 

@@ -118,7 +118,7 @@ pub struct DevelopSettings {
     pub sharpening: f64,
     /// Standard deviation of that smoothing, pixels. Left out: 1.
     pub sharpening_radius_px: Option<f64>,
-    /// Bits of the picture's codes, 8 or 16; JPEG has 8, EXR 32-bit floats. Left out: 8.
+    /// Bits of the picture's codes, 8 or 16; JPEG has 8, EXR and NPY 32-bit floats. Left out: 8.
     pub bits: u8,
     /// Adds noise of one code before rounding, so that flat gradients have no steps and means stay exact. Left out:
     /// false.
