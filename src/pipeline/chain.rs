@@ -6,6 +6,7 @@ use crate::develop::merge::Merged;
 use crate::develop::{DevelopSettings, EncodedPicture, Resampling, SensorCalibration, develop, develop_merged};
 use crate::image::{Estimate, Planes};
 use crate::integrator::WavelengthChoice;
+use crate::io::developed::PictureFormat;
 use crate::optics::{Camera, LensDescription};
 use crate::raw::RawImage;
 use crate::scene::Scene;
@@ -140,11 +141,21 @@ impl<'a> Chain<'a> {
         Self { settings, optics, colours, lens }
     }
 
-    /// Warnings about what images and raw files do not show of the lens.
-    pub(super) fn lens_warnings(&self) -> Vec<String> {
+    /// Warnings about what images and raw files do not show of the lens, and what images do not hold.
+    pub(super) fn picture_warnings(&self) -> Vec<String> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
         let seen = self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.region));
-        seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output))
+        let mut warnings = seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output));
+        if !develop.colour_model.is_shown() {
+            let model = develop.colour_model.name();
+            warnings.push(format!(
+                "image.png holds colours and no {model}; photosite develop raw.dng -o picture.tiff writes that, with the same \
+                 develop.colour_model"
+            ));
+        }
+        let unused = PictureFormat::Png.unused_keys(develop);
+        warnings.extend(unused.into_iter().map(|key| format!("develop.{key} has no part in image.png")));
+        warnings
     }
 
     /// What the developed picture is a picture of, where the lens is known.

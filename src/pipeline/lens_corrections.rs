@@ -67,21 +67,25 @@ impl<'a> LensSeen<'a> {
         Resampling::new(&self.metadata(), self.size_px, settings)
     }
 
-    /// What is corrected, in words.
+    /// What is corrected and changed, in words.
     pub fn resampled(&self, settings: &DevelopSettings) -> Option<Resampled> {
         let metadata = self.metadata();
-        let of_lens = settings.distortion && metadata.distortion.is_some();
-        let of_pixels = settings.square_pixels && (metadata.pixel_aspect() != 1.0 || metadata.is_staggered);
-        let both = |first: &str, and: &str, second: &str| match (of_lens, of_pixels) {
-            (true, true) => Some(format!("{first}{and}{second}")),
-            (true, false) => Some(first.to_owned()),
-            (false, true) => Some(second.to_owned()),
-            (false, false) => None,
-        };
-        Some(Resampled {
-            what: both("freed of the distortion of the lens", " and ", "brought to square pixels")?,
-            keys: both("develop.distortion = false", " and ", "develop.square_pixels = false")?,
-        })
+        let all = [
+            (
+                settings.distortion && metadata.distortion.is_some(),
+                "freed of the distortion of the lens",
+                "develop.distortion = false",
+            ),
+            (
+                settings.square_pixels && (metadata.pixel_aspect() != 1.0 || metadata.is_staggered),
+                "brought to square pixels",
+                "develop.square_pixels = false",
+            ),
+            (settings.resizes(), "resized", "neither develop.resize_px nor develop.digital_zoom"),
+        ];
+        let (whats, keys): (Vec<&str>, Vec<&str>) =
+            all.into_iter().filter_map(|(is_done, what, key)| is_done.then_some((what, key))).unzip();
+        (!whats.is_empty()).then(|| Resampled { what: whats.join(" and "), keys: keys.join(" and ") })
     }
 
     /// Warnings about images and files that lack what one might expect.
@@ -138,11 +142,11 @@ impl<'a> LensSeen<'a> {
             None => (self.intrinsics(), self.lens.projection),
         };
         let resampling = self.resampling(settings);
-        let (size, [across, down]) = match &resampling {
-            Some(resampling) => (resampling.size_px(), resampling.scale()),
-            None => (self.size_px, [1.0; 2]),
+        let (size, (first, per_pixel)) = match &resampling {
+            Some(resampling) => (resampling.size_px(), resampling.on_sensor()),
+            None => (self.size_px, ([0.0; 2], [1.0; 2])),
         };
-        let intrinsics = on_grid.on_grid([0.0; 2], [1.0 / across, 1.0 / down]);
+        let intrinsics = on_grid.on_grid(first, per_pixel);
         ImageReport::new(size, settings.pixel_aspect(&metadata), &intrinsics, &projection, resampling.is_some())
     }
 
@@ -245,7 +249,11 @@ mod tests {
                 let (lens, distorting) = camera(projection, 4.0, pitch_m);
                 for region in [RegionOfInterest::WHOLE, part] {
                     let seen = seen(&lens, &distorting, region, pitch_m);
-                    let settings = DevelopSettings::default();
+                    let settings = DevelopSettings {
+                        digital_zoom: if region.pixels.is_some() { 1.5 } else { 1.0 },
+                        resize_px: region.pixels.map(|_| [210, 140]),
+                        ..DevelopSettings::default()
+                    };
                     let resampling = seen.resampling(&settings).expect("distortion");
                     let report = serde_json::to_value(seen.image_report(&settings)).expect("numbers");
                     let number =

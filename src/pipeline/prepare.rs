@@ -96,7 +96,7 @@ impl Prepared {
             truth,
             warnings,
         };
-        prepared.warnings.extend(prepared.chain().lens_warnings());
+        prepared.warnings.extend(prepared.chain().picture_warnings());
         Ok(prepared)
     }
 

@@ -79,7 +79,7 @@ fn expose_into(
     let settings = Settings::from(&capture);
     let colours = SensorColours::find(settings, &optics, &white, calibration.as_ref(), &mut warnings)?;
     let chain = Chain::new(settings, &optics, &colours, placed.as_ref().map(|(lens, camera)| (lens, camera)));
-    warnings.extend(chain.lens_warnings());
+    warnings.extend(chain.picture_warnings());
     if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
         warnings.push(other_pitch(&recorded.sensor, &capture.sensor));
     }

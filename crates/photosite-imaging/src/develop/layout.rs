@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::settings::Demosaic;
+use super::choices::Demosaic;
 use super::{black_level, demosaic, white_balance};
 use crate::raw::{Cfa, RawImage};
 use photosite_core::Invalid;

@@ -98,7 +98,7 @@ impl Default for RawImage {
 
 impl RawImage {
     /// Digital numbers of which a file says nothing but that they go up to `maximum`.
-    fn bare(width: usize, height: usize, data: Vec<u16>, cfa: Cfa, maximum: u16) -> Self {
+    pub fn bare(width: usize, height: usize, data: Vec<u16>, cfa: Cfa, maximum: u16) -> Self {
         Self { width, height, data, cfa, bits: bits_for(maximum), white_level_dn: maximum, ..Self::default() }
     }
 

@@ -16,7 +16,7 @@ mod staggered;
 
 use rayon::prelude::*;
 
-use super::settings::Demosaic;
+use super::choices::Demosaic;
 use crate::raw::{Cfa, RawImage};
 use channels::{planes, together};
 use photosite_core::Invalid;
