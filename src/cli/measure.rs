@@ -8,6 +8,7 @@ use photosite::colour::{ColourSpace, cielab, difference};
 use photosite::image::{Channel, Planes};
 use photosite::io::linear_picture::read_linear_picture;
 use photosite::io::picture_file::read_picture_file;
+use photosite::io::raw_file::refuse_staggered_rows;
 use photosite::measure::{CheckerReport, EdgeResponse, Histogram, histogram, slanted_edge, ssim};
 use photosite::pipeline::measure_checker;
 use photosite::raw::Pixels;
@@ -107,6 +108,7 @@ impl PictureArgs {
 pub(super) fn run(args: &MeasureArgs, sandbox: &Sandbox) -> Result<()> {
     match &args.measure {
         Measure::Mtf { picture, region, channel } => {
+            refuse_staggered_rows(&picture.picture)?;
             let planes = picture.read_linear(&picture.picture)?;
             let plane = chosen(&planes, channel.as_deref()).map_err(usage)?;
             let size = [planes.width(), planes.height()];

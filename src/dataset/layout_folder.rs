@@ -101,7 +101,7 @@ impl LayoutFolder {
             return Ok(path);
         }
         let message = format!("has {width} × {height} pixels, and the camera {columns} × {rows}");
-        let help = "make the data set without exposure.binning and exposure.region_px";
+        let help = "make the data set without exposure.binning, exposure.region_px and sensor.frame_grabber";
         Err(Invalid::new("", message).help(help).in_file(&path))
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::raw_exr::read_raw_exr;
 use crate::raw::{self, RawImage};
-use crate::{Error, Result};
+use crate::{Error, Invalid, Result};
 use photosite_core::input;
 
 /// What EXR files begin with.
@@ -22,4 +22,14 @@ pub fn read_raw(path: &Path) -> Result<RawImage> {
     }
     file.rewind().map_err(unreadable)?;
     read_raw_exr(file).map_err(|invalid| invalid.in_file(path))
+}
+
+/// Refuses a raw file whose rows are staggered, as those of hexagonal cells are, for what counts in columns.
+pub fn refuse_staggered_rows(path: &Path) -> Result<()> {
+    let is_dng = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dng"));
+    if !(is_dng && raw::read(path)?.metadata.is_staggered) {
+        return Ok(());
+    }
+    let invalid = Invalid::new("", "has the staggered rows of hexagonal cells, and an edge is followed in columns");
+    Err(invalid.help("measure image.png, or what photosite develop makes of it").in_file(path))
 }

@@ -47,6 +47,7 @@ fn hexagons_become_square_pixels_in_the_picture_and_from_the_file() {
 #[case::odd_row("render board.toml --set exposure.region_px=[0,1,8,8] -o x", "exposure.region_px: row 1 is one of")]
 #[case::smoothing("render board.toml --set develop.noise_filter=median -o x", "develop.noise_filter: works on rows")]
 #[case::stored("expose out --set sensor.cells=rectangular -o x", "sensor.cells: cells of this shape")]
+#[case::edge("measure mtf out/raw.dng", "raw.dng: has the staggered rows of hexagonal cells")]
 #[case::across("render board.toml --set sensor.crosstalk=[[0.1],[0.8],[0.1]] -o x", "sensor.crosstalk: reaches over")]
 fn what_needs_columns_is_refused(#[case] command: &str, #[case] message: &str) {
     let folder = folder(HEXAGONS, "");

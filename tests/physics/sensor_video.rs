@@ -1,5 +1,6 @@
 //! From the pixels to numbers: bandwidth, samples of a frame grabber, few levels.
 
+use photosite::characterisation::OperatingPoint;
 use photosite::image::{Channel, Planes};
 use photosite::raw::Cfa;
 use photosite::sensor::{
@@ -7,7 +8,7 @@ use photosite::sensor::{
     expose, expose_with_maps,
 };
 use photosite::spectrum::Spectrum;
-use photosite::units::{Decibels, Electrons};
+use photosite::units::{Celsius, Decibels, Electrons};
 use rstest::rstest;
 
 use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
@@ -76,6 +77,28 @@ fn noise_behind_the_line_is_not_shared_by_neighbours() {
     let planes = Planes::new(SIDE, SIDE, vec![Channel { name: "Y".to_owned(), data }]).expect("right sizes");
     let raw = expose(&planes, &sensor, &EXPOSURE, Stages::NONE.with(Stage::VideoBandwidth), NoiseKey::default());
     assert!(raw.expect("valid").data.iter().all(|&dn| dn < 64));
+}
+
+/// EMVA 1288 asks for pixels that are alike, linear and independent.
+#[test]
+fn photon_transfer_is_refused_by_the_key_that_spoils_it() {
+    let point = OperatingPoint { channel: 0, wavelength_nm: 550.0, gain: Decibels(0.0), temperature: Celsius(25.0) };
+    let refused = |change: fn(&mut SensorModel)| {
+        let mut sensor = quiet_sensor();
+        change(&mut sensor);
+        point.validate(&sensor).expect_err("not as the standard wants it").key
+    };
+    assert_eq!(refused(|s| s.video.curve = Some(VideoCurve { gamma: 2.0, range_dn: 1000.0 })), "video.gamma");
+    assert_eq!(refused(|s| s.video.low_pass = Some(LowPass { missing: 0.1 })), "video.bandwidth_mhz");
+    let grabber = |s: &mut SensorModel| {
+        s.frame_grabber = Some(FrameGrabber { size: [8, 8], interpolation: SignalInterpolation::Linear });
+    };
+    assert_eq!(refused(grabber), "frame_grabber");
+    let circle = |s: &mut SensorModel| {
+        s.cells.image_circle = Some(photosite::cells::ImageCircle::new(1.0, s.resolution, s.pixel_pitch_m));
+    };
+    assert_eq!(refused(circle), "image_circle_mm");
+    assert!(point.validate(&quiet_sensor()).is_ok());
 }
 
 /// A ramp over all of the range has the error q²/12 whatever the number of levels, half steps at both ends included.

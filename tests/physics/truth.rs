@@ -121,6 +121,26 @@ fn flow_is_that_of_a_passing_wall(
     }
 }
 
+/// The row of pixels of a line camera looks straight ahead, so that a point is on the line at whose middle the camera
+/// stands at its height: −v·(n·t_row + ½·t_exposure) = Y.
+#[test]
+fn a_line_camera_sees_points_at_the_line_that_they_come_to() {
+    let (speed, row_time_s) = (2.0, 1e-2);
+    let recording = moving(DVec3::new(0.0, -speed, 0.0), row_time_s, 0);
+    let lens = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(2e-3, 8.0, Focus::Infinity) };
+    let row = PixelGrid { resolution: [RESOLUTION[0], 1], pitch_m: [2e-3 / FX; 2] };
+    let line_camera = camera(&lens, &row, DAffine3::IDENTITY).moving_as(&recording).scanning();
+    let scene = wall().build();
+    let view = View::of(&scene, &line_camera, RESOLUTION);
+    for (x, y) in [(0.3, -0.1), (-0.5, -0.44), (0.0, -0.9), (0.2, 0.5)] {
+        let line = (-y / speed - 1e-3) / row_time_s;
+        let found = view.project(DVec3::new(x, y, -2.0)).expect("comes by");
+        let expected = DVec2::new(32.0 + FX * x / 2.0, line + 0.5);
+        // Secants end within 1e-9 rows; the camera moves by FX·v·t_row/z, 0.8 rows, from line to line.
+        assert!((found - expected).length() < 1e-8, "{found} for {expected}");
+    }
+}
+
 /// d = fx·b/z, positive for both cameras of a pair: the left one finds the point d to the left in the other picture,
 /// the right one d to the right.
 #[rstest]

@@ -41,7 +41,7 @@ fn at_row(camera: &Camera, place: &DAffine3, row: f64) -> (DAffine3, f32) {
 }
 
 /// Where a point appears that is at `position` at each part of the picture's time: the y that solves
-/// y = project(p(t(y)), camera at t(y)).
+/// y = project(p(t(y)), camera at t(y)); of a camera that scans, the line whose own row it comes to.
 fn project_moving(camera: &Camera, place: &DAffine3, position: impl Fn(f32) -> DVec3) -> Option<DVec2> {
     let seen_at_row = |row: f64| {
         let (to_world, time) = at_row(camera, place, row);
@@ -50,6 +50,9 @@ fn project_moving(camera: &Camera, place: &DAffine3, position: impl Fn(f32) -> D
     let mut pixel = seen_at_row(0.0)?;
     if !camera.moves() {
         return Some(pixel);
+    }
+    if camera.scans() {
+        return line_that_sees(seen_at_row);
     }
     // Each round takes the error times (speed of the picture in rows per row time), which is far below 1 in any picture
     // that is not torn apart.
@@ -60,6 +63,27 @@ fn project_moving(camera: &Camera, place: &DAffine3, position: impl Fn(f32) -> D
         if change < 1e-9 {
             return Some(pixel);
         }
+    }
+    None
+}
+
+/// Where a point appears in a picture whose lines are seen by one row of pixels, at y = ½ of its own line: the line at
+/// whose time the point comes there, found by secants.
+fn line_that_sees(seen_at_row: impl Fn(f64) -> Option<DVec2>) -> Option<DVec2> {
+    const NEAR: f64 = 1e-9;
+    let (mut before, mut line) = (0.0, 1.0);
+    let mut missed_before = seen_at_row(before)?.y - 0.5;
+    for _ in 0..100 {
+        let seen = seen_at_row(line)?;
+        let missed = seen.y - 0.5;
+        if missed.abs() < NEAR {
+            return Some(DVec2::new(seen.x, line + 0.5));
+        }
+        let next = line - missed * (line - before) / (missed - missed_before);
+        if !next.is_finite() {
+            return None;
+        }
+        (before, missed_before, line) = (line, missed, next);
     }
     None
 }
