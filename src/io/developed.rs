@@ -76,9 +76,8 @@ pub fn write_developed(
         }
         PictureFormat::Tiff | PictureFormat::Png | PictureFormat::Jpeg | PictureFormat::Pgm | PictureFormat::Ppm => {
             let names: Vec<&str> = planes.channels().iter().map(|channel| &channel.name[..]).collect();
-            let model = if settings.colour_model.is_shown() { "" } else { settings.colour_model.name() };
-            let description = format!("{model} {} of {}", names.join(", "), space.name());
-            write_float_tiff(&planes, description.trim_start(), aspect, to)
+            let description = format!("{}: {} of {}", settings.colour_model.name(), names.join(", "), space.name());
+            write_float_tiff(&planes, &description, aspect, to)
         }
     }
 }

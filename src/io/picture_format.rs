@@ -58,14 +58,14 @@ impl PictureFormat {
 
     /// What the file holds of a picture that is developed so.
     pub(super) fn numbers(self, settings: &DevelopSettings) -> Numbers {
-        let is_shown = settings.colour_model.is_shown();
-        match self {
-            Self::Png | Self::Jpeg | Self::Pgm | Self::Ppm => Numbers::Codes,
-            Self::Tiff if is_shown && (settings.colour_space != ColourSpace::Xyz || is_grey(settings)) => {
-                Numbers::Codes
-            }
-            Self::Tiff | Self::Exr | Self::Npy if is_shown => Numbers::Linear,
-            Self::Tiff | Self::Exr | Self::Npy => Numbers::Model,
+        match (self, settings.colour_model) {
+            (Self::Png | Self::Jpeg | Self::Pgm | Self::Ppm, _) | (Self::Tiff, ColourModel::Grey) => Numbers::Codes,
+            (Self::Tiff, ColourModel::Rgb) if settings.colour_space != ColourSpace::Xyz => Numbers::Codes,
+            (Self::Tiff | Self::Exr | Self::Npy, ColourModel::Rgb | ColourModel::Grey) => Numbers::Linear,
+            (
+                Self::Tiff | Self::Exr | Self::Npy,
+                ColourModel::EncodedGrey | ColourModel::Hsv | ColourModel::Hsl | ColourModel::Hsi | ColourModel::Lab,
+            ) => Numbers::Model,
         }
     }
 
@@ -80,7 +80,7 @@ impl PictureFormat {
             let message = format!("viewers of such a file would take the numbers of {name} for colours");
             return Err(Invalid::new("colour_model", message).help("write an .exr, .tiff or .npy file"));
         }
-        if numbers == Numbers::Codes && settings.colour_space == ColourSpace::Xyz && !is_grey(settings) {
+        if numbers == Numbers::Codes && settings.colour_space == ColourSpace::Xyz && !settings.colour_model.is_grey() {
             let message = "X and Z of white pass 1, which codes cannot hold";
             return Err(Invalid::new("colour_space", message)
                 .help("write an .exr, .tiff or .npy file, or choose another colour space"));
@@ -115,10 +115,6 @@ impl PictureFormat {
         }
         Ok(())
     }
-}
-
-fn is_grey(settings: &DevelopSettings) -> bool {
-    settings.colour_model == ColourModel::Grey
 }
 
 #[cfg(test)]

@@ -365,7 +365,7 @@ fn every_key_and_value_of_the_schema_develops() {
             // Codes cannot hold X and Z of white, nor hues.
             let extension = match &setting[..] {
                 "colour_space=xyz" | "colour_model=hsv" => "exr",
-                "colour_model=hsl" | "colour_model=hsi" => "npy",
+                "colour_model=hsl" | "colour_model=hsi" | "colour_model=encoded-grey" => "npy",
                 "colour_model=lab" => "tiff",
                 "jpeg_quality=80" => "jpg",
                 _ => "png",

@@ -92,10 +92,18 @@ def grey(tool):
     linear, path = colours(tool)
     luminance = linear @ to_xyz(tool)[1]
     found = develop(tool, path, "colour_model=grey")
+    floats = develop(tool, path, "colour_model=encoded-grey")
     png = develop(tool, path, "colour_model=grey", "bits=16", output="grey.png")
     coded = cv2.imread(str(png), cv2.IMREAD_UNCHANGED) / 65535
     return [
         Figure("linear Y in NPY, largest difference", largest(found, luminance), 0, EXACT, "colour-science"),
+        Figure(
+            "encoded Y in NPY, largest difference",
+            largest(floats, colour.models.eotf_inverse_sRGB(luminance)),
+            0,
+            EXACT,
+            "colour-science",
+        ),
         # Codes of 16 bits, half a code.
         Figure(
             "encoded Y in PNG, largest difference",

@@ -241,7 +241,9 @@ ROWS = [
         integer_gaussian,
     ),
     Row("Gaussian filter", "I_G = I ∗ G", "photosite develop PICTURE --set develop.noise_filter=gaussian", gaussian),
-    Row("Separability", "I ∗ G = (I ∗ g_x) ∗ g_y", "photosite develop PICTURE --set develop.kernel=[[…]]", separability),
+    Row(
+        "Separability", "I ∗ G = (I ∗ g_x) ∗ g_y", "photosite develop PICTURE --set develop.kernel=[[…]]", separability
+    ),
     Row("Mean filter", "A = 1/m² · 1, σ' = σ/m", "photosite develop PICTURE --set develop.noise_filter=mean", mean),
     Row(
         "Median filter and salt and pepper",

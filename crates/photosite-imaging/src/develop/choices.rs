@@ -149,6 +149,9 @@ pub enum ColourModel {
     Rgb,
     /// Luminance Y of the colour space, 1 for white.
     Grey,
+    /// Luminance Y as the tone curve encodes it, clipped to 0–1: floats where "grey" is linear, in EXR, TIFF and NPY
+    /// files; in others the same as "grey".
+    EncodedGrey,
     /// Hue in degrees, saturation and value = max(R, G, B) of the encoded components, clipped to 0–1.
     Hsv,
     /// Hue in degrees, saturation and lightness = (max + min)/2 of the encoded components, clipped to 0–1.
@@ -212,8 +215,16 @@ impl ColourModel {
     /// Whether codes hold its numbers, and viewers show them as colours.
     pub fn is_shown(self) -> bool {
         match self {
-            Self::Rgb | Self::Grey => true,
+            Self::Rgb | Self::Grey | Self::EncodedGrey => true,
             Self::Hsv | Self::Hsl | Self::Hsi | Self::Lab => false,
+        }
+    }
+
+    /// Whether it has one number a pixel.
+    pub fn is_grey(self) -> bool {
+        match self {
+            Self::Grey | Self::EncodedGrey => true,
+            Self::Rgb | Self::Hsv | Self::Hsl | Self::Hsi | Self::Lab => false,
         }
     }
 
@@ -222,6 +233,7 @@ impl ColourModel {
         match self {
             Self::Rgb => "RGB",
             Self::Grey => "grey",
+            Self::EncodedGrey => "encoded grey",
             Self::Hsv => "HSV",
             Self::Hsl => "HSL",
             Self::Hsi => "HSI",

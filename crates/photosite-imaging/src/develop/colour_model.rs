@@ -23,11 +23,15 @@ pub(super) fn luminance(picture: &Planes, space: ColourSpace) -> Vec<f32> {
 
 /// Turns linear planes into a plane of their luminance, if the settings ask for grey.
 pub(super) fn to_grey(picture: Planes, settings: &DevelopSettings) -> Planes {
-    if settings.colour_model != ColourModel::Grey || picture.channels().len() == 1 {
+    if !settings.colour_model.is_grey() || picture.channels().len() == 1 {
         return picture;
     }
-    let data = luminance(&picture, settings.colour_space);
-    let channel = Channel { name: "Y".to_owned(), data };
+    grey(&picture, "Y", luminance(&picture, settings.colour_space))
+}
+
+/// One plane of the size of a picture.
+fn grey(picture: &Planes, name: &str, data: Vec<f32>) -> Planes {
+    let channel = Channel { name: name.to_owned(), data };
     Planes::new(picture.width(), picture.height(), vec![channel]).expect("a plane keeps its size")
 }
 
@@ -36,9 +40,14 @@ pub(super) fn to_grey(picture: Planes, settings: &DevelopSettings) -> Planes {
 pub fn in_model(picture: Planes, settings: &DevelopSettings) -> Planes {
     let space = settings.colour_space;
     let transfer = settings.transfer();
-    let encoded = |linear: DVec3| linear.to_array().map(|v| encoded(v, transfer)).into();
+    let encoded = |linear: DVec3| linear.to_array().map(|v| code(v, transfer)).into();
     match settings.colour_model {
         ColourModel::Rgb | ColourModel::Grey => picture,
+        ColourModel::EncodedGrey => {
+            let mut data = luminance(&picture, space);
+            data.par_iter_mut().for_each(|value| *value = code(f64::from(*value), transfer) as f32);
+            grey(&picture, "Y'", data)
+        }
         ColourModel::Hsv => converted(picture, ["H", "S", "V"], |linear| hue::rgb_to_hsv(encoded(linear))),
         ColourModel::Hsl => converted(picture, ["H", "S", "L"], |linear| hue::rgb_to_hsl(encoded(linear))),
         ColourModel::Hsi => converted(picture, ["H", "S", "I"], |linear| hue::rgb_to_hsi(encoded(linear))),
@@ -56,7 +65,7 @@ pub fn in_model(picture: Planes, settings: &DevelopSettings) -> Planes {
 }
 
 /// As codes hold it, but for rounding.
-fn encoded(linear: f64, transfer: Transfer) -> f64 {
+fn code(linear: f64, transfer: Transfer) -> f64 {
     // Not-a-number is black, too.
     transfer.encode_exactly(if linear > 0.0 { linear.min(1.0) } else { 0.0 })
 }
@@ -123,6 +132,11 @@ mod tests {
     fn grey_is_luminance_and_a_grey_picture_has_every_model() {
         let grey = to_grey(picture([0.0, 1.0, 0.0]), &model(ColourModel::Grey));
         assert!((numbers(&grey)[0].1 - 0.715_2).abs() < 1e-4);
+        let half = in_model(
+            to_grey(picture([0.214_041_14; 3]), &model(ColourModel::EncodedGrey)),
+            &model(ColourModel::EncodedGrey),
+        );
+        assert!(numbers(&half).len() == 1 && (numbers(&half)[0].1 - 0.5).abs() < 1e-6, "{half:?}");
         for (colour_space, colour_model) in [
             (ColourSpace::Srgb, ColourModel::Lab),
             (ColourSpace::Xyz, ColourModel::Lab),
