@@ -59,7 +59,7 @@ def hole(tool):
 
 def diffraction(tool):
     """Of the spot, what lies within the first dark ring of the diffraction alone."""
-    overrides = ["lens.diameter_mm=0.1", "sensor.resolution_px=[512, 512]"]
+    overrides = ["lens.diameter_mm=0.1", "sensor.resolution_px=[512, 512]", "render.samples_per_pixel=256"]
     plain, _ = electrons(tool, tool.render("hole.toml", "plain", *overrides))
     spread, noise = electrons(tool, tool.render("hole.toml", "spread", *overrides, "lens.psf.kind=airy"))
     from PIL import Image
