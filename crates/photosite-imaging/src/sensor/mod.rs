@@ -15,6 +15,7 @@ mod band_light;
 mod chain;
 mod exposure;
 mod model;
+mod picture_light;
 mod prediction;
 pub mod presets;
 mod signal;
@@ -35,6 +36,7 @@ pub use model::{
     SensorModel, Shutter, ShutterDescription, ShutterKind, Spad, SpadDescription, SpectrumSource, TelegraphDescription,
     TelegraphSignal,
 };
+pub use picture_light::{PictureElectrons, PictureUnit, picture_electrons};
 pub use prediction::{Neighbours, noise_ratio, samples_needed, smoothed_mean};
 pub use signal::effects::{MapUnit, NoiseMap, Stage, Stages};
 pub use signal::noise_key::NoiseKey;
