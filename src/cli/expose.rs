@@ -8,6 +8,7 @@ use photosite::report::REPORT;
 use photosite::sensor::PictureUnit;
 use photosite::{Error, Result, Sandbox};
 
+use super::arguments::positive;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
@@ -31,7 +32,7 @@ pub(super) struct ExposeArgs {
     #[arg(long, value_enum)]
     unit: Option<Unit>,
     /// How much of the unit a number of 1 is, or white where the file has whole numbers.
-    #[arg(long, value_name = "X", requires = "unit", default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", requires = "unit", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
     one: f64,
     /// Wavelength of an irradiance.
     #[arg(long, value_name = "NM", requires = "unit", required_if_eq("unit", "irradiance"))]

@@ -10,6 +10,7 @@ use photosite::io::output::Sink;
 use photosite::raw::Pixels;
 use photosite::{Error, Result};
 
+use super::arguments::positive;
 use super::log::say;
 use super::noise_add::{self, NoiseAddArgs};
 use super::print::{print_json, println_out, refuse_existing, write_result};
@@ -135,8 +136,4 @@ fn rectangle(text: &str) -> Result<[usize; 4], String> {
     numbers
         .and_then(|n| <[usize; 4]>::try_from(n).ok())
         .ok_or_else(|| "write left, top, width and height, for example 100,100,64,64".to_owned())
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "write a number above 0".to_owned())
 }

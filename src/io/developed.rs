@@ -246,7 +246,7 @@ where
     image.write_data(codes)
 }
 
-fn tiff_error(error: TiffError) -> io::Error {
+pub(super) fn tiff_error(error: TiffError) -> io::Error {
     let TiffError::IoError(error) = error else { return io::Error::other(error) };
     error
 }

@@ -12,11 +12,12 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use png::{BitDepth, ColorType};
+use tiff::TiffResult;
 use tiff::encoder::colortype::{self, ColorType as TiffColourType};
 use tiff::encoder::{ImageEncoder, TiffEncoder, TiffKindStandard, TiffValue};
 use tiff::tags::Tag;
-use tiff::{TiffError, TiffResult};
 
+use super::developed::tiff_error;
 use super::exr::{Attribute, write_exr};
 use super::npy::write_planes;
 use super::output::Sink;
@@ -220,11 +221,6 @@ where
     image.write_data(numbers)
 }
 
-fn tiff_error(error: TiffError) -> io::Error {
-    let TiffError::IoError(error) = error else { return io::Error::other(error) };
-    error
-}
-
 fn write_pnm(picture: &NumberPicture, to: &mut dyn Sink) -> io::Result<()> {
     let kind = if picture.planes.channels().len() == 1 { "P5" } else { "P6" };
     let [width, height] = picture.size()?;
@@ -275,10 +271,11 @@ mod tests {
                     }
                     write_whole(&path, |to| write_numbers(&picture, format, to)).expect("written");
                     let found = read_picture_file(&path, Pixels::Active).expect("read");
-                    let data = |planes: &Planes| -> Vec<Vec<f32>> {
-                        planes.channels().iter().map(|c| c.data.clone()).collect()
-                    };
-                    assert_eq!(data(&found.mean), data(&picture.planes), "{names:?} to {largest:?} as {extension}");
+                    for (i, channel) in picture.planes.channels().iter().enumerate() {
+                        // Readers call grey of 16 bits otherwise, and EXR sorts by name.
+                        let found = found.mean.plane(&channel.name).unwrap_or(&found.mean.channels()[i].data);
+                        assert_eq!(found, channel.data, "{names:?} to {largest:?} as {extension}");
+                    }
                     if format.holds_whole_numbers() && extension != "npy" {
                         assert_eq!(found.full_scale, largest.map(f64::from), "{extension}");
                     }

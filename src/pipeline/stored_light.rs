@@ -24,10 +24,9 @@ impl StoredLight {
     pub(super) fn read(path: &Path) -> Result<Self> {
         let at = |invalid: Invalid| invalid.in_file(path);
         let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
-        let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
         let picture = read_exr(BufReader::new(file)).map_err(|invalid| {
-            let of_others = Invalid::new("", "does not say what its numbers are on the sensor");
-            at(if is_exr { invalid } else { of_others.help(Remedy::LightUnit) })
+            let says_nothing = Invalid::new("", "does not say what its numbers are on the sensor");
+            at(if is_picture(path) { says_nothing.help(Remedy::LightUnit) } else { invalid })
         })?;
         if picture.text("spectralLayoutVersion").is_some() {
             return Ok(Self::Irradiance { path: path.to_owned(), bands: irradiance(picture).map_err(at)? });
@@ -75,4 +74,10 @@ impl StoredLight {
             }
         }
     }
+}
+
+/// Whether a file is a picture of a kind that says nothing of units.
+fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    ["png", "tif", "tiff", "jpg", "jpeg", "pgm", "ppm", "pnm", "npy"].contains(&extension.as_str())
 }

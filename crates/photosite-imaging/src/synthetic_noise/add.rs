@@ -3,8 +3,8 @@
 use rand::RngExt;
 use rayon::prelude::*;
 
-use photosite_core::Invalid;
 use photosite_core::image::{Channel, Planes};
+use photosite_core::{Invalid, Remedy};
 
 use super::description::{Channels, Levels, SymmetricNoise, SyntheticNoise};
 use super::distributions::{Symmetric, speckle};
@@ -34,7 +34,7 @@ pub fn add_noise(
     let white = || {
         scale.white.ok_or_else(|| {
             let message = "is not given, and floating-point numbers do not say what white is";
-            Invalid::new("full_scale", message).help("for example full_scale = 1.0")
+            Invalid::new("full_scale", message).help(Remedy::Example("full_scale=1".to_owned()))
         })
     };
     let unit = match noise.levels {
