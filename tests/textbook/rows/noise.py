@@ -309,8 +309,8 @@ def kinds(tool):
         ("multiplicative", ["gaussian.sigma=0.2", "gaussian.multiplicative=true"]),
         ("speckle, C = 1/2", ["speckle.contrast=0.5"]),
         ("salt and pepper", ["salt_and_pepper.part=0.08", "full_scale=255"]),
-        ("film grain, ℓ = 2 px", ["film_grain.factor=2", "film_grain.exponent=0.5", "film_grain.correlation_px=2"]),
-        ("film grain, ℓ = 0", ["film_grain.factor=2", "film_grain.exponent=0.5", "film_grain.correlation_px=0"]),
+        ("film grain, length 2 px", ["film_grain.factor=2", "film_grain.exponent=0.5", "film_grain.correlation_px=2"]),
+        ("film grain, length 0", ["film_grain.factor=2", "film_grain.exponent=0.5", "film_grain.correlation_px=0"]),
     ]
     sheet = Image.new("L", (4 * 184, 2 * 104), 255)
     draw = ImageDraw.Draw(sheet)

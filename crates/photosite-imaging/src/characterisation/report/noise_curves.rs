@@ -7,8 +7,8 @@ use super::plot::{Plot, digits};
 use crate::characterisation::Histogram;
 use crate::characterisation::noise::{Autocovariance, NoiseEstimate, SigmaDistribution};
 
-/// Bins of a histogram.
-const BINS: usize = 64;
+/// Most bins of a histogram; of few numbers it has 2·∛n.
+const MOST_BINS: f64 = 64.0;
 /// Points of an expected curve.
 const POINTS: u32 = 200;
 
@@ -49,8 +49,9 @@ fn distance(sigmas: &SigmaDistribution) -> String {
 /// A histogram of standard deviations beside the expected density.
 fn distribution(title: &'static str, caption: String, sigmas: &SigmaDistribution, counted: &str, unit: &str) -> Plot {
     let (low, high) = (sigmas.smallest, sigmas.largest);
-    let width = if high > low { (high - low) / BINS as f64 } else { 1.0 };
-    let histogram = Histogram::new(&sigmas.sorted, width, BINS);
+    let bins = (2.0 * (sigmas.count as f64).cbrt()).ceil().min(MOST_BINS);
+    let width = if high > low { (high - low) / bins } else { 1.0 };
+    let histogram = Histogram::new(&sigmas.sorted, width, bins as usize);
     let half = 0.5 * histogram.width;
     let steps = histogram.bins().flat_map(|(x, count)| [(x - half, count as f64), (x + half, count as f64)]);
     let scale = sigmas.count as f64 * histogram.width;
