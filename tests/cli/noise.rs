@@ -64,7 +64,7 @@ fn sigma_maps_pages_and_plots_are_written_on_request() {
     for words in ["Standard deviations of the pixels", "Autocovariance", "of the noisiest pixel", "<svg"] {
         assert!(page.contains(words), "{words}");
     }
-    for name in ["sigma-map", "neighbourhoods", "autocovariance"] {
+    for name in ["sigma-map", "neighbourhoods", "autocovariance", "correlation"] {
         let plot = image::open(folder.path(&format!("plots/raw-{name}.png"))).expect("a picture");
         assert_eq!((plot.width(), plot.height()), (720, 480));
     }

@@ -24,12 +24,12 @@ impl Neighbourhoods {
     /// Of squares of `side` × `side` pixels; what is left at the right and at the bottom does not count. `None` where
     /// there is not one square.
     pub(super) fn new(patches: &[Patch], side: usize, known_variance: Option<f64>) -> Option<Self> {
-        let squares: Vec<Patch> = patches.iter().flat_map(|patch| patch.squares(side)).collect();
-        if squares.is_empty() {
+        let squares = patches.iter().flat_map(|patch| patch.squares(side));
+        let fits: Vec<Variance> = squares.map(|square| PlaneFit::new(&square, None).0.noise).collect();
+        if fits.is_empty() {
             return None;
         }
         let freedom = (side * side - 3) as f64;
-        let fits: Vec<Variance> = squares.iter().map(|square| PlaneFit::new(square, None).0.noise).collect();
         let total = freedom * fits.iter().map(|noise| noise.variance).sum::<f64>();
         let all = freedom * fits.len() as f64;
         let noise = Variance::of(total, all);

@@ -1,6 +1,6 @@
 //! Plots of estimates of noise.
 
-use plotters::prelude::SeriesLabelPosition;
+use plotters::prelude::{RGBColor, SeriesLabelPosition};
 
 use super::chart::{Axis, BLUE, Chart, Curve, GREEN, GREY, Mark, ORANGE};
 use super::plot::{Plot, digits};
@@ -9,6 +9,8 @@ use crate::characterisation::noise::{Autocovariance, NoiseEstimate, SigmaDistrib
 
 /// Most bins of a histogram; of few numbers it has 2·∛n.
 const MOST_BINS: f64 = 64.0;
+/// Colours of curves that belong together.
+const FAMILY: [RGBColor; 4] = [BLUE, ORANGE, GREEN, GREY];
 /// Points of an expected curve.
 const POINTS: u32 = 200;
 
@@ -38,6 +40,7 @@ pub(super) fn plots(estimate: &NoiseEstimate, unit: &str) -> Vec<(&'static str, 
         plots.push(("neighbourhoods", distribution(title, caption, &neighbourhoods.sigmas, "squares", unit)));
     }
     plots.extend(autocovariance(&estimate.autocovariance, unit).map(|plot| ("autocovariance", plot)));
+    plots.extend(both_ways(&estimate.autocovariance).map(|plot| ("correlation", plot)));
     plots
 }
 
@@ -105,6 +108,33 @@ fn autocovariance(found: &Autocovariance, unit: &str) -> Option<Plot> {
                 Curve::new("", Mark::Points, ORANGE, columns.clone()),
                 Curve::new("along columns", Mark::Line, ORANGE, columns),
             ],
+            legend: SeriesLabelPosition::UpperRight,
+        },
+    })
+}
+
+/// Correlation over distances along both, a curve for each distance along columns; `None` where there is but one.
+fn both_ways(found: &Autocovariance) -> Option<Plot> {
+    let variance = found.along_rows[0];
+    if found.along_rows.len() < 2 || found.along_columns.len() < 2 || variance <= 0.0 {
+        return None;
+    }
+    let curve = |(rows, covariances): (usize, &Vec<f64>)| {
+        let points = covariances.iter().enumerate().map(|(columns, c)| (columns as f64, c / variance)).collect();
+        let mark = if rows < FAMILY.len() { Mark::Line } else { Mark::Dashes };
+        Curve::new(format!("{rows} rows apart"), mark, FAMILY[rows % FAMILY.len()], points)
+    };
+    Some(Plot {
+        title: "Correlation both ways",
+        caption: format!(
+            "Autocovariance C(Δr, Δc) over C(0, 0). From the product of the correlations along rows and along columns it \
+             differs by {} at most.",
+            digits(found.inseparability, 2)
+        ),
+        chart: Chart {
+            x: Axis::linear("distance along rows in pixels"),
+            y: Axis::linear("correlation"),
+            curves: found.covariances.iter().enumerate().take(2 * FAMILY.len()).map(curve).collect(),
             legend: SeriesLabelPosition::UpperRight,
         },
     })

@@ -192,7 +192,7 @@ impl Noise {
         Ok(Self {
             read: electrons("read_noise_e", d.read_noise_e)?,
             read_degrees_of_freedom: d.read_noise_degrees_of_freedom,
-            read_spread: ratio("read_noise_spread_percent", d.read_noise_spread_percent)?,
+            read_spread: read_spread(d.read_noise_spread_percent)?,
             dark_current_e_per_s: not_negative("dark_current_e_per_s", d.dark_current_e_per_s)?,
             dark_current_reference: reference,
             dark_current_law: DarkCurrentLaw::new(d, has_dark_current)?,
@@ -252,6 +252,15 @@ impl DarkCurrentLaw {
             DarkCurrentLawName::Arrhenius => Ok(Self::Arrhenius { band_gap_ev: band_gap? }),
         }
     }
+}
+
+/// A spread of more than ten times the mean is a slip of the pen, and its rare pixels would hold all of the noise.
+fn read_spread(percent: f64) -> Result<f64, Invalid> {
+    if (0.0..=1000.0).contains(&percent) {
+        return Ok(percent / 100.0);
+    }
+    Err(Invalid::new("read_noise_spread_percent", format!("must lie from 0 to 1000, got {percent}"))
+        .help("write 0 where all pixels have the same read noise"))
 }
 
 fn ratio(key: &str, percent: f64) -> Result<f64, Invalid> {
