@@ -178,11 +178,36 @@ def rounding(tool):
 
 
 ROWS = [
-    Row("Several pictures: EST_NOISE", "σ(i, j)² = Σ_k (E_k − Ē)²/(N − 1), σ̄ and max σ", "photosite noise a.png b.png …", several),
-    Row("σ map", "(N − 1)·σ̂²/σ² follows χ² of N − 1", "photosite noise a.png b.png … --sigma-map s.exr", sigma_map, "noise-sigma-map.png"),
+    Row(
+        "Several pictures: EST_NOISE",
+        "σ(i, j)² = Σ_k (E_k − Ē)²/(N − 1), σ̄ and max σ",
+        "photosite noise a.png b.png …",
+        several,
+    ),
+    Row(
+        "σ map",
+        "(N − 1)·σ̂²/σ² follows χ² of N − 1",
+        "photosite noise a.png b.png … --sigma-map s.exr",
+        sigma_map,
+        "noise-sigma-map.png",
+    ),
     Row("One patch, a plane", "σ² = Σr²/(n − 3), χ² = Σr²/σ₀²", "photosite noise a.png --sigma 4.65", one_patch),
-    Row("Many neighbourhoods", "a plane each, k·σ̂²/σ² follows χ² of k = s² − 3", "photosite noise a.png --square 8", neighbourhoods, "noise-neighbourhoods.png"),
-    Row("AUTO_COVARIANCE", "C(r, c) = ⟨e(i, j)·e(i + r, j + c)⟩", "photosite noise a.png b.png … --lags 6 --plots plots", autocovariance, "noise-autocovariance.png"),
-    Row("Signal over noise", "σ_s/σ_n in 10·log₁₀ and 20·log₁₀, μ/σ_n", "photosite noise a.png b.png …", signal_to_noise),
+    Row(
+        "Many neighbourhoods",
+        "a plane each, k·σ̂²/σ² follows χ² of k = s² − 3",
+        "photosite noise a.png --square 8",
+        neighbourhoods,
+        "noise-neighbourhoods.png",
+    ),
+    Row(
+        "AUTO_COVARIANCE",
+        "C(r, c) = ⟨e(i, j)·e(i + r, j + c)⟩",
+        "photosite noise a.png b.png … --lags 6 --plots plots",
+        autocovariance,
+        "noise-autocovariance.png",
+    ),
+    Row(
+        "Signal over noise", "σ_s/σ_n in 10·log₁₀ and 20·log₁₀, μ/σ_n", "photosite noise a.png b.png …", signal_to_noise
+    ),
     Row("Rounding", "q²/12 of the variance", "photosite noise a.png b.png …", rounding),
 ]

@@ -5,6 +5,7 @@ Tolerances are 5 standard errors of the figure, derived beside each.
 
 import math
 
+import colour
 import numpy as np
 from PIL import Image, ImageDraw
 from scipy import stats
@@ -50,7 +51,9 @@ def additive(kind):
         figures = [
             Figure("mean", found.mean(), 100, 5 * 4 / math.sqrt(COUNT), "NumPy"),
             Figure("standard deviation", found.std(ddof=1), 4, error_of_sigma(4, moments[0]), "NumPy"),
-            Figure("kurtosis", stats.kurtosis(found.ravel(), fisher=False), moments[0], error_of_kurtosis(moments), "SciPy"),
+            Figure(
+                "kurtosis", stats.kurtosis(found.ravel(), fisher=False), moments[0], error_of_kurtosis(moments), "SciPy"
+            ),
         ]
         if kind == "uniform":
             # The largest of N numbers lies 2·√3·σ/N below the end on average.
@@ -181,7 +184,9 @@ def channels(tool):
     for way, expected in (("independent", 0), ("common", 1)):
         found = add(tool, picture, f"channels={way}", "gaussian.sigma=4")
         r, g = found[..., 0].ravel(), found[..., 1].ravel()
-        figures.append(Figure(f"correlation of R and G, {way}", np.corrcoef(r, g)[0, 1], expected, 5 / math.sqrt(COUNT), "NumPy"))
+        figures.append(
+            Figure(f"correlation of R and G, {way}", np.corrcoef(r, g)[0, 1], expected, 5 / math.sqrt(COUNT), "NumPy")
+        )
     return figures
 
 
@@ -234,6 +239,25 @@ def whole_sensor(tool):
     ]
 
 
+def lux(tool):
+    """A picture of an illuminance of D65 on a sensor that sees 400 to 700 nm."""
+    illuminance, time = 2.0, 0.01
+    (tool.scratch / "qe.csv").write_text("wavelength_nm,value\n300,0\n399,0\n400,0.6\n700,0.6\n701,0\n1100,0\n")
+    efficiency = 'sensor.channels.Y.quantum_efficiency={ file = "qe.csv" }'
+    found = expose(tool, sensor_even(1), efficiency, f"exposure.time_s={time}", unit=("lux",), one=illuminance)[0]
+    every_nm = colour.SpectralShape(360, 830, 1)
+    daylight = colour.SDS_ILLUMINANTS["D65"].copy().align(every_nm)
+    eye = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(every_nm).values[:, 1]
+    irradiance = daylight.values * illuminance / (683 * (daylight.values * eye).sum())
+    planck, light = 6.62607015e-34, 299792458.0
+    seen = (daylight.wavelengths >= 400) & (daylight.wavelengths <= 700)
+    rate = (irradiance * 0.6 * seen * (5e-6) ** 2 * daylight.wavelengths * 1e-9 / (planck * light)).sum()
+    expected = rate * time
+    # Between the 5 nm of the tables both interpolate, in their own way: 0.1 %.
+    within = 5 * math.sqrt(expected / SENSOR_COUNT) + 1e-3 * expected
+    return [Figure("mean, e⁻", found.mean(), expected, within, "colour-science")]
+
+
 def own_read_noise(tool):
     read, spread, frames = 20.0, 0.5, 24
     found = expose(
@@ -247,7 +271,9 @@ def own_read_noise(tool):
     mean = 2 * math.log(read) - 2 * t2 + float(stats.loggamma(half).mean()) - math.log(half)
     return [
         Figure("mean of ln σ̂²", logarithms.mean(), mean, 5 * math.sqrt(variance / SENSOR_COUNT), "SciPy"),
-        Figure("variance of ln σ̂²", logarithms.var(), variance, 5 * variance * math.sqrt(2 / SENSOR_COUNT) + 0.01, "SciPy"),
+        Figure(
+            "variance of ln σ̂²", logarithms.var(), variance, 5 * variance * math.sqrt(2 / SENSOR_COUNT) + 0.01, "SciPy"
+        ),
     ]
 
 
@@ -332,21 +358,62 @@ COMMAND = "photosite noise add f.png -o g.png --set "
 EXPOSE = "photosite expose light.npy --unit electrons --set sensor.preset=plain-sensor.toml "
 ROWS = [
     Row("Additive, Gaussian", "g = f + n, kurtosis 3", COMMAND + "gaussian.sigma=4", gaussian, "noise-kinds.png"),
-    Row("Additive, Laplacian", "p(n) = exp(−√2·|n|/σ)/(√2·σ), kurtosis 6", COMMAND + "laplacian.sigma=4", additive("laplacian")),
+    Row(
+        "Additive, Laplacian",
+        "p(n) = exp(−√2·|n|/σ)/(√2·σ), kurtosis 6",
+        COMMAND + "laplacian.sigma=4",
+        additive("laplacian"),
+    ),
     Row("Additive, uniform", "|n| ≤ √3·σ, kurtosis 9/5", COMMAND + "uniform.sigma=4", additive("uniform")),
     Row("Multiplicative", "g = f·(1 + n), σ_g = σ·f", COMMAND + "gaussian.multiplicative=true", multiplicative),
-    Row("Salt and pepper", "g = white or black with the probability p", COMMAND + "salt_and_pepper.part=0.1", salt_and_pepper),
+    Row(
+        "Salt and pepper",
+        "g = white or black with the probability p",
+        COMMAND + "salt_and_pepper.part=0.1",
+        salt_and_pepper,
+    ),
     Row("Speckle", "g = f·s, σ_g² = C²·f²", COMMAND + "speckle.contrast=0.5", speckle),
-    Row("Film grain", "g = f + c·f^γ·n, σ_g² = c²·f^(2γ), ρ = exp(−d²/(2ℓ²))", COMMAND + "film_grain.factor=0.8", film_grain),
+    Row(
+        "Film grain",
+        "g = f + c·f^γ·n, σ_g² = c²·f^(2γ), ρ = exp(−d²/(2ℓ²))",
+        COMMAND + "film_grain.factor=0.8",
+        film_grain,
+    ),
     Row("σ of each pixel", "g = f + σ(x, y)·n", COMMAND + "sigma_map.file=sigma.npy", sigma_map),
     Row("Codes of 8 bits", "g rounded, 0 ≤ g ≤ 255", COMMAND + "laplacian.sigma=20", codes),
     Row("On codes, on linear light", "σ of g, σ of decoded g", COMMAND + "gaussian.sigma=0.04 --linear", linear_light),
     Row("Colour channels", "ρ(n_R, n_G) = 0 or 1", COMMAND + "channels=common", channels),
     Row("Photon noise", "σ² = μ", EXPOSE, shot_noise),
-    Row("A picture on a whole sensor", "μ = η·E·A·t·λ/(hc), σ² = μ + σ_r² + q²/12", "photosite expose light.npy --unit irradiance", whole_sensor),
-    Row("Read noise of each pixel", "σ_i = σ·exp(t·n − t²), ⟨σ_i²⟩ = σ²", EXPOSE + "--set sensor.noise.read_noise_spread_percent=50", own_read_noise),
-    Row("Dark current", "μ_d = I·t·2^(ΔT/8 K), σ² = μ_d", EXPOSE + "--set sensor.noise.dark_current_e_per_s=200", dark_current),
-    Row("Fixed patterns", "PRNU: σ ∝ μ; DSNU: σ without light", EXPOSE + "--set sensor.noise.prnu_percent=2", fixed_patterns),
+    Row(
+        "A picture on a whole sensor",
+        "μ = η·E·A·t·λ/(hc), σ² = μ + σ_r² + q²/12",
+        "photosite expose light.npy --unit irradiance",
+        whole_sensor,
+    ),
+    Row(
+        "A picture of an illuminance",
+        "E_v = 683·∫V·E dλ, μ = ∫η·E·A·t·λ/(hc) dλ",
+        "photosite expose light.npy --unit lux",
+        lux,
+    ),
+    Row(
+        "Read noise of each pixel",
+        "σ_i = σ·exp(t·n − t²), ⟨σ_i²⟩ = σ²",
+        EXPOSE + "--set sensor.noise.read_noise_spread_percent=50",
+        own_read_noise,
+    ),
+    Row(
+        "Dark current",
+        "μ_d = I·t·2^(ΔT/8 K), σ² = μ_d",
+        EXPOSE + "--set sensor.noise.dark_current_e_per_s=200",
+        dark_current,
+    ),
+    Row(
+        "Fixed patterns",
+        "PRNU: σ ∝ μ; DSNU: σ without light",
+        EXPOSE + "--set sensor.noise.prnu_percent=2",
+        fixed_patterns,
+    ),
     Row("Reset noise", "σ = √(kTC)/e", EXPOSE + "--set sensor.noise.reset.capacitance_ff=5", reset_noise),
     Row("Quantisation", "σ² = q²/12", EXPOSE, quantisation),
 ]
