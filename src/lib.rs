@@ -33,7 +33,7 @@
 //! | crate | holds | sees |
 //! |---|---|---|
 //! | `photosite-simd` | lanes of numbers; the only `unsafe` code | – |
-//! | `photosite-core` | [`units`], [`math`], [`spectrum`], [`colour`], [`image`], [`projection`], errors | simd |
+//! | `photosite-core` | [`units`], [`math`], [`spectrum`], [`colour`], [`image`], [`projection`], [`cells`], errors | simd |
 //! | `photosite-transport` | [`geometry`] … [`integrator`]: light from its sources to the sensor | simd, core |
 //! | `photosite-imaging` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`], [`synthetic_noise`] | core |
 //! | `photosite-scene-io` | glTF, OBJ, environments, IES | core, transport |
@@ -47,7 +47,8 @@
 //!
 //! - SI units inside the program, wavelengths in nanometres. Keys in files carry their unit (`focal_length_mm`).
 //! - World: metres, right-handed, +Y up; a camera looks along −Z of its node (glTF).
-//! - Pixels: continuous coordinates from the top-left corner; pixel (i, j) covers [i, i+1) × [j, j+1).
+//! - Pixels: continuous coordinates from the top-left corner; pixel (i, j) covers [i, i+1) × [j, j+1), unless they are
+//!   [`cells::CellShape::Hexagonal`].
 //! - Directions: `wo` is known, `wi` is sampled, both point away from the surface; a BSDF's `f` has no cosine.
 //! - The same input and seed give the same bytes on any number of threads: every pixel is summed by one thread, in
 //!   the order of its samples, and random numbers are keyed by what they are for, never drawn from shared state.
@@ -67,7 +68,7 @@ pub mod report;
 pub use capture::Capture;
 pub use photosite_calibration as calibration;
 pub use photosite_core::{Error, Help, Invalid, Remedy, Result, Sandbox};
-pub use photosite_core::{colour, error, image, math, memory, projection, references, spectrum, units};
+pub use photosite_core::{cells, colour, error, image, math, memory, projection, references, spectrum, units};
 pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, synthetic_noise, validation};
 pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};
 pub use picture::Picture;

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::Result;
 use crate::develop::{DevelopSettings, Development, EncodedPicture, develop_linear, encode};
 use crate::image::Planes;
-use crate::io::developed::{PictureFormat, write_encoded, write_linear};
+use crate::io::developed::{PictureFormat, write_developed};
 use crate::io::output::write_whole;
 use crate::raw::RawImage;
 
@@ -37,8 +37,8 @@ impl Picture {
         EncodedPicture { pixel_aspect: self.development.pixel_aspect, ..encoded }
     }
 
-    /// Writes it in the format that the extension asks for: .png, .tiff, .jpg, .ppm, .pgm (grey alone), or .exr, which
-    /// holds linear light. The file appears whole or not at all; an older one is replaced.
+    /// Writes it in the format that the extension asks for: .png, .tiff, .jpg, .ppm, .pgm (grey alone), or .exr and
+    /// .npy, which hold linear light. The file appears whole or not at all; an older one is replaced.
     ///
     /// # Errors
     ///
@@ -50,18 +50,6 @@ impl Picture {
         format.check(&self.settings).map_err(|invalid| invalid.within("develop").in_file(path))?;
         format.check_picture(&self.linear).map_err(|invalid| invalid.in_file(path))?;
         let aspect = self.development.pixel_aspect;
-        match format {
-            PictureFormat::Exr => {
-                write_whole(path, |to| write_linear(&self.linear, self.settings.colour_space, aspect, to))
-            }
-            PictureFormat::Png
-            | PictureFormat::Tiff
-            | PictureFormat::Jpeg
-            | PictureFormat::Pgm
-            | PictureFormat::Ppm => {
-                let encoded = self.encoded();
-                write_whole(path, |to| write_encoded(&encoded, format, to))
-            }
-        }
+        write_whole(path, |to| write_developed(self.linear.clone(), &self.settings, aspect, format, to))
     }
 }

@@ -1,8 +1,10 @@
-//! Pictures that are measured and compared, with what they say of their colours. The first byte says which kind the
-//! file's name says.
+//! Pictures that are measured, compared and developed, with what they say of their colours. The first byte says which
+//! kind the file's name says.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use photosite::develop::{DevelopSettings, develop_picture};
+use photosite::io::developable::{Developable, read_developable};
 use photosite::io::linear_picture::read_linear_picture;
 use photosite::raw::Pixels;
 use photosite_fuzz::written;
@@ -12,6 +14,13 @@ const KINDS: [&str; 6] = ["png", "tiff", "jpg", "exr", "ppm", "dng"];
 fuzz_target!(|data: &[u8]| {
     if let [kind, file @ ..] = data {
         let kind = KINDS[usize::from(*kind) % KINDS.len()];
-        let _ = read_linear_picture(&written(&format!("picture.{kind}"), file), false, Pixels::Active);
+        let path = written(&format!("picture.{kind}"), file);
+        let _ = read_linear_picture(&path, false, Pixels::Active);
+        // Large pictures take their time.
+        if let Ok(Developable::Light(light)) = read_developable(&path)
+            && light.planes.width() * light.planes.height() <= 4096
+        {
+            let _ = develop_picture(light.planes, light.pixel_aspect, &DevelopSettings::default());
+        }
     }
 });

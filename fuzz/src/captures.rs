@@ -154,12 +154,13 @@ fn lay_over(below: &mut Table, above: &Table) {
     }
 }
 
-/// Lays a capture over that of `files/capture.toml`, and renders what can be read: 8 × 8 pixels, one sample each. A raw
+/// Lays a capture over that of `files/capture.toml`, and renders what can be read: 8 × 8 pixels, one sample each, developed to 9 × 7. A raw
 /// image that comes out is whole.
 pub fn render(capture: &Captures) {
     let mut table: Table = include_str!("../files/capture.toml").parse().expect("a table");
     lay_over(&mut table, &capture.0);
-    let small = ["sensor.resolution_px=[8, 8]", "render.samples_per_pixel=1"].map(str::to_owned);
+    let small = ["sensor.resolution_px=[8, 8]", "develop.resize_px=[9, 7]", "render.samples_per_pixel=1"];
+    let small = small.map(str::to_owned);
     let Ok(capture) = Capture::parse(&table.to_string(), files(), &small) else { return };
     if let Ok(shot) = photosite::render(&capture, Options::default()) {
         shot.raw.validate().expect("whole");

@@ -3,8 +3,9 @@
 use glam::DAffine3;
 
 use super::colour::Finder;
+use super::focus::ON_SCENE;
 use super::framing::{bounding_sphere, frame};
-use super::lens::{DEFAULT_FOCAL_LENGTH_M, ON_SCENE, describe_lens};
+use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens};
 use super::tables::{CameraTable, CaptureFile, FocusDistance};
 use crate::Invalid;
 use crate::optics::{CameraMotion, Focus, LensDescription};
@@ -31,7 +32,8 @@ pub(super) fn place_camera(
             pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?
         }
     };
-    let focal_length_m = lens.focal_length_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm / 1e3);
+    let stated_mm = lens.image_distance_mm.or(lens.focal_length_mm);
+    let focal_length_m = stated_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm.abs() / 1e3);
     let sphere = bounding_sphere(scene);
     let focus_on_scene = matches!(&lens.focus_distance_m, Some(FocusDistance::Name(name)) if name == ON_SCENE);
     let (pose, focus_distance) = match (pose, sphere) {

@@ -1,7 +1,9 @@
 //! A converter of other bits than the preset's: what the preset states in digital numbers follows.
 //!
 //! A number of 12 bits is four of 10 bits. Where a capture changes `adc.bits` alone, every figure of the preset in DN
-//! is multiplied by 2^(new − old), so that the converter still takes the same charge; what the capture states itself
+//! is multiplied by 2^(new − old), so that the converter still takes the same charge. Below 8 bits it is multiplied by
+//! the ratio of the largest numbers, (2^new − 1)/(2^old − 1): of two levels, the upper one stands for the end of the
+//! range. What the capture states itself
 //! stays as it is stated. So it is with the two converters of `adc.dual_gain`, whose numbers have bits of their own.
 
 use super::tree::{Node, Value};
@@ -38,7 +40,7 @@ pub(super) fn follow_bits(base: &mut Node, changes: &Node) -> Vec<String> {
         return warnings;
     }
     let mut follow = |keys: &[&[&str]], [old, new]: [u32; 2]| {
-        let factor = 2f64.powi(new as i32 - old as i32);
+        let factor = factor([old, new]);
         for key in keys.iter().filter(|key| changes.at(key).is_none()) {
             base.at_mut(key).into_iter().for_each(|node| scale(node, key, factor));
         }
@@ -66,10 +68,16 @@ pub(super) fn follow_bits(base: &mut Node, changes: &Node) -> Vec<String> {
     warnings
 }
 
+/// Numbers of new bits for one of old bits.
+fn factor([old, new]: [u32; 2]) -> f64 {
+    let largest = |bits: u32| f64::from((1u32 << bits) - 1);
+    if old.min(new) < 8 { largest(new) / largest(old) } else { 2f64.powi(new as i32 - old as i32) }
+}
+
 /// Bits that a converter can have; others are refused elsewhere.
 fn bits(sensor: &Node, key: &[&str]) -> Option<u32> {
     let Value::Integer(bits) = sensor.at(key)?.value else { return None };
-    u32::try_from(bits).ok().filter(|bits| (8..=16).contains(bits))
+    u32::try_from(bits).ok().filter(|bits| (1..=16).contains(bits))
 }
 
 /// Multiplies the number at a key; black levels stay whole.
@@ -81,7 +89,7 @@ fn scale(node: &mut Node, key: &[&str], factor: f64) {
 
 /// Moves the knees of a companding curve: its ends are the largest numbers.
 fn move_knees(knees: &mut Node, [old, new]: [u32; 2]) {
-    let (factor, last) = (2f64.powi(new as i32 - old as i32), |bits: u32| (1i128 << bits) - 1);
+    let (factor, last) = (factor([old, new]), |bits: u32| (1i128 << bits) - 1);
     let Value::Array(knees) = &mut knees.value else { return };
     for knee in knees {
         let Value::Array(knee) = &mut knee.value else { continue };
@@ -107,20 +115,23 @@ mod tests {
     use photosite_core::Sandbox;
 
     /// Whatever the bits, the sensor holds the same charge. The largest number is 2^b − 1 rather than 2^b, and the
-    /// black level is whole: the ends of the range are off by up to |2^Δ − 1| and by ½ of the new numbers, each of 1/K
-    /// electrons.
+    /// black level is whole: the ends of the range are off by up to |2^Δ − 1| (below 8 bits, nothing) and by ½ of the new
+    /// numbers, each of 1/K electrons.
     #[test]
     fn every_preset_holds_the_same_charge_with_any_bits() {
         let exposure = Exposure::of(Seconds(0.01));
         for name in presets::names() {
             let preset = presets::model(name).expect("listed");
-            for bits in 8..=16 {
+            // A counter of fewer bits ends before its pixels do, and says so.
+            let least = if preset.architecture.spad().is_some() { 8 } else { 1 };
+            for bits in least..=16 {
                 let (sensor, warnings) =
                     read_named_sensor(&Sandbox::default(), name, &[format!("adc.bits={bits}")]).expect("valid");
                 assert!(warnings.is_empty(), "{name}: {warnings:?}");
                 let [before, after] = [&preset, &sensor].map(|s| s.saturation_capacity(&exposure).0);
-                let factor = 2f64.powi(bits - preset.converter.bits as i32);
-                let bound = ((factor - 1.0).abs() + 0.5) / sensor.converter.conversion_gain_dn_per_e;
+                let factor = super::factor([preset.converter.bits, bits]);
+                let end = if bits < 8 { 0.0 } else { (factor - 1.0).abs() };
+                let bound = (end + 0.5) / sensor.converter.conversion_gain_dn_per_e;
                 assert!((before - after).abs() <= bound, "{name}, {bits} bits: {after} e⁻, not {before}");
                 let is_counter = sensor.architecture.spad().is_some();
                 let gain = preset.converter.conversion_gain_dn_per_e * if is_counter { 1.0 } else { factor };

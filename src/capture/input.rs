@@ -6,7 +6,7 @@ use std::path::Path;
 use super::source::CaptureSource;
 use super::stored_report::StoredReport;
 use super::text_file::{read_text, unknown_kind};
-use super::{lens, tree};
+use super::{focus, tree};
 use crate::{Error, Result};
 
 /// What a path holds: a capture file, a report of one that was rendered, or a scene file that stands for one.
@@ -26,10 +26,11 @@ pub(super) fn read_source(path: &Path) -> Result<CaptureSource> {
 
 /// Focuses the lens on the middle of a scene that stands for a capture, unless something says otherwise.
 pub(super) fn focus_on_scene(source: &mut CaptureSource) {
-    let is_stated = ["lens.focus_distance_m", "lens.autofocus_px"].iter().any(|key| source.has(key));
-    let is_pinhole = source.get("lens.type").and_then(tree::Node::as_str) == Some("pinhole");
-    if !is_stated && !is_pinhole {
-        source.set_default("lens", "focus_distance_m", &lens::ON_SCENE.into());
+    let keys = ["focus_distance_m", "autofocus_px", "autofocus", "image_distance_mm"];
+    let is_stated = keys.iter().any(|key| source.has(&format!("lens.{key}")));
+    let is_thin = matches!(source.get("lens.type").and_then(tree::Node::as_str), None | Some("thin"));
+    if !is_stated && is_thin {
+        source.set_default("lens", "focus_distance_m", &focus::ON_SCENE.into());
     }
 }
 

@@ -4,17 +4,19 @@ use std::f64::consts::{PI, TAU};
 
 use super::aberrations::{lateral_colour, point_spread, stops};
 use super::colour::Finder;
+use super::focus::focus;
+use super::lens_elements::{ground_lens, supplementary_lens};
 use super::projection::projection;
-use super::tables::{AutofocusTable, FalloffName, FocusDistance, IntrinsicsTable, LensTable, LensType};
+use super::settings::positive_number;
+use super::tables::{FalloffName, IntrinsicsTable, LensTable, LensType};
 use crate::Invalid;
 use crate::optics::{Falloff, Focus, Intrinsics, LensDescription, LensKind, Projection};
 use crate::sensor::SensorModel;
+use photosite_core::spectrum::dispersion::lines::D;
 use photosite_core::warnings::Warnings;
 
 /// Focal length where nothing asks for another, m.
 pub(super) const DEFAULT_FOCAL_LENGTH_M: f64 = 0.016;
-/// The focus distance that is that of the middle of the geometry.
-pub(super) const ON_SCENE: &str = "scene";
 /// f-number where nothing asks for another.
 pub(super) const DEFAULT_F_NUMBER: f64 = 8.0;
 
@@ -31,32 +33,11 @@ pub(super) fn describe_lens(
     let kind = match table.kind {
         None | Some(LensType::Thin) => LensKind::Thin,
         Some(LensType::Pinhole) => LensKind::Pinhole,
+        Some(LensType::Hole) => LensKind::Hole,
+        Some(LensType::None) => LensKind::Bare,
     };
     let size_px = sensor.pixel_array().map(|n| n as f64);
-    let unstated = || default_focus.unwrap_or(Focus::Autofocus { pixel: size_px.map(|n| n / 2.0) });
-    let focus = match (&table.focus_distance_m, &table.autofocus_px) {
-        (Some(_), Some(_)) => {
-            return Err(Invalid::new("autofocus_px", "cannot go with focus_distance_m").help("keep one of them"));
-        }
-        (Some(FocusDistance::Name(name)), None) if name == ON_SCENE => unstated(),
-        (Some(distance), None) => focus_distance(distance)?,
-        (None, Some(pixel)) => autofocus(pixel, size_px)?,
-        (None, None) => unstated(),
-    };
-    let focus = match kind {
-        LensKind::Thin => focus,
-        LensKind::Pinhole => {
-            let key = if table.focus_distance_m.is_some() { "focus_distance_m" } else { "autofocus_px" };
-            let is_given = table.focus_distance_m.is_some() || table.autofocus_px.is_some();
-            if is_given && focus != Focus::Infinity {
-                warnings.once(format!(
-                    "lens.{key} has no effect: a pinhole has no focus, and its picture lies one focal length behind it; remove \
-                     the key, or write type = \"thin\""
-                ));
-            }
-            Focus::Infinity
-        }
-    };
+    let focus = focus(table, kind, size_px, default_focus, warnings)?;
     if table.blade_rotation_deg.is_some_and(|turn| turn != 0.0) && table.blades.unwrap_or(0) == 0 {
         warnings.once("lens.blade_rotation_deg has no effect: the aperture is round; write blades, too");
     }
@@ -66,20 +47,45 @@ pub(super) fn describe_lens(
         (None, None, Projection::Equirectangular) => Some(whole_sphere(size_px)),
         (None, ..) => None,
     };
-    let focal_length_m = match (table.focal_length_mm, intrinsics, vertical_fov_rad) {
+    let ground = table.lensmaker.as_ref().map(|table| ground_lens(finder, table));
+    let ground = ground.transpose().map_err(|invalid| invalid.within("lensmaker"))?;
+    for (key, is_given) in [("focal_length_mm", table.focal_length_mm.is_some()), ("intrinsics", intrinsics.is_some())]
+    {
+        if ground.is_some() && is_given {
+            let message = "cannot go with lensmaker, whose focal length follows from its surfaces";
+            return Err(Invalid::new(key, message).help("keep one of them"));
+        }
+    }
+    let hole_distance_mm = table.image_distance_mm.filter(|_| kind == LensKind::Hole);
+    if hole_distance_mm.is_some() && table.focal_length_mm.is_some() {
+        let message = "cannot go with focal_length_mm, which is the same of a hole";
+        return Err(Invalid::new("image_distance_mm", message).help("keep one of them"));
+    }
+    let focal_length_m = match (table.focal_length_mm.or(hole_distance_mm), &ground, intrinsics, vertical_fov_rad) {
         (Some(mm), ..) => mm / 1e3,
-        (None, Some(i), _) => focal_length(i.fy * sensor.pixel_pitch_m[1], focus),
-        (None, None, Some(fov)) => {
+        (None, Some(ground), ..) => 1.0 / ground.power(D),
+        (None, None, Some(i), _) => focal_length(i.fy * sensor.pixel_pitch_m[1], focus),
+        (None, None, None, Some(fov)) => {
             let half_height = size_px[1] * sensor.pixel_pitch_m[1] / 2.0;
             focal_length(half_height / (fov / 2.0).tan(), focus)
         }
-        (None, None, None) => DEFAULT_FOCAL_LENGTH_M,
+        (None, None, None, None) => DEFAULT_FOCAL_LENGTH_M,
     };
+    let supplementary = table.supplementary.iter().enumerate().map(|(i, table)| {
+        supplementary_lens(finder, table).map_err(|invalid| invalid.within(&format!("supplementary[{i}]")))
+    });
+    if kind == LensKind::Bare {
+        warn_of_idle_keys(table, warnings);
+    }
     let lens = LensDescription {
         kind,
         focal_length_m,
-        f_number: table.f_number.unwrap_or(DEFAULT_F_NUMBER),
+        f_number: f_number(table, kind, focal_length_m)?,
         focus,
+        min_focus_distance_m: table.min_focus_distance_m.filter(|_| kind == LensKind::Thin),
+        circle_of_confusion_m: table.circle_of_confusion_um.map(|um| um * 1e-6),
+        ground,
+        supplementary: supplementary.collect::<Result<_, _>>()?,
         blades: table.blades.unwrap_or(0),
         blade_rotation_deg: table.blade_rotation_deg.unwrap_or(0.0),
         falloff: match table.falloff {
@@ -119,31 +125,35 @@ pub(super) fn describe_lens(
 fn focal_length(v: f64, focus: Focus) -> f64 {
     match focus {
         Focus::Distance(u) => u * v / (u + v),
-        Focus::Infinity | Focus::Autofocus { .. } => v,
+        Focus::Infinity | Focus::Autofocus { .. } | Focus::ImageDistance(_) => v,
     }
 }
 
-fn focus_distance(distance: &FocusDistance) -> Result<Focus, Invalid> {
-    match distance {
-        FocusDistance::Metres(u) => Ok(Focus::Distance(*u)),
-        FocusDistance::Name(name) if name == "infinity" => Ok(Focus::Infinity),
-        FocusDistance::Name(name) => Err(Invalid::new("focus_distance_m", format!("unknown distance {name:?}"))
-            .help("write a number of metres, \"infinity\" or \"scene\"")),
+/// The f-number, stated or of a diameter. A hole that is not told either has the diameter that makes its spots smallest:
+/// that whose first dark ring is as large as itself.
+fn f_number(table: &LensTable, kind: LensKind, focal_length_m: f64) -> Result<f64, Invalid> {
+    /// Where the eye sees best, m.
+    const LAMBDA_M: f64 = 550e-9;
+    match (table.f_number, table.diameter_mm, kind) {
+        (Some(_), Some(_), _) => Err(Invalid::new("diameter_mm", "cannot go with f_number").help("keep one of them")),
+        (Some(f_number), None, _) => Ok(f_number),
+        (None, Some(mm), _) => Ok(focal_length_m.abs() * 1e3 / positive_number("diameter_mm", mm, "0.3")?),
+        (None, None, LensKind::Hole) if focal_length_m > 0.0 => Ok((focal_length_m / (2.44 * LAMBDA_M)).sqrt()),
+        (None, None, LensKind::Hole | LensKind::Thin | LensKind::Pinhole | LensKind::Bare) => Ok(DEFAULT_F_NUMBER),
     }
 }
 
-fn autofocus(pixel: &AutofocusTable, size_px: [f64; 2]) -> Result<Focus, Invalid> {
-    match pixel {
-        AutofocusTable::Pixel(pixel) if (0..2).all(|i| (0.0..=size_px[i]).contains(&pixel[i])) => {
-            Ok(Focus::Autofocus { pixel: *pixel })
-        }
-        AutofocusTable::Pixel(pixel) => {
-            let message = format!("{pixel:?} is not on the sensor of {} × {} pixels", size_px[0], size_px[1]);
-            Err(Invalid::new("autofocus_px", message).help("pixels count from the top-left corner"))
-        }
-        AutofocusTable::Name(name) if name == "centre" => Ok(Focus::Autofocus { pixel: size_px.map(|n| n / 2.0) }),
-        AutofocusTable::Name(name) => Err(Invalid::new("autofocus_px", format!("unknown place {name:?}"))
-            .help("write a pixel such as [400, 300], or \"centre\"")),
+/// What a bare sensor has no use for.
+fn warn_of_idle_keys(table: &LensTable, warnings: &mut Warnings) {
+    let keys = [
+        ("focal_length_mm", table.focal_length_mm.is_some()),
+        ("f_number", table.f_number.is_some()),
+        ("diameter_mm", table.diameter_mm.is_some()),
+        ("blades", table.blades.is_some()),
+        ("circle_of_confusion_um", table.circle_of_confusion_um.is_some()),
+    ];
+    for (key, _) in keys.into_iter().filter(|(_, is_given)| *is_given) {
+        warnings.once(format!("lens.{key} has no effect: there is no lens; remove the key, or write type = \"thin\""));
     }
 }
 

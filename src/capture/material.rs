@@ -157,7 +157,7 @@ impl SurfaceTable for DielectricTable {
 }
 
 /// An index, or that of a glass.
-fn index(
+pub(super) fn index(
     finder: &Finder<'_>,
     glass: Option<&str>,
     index: Option<&IndexSource>,

@@ -13,7 +13,7 @@
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[[targets]]` | calibration targets | `target.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
-//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `projection.rs`, `aberrations.rs` |
+//! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `focus.rs`, `lens_elements.rs`, `projection.rs`, `aberrations.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
 //! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
@@ -29,9 +29,11 @@ mod dataset;
 mod develop;
 mod environment;
 mod file;
+mod focus;
 mod framing;
 mod input;
 mod lens;
+mod lens_elements;
 mod light;
 mod material;
 mod motion;
@@ -62,7 +64,7 @@ use glam::DAffine3;
 use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
-use crate::optics::{LensDescription, Recording};
+use crate::optics::{LensDescription, LensKind, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
 use crate::{Invalid, Result};
@@ -252,6 +254,16 @@ impl Capture {
             let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves");
             return Err(invalid.help(format!("remove it, or {mover}")).within("render"));
         }
+        if lens.kind == LensKind::Bare {
+            let needs_lens = [
+                ("output", "truth", !output.truth.layers.is_empty()),
+                ("render", "light_paths", render.light_paths > 0.0),
+            ];
+            if let Some((table, key, _)) = needs_lens.into_iter().find(|(_, _, is_set)| *is_set) {
+                let message = "cannot go with lens.type = \"none\": each pixel of a bare sensor sees everything";
+                return Err(Invalid::new(key, message).help("remove it, or take a lens").within(table));
+            }
+        }
         if sensor.shutter.scans() && render.light_paths > 0.0 {
             let invalid = Invalid::new("light_paths", "cannot go with a sensor that scans line by line");
             return Err(invalid.help("remove it, or sensor.shutter").within("render"));
@@ -259,6 +271,8 @@ impl Capture {
         let mut scene = geometry.with_tables(file, folder, source.sandbox())?;
         scene.warnings.extend(warnings.into_messages());
         scene.warnings.extend_from_slice(&file.sensor.warnings);
+        scene.warnings.extend(sensor.warnings());
+        scene.warnings.extend(exposure.warning());
         Ok(Self {
             recording,
             scene_moves,

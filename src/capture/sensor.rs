@@ -148,7 +148,8 @@ pub fn read_named_sensor(sandbox: &Sandbox, name: &str, overrides: &[String]) ->
     }
     let merged = read_sensor(&mut source, Path::new(""))?;
     let sensor = sensor_model(&merged, source.sandbox()).map_err(|invalid| source.error(invalid.within("sensor")))?;
-    Ok((sensor, merged.warnings))
+    let warnings = merged.warnings.into_iter().chain(sensor.warnings()).collect();
+    Ok((sensor, warnings))
 }
 
 /// What the changes are laid over, and its name: the sensor that a report holds, else the default, unless a preset is

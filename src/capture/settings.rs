@@ -18,7 +18,8 @@ use crate::raw::{Cfa, DngCompression, PixelArea, dng_can_hold};
 use crate::sampler::SamplerKind;
 use crate::scene::description::looking;
 use crate::sensor::{
-    AutoExposure, Binning, BinningMethod, Exposure, Metering, NoiseMap, RegionOfInterest, SensorModel, Stages,
+    AutoExposure, Binning, BinningMethod, Exposure, GainControl, Metering, NoiseMap, RegionOfInterest, SensorModel,
+    Stages,
 };
 use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use crate::units::{Celsius, Decibels, Seconds};
@@ -35,6 +36,8 @@ pub struct ExposureSettings {
     pub gain: Decibels,
     /// Gain of the numbers behind the converter, likewise.
     pub digital_gain: Decibels,
+    /// Lets the analogue gain follow the light from picture to picture.
+    pub gain_control: Option<GainControl>,
     /// Temperature of the sensor.
     pub temperature: Celsius,
     /// Other times for which the same light is exposed, in place of frames.
@@ -53,6 +56,12 @@ impl ExposureSettings {
     /// Whether pictures of the same light are exposed in the same way, however many there are.
     pub fn is_like(&self, other: &Self) -> bool {
         Self { frames: 1, ..self.clone() } == Self { frames: 1, ..other.clone() }
+    }
+
+    /// What is to be said of settings that change nothing.
+    pub fn warning(&self) -> Option<String> {
+        let is_idle = self.gain_control.is_some() && self.frames == 1;
+        is_idle.then(|| "exposure.gain_control: acts from one picture to the next, and exposure.frames is 1".to_owned())
     }
 
     /// An exposure of this time.
@@ -211,6 +220,8 @@ impl SpectralBands {
 pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<ExposureSettings, Invalid> {
     let region = region(table, sensor)?;
     let [gain, digital_gain] = gains(table, sensor, region.binning)?;
+    let gain_control = gain_control(table, sensor)?;
+    let gain = gain_control.map_or(gain, |control| control.first(gain));
     let bracket = bracket(table, sensor)?;
     let time_s = table.time_s.or(bracket.as_ref().and_then(Bracket::middle).map(|time| time.0));
     let time = match (time_s, table.auto) {
@@ -237,6 +248,7 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         time,
         gain,
         digital_gain,
+        gain_control,
         temperature: Celsius(table.temperature_c.unwrap_or(25.0)),
         frames: table.frames.unwrap_or(1),
         frame_interval: table.frame_interval_s.map(Seconds),
@@ -244,6 +256,15 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         stages: stages(table)?,
         bracket,
     };
+    if settings.gain_control.is_some() {
+        let clashes = [
+            (settings.bracket.is_some(), "a bracket, which one gain makes comparable"),
+            (matches!(settings.time, ExposureTime::Auto(_)), "automatic exposure: write time_s"),
+        ];
+        if let Some((_, clash)) = clashes.iter().find(|(is_there, _)| *is_there) {
+            return Err(Invalid::new("gain_control", format!("cannot go with {clash}")).help("keep one of them"));
+        }
+    }
     if settings.bracket.is_some() && settings.frames != 1 {
         let message = "cannot go with a bracket, whose pictures are a series already";
         return Err(Invalid::new("frames", message).help("remove it, or the bracket"));
@@ -324,6 +345,18 @@ fn gains(table: &ExposureTable, sensor: &SensorModel, binning: Binning) -> Resul
         return Err(Invalid::new("iso", format!("cannot go with {key}")).help("keep one of them"));
     }
     sensor.gains_for_iso(iso, binning)
+}
+
+/// The gain control that is asked for.
+fn gain_control(table: &ExposureTable, sensor: &SensorModel) -> Result<Option<GainControl>, Invalid> {
+    let Some(wanted) = &table.gain_control else { return Ok(None) };
+    let control = GainControl {
+        target: wanted.target.unwrap_or(0.18),
+        attack: wanted.attack.unwrap_or(0.5),
+        limits: wanted.limits_db.map_or(sensor.converter.gain_range, |limits| limits.map(Decibels)),
+    };
+    control.validate(sensor).map_err(|invalid| invalid.within("gain_control"))?;
+    Ok(Some(control))
 }
 
 /// What of the sensor is read out.

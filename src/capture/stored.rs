@@ -80,14 +80,17 @@ impl StoredCapture {
         // Warnings about the lens were given when light was traced.
         let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity), &mut Warnings::default());
         let lens = lens.map_err(at("lens"))?;
+        let exposure = settings::exposure(&exposure, &sensor).map_err(at("exposure"))?;
+        let of_settings = sensor.warnings().into_iter().chain(exposure.warning());
+        let warnings = source.displaced().iter().chain(&merged.warnings).cloned().chain(of_settings).collect();
         Ok(Self {
-            exposure: settings::exposure(&exposure, &sensor).map_err(at("exposure"))?,
+            exposure,
             output: settings::output(&output, &sensor).map_err(at("output"))?,
             develop: develop::checked(&source.read("develop")?.unwrap_or_default()).map_err(|e| source.error(e))?,
             seed: render.map_err(at("render"))?.seed,
             sensor,
             lens,
-            warnings: source.displaced().iter().chain(&merged.warnings).cloned().collect(),
+            warnings,
             source: source.clone(),
         })
     }

@@ -9,7 +9,7 @@ use photosite::calibration::camera_files::{
 use photosite::capture::Capture;
 use photosite::io::lock::Lock;
 use photosite::io::output::create_folder;
-use photosite::{Result, Sandbox};
+use photosite::{Invalid, Result, Sandbox};
 
 use super::log::say;
 use super::print::{println_out, refuse_existing, write_result};
@@ -58,6 +58,11 @@ enum Format {
 
 pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
     let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
+    if capture.sensor.cells.is_staggered() {
+        let message = "formats of cameras have words for pixels in rows and columns alone";
+        let help = "take the camera of image.png, whose pixels are square, from capture.json";
+        return Err(capture.source.error(Invalid::new("sensor.cells", message).help(help)));
+    }
     let placed = standalone_recording_camera(&capture)?.halfway();
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region);
     if let Some(done) = seen.resampled(&capture.develop) {

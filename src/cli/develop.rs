@@ -1,12 +1,12 @@
-//! `photosite develop`: from a raw file to a picture.
+//! `photosite develop`: from a raw file, or a picture of light, to a picture.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::develop::{DevelopSettings, Development, EncodedPicture, RawDescription, develop_linear, encode};
-use photosite::io::developed::{PictureFormat, write_encoded, write_linear};
-use photosite::io::raw_file::read_raw;
+use photosite::develop::{DevelopSettings, Development, RawDescription, develop_linear, develop_picture};
+use photosite::io::developable::{Developable, Light, read_developable};
+use photosite::io::developed::{PictureFormat, write_developed};
 use photosite::raw::{RawImage, RawMetadata};
 use photosite::{Error, Invalid, Result};
 use serde::Serialize;
@@ -15,20 +15,23 @@ use super::develop_args::CommonDevelopArgs;
 use super::log::{say, warning};
 use super::print::{print_json, rounded};
 
-/// Develop a raw file to a picture: PNG, TIFF, JPEG, PGM, PPM or EXR.
+/// Develop a raw file, or light of high dynamic range, to a picture: PNG, TIFF, JPEG, PGM, PPM, EXR or NPY.
 ///
 /// The steps are those of the table [develop] of capture files: white_balance, demosaic, highlights, noise_filter,
-/// colour_space, exposure_ev, tone_curve, sharpening, bits, dither and more; `photosite schema` describes them all. EXR
-/// pictures hold linear light. Raw files other than DNG do not say all of themselves: the numbers of TIFF, PBM, PGM,
-/// PPM and NPY files are taken to be in proportion to light, from 0 to the largest that the file can hold, and become
-/// grey, or RGB, unless told by develop.raw what their filters and levels are, for example with --set
-/// develop.raw.cfa=RGGB --set develop.raw.black_level_dn=64 --set develop.raw.white_level_dn=4095; they keep the
-/// distortion of their lens and the shape of their pixels, of which they say nothing.
+/// kernel, resize_px, colour_space, colour_model, exposure_ev, tone_curve, threshold, sharpening, bits, dither and more;
+/// `photosite schema` describes them all. EXR and NPY pictures hold linear light. Raw files other than DNG do not say
+/// all of themselves: the numbers of TIFF, PBM, PGM, PPM and NPY files are taken to be in proportion to light, from 0 to
+/// the largest that the file can hold, and become grey, or RGB, unless told by develop.raw what their filters and levels
+/// are, for example with --set develop.raw.cfa=RGGB --set develop.raw.black_level_dn=64 --set
+/// develop.raw.white_level_dn=4095; they keep the distortion of their lens and the shape of their pixels, of which they
+/// say nothing. Pictures (PNG, JPEG, and EXR as merge-hdr and other programs write it) become linear light first, by
+/// what they say of their colours, and take the steps from the noise filter on.
 #[derive(Args)]
 pub(super) struct DevelopArgs {
-    /// A raw file: DNG, TIFF of 8 or 16 bits, PBM, PGM, PPM (binary or text), NPY, or an EXR file of digital numbers.
+    /// A raw file: DNG, TIFF of 8 or 16 bits, PBM, PGM, PPM (binary or text), NPY, or an EXR file of digital numbers. Or
+    /// a picture: EXR of linear light, PNG or JPEG.
     raw: PathBuf,
-    /// The picture: .png, .tiff, .jpg, .ppm, .pgm (grey alone) or .exr [default: the raw file's name with .png, in the
+    /// The picture: .png, .tiff, .jpg, .ppm, .pgm (grey alone), .exr or .npy [default: the raw file's name with .png, in the
     /// current folder].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -48,6 +51,8 @@ struct Report<'a> {
     development: Development,
     /// What is taken to hold of a file that says nothing of itself.
     assumed: Option<String>,
+    /// What was left out, and which keys had no part.
+    warnings: Vec<String>,
     timings: Timings,
 }
 
@@ -68,7 +73,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
     format.check(&settings).map_err(|invalid| source.error(invalid.within("develop")))?;
     args.common.check_output(&path)?;
     let start = Instant::now();
-    let raw = read_raw(&args.raw)?;
+    let file = read_developable(&args.raw)?;
     let load_s = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -80,23 +85,29 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
             invalid.in_file(&args.raw)
         }
     };
-    let (planes, development) = develop_linear(&raw, &settings).map_err(failed)?;
+    let no_part =
+        |keys: Vec<&str>, of: &str| keys.iter().map(|key| format!("develop.{key} has no part in {of}")).collect();
+    let mut warnings: Vec<String> = no_part(format.unused_keys(&settings), &path.display().to_string());
+    let mut assumptions = None;
+    let developed = match file {
+        Developable::Raw(raw) => {
+            assumptions = assumed(&args.raw, &raw, &settings);
+            develop_linear(&raw, &settings)
+        }
+        Developable::Light(Light { planes, pixel_aspect, left_out }) => {
+            warnings.extend(no_part(settings.raw_keys(), "a picture that is developed already"));
+            warnings.extend(left_out);
+            develop_picture(planes, pixel_aspect, &settings)
+        }
+    };
+    let (planes, development) = developed.map_err(failed)?;
     format.check_picture(&planes).map_err(|Invalid { message, help, .. }| Error::Usage { message, help })?;
     let resolution_px = [planes.width(), planes.height()];
-    let mut develop_s = start.elapsed().as_secs_f64();
-    let write_s = if format == PictureFormat::Exr {
-        let start = Instant::now();
-        args.common.write(&path, |to| write_linear(&planes, settings.colour_space, development.pixel_aspect, to))?;
-        start.elapsed().as_secs_f64()
-    } else {
-        let start = Instant::now();
-        let encoded = encode(planes, &settings.encoding());
-        let picture = EncodedPicture { pixel_aspect: development.pixel_aspect, ..encoded };
-        develop_s += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        args.common.write(&path, |to| write_encoded(&picture, format, to))?;
-        start.elapsed().as_secs_f64()
-    };
+    let develop_s = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let aspect = development.pixel_aspect;
+    args.common.write(&path, |to| write_developed(planes, &settings, aspect, format, to))?;
+    let write_s = start.elapsed().as_secs_f64();
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
         raw: args.raw.display().to_string(),
@@ -104,7 +115,8 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         resolution_px,
         settings: &settings,
         development,
-        assumed: assumed(&args.raw, &raw, &settings),
+        assumed: assumptions,
+        warnings,
         timings: Timings { load_s, develop_s, write_s },
     };
     if args.common.json {
@@ -140,5 +152,5 @@ fn summarise(report: &Report<'_>) {
         rounded(report.timings.develop_s, 3),
         report.picture
     );
-    report.assumed.iter().for_each(|what| warning!("{what}"));
+    report.assumed.iter().chain(&report.warnings).for_each(|what| warning!("{what}"));
 }

@@ -9,16 +9,17 @@ use clap::Args;
 use photosite::capture::{Capture, ExposureTime, read_sensor_file};
 use photosite::image::Planes;
 use photosite::io::exr::{Attribute, read_exr};
-use photosite::optics::{Focus, LensKind};
+use photosite::optics::{Camera, Focus, LensDescription, LensKind};
 use photosite::raw::{self, RawImage};
+use photosite::report::LensReport;
 use photosite::scene::description::{EnvironmentDescription, MaterialDescription, SceneDescription};
-use photosite::sensor::{Binning, SensorModel, presets};
+use photosite::sensor::{Binning, Format, SensorModel, presets};
 use photosite::{Error, Invalid, Result, Sandbox};
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
 use super::print::{print_json, println_out, rounded};
-use photosite::pipeline::camera_of;
+use photosite::pipeline::standalone_camera;
 use photosite_core::input;
 
 /// Say what a scene, capture, sensor, raw or EXR file holds.
@@ -101,38 +102,46 @@ fn of_capture(capture: &Capture) -> Map<String, Value> {
     let Capture { scene, lens, sensor, exposure, render, .. } = capture;
     let mut facts = of_scene(scene);
     let mut warnings = scene.warnings.clone();
-    // What autofocus will find moves the sensor too little to matter here.
-    match camera_of(lens, sensor, capture.camera_to_world, f64::INFINITY) {
-        Err(invalid) => warnings.push(invalid.within("lens").to_string()),
+    match standalone_camera(capture) {
+        Err(error) => warnings.push(error.to_string()),
         Ok(camera) => {
             let field = camera.field_of_view();
             let degrees = |angle: f64| round(angle.to_degrees());
-            facts.extend(map(json!({
-                "projection": lens.projection.name(),
-                "distortion_coefficients": lens.projection.coefficients(),
-                "field_of_view_deg": field.across_rad.map(|angle| angle.map(degrees)),
-                "lens_reach_deg": degrees(field.reach_rad),
-                "lens_reach_px": field.radius_px.map(round),
-                "covers_sensor": field.blind_px.is_none(),
-            })));
-            warnings.extend(camera.check_coverage().err().map(|invalid| invalid.within("lens").to_string()));
+            if camera.makes_picture() {
+                facts.extend(map(json!({
+                    "projection": lens.projection.name(),
+                    "distortion_coefficients": lens.projection.coefficients(),
+                    "field_of_view_deg": field.across_rad.map(|angle| angle.map(degrees)),
+                    "lens_reach_deg": degrees(field.reach_rad),
+                    "lens_reach_px": field.radius_px.map(round),
+                    "covers_sensor": field.blind_px.is_none(),
+                })));
+            }
+            let report = LensReport::new(lens, &camera, sensor.pixel_pitch_m, &[]);
+            facts.insert("lens".to_owned(), json!(lens_in_words(lens)));
+            facts.insert("focus".to_owned(), json!(focus_in_words(lens, &camera)));
+            let mut figures = report.figures.map(|figures| json!(figures)).unwrap_or_default();
+            round_all(&mut figures);
+            if let Some(far) = figures.pointer_mut("/depth_of_field_m/1").filter(|far| far.is_null()) {
+                *far = json!("infinity");
+            }
+            facts.extend(map(figures));
         }
     }
+    let exposure_value = match exposure.time {
+        ExposureTime::Fixed(time) if lens.kind != LensKind::Bare => Some((lens.f_number.powi(2) / time.0).log2()),
+        ExposureTime::Fixed(_) | ExposureTime::Auto(_) => None,
+    };
     facts.extend(map(json!({
         "camera_position_m": position_halfway(capture),
-        "lens": format!("{} mm f/{}", round(lens.focal_length_m * 1e3), round(lens.f_number)),
-        "focus": match (lens.kind, lens.focus) {
-            (LensKind::Pinhole, _) => "none, as everything is sharp".to_owned(),
-            (LensKind::Thin, Focus::Distance(u)) => format!("{} m", round(u)),
-            (LensKind::Thin, Focus::Infinity) => "infinity".to_owned(),
-            (LensKind::Thin, Focus::Autofocus { pixel: [x, y] }) => format!("on what pixel {x}, {y} sees"),
-        },
         "sensor": sensor.name,
         "resolution_px": sensor.resolution,
+        "pixel_pitch_um": sensor.pixel_pitch_m.map(|m| round(m * 1e6)),
         "exposure_time_s": match exposure.time {
             ExposureTime::Fixed(time) => json!(time.0),
             ExposureTime::Auto(_) => json!("automatic"),
         },
+        "exposure_value": exposure_value.map(round),
         "gain_db": exposure.gain.0,
         "digital_gain_db": exposure.digital_gain.0,
         "frames": exposure.frames,
@@ -140,6 +149,47 @@ fn of_capture(capture: &Capture) -> Map<String, Value> {
         "warnings": warnings,
     })));
     facts
+}
+
+fn lens_in_words(lens: &LensDescription) -> String {
+    let [f_mm, n] = [lens.focal_length_m * 1e3, lens.f_number].map(round);
+    match lens.kind {
+        LensKind::Thin => format!("{f_mm} mm f/{n}"),
+        LensKind::Pinhole => format!("pinhole, {f_mm} mm f/{n}"),
+        LensKind::Hole => format!("hole of {} mm at {f_mm} mm", round(f_mm / n)),
+        LensKind::Bare => "none".to_owned(),
+    }
+}
+
+fn focus_in_words(lens: &LensDescription, camera: &Camera) -> String {
+    let u = camera.focus_distance_m();
+    let place = match u {
+        _ if u < 0.0 => {
+            format!("nowhere: the sensor stands {} mm behind the lens", round(camera.image_distance_m() * 1e3))
+        }
+        _ if u.is_infinite() => "infinity".to_owned(),
+        _ => format!("{} m", round(u)),
+    };
+    match (lens.kind, lens.focus) {
+        (LensKind::Pinhole, _) => "none, as everything is sharp".to_owned(),
+        (LensKind::Hole | LensKind::Bare, _) => "none".to_owned(),
+        (LensKind::Thin, Focus::Autofocus { pixel: [x, y], .. }) => format!("{place}, on what pixel {x}, {y} sees"),
+        (LensKind::Thin, Focus::Distance(_) | Focus::Infinity | Focus::ImageDistance(_)) => place,
+    }
+}
+
+/// Rounds every number in a value, as [`round`] does.
+fn round_all(value: &mut Value) {
+    match value {
+        Value::Number(number) => {
+            if let Some(x) = number.as_f64() {
+                *value = json!(round(x));
+            }
+        }
+        Value::Array(items) => items.iter_mut().for_each(round_all),
+        Value::Object(map) => map.values_mut().for_each(round_all),
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
 }
 
 fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
@@ -171,6 +221,24 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
 }
 
 fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
+    let mut facts = of_plain_sensor(sensor);
+    // What few sensors have.
+    let more = [
+        ("cells", sensor.cells.is_staggered().then(|| json!("hexagonal"))),
+        (
+            "image_circle_mm",
+            sensor.cells.image_circle.map(|circle| json!(round(2e3 * circle.radii_px.x * sensor.pixel_pitch_m[0]))),
+        ),
+        ("video_gamma", sensor.video.curve.map(|curve| json!(curve.gamma))),
+        ("video_correlation_of_neighbours", sensor.video.low_pass.map(|low_pass| json!(round(low_pass.missing)))),
+        ("video_delay_px", sensor.video.low_pass.map(|low_pass| json!(round(low_pass.delay_px())))),
+        ("frame_grabber_px", sensor.frame_grabber.map(|grabber| json!(grabber.size))),
+    ];
+    facts.extend(more.into_iter().filter_map(|(key, fact)| Some((key.to_owned(), fact?))));
+    facts
+}
+
+fn of_plain_sensor(sensor: &SensorModel) -> Map<String, Value> {
     let peaks: Vec<_> = sensor.efficiencies().iter().map(|qe| round(qe.max().into())).collect();
     map(json!({
         "name": sensor.name,
@@ -179,6 +247,8 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "source": sensor.source,
         "resolution_px": sensor.resolution,
         "pixel_pitch_um": sensor.pixel_pitch_m.map(|m| round(m * 1e6)),
+        "size_mm": sensor.size_m().map(|m| round(m * 1e3)),
+        "format": Format::nearest(sensor.size_m()).map(|format| format.names[0]),
         "cfa": sensor.cfa.to_string(),
         "channels": sensor.cfa.channels(),
         "peak_quantum_efficiency": peaks,

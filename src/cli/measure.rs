@@ -18,6 +18,8 @@ use serde::Serialize;
 use super::print::{print_json, println_out};
 
 /// Measure pictures: sharpness, colours, likeness, histograms.
+///
+/// Lengths are in pixels, whatever shape the file says that they have.
 #[derive(Args)]
 pub(super) struct MeasureArgs {
     #[command(subcommand)]

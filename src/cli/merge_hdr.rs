@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 use photosite::develop::merge::merge;
-use photosite::develop::{DevelopSettings, Development, develop_merged};
+use photosite::develop::{DevelopSettings, Development, Thresholding, develop_merged};
 use photosite::io::developed::{PictureFormat, write_hdr};
 use photosite::io::raw_file::read_raw;
 use photosite::units::Seconds;
@@ -79,6 +79,16 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
     if !merged.noise_is_stated {
         warnings.push("not all files state their noise (NoiseProfile); that of 10 000 electrons is assumed".to_owned());
     }
+    for (key, is_given) in
+        [("colour_model", !settings.colour_model.is_shown()), ("threshold", settings.threshold != Thresholding::None)]
+    {
+        if is_given {
+            let file = args.output.display();
+            warnings.push(format!("develop.{key} has no part in merged light; photosite develop {file} follows it"));
+        }
+    }
+    let unused = PictureFormat::Exr.unused_keys(&settings);
+    warnings.extend(unused.into_iter().map(|key| format!("develop.{key} has no part in an EXR file")));
     let (planes, development) =
         develop_merged(merged, &settings).map_err(|invalid| source.error(invalid.within("develop")))?;
     let merge_s = start.elapsed().as_secs_f64();

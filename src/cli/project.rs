@@ -16,8 +16,9 @@ use photosite::pipeline::standalone_recording_camera;
 /// Say where points appear in the picture of a camera, or what its pixels look at.
 ///
 /// In and out are lines of numbers with commas between them. Pixels are those of OpenCV: column and row, whole numbers
-/// at the centres; they are those of the sensor, before exposure.region_px and exposure.binning, whose grid and
-/// distortion image.png keeps with develop.distortion = false and develop.square_pixels = false alone. What the lens
+/// at the centres; they are those of the sensor, before exposure.region_px, exposure.binning and a frame grabber (of
+/// hexagonal cells, those of the rows that are not shifted: the cells of the others are at columns and a half), whose grid
+/// and distortion image.png keeps with develop.distortion = false and develop.square_pixels = false alone. What the lens
 /// does not show is `nan,nan`. A camera that moves sees each point, and each pixel, in the middle of the exposure of
 /// its row of the first picture, as it does in ground truth.
 #[derive(Args)]

@@ -88,6 +88,10 @@ fn check(capture: &Capture) -> Result<()> {
     if capture.exposure.frames != 1 {
         return refuse("exposure.frames", "a data set makes its own series", "remove it");
     }
+    if capture.sensor.cells.is_staggered() {
+        let message = "the pictures of a data set have the pixels of the sensor, and its tools want them in columns";
+        return refuse("sensor.cells", message, "render captures of hexagonal cells one by one");
+    }
     if capture.render.time_limit.is_some() {
         let help = "write samples_per_pixel or noise_target";
         return refuse("render.time_limit_s", "would make another data set each time", help);

@@ -5,93 +5,81 @@
 //! | extension | holds |
 //! |---|---|
 //! | `.png` | 8 or 16 bits |
-//! | `.tif`, `.tiff` | 8 or 16 bits, uncompressed |
-//! | `.jpg`, `.jpeg` | 8 bits, quality 95 |
+//! | `.tif`, `.tiff` | 8 or 16 bits, uncompressed; 32-bit floats of what is no picture for viewers |
+//! | `.jpg`, `.jpeg` | 8 bits |
 //! | `.pgm` | 8 or 16 bits of grey, P5 |
 //! | `.ppm` | 8 or 16 bits, P6, or P5 for grey |
 //! | `.exr` | linear 32-bit floats |
+//! | `.npy` | linear 32-bit floats of the shape (rows, columns) or (rows, columns, components) |
+//!
+//! Numbers of a colour model such as HSV, and X, Y and Z, are 32-bit floats: in EXR files planes of their names, in TIFF
+//! and NPY files in their order. Hues go from 0 to 360, L\* from 0 to 100, a\* and b\* about 0, all else from 0 to 1. TIFF
+//! says what they are in ImageDescription, and takes them for no colours (BlackIsZero, with two unspecified samples).
 
 use std::io::{self, Seek, Write};
-use std::path::Path;
 
 use image::codecs::jpeg::{JpegEncoder, PixelDensity, PixelDensityUnit};
 use image::{ExtendedColorType, ImageEncoder as _, ImageError};
 use rayon::prelude::*;
-use tiff::encoder::colortype::{ColorType, Gray8, Gray16, RGB8, RGB16};
+use tiff::encoder::colortype::{ColorType, Gray8, Gray16, Gray32Float, RGB8, RGB16};
 use tiff::encoder::{ImageEncoder, Rational, TiffEncoder, TiffKindStandard, TiffValue};
-use tiff::tags::{ResolutionUnit, Tag};
+use tiff::tags::{ExtraSamples, ResolutionUnit, Tag};
 use tiff::{TiffError, TiffResult};
+
+pub use super::picture_format::PictureFormat;
 
 use super::exr::{Attribute, write_exr};
 use super::icc::icc_profile;
+use super::npy::write_planes;
 use super::output::Sink;
+use super::picture_format::Numbers;
 use crate::colour::{ColourSpace, Transfer};
-use crate::develop::{Codes, DevelopSettings, EncodedPicture};
+use crate::develop::{Codes, DevelopSettings, EncodedPicture, encode, in_model};
 use crate::image::Planes;
 use crate::units::Seconds;
-use crate::{Error, Invalid, Result};
 
-/// Formats of developed pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// Portable network graphics.
-    Png,
-    /// Tagged image file format.
-    Tiff,
-    /// JPEG.
-    Jpeg,
-    /// Portable greymap.
-    Pgm,
-    /// Portable pixmap, or greymap.
-    Ppm,
-    /// OpenEXR.
-    Exr,
-}
-
-impl PictureFormat {
-    /// The format that a file's name says.
-    pub fn of(path: &Path) -> Result<Self> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        match extension.as_str() {
-            "png" => Ok(Self::Png),
-            "tif" | "tiff" => Ok(Self::Tiff),
-            "jpg" | "jpeg" => Ok(Self::Jpeg),
-            "pgm" => Ok(Self::Pgm),
-            "ppm" => Ok(Self::Ppm),
-            "exr" => Ok(Self::Exr),
-            _ => Err(Error::Usage {
-                message: format!("{} is no name of a picture that photosite can write", path.display()),
-                help: Some("give a name that ends with .png, .tiff, .jpg, .pgm, .ppm or .exr".into()),
-            }),
+/// Writes linear planes that were developed by these settings, with tone curve, colour model and encoding. The pixels
+/// are `aspect` times as wide as high. Settings and planes must be such that the format can hold them.
+pub fn write_developed(
+    planes: Planes,
+    settings: &DevelopSettings,
+    aspect: f64,
+    format: PictureFormat,
+    to: &mut dyn Sink,
+) -> io::Result<()> {
+    let space = settings.colour_space;
+    let (planes, attributes) = match format.numbers(settings) {
+        Numbers::Codes => {
+            let picture = EncodedPicture { pixel_aspect: aspect, ..encode(planes, &settings.encoding()) };
+            return if format == PictureFormat::Jpeg {
+                write_jpeg(&picture, settings.jpeg_quality, to)
+            } else {
+                write_encoded(&picture, format, to)
+            };
         }
-    }
-
-    /// Refuses settings that the format cannot hold.
-    pub fn check(self, settings: &DevelopSettings) -> Result<(), Invalid> {
-        if self == Self::Jpeg && settings.bits != 8 {
-            return Err(Invalid::new("bits", "a JPEG file has 8 bits").help("write a .png or .tiff file"));
+        Numbers::Linear => {
+            let attributes = attributes(&planes, space, aspect);
+            (planes, attributes)
         }
-        if self != Self::Exr && settings.colour_space == ColourSpace::Xyz {
-            let message = "X and Z of white pass 1, which codes cannot hold";
-            return Err(
-                Invalid::new("colour_space", message).help("write an .exr file, or choose another colour space")
-            );
+        Numbers::Model => {
+            let what = format!("{} of {}", settings.colour_model.name(), space.name());
+            let attributes =
+                vec![("colorSpace", Attribute::Text(what)), ("pixelAspectRatio", Attribute::PixelAspect(aspect))];
+            (in_model(planes, settings), attributes)
         }
-        if self == Self::Exr && settings.sharpening != 0.0 {
-            let message = "sharpening works on what is shown, not on the linear light of an EXR file";
-            return Err(Invalid::new("sharpening", message).help("write a .png or .tiff file"));
+    };
+    match format {
+        PictureFormat::Exr => write_exr(&planes, &attributes, to),
+        PictureFormat::Npy => {
+            let data: Vec<&[f32]> = planes.channels().iter().map(|channel| &channel.data[..]).collect();
+            write_planes([planes.width(), planes.height()], &data, |value| value, to)
         }
-        Ok(())
-    }
-
-    /// Refuses a picture that the format cannot hold.
-    pub fn check_picture(self, planes: &Planes) -> Result<(), Invalid> {
-        if self == Self::Pgm && planes.channels().len() != 1 {
-            let names: Vec<&str> = planes.channels().iter().map(|c| &c.name[..]).collect();
-            let message = format!("a PGM file holds grey, the picture has {}", names.join(", "));
-            return Err(Invalid::new("", message).help("write a .ppm, .png or .tiff file"));
+        PictureFormat::Tiff | PictureFormat::Png | PictureFormat::Jpeg | PictureFormat::Pgm | PictureFormat::Ppm => {
+            let names: Vec<&str> = planes.channels().iter().map(|channel| &channel.name[..]).collect();
+            let model = if settings.colour_model.is_shown() { "" } else { settings.colour_model.name() };
+            let description = format!("{model} {} of {}", names.join(", "), space.name());
+            write_float_tiff(&planes, description.trim_start(), aspect, to)
         }
-        Ok(())
     }
 }
 
@@ -108,8 +96,11 @@ pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
         Codes::U8(_) => png::BitDepth::Eight,
         Codes::U16(_) => png::BitDepth::Sixteen,
     };
-    info.pixel_dims =
-        not_square(picture).map(|[xppu, yppu]| png::PixelDimensions { xppu, yppu, unit: png::Unit::Unspecified });
+    info.pixel_dims = not_square(picture.pixel_aspect).map(|[xppu, yppu]| png::PixelDimensions {
+        xppu,
+        yppu,
+        unit: png::Unit::Unspecified,
+    });
     let mut encoder = png::Encoder::with_info(to, info)?;
     // Noise does not compress: more effort gains a few percent and takes several times as long.
     encoder.set_compression(png::Compression::Fast);
@@ -126,8 +117,8 @@ pub fn write_png<W: Write>(picture: &EncodedPicture, to: W) -> io::Result<()> {
 }
 
 /// Columns and rows of pixels along equal lengths; `None` of square ones.
-fn not_square(picture: &EncodedPicture) -> Option<[u32; 2]> {
-    (picture.pixel_aspect != 1.0).then(|| [(1e6 / picture.pixel_aspect).round() as u32, 1_000_000])
+fn not_square(aspect: f64) -> Option<[u32; 2]> {
+    (aspect != 1.0).then(|| [(1e6 / aspect).round() as u32, 1_000_000])
 }
 
 /// Primaries and transfer function as H.273 numbers them; `None` where it has no number for one of them.
@@ -154,15 +145,17 @@ fn big_endian(codes: &[u16]) -> Vec<u8> {
     bytes
 }
 
-/// Writes a picture of codes in a format other than EXR.
+/// Writes a picture of codes in a format that holds such; JPEG with the quality that settings have by default.
 pub fn write_encoded(picture: &EncodedPicture, format: PictureFormat, to: &mut dyn Sink) -> io::Result<()> {
     match format {
         PictureFormat::Png => write_png(picture, to),
         PictureFormat::Tiff => write_tiff(picture, to),
-        PictureFormat::Jpeg => write_jpeg(picture, to),
+        PictureFormat::Jpeg => write_jpeg(picture, DevelopSettings::default().jpeg_quality, to),
         PictureFormat::Pgm if picture.components != 1 => Err(io::Error::other("a PGM file holds no colours")),
         PictureFormat::Pgm | PictureFormat::Ppm => write_ppm(picture, to),
-        PictureFormat::Exr => Err(io::Error::other("an EXR file holds linear values, not codes")),
+        PictureFormat::Exr | PictureFormat::Npy => {
+            Err(io::Error::other("EXR and NPY files hold linear values, not codes"))
+        }
     }
 }
 
@@ -196,10 +189,10 @@ fn attributes(planes: &Planes, space: ColourSpace, aspect: f64) -> Vec<(&'static
     attributes
 }
 
-fn write_jpeg(picture: &EncodedPicture, to: &mut dyn Sink) -> io::Result<()> {
+fn write_jpeg(picture: &EncodedPicture, quality: u8, to: &mut dyn Sink) -> io::Result<()> {
     let Codes::U8(codes) = &picture.codes else { return Err(io::Error::other("a JPEG file has 8 bits")) };
-    let mut encoder = JpegEncoder::new_with_quality(to, 95);
-    if let Some([x, y]) = not_square(picture) {
+    let mut encoder = JpegEncoder::new_with_quality(to, quality);
+    if let Some([x, y]) = not_square(picture.pixel_aspect) {
         // As near as 16 bits come.
         let density = [x, y].map(|n| (f64::from(n) * (65_535.0 / f64::from(x.max(y)))).round() as u16);
         encoder.set_pixel_density(PixelDensity {
@@ -237,13 +230,36 @@ where
     [C::Inner]: TiffValue,
 {
     let mut image = image?;
-    if let Some([x, y]) = not_square(picture) {
+    state_aspect(&mut image, picture.pixel_aspect);
+    image.encoder().write_tag(Tag::IccProfile, &icc_profile(picture)[..])?;
+    image.write_data(codes)
+}
+
+fn state_aspect<W: Write + Seek, C: ColorType>(image: &mut ImageEncoder<'_, W, C, TiffKindStandard>, aspect: f64) {
+    if let Some([x, y]) = not_square(aspect) {
         image.resolution_unit(ResolutionUnit::None);
         image.x_resolution(Rational { n: x, d: 1_000_000 });
         image.y_resolution(Rational { n: y, d: 1_000_000 });
     }
-    image.encoder().write_tag(Tag::IccProfile, &icc_profile(picture)[..])?;
-    image.write_data(codes)
+}
+
+/// Writes planes of floats pixel by pixel.
+fn write_float_tiff(planes: &Planes, description: &str, aspect: f64, to: &mut dyn Sink) -> io::Result<()> {
+    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
+    let (width, height) = (side(planes.width())?, side(planes.height())?);
+    let mut file = TiffEncoder::new(to).map_err(tiff_error)?;
+    let channels = planes.channels();
+    let pixels = planes.width() * planes.height();
+    let numbers: Vec<f32> = (0..pixels).flat_map(|i| channels.iter().map(move |c| c.data[i])).collect();
+    let written = file.new_image::<Gray32Float>(width, height).and_then(|mut image| {
+        if channels.len() > 1 {
+            image.extra_samples(&vec![ExtraSamples::Unspecified; channels.len() - 1])?;
+        }
+        state_aspect(&mut image, aspect);
+        image.encoder().write_tag(Tag::ImageDescription, description)?;
+        image.write_data(&numbers)
+    });
+    written.map_err(tiff_error)
 }
 
 pub(super) fn tiff_error(error: TiffError) -> io::Error {
@@ -342,20 +358,5 @@ mod tests {
             assert_eq!(numbers, expected, "{colour_space:?} {transfer:?}");
             assert!(found.is_none_or(|c| c.matrix_coefficients == 0 && c.is_video_full_range_image));
         }
-    }
-
-    #[test]
-    fn names_say_the_format() {
-        for (name, format) in
-            [("a.png", PictureFormat::Png), ("b.TIF", PictureFormat::Tiff), ("c.jpeg", PictureFormat::Jpeg)]
-        {
-            assert_eq!(PictureFormat::of(name.as_ref()).expect("known"), format);
-        }
-        assert!(PictureFormat::of("raw.dng".as_ref()).is_err() && PictureFormat::of("picture".as_ref()).is_err());
-        let deep = DevelopSettings { bits: 16, ..DevelopSettings::default() };
-        assert_eq!(PictureFormat::Jpeg.check(&deep).expect_err("8 bits").key, "bits");
-        let xyz = DevelopSettings { colour_space: ColourSpace::Xyz, ..DevelopSettings::default() };
-        assert_eq!(PictureFormat::Png.check(&xyz).expect_err("passes 1").key, "colour_space");
-        assert!(PictureFormat::Exr.check(&xyz).is_ok());
     }
 }

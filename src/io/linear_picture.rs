@@ -354,7 +354,8 @@ mod tests {
                 | PictureFormat::Tiff
                 | PictureFormat::Pgm
                 | PictureFormat::Ppm
-                | PictureFormat::Exr => rgb,
+                | PictureFormat::Exr
+                | PictureFormat::Npy => rgb,
             };
             for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
                 // Three codes of JPEG, of up to 2/255/2.4 each in linear light, through a matrix.

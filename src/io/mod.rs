@@ -1,6 +1,7 @@
 //! The files: capture files, scenes, pictures. With [`raw`](crate::raw) the only modules that read or write any.
 
 pub mod checksum;
+pub mod developable;
 pub mod developed;
 pub mod electrons;
 pub mod exr;
@@ -20,6 +21,7 @@ pub mod noisy_picture;
 mod npy;
 pub mod number_picture;
 pub mod picture_file;
+mod picture_format;
 pub mod picture_rows;
 pub mod plain_png;
 pub mod pretty_json;

@@ -4,10 +4,12 @@ use std::cell::OnceCell;
 
 use glam::DAffine3;
 
+use super::autofocus;
 use super::responses::{importance, responses};
 use crate::capture::Capture;
-use crate::geometry::{Hit, Ray};
-use crate::optics::{Camera, Focus, LensDescription, PixelGrid};
+use crate::optics::{AutofocusMethod, Camera, Focus, LensDescription, PixelGrid};
+use crate::report::FocusStepReport;
+use crate::scene::Scene;
 use crate::sensor::SensorModel;
 use crate::{Invalid, Result, scene};
 
@@ -28,51 +30,62 @@ pub fn camera_of(
     autofocus_distance_m: f64,
 ) -> Result<Camera, Invalid> {
     let grid = PixelGrid { resolution: in_u32(sensor.pixel_array()), pitch_m: sensor.pixel_pitch_m };
-    let camera = Camera::new(lens, &grid, to_world, autofocus_distance_m)?;
+    let camera = Camera::new(lens, &grid, to_world, autofocus_distance_m)?.with_cells(sensor.cells);
     Ok(if sensor.shutter.scans() { camera.scanning() } else { camera })
 }
 
-/// The camera of a capture in its place, focused on what autofocus finds: `closest` is asked for it then only.
-pub fn place_camera(capture: &Capture, closest: impl Fn(&Ray) -> Option<Hit>) -> Result<Camera> {
-    place_camera_at(capture, capture.camera_to_world, closest)
+/// A camera in its place, focused.
+pub(super) struct FocusedCamera {
+    pub(super) camera: Camera,
+    /// What autofocus by contrast has tried.
+    pub(super) steps: Vec<FocusStepReport>,
 }
 
-/// The camera of a capture at another pose, focused in the same way.
-pub(super) fn place_camera_at(
+/// The camera of a capture in its place, focused on what autofocus finds in the scene, which is asked for then only.
+pub fn place_camera<'a>(capture: &Capture, scene: impl Fn() -> &'a Scene) -> Result<Camera> {
+    focus_camera(capture, capture.camera_to_world, scene).map(|focused| focused.camera)
+}
+
+/// The camera of a capture at a pose, focused in the same way.
+pub(super) fn focus_camera<'a>(
     capture: &Capture,
     to_world: DAffine3,
-    closest: impl Fn(&Ray) -> Option<Hit>,
-) -> Result<Camera> {
+    scene: impl Fn() -> &'a Scene,
+) -> Result<FocusedCamera> {
     let place = |lens: &_, distance| {
         let camera = camera_of(lens, &capture.sensor, to_world, distance);
         camera.map_err(|invalid| capture.source.error(invalid.within("lens")))
     };
-    let covered = |camera: Camera| match camera.check_coverage() {
-        Ok(()) => Ok(camera),
-        Err(invalid) => Err(capture.source.error(invalid.within("lens"))),
-    };
-    let Focus::Autofocus { pixel } = capture.lens.focus else {
-        return place(&capture.lens, f64::NAN).and_then(covered);
-    };
-    // Focusing moves the sensor and with it the direction of the chief ray; a few rounds settle it.
-    let mut lens = capture.lens.clone();
-    let mut distance = f64::INFINITY;
-    for _ in 0..4 {
-        lens.focus = if distance.is_finite() { Focus::Distance(distance) } else { Focus::Infinity };
-        let hit = place(&lens, distance)?.chief_ray(pixel.into()).and_then(|ray| closest(&ray));
-        distance = hit.map_or(f64::INFINITY, |hit| f64::from(hit.t));
-        if distance <= lens.focal_length_m {
-            break;
+    let with_sensor_at = |v: f64| LensDescription { focus: Focus::ImageDistance(v), ..capture.lens.clone() };
+    let mut steps = Vec::new();
+    let camera = match capture.lens.focus {
+        Focus::Autofocus { pixel, method: AutofocusMethod::Exact } => {
+            // Focusing moves the sensor and with it the direction of the chief ray; a few rounds settle it.
+            let mut camera = place(&with_sensor_at(capture.lens.focal_length_m.abs()), f64::NAN)?;
+            for _ in 0..4 {
+                let hit = camera.chief_ray(pixel.into()).and_then(|ray| scene().closest(&ray));
+                camera = place(&capture.lens, hit.map_or(f64::INFINITY, |hit| f64::from(hit.t)))?;
+            }
+            camera
         }
+        Focus::Autofocus { pixel, method: AutofocusMethod::Contrast(how) } => {
+            let search = autofocus::search(capture, to_world, scene(), pixel, &how)?;
+            steps = search.steps;
+            place(&with_sensor_at(search.image_distance_m), f64::NAN)?
+        }
+        Focus::Distance(_) | Focus::Infinity | Focus::ImageDistance(_) => place(&capture.lens, f64::NAN)?,
+    };
+    match camera.check_coverage() {
+        Ok(()) => Ok(FocusedCamera { camera, steps }),
+        Err(invalid) => Err(capture.source.error(invalid.within("lens"))),
     }
-    place(&capture.lens, distance).and_then(covered)
 }
 
 /// The camera of a capture that is not rendered: its scene is built only where autofocus has to look at it.
 pub fn standalone_camera(capture: &Capture) -> Result<Camera> {
     let built = OnceCell::new();
     let build = || scene::build(capture.scene.clone(), &importance(&responses(capture)));
-    place_camera(capture, |ray| built.get_or_init(build).closest(ray))
+    place_camera(capture, || built.get_or_init(build))
 }
 
 /// The camera of a capture that is not rendered, as it takes the capture's first picture.

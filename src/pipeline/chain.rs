@@ -6,6 +6,7 @@ use crate::develop::merge::Merged;
 use crate::develop::{DevelopSettings, EncodedPicture, Resampling, SensorCalibration, develop, develop_merged};
 use crate::image::{Estimate, Planes};
 use crate::integrator::WavelengthChoice;
+use crate::io::developed::PictureFormat;
 use crate::optics::{Camera, LensDescription};
 use crate::raw::RawImage;
 use crate::scene::Scene;
@@ -14,7 +15,7 @@ use crate::sensor::{
     expose_after, noise_ratio, samples_needed, smoothed_mean,
 };
 use crate::spectrum::{Spectrum, illuminant};
-use crate::units::Seconds;
+use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
 
 use super::lens_corrections::LensSeen;
@@ -140,11 +141,21 @@ impl<'a> Chain<'a> {
         Self { settings, optics, colours, lens }
     }
 
-    /// Warnings about what images and raw files do not show of the lens.
-    pub(super) fn lens_warnings(&self) -> Vec<String> {
+    /// Warnings about what images and raw files do not show of the lens, and what images do not hold.
+    pub(super) fn picture_warnings(&self) -> Vec<String> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
         let seen = self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.region));
-        seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output))
+        let mut warnings = seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output));
+        if !develop.colour_model.is_shown() {
+            let model = develop.colour_model.name();
+            warnings.push(format!(
+                "image.png holds colours and no {model}; photosite develop raw.dng -o picture.tiff writes that, with the same \
+                 develop.colour_model"
+            ));
+        }
+        let unused = PictureFormat::Png.unused_keys(develop);
+        warnings.extend(unused.into_iter().map(|key| format!("develop.{key} has no part in image.png")));
+        warnings
     }
 
     /// What the developed picture is a picture of, where the lens is known.
@@ -179,20 +190,22 @@ impl<'a> Chain<'a> {
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(super) fn read_out(&self, exposed: &Exposed, frame: u32) -> Result<RawImage> {
-        self.read_out_with_maps(exposed, frame, &[], &mut None).map(|(raw, _)| raw)
+        self.read_out_with_maps(exposed, exposed.exposure.gain, frame, &[], &mut None).map(|(raw, _)| raw)
     }
 
-    /// Reads out with maps of what some effects did. `left` is the charge that the frame before has left in the sensor,
+    /// Reads out at an analogue gain, with maps of what some effects did. `left` is the charge that the frame before has left in the sensor,
     /// and then what this one leaves.
     pub(super) fn read_out_with_maps(
         &self,
         exposed: &Exposed,
+        gain: Decibels,
         frame: u32,
         maps: &[NoiseMap],
         left: &mut Option<LeftCharge>,
     ) -> Result<(RawImage, NoiseMaps)> {
         let Settings { sensor, exposure: ExposureSettings { stages, .. }, seed, .. } = self.settings;
         let Exposed { exposure, electrons, .. } = exposed;
+        let exposure = &Exposure { gain, ..*exposure };
         let key = NoiseKey { seed, frame: u64::from(frame) };
         let shot = expose_after(&electrons.mean, sensor, exposure, *stages, key, maps, left.as_ref());
         let shot = shot.map_err(|e| self.in_exposure(e))?;
@@ -291,13 +304,16 @@ impl<'a> Chain<'a> {
         }
     }
 
-    pub(super) fn exposure_report(&self, exposure: &Exposure) -> ExposureReport {
+    /// `gains` are those that gain control has found.
+    pub(super) fn exposure_report(&self, exposure: &Exposure, gains: &[Decibels]) -> ExposureReport {
         let Exposure { time, gain, digital_gain, temperature, .. } = *exposure;
         ExposureReport {
             time_s: time.0,
             auto: matches!(self.settings.exposure.time, ExposureTime::Auto(_)),
             gain_db: gain.0,
+            frame_gains_db: (!gains.is_empty()).then(|| gains.iter().map(|gain| gain.0).collect()),
             digital_gain_db: digital_gain.0,
+            exposure_value: self.optics.f_number.map(|n| (n * n / time.0).log2()),
             iso: self.settings.sensor.iso(exposure),
             temperature_c: temperature.0,
             frames: self.settings.exposure.frames,

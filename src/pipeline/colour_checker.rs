@@ -38,7 +38,7 @@ pub fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path, sandb
     let patch_of_material: Vec<Option<usize>> =
         description.materials.iter().map(|material| patch_of(material, &spectra)).collect();
     let scene = scene::build(description, &Spectrum::constant(1.0));
-    let camera = place_camera(&capture, |ray| scene.closest(ray))?;
+    let camera = place_camera(&capture, || &scene)?;
     let grid = Grid::of_picture(&capture, &camera, size).map_err(|invalid| invalid.in_file(picture_path))?;
     let seen = shown_patches(&grid, &camera, &scene, &patch_of_material);
     if seen.iter().all(Option::is_none) {
@@ -89,9 +89,11 @@ impl Grid {
     }
 
     /// The place that the centre of a pixel shows.
-    fn source(&self, [x, y]: [usize; 2]) -> Option<DVec2> {
-        let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-        self.resampling.as_ref().map_or(Some(centre), |resampling| resampling.source_px(centre))
+    fn source(&self, camera: &Camera, pixel: [usize; 2]) -> Option<DVec2> {
+        match &self.resampling {
+            None => Some(camera.cells().centre(pixel)),
+            Some(resampling) => resampling.source_px(DVec2::from_array(pixel.map(|n| n as f64)) + 0.5),
+        }
     }
 }
 
@@ -104,7 +106,7 @@ fn shown_patches(
 ) -> Vec<Option<usize>> {
     let [width, height] = grid.size;
     let patch = |i: usize| {
-        let place = grid.source([i % width, i / width])?;
+        let place = grid.source(camera, [i % width, i / width])?;
         let hit = scene.closest(&camera.chief_ray(place)?)?;
         patch_of_material.get(scene.point(&hit, 0.0).material as usize).copied().flatten()
     };

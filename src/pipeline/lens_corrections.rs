@@ -19,10 +19,14 @@ pub struct LensSeen<'a> {
     camera: &'a Camera,
     /// The part of the sensor that is read out, px.
     area: PixelArea,
+    /// Columns and rows of the raw picture.
+    size_px: [usize; 2],
     /// Pixels of the sensor in one of the raw picture.
-    factor: [usize; 2],
+    factor: [f64; 2],
     /// Pixel pitch of the raw picture, m.
     pitch_m: [f64; 2],
+    /// Whether every second row lies half a pixel farther to the right.
+    is_staggered: bool,
 }
 
 /// What a developer has done to the places of things.
@@ -38,9 +42,15 @@ impl<'a> LensSeen<'a> {
     pub fn new(lens: &'a LensDescription, camera: &'a Camera, sensor: &SensorModel, region: &RegionOfInterest) -> Self {
         let [width, height] = sensor.resolution;
         let area = region.pixels.unwrap_or(PixelArea { x: 0, y: 0, width, height });
-        let factor = region.binning.factor;
-        let pitch_m = [0, 1].map(|axis| sensor.pixel_pitch_m[axis] * factor[axis] as f64);
-        Self { lens, camera, area, factor, pitch_m }
+        let (size_px, factor) = match &sensor.frame_grabber {
+            Some(grabber) => (grabber.size, grabber.pixels_per_sample(sensor.resolution)),
+            None => {
+                let [across, down] = region.binning.factor;
+                ([area.width / across, area.height / down], [across, down].map(|n| n as f64))
+            }
+        };
+        let pitch_m = [0, 1].map(|axis| sensor.pixel_pitch_m[axis] * factor[axis]);
+        Self { lens, camera, area, size_px, factor, pitch_m, is_staggered: sensor.cells.is_staggered() }
     }
 
     /// Writes falloff and distortion into the metadata of a raw image of this window.
@@ -54,24 +64,28 @@ impl<'a> LensSeen<'a> {
 
     /// How a developer resamples the picture; `None` where it stays as it is.
     pub fn resampling(&self, settings: &DevelopSettings) -> Option<Resampling> {
-        Resampling::new(&self.metadata(), self.size_px(), settings)
+        Resampling::new(&self.metadata(), self.size_px, settings)
     }
 
-    /// What is corrected, in words.
+    /// What is corrected and changed, in words.
     pub fn resampled(&self, settings: &DevelopSettings) -> Option<Resampled> {
         let metadata = self.metadata();
-        let of_lens = settings.distortion && metadata.distortion.is_some();
-        let of_pixels = settings.square_pixels && metadata.pixel_aspect() != 1.0;
-        let both = |first: &str, and: &str, second: &str| match (of_lens, of_pixels) {
-            (true, true) => Some(format!("{first}{and}{second}")),
-            (true, false) => Some(first.to_owned()),
-            (false, true) => Some(second.to_owned()),
-            (false, false) => None,
-        };
-        Some(Resampled {
-            what: both("freed of the distortion of the lens", " and ", "brought to square pixels")?,
-            keys: both("develop.distortion = false", " and ", "develop.square_pixels = false")?,
-        })
+        let all = [
+            (
+                settings.distortion && metadata.distortion.is_some(),
+                "freed of the distortion of the lens",
+                "develop.distortion = false",
+            ),
+            (
+                settings.square_pixels && (metadata.pixel_aspect() != 1.0 || metadata.is_staggered),
+                "brought to square pixels",
+                "develop.square_pixels = false",
+            ),
+            (settings.resizes(), "resized", "neither develop.resize_px nor develop.digital_zoom"),
+        ];
+        let (whats, keys): (Vec<&str>, Vec<&str>) =
+            all.into_iter().filter_map(|(is_done, what, key)| is_done.then_some((what, key))).unzip();
+        (!whats.is_empty()).then(|| Resampled { what: whats.join(" and "), keys: keys.join(" and ") })
     }
 
     /// Warnings about images and files that lack what one might expect.
@@ -89,7 +103,7 @@ impl<'a> LensSeen<'a> {
                 warnings.push(format!("image.png keeps the distortion of the {name} lens: {why}"));
             }
             Some(model) if has_dng => {
-                if Warp::of_lens(&model, self.size_px(), self.metadata().pixel_aspect()).is_none() {
+                if Warp::of_lens(&model, self.size_px, self.metadata().pixel_aspect()).is_none() {
                     warnings.push(format!(
                         "of the {name} lens, raw.dng tells photosite alone: what DNG has for all developers comes no nearer to \
                          it than {} px",
@@ -98,6 +112,10 @@ impl<'a> LensSeen<'a> {
                 }
             }
             None | Some(_) => {}
+        }
+        if self.is_staggered && has_dng {
+            let how = "by CFALayout, which most programs pass over: they take the rows for columns";
+            warnings.push(format!("raw.dng tells that every second row lies half a pixel to the right {how}"));
         }
         if let Some(Resampled { what, keys }) = self.resampled(settings) {
             if !output.truth.layers.is_empty() {
@@ -124,29 +142,25 @@ impl<'a> LensSeen<'a> {
             None => (self.intrinsics(), self.lens.projection),
         };
         let resampling = self.resampling(settings);
-        let (size, [across, down]) = match &resampling {
-            Some(resampling) => (resampling.size_px(), resampling.scale()),
-            None => (self.size_px(), [1.0; 2]),
+        let (size, (first, per_pixel)) = match &resampling {
+            Some(resampling) => (resampling.size_px(), resampling.on_sensor()),
+            None => (self.size_px, ([0.0; 2], [1.0; 2])),
         };
-        let intrinsics = on_grid.on_grid([0.0; 2], [1.0 / across, 1.0 / down]);
+        let intrinsics = on_grid.on_grid(first, per_pixel);
         ImageReport::new(size, settings.pixel_aspect(&metadata), &intrinsics, &projection, resampling.is_some())
-    }
-
-    /// Columns and rows of the raw picture.
-    fn size_px(&self) -> [usize; 2] {
-        [self.area.width / self.factor[0], self.area.height / self.factor[1]]
     }
 
     /// The matrix of the lens on the grid of the raw picture.
     fn intrinsics(&self) -> Intrinsics {
         let first = [self.area.x, self.area.y].map(|n| n as f64);
-        self.camera.intrinsics().on_grid(first, self.factor.map(|n| n as f64))
+        self.camera.intrinsics().on_grid(first, self.factor)
     }
 
     /// What is known of lens and pixels.
     fn metadata(&self) -> RawMetadata {
         RawMetadata {
             pixel_pitch_m: Some(self.pitch_m),
+            is_staggered: self.is_staggered,
             distortion: self.model().map(Distortion::Lens),
             ..RawMetadata::default()
         }
@@ -164,15 +178,14 @@ impl<'a> LensSeen<'a> {
             projection: self.lens.projection,
             max_angle_rad: self.lens.max_angle_rad,
         };
-        let can_correct = self.is_distorted() && !self.camera.scans() && model.is_within_a_half_space(self.size_px());
+        let can_correct = self.is_distorted() && !self.camera.scans() && model.is_within_a_half_space(self.size_px);
         can_correct.then_some(model)
     }
 
     /// 1 over the relative illumination. Where distortion leaves a pixel without light, there is nothing to correct.
     fn gain_map(&self) -> Option<GainMap> {
         let [columns, rows] = POINTS;
-        let [width, height] = self.size_px();
-        let seen = [width * self.factor[0], height * self.factor[1]].map(|n| n as f64);
+        let seen = [0, 1].map(|axis| self.size_px[axis] as f64 * self.factor[axis]);
         let gain = |i: usize| {
             let part = [i % columns, i / columns].map(|n| n as f64);
             let x = self.area.x as f64 + part[0] / (columns - 1) as f64 * seen[0];
@@ -214,9 +227,10 @@ mod tests {
         pitch_m: [f64; 2],
     ) -> LensSeen<'a> {
         let area = region.pixels.unwrap_or(PixelArea { x: 0, y: 0, width: 640, height: 480 });
-        let factor = region.binning.factor;
-        let pitch_m = [0, 1].map(|axis| pitch_m[axis] * factor[axis] as f64);
-        LensSeen { lens, camera, area, factor, pitch_m }
+        let [across, down] = region.binning.factor;
+        let (size_px, factor) = ([area.width / across, area.height / down], [across, down].map(|n| n as f64));
+        let pitch_m = [0, 1].map(|axis| pitch_m[axis] * factor[axis]);
+        LensSeen { lens, camera, area, size_px, factor, pitch_m, is_staggered: false }
     }
 
     #[test]
@@ -235,7 +249,11 @@ mod tests {
                 let (lens, distorting) = camera(projection, 4.0, pitch_m);
                 for region in [RegionOfInterest::WHOLE, part] {
                     let seen = seen(&lens, &distorting, region, pitch_m);
-                    let settings = DevelopSettings::default();
+                    let settings = DevelopSettings {
+                        digital_zoom: if region.pixels.is_some() { 1.5 } else { 1.0 },
+                        resize_px: region.pixels.map(|_| [210, 140]),
+                        ..DevelopSettings::default()
+                    };
                     let resampling = seen.resampling(&settings).expect("distortion");
                     let report = serde_json::to_value(seen.image_report(&settings)).expect("numbers");
                     let number =

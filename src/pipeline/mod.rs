@@ -13,6 +13,7 @@
 //! strips, checkpoints, parts and series. [`StoredRender`] begins with light that was traced before. What is heard of
 //! them goes through a [`Monitor`], which may stop them.
 
+mod autofocus;
 mod camera;
 mod chain;
 mod checkpoint;

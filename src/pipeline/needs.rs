@@ -64,7 +64,8 @@ impl<'a> Needs<'a> {
             None => 0,
         };
         let wanted = if self.has_pilot { FLOAT } else { 0 };
-        self.pixels.saturating_mul(preview + wanted)
+        let resized = if preview > 0 { self.resized() } else { 0 };
+        self.pixels.saturating_mul(preview + wanted).saturating_add(resized)
     }
 
     /// Charge and digital numbers.
@@ -74,6 +75,11 @@ impl<'a> Needs<'a> {
 
     fn developing(&self) -> u64 {
         develop::bytes_per_pixel(&self.settings.sensor.cfa, self.settings.develop)
+    }
+
+    /// The pixels that a developed picture is resized to.
+    fn resized(&self) -> u64 {
+        develop::bytes_of_resized(&self.settings.sensor.cfa, self.settings.develop)
     }
 
     /// Exposing to light with its variances, what is written of it, and developing.
@@ -92,7 +98,7 @@ impl<'a> Needs<'a> {
         let bands = if output.irradiance.is_some() { 3 * FLOAT } else { 0 };
         let writing = light + self.samples() * NUMBER + kept + truth.max(ideal).max(bands);
         let developing = self.samples() * NUMBER + kept + self.developing();
-        self.pixels.saturating_mul(exposing.max(writing).max(developing))
+        self.pixels.saturating_mul(exposing.max(writing).max(developing)).saturating_add(self.resized())
     }
 
     /// Refuses a picture that takes more than there is.

@@ -1,6 +1,6 @@
 //! Everything of a capture that is made once, before light is traced: scene, camera, the sensor's colours, warnings.
 
-use super::camera::place_camera;
+use super::camera::{FocusedCamera, focus_camera};
 use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
 use super::needs;
 use super::responses::{filters, importance, responses, seen_through_lens};
@@ -8,8 +8,8 @@ use crate::Result;
 use crate::capture::{Capture, NextPicture};
 use crate::film::Response;
 use crate::integrator::{FilterTile, WavelengthChoice};
-use crate::optics::{Camera, Focus};
-use crate::report::TruthReport;
+use crate::optics::{AutofocusMethod, Camera, Focus, LensKind};
+use crate::report::{FocusStepReport, TruthReport};
 use crate::scene::{self, Scene, spectral_coverage};
 use crate::spectrum::Spectrum;
 
@@ -20,6 +20,8 @@ pub struct Prepared {
     pub(super) scene: Scene,
     /// Standing still; where it moves, [`Capture::recording`] says how.
     pub(super) camera: Camera,
+    /// What autofocus by contrast has tried.
+    pub(super) focus_steps: Vec<FocusStepReport>,
     /// What the film is summed for: the sensor's channels first.
     pub(super) responses: Vec<Response>,
     /// How much each wavelength matters.
@@ -51,6 +53,13 @@ impl Prepared {
         capture.scene.files.clone_from(&description.files);
         let mut warnings = description.warnings.clone();
         warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
+        if capture.lens.kind == LensKind::Bare && !description.lights.is_empty() {
+            warnings.push(
+                "lights of [[lights]] and of glTF files have no surface, and a bare sensor sees what they shine on but not \
+                 the lamps themselves; give lamps that shall shine on the sensor a surface with emission"
+                    .to_owned(),
+            );
+        }
         let wanted = &capture.output.truth;
         let truth = TruthReport::new(
             &wanted.layers,
@@ -62,19 +71,13 @@ impl Prepared {
         let surfaces = description.surfaces();
         needs::check_scene(&description, &capture.source)?;
         let scene = scene::build(description, &importance);
-        let camera = place_camera(&capture, |ray| scene.closest(ray))?;
-        if let (Focus::Autofocus { pixel: [x, y] }, true) =
-            (capture.lens.focus, camera.focus_distance_m().is_infinite())
-        {
-            warnings.push(format!(
-                "autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"
-            ));
-        }
+        let FocusedCamera { camera, steps: focus_steps } = focus_camera(&capture, capture.camera_to_world, || &scene)?;
+        warnings.extend(autofocus_warning(&capture, &camera));
         warnings.extend(ineffective_settings(&capture, &scene));
         let light = scene_light(&capture, &scene)?;
         let optics = Optics {
-            f_number: Some(capture.lens.f_number),
-            focal_length_m: Some(capture.lens.focal_length_m),
+            f_number: camera.makes_picture().then_some(capture.lens.f_number),
+            focal_length_m: Some(capture.lens.focal_length_m).filter(|f| camera.makes_picture() && *f > 0.0),
             transmittance: capture.lens.transmittance.clone(),
         };
         let colours = SensorColours::find(Settings::from(&capture), &optics, &light, None, &mut warnings)?;
@@ -82,6 +85,7 @@ impl Prepared {
             capture,
             scene,
             camera,
+            focus_steps,
             responses,
             importance,
             filters,
@@ -92,7 +96,7 @@ impl Prepared {
             truth,
             warnings,
         };
-        prepared.warnings.extend(prepared.chain().lens_warnings());
+        prepared.warnings.extend(prepared.chain().picture_warnings());
         Ok(prepared)
     }
 
@@ -121,8 +125,24 @@ impl Prepared {
 
     /// The steps after light transport.
     pub(super) fn chain(&self) -> Chain<'_> {
-        let lens = Some((&self.capture.lens, &self.camera));
+        // Of a bare sensor there is nothing to correct.
+        let lens = self.camera.makes_picture().then_some((&self.capture.lens, &self.camera));
         Chain::new((&self.capture).into(), &self.optics, &self.colours, lens)
+    }
+}
+
+/// A warning where the lens is not focused on what autofocus was told to.
+fn autofocus_warning(capture: &Capture, camera: &Camera) -> Option<String> {
+    let Focus::Autofocus { pixel: [x, y], method } = capture.lens.focus else { return None };
+    let u = camera.focus_distance_m();
+    match (method, capture.lens.min_focus_distance_m) {
+        (AutofocusMethod::Exact, _) if u.is_infinite() => {
+            Some(format!("autofocus: pixel {x}, {y} sees nothing to focus on, so the lens is focused at infinity"))
+        }
+        (AutofocusMethod::Exact, Some(nearest)) if u == nearest => Some(format!(
+            "autofocus: what pixel {x}, {y} sees is nearer than the lens can be focused on, {nearest} m, and is not sharp"
+        )),
+        (AutofocusMethod::Exact | AutofocusMethod::Contrast(_), _) => None,
     }
 }
 

@@ -11,7 +11,7 @@ use super::file_names::PART;
 use super::monitor::{Event, Monitor};
 use super::needs::Needs;
 use super::output_folder::OutputFolder;
-use super::results::{Frames, write_results};
+use super::results::{Carried, Frames, write_results};
 use super::stored_light::StoredLight;
 use crate::capture::{ExposureTime, StoredCapture, StoredReport, relative_path};
 use crate::develop::SensorCalibration;
@@ -79,16 +79,17 @@ fn expose_into(
             illuminant::d65().clone()
         }
     };
+    let lens = traced.lens.as_ref();
     let optics = Optics {
-        f_number: traced.lens.as_ref().map(|lens| lens.f_number),
-        focal_length_m: traced.lens.as_ref().map(|lens| lens.focal_length_mm / 1e3),
+        f_number: lens.and_then(|lens| lens.f_number),
+        focal_length_m: lens.and_then(|lens| lens.focal_length_mm).filter(|f| *f > 0.0).map(|f| f / 1e3),
         transmittance: capture.lens.transmittance.clone(),
     };
-    let placed = recorded.as_ref().zip(traced.lens.as_ref()).and_then(|(recorded, lens)| placed_lens(recorded, lens));
+    let placed = recorded.as_ref().zip(lens).and_then(|(recorded, lens)| placed_lens(recorded, lens));
     let settings = Settings::from(&capture);
     let colours = SensorColours::find(settings, &optics, &white, calibration.as_ref(), &mut warnings)?;
     let chain = Chain::new(settings, &optics, &colours, placed.as_ref().map(|(lens, camera)| (lens, camera)));
-    warnings.extend(chain.lens_warnings());
+    warnings.extend(chain.picture_warnings());
     if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
         warnings.push(other_pitch(&recorded.sensor, &capture.sensor));
     }
@@ -134,8 +135,8 @@ fn expose_into(
     timings.expose_s = start.elapsed().as_secs_f64();
     let of = 1 + later.len() as u32;
     let frames = if of > 1 { Frames::One { number: 0, of } } else { Frames::All(capture.exposure.frames) };
-    let mut left = None;
-    let first = write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
+    let mut carried = Carried::default();
+    let first = write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut carried, |_, _| Ok(()))?;
     for (number, path) in (1..).zip(&later) {
         let start = Instant::now();
         let light = StoredLight::read(path)?;
@@ -144,7 +145,7 @@ fn expose_into(
         exposure = exposed.exposure;
         timings.expose_s += start.elapsed().as_secs_f64();
         let frames = Frames::One { number, of };
-        write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut left, |_, _| Ok(()))?;
+        write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut carried, |_, _| Ok(()))?;
     }
 
     let report = Report {
@@ -158,7 +159,7 @@ fn expose_into(
         traced,
         sensor: chain.sensor_report(&exposure, &first),
         image: chain.image_report(),
-        exposure: chain.exposure_report(&exposure),
+        exposure: chain.exposure_report(&exposure, &carried.gains),
         files: folder.files(),
         sums: folder.sums().clone(),
         warnings,
@@ -171,12 +172,16 @@ fn expose_into(
 /// The lens as the report has it, so that raw files tell of its falloff and distortion as those of the render do.
 /// `None` where the report does not say enough.
 fn placed_lens(recorded: &StoredCapture, reported: &LensReport) -> Option<(LensDescription, Camera)> {
-    let focus = reported.focus_distance_m.map_or(Focus::Infinity, Focus::Distance);
-    let focal_length_m = reported.focal_length_mm / 1e3;
+    let focus = match reported.focus_distance_m {
+        Some(u) if u > 0.0 => Focus::Distance(u),
+        Some(_) => Focus::ImageDistance(reported.image_distance_mm? / 1e3),
+        None => Focus::Infinity,
+    };
+    let focal_length_m = reported.focal_length_mm? / 1e3;
     let lens = LensDescription { focus, focal_length_m, ..recorded.lens.clone() };
     // Where the camera stands makes no difference to what its lens does.
     let camera = camera_of(&lens, &recorded.sensor, DAffine3::IDENTITY, f64::NAN).ok()?;
-    Some((lens, camera))
+    camera.makes_picture().then_some((lens, camera))
 }
 
 /// What the numbers of a picture of another program are on the sensor.
@@ -237,6 +242,7 @@ impl Stored {
         let report = stored.report;
         let moves = report.traced.camera.as_ref().is_some_and(|camera| camera.motion.is_some());
         same_times(&recorded, &capture, moves).map_err(|invalid| capture.source.error(invalid))?;
+        same_cells(&recorded.sensor, &capture.sensor).map_err(|invalid| capture.source.error(invalid))?;
         let numbered = moves && recorded.exposure.frames > 1;
         let same_response = recorded.sensor.responses() == capture.sensor.responses();
         let file = match file {
@@ -339,6 +345,22 @@ fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) ->
     if moves && is.1.frames > was.1.frames {
         let message = format!("the camera moves, and the light of {} pictures is stored", was.1.frames);
         return Err(Invalid::new("exposure.frames", message).help("ask for as many or fewer, or render again"));
+    }
+    Ok(())
+}
+
+/// Refuses cells that would have collected light at other places, or where none was traced.
+fn same_cells(recorded: &SensorModel, sensor: &SensorModel) -> Result<(), Invalid> {
+    let help = "keep it as it was rendered, or render again";
+    if recorded.cells.shape != sensor.cells.shape {
+        let message = "cells of this shape collect light at other places than those of the rendered sensor";
+        return Err(Invalid::new("sensor.cells", message).help(help));
+    }
+    let [was, is] = [recorded, sensor].map(|sensor| sensor.cells.image_circle);
+    let is_wider = was.is_some_and(|was| is.is_none_or(|is| is.radii_px.cmpgt(was.radii_px).any()));
+    if is_wider {
+        let message = "the picture was rendered for a smaller circle, and no light was traced beyond";
+        return Err(Invalid::new("sensor.image_circle_mm", message).help(help));
     }
     Ok(())
 }

@@ -81,7 +81,7 @@ pub fn render_into(
     let series = Series { request, provenance: &provenance, prepared, strips, common, changed, partner };
     let recorded = series.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
     let Recorded { exposed, paths, warnings } = recorded;
-    let Some(ExposedSeries { exposure, first, reached }) = exposed else {
+    let Some(ExposedSeries { exposure, gains, first, reached }) = exposed else {
         let part = part_report(request, prepared, provenance, folder, timings.trace_s);
         folder.write_part(&part)?;
         return Ok(Rendered::Part(part));
@@ -96,7 +96,7 @@ pub fn render_into(
     let recording = capture.recording.as_ref();
     let traced = TracedReport {
         camera: Some(CameraReport::new(&capture.lens, &first_camera.halfway(), pixels(capture), recording)),
-        lens: Some(LensReport::new(&capture.lens, camera)),
+        lens: Some(LensReport::new(&capture.lens, camera, capture.sensor.pixel_pitch_m, &prepared.focus_steps)),
         render: Some(render_report(capture, scene, reached)),
         scene_light: Some(LightReport::new(&prepared.light)),
         targets: Some(capture.targets.iter().map(report_target).collect()),
@@ -116,7 +116,7 @@ pub fn render_into(
         traced,
         sensor: chain.sensor_report(&exposure, &first),
         image: chain.image_report(),
-        exposure: chain.exposure_report(&exposure),
+        exposure: chain.exposure_report(&exposure, &gains),
         files: folder.files(),
         sums: folder.sums().clone(),
         warnings: [prepared.warnings(), &warnings].concat(),

@@ -7,7 +7,7 @@ use crate::develop::merge::merge;
 use crate::image::{Estimate, Planes};
 use crate::raw::RawImage;
 use crate::sensor::{Exposure, LeftCharge};
-use crate::units::Seconds;
+use crate::units::{Decibels, Seconds};
 
 use super::chain::{Chain, Exposed};
 use super::monitor::{Monitor, go_on};
@@ -41,12 +41,23 @@ impl Frames {
     }
 }
 
+/// What a frame hands on to the one after it.
+#[derive(Default)]
+pub(super) struct Carried {
+    /// Charge that it has left in the sensor.
+    left: Option<LeftCharge>,
+    /// The gain that gain control has found for the next one.
+    gain: Option<Decibels>,
+    /// Those of the frames so far, where there is gain control.
+    pub(super) gains: Vec<Decibels>,
+}
+
 /// Reads out the frames, or a picture for each time of a bracket, and writes them; develops the first, or the one of a
 /// bracket whose time is nearest to that of `exposed`, which is returned; merges a bracket to a map of the light.
 /// `write_light` writes what is left of the light beside the electrons, numbered where there are several.
 ///
-/// `left` is the charge that the frame before has left in the sensor, and then what the last one leaves: the images of
-/// a bracket are taken one after the other, too.
+/// `carried` is what the frame before hands on, and then what the last one does: the images of a bracket are taken one
+/// after the other, too.
 ///
 /// Raw files and light are there before anything is developed: they take the longest to get, whatever becomes of the
 /// development, and the light's memory is free again.
@@ -58,7 +69,7 @@ pub(super) fn write_results(
     frames: Frames,
     folder: &mut OutputFolder,
     timings: &mut Timings,
-    left: &mut Option<LeftCharge>,
+    carried: &mut Carried,
     write_light: impl FnOnce(&mut OutputFolder, Option<u32>) -> Result<()>,
 ) -> Result<RawImage> {
     let output = chain.settings.output;
@@ -74,11 +85,17 @@ pub(super) fn write_results(
     for number in numbers {
         go_on(monitor)?;
         let start = Instant::now();
-        let mut read_out = |exposed| chain.read_out_with_maps(exposed, number, &output.noise.maps, left);
+        let gain = carried.gain.unwrap_or(exposed.exposure.gain);
+        let left = &mut carried.left;
+        let mut read_out = |exposed| chain.read_out_with_maps(exposed, gain, number, &output.noise.maps, left);
         let (raw, maps) = match &times {
             Some(times) => read_out(&shot(&exposed, times[number as usize]))?,
             None => read_out(&exposed)?,
         };
+        if let Some(control) = &chain.settings.exposure.gain_control {
+            carried.gains.push(gain);
+            carried.gain = Some(control.next(gain, &raw));
+        }
         timings.expose_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         if number == 0 {

@@ -13,7 +13,7 @@ use super::monitor::Event;
 use super::output_folder::OutputFolder;
 use super::prepare::Prepared;
 use super::request::{LightSource, Request};
-use super::results::{Frames, write_results};
+use super::results::{Carried, Frames, write_results};
 use super::strips::Strips;
 use super::trace::{Trace, Traced, trace};
 use super::truth_views::{ChangedPicture, Common, Moment};
@@ -25,8 +25,8 @@ use crate::optics::Camera;
 use crate::raw::RawImage;
 use crate::report::{NoiseReport, Timings};
 use crate::scene::{self, Scene};
-use crate::sensor::{Exposure, LeftCharge};
-use crate::units::Seconds;
+use crate::sensor::Exposure;
+use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
 
 /// All that the pictures of a series are made of.
@@ -56,6 +56,8 @@ pub(super) struct Recorded {
 /// The last exposure and the first picture.
 pub(super) struct ExposedSeries {
     pub(super) exposure: Exposure,
+    /// Of each picture, where there is gain control.
+    pub(super) gains: Vec<Decibels>,
     pub(super) first: RawImage,
     pub(super) reached: Reached,
 }
@@ -74,12 +76,19 @@ impl Series<'_> {
         let count = capture.exposure.frames;
         let Some(recording) = &capture.recording else {
             let next = self.next(first_scene, View::of(first_scene, still, pixels(capture)));
-            return self.picture(first_scene, still, next, Frames::All(count), folder, timings, &mut None);
+            return self.picture(
+                first_scene,
+                still,
+                next,
+                Frames::All(count),
+                folder,
+                timings,
+                &mut Carried::default(),
+            );
         };
         let mut all = Recorded { exposed: None, paths: 0, warnings: Vec::new() };
         let mut now = Moment { recording: recording.clone(), scene: None };
-        // Charge that stays in the sensor from frame to frame.
-        let mut left = None;
+        let mut carried = Carried::default();
         for number in 0..count {
             // Only flow looks ahead.
             let mut next = match &self.common {
@@ -95,7 +104,7 @@ impl Series<'_> {
             let next_scene = next.as_ref().and_then(|next| next.scene.as_ref()).unwrap_or(scene);
             let view = self.next(scene, View::of(next_scene, &next_camera, pixels(capture)));
             let frames = Frames::One { number, of: count };
-            let recorded = self.picture(scene, &camera, view, frames, folder, timings, &mut left)?;
+            let recorded = self.picture(scene, &camera, view, frames, folder, timings, &mut carried)?;
             let first = all.exposed.map(|ExposedSeries { first, .. }| first);
             all.exposed = recorded.exposed.map(|last| ExposedSeries { first: first.unwrap_or(last.first), ..last });
             all.paths += recorded.paths;
@@ -162,7 +171,7 @@ impl Series<'_> {
         frames: Frames,
         folder: &mut OutputFolder,
         timings: &mut Timings,
-        left: &mut Option<LeftCharge>,
+        carried: &mut Carried,
     ) -> Result<Recorded> {
         let prepared = self.prepared;
         let (capture, chain, monitor) = (&prepared.capture, &prepared.chain(), self.request.monitor);
@@ -251,7 +260,7 @@ impl Series<'_> {
             monitor.report(Event::Warning(&warning));
             warnings.push(warning);
         }
-        let first = write_results(monitor, chain, exposed, frames, folder, timings, left, |folder, number| {
+        let first = write_results(monitor, chain, exposed, frames, folder, timings, carried, |folder, number| {
             if capture.output.ideal {
                 let seen = light.means(ideal::NAMES).to_planes();
                 let seen = seen.map_err(|reason| Error::io(folder.path(), "read from", reason))?;
@@ -276,7 +285,8 @@ impl Series<'_> {
                 None => Ok(()),
             }
         })?;
-        Ok(Recorded { exposed: Some(ExposedSeries { exposure, first, reached }), paths: all_paths, warnings })
+        let gains = carried.gains.clone();
+        Ok(Recorded { exposed: Some(ExposedSeries { exposure, gains, first, reached }), paths: all_paths, warnings })
     }
 }
 

@@ -144,7 +144,7 @@ impl Prepared {
         Ok(Light { rows, rates, samples, paths: paths + pilot_paths, trace_s: start.elapsed().as_secs_f64() })
     }
 
-    /// Exposes to that light; each frame has temporal noise of its own, and all share the fixed pattern of the sensor,
+    /// Exposes to that light at the gain of the exposure; each frame has temporal noise of its own, and all share the fixed pattern of the sensor,
     /// which has been in the dark before.
     ///
     /// # Errors
@@ -164,7 +164,7 @@ impl Prepared {
         let exposed = chain.expose(light.rates.clone(), Seconds(1.0), None)?;
         let mut left = before;
         let maps = &self.capture.output.noise.maps;
-        let (raw, noise_maps) = chain.read_out_with_maps(&exposed, frame, maps, &mut left)?;
+        let (raw, noise_maps) = chain.read_out_with_maps(&exposed, exposed.exposure.gain, frame, maps, &mut left)?;
         let Exposed { exposure, electrons, warning } = exposed;
         Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings: warning.into_iter().collect() })
     }

@@ -10,7 +10,7 @@ use crate::spectrum::Spectrum;
 use crate::{Invalid, Result};
 use glam::DAffine3;
 
-use super::camera::{camera_of, pixels, place_camera, place_camera_at};
+use super::camera::{camera_of, focus_camera, pixels, place_camera};
 
 /// What the scene of a picture must have in common with that of the next, and what it is built with.
 #[derive(Clone, Copy)]
@@ -56,7 +56,7 @@ impl ChangedPicture {
         let mut next = Capture::load_within(capture.source.sandbox(), input, &all)?;
         let builds = capture.scene_moves || changes.iter().any(|change| is_of_scene(change));
         let built = if builds { Some(common.build(&mut next)?) } else { None };
-        let placed = place_camera(&next, |ray| built.as_ref().unwrap_or(scene).closest(ray))?;
+        let placed = place_camera(&next, || built.as_ref().unwrap_or(scene))?;
         let camera = match &next.recording {
             Some(recording) => placed.recording(recording.clone()),
             None => placed,
@@ -87,7 +87,7 @@ pub(super) struct Moment {
 /// `camera` but for what its own autofocus finds.
 pub(super) fn partner_camera(capture: &Capture, camera: &Camera, place: DAffine3, scene: &Scene) -> Result<Camera> {
     let Focus::Autofocus { .. } = capture.lens.focus else { return Ok(camera.clone()) };
-    let focused = place_camera_at(capture, camera.to_world() * place, |ray| scene.closest(ray))?;
-    let partner = camera_of(&capture.lens, &capture.sensor, camera.to_world(), focused.focus_distance_m());
+    let focused = focus_camera(capture, camera.to_world() * place, || scene)?;
+    let partner = camera_of(&capture.lens, &capture.sensor, camera.to_world(), focused.camera.focus_distance_m());
     partner.map_err(|invalid| capture.source.error(invalid.within("lens")))
 }

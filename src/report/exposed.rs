@@ -1,42 +1,9 @@
-//! What a report says of lens, sensor and exposure.
+//! What a report says of sensor and exposure.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::develop::SensorCalibration;
-use crate::optics::{Camera, LensDescription, LensKind};
-
-/// The lens.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
-pub struct LensReport {
-    /// `pinhole` or `thin`.
-    pub kind: String,
-    /// f.
-    pub focal_length_mm: f64,
-    /// N.
-    pub f_number: f64,
-    /// `null`: focused at infinity.
-    pub focus_distance_m: Option<f64>,
-    /// Distance lens → sensor v.
-    pub image_distance_mm: f64,
-}
-
-impl LensReport {
-    /// Of a lens in its place.
-    pub fn new(lens: &LensDescription, camera: &Camera) -> Self {
-        let focus = camera.focus_distance_m();
-        Self {
-            kind: match lens.kind {
-                LensKind::Pinhole => "pinhole".to_owned(),
-                LensKind::Thin => "thin".to_owned(),
-            },
-            focal_length_mm: lens.focal_length_m * 1e3,
-            f_number: lens.f_number,
-            focus_distance_m: focus.is_finite().then_some(focus),
-            image_distance_mm: camera.image_distance_m() * 1e3,
-        }
-    }
-}
 
 /// The sensor at its gains.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -81,10 +48,16 @@ pub struct ExposureReport {
     pub time_s: f64,
     /// Whether that was found by itself.
     pub auto: bool,
-    /// Analogue gain.
+    /// Analogue gain; under gain control, that of the first picture.
     pub gain_db: f64,
+    /// Analogue gain of each picture, where gain control has found it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame_gains_db: Option<Vec<f64>>,
     /// Digital gain.
     pub digital_gain_db: f64,
+    /// Exposure value log₂(N²/t) of f-number and time in seconds; `null` without a lens.
+    #[serde(default)]
+    pub exposure_value: Option<f64>,
     /// Saturation-based ISO speed at these gains; `null` for logarithmic sensors.
     pub iso: Option<f64>,
     /// Temperature of the sensor.

@@ -7,6 +7,7 @@ mod camera;
 mod comparison;
 mod exposed;
 mod image;
+mod lens;
 mod listing;
 mod matrix;
 mod motion;
@@ -23,8 +24,9 @@ use serde::{Deserialize, Serialize};
 
 pub use camera::{CameraReport, FieldOfViewReport};
 pub use comparison::{ComparedFile, ComparisonReport, DifferencePicture, UntestedChannels};
-pub use exposed::{ExposureReport, LensReport, SensorReport};
+pub use exposed::{ExposureReport, SensorReport};
 pub use image::ImageReport;
+pub use lens::{FocusStepReport, LensFiguresReport, LensReport};
 pub(crate) use listing::{Listing, Look, damage_of_file};
 pub use motion::{MotionReport, PathReport, PoseReport};
 pub use part::PartReport;

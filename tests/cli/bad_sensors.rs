@@ -14,8 +14,8 @@ fn folder(capture: String) -> Folder {
 
 #[rstest]
 #[case::negative_noise("[sensor.noise]\nread_noise_e = -2", "noise.read_noise_e: must not be negative", "write 0")]
-#[case::no_bits("[sensor.adc]\nbits = 0", "adc.bits: must lie between 8 and 16, got 0", "for example bits = 12")]
-#[case::many_bits("[sensor.adc]\nbits = 40", "adc.bits: must lie between 8 and 16, got 40", "for example bits = 12")]
+#[case::no_bits("[sensor.adc]\nbits = 0", "adc.bits: must lie between 1 and 16, got 0", "for example bits = 12")]
+#[case::many_bits("[sensor.adc]\nbits = 40", "adc.bits: must lie between 1 and 16, got 40", "for example bits = 12")]
 #[case::black_level("[sensor.adc]\nblack_level_dn = 5000", "adc.black_level_dn: 5000 leaves no room", "less than 4095")]
 #[case::efficiency("[sensor.channels.G]\nquantum_efficiency = 1.2", "quantum_efficiency: must lie between 0 and 1", "")]
 #[case::no_spectrum("[sensor]\ncfa = 'rccb'", "sensor.channels.", "C")]
@@ -27,7 +27,8 @@ fn folder(capture: String) -> Folder {
 #[case::telegraph("[sensor.noise.telegraph]\nlow_s = 0", "noise.telegraph.low_s: must be above 0", "low_s = 0.5")]
 #[case::defects("[sensor.defects]\nstuck_per_million = 2e6", "defects.stuck_per_million: must lie between 0 and", "")]
 #[case::crosstalk("[sensor]\ncrosstalk = [[0.1, 0.8]]", "sensor.crosstalk: must be an odd number of rows", "0.96")]
-#[case::format("[sensor]\nformat = '3/4'", "sensor.format: there is no sensor format \"3/4\"", "\"2/3\"")]
+#[case::format("[sensor]\nformat = '3/4'", "sensor.format: there is no sensor format \"3/4\"", "1/3.2")]
+#[case::misspelt_format("[sensor]\nformat = 'full-fram'", "sensor.format: there is no", "full-frame")]
 #[case::nonlinearity("[sensor.adc]\ndnl_dn = 0.9", "adc.dnl_dn: must be at most 0.4, got 0.9", "change places")]
 #[case::stage("[exposure]\nstages_off = ['red-noise']", "red-noise", "row-noise")]
 #[case::interval(
@@ -76,7 +77,7 @@ fn folder(capture: String) -> Folder {
 )]
 #[case::companding_bits(
     "[sensor.adc]\ncompanding = { bits = 14, gamma = 2 }",
-    "adc.companding.bits: must lie between 8 and",
+    "adc.companding.bits: must lie between 1 and",
     "12"
 )]
 #[case::companding_curve("[sensor.adc]\ncompanding = { bits = 10 }", "adc.companding.gamma: is missing", "gamma = 2.2")]
@@ -126,6 +127,49 @@ fn folder(capture: String) -> Folder {
     "[exposure]\nbracket_ev = [0, 2]\nframes = 3",
     "exposure.frames: cannot go with a bracket",
     "remove it"
+)]
+#[case::close_rows(
+    "[sensor]\ncfa = 'mono'\nchannels.Y.quantum_efficiency = 0.5\nwithout = ['channels.R', 'channels.G', 'channels.B']\n\
+     cells = 'hexagonal'\npixel_pitch_um = [4, 1]",
+    "sensor.pixel_pitch_um: rows of hexagons lie at least half a pitch apart",
+    "[4, 3.4641]"
+)]
+#[case::no_circle("[sensor]\nimage_circle_mm = 0", "sensor.image_circle_mm: must be above 0, got 0", "8.0")]
+#[case::tiny_circle("[sensor]\nimage_circle_mm = 1e-4", "image_circle_mm: a circle of 0.0001 mm", "diameter")]
+#[case::video_gamma("[sensor.video]\ngamma = 0.3", "video.gamma: must lie between 0.4 and 5, got 0.3", "0.45")]
+#[case::no_clock("[sensor]\nvideo = { bandwidth_mhz = 4.2 }", "video.pixel_clock_mhz: missing", "13.5")]
+#[case::no_bandwidth("[sensor.video]\npixel_clock_mhz = 13.5", "video.pixel_clock_mhz: says nothing", "4.2")]
+#[case::narrow(
+    "[sensor.video]\npixel_clock_mhz = 10\nbandwidth_mhz = 1e-4",
+    "video.bandwidth_mhz: 0.0001 MHz",
+    "at least"
+)]
+#[case::mosaic(
+    "[sensor]\nframe_grabber = { size_px = [40, 30] }",
+    "sensor.frame_grabber: cannot go with a mosaic",
+    "keep"
+)]
+#[case::no_samples("[sensor.frame_grabber]\nsize_px = [40, 0]", "frame_grabber.size_px: must lie between 1", "[768")]
+#[case::counts(
+    "[sensor]\npreset = 'swissspad2'\nvideo.gamma = 2",
+    "sensor.video: cannot go with kind = \"spad\"",
+    "keep one"
+)]
+#[case::control_of_auto("[exposure]\ngain_control = {}", "exposure.gain_control: cannot go with automatic", "keep")]
+#[case::no_target(
+    "[exposure]\ntime_s = 1\ngain_control = { target = 1 }",
+    "gain_control.target: must lie between 0 and 1",
+    "0.18"
+)]
+#[case::no_attack(
+    "[exposure]\ntime_s = 1\ngain_control = { attack = 0 }",
+    "gain_control.attack: must lie above 0",
+    "0.3"
+)]
+#[case::wide_limits(
+    "[exposure]\ntime_s = 1\ngain_control = { limits_db = [0, 99] }",
+    "gain_control.limits_db: [0, 99] dB are not",
+    "from 0 to 24 dB"
 )]
 fn impossible_sensors_are_refused_with_key_and_line(#[case] more: &str, #[case] message: &str, #[case] help: &str) {
     // A table that should not be there is at fault from its first line on, a value in its own.

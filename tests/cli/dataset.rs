@@ -207,6 +207,23 @@ fn a_trajectory_moves_the_rig_while_it_records() {
     }
 }
 
+#[test]
+fn a_trajectory_zooms() {
+    let poses = "frames = 3\n[poses.trajectory]\nframe_rate_hz = 2\nmoving = false\nposes = [\n\
+        { time_s = 0, position_m = [0, 0, 1], look_at_m = [0, 0, 0], focal_length_mm = 10 },\n\
+        { time_s = 1, position_m = [0, 0, 1], look_at_m = [0, 0, 0], focal_length_mm = 20 } ]\n";
+    let folder = folder(poses);
+    folder.succeed("dataset set.toml -o out");
+    let focal_length = |frame: u32| {
+        let results = folder.results(&format!("out/camera/00000{frame}"));
+        let report: serde_json::Value = serde_json::from_slice(&results["capture.json"]).expect("JSON");
+        report["lens"]["focal_length_mm"].as_f64().expect("a number")
+    };
+    assert_eq!([0, 1, 2].map(focal_length), [10.0, 15.0, 20.0]);
+    folder.add("set.toml", &format!("capture = 'board.toml'\n{}", poses.replace(", focal_length_mm = 20", "")));
+    folder.fail("dataset set.toml -o other", 2, &["poses[1].focal_length_mm: missing, where poses[0] has one"]);
+}
+
 #[rstest]
 #[case::no_capture("", "the key `capture` is missing")]
 #[case::unknown_key("capture = 'board.toml'\nframe = 3\n", "set.toml:2: frame: unknown key")]

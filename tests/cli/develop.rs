@@ -83,7 +83,7 @@ fn what_goes_wrong_is_told() {
     folder.add("torn.dng", &bytes(&folder, "out/raw.dng")[..2000]);
     folder.add("notes.txt", b"no raw file");
     for (arguments, status, wanted) in [
-        ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .pgm, .ppm or .exr"][..]),
+        ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .pgm, .ppm, .exr or .npy"][..]),
         ("out/raw.dng -o p.pgm", 2, &["a PGM file holds grey, the picture has R, G, B", ".ppm"]),
         ("out/raw.dng -o out/image.png", 2, &["exists already", "--force"]),
         ("out/raw.dng -o nowhere/p.png", 1, &["nowhere: is no folder to write to"]),
@@ -98,6 +98,17 @@ fn what_goes_wrong_is_told() {
         ("out/raw.dng -o p.png --set develop.temperature_k=5000", 1, &["white_balance = \"temperature\""]),
         ("out/raw.dng -o p.png --set develop.colour_space=xyz", 1, &["colour_space", ".exr"]),
         ("out/raw.dng -o p.jpg --set develop.bits=16", 1, &["bits", "JPEG"]),
+        ("out/raw.dng -o p.jpg --set develop.jpeg_quality=101", 1, &["jpeg_quality", "from 1 to 100"]),
+        ("out/raw.dng -o p.png --set develop.colour_model=lab", 1, &["colour_model", "L*a*b*", ".npy"]),
+        ("out/raw.dng -o p.png --set develop.kernel=[[1,2],[3,4]]", 1, &["develop.kernel", "odd", "2 × 2"]),
+        ("out/raw.dng -o p.png --set develop.resize_px=[0,5]", 1, &["resize_px", "65535"]),
+        ("out/raw.dng -o p.png --set develop.tone_white=2", 1, &["tone_white", "tone_curve = \"reinhard\""]),
+        (
+            "out/raw.dng -o p.png --memory 1 --set develop.resize_px=[60000,60000]",
+            1,
+            &["developing 32 × 24 pixels to 60000 × 60000", "GiB"],
+        ),
+        ("out/electrons.exr -o p.png", 1, &["electrons.exr", "a quantity in e-", "photosite expose"]),
         (
             "out/raw.dng -o p.png --set develop.white_balance=patch --set develop.patch_px=[30,0,9,9]",
             1,
@@ -106,6 +117,42 @@ fn what_goes_wrong_is_told() {
     ] {
         folder.fail(&format!("develop {arguments}"), status, wanted);
     }
+}
+
+#[test]
+fn pictures_take_the_steps_that_are_not_of_raw_files() {
+    let folder = rendered("");
+    folder.succeed("develop out/raw.dng -o light.exr");
+    // The same light, encoded now or then.
+    folder.succeed("develop light.exr -o later.png");
+    assert!(bytes(&folder, "later.png") == bytes(&folder, "out/image.png"));
+    // Of codes comes the light that they stand for, and of that the codes.
+    folder.succeed("develop later.png -o again.png");
+    folder.succeed("compare again.png later.png --max-rmse 0.2");
+    let settings = "--set develop.demosaic=malvar --set develop.tone_curve=reinhard --set develop.jpeg_quality=50";
+    let found = report(&folder, &format!("light.exr -o shown.png {settings}"));
+    let warnings = found["warnings"].as_array().expect("a list");
+    let said =
+        |key: &str| warnings.iter().any(|w| w.as_str().expect("text").contains(&format!("develop.{key} has no part")));
+    assert!(warnings.len() == 2 && said("demosaic") && said("jpeg_quality"), "{warnings:?}");
+    assert!(bytes(&folder, "shown.png") != bytes(&folder, "later.png"));
+    let zoomed =
+        report(&folder, "light.exr -o zoomed.npy --set develop.digital_zoom=2 --set develop.resize_px=[50,40]");
+    assert_eq!(zoomed["resolution_px"], json!([50, 40]));
+}
+
+#[test]
+fn image_png_is_the_picture_of_the_camera_that_the_report_tells() {
+    let folder = room("[render]\nsamples_per_pixel = 4\n[develop]\ndigital_zoom = 2.0\nresize_px = [64, 48]\n");
+    folder.succeed("render capture.toml -o out");
+    let report: Value = serde_json::from_slice(&bytes(&folder, "out/capture.json")).expect("JSON");
+    let (image, camera) = (&report["image"], &report["camera"]);
+    assert_eq!(image["resolution_px"], json!([64, 48]));
+    let number = |of: &Value, row: usize, column: usize| of["camera_matrix"][row][column].as_f64().expect("a number");
+    // The middle half of 32 × 24 pixels on four times as many: pixels of a quarter, centres kept at the middle.
+    assert!((number(image, 0, 0) / number(camera, 0, 0) - 4.0).abs() < 1e-9, "{image}");
+    let centre = (number(camera, 0, 2) + 0.5 - 8.0) * 4.0 - 0.5;
+    assert!((number(image, 0, 2) - centre).abs() < 1e-9, "{image}");
 }
 
 /// A TIFF file of one strip of numbers of 8 bits.
@@ -258,12 +305,33 @@ fn values_of(schema: &Value, property: &Value) -> Vec<String> {
 }
 
 /// Values of the keys that the schema has no list of, with what they go with.
-const NUMBERS: [(&str, &str); 17] = [
+const NUMBERS: [(&str, &str); 38] = [
     ("temperature_k=4000", "white_balance=temperature"),
     ("tint=12.5", "white_balance=temperature temperature_k=5000"),
     ("patch_px=[3,5,20,12]", "white_balance=patch"),
     ("noise_radius_px=2", "noise_filter=median"),
     ("noise_strength=1.5", "noise_filter=bilateral"),
+    ("noise_sigma_px=1.5", "noise_filter=gaussian"),
+    ("noise_sigma_range=0.1", "noise_filter=bilateral"),
+    ("kernel=[[0.0,1.0,0.0],[1.0,-3.0,1.0],[0.0,1.0,0.0]]", ""),
+    ("kernel_normalised=true", "kernel=[[1,2,1],[2,4,2],[1,2,1]]"),
+    ("kernel_normalised=false", "kernel=[[1,-1,1]]"),
+    ("digital_zoom=2.0", ""),
+    ("resize_px=[40,20]", ""),
+    ("resize_filter=nearest", "resize_px=[40,20]"),
+    ("resize_filter=linear", "resize_px=[20,40]"),
+    ("resize_filter=cubic", "digital_zoom=1.5"),
+    ("resize_filter=lanczos", "resize_px=[10,10]"),
+    ("resize_antialias=false", "resize_px=[10,10]"),
+    ("resize_antialias=true", "resize_px=[10,10]"),
+    ("tone_key=0.36", "tone_curve=reinhard"),
+    ("tone_white=2.0", "tone_curve=reinhard"),
+    ("tone_bias=0.7", "tone_curve=log"),
+    ("tone_contrast=20.0", "tone_curve=local"),
+    ("tone_sigma_px=3.0", "tone_curve=local"),
+    ("tone_sigma_range=0.3", "tone_curve=local"),
+    ("threshold_level=0.25", "threshold=level colour_model=grey"),
+    ("jpeg_quality=80", ""),
     ("exposure_ev=-1.5", ""),
     ("gamma=1.8", "tone_curve=gamma"),
     ("sharpening=0.5", ""),
@@ -294,8 +362,14 @@ fn every_key_and_value_of_the_schema_develops() {
         for (setting, with) in settings {
             tried += 1;
             let all = with.split_whitespace().chain([&setting[..]]).map(|s| format!(" --set develop.{s}"));
-            // Codes cannot hold X and Z of white.
-            let extension = if setting == "colour_space=xyz" { "exr" } else { "png" };
+            // Codes cannot hold X and Z of white, nor hues.
+            let extension = match &setting[..] {
+                "colour_space=xyz" | "colour_model=hsv" => "exr",
+                "colour_model=hsl" | "colour_model=hsi" => "npy",
+                "colour_model=lab" => "tiff",
+                "jpeg_quality=80" => "jpg",
+                _ => "png",
+            };
             let arguments = format!("develop out/raw.dng -o {tried}.{extension} --json{}", all.collect::<String>());
             let outcome = folder.run(&arguments);
             if ["demosaic=markesteijn"].contains(&&setting[..]) {

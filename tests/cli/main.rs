@@ -6,6 +6,7 @@ mod bad_sensors;
 mod bad_usage;
 mod bombs;
 mod bracket;
+mod cells;
 mod dataset;
 mod develop;
 mod documents;

@@ -3,7 +3,8 @@
 use photosite::image::Planes;
 use photosite::sensor::{
     Architecture, Ccd, CcdArchitecture, Converter, Counting, Defects, DualGain, Exposure, FixedPattern, Flicker,
-    FlickerOrder, ImageLag, Kernel, Noise, Overscan, Reset, SensorModel, Spad, Stage, TelegraphSignal, presets,
+    FlickerOrder, ImageLag, Kernel, LowPass, Noise, Overscan, Reset, SensorModel, Spad, Stage, TelegraphSignal,
+    presets,
 };
 use photosite::units::{Decibels, Electrons, Seconds};
 
@@ -96,6 +97,7 @@ pub(crate) fn noisy_sensor_with(stage: Stage) -> SensorModel {
         Stage::ImageLag => {
             sensor.image_lag = Some(ImageLag { fraction: 0.02, electrons: Electrons(30.0), decay: 0.3 });
         }
+        Stage::VideoBandwidth => sensor.video.low_pass = Some(LowPass { missing: 0.3 }),
         Stage::PhotonCounting => {
             let counting = Counting::FreeRunning { dead_time: Seconds(1e-4) };
             sensor.architecture = Architecture::Spad(Spad { counting, afterpulsing: 0.02 });
@@ -180,6 +182,7 @@ pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> Option<SensorModel>
         Stage::AmplifierNonlinearity => converter.amplifier_nonlinearity.clear(),
         Stage::ColumnAmplifiers => (converter.column_gain, converter.column_offset_dn) = (0.0, 0.0),
         Stage::ConverterNonlinearity => (converter.inl_dn, converter.dnl_dn) = (0.0, 0.0),
+        Stage::VideoBandwidth => ideal.video.low_pass = None,
         Stage::StuckPixels => noise.defects.stuck = 0.0,
         Stage::TransmissionErrors => noise.transmission_errors = 0.0,
     }

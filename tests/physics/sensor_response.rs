@@ -4,9 +4,10 @@ use photosite::image::{Channel, Planes};
 use photosite::math::statistics::Moments;
 use photosite::raw::{read_dng, write_dng};
 use photosite::sensor::{
-    Binning, Companding, CompandingCurve, Exposure, Logarithmic, NoiseKey, SensorModel, Stages, expose, presets,
+    Binning, Companding, CompandingCurve, Exposure, Logarithmic, NoiseKey, SensorModel, Stages, VideoCurve, expose,
+    presets,
 };
-use photosite::units::{Electrons, Seconds};
+use photosite::units::{Decibels, Electrons, Seconds};
 
 use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
 
@@ -26,6 +27,12 @@ fn logarithmic() -> SensorModel {
     let mut sensor = quiet_sensor();
     sensor.logarithmic = Some(Logarithmic { reference_e_per_s: 1000.0 });
     sensor.converter.conversion_gain_dn_per_e = 10.0;
+    sensor
+}
+
+fn curved(gamma: f64) -> SensorModel {
+    let mut sensor = quiet_sensor();
+    sensor.video.curve = Some(VideoCurve { gamma, range_dn: 64_535.0 });
     sensor
 }
 
@@ -103,6 +110,56 @@ fn logarithmic_pixels_give_their_electrons_back_within_a_step() {
     }
 }
 
+/// In a plot of logarithms numbers rise by γ for each step of the light, and the table of the file straightens them.
+#[test]
+fn a_video_curve_has_its_gamma_for_a_slope_and_a_way_back() {
+    for gamma in [0.4, 0.45, 1.7, 5.0] {
+        let sensor = curved(gamma);
+        let (found, codes) = recovered(&sensor, &EXPOSURE);
+        let number = |truth: f64| 64_535.0 * (truth / 64_535.0).powf(gamma);
+        let mut slopes = Vec::new();
+        for (i, ((&truth, found), code)) in charges().iter().zip(found).zip(&codes).enumerate() {
+            let (truth, above) = (f64::from(truth), f64::from(*code) - 1000.0);
+            assert!((above - number(truth)).abs() <= 0.51, "{above} for {truth}");
+            // Half a number of the converter on both sides, half a number of the table, and half a number at white.
+            let electrons = |number: f64| 64_535.0 * (number.max(0.0) / 64_535.0).powf(1.0 / gamma);
+            let step = electrons(number(truth) + 0.51) - electrons(number(truth) - 0.51);
+            let white_step = 1.0 / (gamma * (60_000.0f64 / 64_535.0).powf(gamma - 1.0));
+            let room = step + 0.55 * 60_000.0 / 64_511.0 + 0.55 * white_step * truth / 60_000.0;
+            assert!((found - truth).abs() <= room, "{found} for {truth}, {room} allowed");
+            if above > 500.0 && i >= 100 {
+                let before = f64::from(codes[i - 100]) - 1000.0;
+                slopes.extend(
+                    (before > 500.0).then(|| (above / before).ln() / (truth / f64::from(charges()[i - 100])).ln()),
+                );
+            }
+        }
+        // Numbers of 500 and more are good to 0.001, over a ratio of light of e^0.54.
+        assert!(slopes.len() > 30 && slopes.iter().all(|slope| (slope - gamma).abs() < 0.004), "{gamma}");
+    }
+}
+
+#[test]
+fn digital_gain_leaves_the_start_of_a_curve() {
+    let mut sensor = curved(0.5);
+    sensor.full_well = Electrons(1e9);
+    for db in [0.0, 6.0, 12.0] {
+        let exposure = Exposure { digital_gain: Decibels(db), ..EXPOSURE };
+        // √(q/R)·g = 1 at q = R/g².
+        let capacity = sensor.saturation_capacity(&exposure).0;
+        assert!((capacity / (64_535.0 / exposure.digital_gain.factor().powi(2)) - 1.0).abs() < 1e-12);
+        for (part, is_full) in [(0.999, false), (1.001, true)] {
+            let light = flat(&sensor, 2, 2, (capacity * part) as f32);
+            let raw = expose(&light, &sensor, &exposure, Stages::NONE, NoiseKey::default()).expect("valid");
+            assert_eq!(raw.data[0] == u16::MAX, is_full, "{db} dB, {part}: {}", raw.data[0]);
+        }
+        let iso = sensor.iso(&exposure).expect("has a speed");
+        let gains = sensor.gains_for_iso(iso, Binning::NONE).expect("can do so");
+        let again = Exposure { gain: gains[0], digital_gain: gains[1], ..EXPOSURE };
+        assert!((sensor.iso(&again).expect("has a speed") / iso - 1.0).abs() < 1e-9);
+    }
+}
+
 #[test]
 fn equal_ratios_of_light_are_equal_steps_of_a_logarithmic_pixel() {
     let sensor = logarithmic();
@@ -124,7 +181,7 @@ fn equal_ratios_of_light_are_equal_steps_of_a_logarithmic_pixel() {
 
 #[test]
 fn noise_of_nonlinear_sensors_is_predicted() {
-    let mut sensors = [logarithmic(), companded(knees())];
+    let mut sensors = [logarithmic(), companded(knees()), curved(0.45)];
     for sensor in &mut sensors {
         sensor.noise.read = Electrons(3.0);
         for mean_e in [100.0f32, 2000.0, 10_000.0, 50_000.0] {

@@ -5,6 +5,8 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+import OpenEXR
+
 ROOT = Path(__file__).resolve().parents[2]
 #: Captures and pictures that the page shows.
 FOLDER = ROOT / "docs/textbook"
@@ -67,6 +69,14 @@ class Tool:
         changes = [part for override in overrides for part in ("--set", override)]
         self.run("render", self.capture(name), "-o", folder, "--quiet", "--force", *changes)
         return folder
+
+    def planes(self, path):
+        """The planes of an EXR file by their names."""
+        return {name: channel.pixels for name, channel in OpenEXR.File(str(path), separate_channels=True).channels().items()}
+
+    def report(self, folder):
+        """The capture.json of a folder."""
+        return json.loads((Path(folder) / "capture.json").read_text())
 
     def picture(self, name):
         """Where a picture of the page is written: in the page's folder with --write, else in the scratch folder."""

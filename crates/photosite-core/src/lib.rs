@@ -1,11 +1,12 @@
 //! What everything else in photosite stands on and what knows nothing of rays, sensors or files: [`units`], mathematics
 //! ([`math`]), spectra ([`spectrum`]), colour ([`colour`]), images in memory ([`image`]), the projections of lenses
-//! ([`projection`]), and the errors and warnings that users read.
+//! ([`projection`]), where a sensor's [`cells`] are, and the errors and warnings that users read.
 //!
 //! SI units throughout, wavelengths in nanometres.
 
 #![forbid(unsafe_code)]
 
+pub mod cells;
 pub mod cleanup;
 pub mod colour;
 pub mod error;

@@ -261,11 +261,38 @@
 //! K. Hirakawa, T. W. Parks, "Adaptive Homogeneity-Directed Demosaicing Algorithm", IEEE Transactions on Image
 //! Processing 14(3), 360–369 (2005).
 //!
+//! ## Mersereau79
+//! R. M. Mersereau, "The Processing of Hexagonally Sampled Two-Dimensional Signals", Proceedings of the IEEE 67(6),
+//! 930–949 (1979).
+//!
 //! ## Knutsson93
 //! H. Knutsson, C.-F. Westin, "Normalized and Differential Convolution", CVPR (1993).
 //!
 //! ## Narkowicz16
 //! K. Narkowicz, "ACES Filmic Tone Mapping Curve", knarkowicz.wordpress.com (2016).
+//!
+//! ## Reinhard02
+//! E. Reinhard, M. Stark, P. Shirley, J. Ferwerda, "Photographic Tone Reproduction for Digital Images", ACM Transactions on
+//! Graphics 21(3), 267–276 (2002).
+//!
+//! ## Drago03
+//! F. Drago, K. Myszkowski, T. Annen, N. Chiba, "Adaptive Logarithmic Mapping for Displaying High Contrast Scenes", Computer
+//! Graphics Forum 22(3), 419–426 (2003).
+//!
+//! ## Durand02
+//! F. Durand, J. Dorsey, "Fast Bilateral Filtering for the Display of High-Dynamic-Range Images", ACM Transactions on
+//! Graphics 21(3), 257–266 (2002).
+//!
+//! ## Otsu79
+//! N. Otsu, "A Threshold Selection Method from Gray-Level Histograms", IEEE Transactions on Systems, Man, and Cybernetics
+//! 9(1), 62–66 (1979).
+//!
+//! ## Keys81
+//! R. G. Keys, "Cubic Convolution Interpolation for Digital Image Processing", IEEE Transactions on Acoustics, Speech, and
+//! Signal Processing 29(6), 1153–1160 (1981).
+//!
+//! ## Duchon79
+//! C. E. Duchon, "Lanczos Filtering in One and Two Dimensions", Journal of Applied Meteorology 18(8), 1016–1022 (1979).
 //!
 //! ## Tomasi98
 //! C. Tomasi, R. Manduchi, "Bilateral Filtering for Gray and Color Images", ICCV (1998).

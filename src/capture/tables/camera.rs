@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::lens_elements::{AutofocusSearchTable, LensmakerTable, SupplementaryTable};
 use crate::sensor::SpectrumSource;
 
 /// Where the camera stands and looks: position_m and look_at_m, or gltf_camera.
@@ -57,17 +58,36 @@ pub(crate) struct LensTable {
     /// Left out: "thin".
     #[serde(rename = "type")]
     pub(crate) kind: Option<LensType>,
-    /// Focal length, mm. Left out: what the field of view of a glTF camera or the intrinsics ask for, else 16.
+    /// Focal length, mm; below 0 for a diverging lens. Left out: what the lensmaker's equation, the field of view of a
+    /// glTF camera or the intrinsics ask for, else 16.
     pub(crate) focal_length_mm: Option<f64>,
+    /// In place of focal_length_mm: the glass of a lens in one piece. Each wavelength has a focus of its own, and
+    /// distances are those at 587.6 nm.
+    pub(crate) lensmaker: Option<LensmakerTable>,
+    /// Lenses before this one, such as close-up lenses. The camera stands where its entrance pupil is, as all these
+    /// lenses make it.
+    #[serde(default)]
+    pub(crate) supplementary: Vec<SupplementaryTable>,
     /// Focal length over the diameter of the aperture, or of the circle through the corners of one with blades. Left
-    /// out: 8.
+    /// out: 8; of a hole, as is its diameter, what makes it sharpest at 550 nm, √(distance/2.44·λ).
     pub(crate) f_number: Option<f64>,
+    /// In place of f_number: diameter of the aperture, or of a hole, mm.
+    pub(crate) diameter_mm: Option<f64>,
     /// Distance from the lens to what is sharp, along the axis, m; "infinity"; or "scene", that of the middle of the
     /// geometry (of the picture where that cannot be focused on). Nothing to a pinhole.
     pub(crate) focus_distance_m: Option<FocusDistance>,
     /// Focuses on what is seen at a pixel: column and row from the top-left corner, or "centre". Left out, as is the
     /// distance: "centre". Nothing to a pinhole.
     pub(crate) autofocus_px: Option<AutofocusTable>,
+    /// How autofocus finds the distance. Left out: exactly.
+    pub(crate) autofocus: Option<AutofocusSearchTable>,
+    /// In place of a focus: distance from the lens, or the hole, to the sensor, mm.
+    pub(crate) image_distance_mm: Option<f64>,
+    /// The nearest distance that the lens can be focused on, m, without lenses before it. Left out: no limit.
+    pub(crate) min_focus_distance_m: Option<f64>,
+    /// The circle of confusion that counts as sharp, µm on the sensor, which depth of field is stated for. Left out: the
+    /// diagonal of the sensor over 1440, 30 µm of 36 × 24 mm.
+    pub(crate) circle_of_confusion_um: Option<f64>,
     /// Aperture blades; 0 is a round aperture. Left out: 0.
     pub(crate) blades: Option<u32>,
     /// Turns the blades, degrees.
@@ -107,6 +127,12 @@ pub(crate) enum LensType {
     /// Everything is sharp, and the picture lies one focal length behind it, without focus; the f-number sets the
     /// exposure only, to that of a thin lens on the axis.
     Pinhole,
+    /// A hole of some diameter at the distance of one focal length before the sensor, or image_distance_mm: each point
+    /// becomes a spot of its size, and with psf = { kind = "airy" } diffraction widens it.
+    Hole,
+    /// A bare sensor: each pixel sees all that is in front of it. position_m is the middle of the sensor, which stands
+    /// as it does behind a lens: upside down, so that what lies to the right shades the left of the picture.
+    None,
 }
 
 /// A distance in metres, or "infinity".

@@ -5,6 +5,7 @@
 
 mod camera;
 mod colour;
+mod lens_elements;
 mod light;
 mod material;
 mod scene;
@@ -26,6 +27,9 @@ pub(super) use camera::{
     DistortionModel, FalloffName, KernelOrigin, LateralColourTable, PointSpreadTable, ProjectionName, StopTable,
 };
 pub(super) use colour::{FilterName, LightColour, ReflectanceSource, TextureFile, WrapName};
+pub(super) use lens_elements::{
+    AutofocusMethodName, AutofocusSearchTable, LensmakerTable, Radius, SharpnessName, SupplementaryTable,
+};
 pub(super) use light::{
     DirectionalTable, GaussianBeamTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable,
 };

@@ -37,6 +37,9 @@ pub(crate) struct ExposureTable {
     /// In place of the two gains: saturation-based ISO speed, from the sensor's base ISO on (`photosite info` tells
     /// it). Analogue gain gives as much of it as the sensor has, digital gain the rest.
     pub(crate) iso: Option<f64>,
+    /// Lets the analogue gain follow the light from picture to picture of a series (frames) at a fixed time, as video
+    /// cameras do; the first one has gain_db. Left out: the gain stays.
+    pub(crate) gain_control: Option<GainControlTable>,
     /// Temperature of the sensor, °C. Left out: 25.
     pub(crate) temperature_c: Option<f64>,
     /// Exposures of the same light in steps of so many EV from the time, such as [-4, 0, 4], each a raw file of its own
@@ -61,6 +64,18 @@ pub(crate) struct ExposureTable {
     pub(crate) stages: Option<Vec<Stage>>,
     /// Stages of the sensor to leave out, such as ["read-noise", "full-well"]; the noise of all others stays as it is.
     pub(crate) stages_off: Option<Vec<Stage>>,
+}
+
+/// Automatic gain control: from picture to picture the gain makes up for a part of what the mean is off its target, dB.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GainControlTable {
+    /// Mean of a picture that it aims at, as a part of saturation, above 0 and below 1. Left out: 0.18.
+    pub(crate) target: Option<f64>,
+    /// Part of the error, dB, that it makes up from one picture to the next, above 0 up to 1. Left out: 0.5.
+    pub(crate) attack: Option<f64>,
+    /// Smallest and largest analogue gain, dB. Left out: those of the sensor.
+    pub(crate) limits_db: Option<[f64; 2]>,
 }
 
 /// How light is traced.
@@ -148,7 +163,8 @@ pub(crate) struct OutputTable {
     /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position"
     /// (world, m), "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture),
     /// "disparity" (px, left picture less right one). Of all pixels of the sensor, before exposure.region_px and
-    /// exposure.binning; where something moves, in the middle of the exposure of each row. Left out: false.
+    /// exposure.binning and sensor.frame_grabber, at their centres; where something moves, in the middle of the exposure
+    /// of each row. Left out: false.
     pub(crate) truth: Option<TruthSource>,
     /// Formats of that: "exr" for one file truth.exr; "npy" or "png" (16 bits) for one file a layer. Left out: ["exr"].
     pub(crate) truth_formats: Option<Vec<TruthFormat>>,

@@ -70,6 +70,62 @@ use super::*;
     "lens.focus_distance_m: 0.04 m does not lie beyond the focal length"
 )]
 #[case::two_foci("[lens]\nautofocus_px = 'centre'\nfocus_distance_m = 1", 5, "cannot go with focus_distance_m")]
+#[case::two_foci_by_place("[lens]\nfocus_distance_m = 1\nimage_distance_mm = 20", 6, "cannot go with focus_distance_m")]
+#[case::two_openings("[lens]\nf_number = 2\ndiameter_mm = 4", 6, "lens.diameter_mm: cannot go with f_number")]
+#[case::two_focal_lengths(
+    "[lens]\nfocal_length_mm = 20\nlensmaker = { radii_mm = [50, -50], glass = 'BK7' }",
+    5,
+    "lens.focal_length_mm: cannot go with lensmaker"
+)]
+#[case::glass(
+    "[lens]\nlensmaker = { radii_mm = [50, -50], glass = 'BK8' }",
+    5,
+    "lens.lensmaker.glass: photosite has no glass \"BK8\"; did you mean `bk7`?"
+)]
+#[case::radius("[lens]\nlensmaker = { radii_mm = [50, 'plane'], index = 1.5 }", 5, "unknown radius \"plane\"")]
+#[case::no_power("[lens]\nlensmaker = { radii_mm = ['flat', 'flat'], index = 1.5 }", 5, "bend no light")]
+#[case::no_element("[[lens.supplementary]]\ndistance_mm = 5", 4, "the key `power_dpt` is missing")]
+#[case::two_elements(
+    "[[lens.supplementary]]\npower_dpt = 2\nradii_mm = [50, -50]\nindex = 1.5",
+    6,
+    "lens.supplementary[0].radii_mm: cannot go with power_dpt"
+)]
+#[case::glass_of_no_surface(
+    "[[lens.supplementary]]\npower_dpt = 2\nglass = 'BK7'",
+    6,
+    "lens.supplementary[0].glass: goes only with radii_mm"
+)]
+#[case::element_of_a_hole(
+    "[lens]\ntype = 'hole'\nsupplementary = [{ power_dpt = 2 }]",
+    6,
+    "lens.supplementary: belongs to a thin lens, and this one is \"hole\""
+)]
+#[case::hole_that_distorts(
+    "[lens]\ntype = 'hole'\ndistortion = { model = 'division', k = [-0.1] }",
+    6,
+    "lens.distortion: a hole has none"
+)]
+#[case::truth_of_a_bare_sensor(
+    "[lens]\ntype = 'none'\n[output]\ntruth = ['depth']",
+    7,
+    "output.truth: cannot go with lens.type = \"none\""
+)]
+#[case::diverging(
+    "[lens]\nfocal_length_mm = -50\nfocus_distance_m = 1",
+    6,
+    "lens.focus_distance_m: a lens of -50 mm makes light diverge"
+)]
+#[case::too_near(
+    "[lens]\nmin_focus_distance_m = 0.4\nfocus_distance_m = 0.3",
+    6,
+    "0.3 m is nearer than the lens can be focused on, 0.4 m"
+)]
+#[case::contrast("[lens]\nautofocus = { steps = 20 }", 5, "lens.autofocus.steps: belongs to the search for contrast")]
+#[case::contrast_steps(
+    "[lens]\nautofocus = { method = 'contrast', steps = 2 }",
+    5,
+    "lens.autofocus.steps: must lie between 5 and 200, got 2"
+)]
 #[case::off_sensor("[lens]\nautofocus_px = [900, 10]", 5, "is not on the sensor of 800 × 600 pixels")]
 #[case::blades("[lens]\nblades = 2", 5, "lens.blades: 2 blades make no opening")]
 #[case::transmittance(
@@ -212,7 +268,7 @@ use super::*;
     "sensor.preset: photosite has no sensor \"generic-cmos-colour\"; did you mean `generic-cmos-color`?"
 )]
 #[case::sensor_file("[sensor]\npreset = 'gone.toml'", 5, "gone.toml")]
-#[case::sensor_value("[sensor]\nadc = { bits = 40 }", 5, "sensor.adc.bits: must lie between 8 and 16, got 40")]
+#[case::sensor_value("[sensor]\nadc = { bits = 40 }", 5, "sensor.adc.bits: must lie between 1 and 16, got 40")]
 #[case::sensor_channel(
     "[sensor]\npreset = 'generic-cmos-color'\ncfa = 'mono'",
     5,

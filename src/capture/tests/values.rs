@@ -252,6 +252,28 @@ fn the_camera_and_its_lens_are_as_written() {
 }
 
 #[test]
+fn keys_without_effect_are_warned_of() {
+    for (lens, key) in [
+        ("type = 'pinhole'\nautofocus = { method = 'contrast' }", "lens.autofocus"),
+        ("type = 'hole'\nfocus_distance_m = 2", "lens.focus_distance_m"),
+        ("type = 'none'\nf_number = 2", "lens.f_number"),
+        ("type = 'none'\nmin_focus_distance_m = 2", "lens.min_focus_distance_m"),
+        ("focus_distance_m = 2\nautofocus = { method = 'contrast' }", "lens.autofocus"),
+    ] {
+        let warnings = capture(&room(&format!("[lens]\n{lens}"))).scene.warnings;
+        assert!(warnings.iter().any(|w| w.starts_with(&format!("{key} has no effect"))), "{lens}: {warnings:?}");
+    }
+}
+
+#[test]
+fn a_hole_that_says_nothing_is_as_sharp_as_holes_are() {
+    let lens = capture(&room("[lens]\ntype = 'hole'\nimage_distance_mm = 100")).lens;
+    // Its diameter is that of the first dark ring, 2.44·λ·v/D.
+    let diameter = lens.focal_length_m / lens.f_number;
+    assert!((diameter - 2.44 * 550e-9 * 0.1 / diameter).abs() < 1e-12, "{diameter}");
+}
+
+#[test]
 fn focal_lengths_follow_from_a_field_of_view() {
     let gltf = serde_json::json!({
         "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }],

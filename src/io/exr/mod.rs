@@ -43,7 +43,8 @@ pub enum Attribute {
 pub struct ExrPicture {
     /// The planes, sorted by name as EXR wants it.
     pub planes: Planes,
-    /// The attributes that are no standard ones, and `chromaticities`, sorted by name.
+    /// The attributes that are no standard ones, `chromaticities`, and `pixelAspectRatio` of pixels that are not square,
+    /// sorted by name.
     pub attributes: Vec<(String, Attribute)>,
 }
 
@@ -202,6 +203,7 @@ pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrPicture, Invalid> {
     let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
     let image = reader.from_buffered(from).map_err(|e| unreadable(&e))?;
     let (layer, chromaticities) = (image.layer_data, image.attributes.chromaticities);
+    let aspect = f64::from(image.attributes.pixel_aspect);
     let channel = |c: AnyChannel<FlatSamples>| Channel { name: c.name.to_string(), data: floats(c.sample_data) };
     let channels = layer.channel_data.list.into_iter().map(channel).collect();
     let mut attributes: Vec<(String, Attribute)> = layer
@@ -215,6 +217,9 @@ pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrPicture, Invalid> {
         ("chromaticities".to_owned(), Attribute::Chromaticities(points))
     });
     attributes.extend(chromaticities);
+    if aspect != 1.0 {
+        attributes.push(("pixelAspectRatio".to_owned(), Attribute::PixelAspect(aspect)));
+    }
     attributes.sort_by(|a, b| a.0.cmp(&b.0));
     Ok(ExrPicture { planes: Planes::new(layer.size.0, layer.size.1, channels)?, attributes })
 }

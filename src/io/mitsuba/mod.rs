@@ -53,6 +53,10 @@ pub struct MitsubaScene {
 /// Describes a capture to Mitsuba. Where there is no exact counterpart, that is an error which names everything of the
 /// kind, unless `approximate` allows the nearest that there is.
 pub fn export(capture: &Capture, camera: &Camera, approximate: bool) -> Result<MitsubaScene, Invalid> {
+    if !camera.makes_picture() {
+        let message = "Mitsuba has no camera without a lens, all of whose pixels see a half-space";
+        return Err(Invalid::new("lens.type", message).help("write type = \"thin\", \"pinhole\" or \"hole\""));
+    }
     let mut out = Output::default();
     let responses = sensor::responses(capture, camera, &mut out);
     out.sees_beyond_cie = responses.iter().any(|(_, response)| sensor::sees_beyond_cie(response));

@@ -65,6 +65,8 @@ pub(super) fn sensor(
         (lens.point_spread.is_some(), "psf of [lens]: points stay points"),
         (lens.lateral_colour.is_some(), "lateral_colour of [lens]: all wavelengths are as large"),
         (!lens.stops.is_empty(), "stops of [lens]: they cut off nothing"),
+        (capture.sensor.cells.is_staggered(), "hexagonal cells of [sensor]: those of Mitsuba are square"),
+        (capture.sensor.cells.image_circle.is_some(), "image_circle_mm of [sensor]: all pixels see light"),
     ] {
         if is_there {
             out.approximate(what);
@@ -84,16 +86,27 @@ pub(super) fn sensor(
     }
     let kind = match lens.kind {
         LensKind::Pinhole => Element::object("sensor", "perspective"),
+        LensKind::Hole | LensKind::Bare => {
+            out.approximate("the hole of [lens]: it becomes a pinhole, whose pictures are sharp");
+            Element::object("sensor", "perspective")
+        }
         LensKind::Thin => {
+            if lens.ground.is_some() || !lens.supplementary.is_empty() {
+                out.approximate("the glass of [lens]: all wavelengths have the focus of that at 587.6 nm");
+            }
             if lens.blades != 0 {
                 out.approximate("an aperture with blades: it becomes round");
             }
             let focus = camera.focus_distance_m();
+            if focus < 0.0 {
+                out.approximate("a sensor at which nothing is in focus: it is focused at infinity");
+            }
+            let radius = camera.entrance_pupil_m().unwrap_or_default() / 2.0;
             Element::object("sensor", "thinlens")
-                .float("aperture_radius", lens.focal_length_m / lens.f_number / 2.0)
+                .float("aperture_radius", radius)
                 // Mitsuba has no infinity; at this distance the blur of infinity is below a hundred-thousandth of the
                 // aperture seen at a metre.
-                .float("focus_distance", if focus.is_finite() { focus } else { 1e5 })
+                .float("focus_distance", if focus.is_finite() && focus > 0.0 { focus } else { 1e5 })
         }
     };
     let film = Element::object("film", "specfilm")

@@ -142,6 +142,9 @@ pub struct TimedPoseDescription {
     pub look_at_m: [f64; 3],
     /// What is up. Left out: [0, 1, 0].
     pub up: Option<[f64; 3]>,
+    /// Zoom: the focal length of all cameras at that time, mm, linear from one pose to the next. It stays for a frame as
+    /// it is when the frame begins. Left out, of all poses: that of the capture.
+    pub focal_length_mm: Option<f64>,
 }
 
 /// A key that differs from frame to frame, by one of these.

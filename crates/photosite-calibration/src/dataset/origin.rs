@@ -24,6 +24,7 @@ impl DatasetDescription {
             "camera.position_m" | "camera.look_at_m" | "camera.up" | "camera.motion" | "exposure.frame_interval_s" => {
                 self.key_of_pose().or_else(|| of_rig.map(|_| format!("cameras[{camera}]")))
             }
+            "lens.focal_length_mm" => self.key_of_pose(),
             _ => None,
         }
     }

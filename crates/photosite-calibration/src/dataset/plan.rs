@@ -57,6 +57,11 @@ impl Plan {
         let variations: Vec<Variation> =
             description.vary.iter().enumerate().map(variation).collect::<Result<_, _>>()?;
         check_variations(&variations, &cameras)?;
+        if let (Some(i), Some(_)) = (variations.iter().position(|v| v.key() == FOCAL_LENGTH), poses.focal_length_mm(0))
+        {
+            let message = format!("{FOCAL_LENGTH}: poses.trajectory says what it is in each frame");
+            return Err(Invalid::new(format!("vary[{i}].key"), message).help("remove one of them"));
+        }
         let frames = match (description.frames, poses.count()) {
             (Some(0), _) => return Err(Invalid::new("frames", "must be at least 1, got 0")),
             (Some(frames), _) => frames,
@@ -139,6 +144,9 @@ impl Plan {
                     );
                 }
             }
+            set.extend(
+                self.poses.focal_length_mm(number).map(|mm| format!("{FOCAL_LENGTH}={}", super::variation::number(mm))),
+            );
             for (i, variation) in self.variations.iter().enumerate() {
                 set.push(variation.set(self.seed_for(Purpose::Variation, i), number, self.frames, index));
             }
@@ -152,6 +160,8 @@ impl Plan {
     }
 }
 
+/// The key that zoom changes.
+const FOCAL_LENGTH: &str = "lens.focal_length_mm";
 /// The key of the number that fixed pattern belongs to.
 const SERIAL: &str = "sensor.serial";
 /// Seed of light and temporal noise.

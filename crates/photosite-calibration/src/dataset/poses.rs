@@ -74,6 +74,8 @@ pub(super) struct Way {
     pub(super) motion: CameraMotion,
     pub(super) frame_rate_hz: f64,
     pub(super) moving: bool,
+    /// Focal length in mm by time in s; empty where the lens stays as it is.
+    zoom: Vec<(f64, f64)>,
 }
 
 impl Poses {
@@ -126,6 +128,14 @@ impl Poses {
     pub(super) fn time_s(&self, frame: u32) -> Option<f64> {
         match self {
             Self::Trajectory(way) => Some(f64::from(frame) / way.frame_rate_hz),
+            Self::Fixed(_) | Self::List(_) | Self::Random(_) => None,
+        }
+    }
+
+    /// The focal length in a frame, where it is one along a way with zoom, mm.
+    pub(super) fn focal_length_mm(&self, frame: u32) -> Option<f64> {
+        match self {
+            Self::Trajectory(way) => way.focal_length_mm(frame),
             Self::Fixed(_) | Self::List(_) | Self::Random(_) => None,
         }
     }
@@ -274,6 +284,31 @@ impl Way {
             motion: CameraMotion::through(poses, "for a rig that stands still, write list")?,
             frame_rate_hz: d.frame_rate_hz,
             moving: d.moving.unwrap_or(true),
+            zoom: zoom(&d.poses)?,
         })
     }
+
+    /// The focal length at the start of a frame, mm; `None` where the lens stays as it is.
+    pub(super) fn focal_length_mm(&self, frame: u32) -> Option<f64> {
+        let time_s = f64::from(frame) / self.frame_rate_hz;
+        let next = self.zoom.partition_point(|(time, _)| *time <= time_s);
+        let (before, after) = (self.zoom.get(next.saturating_sub(1))?, self.zoom.get(next).or(self.zoom.last())?);
+        let span = after.0 - before.0;
+        let part = if span > 0.0 { ((time_s - before.0) / span).max(0.0) } else { 0.0 };
+        Some(before.1 + (after.1 - before.1) * part)
+    }
+}
+
+/// The focal lengths of poses, of which all have one or none.
+fn zoom(poses: &[TimedPoseDescription]) -> Result<Vec<(f64, f64)>, Invalid> {
+    let Some(first) = poses.iter().position(|pose| pose.focal_length_mm.is_some()) else { return Ok(Vec::new()) };
+    let at = |(i, pose): (usize, &TimedPoseDescription)| match pose.focal_length_mm {
+        Some(mm) if mm.is_finite() && mm > 0.0 => Ok((pose.time_s, mm)),
+        Some(mm) => Err(Invalid::new(format!("poses[{i}].focal_length_mm"), format!("must be above 0, got {mm}"))),
+        None => {
+            Err(Invalid::new(format!("poses[{i}].focal_length_mm"), format!("missing, where poses[{first}] has one"))
+                .help("write the focal length of every pose, or of none"))
+        }
+    };
+    poses.iter().enumerate().map(at).collect()
 }

@@ -25,7 +25,7 @@ pub struct View<'a> {
 pub struct Correspondence {
     /// Continuous pixel coordinates; they may lie beyond the picture.
     pub pixel: DVec2,
-    /// Whether the point is within the picture, with nothing in front of it.
+    /// Whether the point is within the part of the picture that sees light, with nothing in front of it.
     pub visible: bool,
 }
 
@@ -109,6 +109,7 @@ impl<'a> View<'a> {
         let pixel = self.project_moving(position)?;
         let [width, height] = self.resolution.map(f64::from);
         let within = (0.0..width).contains(&pixel.x) && (0.0..height).contains(&pixel.y);
+        let within = within && self.camera.cells().sees_light(pixel);
         let (to_world, time) = self.at_row(pixel.y - 0.5);
         Some(Correspondence { pixel, visible: within && is_seen(to_world.translation.as_vec3(), time) })
     }

@@ -36,8 +36,7 @@ pub fn truth(job: &TruthJob<'_>, layers: &[TruthLayer]) -> Planes {
         let camera = job.view.camera.at_row(y as f64);
         let mut values = vec![0.0; row.len()];
         for x in 0..width {
-            let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-            let seen = Seen::through(job, &camera, centre, (y * width + x) as u64);
+            let seen = Seen::through(job, &camera, camera.cells().centre([x, y]), (y * width + x) as u64);
             let mut rest = &mut values[..];
             for &layer in layers {
                 let (own, after) = rest.split_at_mut(layer.channels().len());

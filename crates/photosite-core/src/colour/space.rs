@@ -22,7 +22,7 @@ pub enum ColourSpace {
     Rec2020,
     /// ACEScg (AP1 primaries, white near D60), in which films are composited.
     Acescg,
-    /// CIE XYZ relative to D65, Y = 1 for white; for EXR files, since X and Z pass 1.
+    /// CIE XYZ relative to D65, Y = 1 for white; for EXR, TIFF and NPY files, since X and Z pass 1.
     Xyz,
 }
 
@@ -85,6 +85,19 @@ impl ColourSpace {
             Some(primaries) => rgb::matrix(primaries, self.white()),
             None => DMat3::IDENTITY,
         }
+    }
+
+    /// Names of its planes.
+    pub fn channels(self) -> [&'static str; 3] {
+        match self {
+            Self::Srgb | Self::DisplayP3 | Self::Rec2020 | Self::Acescg => ["R", "G", "B"],
+            Self::Xyz => ["X", "Y", "Z"],
+        }
+    }
+
+    /// What its components add to relative luminance Y: the second row of [`Self::to_xyz`].
+    pub fn luminance_weights(self) -> DVec3 {
+        self.to_xyz().row(1)
     }
 
     /// XYZ relative to a white → linear RGB, in which that white is white (Bradford adaptation).

@@ -27,6 +27,16 @@ impl Transfer {
         }
     }
 
+    /// The same in double precision, for values from 0 to 1: where differences of encoded values count.
+    pub fn encode_exactly(self, linear: f64) -> f64 {
+        match self {
+            Self::Linear => linear,
+            Self::Srgb if linear <= 0.003_130_8 => linear * 12.92,
+            Self::Srgb => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+            Self::Gamma(gamma) => linear.powf(gamma.recip()),
+        }
+    }
+
     /// Encoded value → linear value; the inverse of [`Self::encode`].
     pub fn decode(self, encoded: f32) -> f32 {
         match self {
@@ -48,6 +58,8 @@ mod tests {
                 let v = i as f32 / 1000.0;
                 // Two powers of a few ulp each.
                 assert!((transfer.decode(transfer.encode(v)) - v).abs() < 2e-6, "{transfer:?} {v}");
+                let exact = transfer.encode_exactly(f64::from(v).max(0.0));
+                assert!((f64::from(transfer.encode(v.max(0.0))) - exact).abs() < 1e-6, "{transfer:?} {v}");
             }
         }
         assert!((Transfer::Gamma(2.0).encode(0.25) - 0.5).abs() < 1e-7);

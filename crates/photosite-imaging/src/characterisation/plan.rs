@@ -32,13 +32,18 @@ impl OperatingPoint {
                  noise takes the figures of its pictures",
             ));
         }
-        let nonlinear = [
-            ("charge.logarithmic_reference_e_per_s", sensor.logarithmic.is_some()),
-            ("adc.companding", sensor.converter.companding.is_some()),
+        const NONLINEAR: &str = "makes numbers that are not in proportion to light";
+        let refused = [
+            ("charge.logarithmic_reference_e_per_s", sensor.logarithmic.is_some(), NONLINEAR),
+            ("adc.companding", sensor.converter.companding.is_some(), NONLINEAR),
+            ("video.gamma", sensor.video.curve.is_some(), NONLINEAR),
+            ("video.bandwidth_mhz", sensor.video.low_pass.is_some(), "makes the noise of neighbours go together"),
+            ("frame_grabber", sensor.frame_grabber.is_some(), "makes samples that share the noise of pixels"),
+            ("image_circle_mm", sensor.cells.image_circle.is_some(), "leaves pixels without light"),
         ];
-        match nonlinear.iter().find(|(_, is_nonlinear)| *is_nonlinear) {
-            Some((key, _)) => Err(Invalid::new(*key, "makes numbers that are not in proportion to light")
-                .help("EMVA 1288 measures linear sensors; leave it out")),
+        match refused.iter().find(|(_, is_there, _)| *is_there) {
+            Some((key, _, why)) => Err(Invalid::new(*key, *why)
+                .help("EMVA 1288 measures linear sensors whose pixels are alike and independent; leave it out")),
             None => Ok(()),
         }
     }

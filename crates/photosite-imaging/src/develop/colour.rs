@@ -146,7 +146,7 @@ pub(super) fn temperature_of(metadata: &RawMetadata, neutral: &[f64]) -> Option<
 /// Turns camera planes into planes R, G and B (X, Y and Z) by a matrix and a factor.
 pub(super) fn apply(mut camera: Planes, columns: &[DVec3], space: ColourSpace, factor: f64) -> Planes {
     let (width, height) = (camera.width(), camera.height());
-    let names = if space == ColourSpace::Xyz { ["X", "Y", "Z"] } else { ["R", "G", "B"] };
+    let names = space.channels();
     let columns: Vec<[f32; 3]> = columns.iter().map(|column| (*column * factor).as_vec3().to_array()).collect();
     let planes: Vec<Vec<f32>> = camera.channels_mut().iter_mut().map(|c| std::mem::take(&mut c.data)).collect();
     let planes = match <[Vec<f32>; 3]>::try_from(planes) {

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::choices::Defects;
 use super::neighbours::{Step, steps};
-use super::settings::Defects;
 use crate::raw::Cfa;
 
 /// Neighbours of the same channel that a pixel is compared with.

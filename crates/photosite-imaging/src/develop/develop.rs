@@ -4,20 +4,25 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
-use crate::raw::RawImage;
+use crate::raw::{Cfa, RawImage, RawMetadata};
+use glam::DVec3;
 use photosite_core::Invalid;
+use photosite_core::colour::ColourSpace;
 use photosite_core::image::{Channel, Planes};
 use photosite_core::memory;
 
+use super::choices::NoiseFilter;
+use super::choices::{Demosaic, Thresholding, ToneCurve};
 use super::description::RawDescription;
 use super::encode::{EncodedPicture, encode};
-use super::memory::bytes_per_pixel;
+use super::memory::{bytes_of_resized, bytes_per_pixel};
 use super::merge::Merged;
 use super::neighbours::densest;
 use super::resampling::Resampling;
-use super::settings::{Demosaic, DevelopSettings};
+use super::settings::DevelopSettings;
 use super::{
-    black_level, colour, defects, demosaic, highlights, lens_falloff, linearisation, noise_filter, tone, white_balance,
+    black_level, colour, colour_model, convolution, defects, demosaic, highlights, lens_falloff, linearisation,
+    noise_filter, threshold, tone, white_balance,
 };
 
 /// What was found out on the way.
@@ -48,7 +53,8 @@ pub fn develop(raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedPict
 pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     raw.validate()?;
     settings.validate()?;
-    check_memory(raw, settings)?;
+    check_rows(raw, settings)?;
+    check_memory([raw.width, raw.height], &raw.cfa, settings)?;
     let raw = settings.raw.apply(raw).map_err(|invalid| invalid.within("raw"))?;
     let raw = linearisation::apply(&raw, settings.linearisation);
     let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { raw };
@@ -56,16 +62,70 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Pla
     develop_signal(signal, &raw, settings)
 }
 
-/// Refuses a picture whose development takes more memory than there is.
-fn check_memory(raw: &RawImage, settings: &DevelopSettings) -> Result<(), Invalid> {
-    let bytes = (raw.width as u64 * raw.height as u64).saturating_mul(bytes_per_pixel(&raw.cfa, settings));
-    memory::check(bytes, &format!("developing {} × {} pixels", raw.width, raw.height), "")
+/// Refuses what needs rows whose pixels stand in columns.
+fn check_rows(raw: &RawImage, settings: &DevelopSettings) -> Result<(), Invalid> {
+    if !raw.metadata.is_staggered {
+        return Ok(());
+    }
+    let on_columns = [
+        ("noise_filter", settings.noise_filter != NoiseFilter::None),
+        ("kernel", settings.kernel.is_some()),
+        ("resize_px", settings.resizes() && !settings.square_pixels),
+    ];
+    match on_columns.into_iter().find(|(_, is_set)| *is_set) {
+        Some((key, _)) => {
+            let message = "works on rows and columns, and the rows of hexagonal cells are staggered";
+            Err(Invalid::new(key, message).help("remove it, or treat the developed picture, which has square pixels"))
+        }
+        None => Ok(()),
+    }
 }
 
-/// Develops the light of a bracket to linear planes as [`develop_linear`] does. 1 is white at saturation in the longest
+/// Refuses a picture whose development takes more memory than there is.
+fn check_memory([width, height]: [usize; 2], cfa: &Cfa, settings: &DevelopSettings) -> Result<(), Invalid> {
+    let bytes = (width as u64 * height as u64).saturating_mul(bytes_per_pixel(cfa, settings));
+    let bytes = bytes.saturating_add(bytes_of_resized(cfa, settings));
+    let resized = settings.resize_px.map_or_else(String::new, |[columns, rows]| format!(" to {columns} × {rows}"));
+    memory::check(bytes, &format!("developing {width} × {height} pixels{resized}"), "")
+}
+
+/// Develops a picture that is linear light already, R, G and B of sRGB or Y alone, with white at 1: what of the steps
+/// is not of raw files. The pixels are `pixel_aspect` times as wide as high.
+pub fn develop_picture(
+    picture: Planes,
+    pixel_aspect: f64,
+    settings: &DevelopSettings,
+) -> Result<(Planes, Development), Invalid> {
+    settings.validate()?;
+    let is_grey = picture.channels().len() == 1;
+    let cfa = if is_grey { Cfa::mono() } else { Cfa::full(["R", "G", "B"])? };
+    check_memory([picture.width(), picture.height()], &cfa, settings)?;
+    let metadata = RawMetadata { stated_pixel_aspect: Some(pixel_aspect), ..RawMetadata::default() };
+    let neutral = vec![1.0; cfa.channels().len()];
+    let picture = filtered(picture, &metadata, &neutral, settings)?;
+    let (space, factor) = (settings.colour_space, settings.exposure_ev.exp2());
+    let picture = if is_grey || space == ColourSpace::Srgb {
+        if factor == 1.0 { picture } else { picture.scaled(factor) }
+    } else {
+        let matrix = space.from_xyz(ColourSpace::Srgb.white()) * ColourSpace::Srgb.to_xyz();
+        colour::apply(picture, &[DVec3::X, DVec3::Y, DVec3::Z].map(|axis| matrix * axis), space, factor)
+    };
+    let development = Development {
+        cfa: cfa.to_string(),
+        demosaic: None,
+        neutral,
+        temperature_k: None,
+        tint: None,
+        pixel_aspect: settings.pixel_aspect(&metadata),
+    };
+    Ok((shown(picture, settings), development))
+}
+
+/// Develops the light of a bracket to linear planes as [`develop_linear`] does, but for tone curve and threshold. 1 is white at saturation in the longest
 /// exposure, above which the shorter ones reach.
 pub fn develop_merged(merged: Merged, settings: &DevelopSettings) -> Result<(Planes, Development), Invalid> {
     settings.validate()?;
+    check_rows(&merged.raw, settings)?;
     let default = RawDescription::default();
     for (key, is_default) in [
         ("raw", settings.raw == default),
@@ -77,7 +137,9 @@ pub fn develop_merged(merged: Merged, settings: &DevelopSettings) -> Result<(Pla
             return Err(Invalid::new(key, message).help(format!("remove {key}")));
         }
     }
-    check_memory(&merged.raw, settings)?;
+    check_memory([merged.raw.width, merged.raw.height], &merged.raw.cfa, settings)?;
+    let settings =
+        &DevelopSettings { tone_curve: ToneCurve::Linear, threshold: Thresholding::None, ..settings.clone() };
     let Merged { signal, raw, times_s: [shortest, longest], .. } = merged;
     let (picture, development) = develop_signal(signal, &raw, settings)?;
     Ok((picture.scaled(longest / shortest), development))
@@ -96,26 +158,46 @@ fn develop_signal(
     }
     let neutral = white_balance::neutral(raw, &signal, settings)?;
     white_balance::apply(&mut signal, raw, &neutral, highlights::ceiling(settings.highlights));
-    let mut picture = demosaic::demosaic(&signal, size, &raw.cfa, settings.demosaic)?;
+    let mut picture = demosaic::demosaic(&signal, raw, settings.demosaic)?;
     drop(signal);
     highlights::recover(&mut picture, &neutral, settings.highlights);
-    noise_filter::apply(&mut picture, settings, &raw.metadata.noise_profile, &neutral);
-    if let Some(resampling) = Resampling::new(&raw.metadata, size, settings) {
-        picture = resampling.apply(picture);
-    }
-    let mut picture = to_colour_space(picture, raw, &neutral, settings)?;
-    tone::apply(&mut picture, settings.tone_curve);
+    let picture = filtered(picture, &raw.metadata, &neutral, settings)?;
+    let picture = shown(to_colour_space(picture, raw, &neutral, settings)?, settings);
 
     let light = colour::temperature_of(&raw.metadata, &neutral);
     let development = Development {
         cfa: raw.cfa.to_string(),
-        demosaic: if raw.cfa.is_mosaic() { Some(demosaic::method_for(&raw.cfa, settings.demosaic)?) } else { None },
+        demosaic: if raw.cfa.is_mosaic() { Some(demosaic::method_for(raw, settings.demosaic)?) } else { None },
         temperature_k: light.map(|(kelvin, _)| kelvin),
         tint: light.map(|(_, tint)| tint),
         pixel_aspect: settings.pixel_aspect(&raw.metadata),
         neutral,
     };
     Ok((picture, development))
+}
+
+/// Noise filter, kernel, and other pixels.
+fn filtered(
+    mut picture: Planes,
+    metadata: &RawMetadata,
+    neutral: &[f64],
+    settings: &DevelopSettings,
+) -> Result<Planes, Invalid> {
+    noise_filter::apply(&mut picture, settings, &metadata.noise_profile, neutral);
+    convolution::apply(&mut picture, settings)?;
+    let resampling = Resampling::new(metadata, [picture.width(), picture.height()], settings);
+    Ok(match resampling {
+        Some(resampling) => resampling.apply(picture),
+        None => picture,
+    })
+}
+
+/// The light that is shown: tone curve, luminance alone, threshold.
+pub(super) fn shown(mut picture: Planes, settings: &DevelopSettings) -> Planes {
+    tone::apply(&mut picture, settings);
+    picture = colour_model::to_grey(picture, settings);
+    threshold::apply(&mut picture, settings);
+    picture
 }
 
 /// Colour matrix and exposure in one pass.

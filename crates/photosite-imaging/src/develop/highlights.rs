@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::settings::Highlights;
+use super::choices::Highlights;
 use photosite_core::image::Planes;
 
 /// The level that no channel may pass before demosaicking.

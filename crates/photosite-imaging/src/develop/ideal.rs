@@ -7,8 +7,8 @@
 use glam::DVec3;
 
 use super::colour;
+use super::develop::shown;
 use super::settings::DevelopSettings;
-use super::tone;
 use photosite_core::Invalid;
 use photosite_core::image::Planes;
 use photosite_core::spectrum::{Spectrum, cie};
@@ -33,9 +33,7 @@ pub fn ideal(
     }
     let from_xyz = settings.colour_space.from_xyz(white / white.y) * (1.0 / full);
     let columns = [from_xyz.x_axis, from_xyz.y_axis, from_xyz.z_axis];
-    let mut picture = colour::apply(xyz, &columns, settings.colour_space, settings.exposure_ev.exp2());
-    tone::apply(&mut picture, settings.tone_curve);
-    Ok(picture)
+    Ok(shown(colour::apply(xyz, &columns, settings.colour_space, settings.exposure_ev.exp2()), settings))
 }
 
 #[cfg(test)]

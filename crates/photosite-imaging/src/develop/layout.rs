@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::settings::Demosaic;
+use super::choices::Demosaic;
 use super::{black_level, demosaic, white_balance};
 use crate::raw::{Cfa, RawImage};
 use photosite_core::Invalid;
@@ -53,11 +53,10 @@ pub fn with_layout(raw: &RawImage, layout: RawLayout) -> Result<Cow<'_, RawImage
         return Ok(Cow::Borrowed(raw));
     }
     let raw = raw.linear().cropped();
-    let size = [raw.width, raw.height];
     let neutral = raw.metadata.as_shot_neutral.clone().unwrap_or_else(|| vec![1.0; raw.cfa.channels().len()]);
     let mut signal = black_level::subtract(&raw, true);
     white_balance::apply(&mut signal, &raw, &neutral, f32::INFINITY);
-    let planes = demosaic::demosaic(&signal, size, &raw.cfa, Demosaic::Auto)?;
+    let planes = demosaic::demosaic(&signal, &raw, Demosaic::Auto)?;
     let cfa = match layout {
         RawLayout::Bayer => bayer_of(&raw.cfa).unwrap_or_else(|| raw.cfa.clone()),
         RawLayout::Sensor | RawLayout::Linear => Cfa::full(["R", "G", "B"])?,

@@ -16,9 +16,15 @@
 //! | demosaicking | `demosaic/`, one file a method |
 //! | highlights | `highlights.rs`; clipping comes before demosaicking, so that edges are not coloured |
 //! | noise | `noise_filter/`, one file a filter |
-//! | distortion, square pixels | `resampling.rs`; after demosaicking, since a mosaic cannot be moved |
+//! | filters given as numbers | `convolution.rs` |
+//! | distortion, square pixels, resizing | `resampling.rs`, `resize.rs`; after demosaicking, since a mosaic cannot be moved |
 //! | colour matrix, colour space, exposure | `colour.rs` |
-//! | tone, encoding, sharpening, dithering | `tone.rs`, `encode.rs`, `sharpening.rs` |
+//! | tone | `tone/`, one file a curve |
+//! | grey and other colour models, thresholding | `colour_model.rs`, `threshold.rs` |
+//! | encoding, sharpening, dithering | `encode.rs`, `sharpening.rs` |
+//!
+//! [`develop_picture`] takes the steps from the noise filter on with a picture that is light already. What the keys of
+//! [`DevelopSettings`] are is said in `settings.rs` and `choices.rs`, what they refuse in `checks.rs`.
 //!
 //! [`mod@merge`] makes one signal of several exposures, and [`develop_merged`] a picture of that.
 //!
@@ -28,8 +34,12 @@
 
 mod black_level;
 pub mod camera_colour;
+mod checks;
+mod choices;
 mod colour;
 mod colour_matrix;
+mod colour_model;
+mod convolution;
 mod defects;
 mod demosaic;
 mod description;
@@ -46,19 +56,25 @@ pub mod merge;
 mod neighbours;
 mod noise_filter;
 mod resampling;
+mod resize;
 mod sensor_calibration;
 mod settings;
 mod sharpening;
+mod threshold;
 mod tone;
 mod white_balance;
 mod window;
 
+pub use choices::{
+    ColourModel, Defects, Demosaic, Highlights, NoiseFilter, ResizeFilter, Thresholding, ToneCurve, WhiteBalance,
+};
+pub use colour_model::in_model;
 pub use description::RawDescription;
-pub use develop::{Development, develop, develop_linear, develop_merged};
+pub use develop::{Development, develop, develop_linear, develop_merged, develop_picture};
 pub use encode::{Codes, EncodedPicture, Encoding, encode};
 pub use ideal::ideal;
 pub use layout::{RawLayout, with_layout};
-pub use memory::bytes_per_pixel;
+pub use memory::{bytes_of_resized, bytes_per_pixel};
 pub use resampling::Resampling;
 pub use sensor_calibration::SensorCalibration;
-pub use settings::{Defects, Demosaic, DevelopSettings, Highlights, NoiseFilter, ToneCurve, WhiteBalance};
+pub use settings::DevelopSettings;

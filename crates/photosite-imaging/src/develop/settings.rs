@@ -3,11 +3,13 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::choices::{
+    ColourModel, Defects, Demosaic, Highlights, NoiseFilter, ResizeFilter, Thresholding, ToneCurve, WhiteBalance,
+};
 use super::description::RawDescription;
 use super::encode::Encoding;
 use crate::raw::RawMetadata;
-use photosite_core::Invalid;
-use photosite_core::colour::{ColourSpace, Transfer, temperature};
+use photosite_core::colour::{ColourSpace, Transfer};
 
 /// How raw pictures are developed, step by step in this order.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -44,6 +46,22 @@ pub struct DevelopSettings {
     /// How much noise bilateral and non-local-means take for noise, in standard deviations of what the raw file states
     /// or, where it says nothing, the picture shows. Left out: 1.
     pub noise_strength: Option<f64>,
+    /// Standard deviation of the weights by distance of gaussian and bilateral, pixels: with noise_radius_px = 2, 1.0
+    /// makes gaussian the kernel of cv2.GaussianBlur(picture, (5, 5), 1), mirrored at the edges as there. Left out: a
+    /// third of the radius, and ½ more for bilateral.
+    pub noise_sigma_px: Option<f64>,
+    /// Standard deviation of the weights by difference of bilateral, where saturation is 1, in place of noise_strength.
+    /// The filter is then cv2.bilateralFilter(picture, 2·noise_radius_px + 1, noise_sigma_range, noise_sigma_px): its
+    /// window is a disk, differences of channels are added up, and edges mirrored. Left out: 3·noise_strength standard
+    /// deviations of noise, in a square window that the edges cut off.
+    pub noise_sigma_range: Option<f64>,
+    /// Numbers that the pixels around each pixel are weighted with, rows from the top, of odd sides:
+    /// [[0, -1, 0], [-1, 5, -1], [0, -1, 0]]. Correlation, as cv2.filter2D: the first number weighs the pixel above to
+    /// the left; turn the kernel by 180° for a convolution. Edges are mirrored. Kernels of rank 1 are applied along
+    /// rows and then along columns. Left out: none.
+    pub kernel: Option<Vec<Vec<f64>>>,
+    /// Divides the numbers of kernel by their sum. Left out: false.
+    pub kernel_normalised: Option<bool>,
     /// Undoes the lens's distortion: the picture is that of a pinhole of the camera's matrix, an omnidirectional lens's
     /// over 1 + ξ. Known of DNG files alone. Lenses whose picture reaches 90° from the axis, and panoramas, keep
     /// theirs. Left out: true.
@@ -52,130 +70,61 @@ pub struct DevelopSettings {
     /// p = min(p_x, p_y); false keeps the grid of the sensor, and PNG, TIFF, JPEG and EXR files state the shape of its
     /// pixels. Known of DNG files alone. Left out: true.
     pub square_pixels: bool,
+    /// Enlarges the middle of the picture to all of its pixels: 2 shows the middle half of columns and rows. Left out:
+    /// 1.
+    pub digital_zoom: f64,
+    /// Columns and rows that the picture is resized to. Pixel centres stay in proportion as cv2.resize has it, edges
+    /// are repeated, and pixels count as having kept their shape. Left out: as many as there are.
+    pub resize_px: Option<[usize; 2]>,
+    /// How pixels between pixels are found by digital_zoom and resize_px. Left out: "cubic".
+    pub resize_filter: Option<ResizeFilter>,
+    /// Widens the filter by the factor that a picture gets smaller by, so that fine patterns become grey; false takes
+    /// as few pixels as for a larger one, as cv2.resize does. Of no effect for "nearest". Left out: true.
+    pub resize_antialias: Option<bool>,
     /// Turns the camera's channels into colours by its colour matrix. Left out: true.
     pub colour_matrix: bool,
     /// Colour space of the picture. Left out: "srgb".
     pub colour_space: ColourSpace,
+    /// What the numbers of the picture are. Others than "rgb" and "grey" are for EXR, TIFF and NPY files, as 32-bit
+    /// floats. Left out: "rgb".
+    pub colour_model: ColourModel,
     /// Brightening by 2^exposure_ev. Left out: 0.
     pub exposure_ev: f64,
-    /// From linear light to the codes of the picture; EXR files stay linear. Left out: "srgb".
+    /// From linear light to the codes of the picture; EXR and NPY files stay linear, but for filmic, reinhard, log and
+    /// local, whose light they hold. Left out: "srgb".
     pub tone_curve: ToneCurve,
+    /// What tone_curve = "reinhard" makes of the logarithmic mean of luminance: 0.09 is dark, 0.36 bright. Left out:
+    /// 0.18.
+    pub tone_key: Option<f64>,
+    /// Smallest L that tone_curve = "reinhard" makes white; inf compresses all to below white. Left out: that of the
+    /// brightest pixel.
+    pub tone_white: Option<f64>,
+    /// Bias of tone_curve = "log". Left out: 0.85.
+    pub tone_bias: Option<f64>,
+    /// Ratio of the brightest to the darkest place of the base that tone_curve = "local" leaves. Left out: 50.
+    pub tone_contrast: Option<f64>,
+    /// Standard deviation by distance of the bilateral filter of tone_curve = "local", pixels. Left out: 2 % of the
+    /// longer side.
+    pub tone_sigma_px: Option<f64>,
+    /// Standard deviation by difference of that filter, powers of ten. Left out: 0.4.
+    pub tone_sigma_range: Option<f64>,
     /// Exponent of tone_curve = "gamma". Left out: 2.2.
     pub gamma: Option<f64>,
+    /// Makes a binary picture of the light that is shown, with colour_model = "rgb" or "grey". Left out: "none".
+    pub threshold: Thresholding,
+    /// Level of threshold = "level", linear light with white at 1; what is equal becomes black. Left out: 0.5.
+    pub threshold_level: Option<f64>,
     /// How much of the difference to a smoothed picture is added to sharpen it (unsharp mask). Left out: 0.
     pub sharpening: f64,
     /// Standard deviation of that smoothing, pixels. Left out: 1.
     pub sharpening_radius_px: Option<f64>,
-    /// Bits of the picture's codes, 8 or 16; JPEG has 8, EXR 32-bit floats. Left out: 8.
+    /// Bits of the picture's codes, 8 or 16; JPEG has 8, EXR and NPY 32-bit floats. Left out: 8.
     pub bits: u8,
     /// Adds noise of one code before rounding, so that flat gradients have no steps and means stay exact. Left out:
     /// false.
     pub dither: bool,
-}
-
-/// What becomes of defective pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Defects {
-    /// They stay as they are.
-    #[default]
-    None,
-    /// A pixel far outside of what its neighbours of the same channel show becomes their median.
-    Median,
-}
-
-/// What counts as white.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum WhiteBalance {
-    /// The camera's response to the scene's light, which the raw file states.
-    #[default]
-    AsShot,
-    /// The mean of all pixels that are not saturated.
-    GreyWorld,
-    /// The brightest pixels that are not saturated.
-    WhitePatch,
-    /// A light of temperature_k and tint.
-    Temperature,
-    /// The mean of patch_px.
-    Patch,
-    /// Equal numbers in all channels.
-    None,
-}
-
-/// How the channels that a pixel did not see are found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Demosaic {
-    /// The best that the filter array allows: menon for Bayer, markesteijn for X-Trans, lmmse for Quad Bayer and
-    /// others, guided for large tiles.
-    #[default]
-    Auto,
-    /// The nearest pixel of the channel. Any filter array.
-    Nearest,
-    /// Linear interpolation between the nearest pixels of the channel. Any filter array.
-    Bilinear,
-    /// The densest channel first, the others by their differences to it. Any filter array.
-    Guided,
-    /// Malvar, He and Cutler (2004): bilinear, corrected by the curvature of the pixel's own channel. Bayer.
-    Malvar,
-    /// Menon, Andriani and Calvagno (2007): along edges, not across. Bayer.
-    Menon,
-    /// In four directions, of which those where colours change least are taken, after Markesteijn. X-Trans and other
-    /// arrays in which green is densest.
-    Markesteijn,
-    /// Linear estimates of the least mean square error along rows and along columns, the more of either the less
-    /// colours change along it, after Zhang and Wu (2005). Any filter array with tiles of up to 64 pixels.
-    Lmmse,
-}
-
-/// What becomes of pixels that are full in one channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Highlights {
-    /// All channels are clipped where the most sensitive one is full, so that blown highlights are white.
-    #[default]
-    Clip,
-    /// Keeps the brightness that the other channels still tell, with the weaker colour of clipping.
-    Blend,
-    /// Full channels follow from the others by the colour of the surroundings.
-    Reconstruct,
-    /// Nothing: blown highlights take the colour of the white balance.
-    None,
-}
-
-/// Noise filters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum NoiseFilter {
-    /// No filter.
-    #[default]
-    None,
-    /// Mean of the window.
-    Mean,
-    /// Mean weighted by a Gaussian of a third of the radius.
-    Gaussian,
-    /// Median of the window.
-    Median,
-    /// Gaussian mean of those pixels of the window that differ by no more than noise.
-    Bilateral,
-    /// Mean of the pixels whose surroundings look alike.
-    NonLocalMeans,
-}
-
-/// From linear light to codes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum ToneCurve {
-    /// Codes in proportion to light.
-    Linear,
-    /// The curve of sRGB, which keeps what the camera saw.
-    #[default]
-    Srgb,
-    /// A power with the exponent 1/gamma.
-    Gamma,
-    /// Film's soft shoulder in place of hard clipping, then the curve of sRGB.
-    Filmic,
+    /// Quality of JPEG files, 1–100. Left out: 95.
+    pub jpeg_quality: u8,
 }
 
 impl Default for DevelopSettings {
@@ -195,90 +144,40 @@ impl Default for DevelopSettings {
             noise_filter: NoiseFilter::default(),
             noise_radius_px: None,
             noise_strength: None,
+            noise_sigma_px: None,
+            noise_sigma_range: None,
+            kernel: None,
+            kernel_normalised: None,
             distortion: true,
             square_pixels: true,
+            digital_zoom: 1.0,
+            resize_px: None,
+            resize_filter: None,
+            resize_antialias: None,
             colour_matrix: true,
             colour_space: ColourSpace::default(),
+            colour_model: ColourModel::default(),
             exposure_ev: 0.0,
             tone_curve: ToneCurve::default(),
+            tone_key: None,
+            tone_white: None,
+            tone_bias: None,
+            tone_contrast: None,
+            tone_sigma_px: None,
+            tone_sigma_range: None,
             gamma: None,
+            threshold: Thresholding::default(),
+            threshold_level: None,
             sharpening: 0.0,
             sharpening_radius_px: None,
             bits: 8,
             dither: false,
+            jpeg_quality: 95,
         }
     }
 }
 
-/// Largest window of a noise filter: beyond it lies a slip of the pen.
-const MAX_RADIUS: usize = 50;
-
 impl DevelopSettings {
-    /// Refuses values out of range, and keys that go with a choice that was not made.
-    pub fn validate(&self) -> Result<(), Invalid> {
-        self.raw.validate().map_err(|invalid| invalid.within("raw"))?;
-        let with_temperature = self.white_balance == WhiteBalance::Temperature;
-        let smooths = self.noise_filter != NoiseFilter::None;
-        let by_noise = matches!(self.noise_filter, NoiseFilter::Bilateral | NoiseFilter::NonLocalMeans);
-        for (key, is_given, fits, wanted) in [
-            ("temperature_k", self.temperature_k.is_some(), with_temperature, "white_balance = \"temperature\""),
-            ("tint", self.tint.is_some(), with_temperature, "white_balance = \"temperature\""),
-            (
-                "patch_px",
-                self.patch_px.is_some(),
-                self.white_balance == WhiteBalance::Patch,
-                "white_balance = \"patch\"",
-            ),
-            ("noise_radius_px", self.noise_radius_px.is_some(), smooths, "a noise_filter"),
-            (
-                "noise_strength",
-                self.noise_strength.is_some(),
-                by_noise,
-                "noise_filter = \"bilateral\" or \"non-local-means\"",
-            ),
-            ("gamma", self.gamma.is_some(), self.tone_curve == ToneCurve::Gamma, "tone_curve = \"gamma\""),
-            ("sharpening_radius_px", self.sharpening_radius_px.is_some(), self.sharpening != 0.0, "sharpening above 0"),
-        ] {
-            if is_given && !fits {
-                return Err(
-                    Invalid::new(key, format!("goes only with {wanted}")).help(format!("add it, or remove {key}"))
-                );
-            }
-        }
-        let [coldest, hottest] = temperature::TEMPERATURE_RANGE_K;
-        let gamma = self.gamma.unwrap_or(2.2);
-        for (key, value, range, example) in [
-            ("temperature_k", self.temperature_k.unwrap_or(5000.0), coldest..=hottest, "5000"),
-            ("tint", self.tint.unwrap_or(0.0), -150.0..=150.0, "10"),
-            ("exposure_ev", self.exposure_ev, -20.0..=20.0, "0.5"),
-            ("gamma", gamma, 0.1..=10.0, "2.2"),
-            ("noise_strength", self.noise_strength(), 0.01..=100.0, "1.5"),
-            ("sharpening", self.sharpening, 0.0..=10.0, "0.5"),
-            ("sharpening_radius_px", self.sharpening_radius_px(), 0.2..=20.0, "1.0"),
-        ] {
-            if !range.contains(&value) {
-                let message = format!("must lie from {} to {}, got {value}", range.start(), range.end());
-                return Err(Invalid::new(key, message).help(format!("for example {key} = {example}")));
-            }
-        }
-        if with_temperature && self.temperature_k.is_none() {
-            let help = "for example temperature_k = 5000";
-            return Err(Invalid::new("white_balance", "needs temperature_k").help(help));
-        }
-        if self.white_balance == WhiteBalance::Patch && self.patch_px.is_none() {
-            let help = "for example patch_px = [100, 80, 20, 20]";
-            return Err(Invalid::new("white_balance", "needs patch_px").help(help));
-        }
-        if self.noise_filter != NoiseFilter::None && !(1..=MAX_RADIUS).contains(&self.noise_radius_px()) {
-            let message = format!("must lie from 1 to {MAX_RADIUS}, got {}", self.noise_radius_px());
-            return Err(Invalid::new("noise_radius_px", message).help("for example noise_radius_px = 2"));
-        }
-        match self.bits {
-            8 | 16 => Ok(()),
-            other => Err(Invalid::new("bits", format!("must be 8 or 16, got {other}")).help("for example bits = 16")),
-        }
-    }
-
     /// Radius of the noise filter's window, pixels.
     pub fn noise_radius_px(&self) -> usize {
         self.noise_radius_px.unwrap_or(match self.noise_filter {
@@ -294,8 +193,44 @@ impl DevelopSettings {
         self.noise_strength.unwrap_or(1.0)
     }
 
+    /// Standard deviation of the noise filter's weights by distance, pixels.
+    pub fn noise_sigma_px(&self) -> f64 {
+        let third = self.noise_radius_px() as f64 / 3.0;
+        self.noise_sigma_px.unwrap_or(if self.noise_filter == NoiseFilter::Bilateral { third + 0.5 } else { third })
+    }
+
+    /// Whether the picture gets other pixels than those of its grid.
+    pub fn resizes(&self) -> bool {
+        self.resize_px.is_some() || self.digital_zoom != 1.0
+    }
+
+    /// What "reinhard" makes of the logarithmic mean.
+    pub fn tone_key(&self) -> f64 {
+        self.tone_key.unwrap_or(0.18)
+    }
+
+    /// The bias of "log".
+    pub fn tone_bias(&self) -> f64 {
+        self.tone_bias.unwrap_or(0.85)
+    }
+
+    /// The contrast of the base that "local" leaves.
+    pub fn tone_contrast(&self) -> f64 {
+        self.tone_contrast.unwrap_or(50.0)
+    }
+
+    /// Standard deviation of the bilateral filter of "local" by difference, powers of ten.
+    pub fn tone_sigma_range(&self) -> f64 {
+        self.tone_sigma_range.unwrap_or(0.4)
+    }
+
+    /// The level of threshold = "level".
+    pub fn threshold_level(&self) -> f64 {
+        self.threshold_level.unwrap_or(0.5)
+    }
+
     /// Standard deviation of the unsharp mask, pixels.
-    fn sharpening_radius_px(&self) -> f64 {
+    pub(super) fn sharpening_radius_px(&self) -> f64 {
         self.sharpening_radius_px.unwrap_or(1.0)
     }
 
@@ -304,50 +239,44 @@ impl DevelopSettings {
         if self.square_pixels { 1.0 } else { metadata.pixel_aspect() }
     }
 
+    /// How linear values are encoded.
+    pub fn transfer(&self) -> Transfer {
+        match self.tone_curve {
+            ToneCurve::Linear => Transfer::Linear,
+            ToneCurve::Srgb | ToneCurve::Filmic | ToneCurve::Reinhard | ToneCurve::Log | ToneCurve::Local => {
+                Transfer::Srgb
+            }
+            ToneCurve::Gamma => Transfer::Gamma(self.gamma.unwrap_or(2.2)),
+        }
+    }
+
     /// How linear values become the codes of a picture.
     pub fn encoding(&self) -> Encoding {
         Encoding {
             colour_space: self.colour_space,
-            transfer: match self.tone_curve {
-                ToneCurve::Linear => Transfer::Linear,
-                ToneCurve::Srgb | ToneCurve::Filmic => Transfer::Srgb,
-                ToneCurve::Gamma => Transfer::Gamma(self.gamma.unwrap_or(2.2)),
-            },
+            transfer: self.transfer(),
             bits: self.bits,
             dither: self.dither,
             sharpening: self.sharpening,
             sharpening_radius_px: self.sharpening_radius_px(),
         }
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn defaults_are_valid_and_slips_are_told() {
-        let default = DevelopSettings::default;
-        assert_eq!(default().validate(), Ok(()));
-        for (settings, key) in [
-            (DevelopSettings { temperature_k: Some(5000.0), ..default() }, "temperature_k"),
-            (DevelopSettings { gamma: Some(2.2), ..default() }, "gamma"),
-            (DevelopSettings { white_balance: WhiteBalance::Temperature, ..default() }, "white_balance"),
-            (DevelopSettings { white_balance: WhiteBalance::Patch, ..default() }, "white_balance"),
-            (DevelopSettings { exposure_ev: f64::NAN, ..default() }, "exposure_ev"),
-            (DevelopSettings { bits: 12, ..default() }, "bits"),
-            (DevelopSettings { sharpening: -1.0, ..default() }, "sharpening"),
-            (DevelopSettings { noise_radius_px: Some(2), ..default() }, "noise_radius_px"),
-            (
-                DevelopSettings { noise_filter: NoiseFilter::Mean, noise_radius_px: Some(0), ..default() },
-                "noise_radius_px",
-            ),
-            (
-                DevelopSettings { noise_filter: NoiseFilter::Mean, noise_strength: Some(2.0), ..default() },
-                "noise_strength",
-            ),
-        ] {
-            assert_eq!(settings.validate().expect_err(key).key, key);
-        }
+    /// Keys that were given and say something of a raw file, of which a picture that is light already has nothing.
+    pub fn raw_keys(&self) -> Vec<&'static str> {
+        let default = Self::default();
+        let given = [
+            ("raw", self.raw != default.raw),
+            ("linearisation", self.linearisation != default.linearisation),
+            ("black_level", self.black_level != default.black_level),
+            ("defects", self.defects != default.defects),
+            ("lens_falloff", self.lens_falloff != default.lens_falloff),
+            ("white_balance", self.white_balance != default.white_balance),
+            ("demosaic", self.demosaic != default.demosaic),
+            ("highlights", self.highlights != default.highlights),
+            ("distortion", self.distortion != default.distortion),
+            ("colour_matrix", self.colour_matrix != default.colour_matrix),
+        ];
+        given.into_iter().filter_map(|(key, is_given)| is_given.then_some(key)).collect()
     }
 }

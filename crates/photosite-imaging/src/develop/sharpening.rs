@@ -14,7 +14,7 @@ pub(super) fn apply(picture: &mut Planes, amount: f64, sigma_px: f64) {
     let weights = gaussian_weights(sigma_px, (3.0 * sigma_px).ceil() as usize);
     let amount = amount as f32;
     for channel in picture.channels_mut() {
-        let smooth = separable(&channel.data, size, &weights);
+        let smooth = separable(&channel.data, size, [&weights; 2]);
         channel.data.par_iter_mut().zip(smooth).for_each(|(value, smooth)| *value += amount * (*value - smooth));
     }
 }

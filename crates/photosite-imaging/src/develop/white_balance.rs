@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::choices::WhiteBalance;
 use super::colour;
-use super::settings::{DevelopSettings, WhiteBalance};
+use super::settings::DevelopSettings;
 use crate::raw::{Cfa, RawImage};
 use photosite_core::Invalid;
 use photosite_core::colour::temperature;
@@ -33,6 +34,16 @@ pub(super) fn neutral(raw: &RawImage, signal: &[f32], settings: &DevelopSettings
             means(raw, signal, [x, y, columns, rows])?
         }
         WhiteBalance::Temperature => of_temperature(raw, settings)?,
+        lamp @ (WhiteBalance::Candle
+        | WhiteBalance::Incandescent
+        | WhiteBalance::Halogen
+        | WhiteBalance::Fluorescent
+        | WhiteBalance::D50
+        | WhiteBalance::Flash
+        | WhiteBalance::Daylight
+        | WhiteBalance::Overcast
+        | WhiteBalance::Shade
+        | WhiteBalance::BlueSky) => response_to(lamp.lamp().expect("lamps have a colour"), raw)?,
     };
     if neutral.len() != channels || neutral.iter().any(|n| !(n.is_finite() && *n > 0.0)) {
         let key = if settings.white_balance == WhiteBalance::AsShot { "AsShotNeutral" } else { "white_balance" };

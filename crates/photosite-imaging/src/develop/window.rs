@@ -11,19 +11,20 @@ pub(super) fn gaussian_weights(sigma: f64, radius: usize) -> Vec<f32> {
     weights.iter().map(|w| (w / sum) as f32).collect()
 }
 
-/// Mean of a plane, weighted by the same weights along rows and along columns.
-pub(super) fn separable(plane: &[f32], [width, height]: [usize; 2], weights: &[f32]) -> Vec<f32> {
-    let radius = weights.len() / 2;
+/// Sums of a plane, weighted by `across` along rows and then by `down` along columns, both of odd lengths.
+pub(super) fn separable(plane: &[f32], [width, height]: [usize; 2], [across, down]: [&[f32]; 2]) -> Vec<f32> {
+    let radius = across.len() / 2;
     let mut along_rows = vec![0.0; plane.len()];
     along_rows.par_chunks_mut(width.max(1)).zip(plane.par_chunks(width.max(1))).for_each(|(to, from)| {
         for (x, to) in to.iter_mut().enumerate() {
             let value = |k: usize| from[mirror(x + k, radius, width)];
-            *to = weights.iter().enumerate().map(|(k, w)| w * value(k)).sum();
+            *to = across.iter().enumerate().map(|(k, w)| w * value(k)).sum();
         }
     });
+    let radius = down.len() / 2;
     let mut result = vec![0.0; plane.len()];
     result.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, to)| {
-        for (k, w) in weights.iter().enumerate() {
+        for (k, w) in down.iter().enumerate() {
             let row = &along_rows[mirror(y + k, radius, height) * width..][..width];
             to.iter_mut().zip(row).for_each(|(to, from)| *to += w * from);
         }
@@ -62,11 +63,11 @@ mod tests {
     fn smoothing_keeps_what_is_even_and_spreads_a_point() {
         let (size, sigma) = ([41, 37], 2.0);
         let weights = gaussian_weights(sigma, 6);
-        let even = separable(&vec![0.3; 41 * 37], size, &weights);
+        let even = separable(&vec![0.3; 41 * 37], size, [&weights; 2]);
         assert!(even.iter().all(|v| (v - 0.3).abs() < 1e-6));
         let mut point = vec![0.0; 41 * 37];
         point[18 * 41 + 20] = 1.0;
-        let spread = separable(&point, size, &weights);
+        let spread = separable(&point, size, [&weights; 2]);
         let variance: f64 =
             spread.iter().enumerate().map(|(i, v)| ((i % 41) as f64 - 20.0).powi(2) * f64::from(*v)).sum();
         // Cut at three standard deviations, the variance loses 3 %.

@@ -65,7 +65,7 @@ pub struct RawImage {
     pub cfa: Cfa,
     /// The pixels that see light; `None` where all do. The others are masked and show the black level.
     pub active_area: Option<PixelArea>,
-    /// Bits of the digital numbers, 8–16.
+    /// Bits of the digital numbers, 1–16.
     pub bits: u32,
     /// What makes the numbers linear: for each of them one in proportion to light, the last for all beyond. `None`
     /// where they are so already.
@@ -98,7 +98,7 @@ impl Default for RawImage {
 
 impl RawImage {
     /// Digital numbers of which a file says nothing but that they go up to `maximum`.
-    fn bare(width: usize, height: usize, data: Vec<u16>, cfa: Cfa, maximum: u16) -> Self {
+    pub fn bare(width: usize, height: usize, data: Vec<u16>, cfa: Cfa, maximum: u16) -> Self {
         Self { width, height, data, cfa, bits: bits_for(maximum), white_level_dn: maximum, ..Self::default() }
     }
 
@@ -196,6 +196,9 @@ pub struct RawMetadata {
     pub camera_serial: String,
     /// Pixel pitch along x and y, m.
     pub pixel_pitch_m: Option<[f64; 2]>,
+    /// Whether every second row of the active area, from its second on, lies half a pixel farther to the right, as those
+    /// of hexagonal cells do.
+    pub is_staggered: bool,
     /// Width of a pixel over its height, where a file says another than its pitch does, which EXIF may round.
     pub stated_pixel_aspect: Option<f64>,
     /// Exposure time, s.

@@ -24,17 +24,18 @@ mod stages;
 pub use band_light::{BandRates, electron_rates};
 pub use chain::{Exposed, NoiseMaps, expose, expose_after, expose_with_maps};
 pub use exposure::{
-    AutoExposed, AutoExposure, Binning, BinningMethod, Exposure, Linearisation, Metering, RegionOfInterest, TimeLimit,
-    auto_exposure,
+    AutoExposed, AutoExposure, Binning, BinningMethod, Exposure, GainControl, Linearisation, Metering,
+    RegionOfInterest, TimeLimit, auto_exposure,
 };
 pub use model::{
-    AdcDescription, Architecture, Ccd, CcdArchitecture, CcdDescription, ChannelDescription, ChargeDescription,
-    Companding, CompandingCurve, CompandingDescription, Converter, Converters, Counting, CountingMode, CurveFile,
-    DarkCurrentLaw, DarkCurrentLawName, Defects, DefectsDescription, DualGain, DualGainDescription, FilterDescription,
-    FixedPattern, Flicker, FlickerDescription, FlickerOrder, ImageLag, ImageLagDescription, Kernel, Logarithmic,
-    MaskedPixels, Noise, NoiseDescription, Overscan, Reset, ResetDescription, RowOrder, SensorDescription, SensorKind,
-    SensorModel, Shutter, ShutterDescription, ShutterKind, Spad, SpadDescription, SpectrumSource, TelegraphDescription,
-    TelegraphSignal,
+    AdcDescription, Architecture, Ccd, CcdArchitecture, CcdDescription, CellShapeName, ChannelDescription,
+    ChargeDescription, Companding, CompandingCurve, CompandingDescription, Converter, Converters, Counting,
+    CountingMode, CurveFile, DarkCurrentLaw, DarkCurrentLawName, Defects, DefectsDescription, DualGain,
+    DualGainDescription, FORMATS, FilterDescription, FixedPattern, Flicker, FlickerDescription, FlickerOrder, Format,
+    FrameGrabber, FrameGrabberDescription, ImageLag, ImageLagDescription, Kernel, Logarithmic, LowPass, MaskedPixels,
+    Noise, NoiseDescription, Overscan, Reset, ResetDescription, RowOrder, SensorDescription, SensorKind, SensorModel,
+    Shutter, ShutterDescription, ShutterKind, SignalInterpolation, Spad, SpadDescription, SpectrumSource,
+    TelegraphDescription, TelegraphSignal, Video, VideoCurve, VideoDescription,
 };
 pub use picture_light::{PictureElectrons, PictureUnit, picture_electrons};
 pub use prediction::{Neighbours, noise_ratio, samples_needed, smoothed_mean};

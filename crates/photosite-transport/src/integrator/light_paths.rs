@@ -21,7 +21,7 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
+use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
 use super::interaction::{leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
@@ -350,8 +350,10 @@ impl LightPath {
         let RenderJob { scene, camera, resolution: [width, _], .. } = *tracer.job;
         let mut wavelengths = self.wavelengths;
         let connection = camera.connect(point.position, aperture, spread, &mut wavelengths)?;
-        let (column, row) = (connection.pixel.x.floor(), connection.pixel.y.floor());
-        if !(column >= 0.0 && column < f64::from(width) && row >= rows.start as f64 && row < rows.end as f64) {
+        let DVec2 { x: column, y: row } = camera.cells().cell_at(connection.pixel);
+        let is_in_picture =
+            column >= 0.0 && column < f64::from(width) && row >= rows.start as f64 && row < rows.end as f64;
+        if !(is_in_picture && camera.cells().sees_light(connection.pixel)) {
             return None;
         }
         let origin = connection.ray.ray.origin;

@@ -21,6 +21,11 @@ impl Aperture {
         Self { radius, blades, rotation_rad: rotation_deg.to_radians() }
     }
 
+    /// Radius of the disk, m.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// Area in m²: πr², or n/2·r²·sin(2π/n) for n blades.
     pub(super) fn area(&self) -> f64 {
         let square = self.radius * self.radius;

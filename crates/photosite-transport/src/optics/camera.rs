@@ -4,20 +4,24 @@
 //! sensor stands at z = +v, where the picture lies upside down.
 
 mod connection;
+mod figures;
 mod illumination;
 mod ray;
 
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 use super::aperture::Aperture;
+use super::focusing::{ChromaticFocus, Focusing};
 use super::{
-    Falloff, Focus, Intrinsics, LateralColour, LensDescription, LensKind, PointSpread, Projection, Reach, Recording,
-    Seen, Stop,
+    Falloff, Intrinsics, LateralColour, LensDescription, LensKind, PointSpread, Projection, Reach, Recording, Seen,
+    Stop,
 };
 use crate::geometry::Ray;
 use photosite_core::Invalid;
+use photosite_core::cells::CellLayout;
 
 pub use connection::Connection;
+pub use figures::LensFigures;
 pub use ray::{CameraRay, CameraSample};
 
 /// The grid of pixels behind the lens.
@@ -35,10 +39,19 @@ pub struct Camera {
     to_world: DAffine3,
     kind: LensKind,
     aperture: Aperture,
-    /// Distance lens → plane of focus along the axis, m; infinite where focused at infinity.
+    /// Distance lens → plane of focus along the axis, m; infinite where focused at infinity, below 0 where what leaves
+    /// the lens diverges.
     focus_distance_m: f64,
+    /// `None` of a lens that is the same at all wavelengths.
+    chromatic: Option<ChromaticFocus>,
     /// Distance lens → sensor, m.
     image_distance_m: f64,
+    /// The same where it is focused at infinity; `None` where it cannot be.
+    image_distance_at_infinity_m: Option<f64>,
+    /// Distance that perspective is that of, m: of a lens without elements before it, lens → sensor.
+    perspective_distance_m: f64,
+    /// Size of the opening over that of the entrance pupil.
+    chief_slope: f64,
     resolution: [u32; 2],
     /// Width and height of a pixel, m.
     pitch_m: [f64; 2],
@@ -61,6 +74,7 @@ pub struct Camera {
     time: f32,
     /// Whether all lines of the picture are seen by one row of pixels.
     scans: bool,
+    cells: CellLayout,
 }
 
 /// From OpenCV's camera space to that of glTF.
@@ -82,57 +96,59 @@ impl Camera {
     ) -> Result<Self, Invalid> {
         lens.validate()?;
         let f = lens.focal_length_m;
-        let u = match (lens.kind, lens.focus) {
-            (LensKind::Pinhole, _) | (LensKind::Thin, Focus::Infinity) => f64::INFINITY,
-            (LensKind::Thin, Focus::Distance(u)) => u,
-            (LensKind::Thin, Focus::Autofocus { .. }) if autofocus_distance_m > f => autofocus_distance_m,
-            (LensKind::Thin, Focus::Autofocus { .. }) => {
-                // As precise as intersections are.
-                let distance = autofocus_distance_m as f32;
-                let message = format!("what is there is {distance} m away, within the focal length of {f} m");
-                return Err(
-                    Invalid::new("autofocus_px", message).help("move the camera back or shorten the focal length")
-                );
-            }
-        };
-        let v = if u.is_finite() { u * f / (u - f) } else { f };
+        let focusing = Focusing::new(lens, autofocus_distance_m)?;
+        let Focusing { image_distance_m: v, focus_distance_m, chief_slope, .. } = focusing;
+        let perspective_distance_m = v / chief_slope;
         let [width, height] = grid.resolution.map(f64::from);
-        let intrinsics = lens.intrinsics.unwrap_or(Intrinsics {
-            fx: v / grid.pitch_m[0],
-            fy: v / grid.pitch_m[1],
-            cx: width / 2.0,
-            cy: height / 2.0,
-            skew: 0.0,
-        });
-        let aperture = Aperture::new(f / lens.f_number / 2.0, lens.blades, lens.blade_rotation_deg);
+        let [fx, fy] = match lens.kind {
+            LensKind::Pinhole | LensKind::Thin | LensKind::Hole => {
+                grid.pitch_m.map(|pitch| perspective_distance_m / pitch)
+            }
+            // There is no direction that a pixel looks in.
+            LensKind::Bare => [0.0; 2],
+        };
+        let intrinsics = lens.intrinsics.unwrap_or(Intrinsics { fx, fy, cx: width / 2.0, cy: height / 2.0, skew: 0.0 });
+        let aperture = Aperture::new(f.abs() / lens.f_number / 2.0, lens.blades, lens.blade_rotation_deg);
         let reach = lens.projection.reach(lens.max_angle_rad);
         let middle = lens.projection.unproject(DVec2::ZERO, &reach).map_or(1.0, |seen| seen.solid_angle);
         Ok(Self {
             to_world,
             kind: lens.kind,
             aperture,
-            focus_distance_m: u,
+            focus_distance_m,
+            chromatic: focusing.chromatic,
             image_distance_m: v,
+            image_distance_at_infinity_m: focusing.image_distance_at_infinity_m,
+            perspective_distance_m,
+            chief_slope,
             resolution: grid.resolution,
             pitch_m: grid.pitch_m,
             intrinsics,
             projection: lens.projection,
             reach,
             falloff: lens.falloff,
-            on_axis_sr: aperture.projected_solid_angle(v) * middle,
+            on_axis_sr: match lens.kind {
+                LensKind::Pinhole | LensKind::Thin | LensKind::Hole => aperture.projected_solid_angle(v) * middle,
+                LensKind::Bare => std::f64::consts::PI,
+            },
             sample_sr: match (lens.kind, lens.falloff) {
-                (LensKind::Thin, Falloff::Cos4) => aperture.area() / (v * v),
+                (LensKind::Thin | LensKind::Hole, Falloff::Cos4) => aperture.area() / (v * v),
                 // One ray stands for all of the aperture, as seen from the axis.
                 (LensKind::Pinhole, Falloff::Cos4) => aperture.projected_solid_angle(v),
-                (LensKind::Thin | LensKind::Pinhole, Falloff::None) => aperture.projected_solid_angle(v) * middle,
+                (LensKind::Thin | LensKind::Pinhole | LensKind::Hole, Falloff::None) => {
+                    aperture.projected_solid_angle(v) * middle
+                }
+                // Directions are drawn in proportion to their cosine.
+                (LensKind::Bare, _) => std::f64::consts::PI,
             },
-            working_f_number: v * lens.f_number / f,
+            working_f_number: v * lens.f_number / f.abs(),
             point_spread: lens.point_spread.clone(),
             lateral_colour: lens.lateral_colour.clone(),
             stops: lens.stops.clone(),
             recording: None,
             time: 0.0,
             scans: false,
+            cells: CellLayout::default(),
         })
     }
 
@@ -152,6 +168,17 @@ impl Camera {
     #[must_use]
     pub fn scanning(self) -> Self {
         Self { scans: true, ..self }
+    }
+
+    /// The same camera with pixels of another shape, or of which some see no light.
+    #[must_use]
+    pub fn with_cells(self, cells: CellLayout) -> Self {
+        Self { cells, ..self }
+    }
+
+    /// Where in the picture each pixel collects light.
+    pub fn cells(&self) -> &CellLayout {
+        &self.cells
     }
 
     /// Whether paths start at times of their own.
@@ -217,7 +244,8 @@ impl Camera {
         self.on_axis_sr
     }
 
-    /// Distance lens → plane of focus, m; infinite for a pinhole.
+    /// Distance lens → plane of focus, m; infinite for a pinhole and a bare sensor, below 0 where what leaves the lens
+    /// diverges, as from a hole: then nothing is in focus.
     pub fn focus_distance_m(&self) -> f64 {
         self.focus_distance_m
     }
@@ -225,6 +253,36 @@ impl Camera {
     /// Distance lens → sensor, m.
     pub fn image_distance_m(&self) -> f64 {
         self.image_distance_m
+    }
+
+    /// Diameter of the entrance pupil (of the circle around the blades), m; `None` without a lens.
+    pub fn entrance_pupil_m(&self) -> Option<f64> {
+        let diameter = || 2.0 * self.aperture.radius() / self.chief_slope;
+        (self.kind != LensKind::Bare).then(diameter)
+    }
+
+    /// Distance from the entrance pupil to a sensor of the same size that would have the same perspective behind a
+    /// pinhole, m: that from the lens to the sensor where nothing stands before the lens.
+    pub fn perspective_distance_m(&self) -> f64 {
+        self.perspective_distance_m
+    }
+
+    /// Distance lens → sensor over the diameter of the opening, which diffraction goes by; `None` without a lens.
+    pub fn working_f_number(&self) -> Option<f64> {
+        (self.kind != LensKind::Bare).then_some(self.working_f_number)
+    }
+
+    /// Whether some distances are sharper than others.
+    fn has_focus(&self) -> bool {
+        match self.kind {
+            LensKind::Thin | LensKind::Hole => true,
+            LensKind::Pinhole | LensKind::Bare => false,
+        }
+    }
+
+    /// Whether a lens, or a hole, makes a picture.
+    pub fn makes_picture(&self) -> bool {
+        self.kind != LensKind::Bare
     }
 
     /// How directions become places in the picture.
@@ -251,10 +309,11 @@ impl Camera {
         DVec2::new((pixel.x - i.cx - i.skew * y) / i.fx, y)
     }
 
-    /// What a pixel position sees, in camera space of glTF (x right, y up, z backward); `None` out of the lens's reach.
+    /// What a pixel position sees, in camera space of glTF (x right, y up, z backward); `None` out of the lens's reach
+    /// and without a lens.
     #[inline]
     pub fn seen(&self, pixel: DVec2) -> Option<Seen> {
-        self.seen_at(self.place(pixel))
+        if self.makes_picture() { self.seen_at(self.place(pixel)) } else { None }
     }
 
     #[inline]
@@ -263,8 +322,12 @@ impl Camera {
     }
 
     /// The ray through the centre of the lens, in world space. Its parameter t is the distance in metres that focusing
-    /// counts: along the axis, or along the ray where the lens can see more than a half-space.
+    /// counts: along the axis, or along the ray where the lens can see more than a half-space. `None` of a place that
+    /// sees nothing, or whose pixel sees no light.
     pub fn chief_ray(&self, pixel: DVec2) -> Option<Ray> {
+        if !self.cells.sees_light(pixel) {
+            return None;
+        }
         let direction = self.to_world.transform_vector3(self.seen(pixel)?.chief);
         Some(Ray::new(self.to_world.translation.as_vec3(), direction.as_vec3()).at_time(self.time))
     }
@@ -275,13 +338,16 @@ impl Camera {
     }
 
     /// Where a world point appears: continuous pixel coordinates of its sharp picture through the whole lens model, on
-    /// the sensor or beside it; `None` out of the lens's reach. Of a moving camera at time 0.
+    /// the sensor or beside it; `None` out of the lens's reach and without a lens. Of a moving camera at time 0.
     pub fn project(&self, point: Vec3) -> Option<DVec2> {
         self.project_camera(self.to_world.inverse().transform_point3(point.as_dvec3()))
     }
 
     /// The same for a point in camera space of glTF (x right, y up, z backward).
     pub fn project_camera(&self, point: DVec3) -> Option<DVec2> {
+        if !self.makes_picture() {
+            return None;
+        }
         let place = self.projection.project(DVec3::new(point.x, -point.y, -point.z), &self.reach)?;
         let i = &self.intrinsics;
         Some(DVec2::new(i.fx * place.x + i.skew * place.y + i.cx, i.fy * place.y + i.cy))

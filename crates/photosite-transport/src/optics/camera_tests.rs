@@ -3,6 +3,7 @@
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 
 use super::*;
+use photosite_core::math::warp;
 use photosite_core::spectrum::Wavelengths;
 
 const GRID: PixelGrid = PixelGrid { resolution: [640, 480], pitch_m: [5e-6, 6e-6] };
@@ -43,7 +44,8 @@ fn the_picture_is_upright_and_not_mirrored() {
 
 #[test]
 fn autofocus_within_the_focal_length_is_refused() {
-    let lens = LensDescription::thin(0.05, 2.0, Focus::Autofocus { pixel: [320.0, 240.0] });
+    let lens =
+        LensDescription::thin(0.05, 2.0, Focus::Autofocus { pixel: [320.0, 240.0], method: AutofocusMethod::Exact });
     assert!(Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.04).is_err());
     let focused = Camera::new(&lens, &GRID, DAffine3::IDENTITY, 2.0).expect("in front");
     assert_eq!(focused.focus_distance_m(), 2.0);
@@ -198,8 +200,8 @@ fn illumination_is_told_relative_to_the_axis() {
 
 #[test]
 fn a_pinhole_has_no_focus() {
-    for focus in [Focus::Infinity, Focus::Distance(0.5), Focus::Distance(0.001), Focus::Autofocus { pixel: [3.0, 4.0] }]
-    {
+    let autofocus = Focus::Autofocus { pixel: [3.0, 4.0], method: AutofocusMethod::Exact };
+    for focus in [Focus::Infinity, Focus::Distance(0.5), Focus::Distance(0.001), autofocus] {
         let lens = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.004, 2.0, focus) };
         let camera = camera(&lens);
         assert_eq!(camera.image_distance_m(), 0.004);
@@ -384,4 +386,166 @@ fn a_point_is_connected_to_the_pixel_whose_ray_goes_by_it() {
         let mut wavelengths = Wavelengths::new([450.0, 550.0, 600.0, 650.0], [0.01; 4]);
         assert!(camera.connect(point, [0.5; 2], [0.5; 2], &mut wavelengths).is_none());
     }
+}
+
+/// A point of the scene in the plane of the axis and x, by tracing a ray of a sensor point through every element.
+fn traced(lens: &LensDescription, v: f64, sensor: f64, opening: f64, lambda_nm: f64) -> (f64, f64) {
+    let power = lens.ground.as_ref().map_or(1.0 / lens.focal_length_m, |ground| ground.power(lambda_nm));
+    let (mut height, mut slope, mut at) = (opening, (opening - sensor) / v, 0.0);
+    slope -= height * power;
+    for element in &lens.supplementary {
+        height += slope * (element.distance_m - at);
+        at = element.distance_m;
+        slope -= height * element.power.at(lambda_nm);
+    }
+    // Height of the ray at z = 0, carried on backwards, and its slope.
+    (height - slope * at, slope)
+}
+
+#[test]
+fn elements_before_the_lens_bend_rays_as_a_trace_through_each_does() {
+    let bk7 = photosite_core::spectrum::library::glass("BK7").expect("a glass");
+    let flint = photosite_core::spectrum::library::glass("SF11").expect("a glass");
+    let close_up = |power, distance_m| SupplementaryLens { power: Power::Constant(power), distance_m };
+    let meniscus = GroundLens { radii_m: [0.2, 0.5], thickness_m: 0.003, index: flint };
+    let glass = SupplementaryLens { power: Power::Ground(meniscus), distance_m: 0.03 };
+    let biconvex = GroundLens { radii_m: [0.05, -0.06], thickness_m: 0.004, index: bk7 };
+    let f = 1.0 / biconvex.power(587.5618);
+    for (ground, supplementary, focus) in [
+        (None, vec![], Focus::Distance(0.7)),
+        (None, vec![close_up(2.0, 0.0)], Focus::Distance(0.4)),
+        (None, vec![close_up(3.0, 0.02), close_up(-1.0, 0.05)], Focus::Distance(0.4)),
+        (None, vec![close_up(-2.0, 0.02)], Focus::Infinity),
+        (Some(biconvex.clone()), vec![], Focus::Distance(1.5)),
+        (Some(biconvex), vec![close_up(1.0, 0.01), glass], Focus::Distance(0.3)),
+        (None, vec![], Focus::ImageDistance(0.06)),
+    ] {
+        let name = format!("{focus:?}, {} before", supplementary.len());
+        let f = if ground.is_some() { f } else { 0.05 };
+        let lens = LensDescription { ground, supplementary, ..LensDescription::thin(f, 2.0, focus) };
+        let placed = camera(&lens);
+        let v = placed.image_distance_m();
+        let mut pupils_m = Vec::new();
+        for lambda_nm in [450.0f32, 587.5618, 680.0] {
+            for (column, u) in [(320.0, [0.9, 0.5]), (500.0, [0.9, 0.5]), (500.0, [0.2, 0.5]), (10.0, [0.2, 0.7])] {
+                let pixel = DVec2::new(column, 240.0);
+                let sample = CameraSample { pixel, aperture: u, time: 0.0, spread: [0.0; 2] };
+                let mut wavelengths = Wavelengths::new([lambda_nm; 4], [1.0; 4]);
+                let (CameraRay { ray, .. }, _) =
+                    placed.generate_spectral(&sample, &mut wavelengths).expect("a lens without a rim");
+                let opening = f64::from(warp::concentric_disk(u)[0]) * f / 4.0;
+                let (height, slope) = traced(&lens, v, -(320.0 - column) * -5e-6, opening, lambda_nm.into());
+                let found = f64::from(ray.direction.x / -ray.direction.z);
+                // Rays of f32, and tables of 1 nm.
+                assert!((found - slope).abs() < 1e-6, "{name}, {lambda_nm} nm, {column}: slope {found}, not {slope}");
+                if lambda_nm == 587.5618 && slope.abs() > 1e-3 {
+                    pupils_m.push((f64::from(ray.origin.x) - height) / slope);
+                }
+            }
+        }
+        // The camera stands in the entrance pupil, somewhere on the axis: all its rays are the same lines.
+        let [low, high] = [f64::min, f64::max].map(|f| pupils_m.iter().copied().reduce(f).expect("some"));
+        assert!(high - low < 2e-6 && high < 0.05 && low > -0.05, "{name}: pupils at {pupils_m:?} m");
+    }
+}
+
+#[test]
+fn a_hole_sends_rays_straight_on() {
+    let mut lens = LensDescription::thin(0.05, 20.0, Focus::Infinity);
+    lens.kind = LensKind::Hole;
+    let placed = camera(&lens);
+    for (pixel, u) in [([320.0, 240.0], [0.9, 0.3]), ([500.0, 20.0], [0.1, 0.8])] {
+        let ray = placed.generate(DVec2::from_array(pixel), u).expect("a hole").ray;
+        // From the place of the pixel, upside down behind the hole.
+        let sensor = DVec3::new((320.0 - pixel[0]) * 5e-6, (pixel[1] - 240.0) * 6e-6, 0.05);
+        let straight = (ray.origin.as_dvec3() - sensor).normalize();
+        assert!((straight - ray.direction.as_dvec3()).length() < 1e-6, "{straight} {}", ray.direction);
+        assert!(ray.origin.length() < 0.05 / 40.0 * 1.0001);
+    }
+    assert_eq!(placed.figures(None).expect("a hole").depth_of_field_m, None);
+}
+
+#[test]
+fn a_bare_sensor_sees_a_half_space_from_where_each_pixel_is() {
+    let mut lens = LensDescription::thin(0.05, 2.0, Focus::Infinity);
+    lens.kind = LensKind::Bare;
+    let placed = camera(&lens);
+    let (n, mut cosines) = (256, 0.0);
+    for i in 0..n * n {
+        let u = [(i % n) as f32 + 0.5, (i / n) as f32 + 0.5].map(|x| x / n as f32);
+        let found = placed.generate(DVec2::new(420.0, 140.0), u).expect("light from everywhere");
+        assert!((found.ray.origin.as_dvec3() - DVec3::new(-100.0 * 5e-6, -100.0 * 6e-6, 0.0)).length() < 1e-9);
+        assert!((f64::from(found.weight) - std::f64::consts::PI).abs() < 1e-6);
+        cosines += f64::from(-found.ray.direction.z);
+    }
+    // ∫cos²θ dΩ/π over the half-space; midpoint rule on a 256² grid, with a root at the rim.
+    assert!((cosines / f64::from(n * n) - 2.0 / 3.0).abs() < 3e-4);
+    assert_eq!((placed.seen(DVec2::ZERO).is_none(), placed.project(glam::Vec3::NEG_Z)), (true, None));
+    assert_eq!(placed.figures(None), None);
+}
+
+/// The notes' formulas: H = f²/(N·c) + f, near = u·(H − f)/(H + u − 2f), far = u·(H − f)/(H − u).
+#[test]
+fn figures_are_those_of_the_formulas() {
+    for (f, n, u, c) in
+        [(0.05, 2.0, 3.0, 30e-6), (0.016, 8.0, 1.0, 5e-6), (0.2, 4.0, 20.0, 30e-6), (0.016, 8.0, 9.0, 5e-6)]
+    {
+        let placed = camera(&LensDescription::thin(f, n, Focus::Distance(u)));
+        let figures = placed.figures(Some(c)).expect("a lens");
+        let h = f * f / (n * c) + f;
+        let [near, far] = figures.depth_of_field_m.expect("sharp");
+        let expected = [u * (h - f) / (h + u - 2.0 * f), if u < h { u * (h - f) / (h - u) } else { f64::INFINITY }];
+        assert!((near / expected[0] - 1.0).abs() < 1e-12, "{near} {expected:?}");
+        assert!(far == expected[1] || (far / expected[1] - 1.0).abs() < 1e-12, "{far} {expected:?}");
+        assert!((figures.hyperfocal_m.expect("focused at infinity") / h - 1.0).abs() < 1e-12);
+        let v = u * f / (u - f);
+        assert!((figures.entrance_pupil_m - f / n).abs() < 1e-15);
+        assert!((figures.magnification.expect("focused") - f / (u - f)).abs() < 1e-12);
+        let [width, height] = [640.0 * 5e-6, 480.0 * 6e-6];
+        let diagonal = f64::hypot(width, height);
+        for (angle, size) in figures.angle_of_view_rad.into_iter().zip([width, height, diagonal]) {
+            assert!((angle.expect("seen") - 2.0 * (size / 2.0 / v).atan()).abs() < 1e-12);
+        }
+        let [across, down] = figures.field_at_focus_m.expect("focused");
+        assert!((across - width * u / v).abs() < 1e-12 && (down - height * u / v).abs() < 1e-12);
+        assert!((figures.diffraction_spot_m - 2.44 * 550e-9 * n * v / f).abs() < 1e-15);
+    }
+    // Through a close-up lens of 2 dioptres, a lens at infinity is focused at half a metre.
+    let close_up = SupplementaryLens { power: Power::Constant(2.0), distance_m: 0.0 };
+    let lens =
+        LensDescription { supplementary: vec![close_up], ..LensDescription::thin(0.05, 2.0, Focus::Distance(0.5)) };
+    assert!((camera(&lens).image_distance_m() - 0.05).abs() < 1e-12);
+    let farther = Camera::new(&LensDescription { focus: Focus::Distance(0.6), ..lens }, &GRID, DAffine3::IDENTITY, 0.0);
+    assert!(farther.expect_err("too far").message.contains("0.5 m"));
+}
+
+/// Hyperfocal distance of a lens with elements before it, by the search for what makes the far limit infinite.
+#[test]
+fn hyperfocal_distance_reaches_to_infinity() {
+    let close_up = SupplementaryLens { power: Power::Constant(-1.0), distance_m: 0.02 };
+    let lens = LensDescription { supplementary: vec![close_up], ..LensDescription::thin(0.05, 2.0, Focus::Infinity) };
+    let hyperfocal = camera(&lens).figures(Some(30e-6)).and_then(|figures| figures.hyperfocal_m).expect("some");
+    let far = |u: f64| {
+        let focused = camera(&LensDescription { focus: Focus::Distance(u), ..lens.clone() });
+        focused.figures(Some(30e-6)).and_then(|figures| figures.depth_of_field_m).expect("sharp")[1]
+    };
+    assert!(far(hyperfocal * 0.999).is_finite() && far(hyperfocal * 1.001).is_infinite(), "{hyperfocal}");
+}
+
+#[test]
+fn a_lens_goes_no_nearer_than_it_can() {
+    let mut lens = LensDescription::thin(0.05, 2.0, Focus::Distance(0.3));
+    lens.min_focus_distance_m = Some(0.45);
+    assert_eq!(lens.validate().expect_err("too near").key, "focus_distance_m");
+    lens.focus = Focus::Autofocus { pixel: [320.0, 240.0], method: AutofocusMethod::Exact };
+    assert_eq!(Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.3).expect("a lens").focus_distance_m(), 0.45);
+    // With 2 dioptres before it, it goes from 0.5 m down to 1/(2 + 1/0.45) m.
+    lens.supplementary = vec![SupplementaryLens { power: Power::Constant(2.0), distance_m: 0.0 }];
+    for (u, message) in [(0.23, "no nearer than 0.23684"), (0.6, "no farther than 0.5 m")] {
+        lens.focus = Focus::Distance(u);
+        let error = Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.0).expect_err("out of range");
+        assert!(error.message.contains(message), "{}", error.message);
+    }
+    lens.focus = Focus::Distance(0.24);
+    assert!(Camera::new(&lens, &GRID, DAffine3::IDENTITY, 0.0).is_ok());
 }

@@ -1,20 +1,29 @@
-//! A lens as a user describes it, checked.
+//! A lens as a user describes it.
 
-use super::{Intrinsics, LateralColour, PointSpread, Projection, Stop};
-use photosite_core::Invalid;
+use super::{GroundLens, Intrinsics, LateralColour, PointSpread, Projection, Stop, SupplementaryLens};
 use photosite_core::spectrum::Spectrum;
 
 /// A lens in SI units. Distances are measured from the lens along the axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LensDescription {
-    /// Pinhole or thin lens.
+    /// What makes the picture.
     pub kind: LensKind,
-    /// Focal length f, m, above 0.
+    /// Focal length f of the main lens, m, not 0; below 0 for a diverging lens. Of a pinhole and a hole, the distance
+    /// from there to the sensor, above 0; nothing to a bare sensor.
     pub focal_length_m: f64,
-    /// f-number N = f/D, above 0. For a pinhole it sets the exposure only, to that of a thin lens on its axis.
+    /// f-number N = |f|/D, above 0. For a pinhole it sets the exposure only, to that of a thin lens on its axis.
     pub f_number: f64,
-    /// What is sharp. Not looked at for a pinhole, behind which everything is.
+    /// What is sharp. Looked at of a thin lens alone.
     pub focus: Focus,
+    /// The nearest that it can be focused on, m from the main lens; `None` for no such limit.
+    pub min_focus_distance_m: Option<f64>,
+    /// The acceptable circle of confusion, m; `None` for the diagonal of the sensor over 1440.
+    pub circle_of_confusion_m: Option<f64>,
+    /// The glass of the main lens, whose focal length at the d line is f; `None` for a lens that is the same at all
+    /// wavelengths.
+    pub ground: Option<GroundLens>,
+    /// Lenses before the main one.
+    pub supplementary: Vec<SupplementaryLens>,
     /// Aperture blades: 0 for a disk of diameter D, else at least 3, the corners of a polygon within it.
     pub blades: u32,
     /// Rotation of the blades, degrees.
@@ -44,6 +53,22 @@ pub enum LensKind {
     Pinhole,
     /// 1/f = 1/u + 1/v, with depth of field.
     Thin,
+    /// A hole of the diameter D = f/N at the distance f before the sensor: light goes straight on.
+    Hole,
+    /// No lens: each place of the sensor sees all that is in front of it.
+    Bare,
+}
+
+impl LensKind {
+    /// Its name in a capture file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pinhole => "pinhole",
+            Self::Thin => "thin",
+            Self::Hole => "hole",
+            Self::Bare => "none",
+        }
+    }
 }
 
 /// What the lens is focused on.
@@ -53,11 +78,46 @@ pub enum Focus {
     Distance(f64),
     /// v = f.
     Infinity,
-    /// On what the chief ray of this pixel position (continuous coordinates) meets.
+    /// The sensor stands at this distance v behind the lens, m, above 0, whatever is sharp then.
+    ImageDistance(f64),
+    /// On what is seen at this pixel position (continuous coordinates).
     Autofocus {
         /// Column, row.
         pixel: [f64; 2],
+        /// How its distance is found.
+        method: AutofocusMethod,
     },
+}
+
+/// How autofocus finds the distance of what is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AutofocusMethod {
+    /// By the distance of what the chief ray meets.
+    Exact,
+    /// As cameras do: by the focus at which a part of the picture has the most contrast.
+    Contrast(ContrastAutofocus),
+}
+
+/// A search for the most contrast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContrastAutofocus {
+    /// Width and height of the part of the picture that is looked at, px.
+    pub window_px: u32,
+    /// Positions of the focus that are tried in each round, at least 5; the next looks between the neighbours of the best.
+    pub steps: u32,
+    /// What counts as contrast.
+    pub measure: Sharpness,
+}
+
+/// Measures of the sharpness of a picture g, relative to the square of its mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sharpness {
+    /// Mean squared gradient, by Sobel's masks (Tenengrad).
+    Gradient,
+    /// Variance of the Laplacian.
+    Laplacian,
+    /// Variance.
+    Variance,
 }
 
 /// Falloff of the irradiance towards the corners.
@@ -79,6 +139,10 @@ impl LensDescription {
             focal_length_m,
             f_number,
             focus,
+            min_focus_distance_m: None,
+            circle_of_confusion_m: None,
+            ground: None,
+            supplementary: Vec::new(),
             blades: 0,
             blade_rotation_deg: 0.0,
             falloff: Falloff::Cos4,
@@ -90,44 +154,5 @@ impl LensDescription {
             stops: Vec::new(),
             intrinsics: None,
         }
-    }
-
-    /// Refuses what no lens can be. Keys are those of the capture file's `[lens]` table.
-    pub fn validate(&self) -> Result<(), Invalid> {
-        let positive = |key: &str, value: f64, unit: &str, example: &str| {
-            if value.is_finite() && value > 0.0 {
-                return Ok(());
-            }
-            Err(Invalid::new(key, format!("must be above 0, got {value}{unit}"))
-                .help(format!("for example {key} = {example}")))
-        };
-        positive("focal_length_mm", self.focal_length_m * 1e3, " mm", "16.0")?;
-        positive("f_number", self.f_number, "", "2.8")?;
-        if let (Focus::Distance(u), LensKind::Thin) = (self.focus, self.kind)
-            && !(u.is_finite() && u > self.focal_length_m)
-        {
-            let message = format!("{u} m does not lie beyond the focal length of {} m", self.focal_length_m);
-            return Err(Invalid::new("focus_distance_m", message)
-                .help("a lens can only focus on what is farther away than its focal length; write a larger distance or \"infinity\""));
-        }
-        if self.blades == 1 || self.blades == 2 {
-            return Err(Invalid::new("blades", format!("{} blades make no opening", self.blades))
-                .help("write 0 for a round aperture, or 3 and more"));
-        }
-        if self.transmittance.min() < 0.0 || self.transmittance.max() > 1.0 {
-            return Err(Invalid::new("transmittance", "must lie between 0 and 1 at every wavelength"));
-        }
-        if let Some(angle) = self.max_angle_rad {
-            positive("max_angle_deg", angle.to_degrees(), "°", "85.0")?;
-        }
-        if !self.stops.is_empty() && !self.projection.is_flat() {
-            let message = "a lens that can see more than a half-space has no axis for stops to stand across";
-            return Err(Invalid::new("stops", message).help("remove them, or take a perspective lens"));
-        }
-        if let Some(i) = self.intrinsics {
-            positive("intrinsics.fx", i.fx, " px", "1200.0")?;
-            positive("intrinsics.fy", i.fy, " px", "1200.0")?;
-        }
-        Ok(())
     }
 }

@@ -11,7 +11,7 @@ use photosite_core::Invalid;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldOfView {
     /// Angle between what is seen at the middle of the left and the right edge, and of the top and the bottom edge,
-    /// rad; `None` where an edge sees nothing.
+    /// rad; `None` where an edge sees nothing, and without a lens.
     pub across_rad: [Option<f64>; 2],
     /// Largest angle from the axis that the lens reaches, rad.
     pub reach_rad: f64,
@@ -24,6 +24,10 @@ pub struct FieldOfView {
 
 impl FieldOfView {
     fn new(camera: &Camera) -> Self {
+        if !camera.makes_picture() {
+            let (reach_rad, radius_px) = (TAU / 4.0, [0.0; 2]);
+            return Self { across_rad: [None; 2], reach_rad, radius_px, blind_px: None };
+        }
         let [width, height] = camera.resolution().map(f64::from);
         let direction_of = |[x, y]: [f64; 2]| camera.seen(DVec2::new(x, y)).map(|seen| seen.direction);
         // Turned from the axis to the right, and upwards.
@@ -65,6 +69,9 @@ impl Camera {
     /// Refuses a lens whose model ends within the picture, because it folds back over itself or because its picture is
     /// flat and 90° are not enough; not one whose image circle is smaller than the sensor. The key is that of `[lens]`.
     pub fn check_coverage(&self) -> Result<(), Invalid> {
+        if !self.makes_picture() {
+            return Ok(());
+        }
         let what = match self.reach().end {
             ReachEnd::Sees => return Ok(()),
             ReachEnd::Folds => "folds back over its own picture",

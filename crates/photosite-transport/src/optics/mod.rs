@@ -7,16 +7,20 @@ mod aperture;
 mod camera;
 #[cfg(test)]
 mod camera_tests;
+mod checks;
 mod description;
+mod element;
 mod field_of_view;
+mod focusing;
 mod lateral_colour;
 mod motion;
 mod point_spread;
 mod recording;
 mod stop;
 
-pub use camera::{Camera, CameraRay, CameraSample, Connection, PixelGrid};
-pub use description::{Falloff, Focus, LensDescription, LensKind};
+pub use camera::{Camera, CameraRay, CameraSample, Connection, LensFigures, PixelGrid};
+pub use description::{AutofocusMethod, ContrastAutofocus, Falloff, Focus, LensDescription, LensKind, Sharpness};
+pub use element::{GroundLens, Power, SupplementaryLens};
 pub use field_of_view::FieldOfView;
 pub use lateral_colour::LateralColour;
 pub use motion::{CameraMotion, TimedPose};

@@ -12,23 +12,53 @@ mod malvar;
 mod markesteijn;
 mod menon;
 mod nearest;
+mod staggered;
 
 use rayon::prelude::*;
 
-use super::settings::Demosaic;
-use crate::raw::Cfa;
+use super::choices::Demosaic;
+use crate::raw::{Cfa, RawImage};
 use channels::{planes, together};
 use photosite_core::Invalid;
 use photosite_core::image::Planes;
 
-/// Planes of all channels.
-pub(super) fn demosaic(
+/// Planes of all channels of a picture.
+pub(super) fn demosaic(mosaic: &[f32], raw: &RawImage, method: Demosaic) -> Result<Planes, Invalid> {
+    let size = [raw.width, raw.height];
+    if !(raw.cfa.is_mosaic() && raw.metadata.is_staggered) {
+        return of_rows_and_columns(mosaic, size, &raw.cfa, method);
+    }
+    method_for(raw, method)?;
+    Ok(staggered::demosaic(mosaic, size, &raw.cfa, 1.0 / raw.metadata.pixel_aspect()))
+}
+
+/// What `method` means for a picture, as far as it can be used there.
+pub(super) fn method_for(raw: &RawImage, method: Demosaic) -> Result<Demosaic, Invalid> {
+    if !raw.metadata.is_staggered {
+        return method_of_array(&raw.cfa, method);
+    }
+    match method {
+        Demosaic::Auto | Demosaic::Bilinear => Ok(Demosaic::Bilinear),
+        Demosaic::Nearest
+        | Demosaic::Guided
+        | Demosaic::Malvar
+        | Demosaic::Menon
+        | Demosaic::Markesteijn
+        | Demosaic::Lmmse => {
+            let message = "works for filters in rows and columns, and those of hexagonal cells are staggered";
+            Err(Invalid::new("demosaic", message).help("write \"auto\" or \"bilinear\""))
+        }
+    }
+}
+
+/// Planes of all channels of filters in rows and columns.
+fn of_rows_and_columns(
     mosaic: &[f32],
     [width, height]: [usize; 2],
     cfa: &Cfa,
     method: Demosaic,
 ) -> Result<Planes, Invalid> {
-    let method = method_for(cfa, method)?;
+    let method = method_of_array(cfa, method)?;
     if !cfa.is_mosaic() {
         return Ok(apart(mosaic, [width, height], cfa));
     }
@@ -44,7 +74,7 @@ pub(super) fn demosaic(
 }
 
 /// What `method` means for a filter array, as far as it can be used there.
-pub(super) fn method_for(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invalid> {
+fn method_of_array(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invalid> {
     let fits = match method {
         Demosaic::Auto => {
             return Ok(if cfa.is_bayer() {
@@ -117,10 +147,10 @@ mod tests {
     fn even_colours_come_out_of_every_method_and_array_at_any_size() {
         for text in ARRAYS {
             let cfa = Cfa::parse(text).expect("known");
-            for method in METHODS.into_iter().filter(|&method| method_for(&cfa, method).is_ok()) {
+            for method in METHODS.into_iter().filter(|&method| method_of_array(&cfa, method).is_ok()) {
                 for [width, height] in [[12, 12], [37, 23], [300, 140]] {
                     let seen = mosaic(&cfa, width, height, |c, _, _| 0.2 + 0.2 * c as f64);
-                    let planes = demosaic(&seen, [width, height], &cfa, method).expect("fits");
+                    let planes = of_rows_and_columns(&seen, [width, height], &cfa, method).expect("fits");
                     for (c, channel) in planes.channels().iter().enumerate() {
                         let expected = 0.2 + 0.2 * c as f32;
                         let wrong = channel.data.iter().position(|v| (v - expected).abs() > 1e-5);
@@ -128,7 +158,8 @@ mod tests {
                     }
                 }
                 for [width, height] in [[0, 0], [0, 3], [1, 1], [1, 9], [9, 1], [2, 2], [5, 3]] {
-                    let planes = demosaic(&mosaic(&cfa, width, height, |_, _, _| 0.5), [width, height], &cfa, method);
+                    let planes =
+                        of_rows_and_columns(&mosaic(&cfa, width, height, |_, _, _| 0.5), [width, height], &cfa, method);
                     let planes = planes.expect("fits");
                     assert!(planes.channels().iter().all(|c| c.data.len() == width * height));
                     assert!(planes.channels().iter().flat_map(|c| &c.data).all(|v| v.is_finite()));
@@ -145,7 +176,7 @@ mod tests {
         let plate = |_: usize, x: f64, y: f64| {
             0.5 + 0.4 * (std::f64::consts::PI * 0.35 / half * ((x - half).powi(2) + (y - half).powi(2))).cos()
         };
-        let planes = demosaic(&mosaic(&cfa, n, n, plate), [n, n], &cfa, method).expect("fits");
+        let planes = of_rows_and_columns(&mosaic(&cfa, n, n, plate), [n, n], &cfa, method).expect("fits");
         let (mut squares, mut count) = (0.0, 0);
         for i in (0..n * n).filter(|i| (10..n - 10).contains(&(i % n)) && (10..n - 10).contains(&(i / n))) {
             for channel in planes.channels() {
@@ -208,7 +239,8 @@ mod tests {
             ("full:RGB", Demosaic::Markesteijn),
         ] {
             let cfa = Cfa::parse(text).expect("known");
-            let error = demosaic(&mosaic(&cfa, 12, 12, |_, _, _| 0.5), [12, 12], &cfa, method).expect_err(text);
+            let error =
+                of_rows_and_columns(&mosaic(&cfa, 12, 12, |_, _, _| 0.5), [12, 12], &cfa, method).expect_err(text);
             assert_eq!(error.key, "demosaic");
         }
     }

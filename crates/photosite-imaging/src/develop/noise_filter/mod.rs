@@ -9,7 +9,8 @@ mod median;
 mod non_local_means;
 mod stabilise;
 
-use super::settings::{DevelopSettings, NoiseFilter};
+use super::choices::NoiseFilter;
+use super::settings::DevelopSettings;
 use super::window::{gaussian_weights, separable};
 use photosite_core::image::Planes;
 use stabilise::NoiseModel;
@@ -21,14 +22,21 @@ pub(super) fn apply(picture: &mut Planes, settings: &DevelopSettings, profile: &
         NoiseFilter::None => {}
         NoiseFilter::Mean => for_planes(picture, |plane, size| mean::filter(plane, size, radius)),
         NoiseFilter::Gaussian => {
-            let weights = gaussian_weights(radius as f64 / 3.0, radius);
-            for_planes(picture, |plane, size| separable(plane, size, &weights));
+            let weights = gaussian_weights(settings.noise_sigma_px(), radius);
+            for_planes(picture, |plane, size| separable(plane, size, [&weights; 2]));
         }
         NoiseFilter::Median => for_planes(picture, |plane, size| median::filter(plane, size, radius)),
         NoiseFilter::Bilateral => {
-            stabilised(picture, profile, neutral, |planes, size| {
-                bilateral::filter(planes, size, radius, settings.noise_strength() as f32)
-            });
+            let sigma_px = settings.noise_sigma_px() as f32;
+            if let Some(sigma) = settings.noise_sigma_range {
+                let size = [picture.width(), picture.height()];
+                let filtered = bilateral::by_difference(&taken(picture), size, radius, sigma_px, sigma as f32);
+                picture.channels_mut().iter_mut().zip(filtered).for_each(|(channel, plane)| channel.data = plane);
+            } else {
+                stabilised(picture, profile, neutral, |planes, size| {
+                    bilateral::by_noise(planes, size, radius, sigma_px, settings.noise_strength() as f32)
+                });
+            }
         }
         NoiseFilter::NonLocalMeans => {
             stabilised(picture, profile, neutral, |planes, size| {
@@ -43,6 +51,11 @@ fn for_planes(picture: &mut Planes, filter: impl Fn(&[f32], [usize; 2]) -> Vec<f
     for channel in picture.channels_mut() {
         channel.data = filter(&channel.data, size);
     }
+}
+
+/// The numbers of all planes, moved out.
+fn taken(picture: &mut Planes) -> Vec<Vec<f32>> {
+    picture.channels_mut().iter_mut().map(|channel| std::mem::take(&mut channel.data)).collect()
 }
 
 /// Filters all planes together where their noise has a standard deviation of 1.
@@ -60,7 +73,7 @@ fn stabilised(
             Some(_) | None => NoiseModel::estimated(plane, size),
         }
     };
-    let planes: Vec<Vec<f32>> = picture.channels_mut().iter_mut().map(|c| std::mem::take(&mut c.data)).collect();
+    let planes = taken(picture);
     let models: Vec<NoiseModel> = planes.iter().enumerate().map(model).collect();
     let forward: Vec<Vec<f32>> = planes.into_iter().zip(&models).map(|(plane, model)| model.forward(plane)).collect();
     let filtered = filter(&forward, size);

@@ -127,7 +127,8 @@ fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd:
 fn write_layout<W: Write + Seek>(raw: &RawImage, codes: &[u8], ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
     let PixelArea { x, y, width, height } = raw.active();
     ifd.write_tag(Tag::NewSubfileType, 0u32)?;
-    if !raw.cfa.is_mono() && !raw.cfa.is_full() {
+    let is_mosaic = !raw.cfa.is_mono() && !raw.cfa.is_full();
+    if is_mosaic {
         let cfa = raw.cfa.from(x, y);
         let (columns, rows) = cfa.tile_size();
         let pattern: Vec<u8> = (0..columns * rows).map(|i| codes[cfa.channel_at(i % columns, i / columns)]).collect();
@@ -136,7 +137,11 @@ fn write_layout<W: Write + Seek>(raw: &RawImage, codes: &[u8], ifd: &mut Ifd<'_,
         pad(ifd, pattern.len())?;
         ifd.write_tag(tag::CFA_PLANE_COLOR, codes)?;
         pad(ifd, codes.len())?;
-        ifd.write_tag(tag::CFA_LAYOUT, 1u16)?;
+    }
+    if is_mosaic || raw.metadata.is_staggered {
+        // The tag belongs to mosaics; in monochrome files it stands for us.
+        let layout = if raw.metadata.is_staggered { tag::EVEN_ROWS_TO_THE_RIGHT } else { tag::RECTANGULAR };
+        ifd.write_tag(tag::CFA_LAYOUT, layout)?;
     }
     // The longer side of a pixel is stretched.
     let aspect = raw.metadata.pixel_aspect();

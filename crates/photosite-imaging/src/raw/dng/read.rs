@@ -191,6 +191,7 @@ impl<R: Read + Seek> Tags<R> {
             camera_model,
             camera_serial,
             pixel_pitch_m: self.pixel_pitch(&exif)?,
+            is_staggered: self.number(picture, tag::CFA_LAYOUT)? == Some(tag::EVEN_ROWS_TO_THE_RIGHT.into()),
             exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
             iso: self.iso(&exif)?,
             f_number: self.number(&exif, tag::F_NUMBER)?,

@@ -24,6 +24,9 @@ pub(super) const DNG_BACKWARD_VERSION: Tag = Tag::Unknown(50707);
 pub(super) const UNIQUE_CAMERA_MODEL: Tag = Tag::Unknown(50708);
 pub(super) const CFA_PLANE_COLOR: Tag = Tag::Unknown(50710);
 pub(super) const CFA_LAYOUT: Tag = Tag::Unknown(50711);
+pub(super) const RECTANGULAR: u16 = 1;
+/// Staggered layout C: "even rows are offset right by 1/2 column", which DNG's SDK counts from 1.
+pub(super) const EVEN_ROWS_TO_THE_RIGHT: u16 = 4;
 pub(super) const LINEARIZATION_TABLE: Tag = Tag::Unknown(50712);
 pub(super) const BLACK_LEVEL_REPEAT_DIM: Tag = Tag::Unknown(50713);
 pub(super) const BLACK_LEVEL: Tag = Tag::Unknown(50714);

@@ -28,6 +28,7 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
         black_level_dn: 64.into(),
         white_level_dn: 4095,
         metadata: RawMetadata {
+            is_staggered: false,
             camera_model: "a camera".to_owned(),
             camera_serial: "41".to_owned(),
             pixel_pitch_m: Some([5e-6, 2.5e-6]),
@@ -262,5 +263,21 @@ proptest! {
         }
         let _ = read(&damaged);
         let _ = read(&damaged[..cut.index(damaged.len())]);
+    }
+}
+
+/// Of mosaics by a tag that others know, of monochrome pictures by the same one.
+#[test]
+fn staggered_rows_come_back() {
+    for cfa in ["mono", "RGGB"] {
+        let cfa = Cfa::parse(cfa).expect("known");
+        for is_staggered in [false, true] {
+            let metadata = RawMetadata { is_staggered, ..RawMetadata::default() };
+            let raw =
+                RawImage { width: 4, height: 4, data: vec![7; 16], cfa: cfa.clone(), metadata, ..RawImage::default() };
+            let mut file = Vec::new();
+            write_dng(&raw, Cursor::new(&mut file)).expect("written");
+            assert_eq!(read_dng(Cursor::new(&file)).expect("read").metadata.is_staggered, is_staggered);
+        }
     }
 }

@@ -21,6 +21,7 @@ use crate::sensor::stages::dual_gain::DualGainDigitiser;
 use crate::sensor::stages::flicker::add_flicker;
 use crate::sensor::stages::frame::Frame;
 use crate::sensor::stages::full_well::FullWell;
+use crate::sensor::stages::image_circle::cover;
 use crate::sensor::stages::image_lag::{LeftCharge, keep_back};
 use crate::sensor::stages::line_noise::{ColumnNoise, RowNoise};
 use crate::sensor::stages::logarithmic::LogarithmicResponse;
@@ -30,8 +31,9 @@ use crate::sensor::stages::read_noise::ReadNoise;
 use crate::sensor::stages::reset_noise::ResetNoise;
 use crate::sensor::stages::shot_noise::ShotNoise;
 use crate::sensor::stages::telegraph::Telegraph;
+use crate::sensor::stages::video::VideoBandwidth;
 use crate::sensor::stages::{brighter_fatter, ccd};
-use crate::sensor::{Binning, Exposure, NoiseKey, RegionOfInterest, SensorModel};
+use crate::sensor::{Binning, Exposure, NoiseKey, RegionOfInterest, SensorModel, VideoCurve};
 
 /// A function that lets stages change a row one after the other, each with its noise map. A stage is a line of the
 /// list.
@@ -98,6 +100,7 @@ pub fn expose_after(
     exposure.validate(sensor)?;
     exposure.region.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
+    cover(&mut charge, sensor);
     let mut record = Recorder::start(maps, &charge);
     spread(&mut charge, sensor, stages);
     record.plane(NoiseMap::CrosstalkE, &charge);
@@ -116,10 +119,12 @@ pub fn expose_after(
     record.plane(NoiseMap::ImageLagE, &charge);
     let charge = transfer(&frame, charge, &passing, &mut record);
     let frame = Frame { size: [charge.width, charge.height], ..frame };
-    let numbers = read_out(&frame, charge, &record);
+    let picture = [mean_electrons.width(), mean_electrons.height()];
+    let (numbers, size) = read_out(&frame, charge, picture, &mut record);
+    let frame = Frame { size, ..frame };
     let (data, size) = process(&frame, numbers, &mut record);
 
-    let (whole, part) = raw_image(&frame, data, size, [mean_electrons.width(), mean_electrons.height()]);
+    let (whole, part) = raw_image(&frame, data, size, picture);
     let layout = exposure.region.binning.layout(&sensor.cfa);
     let names = if layout.is_full() { layout.channels() } else { &[String::new()] };
     let all = PixelArea { x: 0, y: 0, width: whole.width, height: whole.height };
@@ -198,11 +203,36 @@ fn transfer(frame: &Frame<'_>, mut charge: ChargePlane, passing: &[f32], record:
     charge
 }
 
-/// Amplifiers turn charge into voltages, converters those into digital numbers.
-fn read_out(frame: &Frame<'_>, mut charge: ChargePlane, record: &Recorder) -> Vec<u16> {
-    let converter = &frame.sensor.converter;
+/// Amplifiers turn charge into voltages, converters those into digital numbers. Returns these with the length of their
+/// rows and their number.
+fn read_out(
+    frame: &Frame<'_>,
+    mut charge: ChargePlane,
+    picture: [usize; 2],
+    record: &mut Recorder,
+) -> (Vec<u16>, [usize; 2]) {
     add_flicker(&mut charge, frame);
     record.plane(NoiseMap::FlickerNoiseE, &charge);
+    let Some(grabber) = &frame.sensor.frame_grabber else {
+        let (amplify, convert) = (amplify(frame, record), convert(frame, record));
+        let numbers = charge.read_out(|row, numbers| {
+            amplify(row);
+            convert(row, numbers);
+        });
+        return (numbers, frame.size);
+    };
+    charge.for_each_row(amplify(frame, record));
+    let (area, samples) = (active_area(frame.sensor, picture, Binning::NONE), charge.samples);
+    record.sample(grabber, area, samples);
+    let (electrons, width) = grabber.sample(&charge.electrons, [charge.width, samples], area);
+    let size = [width, grabber.size[1]];
+    let sampled = ChargePlane { width, height: size[1], samples, electrons };
+    (sampled.read_out(convert(&Frame { size, ..*frame }, record)), size)
+}
+
+/// From charge to the signal at the converter, DN above its black level; of a sensor with two gains, charge at their
+/// amplifiers.
+fn amplify<'a>(frame: &'a Frame<'_>, record: &'a Recorder) -> impl Fn(&mut Row<'_>) + Sync + 'a {
     let amplify = row_stages!(frame, record;
         ResetNoise => ResetNoiseE,
         Telegraph => TelegraphNoiseE,
@@ -211,30 +241,43 @@ fn read_out(frame: &Frame<'_>, mut charge: ChargePlane, record: &Recorder) -> Ve
         ColumnNoise => ColumnNoiseE,
         AmplifierNonlinearity => AmplifierNonlinearityE,
     );
+    let has_two_gains = frame.sensor.converter.dual_gain.is_some();
     let read_noise = ReadNoise::new(frame);
     let gain = Gain::new(frame);
-    let column_amplifiers = ColumnAmplifiers::new(frame);
+    let transmit = row_stages!(frame, record;
+        ColumnAmplifiers => ColumnAmplifiersDn,
+        VideoCurve => VideoCurveDn,
+        VideoBandwidth => VideoBandwidthDn,
+    );
+    move |row| {
+        amplify(row);
+        if !has_two_gains {
+            record.apply(NoiseMap::ReadNoiseE, &read_noise, row);
+            record.amplify(&gain, row);
+            transmit(row);
+        }
+    }
+}
+
+/// From the signal at the converter to digital numbers.
+fn convert<'a>(frame: &Frame<'a>, record: &'a Recorder) -> impl Fn(&mut Row<'_>, &mut Row<'_, u16>) + Sync + 'a {
+    let converter = &frame.sensor.converter;
+    let gain = Gain::new(frame);
     let digitiser = Digitiser::new(frame);
     let dual_gain = DualGainDigitiser::new(frame);
     let stuck_pixels = StuckPixels::new(frame);
-    charge.read_out(|row, numbers| {
-        amplify(row);
+    move |row, numbers| {
         match &dual_gain {
             Some(dual_gain) => {
                 dual_gain.convert(row, numbers);
                 record.changed(NoiseMap::ReadNoiseE, row);
                 record.amplify(&gain, row);
             }
-            None => {
-                record.apply(NoiseMap::ReadNoiseE, &read_noise, row);
-                record.amplify(&gain, row);
-                record.apply(NoiseMap::ColumnAmplifiersDn, &column_amplifiers, row);
-                digitiser.convert(row, numbers);
-            }
+            None => digitiser.convert(row, numbers),
         }
         record.converted(numbers, converter);
         record.apply_to_numbers(NoiseMap::StuckPixelsDn, &stuck_pixels, numbers);
-    })
+    }
 }
 
 /// Numbers are processed and sent. Returns them with the length of their rows and the number of these.
@@ -266,7 +309,11 @@ fn raw_image(
     let RegionOfInterest { binning, pixels } = exposure.region;
     let layout = binning.layout(&sensor.cfa);
     let width = row_length / layout.samples_per_pixel();
-    let area = active_area(sensor, picture, binning);
+    // What a frame grabber samples is the picture alone.
+    let (area, per_number) = match &sensor.frame_grabber {
+        Some(grabber) => (PixelArea { x: 0, y: 0, width, height }, grabber.pixels_per_sample(picture)),
+        None => (active_area(sensor, picture, binning), binning.factor.map(|n| n as f64)),
+    };
     let channels = layout.channels().len();
     let linearisation = sensor.linearisation(exposure);
     let whole = RawImage {
@@ -284,7 +331,8 @@ fn raw_image(
             camera_serial: sensor.serial.to_string(),
             exposure_time_s: exposure.time.0,
             iso: sensor.iso(exposure).map(|iso| iso.round() as u32),
-            pixel_pitch_m: Some([0, 1].map(|axis| sensor.pixel_pitch_m[axis] * binning.factor[axis] as f64)),
+            pixel_pitch_m: Some([0, 1].map(|axis| sensor.pixel_pitch_m[axis] * per_number[axis])),
+            is_staggered: sensor.cells.is_staggered(),
             noise_profile: sensor.noise_profile(exposure).map(|profile| vec![profile; channels]).unwrap_or_default(),
             ..RawMetadata::default()
         },

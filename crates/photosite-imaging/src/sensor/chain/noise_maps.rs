@@ -19,7 +19,7 @@ use crate::sensor::signal::effects::{MapUnit, NoiseMap};
 use crate::sensor::stages::amplifiers::Gain;
 use crate::sensor::stages::dark_current::DarkCurrent;
 use crate::sensor::stages::digital_gain::DigitalGain;
-use crate::sensor::{Binning, BinningMethod, Converter, SensorModel};
+use crate::sensor::{Binning, BinningMethod, Converter, FrameGrabber, SensorModel};
 
 /// The maps of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -219,6 +219,18 @@ impl Recorder {
             // One saturated pixel saturates its bin.
             let is_mask = kind == Some(NoiseMap::Saturated);
             binning.bins(&values, size, cfa, |sum| if is_mask { sum.min(1.0) } else { sum * factor } as f32)
+        });
+    }
+
+    /// A frame grabber has sampled the picture that lies in an area of all that is read out.
+    pub(in crate::sensor) fn sample(&mut self, grabber: &FrameGrabber, area: PixelArea, samples: usize) {
+        self.reshape(|kind, values, [width, _]| {
+            let (mut sampled, row_length) = grabber.sample(&values, [width, samples], area);
+            if kind == Some(NoiseMap::Saturated) {
+                // A saturated pixel saturates what is sampled of it.
+                sampled.iter_mut().for_each(|mark| *mark = mark.ceil());
+            }
+            (sampled, [row_length, grabber.size[1]])
         });
     }
 

@@ -128,7 +128,7 @@ pub fn auto_exposure(
         return Err(Invalid::new("auto", message).help("write the time over which its pixels average, time_s = 0.01"));
     }
     let dark = sensor.noise.dark_current(wanted.temperature);
-    let mosaic = charge_generation::collect(electrons, &sensor.cfa)?.electrons;
+    let mosaic = seen(electrons, sensor)?;
     let per_capacity = match target.metering {
         Metering::Highlights { brighter_part, level } => level / (brightest(mosaic, brighter_part, collected)? + dark),
         Metering::Mean(level) => time_of_mean(&mosaic, collected, dark, level)?,
@@ -154,6 +154,17 @@ pub fn auto_exposure(
     let gain = Decibels(gain.0.max(wanted.gain.0).min(max_gain.0.min(most.0)));
     let digital_gain = Decibels(digital_gain.0.max(wanted.digital_gain.0).min((max_gain.0 - gain.0).max(0.0)));
     Ok(limited(Exposure { gain, digital_gain, ..at_limit }))
+}
+
+/// The electrons of all pixels that see light.
+fn seen(electrons: &Planes, sensor: &SensorModel) -> Result<Vec<f32>, Invalid> {
+    let mosaic = charge_generation::collect(electrons, &sensor.cfa)?;
+    if sensor.cells.image_circle.is_none() {
+        return Ok(mosaic.electrons);
+    }
+    let place = |i: usize| [i % mosaic.width / mosaic.samples, i / mosaic.width];
+    let lit = mosaic.electrons.iter().enumerate().filter(|&(i, _)| sensor.sees_light(place(i)));
+    Ok(lit.map(|(_, &electrons)| electrons).collect())
 }
 
 /// The rate that so many pixels exceed, e⁻/s.

@@ -70,6 +70,17 @@ impl Binning {
         if self.is_none() {
             return Ok(());
         }
+        let refused = [
+            (sensor.cells.is_staggered(), "sensor.cells = \"hexagonal\", whose rows are no columns"),
+            (sensor.frame_grabber.is_some(), "sensor.frame_grabber, which samples the pixels as it will"),
+            (
+                sensor.video.curve.is_some() && self.method != BinningMethod::Charge,
+                "sensor.video.gamma, as numbers that are bent do not add up: write binning_method = \"charge\"",
+            ),
+        ];
+        if let Some((_, clash)) = refused.iter().find(|(is_there, _)| *is_there) {
+            return Err(Invalid::new("binning", format!("cannot go with {clash}")).help("remove it"));
+        }
         let has_no_charge = sensor.architecture.spad().is_some() || sensor.logarithmic.is_some();
         if self.method == BinningMethod::Charge && has_no_charge {
             let message = format!("sensor {} has no charge to add", sensor.name);

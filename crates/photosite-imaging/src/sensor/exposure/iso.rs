@@ -57,7 +57,9 @@ impl SensorModel {
         if analogue.0 <= most.0 {
             return [Decibels(analogue.0.max(least.0)), Decibels(0.0)];
         }
-        [most, Decibels(Decibels::of_factor(merged / (signal * most.factor())).0.max(0.0))]
+        // A curve bends before a digital gain multiplies: what is to be multiplied by d² through a root needs d.
+        let power = self.video.curve.map_or(1.0, |curve| curve.gamma);
+        [most, Decibels((power * Decibels::of_factor(merged / (signal * most.factor())).0).max(0.0))]
     }
 
     /// Electrons that 1 lx·s of D65 frees in a pixel of the channel that sees most of it.

@@ -2,7 +2,7 @@
 
 use crate::sensor::{Exposure, SensorModel};
 
-/// Number of no light in the linear numbers of logarithmic sensors, so that noise below it is kept.
+/// Number of no light in the linear numbers of sensors that bend their signal, so that noise below it is kept.
 const LINEAR_BLACK_DN: u16 = 1024;
 
 /// A table that makes numbers linear, and the levels of what it makes.
@@ -19,22 +19,23 @@ pub struct Linearisation {
 impl SensorModel {
     /// The inverse of all that bends the response on purpose; `None` for sensors that are linear as they are.
     ///
-    /// Companded numbers become those of the converter again. Those of logarithmic pixels become 1024 for no light to
-    /// 65 535 for saturation; where they span more than 16 bits, the table is coarser than the sensor in the dark.
+    /// Companded numbers become those of the converter again. Those of logarithmic pixels and behind a video curve become
+    /// 1024 for no light to 65 535 for saturation; where they span more than 16 bits, the table is coarser than the
+    /// sensor in the dark.
     pub fn linearisation(&self, exposure: &Exposure) -> Option<Linearisation> {
         let converter = &self.converter;
         let expanded: Vec<f64> = match &converter.companding {
             Some(companding) => companding.inverse_table(converter.max_dn()),
-            None if self.logarithmic.is_some() => (0..=converter.max_dn()).map(f64::from).collect(),
+            None if self.is_bent() => (0..=converter.max_dn()).map(f64::from).collect(),
             None => return None,
         };
         let white = self.nonlinear_white_level_dn(exposure);
         let linear = |dn: f64| -> u16 {
-            if self.logarithmic.is_none() {
+            if !self.is_bent() {
                 return dn.round() as u16;
             }
             let charge = |dn: f64| {
-                let signal = (dn - f64::from(converter.black_level_dn)) / self.system_gain(exposure);
+                let signal = self.signal_of_number(dn - f64::from(converter.black_level_dn), exposure);
                 self.pixel_charge(self.charge_for(signal), exposure.time)
             };
             let part = charge(dn) / charge(white.into());
@@ -44,9 +45,14 @@ impl SensorModel {
         let table: Vec<u16> = expanded.iter().map(|&dn| linear(dn)).collect();
         // Saturation is where its own number comes back to, which companding may have rounded downwards.
         let code = converter.companding.as_ref().map_or(white, |companding| companding.code(white, converter.max_dn()));
-        let black_level_dn = if self.logarithmic.is_some() { LINEAR_BLACK_DN } else { converter.black_level_dn };
+        let black_level_dn = if self.is_bent() { LINEAR_BLACK_DN } else { converter.black_level_dn };
         let white_level_dn = table[usize::from(code)].max(black_level_dn + 1);
         Some(Linearisation { table, black_level_dn, white_level_dn })
+    }
+
+    /// Whether pixels or amplifiers bend the signal on purpose before it becomes a number.
+    fn is_bent(&self) -> bool {
+        self.logarithmic.is_some() || self.video.curve.is_some()
     }
 
     /// How many numbers of the converter one that leaves the sensor stands for, at a number of the converter.

@@ -3,11 +3,13 @@
 
 mod auto_exposure;
 mod binning;
+mod gain_control;
 mod iso;
 mod linearisation;
 mod settings;
 
 pub use auto_exposure::{AutoExposed, AutoExposure, Metering, TimeLimit, auto_exposure};
 pub use binning::{Binning, BinningMethod};
+pub use gain_control::GainControl;
 pub use linearisation::Linearisation;
 pub use settings::{Exposure, RegionOfInterest};

@@ -46,6 +46,15 @@ impl RegionOfInterest {
         self.fits(sensor, sensor.resolution)?;
         let cell = self.binning.cell(&sensor.cfa);
         match self.pixels {
+            Some(_) if sensor.frame_grabber.is_some() => {
+                Err(Invalid::new("region_px", "cannot go with sensor.frame_grabber, which samples the whole picture")
+                    .help("keep one of them"))
+            }
+            Some(PixelArea { y, .. }) if sensor.cells.is_staggered() && y % 2 == 1 => {
+                let message = format!("row {y} is one of those that lie half a pitch farther to the right");
+                let help = "begin with an even row, as the picture of hexagonal cells does";
+                Err(Invalid::new("region_px", message).help(help))
+            }
             Some(PixelArea { x, y, width, height })
                 if [x, width].iter().any(|n| n % cell[0] != 0) || [y, height].iter().any(|n| n % cell[1] != 0) =>
             {

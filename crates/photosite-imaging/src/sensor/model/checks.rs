@@ -56,6 +56,9 @@ pub(super) fn fraction_below_one(key: &str, value: f64) -> Result<f64, Invalid> 
         .help(format!("for example {key} = 1e-5; write 0 for none")))
 }
 
+/// Columns or rows beyond this are a slip of the pen: the largest sensors made have some 30 000.
+pub(super) const MAX_RESOLUTION: u32 = 65_535;
+
 /// More wells than this are a slip of the pen.
 const MAX_MARGIN: u32 = 4096;
 

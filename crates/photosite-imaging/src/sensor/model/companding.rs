@@ -13,7 +13,7 @@ use super::checks::positive;
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompandingDescription {
-    /// Bits of the numbers that leave the sensor, 8 to those of the converter.
+    /// Bits of the numbers that leave the sensor, 1 to those of the converter.
     pub bits: u32,
     /// Straight lines: both ends and the knees in between, each as [number of the converter, number that leaves the
     /// sensor], such as [[0, 0], [1024, 1024], [65535, 4095]].
@@ -25,7 +25,7 @@ pub struct CompandingDescription {
 /// How the numbers of a converter become those that leave the sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Companding {
-    /// Bits of the numbers that leave the sensor, 8–16.
+    /// Bits of the numbers that leave the sensor, 1–16.
     pub bits: u32,
     /// Along what.
     pub curve: CompandingCurve,
@@ -46,8 +46,8 @@ const MAX_GAMMA: f64 = 5.0;
 impl Companding {
     /// Keys of errors are those of the table `[adc.companding]`. `from_bits` are those of the converter.
     pub(super) fn new(d: &CompandingDescription, from_bits: u32) -> Result<Self, Invalid> {
-        if !(8..=from_bits).contains(&d.bits) {
-            let message = format!("must lie between 8 and the converter's {from_bits}, got {}", d.bits);
+        if !(1..=from_bits).contains(&d.bits) {
+            let message = format!("must lie between 1 and the converter's {from_bits}, got {}", d.bits);
             return Err(Invalid::new("bits", message).help("for example bits = 12"));
         }
         let curve = match (&d.knee_points_dn, d.gamma) {

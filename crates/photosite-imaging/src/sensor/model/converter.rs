@@ -13,9 +13,10 @@ use super::companding::{Companding, CompandingDescription};
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AdcDescription {
-    /// Bits of the converter, 8–16. Where a capture gives a preset other bits, what the preset states in digital
-    /// numbers of this converter follows by the factor 2^(new − old), so that it takes the same charge, unless the
-    /// capture states it too: conversion gain, black level, offsets of columns, inl_dn and knee points (but not dnl_dn,
+    /// Bits of the converter, 1–16. Where a capture gives a preset other bits, what the preset states in digital
+    /// numbers of this converter follows, so that it takes the same charge: by the factor 2^(new − old), and with fewer
+    /// than 8 bits by that of the largest numbers, (2^new − 1)/(2^old − 1), so that the few levels span the range. What
+    /// the capture states too stays: conversion gain, black level, offsets of columns, inl_dn and knee points (but not dnl_dn,
     /// which is of a single step, nor the numbers of single-photon detectors, which are counts).
     pub bits: u32,
     /// System gain K at 0 dB, DN per electron.
@@ -67,7 +68,7 @@ pub enum Converters {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DualGainDescription {
-    /// Bits of each of the two converters, 8–16. What a preset states in their numbers follows as with adc.bits.
+    /// Bits of each of the two converters, 1–16. What a preset states in their numbers follows as with adc.bits.
     pub bits: u32,
     /// Number of no charge at each of the two.
     pub black_level_dn: u32,
@@ -83,7 +84,7 @@ pub struct DualGainDescription {
 /// Amplifiers and analogue-to-digital converter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Converter {
-    /// Bits, 8–16.
+    /// Bits, 1–16.
     pub bits: u32,
     /// System gain K at 0 dB, DN/e⁻.
     pub conversion_gain_dn_per_e: f64,
@@ -263,8 +264,8 @@ fn rises(coefficients: &[f64]) -> bool {
 
 /// Checks bits and black level of a converter, and returns the latter.
 fn converter_range(bits: u32, black_level_dn: u32) -> Result<u16, Invalid> {
-    if !(8..=16).contains(&bits) {
-        let message = format!("must lie between 8 and 16, got {bits}");
+    if !(1..=16).contains(&bits) {
+        let message = format!("must lie between 1 and 16, got {bits}");
         return Err(Invalid::new("bits", message).help("for example bits = 12"));
     }
     let max_dn = (1 << bits) - 1;

@@ -7,14 +7,17 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::ccd::CcdDescription;
+use super::cells::CellShapeName;
 use super::charge::ChargeDescription;
 use super::converter::AdcDescription;
 use super::defects::DefectsDescription;
+use super::frame_grabber::FrameGrabberDescription;
 use super::kind::SensorKind;
 use super::noise::NoiseDescription;
 use super::shutter::ShutterDescription;
 use super::spad::SpadDescription;
 use super::spectrum_source::SpectrumSource;
+use super::video::VideoDescription;
 
 /// An image sensor: pixels, colour filters, noise, charge capacity and converter.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -51,11 +54,19 @@ pub struct SensorDescription {
     /// Covered rows of pixels above and below.
     #[serde(default)]
     pub masked_rows: [u32; 2],
-    /// Distance between pixel centres along x and y, µm; they may differ.
+    /// Distance between pixel centres along x and y, µm; they may differ. Of hexagonal cells, along rows and from row to
+    /// row.
     pub pixel_pitch_um: Option<[f64; 2]>,
-    /// Size of the whole sensor by the name of its format, "1", "2/3", "1/2", "1/3" or "1/4" inch, in place of
-    /// pixel_pitch_um, which is that size over the resolution.
+    /// Size of the whole sensor by the name of its format, in place of pixel_pitch_um, which is that size over the
+    /// resolution: "1/3.2", "1/2", "2/3", "1" and other inches, "four-thirds", "aps-c", "full-frame",
+    /// "medium-format-44x33" … (`photosite sensors --formats` lists them).
     pub format: Option<String>,
+    /// Shape of the pixels. Left out: "rectangular".
+    #[serde(default)]
+    pub cells: CellShapeName,
+    /// Diameter of the circle about the middle of the sensor that light reaches, mm, where it does not reach all of it:
+    /// pixels whose centres lie beyond see none. Left out: all of them see light.
+    pub image_circle_mm: Option<f64>,
     /// Part of a pixel's area that is sensitive to light, above 0 up to 1. Leave it at 1 where the quantum efficiency
     /// was measured for whole pixels, as EMVA 1288 does.
     #[serde(default = "one")]
@@ -82,6 +93,11 @@ pub struct SensorDescription {
     pub charge: ChargeDescription,
     /// Analogue gain and analogue-to-digital converter.
     pub adc: AdcDescription,
+    /// The analogue signal between both. Left out: it arrives as it is.
+    #[serde(default)]
+    pub video: VideoDescription,
+    /// What samples that signal for the converter. Left out: one sample for each pixel.
+    pub frame_grabber: Option<FrameGrabberDescription>,
 }
 
 fn one() -> f64 {

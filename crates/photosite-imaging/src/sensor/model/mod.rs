@@ -5,6 +5,7 @@
 
 mod architecture;
 mod ccd;
+mod cells;
 mod charge;
 mod checks;
 mod companding;
@@ -14,6 +15,7 @@ mod defects;
 mod description;
 mod flicker;
 mod format;
+mod frame_grabber;
 mod image_lag;
 mod kind;
 mod layers;
@@ -29,9 +31,11 @@ mod spectrum_source;
 mod telegraph;
 #[cfg(test)]
 mod tests;
+mod video;
 
 pub use architecture::Architecture;
 pub use ccd::{Ccd, CcdArchitecture, CcdDescription, Overscan};
+pub use cells::CellShapeName;
 pub use charge::ChargeDescription;
 pub use companding::{Companding, CompandingCurve, CompandingDescription};
 pub use converter::{AdcDescription, Converter, Converters, DualGain, DualGainDescription};
@@ -39,6 +43,8 @@ pub use crosstalk::Kernel;
 pub use defects::{Defects, DefectsDescription};
 pub use description::{ChannelDescription, FilterDescription, SensorDescription};
 pub use flicker::{Flicker, FlickerDescription, FlickerOrder};
+pub use format::{FORMATS, Format};
+pub use frame_grabber::{FrameGrabber, FrameGrabberDescription, SignalInterpolation};
 pub use image_lag::{ImageLag, ImageLagDescription};
 pub use kind::SensorKind;
 pub use logarithmic::Logarithmic;
@@ -50,3 +56,4 @@ pub use shutter::{RowOrder, Shutter, ShutterDescription, ShutterKind};
 pub use spad::{Counting, CountingMode, Spad, SpadDescription};
 pub use spectrum_source::{CurveFile, SpectrumSource};
 pub use telegraph::{TelegraphDescription, TelegraphSignal};
+pub use video::{LowPass, Video, VideoCurve, VideoDescription};

@@ -2,18 +2,20 @@
 
 use crate::raw::Cfa;
 use photosite_core::Invalid;
+use photosite_core::cells::CellLayout;
 use photosite_core::spectrum::Spectrum;
 
 use super::checks::{fraction, margin, not_negative, positive};
 use super::converter::Converter;
 use super::crosstalk::Kernel;
 use super::description::{ChannelDescription, SensorDescription};
+use super::format::Format;
 use super::image_lag::ImageLag;
 use super::kind::SensorKind;
+use super::layers;
 use super::logarithmic::Logarithmic;
 use super::shutter::Shutter;
 use super::spectrum_source::SpectrumSource;
-use super::{format, layers};
 
 /// The name that a description gives.
 pub(super) fn own_name(d: &SensorDescription) -> Result<Option<&str>, Invalid> {
@@ -40,13 +42,7 @@ pub(super) fn pixel_pitch_m(d: &SensorDescription) -> Result<[f64; 2], Invalid> 
             }
             Ok(pitch.map(|um| um * 1e-6))
         }
-        (None, Some(name)) => {
-            let [width, height] = format::format_m(name).ok_or_else(|| {
-                Invalid::new("format", format!("there is no sensor format {name:?}"))
-                    .help(format!("known are {} inch; any other size is given by pixel_pitch_um", format::names()))
-            })?;
-            Ok([width / f64::from(d.resolution_px[0]), height / f64::from(d.resolution_px[1])])
-        }
+        (None, Some(name)) => Ok(Format::named(name)?.pitch_m(d.resolution_px)),
     }
 }
 
@@ -139,16 +135,44 @@ pub(super) fn check_shutter(shutter: &Shutter, d: &SensorDescription, cfa: &Cfa)
     if !shutter.scans() {
         return Ok(());
     }
-    let kernels = d.crosstalk.iter().chain(d.channels.values().filter_map(|channel| channel.crosstalk.as_ref()));
+    let of_rows = [("cfa", cfa.tile_size().1 > 1), ("masked_rows", d.masked_rows != [0, 0])];
+    let of_rows = of_rows.iter().find(|(_, is_given)| *is_given).map(|(key, _)| *key);
+    match of_rows.or_else(|| across_rows(d)) {
+        None => Ok(()),
+        Some(key) => Err(Invalid::new(key, "reaches over several rows, and a scanning sensor has one")
+            .help("describe one row of pixels")),
+    }
+}
+
+/// The key by which pixels of different rows touch each other, if there is one.
+fn across_rows(d: &SensorDescription) -> Option<&'static str> {
+    let mut kernels = d.crosstalk.iter().chain(d.channels.values().filter_map(|channel| channel.crosstalk.as_ref()));
     let across_rows = [
-        ("cfa", cfa.tile_size().1 > 1),
-        ("masked_rows", d.masked_rows != [0, 0]),
-        ("crosstalk", kernels.into_iter().any(|rows| rows.len() > 1)),
+        ("crosstalk", kernels.any(|rows| rows.len() > 1)),
         ("charge.brighter_fatter_per_e", d.charge.brighter_fatter_per_e[1] > 0.0),
     ];
-    match across_rows.iter().find(|(_, is_given)| *is_given) {
+    across_rows.iter().find(|(_, is_given)| *is_given).map(|(key, _)| *key)
+}
+
+/// Refuses what staggered rows and a round picture have no meaning for. Keys of errors are those of the sensor file.
+pub(super) fn check_cells(cells: &CellLayout, shutter: &Shutter, d: &SensorDescription) -> Result<(), Invalid> {
+    if shutter.scans() && cells.image_circle.is_some() {
+        let message = "is that of a picture that is seen at once, and a scanning sensor has one row";
+        return Err(Invalid::new("image_circle_mm", message).help("remove it"));
+    }
+    if !cells.is_staggered() {
+        return Ok(());
+    }
+    if shutter.scans() {
+        let message = "a scanning sensor has one row, and nothing to stagger";
+        return Err(Invalid::new("cells", message).help("leave it out"));
+    }
+    match across_rows(d) {
+        Some(key) => {
+            let message = "reaches over several rows, which lie half a pitch beside each other";
+            let help = format!("state what neighbours along a row do to each other, or write without = [{key:?}]");
+            Err(Invalid::new(key, message).help(help))
+        }
         None => Ok(()),
-        Some((key, _)) => Err(Invalid::new(*key, "reaches over several rows, and a scanning sensor has one")
-            .help("describe one row of pixels")),
     }
 }

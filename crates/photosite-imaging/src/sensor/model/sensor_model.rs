@@ -2,24 +2,28 @@
 
 use crate::raw::Cfa;
 use photosite_core::Invalid;
+use photosite_core::cells::CellLayout;
 use photosite_core::spectrum::Spectrum;
 use photosite_core::units::{Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
 
 use super::architecture::Architecture;
-use super::checks::{fraction, positive};
+use super::cells::{cell_layout, warnings};
+use super::checks::{MAX_RESOLUTION, fraction, positive};
 use super::converter::Converter;
 use super::crosstalk::Kernel;
 use super::description::SensorDescription;
+use super::frame_grabber::FrameGrabber;
 use super::image_lag::ImageLag;
 use super::logarithmic::Logarithmic;
 use super::masked_pixels::MaskedPixels;
 use super::noise::Noise;
 use super::pixels::{
-    brighter_fatter, check_shutter, crosstalk, image_lag, logarithmic, margins, own_name, pixel_pitch_m,
+    brighter_fatter, check_cells, check_shutter, crosstalk, image_lag, logarithmic, margins, own_name, pixel_pitch_m,
     quantum_efficiency,
 };
 use super::shutter::Shutter;
 use super::spectrum_source::SpectrumSource;
+use super::video::{Video, check_analogue};
 
 /// An image sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +46,8 @@ pub struct SensorModel {
     pub masked: MaskedPixels,
     /// Pixel pitch along x and y, m.
     pub pixel_pitch_m: [f64; 2],
+    /// Shape of the pixels, and which of them see light.
+    pub cells: CellLayout,
     /// Sensitive part of a pixel's area, above 0 up to 1.
     pub fill_factor: f64,
     /// Colour filter array.
@@ -65,6 +71,10 @@ pub struct SensorModel {
     pub logarithmic: Option<Logarithmic>,
     /// Gain and converter.
     pub converter: Converter,
+    /// The signal on its way to the converter.
+    pub video: Video,
+    /// What samples it; `None` for one sample for each pixel.
+    pub frame_grabber: Option<FrameGrabber>,
 }
 
 impl SensorModel {
@@ -118,8 +128,17 @@ impl SensorModel {
         let architecture = Architecture::new(d)?;
         let shutter = Shutter::new(&d.shutter).map_err(|e| e.within("shutter"))?;
         check_shutter(&shutter, d, &cfa)?;
+        let resolution = d.resolution_px.map(|n| n as usize);
+        let cells = cell_layout(d.cells, d.image_circle_mm, resolution, pixel_pitch_m)?;
+        check_cells(&cells, &shutter, d)?;
         let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
         let logarithmic = logarithmic(d, &converter)?;
+        let video = Video::new(&d.video, d.kind, &converter)?;
+        let frame_grabber = d.frame_grabber.as_ref().map(|grabber| {
+            check_analogue("frame_grabber", d.kind, &converter)?;
+            FrameGrabber::new(grabber, &cfa, &cells, &shutter)
+        });
+        let frame_grabber = frame_grabber.transpose()?;
         Ok(Self {
             name: own_name(d)?.unwrap_or(name).to_owned(),
             description: d.description.clone(),
@@ -127,12 +146,13 @@ impl SensorModel {
             serial: d.serial,
             architecture,
             shutter,
-            resolution: d.resolution_px.map(|n| n as usize),
+            resolution,
             masked: MaskedPixels {
                 columns: margins("masked_columns", d.masked_columns)?,
                 rows: margins("masked_rows", d.masked_rows)?,
             },
             pixel_pitch_m,
+            cells,
             fill_factor: d.fill_factor,
             crosstalk: crosstalk(d, &cfa)?,
             cfa,
@@ -144,7 +164,19 @@ impl SensorModel {
             image_lag: image_lag(d, &shutter)?,
             logarithmic,
             converter,
+            video,
+            frame_grabber,
         })
+    }
+
+    /// What is to be said of a sensor that can be, but is hardly meant so. Keys are those of the capture file.
+    pub fn warnings(&self) -> Vec<String> {
+        warnings(&self.cells, self.resolution, self.pixel_pitch_m)
+    }
+
+    /// Width and height of all pixels that make a picture, m.
+    pub fn size_m(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.pixel_array()[axis] as f64 * self.pixel_pitch_m[axis])
     }
 
     /// Columns and rows of pixels that there are: of a scanning sensor one row, whatever the lines of a picture.
@@ -197,6 +229,3 @@ impl SensorModel {
         self.cfa.channels().iter().cloned().zip(self.efficiencies().into_iter().map(response)).collect()
     }
 }
-
-/// Columns or rows beyond this are a slip of the pen: the largest sensors made have some 30 000.
-const MAX_RESOLUTION: u32 = 65_535;

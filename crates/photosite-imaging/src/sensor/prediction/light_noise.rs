@@ -36,7 +36,8 @@ fn sees(sensor: &SensorModel, channel: usize, i: usize, width: usize) -> bool {
 }
 
 /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
-/// saturate do not count: no noise shows there. `None` where nothing counts.
+/// saturate or see no light do not count: no noise shows there. `None` where nothing counts. The bandwidth of a video
+/// line and the samples of a frame grabber leave as much of both kinds.
 pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) -> Option<f64> {
     let (width, time) = (rates.mean.width(), exposure.time.0);
     let samples = sensor.cfa.samples_per_pixel();
@@ -48,7 +49,7 @@ pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) 
         let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
         let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
         let mean = at(&rates.mean) * time;
-        if mean < saturation {
+        if mean < saturation && sensor.sees_light([i % row_length / samples, i / row_length]) {
             of_light += at(&rates.variance) * time * time / pixels;
             of_sensor += sensor.noise_variance(Electrons(mean), exposure);
         }

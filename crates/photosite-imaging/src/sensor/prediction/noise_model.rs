@@ -17,13 +17,16 @@ impl SensorModel {
     /// that follows a digital gain and companding. The slope s is 1 but for logarithmic pixels. Of a bin, all is that
     /// of the mean of its pixels. Hot pixels and telegraph signals count
     /// with their part of all pixels. Fixed patterns are no temporal noise, and what transmission errors do has no
-    /// useful variance. Valid below saturation, and for amplifiers that are nearly linear.
+    /// useful variance. The steps of numbers behind a video curve are those at the signal. What the bandwidth of a video
+    /// line takes of it, and what a frame grabber's interpolation does, is left out: they take as much of all other
+    /// variance. Valid below saturation, and for amplifiers that are nearly linear.
     pub fn noise_variance(&self, mean: Electrons, exposure: &Exposure) -> f64 {
         let thermal = self.thermal_electrons(exposure);
         let charge = mean.0.max(0.0) + thermal;
         let slope = self.pixel_slope(charge, exposure.time);
         let shot = charge / exposure.region.binning.pixels() as f64;
-        shot + (self.read_out_variance(exposure) + self.companding_variance(charge, exposure)) / (slope * slope)
+        let steps = self.companding_variance(charge, exposure) + self.curve_variance(charge, exposure);
+        shot + (self.read_out_variance(exposure) + steps) / (slope * slope)
     }
 
     /// Electrons that heat frees on average, those of hot pixels shared by all, which is their variance, too.
@@ -87,6 +90,14 @@ impl SensorModel {
         (step * step - 1.0) / 12.0 / (gain * gain)
     }
 
+    /// Variance of the converter's steps behind a video curve at a charge, less that of steps of a straight line, (e⁻)².
+    fn curve_variance(&self, charge: f64, exposure: &Exposure) -> f64 {
+        let Some(curve) = self.video.curve else { return 0.0 };
+        let gain = self.converter.system_gain(exposure.gain) * exposure.region.binning.charge_gain();
+        let step = curve.step_dn(self.amplified(self.pixel_signal(charge, exposure.time)) * gain);
+        (step * step - 1.0) / 12.0 / (gain * gain)
+    }
+
     /// Electrons at which a pixel saturates: the full well, the end of the converter's range, or the end of what a
     /// digital gain leaves of that, whichever comes first; of a bin, the mean of its pixels.
     pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
@@ -94,7 +105,11 @@ impl SensorModel {
         let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
         let binning = exposure.region.binning;
         let digital = exposure.digital_gain.factor() * binning.digital_gain();
-        let signal = before_merging.min(converter.range_e() / digital) / exposure.gain.factor();
+        // A digital gain leaves the start of what the curve has bent.
+        let range = self.video.curve.map_or(converter.range_e() / digital, |curve| {
+            curve.straightened(curve.range_dn / digital) / converter.conversion_gain_dn_per_e
+        });
+        let signal = before_merging.min(range) / exposure.gain.factor();
         let charge = self.pixel_charge(self.charge_for(signal), exposure.time) / binning.charge_gain();
         Electrons(self.full_well.0.min(charge))
     }
@@ -136,7 +151,7 @@ impl SensorModel {
         let charge = self.saturation_capacity(exposure).0 * together;
         let signal = self.amplified(self.pixel_signal(charge, exposure.time)) / together;
         let black = f64::from(converter.black_level_dn);
-        let level = DigitalNumber(black + signal * self.system_gain(exposure) + 0.5);
+        let level = DigitalNumber(black + self.number_of_signal(signal, exposure) + 0.5);
         (level.0 as u16).clamp(converter.black_level_dn + 1, converter.max_dn())
     }
 
@@ -145,13 +160,16 @@ impl SensorModel {
     ///
     /// S = K/(n·R), O = K²·σ_0²/R²
     ///
-    /// where n is the number of pixels in a bin and σ_0² is the noise without light, in (e⁻)². What companding adds has
-    /// no place in it; the noise of logarithmic pixels has another form, and `None` is said of it.
+    /// where n is the number of pixels in a bin and σ_0² is the noise without light, in (e⁻)²; both times what a video
+    /// line's bandwidth leaves of white noise. What companding adds has no place in it; the noise of logarithmic pixels
+    /// and behind a video curve has another form, and `None` is said of it.
     pub(in crate::sensor) fn noise_profile(&self, exposure: &Exposure) -> Option<[f64; 2]> {
         let gain = self.system_gain(exposure);
         let range = f64::from(self.white_level_dn(exposure) - self.converter.black_level_dn);
         let pixels = exposure.region.binning.pixels() as f64;
         let dark = self.thermal_electrons(exposure) / pixels + self.read_out_variance(exposure);
-        self.logarithmic.is_none().then_some([gain / range / pixels, dark * (gain / range).powi(2)])
+        let left = self.video.low_pass.map_or(1.0, |low_pass| low_pass.noise_power());
+        let is_straight = self.logarithmic.is_none() && self.video.curve.is_none();
+        is_straight.then_some([left * gain / range / pixels, left * dark * (gain / range).powi(2)])
     }
 }

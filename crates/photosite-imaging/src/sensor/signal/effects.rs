@@ -74,6 +74,8 @@ stages! {
     AmplifierNonlinearity = 16,
     /// Columns whose amplifiers differ in gain and offset.
     ColumnAmplifiers = 17,
+    /// The bandwidth of the line to the converter.
+    VideoBandwidth = 48,
     /// Converters whose steps are not of equal width.
     ConverterNonlinearity = 18,
     /// Pixels that always read the same number.
@@ -204,6 +206,10 @@ noise_maps! {
     ReadNoiseE = "read_noise_e",
     /// Gains and offsets of column amplifiers, DN.
     ColumnAmplifiersDn = "column_amplifiers_dn",
+    /// Curve of the video amplifier, DN.
+    VideoCurveDn = "video_curve_dn",
+    /// What the bandwidth of the video line moves to the pixels after, DN.
+    VideoBandwidthDn = "video_bandwidth_dn",
     /// What lies beyond the ends of the converter, DN.
     ClippingDn = "clipping_dn",
     /// Steps of the converter that are not of equal width, DN.

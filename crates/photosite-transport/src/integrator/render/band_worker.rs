@@ -3,8 +3,6 @@
 
 use std::ops::Range;
 
-use glam::DVec2;
-
 use super::tracer::Tracer;
 use crate::film::FilmBand;
 use crate::integrator::light_paths::{LightTracer, Splat, Splats};
@@ -207,7 +205,7 @@ impl<'a, 'f> BandWorker<'a, 'f> {
             let time = if camera.moves() { sampler.next_1d() } else { 0.0 };
             let spread = if camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
 
-            let pixel = DVec2::from_array(position.map(|n| n as f64)) + DVec2::from_array(within.map(f64::from));
+            let pixel = camera.cells().place(position, within.map(f64::from));
             batch.samples.push(CameraSample { pixel, aperture, time, spread });
             batch.u_wavelengths.push(u);
             batch.starts.push((sampler.position(), sharing));

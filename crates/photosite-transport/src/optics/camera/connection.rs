@@ -36,12 +36,13 @@ impl Camera {
         const STEP_PX: f64 = 0.01;
         const NEAR_PX: f64 = 1e-4;
         const MOST_STEPS: u32 = 8;
-        if self.lateral_colour.is_some() {
+        if self.parts_wavelengths() {
             wavelengths.terminate_secondary();
         }
+        let focus_distance_m = self.focus_of(wavelengths);
         let opening = self.opening(aperture_sample);
         let point = self.to_world.inverse().transform_point3(point.as_dvec3());
-        let aim = |pixel| self.aim(self.spread_place(pixel, spread_sample, wavelengths).0, opening);
+        let aim = |pixel| self.aim(self.spread_place(pixel, spread_sample, wavelengths).0, opening, focus_distance_m);
         let across = DQuat::from_rotation_arc(DVec3::Z, point.try_normalize()?);
         let (right, up, forward) = (across * DVec3::X, across * DVec3::Y, across * DVec3::Z);
         // Where the ray of a pixel position meets the plane across the direction of the point, seen from the point.

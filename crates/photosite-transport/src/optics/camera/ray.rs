@@ -5,6 +5,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 use super::Camera;
 use crate::geometry::Ray;
 use crate::optics::{Falloff, Intrinsics, LensKind, PointSpread, Seen};
+use photosite_core::math::warp;
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
 /// What a ray of the camera is made from.
@@ -62,14 +63,37 @@ impl Camera {
     /// The only ray of a pinhole stands for all of the aperture as the axis sees it: it weighs Ω·cos⁴α at the field
     /// angle α, with the Ω of [`Self::on_axis_sr`]. Without falloff a sample of either weighs Ω everywhere, so that one
     /// f-number has one exposure on the axis.
+    ///
+    /// A hole of some size is a lens of no power, whose rays diverge from the sensor point. Without a lens, E = ∫ L·cosθ
+    /// dΩ over all that is in front of the sensor, drawn in proportion to cosθ: each ray weighs π.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
-        self.ray(self.place(pixel), pixel.y.floor(), aperture_sample, 0.0)
+        if !self.makes_picture() {
+            return self.bare_ray(pixel, aperture_sample, 0.0);
+        }
+        self.ray(pixel, self.place(pixel), aperture_sample, 0.0, self.focus_distance_m)
     }
 
-    /// Whether a ray needs a sample of the aperture.
+    /// Whether a ray needs a sample of the aperture, or of the directions before a bare sensor.
     pub fn has_aperture(&self) -> bool {
-        self.kind == LensKind::Thin
+        match self.kind {
+            LensKind::Pinhole => false,
+            LensKind::Thin | LensKind::Hole | LensKind::Bare => true,
+        }
+    }
+
+    /// Whether light of each wavelength takes a way of its own, so that a path carries its hero alone.
+    pub(super) fn parts_wavelengths(&self) -> bool {
+        self.lateral_colour.is_some() || self.chromatic.is_some()
+    }
+
+    /// The focus distance of the hero's wavelength, m.
+    #[inline]
+    pub(super) fn focus_of(&self, wavelengths: &Wavelengths) -> f64 {
+        match &self.chromatic {
+            Some(chromatic) => chromatic.focus_distance_m(wavelengths.lambda_nm(0)),
+            None => self.focus_distance_m,
+        }
     }
 
     /// Whether a path needs a sample of the point spread.
@@ -91,11 +115,14 @@ impl Camera {
         wavelengths: &mut Wavelengths,
     ) -> Option<(CameraRay, SampledSpectrum)> {
         let &CameraSample { pixel, aperture, time, spread } = sample;
-        if self.lateral_colour.is_some() {
+        if !self.makes_picture() {
+            return Some((self.bare_ray(pixel, aperture, time)?, SampledSpectrum::ONE));
+        }
+        if self.parts_wavelengths() {
             wavelengths.terminate_secondary();
         }
         let (place, weights) = self.spread_place(pixel, spread, wavelengths);
-        Some((self.ray(place, pixel.y.floor(), aperture, time)?, weights))
+        Some((self.ray(pixel, place, aperture, time, self.focus_of(wavelengths))?, weights))
     }
 
     /// Makes the rays of several samples, see [`generate_spectral`](Self::generate_spectral), and gives `take` the
@@ -127,6 +154,10 @@ impl Camera {
         if let Some(lateral) = &self.lateral_colour {
             place /= lateral.magnification(f64::from(wavelengths.lambda_nm(0)));
         }
+        if let Some(chromatic) = &self.chromatic {
+            // Chief rays leave the elements before the main lens the steeper.
+            place *= f64::from(chromatic.magnification.eval(wavelengths.lambda_nm(0)));
+        }
         if let Some(spread) = &self.point_spread {
             let in_picture = pixel / DVec2::from_array(self.resolution.map(f64::from)) * 2.0 - 1.0;
             let (offset, of_wavelengths) = spread.sample(spread_sample, wavelengths, self.working_f_number, in_picture);
@@ -138,10 +169,20 @@ impl Camera {
     }
 
     #[inline]
-    fn ray(&self, place: DVec2, row: f64, aperture_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
-        let (to_world, time) = self.pose(row, u_time);
+    fn ray(
+        &self,
+        pixel: DVec2,
+        place: DVec2,
+        aperture_sample: [f32; 2],
+        u_time: f32,
+        focus_distance_m: f64,
+    ) -> Option<CameraRay> {
+        if !self.cells.sees_light(pixel) {
+            return None;
+        }
+        let (to_world, time) = self.pose(self.cells.cell_at(pixel).y, u_time);
         let opening = self.opening(aperture_sample);
-        let aim = self.aim(place, opening)?;
+        let aim = self.aim(place, opening, focus_distance_m)?;
         if !self.passes(aim.seen.chief, opening, aim.towards) {
             return None;
         }
@@ -150,38 +191,46 @@ impl Camera {
         Some(CameraRay { ray, weight: self.weight(&aim, opening) })
     }
 
+    /// The ray from a place of a sensor without a lens. The sensor stands as behind a lens, upside down: what is to the
+    /// right of the picture lies to the left.
+    #[inline]
+    fn bare_ray(&self, pixel: DVec2, direction_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
+        if !self.cells.sees_light(pixel) {
+            return None;
+        }
+        let (to_world, time) = self.pose(self.cells.cell_at(pixel).y, u_time);
+        let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
+        let Intrinsics { cx, cy, .. } = self.intrinsics;
+        let [width, height] = self.pitch_m;
+        let origin = to_world.transform_point3(DVec3::new((cx - pixel.x) * width, (row - cy) * height, 0.0));
+        let up = warp::cosine_hemisphere(direction_sample);
+        let direction = DVec3::new(up.x.into(), up.y.into(), -f64::from(up.z));
+        let direction = to_world.transform_vector3(direction).normalize();
+        let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time);
+        Some(CameraRay { ray, weight: self.sample_sr as f32 })
+    }
+
     /// A point of the aperture.
     #[inline]
     pub(super) fn opening(&self, aperture_sample: [f32; 2]) -> DVec2 {
         match self.kind {
-            LensKind::Pinhole => DVec2::ZERO,
-            LensKind::Thin => self.aperture.sample(aperture_sample),
+            LensKind::Pinhole | LensKind::Bare => DVec2::ZERO,
+            LensKind::Thin | LensKind::Hole => self.aperture.sample(aperture_sample),
         }
     }
 
     /// Where the ray of a place goes through a point of the aperture, whatever stops are in its way.
     #[inline]
-    pub(super) fn aim(&self, place: DVec2, opening: DVec2) -> Option<Aim> {
-        Some(self.aim_at(self.seen_at(place)?, opening))
-    }
-
-    /// The same to what is seen.
-    #[inline(always)]
-    fn aim_at(&self, seen: Seen, opening: DVec2) -> Aim {
+    pub(super) fn aim(&self, place: DVec2, opening: DVec2, focus_distance_m: f64) -> Option<Aim> {
+        let seen = self.seen_at(place)?;
         let origin = self.in_pupil(opening, &seen);
-        Aim { seen, origin, towards: self.towards(seen.chief, origin) }
+        Some(Aim { seen, origin, towards: towards(seen.chief, origin, focus_distance_m) })
     }
 
     /// [`CameraRay::weight`].
     #[inline(always)]
     pub(super) fn weight(&self, aim: &Aim, opening: DVec2) -> f32 {
         (self.sample_sr * self.falloff_at(&aim.seen, opening)) as f32
-    }
-
-    /// From a point of the pupil to what is in focus, in units of the focus distance.
-    #[inline(always)]
-    pub(super) fn towards(&self, chief: DVec3, origin: DVec3) -> DVec3 {
-        if self.focus_distance_m.is_finite() { chief - origin / self.focus_distance_m } else { chief }
     }
 
     /// Whether all stops let light through.
@@ -198,7 +247,7 @@ impl Camera {
     #[inline(always)]
     pub(super) fn in_pupil(&self, opening: DVec2, seen: &Seen) -> DVec3 {
         if self.projection.is_flat() {
-            return opening.extend(0.0);
+            return (opening / self.chief_slope).extend(0.0);
         }
         DQuat::from_rotation_arc(DVec3::NEG_Z, seen.direction) * opening.extend(0.0)
     }
@@ -213,7 +262,8 @@ impl Camera {
                 let cos = -seen.direction.z;
                 let (across, of_picture) = if self.projection.is_flat() {
                     // The sensor point is where the undistorted chief ray, carried on behind the lens, meets z = v.
-                    (opening + seen.chief.truncate() * v, seen.solid_angle / (cos * cos * cos))
+                    let sensor = seen.chief.truncate() * self.perspective_distance_m;
+                    (opening + sensor, seen.solid_angle / (cos * cos * cos))
                 } else {
                     (opening, seen.solid_angle)
                 };
@@ -222,4 +272,10 @@ impl Camera {
             }
         }
     }
+}
+
+/// From a point of the pupil to what is in focus, in units of the focus distance.
+#[inline(always)]
+pub(super) fn towards(chief: DVec3, origin: DVec3, focus_distance_m: f64) -> DVec3 {
+    if focus_distance_m.is_finite() { chief - origin / focus_distance_m } else { chief }
 }

@@ -1,0 +1,94 @@
+//! What a lens is made of, and how it finds its focus: tables within `[lens]`.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::material::IndexSource;
+
+/// The glass of a lens in one piece, whose focal length follows by the lensmaker's equation at each wavelength:
+/// 1/f = (n − 1)·(1/R₁ − 1/R₂ + (n − 1)·d/(n·R₁·R₂)).
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LensmakerTable {
+    /// Radii of curvature of the front and the back surface, mm, or "flat": above 0 where the centre lies on the side of
+    /// the sensor. [50, -50] is biconvex.
+    pub(crate) radii_mm: [Radius; 2],
+    /// Thickness on the axis, mm. Left out: 0.
+    pub(crate) thickness_mm: Option<f64>,
+    /// Name of a glass that ships with photosite: "BK7", "SF11" … Or give its index.
+    pub(crate) glass: Option<String>,
+    /// Refractive index.
+    pub(crate) index: Option<IndexSource>,
+    /// Abbe number, with an index that is a number. Left out: the index is the same at all wavelengths.
+    pub(crate) abbe_number: Option<f64>,
+}
+
+/// A radius of curvature in mm, or "flat".
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected a radius in mm, or \"flat\"")]
+pub(crate) enum Radius {
+    /// mm.
+    Mm(f64),
+    /// "flat".
+    Name(#[schemars(extend("const" = "flat"))] String),
+}
+
+/// A thin lens before the main one: its power, its focal length, or the glass that it is ground of.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SupplementaryTable {
+    /// Distance before the main lens, mm. Left out: 0.
+    pub(crate) distance_mm: Option<f64>,
+    /// Power, dioptres: 2 is a close-up lens, -2 a diverging one.
+    pub(crate) power_dpt: Option<f64>,
+    /// Focal length, mm; below 0 for a diverging lens.
+    pub(crate) focal_length_mm: Option<f64>,
+    /// Radii of curvature of the front and the back surface, mm, or "flat", as of lens.lensmaker.
+    pub(crate) radii_mm: Option<[Radius; 2]>,
+    /// Thickness on the axis, mm, with radii. Left out: 0.
+    pub(crate) thickness_mm: Option<f64>,
+    /// Name of a glass, with radii.
+    pub(crate) glass: Option<String>,
+    /// Refractive index, with radii.
+    pub(crate) index: Option<IndexSource>,
+    /// Abbe number, with an index that is a number.
+    pub(crate) abbe_number: Option<f64>,
+}
+
+/// How autofocus finds the distance of what is seen at autofocus_px.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct AutofocusSearchTable {
+    /// Left out: "exact".
+    pub(crate) method: Option<AutofocusMethodName>,
+    /// Width and height of the part of the picture whose contrast counts, px. Left out: 64.
+    pub(crate) window_px: Option<u32>,
+    /// Positions of the focus that are tried in each round, at even distances of the sensor; the next round looks
+    /// between the neighbours of the best. The first tries more where a blur of 3 px would lie between two. Left out: 12.
+    pub(crate) steps: Option<u32>,
+    /// What counts as contrast. Left out: "gradient".
+    pub(crate) measure: Option<SharpnessName>,
+}
+
+/// Ways to focus.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum AutofocusMethodName {
+    /// On the distance of what the ray of the pixel meets.
+    Exact,
+    /// On the distance at which the picture has the most contrast, as cameras do: the part of the picture is traced at
+    /// one position of the focus after the other, as the sensor sees it without noise.
+    Contrast,
+}
+
+/// Measures of sharpness, relative to the square of the mean.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SharpnessName {
+    /// Mean squared gradient, by Sobel's masks (Tenengrad).
+    Gradient,
+    /// Variance of the Laplacian.
+    Laplacian,
+    /// Variance.
+    Variance,
+}

@@ -1,0 +1,194 @@
+//! What can be developed: raw files, and pictures that are light already.
+//!
+//! | file | is |
+//! |---|---|
+//! | PNG, JPEG | a picture: codes become linear light by what the file says of its colours |
+//! | PNG of 16 bits of grey that says nothing of colours | numbers of a monochrome sensor |
+//! | EXR with R, G and B, X, Y and Z, or Y alone | a picture: linear light |
+//! | EXR of digital numbers, and all other files | raw, as [`read_raw`] has it |
+//!
+//! Pixels have the shape that PNG files say in pHYs, and EXR files in pixelAspectRatio.
+
+use std::io::BufReader;
+use std::path::Path;
+
+use super::exr::{Attribute, ExrPicture, read_exr};
+use super::linear_picture::read_linear_picture;
+use super::raw_file::read_raw;
+use crate::image::{Channel, Planes};
+use crate::raw::{Cfa, Pixels, RawImage};
+use crate::validation::MOSAIC;
+use crate::{Error, Invalid, Result};
+use photosite_core::input;
+
+/// What a file holds that can be developed.
+#[derive(Clone, Debug)]
+pub enum Developable {
+    /// Digital numbers of a sensor.
+    Raw(Box<RawImage>),
+    /// A picture.
+    Light(Light),
+}
+
+/// A picture as light.
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// Linear R, G and B of sRGB, or Y, white at 1.
+    pub planes: Planes,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f64,
+    /// What of the file is left out, as a warning says it.
+    pub left_out: Option<String>,
+}
+
+/// Reads a file by what its name says it is.
+pub fn read_developable(path: &Path) -> Result<Developable> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match extension.as_str() {
+        "png" => {
+            let aspect = png_aspect(path)?;
+            of_picture(path, aspect)
+        }
+        "jpg" | "jpeg" => of_picture(path, 1.0),
+        "exr" => of_exr(path),
+        _ => of_raw(path),
+    }
+}
+
+fn of_raw(path: &Path) -> Result<Developable> {
+    Ok(Developable::Raw(Box::new(read_raw(path)?)))
+}
+
+fn of_exr(path: &Path) -> Result<Developable> {
+    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
+    let picture = read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?;
+    match picture.text("unit") {
+        Some("DN") => of_raw(path),
+        Some(unit) => {
+            let message = format!("holds a quantity in {unit}, and no picture");
+            let help = "photosite expose makes a raw file of electrons.exr; develop that";
+            Err(Invalid::new("unit", message).help(help).in_file(path))
+        }
+        None => of_picture(path, exr_aspect(&picture)),
+    }
+}
+
+fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
+    let picture = read_linear_picture(path, false, Pixels::Active)?;
+    let size = [picture.width(), picture.height()];
+    let mut channels = picture.into_channels();
+    if let [mosaic] = &channels[..]
+        && mosaic.name == MOSAIC
+    {
+        let numbers = mosaic.data.iter().map(|&number| number as u16).collect();
+        let raw = RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX);
+        return Ok(Developable::Raw(Box::new(raw)));
+    }
+    let wanted: &[&str] = if channels.iter().any(|channel| channel.name == "R") { &["R", "G", "B"] } else { &["Y"] };
+    let mut planes = Vec::new();
+    for name in wanted {
+        let Some(i) = channels.iter().position(|channel| channel.name == *name) else {
+            let names: Vec<&str> = channels.iter().map(|channel| &channel.name[..]).collect();
+            let message = format!("holds no picture, but the planes {}", names.join(", "));
+            let help = "give a file with R, G and B, with X, Y and Z, or with Y";
+            return Err(Invalid::new("", message).help(help).in_file(path));
+        };
+        planes.push(channels.swap_remove(i));
+    }
+    channels.sort_by(|a, b| a.name.cmp(&b.name));
+    let left_out = (!channels.is_empty()).then(|| {
+        let names: Vec<String> = channels.into_iter().map(|Channel { name, .. }| name).collect();
+        format!("{}: of its planes, {} have no part in the picture", path.display(), names.join(", "))
+    });
+    let planes = Planes::new(size[0], size[1], planes).map_err(|invalid| invalid.in_file(path))?;
+    Ok(Developable::Light(Light { planes, pixel_aspect, left_out }))
+}
+
+fn exr_aspect(picture: &ExrPicture) -> f64 {
+    picture
+        .attributes
+        .iter()
+        .find_map(|(_, value)| match value {
+            Attribute::PixelAspect(aspect) => Some(*aspect),
+            Attribute::Text(_) | Attribute::Number(_) | Attribute::Chromaticities(_) => None,
+        })
+        .unwrap_or(1.0)
+}
+
+/// By pHYs, whatever its unit: columns and rows along equal lengths.
+fn png_aspect(path: &Path) -> Result<f64> {
+    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
+    let unreadable = |error| Invalid::new("", format!("cannot read it as PNG: {error}")).in_file(path);
+    let reader = png::Decoder::new(BufReader::new(file)).read_info().map_err(unreadable)?;
+    let stated = reader.info().pixel_dims.filter(|stated| stated.xppu > 0 && stated.yppu > 0);
+    Ok(stated.map_or(1.0, |stated| f64::from(stated.yppu) / f64::from(stated.xppu)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+    use crate::colour::ColourSpace;
+    use crate::develop::EncodedPicture;
+    use crate::io::developed::{write_linear, write_png};
+    use crate::io::exr::write_exr;
+
+    fn file(name: &str, bytes: &[u8]) -> Result<Developable> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        read_developable(&path)
+    }
+
+    fn exr(planes: &Planes, attributes: &[(&str, Attribute)]) -> Result<Developable> {
+        let mut bytes = Cursor::new(Vec::new());
+        write_exr(planes, attributes, &mut bytes).expect("written");
+        file("picture.exr", bytes.get_ref())
+    }
+
+    #[test]
+    fn pictures_become_light_with_the_shape_of_their_pixels() {
+        let grey = EncodedPicture { pixel_aspect: 1.5, ..EncodedPicture::srgb8(2, 1, 1, vec![0, 128]) };
+        let mut bytes = Vec::new();
+        write_png(&grey, &mut bytes).expect("written");
+        let Developable::Light(light) = file("grey.png", &bytes).expect("a picture") else { panic!("no raw file") };
+        // ((128/255 + 0.055)/1.055)^2.4 by a calculator.
+        assert!((light.planes.plane("Y").expect("grey")[1] - 0.215_861).abs() < 1e-4);
+        assert!((light.pixel_aspect - 1.5).abs() < 1e-5 && light.left_out.is_none());
+
+        let xyz = ColourSpace::Xyz.white().as_vec3().to_array();
+        let channel = |(name, v): (&str, f32)| Channel { name: name.to_owned(), data: vec![v] };
+        let white = Planes::new(1, 1, ["X", "Y", "Z"].into_iter().zip(xyz).map(channel).collect()).expect("right");
+        let mut bytes = Cursor::new(Vec::new());
+        write_linear(&white, ColourSpace::Xyz, 0.5, &mut bytes).expect("written");
+        let Developable::Light(light) = file("white.exr", bytes.get_ref()).expect("a picture") else {
+            panic!("no raw file")
+        };
+        assert!(["R", "G", "B"].iter().all(|name| (light.planes.plane(name).expect("there")[0] - 1.0).abs() < 1e-5));
+        assert_eq!(light.pixel_aspect, 0.5);
+    }
+
+    #[test]
+    fn what_has_no_part_is_named_and_what_is_no_picture_refused() {
+        let with_alpha = exr(&Planes::zeros(2, 2, ["A", "B", "G", "R"]), &[]).expect("a picture");
+        let Developable::Light(light) = with_alpha else { panic!("no raw file") };
+        assert!(light.left_out.expect("alpha").contains("its planes, A have no part"));
+        for (planes, attributes, complaint) in [
+            (["depth.Z"], vec![], "depth.Z"),
+            (["Y"], vec![("unit", Attribute::Text("e-".to_owned()))], "a quantity in e-"),
+        ] {
+            let error = exr(&Planes::zeros(1, 1, planes), &attributes).expect_err("refused");
+            assert!(error.to_string().contains(complaint), "{error}");
+        }
+        assert!(file("picture.png", b"nothing of the kind").is_err());
+    }
+
+    #[test]
+    fn grey_of_16_bits_that_says_nothing_is_raw() {
+        let mut bytes = Vec::new();
+        crate::io::plain_png::write_grey16([2, 1], &[7, 60_000], &mut bytes).expect("written");
+        let Developable::Raw(raw) = file("mosaic.png", &bytes).expect("numbers") else { panic!("no colours") };
+        assert_eq!((raw.data, raw.white_level_dn), (vec![7, 60_000], u16::MAX));
+    }
+}

@@ -1,0 +1,108 @@
+//! What a report says of the lens: its kind, its focus, and the figures that a photographer asks.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::optics::{Camera, LensDescription, LensFigures, LensKind};
+
+/// The lens.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct LensReport {
+    /// `thin`, `pinhole`, `hole`, or `none` of a bare sensor, of which nothing else is said.
+    pub kind: String,
+    /// f; below 0 of a diverging lens. Of a hole, its distance from the sensor.
+    pub focal_length_mm: Option<f64>,
+    /// N.
+    pub f_number: Option<f64>,
+    /// Distance from the entrance pupil to what is sharp. `null`: focused at infinity, or a lens without focus. Below 0
+    /// where light of one point of the sensor diverges, and nothing is sharp.
+    pub focus_distance_m: Option<f64>,
+    /// Distance lens → sensor v.
+    pub image_distance_mm: Option<f64>,
+    /// Depth of field, angles, scale. None in reports of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub figures: Option<LensFiguresReport>,
+    /// What autofocus by contrast has tried, in this order; the sharpest was kept.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub autofocus_steps: Vec<FocusStepReport>,
+}
+
+/// A place of the focus that autofocus has tried.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct FocusStepReport {
+    /// `null`: at infinity.
+    pub focus_distance_m: Option<f64>,
+    /// By the measure of the capture, over the square of the mean.
+    pub sharpness: f64,
+}
+
+/// Figures of the lens, focused, in front of the sensor. Distances count from the entrance pupil.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct LensFiguresReport {
+    /// The acceptable circle of confusion on the sensor, which depth of field is stated for.
+    pub circle_of_confusion_um: f64,
+    /// The same in pixel widths.
+    pub circle_of_confusion_px: f64,
+    /// Nearest and farthest distance that are as sharp; `null` in place of infinity. `null` as a whole where all is, or
+    /// nothing.
+    pub depth_of_field_m: Option<[Option<f64>; 2]>,
+    /// Focused on this distance, depth of field reaches to infinity; `null` of a lens that cannot be focused there.
+    pub hyperfocal_m: Option<f64>,
+    /// Diameter of the entrance pupil.
+    pub entrance_pupil_mm: f64,
+    /// From left to right, from top to bottom and from corner to corner; `null` where an end sees nothing.
+    pub angle_of_view_deg: [Option<f64>; 3],
+    /// Width and height of what is seen at the focus distance; `null` where that is at infinity.
+    pub field_at_focus_m: Option<[f64; 2]>,
+    /// Size of the picture on the sensor over that of what is at the focus distance.
+    pub magnification: Option<f64>,
+    /// Width and height, at the focus distance, of what a pixel sees.
+    pub pixel_at_focus_mm: Option<[f64; 2]>,
+    /// Diameter of the first dark ring of diffraction at 550 nm, 2.44·λ·v/D.
+    pub diffraction_spot_um: f64,
+    /// The same in pixel widths.
+    pub diffraction_spot_px: f64,
+}
+
+impl LensReport {
+    /// Of a lens in its place, before pixels of that width and height.
+    pub fn new(lens: &LensDescription, camera: &Camera, pixel_pitch_m: [f64; 2], steps: &[FocusStepReport]) -> Self {
+        let focus = camera.focus_distance_m();
+        let of_lens = |value: f64| camera.makes_picture().then_some(value);
+        Self {
+            kind: lens.kind.name().to_owned(),
+            focal_length_mm: of_lens(lens.focal_length_m * 1e3),
+            f_number: of_lens(lens.f_number),
+            focus_distance_m: (focus.is_finite() && lens.kind == LensKind::Thin).then_some(focus),
+            image_distance_mm: of_lens(camera.image_distance_m() * 1e3),
+            figures: LensFiguresReport::of(lens, camera, pixel_pitch_m),
+            autofocus_steps: steps.to_vec(),
+        }
+    }
+}
+
+impl LensFiguresReport {
+    /// Of a lens in its place; `None` of a bare sensor.
+    pub fn of(lens: &LensDescription, camera: &Camera, pixel_pitch_m: [f64; 2]) -> Option<Self> {
+        let figures = camera.figures(lens.circle_of_confusion_m)?;
+        Some(Self::new(&figures, pixel_pitch_m))
+    }
+
+    fn new(figures: &LensFigures, pixel_pitch_m: [f64; 2]) -> Self {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        let at_focus_mm = |magnification: f64| pixel_pitch_m.map(|pitch| pitch / magnification * 1e3);
+        Self {
+            circle_of_confusion_um: figures.circle_of_confusion_m * 1e6,
+            circle_of_confusion_px: figures.circle_of_confusion_m / pixel_pitch_m[0],
+            depth_of_field_m: figures.depth_of_field_m.map(|limits| limits.map(finite)),
+            hyperfocal_m: figures.hyperfocal_m,
+            entrance_pupil_mm: figures.entrance_pupil_m * 1e3,
+            angle_of_view_deg: figures.angle_of_view_rad.map(|angle| angle.map(f64::to_degrees)),
+            field_at_focus_m: figures.field_at_focus_m,
+            magnification: figures.magnification,
+            pixel_at_focus_mm: figures.magnification.map(at_focus_mm),
+            diffraction_spot_um: figures.diffraction_spot_m * 1e6,
+            diffraction_spot_px: figures.diffraction_spot_m / pixel_pitch_m[0],
+        }
+    }
+}
