@@ -35,7 +35,7 @@
 //! | `photosite-simd` | lanes of numbers; the only `unsafe` code | – |
 //! | `photosite-core` | [`units`], [`math`], [`spectrum`], [`colour`], [`image`], [`projection`], [`cells`], errors | simd |
 //! | `photosite-transport` | [`geometry`] … [`integrator`]: light from its sources to the sensor | simd, core |
-//! | `photosite-imaging` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`] | core |
+//! | `photosite-imaging` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`], [`synthetic_noise`] | core |
 //! | `photosite-scene-io` | glTF, OBJ, environments, IES | core, transport |
 //! | `photosite-calibration` | [`calibration`]: targets, poses, ground truth, camera files | core, transport |
 //! | `photosite` | this crate: the [`capture`] language, the [`pipeline`], [`report`]s, files ([`io`]), and the command | all |
@@ -69,7 +69,7 @@ pub use capture::Capture;
 pub use photosite_calibration as calibration;
 pub use photosite_core::{Error, Help, Invalid, Remedy, Result, Sandbox};
 pub use photosite_core::{cells, colour, error, image, math, memory, projection, references, spectrum, units};
-pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, validation};
+pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, synthetic_noise, validation};
 pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};
 pub use picture::Picture;
 pub use pipeline::{Options, Shot, render};

@@ -48,6 +48,7 @@ mod settings;
 mod source;
 mod stored;
 mod stored_report;
+mod synthetic_noise;
 mod tables;
 mod target;
 mod text_file;
@@ -82,7 +83,7 @@ use target::place_targets;
 
 pub use dataset::DatasetFile;
 pub use develop::read_develop_settings;
-pub use schema::capture_schema;
+pub use schema::{capture_schema, noise_schema};
 pub use sensor::{read_named_sensor, read_sensor_file};
 pub use settings::{
     Bracket, ExposureSettings, ExposureTime, NextPicture, NoiseOutput, OutputSettings, SpectralBands, TruthOutput,
@@ -90,6 +91,7 @@ pub use settings::{
 pub use source::CaptureSource;
 pub use stored::StoredCapture;
 pub use stored_report::StoredReport;
+pub use synthetic_noise::read_synthetic_noise;
 pub use tables::RawFormat;
 pub use target::read_target;
 

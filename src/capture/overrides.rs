@@ -84,6 +84,11 @@ pub(super) fn set_target(source: &mut CaptureSource, argument: &str) -> Result<(
     set_in(source, "target.", "square_mm=20", argument)
 }
 
+/// Applies an override to a key of synthetic noise.
+pub(super) fn set_noise(source: &mut CaptureSource, argument: &str) -> Result<()> {
+    set_in(source, "noise.", "gaussian.sigma=4", argument)
+}
+
 fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &str) -> Result<()> {
     let wrong = |what: String| {
         let help = Some(Remedy::Example(example.to_owned()).into());

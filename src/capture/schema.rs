@@ -4,12 +4,21 @@ use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 
 use super::tables::CaptureFile;
+use crate::synthetic_noise::SyntheticNoise;
 
 /// The JSON Schema (draft 2020-12) of capture files. The committed copy is `assets/capture.schema.json`.
 pub fn capture_schema() -> Value {
     let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<CaptureFile>();
     let mut schema = schema.to_value();
     make_partial(&mut schema);
+    remove_null(&mut schema);
+    schema
+}
+
+/// The JSON Schema of the keys of `photosite noise add`.
+pub fn noise_schema() -> Value {
+    let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<SyntheticNoise>();
+    let mut schema = schema.to_value();
     remove_null(&mut schema);
     schema
 }
@@ -111,6 +120,7 @@ mod tests {
                 children.chain(listed).for_each(|(key, value)| check(&format!("{path}/{key}"), value));
             }
         }
+        check("", noise_schema().as_object().expect("an object"));
         let schema = capture_schema();
         check("", schema.as_object().expect("an object"));
         let sensor = &schema["$defs"]["SensorTable"];

@@ -38,3 +38,8 @@ pub(super) fn parse_range(text: &str) -> Result<Range<u32>, String> {
         None => Err("write two whole numbers, for example 0..10".to_owned()),
     }
 }
+
+/// A finite number above 0.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "write a number above 0".to_owned())
+}

@@ -12,6 +12,7 @@ use photosite::pipeline::{Event, Monitor};
 use photosite::units::{Celsius, Decibels, Seconds};
 use photosite::{Result, Sandbox};
 
+use super::arguments::positive;
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
@@ -144,10 +145,6 @@ impl From<Format> for ImageFormat {
             Format::Png => ImageFormat::Png,
         }
     }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "write a number above 0".to_owned())
 }
 
 fn wavelength(text: &str) -> Result<f64, String> {

@@ -1,12 +1,14 @@
-//! `photosite expose`: new exposures, sensors and noise from stored light.
+//! `photosite expose`: new exposures, sensors and noise from stored light, and from pictures of other programs.
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-use photosite::pipeline::{OutputFolder, StoredRender};
+use clap::{Args, ValueEnum};
+use photosite::pipeline::{OutputFolder, PictureScale, StoredRender};
 use photosite::report::REPORT;
+use photosite::sensor::PictureUnit;
 use photosite::{Error, Result, Sandbox};
 
+use super::arguments::positive;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
@@ -16,17 +18,80 @@ use super::run_args::RunArgs;
 /// INPUT is a folder that `photosite render` filled, or an EXR file from there. Electrons serve any exposure with the
 /// sensor that they were counted for; irradiance serves any sensor. Light that a moving camera saw is that of its
 /// exposure time and shutter, which stay as they were rendered.
+///
+/// With --unit INPUT is a picture of any program: EXR, TIFF, PNG, JPEG, PGM, PPM or NPY, as large as the sensor becomes.
+/// Its numbers are taken as light on the sensor, 1 as --one says; whole numbers are divided by white first, and codes
+/// decoded as the file says, or else as sRGB. Electrons and full wells are those of the exposure, R, G and B those of the
+/// sensor's channels of that name; lux is for colours, which become spectra under D65. For example photosite expose
+/// photo.exr --unit lux --one 100 --set sensor.preset=sony-imx249-color --set exposure.time_s=0.01
 #[derive(Args)]
 pub(super) struct ExposeArgs {
-    /// A folder with capture.json, or a file electrons.exr or irradiance.exr.
+    /// A folder with capture.json, a file electrons.exr or irradiance.exr, or with --unit any picture.
     input: PathBuf,
+    /// What the numbers of a picture are on the sensor.
+    #[arg(long, value_enum)]
+    unit: Option<Unit>,
+    /// How much of the unit a number of 1 is, or white where the file has whole numbers.
+    #[arg(long, value_name = "X", requires = "unit", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
+    one: f64,
+    /// Wavelength of an irradiance.
+    #[arg(long, value_name = "NM", requires = "unit", required_if_eq("unit", "irradiance"))]
+    wavelength_nm: Option<f64>,
+    /// The codes of the picture are in proportion to light, whatever its file says of them.
+    #[arg(long, requires = "unit")]
+    linear: bool,
     #[command(flatten)]
     common: RunArgs,
 }
 
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Unit {
+    /// Mean photo-electrons of a pixel in the exposure.
+    Electrons,
+    /// Parts of the full well in the exposure.
+    FullWell,
+    /// Illuminance, lx: linear sRGB as multiples of D65.
+    Lux,
+    /// Irradiance at one wavelength, W/m².
+    Irradiance,
+}
+
+impl ExposeArgs {
+    /// What the numbers of a picture are, where that is said.
+    fn scale(&self) -> Result<Option<PictureScale>> {
+        let Some(unit) = self.unit else { return Ok(None) };
+        let unit = match (unit, self.wavelength_nm) {
+            (Unit::Irradiance, Some(wavelength_nm)) => PictureUnit::Irradiance { wavelength_nm },
+            (Unit::Electrons, None) => PictureUnit::Electrons,
+            (Unit::FullWell, None) => PictureUnit::FullWell,
+            (Unit::Lux, None) => PictureUnit::Lux,
+            (Unit::Electrons | Unit::FullWell | Unit::Lux | Unit::Irradiance, _) => {
+                return Err(Error::Usage {
+                    message: "--wavelength-nm goes with --unit irradiance alone".to_owned(),
+                    help: Some("remove it, or the other unit".into()),
+                });
+            }
+        };
+        Ok(Some(PictureScale { unit, one: self.one, is_linear: self.linear }))
+    }
+}
+
 pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
-    let stored = StoredRender::read(sandbox, &args.input, &args.common.overrides())?;
+    let overrides = args.common.overrides();
+    let stored = match args.scale()? {
+        None => StoredRender::read(sandbox, &args.input, &overrides)?,
+        Some(_) if args.input.is_dir() => {
+            return Err(Error::Usage {
+                message: format!(
+                    "{} is a folder of stored light, whose files say what they hold",
+                    args.input.display()
+                ),
+                help: Some("remove --unit, or give a picture".into()),
+            });
+        }
+        Some(scale) => StoredRender::of_picture(sandbox, &args.input, &scale, &overrides)?,
+    };
     let folder = output.clone().unwrap_or_else(|| default_folder(&args.input));
     refuse_own_folder(&folder, &args.input)?;
     let mut folder = OutputFolder::claim(&folder, *force)?;

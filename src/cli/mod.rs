@@ -22,6 +22,7 @@ mod merge;
 mod merge_hdr;
 mod monitor;
 mod noise;
+mod noise_add;
 mod print;
 mod project;
 mod render;
@@ -180,5 +181,8 @@ fn in_options(remedy: &Remedy) -> String {
         }
         Remedy::Nearest => "add --approximate for the nearest that Mitsuba has".to_owned(),
         Remedy::Linear => "say --linear where its codes are in proportion to light".to_owned(),
+        Remedy::LightUnit => {
+            "say what the numbers of a picture are with --unit electrons, full-well, lux or irradiance".to_owned()
+        }
     }
 }

@@ -5,15 +5,7 @@ use std::path::Path;
 use photosite::Error;
 use photosite::io::output::{Sink, write_new, write_whole};
 use photosite::io::pretty_json::pretty_json;
-
-/// Significant digits, few enough for people.
-pub(super) fn rounded(x: f64, digits: i32) -> f64 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let scale = 10f64.powf(f64::from(digits - 1) - x.abs().log10().floor());
-    if scale.is_finite() && scale > 0.0 { (x * scale).round() / scale } else { x }
-}
+pub(super) use photosite::math::float::rounded;
 
 /// Refuses to overwrite a file unasked.
 pub(super) fn refuse_existing(path: &Path, force: bool) -> photosite::Result<()> {

@@ -1,5 +1,5 @@
-//! `photosite schema`: the JSON Schemas of capture files, by which editors complete and check them, and of
-//! `capture.json`.
+//! `photosite schema`: the JSON Schemas of capture files, by which editors complete and check them, of `capture.json`,
+//! and of the keys of `photosite noise add`.
 
 use clap::Args;
 
@@ -11,10 +11,17 @@ pub(super) struct SchemaArgs {
     /// Print that of capture.json, which each render leaves.
     #[arg(long)]
     report: bool,
+    /// Print that of the keys of photosite noise add.
+    #[arg(long, conflicts_with = "report")]
+    noise: bool,
 }
 
 pub(super) fn run(args: &SchemaArgs) -> photosite::Result<()> {
-    let schema = if args.report { photosite::report::report_schema() } else { photosite::capture::capture_schema() };
+    let schema = match (args.report, args.noise) {
+        (true, _) => photosite::report::report_schema(),
+        (false, true) => photosite::capture::noise_schema(),
+        (false, false) => photosite::capture::capture_schema(),
+    };
     // The layout of the copies that ship, which other tools write, too.
     println_out(&serde_json::to_string_pretty(&schema).expect("a schema has string keys and finite numbers"))
 }

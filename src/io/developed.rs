@@ -261,7 +261,7 @@ fn write_float_tiff(planes: &Planes, description: &str, aspect: f64, to: &mut dy
     written.map_err(tiff_error)
 }
 
-fn tiff_error(error: TiffError) -> io::Error {
+pub(super) fn tiff_error(error: TiffError) -> io::Error {
     let TiffError::IoError(error) = error else { return io::Error::other(error) };
     error
 }

@@ -16,19 +16,18 @@ use std::io::BufReader;
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
-use image::ImageDecoder;
-use image::codecs::jpeg::JpegDecoder;
 use moxcms::{ColorProfile, DataColorSpace, ToneReprCurve, TransferCharacteristics};
 use rayon::prelude::*;
-use tiff::tags::Tag;
 
 use super::exr::{Attribute, read_exr};
 use super::picture_file::read_picture_file;
+use super::stated_colours::{jpeg_profile, tiff_profile};
 use crate::colour::adaptation::D50;
 use crate::colour::{ColourSpace, Transfer};
 use crate::image::{Channel, Planes};
 use crate::raw::Pixels;
 use crate::spectrum::{cie, rgb};
+use crate::validation::Picture;
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
 
@@ -53,13 +52,74 @@ impl Meaning {
 /// are.
 pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Result<Planes> {
     let picture = read_picture_file(path, pixels)?;
-    let in_file = |invalid: Invalid| invalid.in_file(path);
     let stated = meaning(path)?;
-    let is_raw = picture.unit.as_deref() == Some("DN") && stated.is_none();
-    let is_quantity = picture.full_scale.is_none() && picture.unit.is_some();
-    if is_raw || is_quantity {
+    if is_digital_numbers(&picture) && stated.is_none() || is_quantity(&picture) {
         return Ok(picture.mean);
     }
+    linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))
+}
+
+/// Light that a picture holds.
+pub struct PictureLight {
+    /// In proportion to light; white at 1 where the file has whole numbers.
+    pub planes: Planes,
+    /// What its numbers were taken for.
+    pub assumed: String,
+}
+
+/// Reads a picture as [`read_linear_picture`] does, and makes 1 of the largest of whole numbers of any kind.
+pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> {
+    let picture = read_picture_file(path, Pixels::Active)?;
+    let stated = meaning(path)?;
+    let name = path.display();
+    let Some(white) = picture.full_scale else {
+        let assumed = format!("the numbers of {name} are taken to be in proportion to light");
+        let planes = if is_quantity(&picture) {
+            picture.mean
+        } else {
+            linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))?
+        };
+        return Ok(PictureLight { planes, assumed });
+    };
+    if is_digital_numbers(&picture) && stated.is_none() {
+        let assumed = format!("the numbers of {name} are taken to be in proportion to light, {white} for 1");
+        return Ok(PictureLight { planes: picture.mean.scaled(1.0 / white), assumed });
+    }
+    let assumed = match (is_linear, &stated) {
+        (true, _) => format!("the codes of {name} are taken to be in proportion to light, {white} for 1"),
+        (false, Some(_)) => format!("the codes of {name} are decoded to linear light as the file says, {white} to 1"),
+        (false, None) => {
+            format!(
+                "the codes of {name}, which says nothing of them, are decoded to linear light as sRGB, {white} to 1"
+            )
+        }
+    };
+    let planes = linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))?;
+    Ok(PictureLight { planes, assumed })
+}
+
+/// Light of each code of R, G and B (and of grey: R) from 0 to `largest`, 1 for white, and whether the file says so
+/// itself: otherwise they are those of sRGB.
+pub fn light_of_codes(path: &Path, largest: u16) -> Result<([Vec<f32>; 3], bool)> {
+    let stated = meaning(path)?;
+    let is_stated = stated.is_some();
+    let Meaning { curves, .. } = stated.unwrap_or_else(|| Meaning::new(Transfer::Srgb, DMat3::IDENTITY));
+    let of_codes = |curve: &Curve| (0..=largest).map(|code| curve(f32::from(code) / f32::from(largest))).collect();
+    Ok((curves.each_ref().map(of_codes), is_stated))
+}
+
+/// Whether the numbers are those of a sensor, unless the file says otherwise.
+fn is_digital_numbers(picture: &Picture) -> bool {
+    picture.unit.as_deref() == Some("DN")
+}
+
+/// Whether the numbers are those of a quantity with a unit.
+fn is_quantity(picture: &Picture) -> bool {
+    picture.full_scale.is_none() && picture.unit.is_some()
+}
+
+/// Linear sRGB of codes, or of floating-point numbers in another space.
+fn linear(picture: Picture, stated: Option<Meaning>, is_linear: bool) -> Result<Planes, Invalid> {
     let Meaning { mut curves, to_srgb } = stated.unwrap_or_else(|| Meaning::new(Transfer::Srgb, DMat3::IDENTITY));
     if is_linear || picture.full_scale.is_none() {
         curves = Meaning::new(Transfer::Linear, to_srgb).curves;
@@ -87,7 +147,7 @@ pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Resu
         let value = |i: usize| (x * f64::from(r[i]) + y * f64::from(g[i]) + z * f64::from(b[i])) as f32;
         Channel { name: name.to_owned(), data: (0..width * height).into_par_iter().map(value).collect() }
     });
-    Planes::new(width, height, converted.collect()).map_err(in_file)
+    Planes::new(width, height, converted.collect())
 }
 
 /// What the file says of its colours.
@@ -126,18 +186,11 @@ fn of_png(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
 }
 
 fn of_tiff(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
-    let unreadable = |error| Invalid::new("", format!("cannot read it as TIFF: {error}"));
-    let mut decoder = tiff::decoder::Decoder::new(file).map_err(unreadable)?;
-    match decoder.find_tag(Tag::IccProfile).map_err(unreadable)? {
-        Some(_) => of_profile(&decoder.get_tag_u8_vec(Tag::IccProfile).map_err(unreadable)?).map(Some),
-        None => Ok(None),
-    }
+    tiff_profile(file)?.map(|profile| of_profile(&profile)).transpose()
 }
 
 fn of_jpeg(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
-    let profile = JpegDecoder::new(file).and_then(|mut decoder| decoder.icc_profile());
-    let profile = profile.map_err(|error| Invalid::new("", format!("cannot read it as JPEG: {error}")))?;
-    profile.map(|profile| of_profile(&profile)).transpose()
+    jpeg_profile(file)?.map(|profile| of_profile(&profile)).transpose()
 }
 
 fn of_exr(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {

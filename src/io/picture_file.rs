@@ -3,8 +3,9 @@
 //! | file | channels | unit |
 //! |---|---|---|
 //! | EXR | as they are named; `variance.X` is the variance of `X`; of spectral pictures the bands, named by their wavelengths in nm, without the preview | attribute `unit` or `emissiveUnits` |
-//! | DNG, NPY, PBM, PGM, raw EXR, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic; `R`, `G`, `B` where every pixel has all of them | DN |
-//! | other PNG and TIFF, JPEG, PPM | `Y`, `R`, `G`, `B`, alpha `A` | codes, as they are encoded |
+//! | DNG, NPY of 16 bits, PBM, PGM, raw EXR, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic; `R`, `G`, `B` where every pixel has all of them | DN |
+//! | other PNG and TIFF, JPEG, PPM, NPY of 8 bits | `Y`, `R`, `G`, `B`, alpha `A` | codes, as they are encoded |
+//! | NPY and TIFF of floating-point numbers | the same | none |
 //!
 //! DNG and raw EXR files say which pixels see light: unless asked for, the masked ones are left out.
 
@@ -21,7 +22,7 @@ use super::exr::{ExrPicture, read_exr};
 use super::raw_exr::stated_active_area;
 use super::spectral_exr;
 use crate::image::{Channel, Planes};
-use crate::raw::{self, PixelArea, Pixels, read_pixels, refuse_planar_tiles};
+use crate::raw::{self, NpyNumbers, NpyPicture, PixelArea, Pixels, read_npy_picture, read_pixels, refuse_planar_tiles};
 use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
@@ -32,11 +33,12 @@ pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let name = path.display().to_string();
     let read: fn(&mut BufReader<File>, String) -> Result<Picture, Invalid> = match extension.as_str() {
-        "dng" | "npy" | "pbm" | "pgm" => {
+        "dng" | "pbm" | "pgm" => {
             return Ok(Picture::from_raw(name, raw::read(path)?.linear().into_owned(), pixels));
         }
         "exr" if pixels == Pixels::All => |file, name| of_exr(read_exr(file)?, name),
         "exr" => |file, name| of_active_area(read_exr(file)?, name),
+        "npy" => of_npy,
         "tif" | "tiff" => of_tiff,
         "png" => |file, name| of_codes(file, name, "PNG"),
         "jpg" | "jpeg" => |file, name| of_codes(file, name, "JPEG"),
@@ -106,6 +108,19 @@ fn of_pnm(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> 
     let raw = raw::read_pnm(file)?;
     let numbers = raw.data.iter().copied().map(f32::from);
     interleaved(name, [raw.width, raw.height], raw.cfa.samples_per_pixel(), numbers, Some(raw.white_level_dn))
+}
+
+fn of_npy(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {
+    let NpyPicture { width, height, channels, numbers } = read_npy_picture(file)?;
+    let size = [width, height];
+    match numbers {
+        NpyNumbers::U8(v) => interleaved(name, size, channels, v.into_iter().map(f32::from), Some(u8::MAX.into())),
+        NpyNumbers::U16(v) => {
+            let picture = interleaved(name, size, channels, v.into_iter().map(f32::from), Some(u16::MAX))?;
+            Ok(Picture { unit: Some("DN".to_owned()), ..picture })
+        }
+        NpyNumbers::F32(v) => interleaved(name, size, channels, v.into_iter(), None),
+    }
 }
 
 fn of_tiff(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {

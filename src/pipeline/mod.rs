@@ -54,7 +54,7 @@ pub use output_folder::OutputFolder;
 pub use parts::{Parts, check_samples};
 pub use prepare::Prepared;
 pub(crate) use provenance::{difference, fingerprinted, keys_and_files};
-pub use reexpose::StoredRender;
+pub use reexpose::{PictureScale, StoredRender};
 pub use render::{Rendered, render_into};
 pub use request::{LightSource, Request};
 pub use shot::{Light, Options, Shot, render};

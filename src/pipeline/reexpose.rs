@@ -13,17 +13,18 @@ use super::needs::Needs;
 use super::output_folder::OutputFolder;
 use super::results::{Carried, Frames, write_results};
 use super::stored_light::StoredLight;
-use crate::capture::{StoredCapture, StoredReport, relative_path};
+use crate::capture::{ExposureTime, StoredCapture, StoredReport, relative_path};
 use crate::develop::SensorCalibration;
-use crate::image::Estimate;
+use crate::image::{Estimate, Planes};
 use crate::integrator::WavelengthChoice;
+use crate::io::linear_picture::{PictureLight, read_picture_light};
 use crate::optics::{Camera, Focus, LensDescription};
 use crate::report::{LensReport, LightReport, REPORT, Report, SCHEMA_VERSION, Timings, TracedReport};
-use crate::sensor::{Exposure, SensorModel, electron_rates};
+use crate::sensor::{Exposure, PictureUnit, SensorModel, electron_rates, picture_electrons};
 use crate::spectrum::illuminant;
 use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
-use photosite_core::{Sandbox, memory};
+use photosite_core::{Remedy, Sandbox, memory};
 
 /// Light that was traced before, with what is known of it, to be exposed again.
 pub struct StoredRender {
@@ -40,6 +41,15 @@ impl StoredRender {
     pub fn read(sandbox: &Sandbox, input: &Path, overrides: &[String]) -> Result<Self> {
         let start = Instant::now();
         let stored = Stored::read(sandbox, input, overrides)?;
+        let load_s = start.elapsed().as_secs_f64();
+        Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, load_s })
+    }
+
+    /// Reads a picture of another program, whose numbers are light on the sensor as `scale` says. `overrides` change keys
+    /// of a capture of defaults.
+    pub fn of_picture(sandbox: &Sandbox, input: &Path, scale: &PictureScale, overrides: &[String]) -> Result<Self> {
+        let start = Instant::now();
+        let stored = Stored::of_picture(sandbox, input, scale, overrides)?;
         let load_s = start.elapsed().as_secs_f64();
         Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, load_s })
     }
@@ -106,7 +116,7 @@ fn expose_into(
             StoredLight::Irradiance { path, bands } => {
                 let rates =
                     electron_rates(&bands, &capture.sensor, &white).map_err(|invalid| invalid.in_file(&path))?;
-                let variance = crate::image::Planes::zeros::<&str>(bands.width(), bands.height(), []);
+                let variance = Planes::zeros::<&str>(bands.width(), bands.height(), []);
                 drop(bands);
                 let light = Estimate { mean: rates.rates, variance };
                 Ok((chain.expose(light, Seconds(1.0), None)?, rates.warnings))
@@ -172,6 +182,17 @@ fn placed_lens(recorded: &StoredCapture, reported: &LensReport) -> Option<(LensD
     // Where the camera stands makes no difference to what its lens does.
     let camera = camera_of(&lens, &recorded.sensor, DAffine3::IDENTITY, f64::NAN).ok()?;
     camera.makes_picture().then_some((lens, camera))
+}
+
+/// What the numbers of a picture of another program are on the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureScale {
+    /// What they count.
+    pub unit: PictureUnit,
+    /// How much of it a number of 1 is; of files of whole numbers, white.
+    pub one: f64,
+    /// Whether codes are in proportion to light, whatever the file says of them.
+    pub is_linear: bool,
 }
 
 /// What is read: the capture as it shall be, and the light for it.
@@ -246,6 +267,57 @@ impl Stored {
             calibration: report.sensor.calibration,
             traced: report.traced,
         })
+    }
+}
+
+impl Stored {
+    fn of_picture(sandbox: &Sandbox, input: &Path, scale: &PictureScale, overrides: &[String]) -> Result<Self> {
+        if StoredLight::read(input).is_ok() {
+            let invalid = Invalid::new("", "is stored light, and says itself what it holds");
+            return Err(invalid.help("expose it without a unit").in_file(input));
+        }
+        let PictureLight { planes, assumed } = read_picture_light(input, scale.is_linear)?;
+        let resolution = [planes.width(), planes.height()];
+        let mut capture = StoredCapture::of_picture(sandbox, input, resolution, overrides)?;
+        let found = picture_electrons(&planes, &capture.sensor, scale.unit, scale.one);
+        let found = found.map_err(|invalid| match invalid.key.as_str() {
+            "" => invalid.in_file(input),
+            _ => Error::Usage { message: format!("{}: {}", invalid.key, invalid.message), help: invalid.help },
+        })?;
+        let collected = match (found.per_second, capture.exposure.time) {
+            (true, _) => Seconds(1.0),
+            (false, ExposureTime::Fixed(time)) => time,
+            (false, ExposureTime::Auto(_)) => {
+                let message = "is not given, and the electrons of an exposure do not depend on its time, so that it cannot \
+                               be found automatically";
+                let help = Remedy::Override("exposure.time_s=0.01".to_owned());
+                return Err(Invalid::new("exposure.time_s", message).help(help).in_file(input));
+            }
+        };
+        let variance = Planes::zeros::<&str>(resolution[0], resolution[1], []);
+        let light = StoredLight::Electrons { electrons: Estimate { mean: found.electrons, variance }, collected };
+        light.check(&capture)?;
+        capture.warnings.push(format!("{assumed}; 1 is {}", in_words(scale)));
+        capture.warnings.extend(found.warnings);
+        let daylight = illuminant::d65();
+        let scene_light = match scale.unit {
+            PictureUnit::Lux => Some(LightReport::new(&daylight.scale(1.0 / f64::from(daylight.max())))),
+            PictureUnit::Electrons | PictureUnit::FullWell | PictureUnit::Irradiance { .. } => None,
+        };
+        let traced = TracedReport { scene_light, ..TracedReport::default() };
+        let later = Vec::new();
+        Ok(Self { capture, light, later, recorded: None, gains: None, calibration: None, traced })
+    }
+}
+
+/// What a number of 1 is.
+fn in_words(scale: &PictureScale) -> String {
+    let one = scale.one;
+    match scale.unit {
+        PictureUnit::Electrons => format!("{one} mean photo-electrons of a pixel in the exposure"),
+        PictureUnit::FullWell => format!("{one} of the full well in the exposure"),
+        PictureUnit::Lux => format!("{one} lx of D65 on the sensor, colours upsampled to spectra"),
+        PictureUnit::Irradiance { wavelength_nm } => format!("{one} W/m² on the sensor at {wavelength_nm} nm"),
     }
 }
 

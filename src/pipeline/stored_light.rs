@@ -10,7 +10,7 @@ use crate::io::exr::read_exr;
 use crate::io::spectral_exr::irradiance;
 use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
-use photosite_core::input;
+use photosite_core::{Help, Remedy, input};
 
 pub(super) enum StoredLight {
     /// Mean electrons of the sensor's channels, collected within a time.
@@ -24,7 +24,10 @@ impl StoredLight {
     pub(super) fn read(path: &Path) -> Result<Self> {
         let at = |invalid: Invalid| invalid.in_file(path);
         let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
-        let picture = read_exr(BufReader::new(file)).map_err(at)?;
+        let picture = read_exr(BufReader::new(file)).map_err(|invalid| {
+            let says_nothing = Invalid::new("", "does not say what its numbers are on the sensor");
+            at(if is_picture(path) { says_nothing.help(Remedy::LightUnit) } else { invalid })
+        })?;
         if picture.text("spectralLayoutVersion").is_some() {
             return Ok(Self::Irradiance { path: path.to_owned(), bands: irradiance(picture).map_err(at)? });
         }
@@ -33,7 +36,8 @@ impl StoredLight {
             return Ok(Self::Electrons { electrons, collected });
         }
         let invalid = Invalid::new("", "holds neither electrons nor spectral irradiance on a sensor");
-        Err(at(invalid.help("give an electrons.exr or irradiance.exr that photosite render wrote")))
+        let own = "give an electrons.exr or irradiance.exr that photosite render wrote".to_owned();
+        Err(at(invalid.help(Help::any([Remedy::Say(own), Remedy::LightUnit]))))
     }
 
     fn planes(&self) -> &Planes {
@@ -70,4 +74,10 @@ impl StoredLight {
             }
         }
     }
+}
+
+/// Whether a file is a picture of a kind that says nothing of units.
+fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    ["png", "tif", "tiff", "jpg", "jpeg", "pgm", "ppm", "pnm", "npy"].contains(&extension.as_str())
 }

@@ -21,6 +21,7 @@ fn folder(capture: String) -> Folder {
 #[case::no_spectrum("[sensor]\ncfa = 'rccb'", "sensor.channels.", "C")]
 #[case::no_letter("[sensor.channels.W]\nquantum_efficiency = 0.5", "has no channel \"W\"", "R, G, B")]
 #[case::tails("[sensor.noise]\nread_noise_degrees_of_freedom = 1.5", "must be above 2, got 1.5", "heavy tails")]
+#[case::spread("[sensor.noise]\nread_noise_spread_percent = 1e300", "must lie from 0 to 1000", "same read noise")]
 #[case::reset("[sensor.noise.reset]\ncapacitance_ff = -1", "noise.reset.capacitance_ff: must not be negative", "")]
 #[case::flicker("[sensor.noise.flicker]\nexponent = 0", "noise.flicker.exponent: must lie above 0 and up to 2", "")]
 #[case::telegraph("[sensor.noise.telegraph]\nlow_s = 0", "noise.telegraph.low_s: must be above 0", "low_s = 0.5")]

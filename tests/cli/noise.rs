@@ -44,6 +44,46 @@ fn of_several_pictures_and_of_one() {
 }
 
 #[test]
+fn sigma_maps_pages_and_plots_are_written_on_request() {
+    let folder = Folder::new([]);
+    flats(&folder);
+    let images: Vec<String> = (0..6).map(|i| format!("flats/Y/images/stack-bright-{i}.dng")).collect();
+    let images = images.join(" ");
+    let said = folder.succeed(&format!("noise {images} --sigma-map s.exr --page page.html --plots plots"));
+    assert!(said.text().contains("wrote s.exr"), "{}", said.stderr);
+    // The mean square of the map is the temporal noise, and its largest value the worst pixel's.
+    let temporal = &planes(&folder, &images)[0]["temporal"];
+    let file = std::fs::read(folder.path("s.exr")).expect("written");
+    let map = photosite::io::exr::read_exr(std::io::Cursor::new(file)).expect("an EXR file");
+    assert_eq!((map.text("unit"), map.planes.width(), map.planes.height()), (Some("DN"), 64, 48));
+    let sigmas = &map.planes.channels()[0].data;
+    let mean_square = sigmas.iter().map(|&s| f64::from(s).powi(2)).sum::<f64>() / sigmas.len() as f64;
+    assert!((mean_square / temporal["noise"]["variance"].as_f64().expect("a number") - 1.0).abs() < 1e-6);
+    assert_eq!(temporal["map"]["freedom"], 5.0);
+    let page = std::fs::read_to_string(folder.path("page.html")).expect("written");
+    for words in ["Standard deviations of the pixels", "Autocovariance", "of the noisiest pixel", "<svg"] {
+        assert!(page.contains(words), "{words}");
+    }
+    for name in ["sigma-map", "neighbourhoods", "autocovariance", "correlation"] {
+        let plot = image::open(folder.path(&format!("plots/raw-{name}.png"))).expect("a picture");
+        assert_eq!((plot.width(), plot.height()), (720, 480));
+    }
+    for (arguments, status, message) in [
+        ("--sigma-map s.exr", 2, "exists already"),
+        ("--page page.html", 2, "exists already"),
+        ("--plots plots", 2, "exists already"),
+        ("--sigma-map s.png", 2, "ends with .exr, .npy or .tiff"),
+        ("--square 1", 2, "--square"),
+    ] {
+        folder.fail(&format!("noise {images} {arguments}"), status, &[message]);
+    }
+    folder.succeed(&format!("noise {images} --page page.html --plots plots --force"));
+    let one = images.split(' ').next().expect("six");
+    folder.fail(&format!("noise {one} --sigma-map one.npy"), 2, &["two or more pictures"]);
+    assert!(!folder.path("one.npy").exists());
+}
+
+#[test]
 fn places_of_a_mosaic_are_looked_at_one_by_one() {
     let folder = crate::room::room("[render]\nsamples_per_pixel = 1");
     folder.succeed("render capture.toml -o out");

@@ -43,6 +43,7 @@ pub(crate) fn noisy_sensor() -> SensorModel {
     sensor.noise = Noise {
         read: Electrons(40.0),
         read_degrees_of_freedom: Some(4.0),
+        read_spread: 0.3,
         dark_current_e_per_s: 400.0,
         dark_current_nonuniformity: 0.3,
         prnu: FixedPattern { pixel: 0.02, row: 0.01, column: 0.01 },

@@ -86,6 +86,38 @@ fn rows_and_columns_share_their_noise_in_one_picture_only() {
 }
 
 #[test]
+fn every_pixel_keeps_its_own_read_noise_and_all_together_the_stated_one() {
+    const FRAMES: u64 = 64;
+    let mut sensor = quiet_sensor();
+    sensor.noise.read = Electrons(500.0);
+    sensor.noise.read_spread = 0.4;
+    let logarithms = |sensor: &SensorModel, first: u64| -> Vec<f64> {
+        let frames =
+            (first..first + FRAMES).map(|frame| noise(sensor, [128, 96], 30_000.0, &[Stage::ReadNoise], frame));
+        let frames: Vec<Vec<f64>> = frames.collect();
+        (0..128 * 96).map(|i| frames.iter().map(|f| f[i]).collect::<Moments>().variance().ln()).collect()
+    };
+    let found = logarithms(&sensor, 0);
+    let m: Moments = found.iter().copied().collect();
+    // ln σ̂² = ln σ² + 2·(t·n − t²) + ln(χ²/k), whose mean and variance are ψ(k/2) − ln(k/2) and ψ′(k/2).
+    let (t2, half) = (1.16f64.ln(), (FRAMES - 1) as f64 / 2.0);
+    let mean = 2.0 * 500f64.ln() - 2.0 * t2 - 0.5 / half - 1.0 / (12.0 * half * half);
+    let variance = 4.0 * t2 + 1.0 / half + 0.5 / half.powi(2);
+    let n = found.len() as f64;
+    assert!((m.mean() - mean).abs() < 5.0 * (variance / n).sqrt(), "{} for {mean}", m.mean());
+    assert!((m.variance() / variance - 1.0).abs() < 5.0 * (2.0 / n).sqrt(), "{} for {variance}", m.variance());
+    // The same pixels are noisy in other frames, and others in another sensor: correlation 4·t²/variance, or none.
+    let correlation = |other: &[f64]| {
+        let o: Moments = other.iter().copied().collect();
+        let product: f64 = found.iter().zip(other).map(|(a, b)| (a - m.mean()) * (b - o.mean())).sum();
+        product / n / (m.variance() * o.variance()).sqrt()
+    };
+    assert!((correlation(&logarithms(&sensor, 100)) - 4.0 * t2 / variance).abs() < 5.0 / n.sqrt());
+    sensor.serial += 1;
+    assert!(correlation(&logarithms(&sensor, 200)).abs() < 5.0 / n.sqrt());
+}
+
+#[test]
 fn heavy_tails_have_the_quantiles_of_their_distribution_and_the_stated_deviation() {
     let mut sensor = quiet_sensor();
     sensor.noise.read = Electrons(500.0);

@@ -41,6 +41,8 @@ pub enum Remedy {
     Nearest,
     /// Say that the numbers of a picture are in proportion to light.
     Linear,
+    /// Say what the numbers of a picture are on the sensor.
+    LightUnit,
 }
 
 impl Help {
@@ -78,6 +80,7 @@ impl fmt::Display for Remedy {
             }
             Self::Nearest => f.write_str("ask for the nearest that there is"),
             Self::Linear => f.write_str("say that its codes are in proportion to light"),
+            Self::LightUnit => f.write_str("say what the numbers of the picture are on the sensor"),
         }
     }
 }

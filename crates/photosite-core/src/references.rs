@@ -317,9 +317,15 @@
 //! ## TruccoVerri98
 //! E. Trucco, A. Verri, *Introductory Techniques for 3-D Computer Vision* (1998), chapter 2.
 //!
-//! ## WilsonHilferty31
-//! E. B. Wilson, M. M. Hilferty, "The Distribution of Chi-Square", Proceedings of the National Academy of Sciences 17
-//! (1931).
+//! ## Dlmf
+//! *NIST Digital Library of Mathematical Functions*, <https://dlmf.nist.gov/>, chapter 8 on incomplete gamma functions.
+//!
+//! ## Goodman07
+//! J. W. Goodman, *Speckle Phenomena in Optics: Theory and Applications* (2007), §3.2 and §4.1.
+//!
+//! ## Jain89
+//! A. K. Jain, *Fundamentals of Digital Image Processing* (1989), §8.2 on noise that depends on the signal, §8.13 on
+//! speckle.
 //!
 //! ## Green08
 //! M. A. Green, "Self-consistent optical parameters of intrinsic silicon at 300 K including temperature coefficients",

@@ -1,9 +1,18 @@
-//! Bounds on floating-point rounding error, after [pbrt4](crate::references#pbrt4) §6.8.1.
+//! Bounds on floating-point rounding error, after [pbrt4](crate::references#pbrt4) §6.8.1, and numbers of few digits.
 
 /// γₙ = n·ε/(1 − n·ε): the relative error of n chained f32 operations is at most γₙ, with ε = 2⁻²⁴ (eq. 6.20).
 pub const fn gamma(n: u32) -> f32 {
     let half_ulp = f32::EPSILON * 0.5;
     (n as f32 * half_ulp) / (1.0 - n as f32 * half_ulp)
+}
+
+/// So many significant digits, few enough for people.
+pub fn rounded(x: f64, digits: i32) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let scale = 10f64.powf(f64::from(digits - 1) - x.abs().log10().floor());
+    if scale.is_finite() && scale > 0.0 { (x * scale).round() / scale } else { x }
 }
 
 #[cfg(test)]

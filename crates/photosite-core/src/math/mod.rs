@@ -1,8 +1,9 @@
 //! Mathematics that knows nothing of light: frames, cones of directions, warps of the unit square, discrete
 //! distributions, hashing, counter-based random numbers, linear equations, minima, floating-point error bounds,
-//! probability densities with a measure, the normal distribution, statistics, sums of 106 bits, formulas for one number
-//! and for eight at a time.
+//! probability densities with a measure, the normal and the χ² distribution, statistics, sums of 106 bits, formulas for
+//! one number and for eight at a time.
 
+pub mod chi_squared;
 pub mod cone;
 pub mod distribution;
 pub mod double_double;

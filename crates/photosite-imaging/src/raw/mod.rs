@@ -30,7 +30,7 @@ pub use file::read;
 pub use gain_map::GainMap;
 pub use lens_model::{LensModel, Undistortion};
 pub use npy::with_short_header;
-pub use npy::{read_npy, write_npy};
+pub use npy::{NpyNumbers, NpyPicture, read_npy, read_npy_picture, write_npy};
 pub use pnm::{read_pnm, write_pgm};
 pub use tiff::{read_pixels, refuse_planar_tiles};
 pub use tiff::{read_tiff, write_tiff};

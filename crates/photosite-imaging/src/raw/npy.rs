@@ -21,11 +21,53 @@ pub fn write_npy<W: Write>(raw: &RawImage, to: W) -> io::Result<()> {
 /// Reads an array of `uint16` with two axes as the numbers of a monochrome sensor, and one with a third axis of three
 /// channels as RGB: nothing in it says more.
 pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
-    let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as NPY: {error}"));
+    let NpyPicture { width, height, channels, numbers } = read_npy_picture(from)?;
+    let cfa = match channels {
+        1 => Cfa::mono(),
+        3 => Cfa::full(["R", "G", "B"])?,
+        _ => {
+            return Err(unreadable(&format!("{channels} channels are no raw picture"))
+                .help("write an array of shape (rows, columns), or (rows, columns, 3) for RGB"));
+        }
+    };
+    match numbers {
+        NpyNumbers::U16(data) => Ok(RawImage::bare(width, height, data, cfa, u16::MAX)),
+        NpyNumbers::U8(_) | NpyNumbers::F32(_) => {
+            Err(unreadable(&"its numbers are no digital numbers of 16 bits").help("write an array of uint16"))
+        }
+    }
+}
+
+/// A picture as an array holds it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NpyPicture {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// 1 to 4 numbers a pixel, one beside the other.
+    pub channels: usize,
+    /// All of them.
+    pub numbers: NpyNumbers,
+}
+
+/// Numbers of an array.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NpyNumbers {
+    /// `uint8`.
+    U8(Vec<u8>),
+    /// `uint16`.
+    U16(Vec<u16>),
+    /// `float32`, or `float64` in single precision.
+    F32(Vec<f32>),
+}
+
+/// Reads an array of shape (rows, columns) or (rows, columns, channels), of 8 or 16 bits or of floating-point numbers.
+pub fn read_npy_picture<R: Read>(from: R) -> Result<NpyPicture, Invalid> {
     let array = NpyFile::new(with_short_header(from)?).map_err(|e| unreadable(&e))?;
-    let (height, width, cfa) = match *array.shape() {
-        [height, width] => (height, width, Cfa::mono()),
-        [height, width, 3] => (height, width, Cfa::full(["R", "G", "B"])?),
+    let (height, width, channels) = match *array.shape() {
+        [height, width] => (height, width, 1),
+        [height, width, channels @ 1..=4] => (height, width, channels as usize),
         _ => {
             return Err(unreadable(&format!("an array of shape {:?} is no picture", array.shape()))
                 .help("write an array of shape (rows, columns), or (rows, columns, 3) for RGB"));
@@ -38,9 +80,29 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
     if array.order() == Order::Fortran {
         return Err(unreadable(&"its columns come first").help("write numpy.ascontiguousarray(array) instead"));
     }
-    let numbers = array.data::<u16>().map_err(|e| unreadable(&e).help("write an array of uint16"))?;
-    let wanted = width as usize * height as usize * cfa.samples_per_pixel();
-    check_memory([width as usize, height as usize], cfa.samples_per_pixel())?;
+    let (width, height) = (width as usize, height as usize);
+    check_memory([width, height], channels)?;
+    let wanted = width * height * channels;
+    let numbers = match array.try_data::<u16>() {
+        Ok(numbers) => NpyNumbers::U16(all(numbers, wanted)?),
+        Err(array) => match array.try_data::<u8>() {
+            Ok(numbers) => NpyNumbers::U8(all(numbers, wanted)?),
+            Err(array) => match array.try_data::<f32>() {
+                Ok(numbers) => NpyNumbers::F32(all(numbers, wanted)?),
+                Err(array) => {
+                    let numbers = array.data::<f64>();
+                    let numbers = numbers
+                        .map_err(|e| unreadable(&e).help("write an array of uint8, uint16, float32 or float64"))?;
+                    NpyNumbers::F32(all(numbers.map(|number| number.map(|number| number as f32)), wanted)?)
+                }
+            },
+        },
+    };
+    Ok(NpyPicture { width, height, channels, numbers })
+}
+
+/// As many numbers as the shape says.
+fn all<T>(numbers: impl Iterator<Item = io::Result<T>>, wanted: usize) -> Result<Vec<T>, Invalid> {
     // Not with the capacity that the header states, which may be damaged.
     let mut data = Vec::new();
     for number in numbers {
@@ -50,7 +112,11 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
         });
         data.push(number.map_err(|invalid| invalid.help("the file is cut short"))?);
     }
-    Ok(RawImage::bare(width as usize, height as usize, data, cfa, u16::MAX))
+    Ok(data)
+}
+
+fn unreadable(error: &dyn std::fmt::Display) -> Invalid {
+    Invalid::new("", format!("cannot read it as NPY: {error}"))
 }
 
 /// Bytes of the longest header: that of a picture has a line of text.
@@ -127,6 +193,23 @@ mod tests {
     }
 
     #[test]
+    fn pictures_of_any_numbers_are_read() {
+        fn file<T: npyz::AutoSerialize>(shape: &[u64], numbers: impl IntoIterator<Item = T>) -> NpyPicture {
+            let mut file = Vec::new();
+            let mut array =
+                npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut file).begin_nd().expect("begun");
+            array.extend(numbers).and_then(|()| array.finish()).expect("written");
+            read_npy_picture(&file[..]).expect("read")
+        }
+        let picture = |channels, numbers| NpyPicture { width: 3, height: 1, channels, numbers };
+        assert_eq!(file(&[1, 3], [1u8, 2, 255]), picture(1, NpyNumbers::U8(vec![1, 2, 255])));
+        assert_eq!(file(&[1, 3, 1], [1u16, 2, 65_535]), picture(1, NpyNumbers::U16(vec![1, 2, 65_535])));
+        let numbers = [0.5f32, -1.0, 1e9, 0.0, 1.0, 2.0];
+        assert_eq!(file(&[1, 3, 2], numbers), picture(2, NpyNumbers::F32(numbers.to_vec())));
+        assert_eq!(file(&[1, 3, 2], numbers.map(f64::from)), picture(2, NpyNumbers::F32(numbers.to_vec())));
+    }
+
+    #[test]
     fn only_rows_of_16_bit_numbers_are_a_mosaic() {
         let read = |header: &str| {
             let length = (header.len() as u16).to_le_bytes();
@@ -141,7 +224,10 @@ mod tests {
             (header("<u2", "False", "(2,)"), "shape [2]"),
             (header("<u2", "False", "(0, 2)"), "not a picture"),
             (header("<u2", "False", "(1, 99999)"), "not a picture"),
-            (header("<f4", "False", "(1, 1)"), "cannot read it as NPY"),
+            (header("<f4", "False", "(1, 1)"), "no digital numbers of 16 bits"),
+            (header("|u1", "False", "(2, 2)"), "no digital numbers of 16 bits"),
+            (header("<i4", "False", "(1, 1)"), "cannot read it as NPY"),
+            (header("<u2", "False", "(1, 1, 2)"), "2 channels"),
             (header("<u2", "True", "(1, 2)"), "columns come first"),
             (header("<u2", "False", "(2, 2)"), "cannot read it as NPY"),
         ] {

@@ -15,6 +15,7 @@ mod band_light;
 mod chain;
 mod exposure;
 mod model;
+mod picture_light;
 mod prediction;
 pub mod presets;
 mod signal;
@@ -36,6 +37,7 @@ pub use model::{
     Shutter, ShutterDescription, ShutterKind, SignalInterpolation, Spad, SpadDescription, SpectrumSource,
     TelegraphDescription, TelegraphSignal, Video, VideoCurve, VideoDescription,
 };
+pub use picture_light::{PictureElectrons, PictureUnit, picture_electrons};
 pub use prediction::{Neighbours, noise_ratio, samples_needed, smoothed_mean};
 pub use signal::effects::{MapUnit, NoiseMap, Stage, Stages};
 pub use signal::noise_key::NoiseKey;

@@ -1,136 +1,104 @@
 //! Estimates of the noise of any picture: from several pictures of the same scene, from a patch of even light, from a
 //! patch with linear shading.
 //!
-//! In: values of the same patch in one or more pictures, in any unit. Out: a [`NoiseEstimate`]. All estimates are of
-//! the picture as it is: fixed patterns count as noise unless several pictures tell them apart.
+//! In: values of the same patch in one or more pictures, in any unit. Out: a [`NoiseEstimate`], and on request the σ of
+//! every pixel ([`sigma_map`]). All estimates are of the picture as it is: fixed patterns count as noise unless several
+//! pictures tell them apart.
 
 mod autocovariance;
+mod estimate;
+mod figures;
+mod knowledge;
+mod neighbourhoods;
 mod patch;
 mod plane_fit;
+mod sigma_distribution;
+mod signal_to_noise;
 mod temporal;
 
-use serde::Serialize;
-
-use super::Decibel;
 use photosite_core::Invalid;
 
 pub use autocovariance::Autocovariance;
+pub use estimate::{NoiseEstimate, Quantisation};
+pub use figures::figures;
+pub use knowledge::Knowledge;
+pub use neighbourhoods::Neighbourhoods;
 pub use patch::{Patch, Variance};
 pub use plane_fit::{ChiSquared, PlaneFit};
+pub use sigma_distribution::SigmaDistribution;
+pub use signal_to_noise::{Contrast, SignalToNoise};
 pub use temporal::TemporalNoise;
 
-/// What is known of a picture besides its values.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Knowledge {
-    /// Value of no signal.
-    pub black: f64,
-    /// Value of the largest signal.
-    pub white: Option<f64>,
-    /// Distance between neighbouring values, where they were rounded.
-    pub step: Option<f64>,
-    /// Variance that each pixel should have.
-    pub variance: Option<f64>,
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Autocovariance is estimated up to a distance of so many pixels.
+    pub most_lag: usize,
+    /// Side of the squares that get a plane of their own, pixels, from 2 on.
+    pub side: usize,
 }
 
-/// What a patch tells of its noise. σ are standard deviations; "error" is the standard error of the figure before it,
-/// for normally distributed noise.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NoiseEstimate {
-    /// Pictures that were looked at.
-    pub pictures: usize,
-    /// Columns and rows of the patch.
-    pub size: [usize; 2],
-    /// Mean value μ.
-    pub mean: f64,
-    /// From several pictures: what changes from one to the next.
-    pub temporal: Option<TemporalNoise>,
-    /// From one patch taken to be even: its sample variance Σ(y − μ)²/(n − 1). Of several pictures it is that of their
-    /// average.
-    pub uniform: Variance,
-    /// From one patch whose shading is linear: a plane and what is left of it.
-    pub plane: PlaneFit,
-    /// How noise of neighbouring pixels goes together: of what changes from picture to picture, or of what a plane
-    /// leaves.
-    pub autocovariance: Autocovariance,
-    /// Signal over noise.
-    pub snr: SignalToNoise,
-    /// Rounding's part.
-    pub quantisation: Option<Quantisation>,
+/// σ of each pixel over two or more pictures of the same light, √(Σ(y_i − ȳ)²/(N − 1)), row by row
+/// ([TruccoVerri98](photosite_core::references#truccoverri98), algorithm `EST_NOISE`).
+pub fn sigma_map(patches: &[Patch]) -> Result<Vec<f64>, Invalid> {
+    same_size(patches)?;
+    if patches.len() < 2 {
+        let invalid = Invalid::new("", "one picture does not tell how each pixel changes");
+        return Err(invalid.help("give two or more pictures of the same scene"));
+    }
+    Ok(temporal::sigma_map(patches, &temporal::average(patches)))
 }
 
-/// Signal over noise: (μ − black)/σ, with σ the temporal noise where it is known, and what the plane leaves otherwise.
-/// `None` where there is no signal or no noise.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SignalToNoise {
-    /// (μ − black)/σ.
-    pub ratio: Option<f64>,
-    /// 20·log₁₀ of it.
-    pub db: Option<f64>,
-    /// log₂ of it.
-    pub bits: Option<f64>,
-    /// Bits of an ideal converter of the same range and noise, log₂((white − black)/(σ·√12)).
-    pub effective_bits: Option<f64>,
-}
-
-/// What rounding to steps of q adds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Quantisation {
-    /// q.
-    pub step: f64,
-    /// Its variance q²/12, if the noise is no smaller than about half a step.
-    pub variance: f64,
-    /// Its part of the variance found, percent.
-    pub part_percent: Option<f64>,
-}
-
-/// Estimates the noise of a patch in one or more pictures of the same light. Autocovariance is estimated up to a
-/// distance of `most_lag` pixels.
-pub fn estimate(patches: &[Patch], known: &Knowledge, most_lag: usize) -> Result<NoiseEstimate, Invalid> {
+/// Columns and rows of all pictures.
+fn same_size(patches: &[Patch]) -> Result<[usize; 2], Invalid> {
     let Some(first) = patches.first() else { return Err(Invalid::new("", "there is no picture")) };
     let size = [first.width, first.height];
-    if let Some(other) = patches.iter().find(|p| [p.width, p.height] != size) {
-        let message =
-            format!("pictures of {size:?} and of {:?} pixels do not go together", [other.width, other.height]);
-        return Err(Invalid::new("", message));
+    match patches.iter().map(|p| [p.width, p.height]).find(|other| *other != size) {
+        Some(other) => {
+            Err(Invalid::new("", format!("pictures of {size:?} and of {other:?} pixels do not go together")))
+        }
+        None => Ok(size),
     }
+}
+
+/// Estimates the noise of a patch in one or more pictures of the same light.
+pub fn estimate(patches: &[Patch], known: &Knowledge, request: Request) -> Result<NoiseEstimate, Invalid> {
+    let size = same_size(patches)?;
     let temporal = TemporalNoise::new(patches);
     let average = temporal::average(patches);
     let mean = average.mean();
     let freedom = (average.values.len() - 1) as f64;
     let uniform = Variance::of(average.values.iter().map(|y| (y - mean).powi(2)).sum(), freedom);
+    let found_variance = temporal.as_ref().map(|t| t.noise.variance);
     // A mean of several pictures has the variance of one of them divided by their number.
     let pictures = patches.len() as f64;
-    let known_variance = known.variance.or(temporal.map(|t| t.noise.variance)).map(|variance| variance / pictures);
-    let (plane, residuals) = PlaneFit::new(&average, known_variance);
+    let (plane, residuals) =
+        PlaneFit::new(&average, known.variance.or(found_variance).map(|variance| variance / pictures));
     let autocovariance = if temporal.is_some() {
-        Autocovariance::mean_of(&temporal::deviations(patches, &average), size, most_lag)
+        Autocovariance::mean_of(&temporal::deviations(patches, &average), size, request.most_lag)
     } else {
-        Autocovariance::mean_of(&[residuals], size, most_lag)
+        Autocovariance::mean_of(&[residuals], size, request.most_lag)
     };
-    let noise = temporal.map_or(plane.noise, |t| t.noise);
-    let above_0 = |x: f64| Some(x).filter(|x| x.is_finite() && *x > 0.0);
-    let ratio = above_0((mean - known.black) / noise.sigma);
+    let noise = temporal.as_ref().map_or(plane.noise, |t| t.noise);
+    // What averaging leaves of the noise is no signal.
+    let left = if temporal.is_some() { noise.variance / pictures } else { noise.variance };
+    let signal_variance = uniform.variance - left;
+    let largest = temporal.as_ref().map(|t| t.largest_sigma);
     Ok(NoiseEstimate {
         pictures: patches.len(),
         size,
         mean,
-        temporal,
         uniform,
         plane,
+        neighbourhoods: Neighbourhoods::new(patches, request.side, known.variance.or(found_variance)),
         autocovariance,
-        snr: SignalToNoise {
-            ratio,
-            db: ratio.map(Decibel::db),
-            bits: ratio.map(Decibel::bits),
-            effective_bits: known
-                .white
-                .and_then(|white| above_0((white - known.black) / (noise.sigma * 12f64.sqrt())))
-                .map(Decibel::bits),
-        },
+        snr: SignalToNoise::new(known, mean, signal_variance, noise.sigma, largest),
         quantisation: known.step.map(|step| {
             let variance = step * step / 12.0;
-            Quantisation { step, variance, part_percent: above_0(100.0 * variance / noise.variance) }
+            let part = 100.0 * variance / noise.variance;
+            Quantisation { step, variance, part_percent: Some(part).filter(|x| x.is_finite() && *x > 0.0) }
         }),
+        temporal,
     })
 }
 
@@ -143,6 +111,7 @@ mod tests {
     use super::*;
     use photosite_core::math::philox::Philox;
 
+    const REQUEST: Request = Request { most_lag: 4, side: 8 };
     const SIZE: [usize; 2] = [96, 64];
     const PIXELS: f64 = 96.0 * 64.0;
 
@@ -161,9 +130,9 @@ mod tests {
     fn several_pictures_tell_noise_from_pattern() {
         let pictures: Vec<Patch> = (0..8).map(|i| picture(i, [0.0; 2], 5.0, 3.0)).collect();
         let known = Knowledge { black: 100.0, white: Some(4095.0), step: Some(1.0), variance: None };
-        let found = estimate(&pictures, &known, 4).expect("a patch");
+        let found = estimate(&pictures, &known, REQUEST).expect("a patch");
         // Standard errors: σ²·√(2/freedom) with 7 degrees of freedom a pixel; 5 of them.
-        let temporal = found.temporal.expect("several pictures");
+        let temporal = found.temporal.clone().expect("several pictures");
         assert_relative_eq!(
             temporal.noise.error,
             temporal.noise.variance * (2.0 / (7.0 * PIXELS)).sqrt(),
@@ -181,6 +150,18 @@ mod tests {
         assert_relative_eq!(found.snr.bits.expect("a signal"), 8.2288, epsilon = 2.0 * within);
         assert_relative_eq!(found.snr.effective_bits.expect("a range"), 8.5866, epsilon = 2.0 * within);
         assert_relative_eq!(found.quantisation.expect("steps").variance, 1.0 / 12.0);
+        // Signal: the pattern of σ = 5 over noise of 3, in amplitudes: 10·log₁₀(5/3) = 2.218, 20·log₁₀(5/3) = 4.437.
+        let contrast = found.snr.contrast.expect("a pattern");
+        assert_relative_eq!(contrast.signal_sigma, 5.0, max_relative = 5.0 * found.uniform.error / 50.0);
+        assert_relative_eq!(contrast.db_of_sigma, 10.0 * contrast.ratio.log10(), max_relative = 1e-12);
+        assert_relative_eq!(contrast.db, 2.0 * contrast.db_of_sigma, max_relative = 1e-12);
+        let worst = found.snr.worst_ratio.expect("several pictures");
+        assert_relative_eq!(worst, 900.0 / temporal.largest_sigma, max_relative = 1e-3);
+        // Each pixel's σ has seven degrees of freedom, and all have the same noise.
+        assert_eq!((temporal.map.count, temporal.map.freedom), (96 * 64, 7.0));
+        assert!(temporal.map.p_value > 1e-3, "{:?}", temporal.map.p_value);
+        assert_eq!(sigma_map(&pictures).expect("several").iter().copied().fold(0.0, f64::max), temporal.largest_sigma);
+        assert!(sigma_map(&pictures[..1]).is_err());
         // The pattern is no plane, and the noise is known: χ² tells.
         let chi = found.plane.chi_squared.expect("the noise is known");
         assert!(chi.reduced > 20.0 && chi.p_value < 1e-12, "{chi:?}");
@@ -190,7 +171,7 @@ mod tests {
     fn a_plane_takes_linear_shading_away() {
         let patch = picture(0, [0.5, -0.25], 0.0, 2.0);
         let known = Knowledge { variance: Some(4.0), ..Knowledge::default() };
-        let found = estimate(std::slice::from_ref(&patch), &known, 4).expect("a patch");
+        let found = estimate(std::slice::from_ref(&patch), &known, REQUEST).expect("a patch");
         // Taken as even, shading counts as noise: Σ(0.5·x)² = ¼·(96² − 1)/12 and 1/16·(64² − 1)/12 on top.
         let shading = 0.25 * (96.0f64.powi(2) - 1.0) / 12.0 + (64.0f64.powi(2) - 1.0) / (16.0 * 12.0);
         assert_relative_eq!(found.uniform.variance, 4.0 + shading, max_relative = 0.02);
@@ -210,7 +191,7 @@ mod tests {
     #[test]
     fn a_plane_without_noise_leaves_nothing() {
         let patch = picture(0, [0.5, -0.25], 0.0, 0.0);
-        let found = estimate(&[patch], &Knowledge::default(), 4).expect("a patch");
+        let found = estimate(&[patch], &Knowledge::default(), REQUEST).expect("a patch");
         assert_relative_eq!(found.plane.slope[0], 0.5, max_relative = 1e-12);
         assert_relative_eq!(found.plane.slope[1], -0.25, max_relative = 1e-12);
         assert!(found.plane.noise.sigma < 1e-9);
@@ -226,7 +207,8 @@ mod tests {
             Patch::new(width, height, values.iter().map(|v| v.round()).collect()).expect("a patch")
         };
         let pictures: Vec<Patch> = (0..16).map(rounded).collect();
-        let found = estimate(&pictures, &Knowledge { step: Some(1.0), ..Knowledge::default() }, 4).expect("a patch");
+        let found =
+            estimate(&pictures, &Knowledge { step: Some(1.0), ..Knowledge::default() }, REQUEST).expect("a patch");
         let noise = found.temporal.expect("several pictures").noise;
         assert!((noise.variance - 4.0 - 1.0 / 12.0).abs() < 5.0 * noise.error, "{noise:?}");
         // An error of 5·√(2/(15·6144)) = 2.3 % is a third of 1/12: without it the test would fail, too.
@@ -240,6 +222,6 @@ mod tests {
         assert!(Patch::new(1, 4, vec![0.0; 4]).is_err());
         assert!(Patch::new(2, 2, vec![0.0; 5]).is_err());
         assert!(Patch::new(2, 2, vec![0.0, 1.0, f64::NAN, 1.0]).is_err());
-        assert!(estimate(&[], &Knowledge::default(), 4).is_err());
+        assert!(estimate(&[], &Knowledge::default(), REQUEST).is_err());
     }
 }

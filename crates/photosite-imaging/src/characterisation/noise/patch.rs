@@ -25,6 +25,16 @@ impl Patch {
         Ok(Self { width, height, values })
     }
 
+    /// Squares of `side` × `side` pixels side by side from the top-left corner on.
+    pub(super) fn squares(&self, side: usize) -> impl Iterator<Item = Self> + '_ {
+        let corners = move |length: usize| (0..(length + 1).saturating_sub(side)).step_by(side);
+        let square = move |x: usize, y: usize| {
+            let row = |y: usize| self.values[y * self.width + x..][..side].iter().copied();
+            Self { width: side, height: side, values: (y..y + side).flat_map(row).collect() }
+        };
+        corners(self.height).flat_map(move |y| corners(self.width).map(move |x| square(x, y)))
+    }
+
     pub(super) fn mean(&self) -> f64 {
         self.values.iter().sum::<f64>() / self.values.len() as f64
     }

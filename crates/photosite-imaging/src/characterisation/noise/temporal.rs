@@ -3,15 +3,18 @@
 use serde::Serialize;
 
 use super::patch::{Patch, Variance};
+use super::sigma_distribution::SigmaDistribution;
 
 /// Noise that changes from picture to picture ([TruccoVerri98](photosite_core::references#truccoverri98), algorithm
 /// `EST_NOISE`).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TemporalNoise {
     /// Mean over all pixels of each pixel's sample variance over N pictures, Σ(y_i − ȳ)²/(N − 1).
     pub noise: Variance,
-    /// Largest σ of a single pixel.
+    /// Largest σ of a single pixel: the worst case of `EST_NOISE`, of which the mean of `map` is the other figure.
     pub largest_sigma: f64,
+    /// The σ map, √(Σ(y_i − ȳ)²/(N − 1)) of each pixel, as a distribution of N − 1 degrees of freedom.
+    pub map: SigmaDistribution,
     /// Fixed pattern: sample variance of the average picture less noise/N; `None` where that is negative.
     pub pattern: Option<Variance>,
 }
@@ -24,16 +27,16 @@ impl TemporalNoise {
         }
         let average = average(patches);
         let (pictures, pixels) = (patches.len() as f64, average.values.len() as f64);
-        let of_pixel = |(i, mean): (usize, &f64)| patches.iter().map(|p| (p.values[i] - mean).powi(2)).sum::<f64>();
-        let squares = || average.values.iter().enumerate().map(of_pixel);
-        let noise = Variance::of(squares().sum(), pixels * (pictures - 1.0));
-        let largest = squares().fold(0.0, f64::max);
+        let freedom = pictures - 1.0;
+        let sigmas = sigma_map(patches, &average);
+        let noise = Variance::of(sigmas.iter().map(|s| freedom * s * s).sum(), pixels * freedom);
         let mean = average.mean();
         let spread: f64 = average.values.iter().map(|y| (y - mean).powi(2)).sum();
         let pattern = spread / (pixels - 1.0) - noise.variance / pictures;
         Some(Self {
             noise,
-            largest_sigma: (largest / (pictures - 1.0)).sqrt(),
+            largest_sigma: sigmas.iter().copied().fold(0.0, f64::max),
+            map: SigmaDistribution::new(sigmas, freedom, noise.sigma),
             pattern: (pattern >= 0.0).then(|| Variance {
                 // What averaging leaves is known much better than the spread.
                 error: Variance::of(spread, pixels - 1.0).error,
@@ -42,6 +45,13 @@ impl TemporalNoise {
             }),
         })
     }
+}
+
+/// σ of each pixel over two or more pictures, √(Σ(y_i − ȳ)²/(N − 1)).
+pub(super) fn sigma_map(patches: &[Patch], average: &Patch) -> Vec<f64> {
+    let freedom = (patches.len() - 1) as f64;
+    let squares = |(i, mean): (usize, &f64)| patches.iter().map(|p| (p.values[i] - mean).powi(2)).sum::<f64>();
+    average.values.iter().enumerate().map(|pixel| (squares(pixel) / freedom).sqrt()).collect()
 }
 
 /// The average picture.

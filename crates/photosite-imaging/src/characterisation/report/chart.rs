@@ -1,11 +1,15 @@
-//! Plots of curves and points as SVG.
+//! Plots of curves and points as SVG and as PNG.
+
+use std::sync::Once;
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::{
-    ChartBuilder, Circle, DashedLineSeries, DrawingArea, DrawingAreaErrorKind, IntoDrawingArea, IntoFont, IntoLogRange,
-    LineSeries, PathElement, RGBColor, Ranged, SVGBackend, SeriesLabelPosition, ShapeStyle, WHITE,
+    BitMapBackend, ChartBuilder, Circle, DashedLineSeries, DrawingArea, DrawingAreaErrorKind, DrawingBackend,
+    FontStyle, IntoDrawingArea, IntoFont, IntoLogRange, LineSeries, PathElement, RGBColor, Ranged, SVGBackend,
+    SeriesLabelPosition, ShapeStyle, WHITE,
 };
+use plotters::style::register_font;
 
 /// Measured points and the first of the lines.
 pub(super) const BLUE: RGBColor = RGBColor(31, 95, 168);
@@ -21,7 +25,12 @@ const FINE_GRID: RGBColor = RGBColor(241, 243, 246);
 
 /// The plotting library rounds positions to whole units, so there are more of them than pixels of a screen.
 const SIZE: (u32, u32) = (1440, 960);
+/// What SVG asks for, and what [`FONT_FILE`] is registered as.
 const FONT: &str = "Helvetica, Arial, sans-serif";
+/// The letters of PNG, by which those of SVG are placed, too: DejaVu Sans, reduced to what plots need.
+const FONT_FILE: &[u8] = include_bytes!("../../../../../assets/fonts/DejaVuSans-plots.ttf");
+/// Drawn pixels along each side of a pixel of a PNG, which is their mean: edges are smooth.
+const FINER: usize = 2;
 
 /// An axis.
 #[derive(Clone, Debug)]
@@ -80,11 +89,38 @@ pub(super) struct Chart {
     pub(super) legend: SeriesLabelPosition,
 }
 
-type DrawResult = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+type DrawResult<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 impl Chart {
     /// The plot as an `svg` element. Points that an axis cannot show are left out.
     pub(super) fn svg(&self) -> String {
+        let mut svg = String::new();
+        let drawn = self.draw_on(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area());
+        // Drawing into memory cannot run out of anything.
+        drawn.unwrap_or_else(|error| panic!("cannot draw the plot of {}: {error}", self.y.label));
+        svg
+    }
+
+    /// The plot as a PNG file of half the size.
+    pub(super) fn png(&self) -> Vec<u8> {
+        let [width, height] = [SIZE.0, SIZE.1].map(|side| side as usize);
+        let mut fine = vec![0; 3 * width * height];
+        let drawn = self.draw_on(&BitMapBackend::with_buffer(&mut fine, SIZE).into_drawing_area());
+        drawn.unwrap_or_else(|error| panic!("cannot draw the plot of {}: {error}", self.y.label));
+        let size = [width / FINER, height / FINER];
+        let mean = |i: usize| {
+            let (pixel, component) = (i / 3, i % 3);
+            let (x, y) = (pixel % size[0] * FINER, pixel / size[0] * FINER);
+            let at = |k: usize| usize::from(fine[3 * ((y + k / FINER) * width + x + k % FINER) + component]);
+            let sum: usize = (0..FINER * FINER).map(at).sum();
+            ((sum + FINER * FINER / 2) / (FINER * FINER)) as u8
+        };
+        let pixels: Vec<u8> = (0..3 * size[0] * size[1]).map(mean).collect();
+        png_file(size.map(|side| side as u32), &pixels).expect("memory takes a whole file")
+    }
+
+    fn draw_on<'a, B: DrawingBackend + 'a>(&self, area: &DrawingArea<B, Shift>) -> DrawResult<B> {
+        provide_font();
         let shown = |&(x, y): &(f64, f64)| {
             x.is_finite() && y.is_finite() && (!self.x.logarithmic || x > 0.0) && (!self.y.logarithmic || y > 0.0)
         };
@@ -96,24 +132,18 @@ impl Chart {
         let all = || curves.iter().flat_map(|curve| curve.points.iter());
         let x = bounds(&self.x, all().map(|p| p.0));
         let y = bounds(&self.y, all().map(|p| p.1));
-        let mut svg = String::new();
-        let drawn = {
-            let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-            let [x, y] = [x, y].map(|[from, to]| from..to);
-            match (self.x.logarithmic, self.y.logarithmic) {
-                (false, false) => self.draw(&area, &curves, x, y),
-                (true, false) => self.draw(&area, &curves, x.log_scale(), y),
-                (false, true) => self.draw(&area, &curves, x, y.log_scale()),
-                (true, true) => self.draw(&area, &curves, x.log_scale(), y.log_scale()),
-            }
-        };
-        // Drawing into a text cannot run out of anything.
-        drawn.unwrap_or_else(|error| panic!("cannot draw the plot of {}: {error}", self.y.label));
-        svg
+        let [x, y] = [x, y].map(|[from, to]| from..to);
+        match (self.x.logarithmic, self.y.logarithmic) {
+            (false, false) => self.draw(area, &curves, x, y),
+            (true, false) => self.draw(area, &curves, x.log_scale(), y),
+            (false, true) => self.draw(area, &curves, x, y.log_scale()),
+            (true, true) => self.draw(area, &curves, x.log_scale(), y.log_scale()),
+        }
     }
 
-    fn draw<X, Y>(&self, area: &DrawingArea<SVGBackend<'_>, Shift>, curves: &[Curve], x: X, y: Y) -> DrawResult
+    fn draw<'a, B, X, Y>(&self, area: &DrawingArea<B, Shift>, curves: &[Curve], x: X, y: Y) -> DrawResult<B>
     where
+        B: DrawingBackend + 'a,
         X: AsRangedCoord<Value = f64> + Clone,
         Y: AsRangedCoord<Value = f64> + Clone,
         X::CoordDescType: ValueFormatter<f64> + Ranged<ValueType = f64>,
@@ -181,6 +211,25 @@ impl Chart {
         }
         area.present()
     }
+}
+
+/// Registers the font once.
+fn provide_font() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let registered = register_font(FONT, FontStyle::Normal, FONT_FILE);
+        registered.unwrap_or_else(|_| panic!("the font that comes along is whole"));
+    });
+}
+
+fn png_file([width, height]: [u32; 2], rgb: &[u8]) -> Result<Vec<u8>, png::EncodingError> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(file)
 }
 
 /// The ends of an axis: what was asked for, or what holds all values with a little room.
@@ -266,6 +315,14 @@ mod tests {
                     let chart = Chart { x, y, curves, legend: SeriesLabelPosition::UpperLeft };
                     let svg = chart.svg();
                     assert!(svg.starts_with("<svg") && svg.contains("signal in DN"), "{svg}");
+                    let decoder = png::Decoder::new(std::io::Cursor::new(chart.png()));
+                    let mut reader = decoder.read_info().expect("a PNG file");
+                    let mut pixels = vec![0; 3 * 720 * 480];
+                    let info = reader.next_frame(&mut pixels).expect("whole");
+                    assert_eq!((info.width, info.height), (720, 480));
+                    // Letters and lines take a part of it.
+                    let dark = pixels.iter().filter(|&&v| v < 128).count();
+                    assert!((3000..100_000).contains(&dark), "{dark}");
                 }
             }
         }

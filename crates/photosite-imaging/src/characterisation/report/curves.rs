@@ -3,6 +3,7 @@
 use plotters::prelude::SeriesLabelPosition;
 
 use super::chart::{Axis, BLUE, Chart, Curve, GREEN, GREY, Mark, ORANGE};
+use super::plot::{Plot, digits};
 use super::points::{SpectralPoint, ThermalPoint};
 use crate::characterisation::{
     Direction, Evaluation, Figures, Histogram, Line, SpatialStack, SpatialVariances, Spectrogram, TemporalPoint,
@@ -10,13 +11,6 @@ use crate::characterisation::{
 
 /// Bins of a histogram.
 const BINS: usize = 256;
-
-/// A plot with what is said about it.
-pub(super) struct Plot {
-    pub(super) title: &'static str,
-    pub(super) caption: String,
-    pub(super) chart: Chart,
-}
 
 /// Variance over mean: the photon transfer curve.
 pub(super) fn photon_transfer(e: &Evaluation) -> Plot {
@@ -283,13 +277,4 @@ pub(super) fn temperature(points: &[ThermalPoint]) -> Option<Plot> {
             legend: SeriesLabelPosition::UpperLeft,
         },
     })
-}
-
-/// So many significant digits.
-pub(super) fn digits(x: f64, digits: i32) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return x.to_string();
-    }
-    let decimals = (digits - 1 - x.abs().log10().floor() as i32).clamp(0, 12) as usize;
-    format!("{x:.decimals$}")
 }

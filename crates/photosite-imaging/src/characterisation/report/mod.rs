@@ -1,12 +1,18 @@
-//! The report of a characterisation: one HTML page that needs nothing besides itself, with tables of what was expected
-//! and what was measured, and with vector plots.
+//! Reports: HTML pages that need nothing besides themselves, with tables and with vector plots. [`Report`] is that of a
+//! characterisation, what was expected beside what was measured; [`NoiseReport`] that of estimates of the noise of
+//! pictures, whose plots are to be had as PNG files, too.
 //!
-//! In: what was measured of each channel. Out: the text of the page. Files are left to the caller.
+//! In: what was measured. Out: the text of the page, the bytes of the plots. Files are left to the caller.
 
 mod chart;
 mod curves;
+mod html;
+mod noise_curves;
+mod noise_page;
 mod page;
+mod plot;
 mod points;
 
+pub use noise_page::{NoiseReport, PlaneNoise};
 pub use page::{ChannelReport, Comparison, Report};
 pub use points::{SpectralPoint, ThermalPoint};

@@ -4,7 +4,9 @@ use std::fmt::Write;
 
 use crate::characterisation::{Evaluation, Figures, NotMeasured, Row, SpatialStack};
 
-use super::curves::{self, Plot, digits};
+use super::curves;
+use super::html::{self, escaped};
+use super::plot::{Plot, digits};
 use super::points::{SpectralPoint, ThermalPoint};
 
 /// All that a page tells.
@@ -39,60 +41,24 @@ pub struct ChannelReport {
     pub doubling_temperature_k: Option<[f64; 2]>,
 }
 
-const STYLE: &str = "
-body { margin: 0 auto; max-width: 1180px; padding: 2rem 1.5rem 4rem; color: #282c34; background: #fff;
-  font: 15px/1.5 Helvetica, Arial, sans-serif; }
-h1 { font-size: 1.7rem; margin: 0; } h2 { font-size: 1.25rem; margin: 2.6rem 0 .8rem; border-bottom: 2px solid #1f5fa8; }
-.subtitle { margin: .2rem 0 1rem; color: #5a606b; }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: .1rem 1.2rem; margin: 0; }
-dt { color: #5a606b; } dd { margin: 0; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { padding: .22rem .7rem; border-bottom: 1px solid #e4e7ec; text-align: left; font-weight: normal; }
-thead th { color: #5a606b; border-bottom: 2px solid #c9ced6; } td.n, th.n { text-align: right; }
-tr.part th { padding-left: 2rem; color: #5a606b; }
-.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 1.4rem; margin-top: 1.6rem; }
-figure { margin: 0; border: 1px solid #e4e7ec; border-radius: 6px; padding: .7rem .8rem; break-inside: avoid; }
-figure svg { width: 100%; height: auto; display: block; } figcaption { color: #5a606b; font-size: .87rem; }
-figcaption strong { color: #282c34; font-size: .98rem; }
-footer { margin-top: 3rem; color: #5a606b; font-size: .85rem; }
-";
-
 impl Report {
     /// The page as HTML, which refers to nothing outside itself.
     pub fn html(&self) -> String {
-        let mut html = String::new();
-        let sensor = escaped(&self.sensor);
-        let _ = write!(
-            html,
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-             content=\"width=device-width\">\n<title>{sensor}: EMVA 1288</title>\n<style>{STYLE}</style>\n</head>\n<body>\n\
-             <h1>{sensor}</h1>\n<p class=\"subtitle\">{}Characterised after EMVA 1288, release 4.0 linear.</p>\n<dl>\n",
-            if self.description.is_empty() { String::new() } else { escaped(&self.description) + "<br>" }
+        let description = if self.description.is_empty() { String::new() } else { escaped(&self.description) + "<br>" };
+        let mut html = format!(
+            "<h1>{}</h1>\n<p class=\"subtitle\">{description}Characterised after EMVA 1288, release 4.0 linear.</p>\n",
+            escaped(&self.sensor)
         );
-        for (name, value) in &self.conditions {
-            let _ = writeln!(html, "<dt>{}</dt><dd>{}</dd>", escaped(name), escaped(value));
-        }
-        html += "</dl>\n";
+        html += &html::conditions(&self.conditions);
         for channel in &self.channels {
             let _ = writeln!(html, "<h2>{}</h2>", escaped(&channel.title));
             html += &channel.table();
             for NotMeasured { figure, reason } in channel.evaluation.not_measured() {
                 let _ = writeln!(html, "<p>Not measured: {}; {}.</p>", escaped(figure), escaped(reason));
             }
-            html += "<div class=\"plots\">\n";
-            for Plot { title, caption, chart } in channel.plots() {
-                let _ = writeln!(
-                    html,
-                    "<figure>\n<figcaption><strong>{title}.</strong> {}</figcaption>\n{}</figure>",
-                    escaped(&caption),
-                    chart.svg()
-                );
-            }
-            html += "</div>\n";
+            html += &html::figures(&channel.plots());
         }
-        let version = env!("CARGO_PKG_VERSION");
-        let _ = write!(html, "<footer>photosite {version}</footer>\n</body>\n</html>\n");
-        html
+        html::page(&format!("{}: EMVA 1288", self.sensor), &html)
     }
 }
 
@@ -178,8 +144,4 @@ fn subscripts(symbol: &str) -> String {
         Some((letter, index)) => format!("<i>{letter}</i><sub>{index}</sub>"),
         None => format!("<i>{symbol}</i>"),
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -21,6 +21,10 @@ pub struct NoiseDescription {
     /// Gives read noise the heavy tails of Student's t distribution with so many degrees of freedom, above 2 (few:
     /// heavy); its standard deviation stays. Left out: a normal distribution.
     pub read_noise_degrees_of_freedom: Option<f64>,
+    /// Read noise of each pixel's own: spatial standard deviation of the pixels' standard deviations in percent of
+    /// their mean. Pixels follow a log-normal distribution, by the serial number; read_noise_e is the root mean square
+    /// over all of them.
+    pub read_noise_spread_percent: f64,
     /// Dark current at the reference temperature, mean of all pixels without the hot ones, e⁻/s per pixel.
     pub dark_current_e_per_s: f64,
     /// Temperature at which the dark current is as stated, that of hot pixels too, °C; needed where there is any.
@@ -67,6 +71,9 @@ pub struct Noise {
     pub read: Electrons,
     /// Degrees of freedom of a read noise that follows Student's t distribution, above 2; `None` for a normal one.
     pub read_degrees_of_freedom: Option<f64>,
+    /// Spatial standard deviation of the pixels' read noise over its mean (a ratio), log-normal; `read` is the root mean
+    /// square over all pixels.
+    pub read_spread: f64,
     /// Dark current at the reference temperature, e⁻/s.
     pub dark_current_e_per_s: f64,
     /// Reference temperature of the dark current.
@@ -150,6 +157,7 @@ impl Noise {
     pub const NONE: Self = Self {
         read: Electrons(0.0),
         read_degrees_of_freedom: None,
+        read_spread: 0.0,
         dark_current_e_per_s: 0.0,
         dark_current_reference: Celsius(25.0),
         dark_current_law: DarkCurrentLaw::Doubling { interval_k: 8.0 },
@@ -184,6 +192,7 @@ impl Noise {
         Ok(Self {
             read: electrons("read_noise_e", d.read_noise_e)?,
             read_degrees_of_freedom: d.read_noise_degrees_of_freedom,
+            read_spread: read_spread(d.read_noise_spread_percent)?,
             dark_current_e_per_s: not_negative("dark_current_e_per_s", d.dark_current_e_per_s)?,
             dark_current_reference: reference,
             dark_current_law: DarkCurrentLaw::new(d, has_dark_current)?,
@@ -243,6 +252,15 @@ impl DarkCurrentLaw {
             DarkCurrentLawName::Arrhenius => Ok(Self::Arrhenius { band_gap_ev: band_gap? }),
         }
     }
+}
+
+/// A spread of more than ten times the mean is a slip of the pen, and its rare pixels would hold all of the noise.
+fn read_spread(percent: f64) -> Result<f64, Invalid> {
+    if (0.0..=1000.0).contains(&percent) {
+        return Ok(percent / 100.0);
+    }
+    Err(Invalid::new("read_noise_spread_percent", format!("must lie from 0 to 1000, got {percent}"))
+        .help("write 0 where all pixels have the same read noise"))
 }
 
 fn ratio(key: &str, percent: f64) -> Result<f64, Invalid> {

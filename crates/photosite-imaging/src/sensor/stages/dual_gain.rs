@@ -8,6 +8,7 @@ use photosite_core::units::{Decibels, Electrons};
 
 use super::converter::Digitiser;
 use super::frame::Frame;
+use super::read_noise::ReadNoiseSpread;
 use crate::sensor::model::{Converter, DualGain};
 use crate::sensor::signal::charge_plane::Row;
 use crate::sensor::signal::effects::Stage;
@@ -42,6 +43,7 @@ pub(in crate::sensor) struct DualGainDigitiser {
 #[derive(Clone, Debug)]
 struct Branch {
     read_noise_e: f32,
+    spread: Option<ReadNoiseSpread>,
     streams: Option<Streams>,
     digitiser: Digitiser,
     system_gain: f64,
@@ -55,8 +57,10 @@ impl DualGainDigitiser {
         let dual = converter.dual_gain.as_deref()?;
         let DualGain { high, low, low_read_noise } = dual;
         let steps = frame.fixed(Stage::ConverterNonlinearity);
+        let spread = ReadNoiseSpread::new(frame);
         let branch = |converter: &Converter, noise: Electrons, stage, number| Branch {
             read_noise_e: noise.0 as f32,
+            spread,
             streams: frame.temporal(stage),
             digitiser: Digitiser::of(converter, steps.map(|streams| streams.part(number))),
             system_gain: converter.system_gain(gain),
@@ -91,7 +95,9 @@ impl DualGainDigitiser {
 
 impl Branch {
     fn with_noise(&self, charge_e: f32, x: usize, y: usize) -> f32 {
-        charge_e + self.streams.as_ref().map_or(0.0, |streams| self.read_noise_e * streams.normal(x, y))
+        let Some(streams) = &self.streams else { return charge_e };
+        let own = self.spread.map_or(1.0, |spread| spread.factor(x, y) as f32);
+        charge_e + self.read_noise_e * own * streams.normal(x, y)
     }
 
     fn convert(&self, charge_e: f32, x: usize) -> u16 {

@@ -1,0 +1,164 @@
+//! A picture of any program with synthetic noise: read, changed, and ready to be written.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::linear_picture::light_of_codes;
+use super::number_picture::{NumberFormat, NumberPicture};
+use super::picture_file::read_picture_file;
+use super::stated_colours::StatedColours;
+use crate::image::Planes;
+use crate::raw::Pixels;
+use crate::synthetic_noise::{Clipped, Scale, SyntheticNoise, add_noise, round_to_codes};
+use crate::validation::Picture;
+use crate::{Error, Invalid, Result};
+
+/// A picture with noise.
+#[derive(Clone, Debug)]
+pub struct NoisyPicture {
+    /// Its numbers.
+    pub picture: NumberPicture,
+    /// What was clipped of whole numbers; `None` of others, which are neither rounded nor clipped.
+    pub clipped: Option<Clipped>,
+    /// What the noise was added to, in a sentence.
+    pub added_to: String,
+    /// What a level of 1 of full scale is; `None` where nobody says.
+    pub white: Option<f64>,
+    /// What else the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a picture and adds noise, for a file of that format. In `linear_light` codes are decoded before and encoded
+/// after; levels are then those of light, on the scale of the codes.
+pub fn make_noisy(
+    path: &Path,
+    noise: &SyntheticNoise,
+    linear_light: bool,
+    seed: u64,
+    format: NumberFormat,
+) -> Result<NoisyPicture> {
+    let Picture { mean: mut planes, full_scale, unit, .. } = read_picture_file(path, Pixels::All)?;
+    let stated = StatedColours::read(path)?;
+    let largest = full_scale.map(|largest| largest as u16);
+    let scale = Scale { white: noise.full_scale.or(full_scale) };
+    let sigma_map = noise.sigma_map.file.as_deref().map(read_sigma_map).transpose()?;
+    let mut warnings = noise.without_effect();
+    if planes.plane("A").is_some() {
+        warnings.push("transparency (A) gets no noise".to_owned());
+    }
+    let curves = match (linear_light, largest) {
+        (false, _) => None,
+        (true, Some(largest)) => Some(light_of_codes(path, largest)?),
+        (true, None) => {
+            return Err(Error::Usage {
+                message: format!("{} holds floating-point numbers, which are no codes to be decoded", path.display()),
+                help: Some("leave --linear out: the noise is added to the numbers as they are".into()),
+            });
+        }
+    };
+    let lights: Option<Vec<Light>> = curves.as_ref().zip(full_scale).map(|((curves, _), white)| {
+        let of_channel = |name: &str| {
+            let colour = ["R", "G", "B"].iter().position(|colour| *colour == name).unwrap_or(0);
+            Light { of_code: &curves[colour], white }
+        };
+        planes.channels().iter().map(|channel| of_channel(&channel.name)).collect()
+    });
+    convert(&mut planes, lights.as_deref(), Light::decode);
+    let wrong = |invalid: Invalid| match invalid.key.as_str() {
+        "sigma_map.file" => match &noise.sigma_map.file {
+            Some(map) => Invalid { key: String::new(), ..invalid }.in_file(map),
+            None => invalid.in_file(path),
+        },
+        _ => invalid.in_file(path),
+    };
+    add_noise(&mut planes, noise, scale, sigma_map.as_ref(), seed).map_err(wrong)?;
+    convert(&mut planes, lights.as_deref(), Light::encode);
+    let added_to = added_to(path, unit.as_deref(), largest, curves.as_ref().map(|(_, is_stated)| *is_stated));
+    let largest = largest.filter(|_| format.holds_whole_numbers());
+    let clipped = largest.map(|largest| round_to_codes(&mut planes, largest.into()));
+    let carries_profile = matches!(format, NumberFormat::Png | NumberFormat::Tiff);
+    let mut lost = stated.not_carried;
+    lost.extend(stated.profile.as_ref().filter(|_| !carries_profile).map(|_| "its ICC profile"));
+    if !lost.is_empty() {
+        warnings.push(format!(
+            "what {} says of its colours by {} is not carried over",
+            path.display(),
+            lost.join(", ")
+        ));
+    }
+    let picture = NumberPicture { planes, largest, profile: stated.profile, attributes: stated.attributes };
+    Ok(NoisyPicture { picture, clipped, added_to, white: scale.white, warnings })
+}
+
+fn read_sigma_map(path: &Path) -> Result<Planes> {
+    read_picture_file(path, Pixels::All).map(|picture| picture.mean)
+}
+
+fn added_to(path: &Path, unit: Option<&str>, largest: Option<u16>, decoded: Option<bool>) -> String {
+    match (largest, decoded) {
+        (Some(largest), Some(true)) => {
+            format!("linear light, decoded as {} says and on the scale of its codes, 0 to {largest}", path.display())
+        }
+        (Some(largest), Some(false)) => format!(
+            "linear light, decoded as sRGB since {} says nothing of its codes, on their scale, 0 to {largest}",
+            path.display()
+        ),
+        (Some(largest), None) if unit == Some("DN") => format!("the numbers as they are, 0 to {largest}"),
+        (Some(largest), None) => format!("the codes as they are, 0 to {largest}, not to linear light (--linear)"),
+        (None, _) => match unit {
+            Some(unit) => format!("the numbers as they are, in {unit}"),
+            None => "the numbers as they are".to_owned(),
+        },
+    }
+}
+
+/// Light of the codes of a channel.
+#[derive(Clone, Copy)]
+struct Light<'a> {
+    /// Light of each code, rising, 1 for white.
+    of_code: &'a [f32],
+    /// The largest code.
+    white: f64,
+}
+
+impl Light<'_> {
+    /// Light of a code, on the scale of the codes.
+    fn decode(self, code: f32) -> f32 {
+        self.of_code[(code as usize).min(self.of_code.len() - 1)] * self.white as f32
+    }
+
+    /// The code of a light, between whole ones in proportion; beyond the ends as the last step goes on.
+    fn encode(self, light: f32) -> f32 {
+        let light = light / self.white as f32;
+        let above = self.of_code.partition_point(|&of_code| of_code < light).clamp(1, self.of_code.len() - 1);
+        let (low, high) = (self.of_code[above - 1], self.of_code[above]);
+        let step = (high - low).max(f32::MIN_POSITIVE);
+        (above - 1) as f32 + (light - low) / step
+    }
+}
+
+fn convert<'a>(planes: &mut Planes, lights: Option<&[Light<'a>]>, change: impl Fn(Light<'a>, f32) -> f32 + Sync) {
+    for (channel, &light) in planes.channels_mut().iter_mut().zip(lights.unwrap_or_default()) {
+        channel.data.par_iter_mut().for_each(|value| *value = change(light, *value));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn encoding_undoes_decoding_and_goes_on_beyond_the_ends() {
+        let of_code: Vec<f32> = (0..=255).map(|code| crate::spectrum::rgb::decode(code as f32 / 255.0)).collect();
+        let light = Light { of_code: &of_code, white: 255.0 };
+        for code in 0..=255 {
+            let code = code as f32;
+            assert!((light.encode(light.decode(code)) - code).abs() < 1e-3, "{code}");
+        }
+        assert!(light.encode(-1.0) < -1.0 && light.encode(300.0) > 256.0);
+        // Between codes it is off by no more than the curve bends.
+        let exact = 255.0 * crate::spectrum::rgb::encode(0.2);
+        assert!((light.encode(0.2 * 255.0) - exact).abs() < 0.02);
+    }
+}
