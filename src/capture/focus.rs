@@ -32,7 +32,8 @@ pub(super) fn focus(
     if kind != LensKind::Thin {
         let has_effect = |key: &str| kind == LensKind::Hole && key == "image_distance_mm";
         let is_infinite = matches!(&table.focus_distance_m, Some(FocusDistance::Name(name)) if name == "infinity");
-        let idle = first.filter(|key| !has_effect(key) && !(is_infinite && *key == "focus_distance_m"));
+        let says_so = |key: &str| is_infinite && key == "focus_distance_m";
+        let idle = first.filter(|key| !(has_effect(key) || says_so(key)));
         let idle = idle.or(table.autofocus.map(|_| "autofocus"));
         if let Some(key) = idle.or(table.min_focus_distance_m.map(|_| "min_focus_distance_m")) {
             let why = match kind {

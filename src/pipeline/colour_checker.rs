@@ -4,7 +4,8 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::camera::{pixels, place_camera};
+use super::camera::pixels;
+use super::focusing::place_camera;
 use super::lens_corrections::LensSeen;
 use crate::capture::Capture;
 use crate::colour::ColourSpace;

@@ -1,7 +1,7 @@
 //! Everything of a capture that is made once, before light is traced: scene, camera, the sensor's colours, warnings.
 
-use super::camera::{FocusedCamera, focus_camera};
 use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
+use super::focusing::{FocusedCamera, focus_camera};
 use super::needs;
 use super::responses::{filters, importance, responses, seen_through_lens};
 use crate::Result;

@@ -10,7 +10,8 @@ use crate::spectrum::Spectrum;
 use crate::{Invalid, Result};
 use glam::DAffine3;
 
-use super::camera::{camera_of, focus_camera, pixels, place_camera};
+use super::camera::{camera_of, pixels};
+use super::focusing::{focus_camera, place_camera};
 
 /// What the scene of a picture must have in common with that of the next, and what it is built with.
 #[derive(Clone, Copy)]

@@ -46,7 +46,7 @@ fn a_uniform_environment_gives_the_exact_aperture_integral() {
                 let mut lens = LensDescription::thin(0.05, f_number, focus);
                 let v = match focus {
                     Focus::Distance(u) => 0.05 * u / (u - 0.05),
-                    Focus::Infinity | Focus::Autofocus { .. } => 0.05,
+                    Focus::Infinity | Focus::Autofocus { .. } | Focus::ImageDistance(_) => 0.05,
                 };
                 let tangent = degrees.to_radians().tan();
                 let grid = pixel_off_axis(&mut lens, v, tangent);
@@ -94,7 +94,7 @@ fn one_f_number_has_one_exposure_on_the_axis() {
             let lens = LensDescription { kind, falloff, blades, ..LensDescription::thin(0.05, f_number, focus) };
             let v = match (kind, focus) {
                 (LensKind::Thin, Focus::Distance(u)) => 0.05 * u / (u - 0.05),
-                (LensKind::Thin | LensKind::Pinhole, _) => 0.05,
+                (LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare, _) => 0.05,
             };
             // Wide pixels where all see the same, and one that is small on the axis.
             let (side, pitch_m) = if falloff == Falloff::None { (3, 0.02) } else { (1, 1e-4) };
