@@ -120,8 +120,20 @@ FAULTS = {
         "characterisation::",
     ),
     "depth-of-the-other-sign": Fault(
-        "[0.0, 0.0, -1.0 / along, 0.0]",
-        "[0.0, 0.0, 1.0 / along, 0.0]",
+        "[0.0, 0.0, 1.0 / b, 0.0]",
+        "[0.0, 0.0, -1.0 / b, 0.0]",
+        crate("calibration"),
+        "camera_files::",
+    ),
+    "fundamental-matrix-without-its-transpose": Fault(
+        "to_second.transpose() * self.essential() * to_first",
+        "to_second * self.essential() * to_first",
+        crate("calibration"),
+        "camera_files::",
+    ),
+    "rectified-pictures-turned-the-other-way": Fault(
+        "self.rotation.transpose() * self.intrinsics.place(position).extend(1.0)",
+        "self.rotation * self.intrinsics.place(position).extend(1.0)",
         crate("calibration"),
         "camera_files::",
     ),

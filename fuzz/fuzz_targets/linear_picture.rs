@@ -4,6 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use photosite::develop::{DevelopSettings, develop_picture};
+use photosite::io::coded_png::CodedPng;
 use photosite::io::developable::{Developable, read_developable};
 use photosite::io::linear_picture::read_linear_picture;
 use photosite::raw::Pixels;
@@ -16,6 +17,9 @@ fuzz_target!(|data: &[u8]| {
         let kind = KINDS[usize::from(*kind) % KINDS.len()];
         let path = written(&format!("picture.{kind}"), file);
         let _ = read_linear_picture(&path, false, Pixels::Active);
+        if kind == "png" {
+            let _ = CodedPng::read(&path);
+        }
         // Large pictures take their time.
         if let Ok(Developable::Light(light)) = read_developable(&path)
             && light.planes.width() * light.planes.height() <= 4096

@@ -6,6 +6,7 @@ mod camera;
 mod compare;
 mod compare_report;
 mod dataset;
+mod depth;
 mod develop;
 mod develop_args;
 mod emva1288;
@@ -25,6 +26,7 @@ mod noise;
 mod noise_add;
 mod print;
 mod project;
+mod rectify;
 mod render;
 mod run_args;
 mod schema;
@@ -79,6 +81,8 @@ enum Command {
     MergeHdr(merge_hdr::MergeHdrArgs),
     Dataset(dataset::DatasetArgs),
     Layout(layout::LayoutArgs),
+    Rectify(rectify::RectifyArgs),
+    Depth(depth::DepthArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
     #[command(name = "emva1288")]
     Emva1288(emva1288::Emva1288Args),
@@ -138,6 +142,8 @@ fn run_command(cli: &Cli) -> Result<ExitCode> {
         Command::MergeHdr(args) => merge_hdr::run(args),
         Command::Dataset(args) => dataset::run(args, sandbox),
         Command::Layout(args) => layout::run(args, sandbox),
+        Command::Rectify(args) => rectify::run(args, sandbox),
+        Command::Depth(args) => depth::run(args),
         Command::ExportMitsuba(args) => export_mitsuba::run(args, sandbox),
         Command::Emva1288(args) => emva1288::run(args, sandbox),
         Command::Emva1288Report(args) => emva1288_report::run(args),

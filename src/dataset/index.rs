@@ -148,8 +148,9 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_
          - `manifest.jsonl`: a line for each picture: pose (world → camera, OpenCV's axes: x right, y down, z forward), \
          camera matrix (integer coordinates at pixel centres), exposure, changes to the capture, sizes and SHA-256 of the files.\n\
          - `calibration/`: the cameras for OpenCV, ROS and Kalibr, as far as these know such lenses. The first camera is the \
-         reference: poses of `opencv/CAMERA.yaml` lead from it; `opencv/stereo/FIRST-CAMERA.yaml` holds a pair (R, T, R1, R2, P1, P2, Q) and \
-         `ros/` the same with Tx = -fx·b in P, for the raw picture and for `image.png` where that keeps its distortion.\n{left_out}\
+         reference: poses of `opencv/CAMERA.yaml` lead from it; `opencv/stereo/FIRST-CAMERA.yaml` holds a pair (R, T, E, F, \
+         R1, R2, P1, P2, Q, the epipoles e1 and e2, and H1 and H2, the homographies of rectification) and `ros/` \
+         the same with Tx = -fx·b in P, for the raw picture and for `image.png` where that keeps its distortion.\n{left_out}\
          - `dataset.json`: what the data set was made from, with hashes of the files.\n\n\
          `photosite layout` arranges all this as COLMAP, EuRoC, Kalibr, BOP or COCO have it.\n\n\
          Lengths are metres, the world is that of glTF (y up). Fingerprint: `{fingerprint}`.\n",

@@ -23,7 +23,7 @@ use serde_json::Value;
 /// The developed picture in the folder of a picture.
 const PICTURE: &str = "image.png";
 /// Its ground truth.
-const TRUTH: &str = "truth.exr";
+pub(super) const TRUTH: &str = "truth.exr";
 
 /// A folder that is being filled. One that is given up is removed.
 pub struct LayoutFolder {
@@ -76,7 +76,7 @@ impl LayoutFolder {
     }
 
     /// A file of the layout, whose folder is made.
-    fn place(&self, name: &str) -> Result<PathBuf> {
+    pub(super) fn place(&self, name: &str) -> Result<PathBuf> {
         let path = self.folder.path().join(name);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|reason| Error::io(folder, "create the folder", reason))?;
@@ -84,26 +84,38 @@ impl LayoutFolder {
         Ok(path)
     }
 
+    /// Where a file of a picture is, if there is one.
+    pub(super) fn of_shot(&self, shot: &Shot, name: &str) -> PathBuf {
+        self.dataset.join(&shot.folder).join(name)
+    }
+
     /// A file of a picture; what to write into the capture for it to be there.
     fn source(&self, shot: &Shot, name: &str, help: &str) -> Result<PathBuf> {
-        let path = self.dataset.join(&shot.folder).join(name);
+        let path = self.of_shot(shot, name);
         if path.is_file() {
             return Ok(path);
         }
         Err(Invalid::new("", "is missing").help(help).in_file(&path))
     }
 
-    fn picture(&self, shot: &Shot) -> Result<PathBuf> {
+    /// The developed picture, which has the pixels of the camera.
+    pub(super) fn picture(&self, shot: &Shot) -> Result<PathBuf> {
         let help = "make the data set with a develop.colour_space whose pictures are PNG files, not xyz";
         let path = self.source(shot, PICTURE, help)?;
-        let ([width, height], [columns, rows]) = (picture_size(&path)?, shot.calibrated.resolution);
-        if [width, height] == [columns, rows] {
-            return Ok(path);
-        }
-        let message = format!("has {width} × {height} pixels, and the camera {columns} × {rows}");
-        let help = "make the data set without exposure.binning, exposure.region_px and sensor.frame_grabber";
-        Err(Invalid::new("", message).help(help).in_file(&path))
+        check_size(picture_size(&path)?, shot, &path)?;
+        Ok(path)
     }
+}
+
+/// Refuses a file that has not the pixels of its camera.
+pub(super) fn check_size([width, height]: [u32; 2], shot: &Shot, path: &Path) -> Result<()> {
+    let [columns, rows] = shot.calibrated.resolution;
+    if [width, height] == [columns, rows] {
+        return Ok(());
+    }
+    let message = format!("has {width} × {height} pixels, and the camera {columns} × {rows}");
+    let help = "make the data set without exposure.binning, exposure.region_px and sensor.frame_grabber";
+    Err(Invalid::new("", message).help(help).in_file(path))
 }
 
 impl LayoutFiles for LayoutFolder {

@@ -3,6 +3,7 @@
 mod calibration;
 #[cfg(test)]
 mod claim_model;
+mod epipolar_lines;
 mod finished;
 mod folder;
 mod forecast;
@@ -12,6 +13,8 @@ mod index;
 mod layout_folder;
 mod make;
 mod presence;
+mod rectified_truth;
+mod rectify;
 mod rig;
 mod selection;
 mod verify;
@@ -29,6 +32,7 @@ pub use identity::PartFolder;
 pub use index::Index;
 pub use layout_folder::LayoutFolder;
 pub use make::Made;
+pub use rectify::{RectifiedReport, RectifySettings, disparity_scale, rectify};
 pub use selection::{FrameList, Shard};
 
 use identity::{identity, part_identity};

@@ -243,7 +243,7 @@ fn state_aspect<W: Write + Seek, C: ColorType>(image: &mut ImageEncoder<'_, W, C
 }
 
 /// Writes planes of floats pixel by pixel.
-fn write_float_tiff(planes: &Planes, description: &str, aspect: f64, to: &mut dyn Sink) -> io::Result<()> {
+pub(super) fn write_float_tiff(planes: &Planes, description: &str, aspect: f64, to: &mut dyn Sink) -> io::Result<()> {
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
     let (width, height) = (side(planes.width())?, side(planes.height())?);
     let mut file = TiffEncoder::new(to).map_err(tiff_error)?;

@@ -1,6 +1,7 @@
 //! The files: capture files, scenes, pictures. With [`raw`](crate::raw) the only modules that read or write any.
 
 pub mod checksum;
+pub mod coded_png;
 pub mod developable;
 pub mod developed;
 pub mod electrons;
@@ -14,6 +15,7 @@ pub mod image_sets;
 pub mod light_rows;
 pub mod linear_picture;
 pub mod lock;
+pub mod map_file;
 pub mod mitsuba;
 pub mod noise_maps;
 pub mod noise_series;

@@ -47,6 +47,11 @@ pub fn write_grey8<W: Write>(size: [u32; 2], values: &[u8], to: W) -> io::Result
     write_png_of_numbers(size, ColorType::Grayscale, BitDepth::Eight, values, to)
 }
 
+/// Writes 8-bit RGB.
+pub fn write_rgb8<W: Write>(size: [u32; 2], values: &[u8], to: W) -> io::Result<()> {
+    write_png_of_numbers(size, ColorType::Rgb, BitDepth::Eight, values, to)
+}
+
 /// Writes 16-bit grey.
 pub fn write_grey16<W: Write>(size: [u32; 2], values: &[u16], to: W) -> io::Result<()> {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_be_bytes()).collect();

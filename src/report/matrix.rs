@@ -9,7 +9,7 @@ pub(super) fn placement(to_world: &DAffine3) -> [[f64; 4]; 3] {
 }
 
 /// Rows of a matrix. Adding zero makes zeros of negative ones.
-pub(super) fn rows(m: DMat3) -> [[f64; 3]; 3] {
+pub(crate) fn rows(m: DMat3) -> [[f64; 3]; 3] {
     m.transpose().to_cols_array_2d().map(|row| row.map(|x| x + 0.0))
 }
 

@@ -9,7 +9,7 @@ mod exposed;
 mod image;
 mod lens;
 mod listing;
-mod matrix;
+pub(crate) mod matrix;
 mod motion;
 mod part;
 mod schema;

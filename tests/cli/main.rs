@@ -38,6 +38,7 @@ mod noise;
 mod noise_add;
 mod noise_target;
 mod outputs;
+mod rectify;
 mod report;
 mod room;
 mod same_bytes;

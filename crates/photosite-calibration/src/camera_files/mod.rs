@@ -10,13 +10,17 @@
 //! | EuRoC `sensor.yaml` | pinhole with radial-tangential or equidistant | centres at whole numbers | sensor → body |
 //!
 //! Of a rig, Kalibr has the way from each camera to the next; ROS and OpenCV have pairs, each of the rig's first
-//! camera, the reference, with another one ([`StereoPair`]).
+//! camera, the reference, with another one ([`StereoPair`]). A [`RectifiedView`] says where the pixels of a rectified
+//! picture are found, and a [`DisparityScale`] how far away things are.
 
 mod colmap;
+mod disparity;
+mod epipolar;
 mod euroc;
 mod kalibr;
 mod opencv;
 mod rectification;
+mod rectified_view;
 mod ros;
 pub(super) mod yaml;
 
@@ -26,10 +30,12 @@ mod tests;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 pub use colmap::{ColmapImage, ColmapPoint, colmap_cameras, colmap_images, colmap_points};
+pub use disparity::DisparityScale;
 pub use euroc::euroc;
 pub use kalibr::kalibr;
 pub use opencv::{opencv, opencv_pair};
 pub use rectification::StereoPair;
+pub use rectified_view::RectifiedView;
 pub use ros::{ros, ros_pair};
 
 use photosite_core::Invalid;

@@ -35,8 +35,11 @@ pub fn opencv(camera: &CalibratedCamera) -> Result<String, Invalid> {
 }
 
 /// A pair as `stereoCalibrate` and `stereoRectify` give it, under the names of OpenCV's sample: matrices and
-/// coefficients of both cameras (M1, D1, M2, D2), R and T from the first to the second, R1, R2, P1, P2 and Q.
-/// `distortion_model` is that of both.
+/// coefficients of both cameras (M1, D1, M2, D2), R and T from the first to the second, E and F, R1, R2, P1, P2 and Q.
+/// `distortion_model` is that of both. Beside these stand the epipoles e1 and e2 and the homographies H1 and H2 of
+/// rectification ([`StereoPair::epipoles`], [`StereoPair::homographies`]); F, e1, e2, H1 and H2 are those of pixels
+/// without distortion, cv2.undistortPoints(…, P = M). F is what its definition gives; stereoCalibrate divides it by its
+/// last element.
 pub fn opencv_pair(pair: &StereoPair<'_>) -> Result<String, Invalid> {
     let [first, second] = pair.cameras;
     let model = |camera: &CalibratedCamera| match camera.projection.calibration_model() {
@@ -57,6 +60,8 @@ pub fn opencv_pair(pair: &StereoPair<'_>) -> Result<String, Invalid> {
     pair.cameras.iter().try_for_each(|camera| camera.without_skew("OpenCV"))?;
     let [width, height] = first.resolution;
     let [p1, p2] = pair.projections();
+    let [e1, e2] = pair.epipoles();
+    let [h1, h2] = pair.homographies();
     let matrices: String = [
         ("M1", 3, first.matrix().to_vec()),
         ("D1", 1, first.projection.coefficients()),
@@ -64,10 +69,16 @@ pub fn opencv_pair(pair: &StereoPair<'_>) -> Result<String, Invalid> {
         ("D2", 1, second.projection.coefficients()),
         ("R", 3, by_rows(&pair.from_first.matrix3).to_vec()),
         ("T", 3, pair.from_first.translation.to_array().to_vec()),
+        ("E", 3, by_rows(&pair.essential()).to_vec()),
+        ("F", 3, by_rows(&pair.fundamental()).to_vec()),
+        ("e1", 3, e1.to_array().to_vec()),
+        ("e2", 3, e2.to_array().to_vec()),
         ("R1", 3, by_rows(&pair.rotations[0]).to_vec()),
         ("R2", 3, by_rows(&pair.rotations[1]).to_vec()),
         ("P1", 3, p1.to_vec()),
         ("P2", 3, p2.to_vec()),
+        ("H1", 3, by_rows(&h1).to_vec()),
+        ("H2", 3, by_rows(&h2).to_vec()),
         ("Q", 4, pair.disparity_to_depth().to_vec()),
     ]
     .into_iter()

@@ -19,13 +19,14 @@ pub struct StereoPair<'a> {
     pub from_first: DAffine3,
     /// R₁ and R₂, from each camera's coordinates to its rectified ones.
     pub rotations: [DMat3; 2],
-    /// f and c of the picture that both are to show.
-    focal_length_px: f64,
-    centre_px: DVec2,
+    /// f and c of the picture that both are to show, c with the centre of the first pixel at 0, 0.
+    pub focal_length_px: f64,
+    /// See there.
+    pub centre_px: DVec2,
     /// From the first to the second camera in rectified coordinates, m: but for rounding along one axis alone.
     baseline_m: DVec3,
     /// Whether they stand one above the other.
-    is_vertical: bool,
+    pub is_vertical: bool,
 }
 
 impl<'a> StereoPair<'a> {
@@ -83,12 +84,17 @@ impl<'a> StereoPair<'a> {
 
     /// Q row by row: from column, row and disparity to the point in the rectified coordinates of the first camera.
     pub fn disparity_to_depth(&self) -> [f64; 16] {
-        let (f, c) = (self.focal_length_px, self.centre_px);
-        let along = if self.is_vertical { self.baseline_m.y } else { self.baseline_m.x };
-        [[1.0, 0.0, 0.0, -c.x], [0.0, 1.0, 0.0, -c.y], [0.0, 0.0, 0.0, f], [0.0, 0.0, -1.0 / along, 0.0]]
+        let (f, c, b) = (self.focal_length_px, self.centre_px, self.baseline_m());
+        [[1.0, 0.0, 0.0, -c.x], [0.0, 1.0, 0.0, -c.y], [0.0, 0.0, 0.0, f], [0.0, 0.0, 1.0 / b, 0.0]]
             .as_flattened()
             .try_into()
             .unwrap_or([0.0; 16])
+    }
+
+    /// How far the second camera stands to the right of the first, or below it, in rectified coordinates, m: b in
+    /// d = f·b/Z, where d is the place in the first picture less that in the second.
+    pub fn baseline_m(&self) -> f64 {
+        -if self.is_vertical { self.baseline_m.y } else { self.baseline_m.x }
     }
 
     /// The last column of P₂, px·m.

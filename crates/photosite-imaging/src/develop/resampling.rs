@@ -127,54 +127,67 @@ impl Resampling {
     /// Takes every plane by Catmull–Rom splines ([Catmull74](photosite_core::references#catmull74)) at the places that
     /// the grid of square pixels names.
     fn on_grid(&self, picture: &Planes) -> Planes {
-        let ([width, height], channels) = (self.grid, picture.channels());
-        let mut data = vec![vec![0.0; width * height]; channels.len()];
-        // The planes' parts of each row, so that a place is found once for all of them.
-        let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(channels.len())).collect();
-        for plane in &mut data {
-            rows.iter_mut().zip(plane.chunks_mut(width.max(1))).for_each(|(row, part)| row.push(part));
-        }
-        rows.par_iter_mut().enumerate().for_each(|(y, row)| {
-            let [from_staggered, to_staggered] = self.staggered;
-            let right = if to_staggered { shift(y as f64) } else { 0.0 };
-            for x in 0..width {
-                let place = DVec2::new(x as f64 + right, y as f64) + 0.5;
-                let Some(source) = self.source_of_grid(place) else { continue };
-                let across = taps(source.x - 0.5);
-                let across_odd = if from_staggered { taps(source.x - 0.5 - shift(1.0)) } else { across };
-                let (across, down) = ([across, across_odd], taps(source.y - 0.5));
-                row.iter_mut()
-                    .zip(channels)
-                    .for_each(|(to, from)| to[x] = sample(&from.data, self.from, &across, &down));
-            }
-        });
-        drop(rows);
-        let named = |(channel, data): (&Channel, Vec<f32>)| Channel { name: channel.name.clone(), data };
-        let channels = channels.iter().zip(data).map(named).collect();
-        Planes::new(width, height, channels).expect("planes have the size of the picture")
+        let [from_staggered, to_staggered] = self.staggered;
+        let source = |position: DVec2| {
+            let right = if to_staggered { shift(position.y - 0.5) } else { 0.0 };
+            self.source_of_grid(position + DVec2::new(right, 0.0))
+        };
+        taken_from(picture, from_staggered, self.grid, source, taps)
     }
 }
 
-/// The first of four pixels around a place along an axis, and their weights.
-type Taps = (i64, [f32; 4]);
+/// A picture of so many columns and rows, each pixel of which is found in another one where `source` says; black where
+/// it says nothing. Positions are continuous, from the corners. `taps` are those of a place along an axis; of a picture
+/// that is staggered, odd rows stand half a pixel to the right.
+pub(super) fn taken_from<W: AsRef<[f32]> + Copy>(
+    picture: &Planes,
+    is_staggered: bool,
+    [width, height]: [usize; 2],
+    source: impl Fn(DVec2) -> Option<DVec2> + Sync,
+    taps: impl Fn(f64) -> Taps<W> + Sync,
+) -> Planes {
+    let (from, channels) = ([picture.width(), picture.height()], picture.channels());
+    let mut data = vec![vec![0.0; width * height]; channels.len()];
+    // The planes' parts of each row, so that a place is found once for all of them.
+    let mut rows: Vec<Vec<&mut [f32]>> = (0..height).map(|_| Vec::with_capacity(channels.len())).collect();
+    for plane in &mut data {
+        rows.iter_mut().zip(plane.chunks_mut(width.max(1))).for_each(|(row, part)| row.push(part));
+    }
+    rows.par_iter_mut().enumerate().for_each(|(y, row)| {
+        for x in 0..width {
+            let Some(source) = source(DVec2::new(x as f64 + 0.5, y as f64 + 0.5)) else { continue };
+            let across = taps(source.x - 0.5);
+            let across_odd = if is_staggered { taps(source.x - 0.5 - shift(1.0)) } else { across };
+            let (across, down) = ([across, across_odd], taps(source.y - 0.5));
+            row.iter_mut().zip(channels).for_each(|(to, channel)| to[x] = sample(&channel.data, from, &across, &down));
+        }
+    });
+    drop(rows);
+    let named = |(channel, data): (&Channel, Vec<f32>)| Channel { name: channel.name.clone(), data };
+    let channels = channels.iter().zip(data).map(named).collect();
+    Planes::new(width, height, channels).expect("planes have the size of the picture")
+}
+
+/// The first of the pixels around a place along an axis, and their weights.
+pub(super) type Taps<W> = (i64, W);
 
 /// The value at a place between pixels, whose taps across are those of even and of odd rows.
-fn sample(plane: &[f32], [width, height]: [usize; 2], across: &[Taps; 2], down: &Taps) -> f32 {
+fn sample<W: AsRef<[f32]>>(plane: &[f32], [width, height]: [usize; 2], across: &[Taps<W>; 2], down: &Taps<W>) -> f32 {
     let clamped = |i: i64, n: usize| i.clamp(0, n as i64 - 1) as usize;
     let (top, weights_y) = down;
     let mut sum = 0.0;
-    for (k, weight_y) in (0..).zip(weights_y) {
+    for (k, weight_y) in (0..).zip(weights_y.as_ref()) {
         let y = clamped(top + k, height);
         let (left, weights_x) = &across[y % 2];
         let row = &plane[y * width..][..width];
-        let along: f32 = (0..).zip(weights_x).map(|(k, weight)| weight * row[clamped(left + k, width)]).sum();
+        let along: f32 = (0..).zip(weights_x.as_ref()).map(|(k, weight)| weight * row[clamped(left + k, width)]).sum();
         sum += weight_y * along;
     }
     sum
 }
 
 /// Those of a place in coordinates that are whole at pixel centres.
-fn taps(place: f64) -> Taps {
+fn taps(place: f64) -> Taps<[f32; 4]> {
     // A warp that a damaged file gives may lead anywhere; a cast keeps it within the integers.
     let first = place.floor().clamp(-1e9, 1e9);
     let t = (place - first).clamp(0.0, 1.0) as f32;

@@ -87,10 +87,10 @@ impl Resize {
 }
 
 /// Weight by distance.
-type Weight = fn(f64) -> f64;
+pub(super) type Weight = fn(f64) -> f64;
 
 /// Weight by distance, and how far it reaches; `None` of the nearest pixel.
-fn kernel(filter: ResizeFilter) -> Option<(Weight, f64)> {
+pub(super) fn kernel(filter: ResizeFilter) -> Option<(Weight, f64)> {
     match filter {
         ResizeFilter::Nearest => None,
         ResizeFilter::Linear => Some((|x| 1.0 - x.abs(), 1.0)),

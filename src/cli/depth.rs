@@ -1,0 +1,121 @@
+//! `photosite depth`: from a disparity map to a depth map, and back.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use photosite::calibration::camera_files::DisparityScale;
+use photosite::dataset::disparity_scale;
+use photosite::io::map_file::{MapFile, check_map, check_map_name, read_map, write_map};
+use photosite::{Error, Invalid, Result};
+use serde_json::json;
+
+use super::log::{say, warning};
+use super::print::{print_json, refuse_existing, write_result};
+
+/// Turn a disparity map of any program into depth, Z = f·b/(d + c), or depth into disparity.
+///
+/// f and b are those of a folder of `photosite rectify`, or are given. Maps are EXR files, NPY arrays of floats and TIFF
+/// files of floats in px and m; or NPY, TIFF and PNG files of whole numbers, in steps. What has no disparity above 0 has no
+/// depth: ∞, and 0 in PNG files.
+#[derive(Args)]
+pub(super) struct DepthArgs {
+    /// The map: .exr, .npy, .tiff or .png.
+    map: PathBuf,
+    /// The other map, of the kind that its name says.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Take f and b of the pictures that `photosite rectify` has put there.
+    #[arg(long, value_name = "DIR", required_unless_present = "focal_length_px", conflicts_with_all = ["focal_length_px", "baseline_m", "offset_px"])]
+    rectified: Option<PathBuf>,
+    /// Focal length of both rectified pictures, px.
+    #[arg(long, value_name = "F", requires = "baseline_m", allow_negative_numbers = true)]
+    focal_length_px: Option<f64>,
+    /// How far the second camera stands to the right of the first, or below it, m.
+    #[arg(long, value_name = "B", requires = "focal_length_px", allow_negative_numbers = true)]
+    baseline_m: Option<f64>,
+    /// c: how much farther right the second picture has its principal point, px.
+    #[arg(long, value_name = "C", requires = "focal_length_px", allow_negative_numbers = true, default_value = "0")]
+    offset_px: f64,
+    /// The other way round: from depth to disparity.
+    #[arg(long)]
+    inverse: bool,
+    /// Which plane of an EXR file of several.
+    #[arg(long, value_name = "NAME")]
+    channel: Option<String>,
+    /// What 1 means in disparities that are whole numbers, px: 0.0625 in those of OpenCV's matchers [default: 1/256,
+    /// KITTI's].
+    #[arg(long, value_name = "STEP", default_value = "0.00390625", hide_default_value = true, value_parser = parse_step)]
+    disparity_step_px: f64,
+    /// What 1 means in depths that are whole numbers, mm.
+    #[arg(long, value_name = "STEP", default_value = "1", value_parser = parse_step)]
+    depth_step_mm: f64,
+    /// Print nothing but errors.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Print what was done as JSON on standard output.
+    #[arg(long)]
+    json: bool,
+    /// Overwrite the map if it exists.
+    #[arg(long)]
+    force: bool,
+}
+
+fn parse_step(text: &str) -> Result<f64, String> {
+    let step = text.parse::<f64>().ok().filter(|step| step.is_finite() && *step > 0.0);
+    step.ok_or_else(|| "write a number above 0".to_owned())
+}
+
+pub(super) fn run(args: &DepthArgs) -> Result<()> {
+    check_map_name(&args.output)?;
+    refuse_existing(&args.output, args.force)?;
+    let scale = scale(args)?;
+    let (disparity_step, depth_step) = (args.disparity_step_px, args.depth_step_mm * 1e-3);
+    let (from_step, to_step) = if args.inverse { (depth_step, disparity_step) } else { (disparity_step, depth_step) };
+    let map = read_map(&args.map, args.channel.as_deref())?;
+    let mut without = 0;
+    let values = map.values.iter().map(|&value| {
+        let is_something = !(map.is_codes && value == 0.0);
+        let value = f64::from(value) * if map.is_codes { from_step } else { 1.0 };
+        let (other, nothing) =
+            if args.inverse { (scale.disparity_px(value), 0.0) } else { (scale.depth_m(value), f32::INFINITY) };
+        other.filter(|_| is_something).map_or_else(
+            || {
+                without += 1;
+                nothing
+            },
+            |other| other as f32,
+        )
+    });
+    let other = MapFile { size: map.size, values: values.collect(), is_codes: false };
+    check_map(&args.output, &other.values, to_step).map_err(|invalid| invalid.in_file(&args.output))?;
+    let (name, unit) = if args.inverse { ("disparity", "px") } else { ("depth", "m") };
+    write_result(&args.output, args.force, |to| write_map(&args.output, &other, name, unit, to_step, to))?;
+    let ([columns, rows], all) = (map.size, other.values.len());
+    if args.json {
+        return print_json(&json!({
+            "map": args.map, "output": args.output, "holds": name, "unit": unit,
+            "resolution_px": map.size, "pixels": all, "without": without,
+        }));
+    }
+    if !args.quiet {
+        say!("wrote {name} of {columns} × {rows} pixels, {without} of them without, to {}", args.output.display());
+        if without == all {
+            warning!("no pixel has a {name}");
+        }
+    }
+    Ok(())
+}
+
+fn scale(args: &DepthArgs) -> Result<DisparityScale> {
+    let option = |invalid: Invalid| Error::Usage {
+        message: format!("--{}: {}", invalid.key.replace('_', "-"), invalid.message),
+        help: invalid.help,
+    };
+    match (&args.rectified, args.focal_length_px, args.baseline_m) {
+        (_, Some(focal_length), Some(baseline)) => {
+            DisparityScale::new(focal_length, baseline, args.offset_px).map_err(option)
+        }
+        (Some(folder), ..) => disparity_scale(folder),
+        (None, ..) => Err(option(Invalid::new("rectified", "is missing"))),
+    }
+}

@@ -1,0 +1,171 @@
+//! Epipolar lines, drawn over the pictures of a pair side by side.
+//!
+//! An epipolar plane goes through both cameras; what it holds appears on one line of each picture: in rectified ones in
+//! the same row (the same column, of cameras one above the other), in the cameras' own on two curves, which their lenses
+//! bend. Lines of one colour belong together.
+
+use std::f64::consts::FRAC_PI_2;
+use std::io;
+
+use glam::DVec2;
+
+use crate::calibration::camera_files::StereoPair;
+use crate::image::Planes;
+use crate::io::output::Sink;
+use crate::io::plain_png::write_rgb8;
+
+/// Steps along a curve, px: so small that no pixel beside it is missed.
+const STEP_PX: f64 = 0.1;
+
+/// What is drawn over a picture.
+#[derive(Default)]
+struct Overlay(Vec<Dot>);
+
+/// How much of a pixel has a colour.
+struct Dot {
+    pixel: usize,
+    part: f32,
+    colour: [f32; 3],
+}
+
+/// Lines over the pictures of both cameras, and over the rectified ones.
+pub(super) struct EpipolarLines {
+    original: [Overlay; 2],
+    rectified: [Overlay; 2],
+}
+
+/// A picture with what its codes go up to.
+pub(super) struct Shown<'a> {
+    pub(super) planes: &'a Planes,
+    pub(super) full_scale: f32,
+}
+
+impl EpipolarLines {
+    /// So many planes, evenly over the rows of the rectified pictures.
+    pub(super) fn new(pair: &StereoPair<'_>, count: u32) -> Self {
+        let mut lines = Self { original: Default::default(), rectified: Default::default() };
+        let [columns, rows] = pair.resolution().map(f64::from);
+        let (across, along) = if pair.is_vertical { (columns, rows) } else { (rows, columns) };
+        let largest = |n: [u32; 2]| n[0].max(n[1]);
+        for number in 0..count {
+            let (line, colour) = ((f64::from(number) + 0.5) * across / f64::from(count), colour(number, count));
+            let points = steps(0.0, along, STEP_PX)
+                .map(|place| Some(if pair.is_vertical { DVec2::new(line, place) } else { DVec2::new(place, line) }));
+            let points: Vec<_> = points.collect();
+            for overlay in &mut lines.rectified {
+                overlay.stroke(pair.resolution(), points.iter().copied(), colour);
+            }
+            for (i, view) in pair.views().iter().enumerate() {
+                let camera = pair.cameras[i];
+                // An angle of 1/f is a pixel in the middle, and less than some pixels at the edge.
+                let f = camera
+                    .intrinsics
+                    .fx
+                    .abs()
+                    .max(camera.intrinsics.fy.abs())
+                    .max(f64::from(largest(camera.resolution)));
+                let angles = steps(-FRAC_PI_2, FRAC_PI_2, STEP_PX / f);
+                let curve = angles.map(|angle| view.source_of(pair.in_epipolar_plane(line, angle)));
+                lines.original[i].stroke(camera.resolution, curve, colour);
+            }
+        }
+        lines
+    }
+
+    /// Writes the cameras' pictures side by side, with their lines.
+    pub(super) fn write_original(&self, pictures: [Shown<'_>; 2], to: &mut dyn Sink) -> io::Result<()> {
+        write_side_by_side(pictures, &self.original, to)
+    }
+
+    /// Writes the rectified pictures side by side, with their lines.
+    pub(super) fn write_rectified(&self, pictures: [Shown<'_>; 2], to: &mut dyn Sink) -> io::Result<()> {
+        write_side_by_side(pictures, &self.rectified, to)
+    }
+}
+
+impl Overlay {
+    /// Draws a line one pixel wide along points that follow each other closely.
+    fn stroke(&mut self, resolution: [u32; 2], points: impl Iterator<Item = Option<DVec2>>, colour: [f32; 3]) {
+        let [width, height] = resolution.map(|n| n as usize);
+        let mut covered = std::collections::BTreeMap::<usize, f32>::new();
+        for point in points.flatten() {
+            let corner = (point - 0.5).floor();
+            for (right, below) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+                let pixel = corner + DVec2::new(right, below);
+                if pixel.x < 0.0 || pixel.y < 0.0 || pixel.x >= width as f64 || pixel.y >= height as f64 {
+                    continue;
+                }
+                let part = (1.0 - (pixel + 0.5 - point).length()).max(0.0) as f32;
+                let most = covered.entry(pixel.y as usize * width + pixel.x as usize).or_default();
+                *most = most.max(part);
+            }
+        }
+        self.0.extend(covered.into_iter().map(|(pixel, part)| Dot { pixel, part, colour }));
+    }
+}
+
+/// From `first` to `last` in equal steps of at most `step`.
+fn steps(first: f64, last: f64, step: f64) -> impl Iterator<Item = f64> {
+    let count = ((last - first) / step).ceil().max(1.0) as u64;
+    (0..=count).map(move |i| first + (last - first) * i as f64 / count as f64)
+}
+
+/// Hues around the circle, R, G and B from 0 to 1.
+fn colour(number: u32, count: u32) -> [f32; 3] {
+    let hue = 6.0 * number as f32 / count as f32;
+    [5.0, 3.0, 1.0].map(|n| {
+        let k: f32 = (n + hue) % 6.0;
+        1.0 - k.min(4.0 - k).clamp(0.0, 1.0)
+    })
+}
+
+fn write_side_by_side(pictures: [Shown<'_>; 2], overlays: &[Overlay; 2], to: &mut dyn Sink) -> io::Result<()> {
+    let width: usize = pictures.iter().map(|shown| shown.planes.width()).sum();
+    let height = pictures.iter().map(|shown| shown.planes.height()).max().unwrap_or(0);
+    let mut bytes = vec![0; 3 * width * height];
+    let mut left = 0;
+    for (Shown { planes, full_scale }, overlay) in pictures.iter().zip(overlays) {
+        let channels = planes.channels();
+        let mut colours: Vec<[f32; 3]> = (0..planes.width() * planes.height())
+            // Grey is the same in all three.
+            .map(|i| [0, 1, 2].map(|c| channels[c.min(channels.len() - 1)].data[i] / full_scale))
+            .collect();
+        for Dot { pixel, part, colour } in &overlay.0 {
+            let shown = &mut colours[*pixel];
+            *shown = [0, 1, 2].map(|c| shown[c] + part * (colour[c] - shown[c]));
+        }
+        for (y, row) in colours.chunks(planes.width()).enumerate() {
+            let start = 3 * (y * width + left);
+            let codes = row.as_flattened().iter().map(|value| (255.0 * value).round().clamp(0.0, 255.0) as u8);
+            bytes[start..start + 3 * row.len()].iter_mut().zip(codes).for_each(|(byte, code)| *byte = code);
+        }
+        left += planes.width();
+    }
+    let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
+    write_rgb8([side(width)?, side(height)?], &bytes, to)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hues_go_around_the_circle() {
+        let hues: Vec<[f32; 3]> = (0..6).map(|number| colour(number, 6)).collect();
+        let wanted = [[1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1], [1, 0, 1]];
+        assert_eq!(hues, wanted.map(|hue| hue.map(|part: u8| f32::from(part))));
+    }
+
+    #[test]
+    fn a_line_covers_what_it_goes_through() {
+        let mut overlay = Overlay::default();
+        let points = steps(0.0, 8.0, STEP_PX).map(|x| Some(DVec2::new(x, 2.75)));
+        overlay.stroke([8, 6], points, [1.0; 3]);
+        // Between the centres of rows 2 and 3, nearer to the former by three to one.
+        let part = |x: usize, y: usize| overlay.0.iter().find(|dot| dot.pixel == y * 8 + x).map_or(0.0, |dot| dot.part);
+        for x in 0..8 {
+            assert!((part(x, 2) - 0.75).abs() < 0.01 && (part(x, 3) - 0.25).abs() < 0.01, "{x}");
+            assert_eq!((part(x, 1), part(x, 4)), (0.0, 0.0));
+        }
+    }
+}

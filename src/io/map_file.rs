@@ -1,0 +1,127 @@
+//! Maps of depth or disparity, of this and other programs, as files of the kind that their names say.
+//!
+//! | file | holds | nothing is |
+//! |---|---|---|
+//! | EXR, one plane or a named one | 32-bit floats | ∞ as a depth, 0 as a disparity |
+//! | NPY of floats, of shape (rows, columns); TIFF of 32-bit floats | the same | the same |
+//! | NPY, TIFF and PNG of whole numbers of 8 or 16 bits, grey | codes, each a step more | 0 |
+//!
+//! OpenCV's matchers count disparities in 1/16 px, KITTI in 1/256 px.
+
+use std::io;
+use std::path::Path;
+
+use super::developed::write_float_tiff;
+use super::exr::{Attribute, write_exr};
+use super::npy::write_planes;
+use super::output::Sink;
+use super::picture_file::read_picture_file;
+use super::plain_png::write_grey16;
+use crate::image::{Channel, Planes};
+use crate::raw::Pixels;
+use crate::{Error, Invalid, Result};
+
+/// A map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapFile {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Row by row.
+    pub values: Vec<f32>,
+    /// Whether they are codes, of which 0 is nothing.
+    pub is_codes: bool,
+}
+
+/// Reads a map; of an EXR file of several planes that of the name.
+pub fn read_map(path: &Path, channel: Option<&str>) -> Result<MapFile> {
+    let picture = read_picture_file(path, Pixels::Active)?;
+    let (size, is_codes) = ([picture.mean.width(), picture.mean.height()], picture.full_scale.is_some());
+    let mut planes = picture.mean.into_channels();
+    let names = planes.iter().map(|plane| &plane.name[..]).collect::<Vec<_>>().join(", ");
+    let refused = |message: String, help: &str| Invalid::new("", message).help(help).in_file(path);
+    let found = match channel {
+        Some(name) => planes.iter().position(|plane| plane.name == name),
+        None => (planes.len() == 1).then_some(0),
+    };
+    let Some(index) = found else {
+        return Err(match channel {
+            Some(name) => refused(format!("has no plane {name}, but {names}"), "name one of them with --channel"),
+            None => {
+                refused(format!("has the planes {names}"), "choose one with --channel, or give a file of one plane")
+            }
+        });
+    };
+    Ok(MapFile { size, values: planes.swap_remove(index).data, is_codes })
+}
+
+/// Whether maps can be written under that name.
+pub fn check_map_name(path: &Path) -> Result<()> {
+    if ["exr", "npy", "tif", "tiff", "png"].contains(&&extension(path)[..]) {
+        return Ok(());
+    }
+    let message = format!("{} is no name of a map that photosite can write", path.display());
+    Err(Error::Usage { message, help: Some("give a name that ends with .exr, .npy, .tiff or .png".into()) })
+}
+
+/// Refuses a map that a PNG file of steps of that size has no room for.
+pub fn check_map(path: &Path, values: &[f32], step: f64) -> Result<(), Invalid> {
+    let most = f64::from(u16::MAX);
+    let finite = || values.iter().map(|&value| f64::from(value)).filter(|value| value.is_finite());
+    if extension(path) != "png" || finite().all(|value| (-0.5..=most + 0.5).contains(&(value / step))) {
+        return Ok(());
+    }
+    let (least, largest) = finite().fold((0.0, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
+    let message = format!("values from {least} to {largest} do not fit into 16 bits of steps of {step}");
+    Err(Invalid::new("", message).help("make the steps larger, or write a .exr, .npy or .tiff file"))
+}
+
+/// Writes a map of that name and unit. PNG files hold whole steps of that size, at least 1 where there is something.
+pub fn write_map(path: &Path, map: &MapFile, name: &str, unit: &str, step: f64, to: &mut dyn Sink) -> io::Result<()> {
+    let [width, height] = map.size;
+    let planes = || {
+        let channel = Channel { name: name.to_owned(), data: map.values.clone() };
+        Planes::new(width, height, vec![channel]).map_err(io::Error::other)
+    };
+    match &extension(path)[..] {
+        "npy" => write_planes(map.size, &[&map.values[..]], |value| value, to),
+        "exr" => write_exr(&planes()?, &[("unit", Attribute::Text(unit.to_owned()))], to),
+        "png" => {
+            let code = |&value: &f32| match f64::from(value) {
+                value if value.is_finite() && value != 0.0 => (value / step).round().max(1.0) as u16,
+                _ => 0,
+            };
+            let side = |n: usize| u32::try_from(n).map_err(io::Error::other);
+            write_grey16([side(width)?, side(height)?], &map.values.iter().map(code).collect::<Vec<_>>(), to)
+        }
+        _ => write_float_tiff(&planes()?, &format!("{name} in {unit}"), 1.0, to),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::output::write_whole;
+
+    #[test]
+    fn maps_come_back_from_every_kind_of_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let map = MapFile { size: [3, 2], values: vec![0.0, 0.25, 1.5, 3.0, 0.75, 12.25], is_codes: false };
+        for (kind, step) in [("exr", 1.0), ("npy", 1.0), ("tiff", 1.0), ("png", 0.25)] {
+            let path = folder.path().join(format!("map.{kind}"));
+            check_map(&path, &map.values, step).expect("room");
+            write_whole(&path, |to| write_map(&path, &map, "disparity", "px", step, to)).expect("written");
+            let read = read_map(&path, None).expect("a map");
+            assert_eq!((read.size, read.is_codes), (map.size, kind == "png"));
+            let back: Vec<f32> = read.values.iter().map(|value| value * step as f32).collect();
+            assert_eq!(back, map.values, "{kind}");
+        }
+        assert!(check_map("a.png".as_ref(), &[17_000.0], 0.25).is_err());
+        assert!(check_map("a.png".as_ref(), &[-1.0], 0.25).is_err());
+        assert!(check_map("a.exr".as_ref(), &[-1.0, 1e9], 0.25).is_ok());
+        assert!(check_map_name("a.jpg".as_ref()).is_err());
+    }
+}
