@@ -221,7 +221,7 @@ fn a_trajectory_zooms() {
     };
     assert_eq!([0, 1, 2].map(focal_length), [10.0, 15.0, 20.0]);
     folder.add("set.toml", format!("capture = 'board.toml'\n{}", poses.replace(", focal_length_mm = 20", "")));
-    folder.fail("dataset set.toml -o other", 2, &["poses[1].focal_length_mm: missing, where poses[0] has one"]);
+    folder.fail("dataset set.toml -o other", 1, &["poses[1].focal_length_mm: missing, where poses[0] has one"]);
 }
 
 #[rstest]

@@ -56,7 +56,7 @@ impl Hexagon {
     /// pitch.
     pub fn new([pitch, rows]: [f64; 2]) -> Option<Self> {
         let slant = (pitch / rows).powi(2) / 8.0;
-        (0.0..=0.5).contains(&slant).then_some(Self { slant })
+        (rows > 0.0 && slant <= 0.5).then_some(Self { slant })
     }
 
     /// The centre of the neighbour to which a place of the rectangle about a cell belongs, from that cell's centre;
