@@ -1,6 +1,7 @@
 """Lenses: holes, thin lenses, what stands before them, and how they are focused."""
 
 import numpy as np
+from PIL import Image
 from scipy.signal import fftconvolve
 from scipy.special import j1
 
@@ -62,8 +63,6 @@ def diffraction(tool):
     overrides = ["lens.diameter_mm=0.1", "sensor.resolution_px=[512, 512]", "render.samples_per_pixel=256"]
     plain, _ = electrons(tool, tool.render("hole.toml", "plain", *overrides))
     spread, noise = electrons(tool, tool.render("hole.toml", "spread", *overrides, "lens.psf.kind=airy"))
-    from PIL import Image
-
     shown = (spread / spread.max()) ** 0.4 * 255
     Image.fromarray(shown[128:384, 128:384].astype(np.uint8)).save(tool.picture("airy.png"))
     n, fine = 768, 2
@@ -142,7 +141,7 @@ def minimum_focus(tool):
 
 def autofocus(tool):
     folder = tool.render("autofocus.toml", "contrast")
-    (tool.picture("autofocus.png")).write_bytes((folder / "image.png").read_bytes())
+    Image.open(folder / "image.png").convert("L").quantize(16).save(tool.picture("autofocus.png"))
     contrast = tool.report(folder)["lens"]
     exact = tool.report(tool.render("autofocus.toml", "exact", "lens.autofocus.method=exact"))["lens"]
     u, f, n = 0.8, 0.025, 2
@@ -167,8 +166,6 @@ def bare(tool):
 
 def falloff(tool):
     picture, _ = electrons(tool, tool.render("falloff.toml", "wide"))
-    from PIL import Image
-
     Image.fromarray((picture[::6, ::6] / picture.max() * 255).astype(np.uint8)).save(tool.picture("falloff.png"))
     height, width = picture.shape
     corner = picture[:8, :8].mean() / picture[height // 2 - 4 : height // 2 + 4, width // 2 - 4 : width // 2 + 4].mean()
