@@ -3,7 +3,7 @@
 Usage: run.py PHOTOSITE [--write] [FILE…]
 
 FILE names files of rows (`lens`, `noise` …); left out: all. --write makes the page and its pictures anew; without it, the page
-must have the same rows, and the same figures expected.
+must have the same rows.
 """
 
 import argparse
@@ -53,10 +53,10 @@ def lines(row, figures):
         yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
-def without_measured(page):
-    """The page without what is measured, which may differ in its last digits from machine to machine."""
+def without_figures(page):
+    """The page without its figures, which may differ in their last digits from machine to machine."""
     cells = (re.split(r"(?<!\\)\|", line) for line in page.splitlines())
-    return ["|".join(row[:6] + row[7:]) if len(row) > 7 else "|".join(row) for row in cells]
+    return ["|".join(row[:6]) for row in cells]
 
 
 def main():
@@ -88,7 +88,7 @@ def main():
         return
     if arguments.write:
         PAGE.write_text(page)
-    elif without_measured(PAGE.read_text()) != without_measured(page):
+    elif without_figures(PAGE.read_text()) != without_figures(page):
         sys.exit("docs/textbook.md has other rows: write it again with --write")
 
 

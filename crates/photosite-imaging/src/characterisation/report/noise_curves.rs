@@ -60,7 +60,8 @@ fn distribution(title: &'static str, caption: String, sigmas: &SigmaDistribution
     let scale = sigmas.count as f64 * histogram.width;
     let at = |i: u32| low + (high - low) * f64::from(i) / f64::from(POINTS);
     let expected: Vec<(f64, f64)> = (0..=POINTS).map(|i| (at(i), scale * sigmas.expected_density(at(i)))).collect();
-    let top = 1.1 * histogram.counts.iter().copied().max().unwrap_or(1).max(1) as f64;
+    let most = histogram.counts.iter().copied().max().unwrap_or(1).max(1) as f64;
+    let top = 1.1 * expected.iter().map(|(_, count)| *count).fold(most, f64::max);
     let mean = vec![(sigmas.mean, 0.0), (sigmas.mean, top)];
     Plot {
         title,
