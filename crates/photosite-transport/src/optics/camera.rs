@@ -85,7 +85,7 @@ fn turned(seen: Seen) -> Seen {
 }
 
 impl Camera {
-    /// Places a lens. `autofocus_distance_m` is what [`Focus::Autofocus`] found along the axis (infinite for nothing)
+    /// Places a lens. `autofocus_distance_m` is what [`Focus::Autofocus`](crate::optics::Focus::Autofocus) found along the axis (infinite for nothing)
     /// and not looked at for other kinds of focus. A pinhole has no focus: whatever the lens is said to be focused on,
     /// its picture lies one focal length behind it.
     pub fn new(
