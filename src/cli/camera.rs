@@ -9,6 +9,7 @@ use photosite::calibration::camera_files::{
 use photosite::capture::Capture;
 use photosite::io::lock::Lock;
 use photosite::io::output::create_folder;
+use photosite::optics::LensKind;
 use photosite::{Invalid, Result, Sandbox};
 
 use super::log::say;
@@ -62,6 +63,10 @@ pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
         let message = "formats of cameras have words for pixels in rows and columns alone";
         let help = "take the camera of image.png, whose pixels are square, from capture.json";
         return Err(capture.source.error(Invalid::new("sensor.cells", message).help(help)));
+    }
+    if capture.lens.kind == LensKind::Bare {
+        let message = "a bare sensor has no camera matrix: each of its pixels sees everything";
+        return Err(capture.source.error(Invalid::new("lens.type", message).help("take a lens")));
     }
     let placed = standalone_recording_camera(&capture)?.halfway();
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region);

@@ -7,7 +7,7 @@ use clap::Args;
 use glam::{DVec2, DVec3};
 use photosite::calibration::truth::project;
 use photosite::capture::Capture;
-use photosite::optics::Camera;
+use photosite::optics::{Camera, LensKind};
 use photosite::{Error, Invalid, Result, Sandbox};
 
 use super::print::println_out;
@@ -42,6 +42,10 @@ pub(super) struct ProjectArgs {
 
 pub(super) fn run(args: &ProjectArgs, sandbox: &Sandbox) -> Result<()> {
     let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
+    if capture.lens.kind == LensKind::Bare {
+        let message = "no point has a place on a bare sensor: each of its pixels sees everything";
+        return Err(capture.source.error(Invalid::new("lens.type", message).help("take a lens")));
+    }
     let camera = standalone_recording_camera(&capture)?;
     let text = read(&args.points)?;
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or("").trim()));

@@ -9,6 +9,7 @@ use crate::calibration::dataset::{Plan, RigCamera, Subject};
 use crate::calibration::targets::PlacedTarget;
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, DatasetFile};
+use crate::optics::LensKind;
 use crate::pipeline::standalone_camera;
 use crate::sensor::SensorModel;
 use crate::{Invalid, Result, Sandbox};
@@ -91,6 +92,10 @@ fn check(capture: &Capture) -> Result<()> {
     if capture.sensor.cells.is_staggered() {
         let message = "the pictures of a data set have the pixels of the sensor, and its tools want them in columns";
         return refuse("sensor.cells", message, "render captures of hexagonal cells one by one");
+    }
+    if capture.lens.kind == LensKind::Bare {
+        let message = "the pictures of a data set have a camera, and a bare sensor has none";
+        return refuse("lens.type", message, "render captures of bare sensors one by one");
     }
     if capture.render.time_limit.is_some() {
         let help = "write samples_per_pixel or noise_target";

@@ -272,3 +272,39 @@ fn a_kernel_shifts_a_point_of_light_as_it_stands_in_its_file(#[case] kernel: &st
         assert_eq!(says, shifted && origin.is_empty(), "{out}: {}", outcome.stderr);
     }
 }
+
+/// A hole and a bare sensor: what is known of them, exposed again, and what needs a lens.
+#[test]
+fn a_bare_sensor_has_no_camera_and_a_hole_no_focus() {
+    let folder = Folder::new([("capture.toml", lit("type = 'none'").into())]);
+    folder.add("points.csv", "0, 0, 0\n");
+    folder.add("set.toml", "capture = 'capture.toml'\nframes = 1\n");
+    folder.succeed("render capture.toml -o bare");
+    let report = folder.report("bare");
+    assert_eq!((report["lens"]["kind"].as_str(), &report["lens"]["f_number"]), (Some("none"), &Value::Null));
+    assert_eq!((&report["image"], &report["exposure"]["exposure_value"]), (&Value::Null, &Value::Null));
+    folder.succeed("expose bare -o again --set exposure.gain_db=3");
+    folder.succeed("info capture.toml");
+    for command in ["camera capture.toml --format opencv", "project capture.toml --points points.csv"] {
+        folder.fail(command, 1, &["lens.type", "each of its pixels sees everything"]);
+    }
+    folder.fail("export-mitsuba capture.toml -o mitsuba", 1, &["lens.type", "Mitsuba has no camera without a lens"]);
+    folder.fail("dataset set.toml -o set", 1, &["lens.type", "a bare sensor has none"]);
+
+    folder.add("capture.toml", lit("type = 'hole'\ndiameter_mm = 0.4\nimage_distance_mm = 20"));
+    folder.succeed("render capture.toml -o hole");
+    let report = folder.report("hole");
+    assert_eq!((report["lens"]["kind"].as_str(), report["lens"]["f_number"].as_f64()), (Some("hole"), Some(50.0)));
+    assert_eq!(report["lens"]["figures"]["depth_of_field_m"], Value::Null);
+    folder.succeed("expose hole -o hole-again --set exposure.gain_db=3");
+    folder.fail("export-mitsuba capture.toml -o mitsuba", 1, &["the hole of [lens]: it becomes a pinhole"]);
+}
+
+/// A lit scene of nothing, seen by a few pixels through a lens.
+fn lit(lens: &str) -> String {
+    format!(
+        "[scene]\nenvironment = {{ illuminant = 'D65', illuminance_lux = 500 }}\n[camera]\nposition_m = [0, 0, 2]\n\
+         look_at_m = [0, 0, 0]\n[lens]\n{lens}\n[sensor]\nresolution_px = [16, 12]\n[exposure]\ntime_s = 0.01\n\
+         [render]\nsamples_per_pixel = 4\n"
+    )
+}
