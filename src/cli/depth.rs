@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use photosite::calibration::camera_files::DisparityScale;
 use photosite::dataset::disparity_scale;
-use photosite::io::map_file::{MapFile, check_map, check_map_name, read_map, write_map};
+use photosite::io::map_file::{check_map, check_map_name, read_map, write_map};
 use photosite::{Error, Invalid, Result};
 use serde_json::json;
 
@@ -72,21 +72,11 @@ pub(super) fn run(args: &DepthArgs) -> Result<()> {
     let (disparity_step, depth_step) = (args.disparity_step_px, args.depth_step_mm * 1e-3);
     let (from_step, to_step) = if args.inverse { (depth_step, disparity_step) } else { (disparity_step, depth_step) };
     let map = read_map(&args.map, args.channel.as_deref())?;
-    let mut without = 0;
-    let values = map.values.iter().map(|&value| {
-        let is_something = !(map.is_codes && value == 0.0);
-        let value = f64::from(value) * if map.is_codes { from_step } else { 1.0 };
-        let (other, nothing) =
-            if args.inverse { (scale.disparity_px(value), 0.0) } else { (scale.depth_m(value), f32::INFINITY) };
-        other.filter(|_| is_something).map_or_else(
-            || {
-                without += 1;
-                nothing
-            },
-            |other| other as f32,
-        )
-    });
-    let other = MapFile { size: map.size, values: values.collect(), is_codes: false };
+    let (other, without) = if args.inverse {
+        map.converted(from_step, 0.0, |depth| scale.disparity_px(depth))
+    } else {
+        map.converted(from_step, f32::INFINITY, |disparity| scale.depth_m(disparity))
+    };
     check_map(&args.output, &other.values, to_step).map_err(|invalid| invalid.in_file(&args.output))?;
     let (name, unit) = if args.inverse { ("disparity", "px") } else { ("depth", "m") };
     write_result(&args.output, args.force, |to| write_map(&args.output, &other, name, unit, to_step, to))?;

@@ -32,6 +32,22 @@ pub struct MapFile {
     pub is_codes: bool,
 }
 
+impl MapFile {
+    /// Each value, of codes times `step`, as `convert` has it, and `nothing` where that has none or a code is 0; with
+    /// the number of these.
+    pub fn converted(&self, step: f64, nothing: f32, convert: impl Fn(f64) -> Option<f64>) -> (Self, usize) {
+        let scale = if self.is_codes { step } else { 1.0 };
+        let of_value = |&value: &f32| {
+            let is_something = !(self.is_codes && value == 0.0);
+            is_something.then(|| convert(f64::from(value) * scale)).flatten()
+        };
+        let found: Vec<Option<f64>> = self.values.iter().map(of_value).collect();
+        let without = found.iter().filter(|value| value.is_none()).count();
+        let values = found.into_iter().map(|value| value.map_or(nothing, |value| value as f32)).collect();
+        (Self { size: self.size, values, is_codes: false }, without)
+    }
+}
+
 /// Reads a map; of an EXR file of several planes that of the name.
 pub fn read_map(path: &Path, channel: Option<&str>) -> Result<MapFile> {
     let picture = read_picture_file(path, Pixels::Active)?;
