@@ -30,6 +30,12 @@ pub(super) fn plan(
         let read = || {
             let capture = Capture::load_within(sandbox, capture_path, &set)?;
             check(&capture)?;
+            if description.zooms() && capture.lens.intrinsics.is_some() {
+                let message = "states the camera matrix, which a focal length of poses.trajectory would not change";
+                let invalid =
+                    Invalid::new("lens.intrinsics", message).help("remove it, or the focal lengths of the poses");
+                return Err(capture.source.error(invalid));
+            }
             let camera = standalone_camera(&capture)?;
             Ok((camera, capture))
         };

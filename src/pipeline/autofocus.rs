@@ -36,8 +36,10 @@ const MOST_ROUNDS: u32 = 12;
 pub(super) struct Search {
     /// Distance of the sensor behind the lens, m.
     pub(super) image_distance_m: f64,
-    /// All places that were tried, nearest focus last.
+    /// All places that were tried, in this order.
     pub(super) steps: Vec<FocusStepReport>,
+    /// Whether that is the nearest focus that the lens has, so that what is seen may be nearer still.
+    pub(super) is_nearest: bool,
 }
 
 /// Looks for the place of the sensor at which the part of the picture about a pixel is sharpest, between the focus at
@@ -61,7 +63,8 @@ pub(super) fn search(
         return refuse("autofocus", "a diverging lens has no focus", "write image_distance_mm");
     }
     let nearest_m = lens.min_focus_distance_m.unwrap_or(f * (1.0 + 1.0 / LARGEST_PICTURE));
-    let [mut low, mut high] = [f, 1.0 / (1.0 / f - 1.0 / nearest_m)];
+    let at_nearest = 1.0 / (1.0 / f - 1.0 / nearest_m);
+    let [mut low, mut high] = [f, at_nearest];
     // The blur of a place of the sensor that is off by δ is δ/N.
     let pixel_m = capture.sensor.pixel_pitch_m[0] * lens.f_number;
     let coarse = ((high - low) / (COARSEST_PX * pixel_m)).ceil() as u32 + 1;
@@ -92,7 +95,7 @@ pub(super) fn search(
         [low, high] = [(best.1 - step).max(low), (best.1 + step).min(high)];
         count = how.steps;
     }
-    Ok(Search { image_distance_m: best.1, steps })
+    Ok(Search { image_distance_m: best.1, steps, is_nearest: best.1 > at_nearest - FINEST_PX * pixel_m })
 }
 
 /// A part of the picture.

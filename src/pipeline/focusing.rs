@@ -18,6 +18,8 @@ pub(super) struct FocusedCamera {
     pub(super) camera: Camera,
     /// What autofocus by contrast has tried.
     pub(super) steps: Vec<FocusStepReport>,
+    /// Whether it has found no sharper focus than the nearest that the lens has.
+    pub(super) is_nearest: bool,
 }
 
 /// The camera of a capture in its place, focused on what autofocus finds in the scene, which is asked for then only.
@@ -36,7 +38,7 @@ pub(super) fn focus_camera<'a>(
         camera.map_err(|invalid| capture.source.error(invalid.within("lens")))
     };
     let with_sensor_at = |v: f64| LensDescription { focus: Focus::ImageDistance(v), ..capture.lens.clone() };
-    let mut steps = Vec::new();
+    let (mut steps, mut is_nearest) = (Vec::new(), false);
     let camera = match capture.lens.focus {
         Focus::Autofocus { pixel, method: AutofocusMethod::Exact } => {
             // Focusing moves the sensor and with it the direction of the chief ray; a few rounds settle it.
@@ -49,13 +51,13 @@ pub(super) fn focus_camera<'a>(
         }
         Focus::Autofocus { pixel, method: AutofocusMethod::Contrast(how) } => {
             let search = autofocus::search(capture, to_world, scene(), pixel, &how)?;
-            steps = search.steps;
+            (steps, is_nearest) = (search.steps, search.is_nearest);
             place(&with_sensor_at(search.image_distance_m), f64::NAN)?
         }
         Focus::Distance(_) | Focus::Infinity | Focus::ImageDistance(_) => place(&capture.lens, f64::NAN)?,
     };
     match camera.check_coverage() {
-        Ok(()) => Ok(FocusedCamera { camera, steps }),
+        Ok(()) => Ok(FocusedCamera { camera, steps, is_nearest }),
         Err(invalid) => Err(capture.source.error(invalid.within("lens"))),
     }
 }

@@ -71,8 +71,9 @@ impl Prepared {
         let surfaces = description.surfaces();
         needs::check_scene(&description, &capture.source)?;
         let scene = scene::build(description, &importance);
-        let FocusedCamera { camera, steps: focus_steps } = focus_camera(&capture, capture.camera_to_world, || &scene)?;
-        warnings.extend(autofocus_warning(&capture, &camera));
+        let FocusedCamera { camera, steps: focus_steps, is_nearest } =
+            focus_camera(&capture, capture.camera_to_world, || &scene)?;
+        warnings.extend(autofocus_warning(&capture, &camera, is_nearest));
         warnings.extend(ineffective_settings(&capture, &scene));
         let light = scene_light(&capture, &scene)?;
         let optics = Optics {
@@ -132,7 +133,7 @@ impl Prepared {
 }
 
 /// A warning where the lens is not focused on what autofocus was told to.
-fn autofocus_warning(capture: &Capture, camera: &Camera) -> Option<String> {
+fn autofocus_warning(capture: &Capture, camera: &Camera, is_nearest: bool) -> Option<String> {
     let Focus::Autofocus { pixel: [x, y], method } = capture.lens.focus else { return None };
     let u = camera.focus_distance_m();
     match (method, capture.lens.min_focus_distance_m) {
@@ -141,6 +142,11 @@ fn autofocus_warning(capture: &Capture, camera: &Camera) -> Option<String> {
         }
         (AutofocusMethod::Exact, Some(nearest)) if u == nearest => Some(format!(
             "autofocus: what pixel {x}, {y} sees is nearer than the lens can be focused on, {nearest} m, and is not sharp"
+        )),
+        (AutofocusMethod::Contrast(_), _) if is_nearest => Some(format!(
+            "autofocus: at pixel {x}, {y} the contrast is highest at the nearest focus of the lens, {} m, and what is seen \
+             there may be nearer still; lens.min_focus_distance_m says how near the lens goes",
+            u as f32
         )),
         (AutofocusMethod::Exact | AutofocusMethod::Contrast(_), _) => None,
     }

@@ -220,6 +220,13 @@ fn a_trajectory_zooms() {
         report["lens"]["focal_length_mm"].as_f64().expect("a number")
     };
     assert_eq!([0, 1, 2].map(focal_length), [10.0, 15.0, 20.0]);
+    folder.add("set.toml", format!("capture = 'board.toml'\n{poses}"));
+    let matrix = "lens.intrinsics={fx=30,fy=30,cx=9,cy=9}";
+    folder.fail(
+        &format!("dataset set.toml -o other --set {matrix}"),
+        1,
+        &["lens.intrinsics: states the camera matrix"],
+    );
     folder.add("set.toml", format!("capture = 'board.toml'\n{}", poses.replace(", focal_length_mm = 20", "")));
     folder.fail("dataset set.toml -o other", 1, &["poses[1].focal_length_mm: missing, where poses[0] has one"]);
 }

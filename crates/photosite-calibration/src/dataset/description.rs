@@ -167,3 +167,11 @@ pub struct VariationDescription {
     #[serde(default)]
     pub per_camera: bool,
 }
+
+impl DatasetDescription {
+    /// Whether the cameras zoom along a trajectory.
+    pub fn zooms(&self) -> bool {
+        let trajectory = self.poses.as_ref().and_then(|poses| poses.trajectory.as_ref());
+        trajectory.is_some_and(|trajectory| trajectory.poses.iter().any(|pose| pose.focal_length_mm.is_some()))
+    }
+}
