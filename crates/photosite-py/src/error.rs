@@ -1,0 +1,75 @@
+//! The library's errors as exceptions of `photosite._errors`.
+
+use photosite::{Error, Help, Remedy};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// The exception for an error of the library, with its parts as attributes.
+pub(crate) fn raise(py: Python<'_>, error: Error) -> PyErr {
+    let is_temporary = error.is_temporary();
+    let error = error.in_words(&in_arguments, "set");
+    exception(py, error, is_temporary).unwrap_or_else(|failed| failed)
+}
+
+fn exception(py: Python<'_>, error: Error, is_temporary: bool) -> PyResult<PyErr> {
+    let text = error.to_string();
+    let parts = PyDict::new(py);
+    parts.set_item("is_temporary", is_temporary)?;
+    let class = match error {
+        Error::Temporary(inner) => return exception(py, *inner, is_temporary),
+        Error::Cancelled { help, .. } => return Ok(PyKeyboardInterrupt::new_err(words(help))),
+        Error::Input(input) => {
+            parts.set_item("file", &input.path)?;
+            parts.set_item("line", input.line)?;
+            parts.set_item("key", &input.key)?;
+            parts.set_item("reason", &input.message)?;
+            parts.set_item("help", words(input.help))?;
+            "InputError"
+        }
+        Error::Io { path, reason, .. } => {
+            parts.set_item("file", path)?;
+            parts.set_item("reason", reason.to_string())?;
+            parts.set_item("errno", reason.raw_os_error())?;
+            "FileError"
+        }
+        Error::Override { message, help, .. } | Error::Usage { message, help } => {
+            parts.set_item("reason", message)?;
+            parts.set_item("help", words(help))?;
+            "InputError"
+        }
+        Error::Resources { message, help } => {
+            parts.set_item("reason", message)?;
+            parts.set_item("help", words(help))?;
+            "ResourceError"
+        }
+    };
+    let made = py.import("photosite._errors")?.getattr("make")?.call((class, text), Some(&parts))?;
+    Ok(PyErr::from_value(made))
+}
+
+fn words(help: Option<Help>) -> Option<String> {
+    help.map(|help| help.to_string())
+}
+
+/// What to do about an error, as the arguments of functions that do it.
+fn in_arguments(remedy: &Remedy) -> String {
+    match remedy {
+        Remedy::Overwrite => "overwrite it with overwrite=True".to_owned(),
+        Remedy::StartAnew => "start anew with overwrite=True".to_owned(),
+        Remedy::Override(change) | Remedy::Example(change) => {
+            let (key, value) = change.split_once('=').unwrap_or((change, ""));
+            format!("for example set={{\"{key}\": {value}}}")
+        }
+        Remedy::FilmMemory(gib) => format!("allow more with film_memory_gib={gib}"),
+        Remedy::Linear => "say linear=True where its codes are in proportion to light".to_owned(),
+        Remedy::LightUnit => "say what its numbers are with unit=".to_owned(),
+        Remedy::Say(_)
+        | Remedy::Elsewhere(_)
+        | Remedy::Memory(_)
+        | Remedy::Samples(_)
+        | Remedy::Channels(_)
+        | Remedy::Masked { .. }
+        | Remedy::Nearest => remedy.to_string(),
+    }
+}

@@ -1,0 +1,22 @@
+//! The compiled half of the Python package `photosite`: what passes between Python and the library. It converts, maps
+//! errors, frees the interpreter's lock while work is done, and does no work of its own. What users see is Python, in
+//! `python/photosite`, and is documented there.
+
+mod capture;
+mod error;
+mod work;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _photosite {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::capture::Capture;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

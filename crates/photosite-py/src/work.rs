@@ -1,0 +1,170 @@
+//! Work without the interpreter's lock: on threads of this process, watched for signals, warnings and progress.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use photosite::pipeline::{Event, Monitor};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::error::raise;
+
+/// Between two looks at signals and progress. Ctrl-C is to be heard within 0.1 s.
+const LOOK_INTERVAL: Duration = Duration::from_millis(25);
+
+/// How work is done, besides what it is.
+#[derive(Default)]
+pub(crate) struct How {
+    /// Threads; as many as there are cores unless it is said.
+    pub(crate) threads: Option<usize>,
+    /// Called with what is done and what is to be done.
+    pub(crate) progress: Option<Py<PyAny>>,
+}
+
+/// What the threads that work leave for the one that holds the lock.
+#[derive(Default)]
+struct Watch {
+    done: AtomicU64,
+    all: AtomicU64,
+    stop: AtomicBool,
+    warnings: Mutex<Vec<String>>,
+}
+
+impl Monitor for Watch {
+    fn report(&self, event: Event<'_>) {
+        match event {
+            Event::Warning(words) => {
+                let mut warnings = self.warnings.lock().unwrap_or_else(PoisonError::into_inner);
+                if !warnings.iter().any(|known| known == words) {
+                    warnings.push(words.to_owned());
+                }
+            }
+            Event::PictureFails { camera, frame, error } => {
+                self.report(Event::Warning(&format!("frame {frame} of {camera} is left out: {error}")));
+            }
+            Event::TraceBegins { traced, expected, .. } => {
+                self.done.store(traced, Ordering::Relaxed);
+                self.all.store(expected, Ordering::Relaxed);
+            }
+            Event::Traced(paths) => {
+                self.done.fetch_add(paths, Ordering::Relaxed);
+            }
+            Event::PassEnds { expected, .. } => self.all.store(expected, Ordering::Relaxed),
+            Event::TraceEnds
+            | Event::SetBegins { .. }
+            | Event::PictureEnds
+            | Event::Waiting { .. }
+            | Event::SetEnds => {}
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// The threads of this process, of each number that was asked for.
+///
+/// rayon's own pool would not do: a forked child has its locks but not its threads, and would wait for ever. PyTorch's
+/// loaders and `multiprocessing` fork by default up to Python 3.13.
+fn pool(threads: Option<usize>) -> photosite::Result<Arc<ThreadPool>> {
+    type Pools = BTreeMap<usize, Arc<ThreadPool>>;
+    static POOLS: Mutex<Option<(u32, Pools)>> = Mutex::new(None);
+    let count = threads.unwrap_or(0);
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    if let Some((_, of_parent)) = pools.take_if(|(owner, _)| *owner != process) {
+        // Dropping them would wait for threads that are not in this process.
+        std::mem::forget(of_parent);
+    }
+    let (_, pools) = pools.get_or_insert_with(|| (process, Pools::new()));
+    if let Some(pool) = pools.get(&count) {
+        return Ok(pool.clone());
+    }
+    let made = ThreadPoolBuilder::new().num_threads(count).build().map_err(|reason| photosite::Error::Resources {
+        message: format!("cannot start threads: {reason}"),
+        help: Some("ask for fewer with threads=".into()),
+    })?;
+    let pool = Arc::new(made);
+    pools.insert(count, pool.clone());
+    Ok(pool)
+}
+
+/// Does work without the interpreter's lock. Meanwhile the lock is taken some 40 times a second, to see whether a signal
+/// has come and to tell of progress; an exception of either stops the work and is raised when it has. Warnings are given
+/// at the end, each once.
+pub(crate) fn work<T: Send>(
+    py: Python<'_>,
+    how: How,
+    job: impl FnOnce(&dyn Monitor) -> photosite::Result<T> + Send,
+) -> PyResult<T> {
+    let watch = Watch::default();
+    let outcome = py.detach(|| {
+        std::thread::scope(|scope| {
+            let (tell, told) = channel();
+            let watch = &watch;
+            let threads = how.threads;
+            let begun = std::thread::Builder::new().spawn_scoped(scope, move || {
+                let work = || pool(threads)?.install(|| job(watch));
+                // Nobody hears it where an exception has ended the wait.
+                let _ = tell.send(catch_unwind(AssertUnwindSafe(work)));
+            });
+            begun.map_err(|reason| PyRuntimeError::new_err(format!("cannot start a thread: {reason}")))?;
+            let (mut said, mut failed) = (None, None);
+            loop {
+                match told.recv_timeout(LOOK_INTERVAL) {
+                    Ok(outcome) => return failed.map_or(Ok(outcome), Err),
+                    Err(RecvTimeoutError::Disconnected) => unreachable!("the thread tells before it ends"),
+                    Err(RecvTimeoutError::Timeout) => {}
+                }
+                if failed.is_none()
+                    && let Err(error) = look(watch, how.progress.as_ref(), &mut said)
+                {
+                    watch.stop.store(true, Ordering::Relaxed);
+                    failed = Some(error);
+                }
+            }
+        })
+    })?;
+    let outcome = outcome.map_err(|panic| {
+        let words = panic.downcast_ref::<String>().map(String::as_str);
+        let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason is known");
+        PyRuntimeError::new_err(format!("photosite has a mistake, please report it: {words}"))
+    })?;
+    let value = outcome.map_err(|error| raise(py, error))?;
+    if let Some(progress) = &how.progress {
+        let all = watch.all.load(Ordering::Relaxed);
+        progress.call1(py, (all, all))?;
+    }
+    warn(py, watch.warnings.into_inner().unwrap_or_else(PoisonError::into_inner))?;
+    Ok(value)
+}
+
+/// Looks at signals, and tells of progress where there is any.
+fn look(watch: &Watch, progress: Option<&Py<PyAny>>, said: &mut Option<[u64; 2]>) -> PyResult<()> {
+    Python::attach(|py| {
+        py.check_signals()?;
+        let now = [&watch.done, &watch.all].map(|count| count.load(Ordering::Relaxed));
+        if let Some(progress) = progress
+            && now[1] > 0
+            && *said != Some(now)
+        {
+            progress.call1(py, (now[0].min(now[1]), now[1]))?;
+            *said = Some(now);
+        }
+        Ok(())
+    })
+}
+
+/// Gives warnings with the file and line of whoever called the package.
+pub(crate) fn warn(py: Python<'_>, warnings: Vec<String>) -> PyResult<()> {
+    if warnings.is_empty() {
+        return Ok(());
+    }
+    py.import("photosite._errors")?.getattr("warn_all")?.call1((warnings,)).map(|_| ())
+}
