@@ -28,3 +28,13 @@ pub(crate) fn of_planes<'py>(py: Python<'py>, planes: Planes) -> PyResult<Bound<
     };
     of_pixels(py, [rows, columns, count], numbers)
 }
+
+/// Rows of numbers as an array (rows, N).
+pub(crate) fn of_rows<const N: usize>(
+    py: Python<'_>,
+    rows: impl ExactSizeIterator<Item = [f64; N]>,
+) -> PyResult<Bound<'_, PyAny>> {
+    let count = rows.len();
+    let numbers: Vec<f64> = rows.flatten().collect();
+    Ok(numbers.into_pyarray(py).reshape([count, N])?.into_any())
+}

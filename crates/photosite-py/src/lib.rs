@@ -4,8 +4,12 @@
 
 mod array;
 mod capture;
+mod compare;
+mod dataset;
+mod emva1288;
 mod error;
 mod raw;
+mod target;
 mod work;
 
 use pyo3::prelude::*;
@@ -17,7 +21,15 @@ mod _photosite {
     #[pymodule_export]
     use super::capture::Capture;
     #[pymodule_export]
+    use super::compare::{ComparedPicture, compare, difference_picture};
+    #[pymodule_export]
+    use super::dataset::{Dataset, read_codes, read_exr_arrays};
+    #[pymodule_export]
+    use super::emva1288::{evaluate_image_sets, take_image_sets};
+    #[pymodule_export]
     use super::raw::{Raw, develop};
+    #[pymodule_export]
+    use super::target::{Target, project, unproject};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
