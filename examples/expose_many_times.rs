@@ -5,9 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use photosite::capture::ExposureTime;
 use photosite::pipeline::{Event, Monitor, Prepared};
-use photosite::units::Seconds;
 use photosite::{Capture, Options};
 
 /// Counts camera paths, and stops after a minute's worth of them.
@@ -42,18 +40,16 @@ impl Monitor for Counter {
 fn main() -> photosite::Result<()> {
     let changes = ["render.samples_per_pixel=32".to_owned()];
     let capture = Capture::load_with("scenes/cornell-box/capture.toml".as_ref(), &changes)?;
-    let mut exposure = capture.exposure.clone();
     let monitor = Counter::default();
-    let mut prepared = Prepared::new(capture)?;
+    let prepared = Prepared::new(capture)?;
     let light = prepared.trace(Options { monitor: &monitor, ..Options::default() })?;
     println!("traced {} paths in {:.1} s", light.paths, light.trace_s);
 
     println!("{:>9} {:>9} {:>11}", "time, ms", "mean, DN", "variance, DN²");
     for time_ms in [1.0, 2.0, 4.0, 8.0, 16.0] {
-        exposure.time = ExposureTime::Fixed(Seconds(time_ms / 1e3));
-        prepared = prepared.with_exposure(exposure.clone());
+        let exposed = prepared.for_light(&light, &[format!("exposure.time_s={}", time_ms / 1e3)])?;
         // The difference of two frames has twice the temporal noise, and nothing of the scene.
-        let [one, two] = [prepared.expose(&light, 0)?.raw, prepared.expose(&light, 1)?.raw];
+        let [one, two] = [exposed.expose(&light, 0)?.raw, exposed.expose(&light, 1)?.raw];
         let count = one.data.len() as f64;
         let mean = one.data.iter().map(|&dn| f64::from(dn)).sum::<f64>() / count;
         let squares = one.data.iter().zip(&two.data).map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2));

@@ -57,7 +57,7 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
@@ -106,7 +106,7 @@ pub struct Capture {
     pub camera_to_world: DAffine3,
     /// The picture of a camera or a scene that moves; `None` where all stands still.
     pub recording: Option<Recording>,
-    /// Whether the scene is that of one picture only, so that others need [`Capture::load_frame`].
+    /// Whether the scene is that of one picture only, so that others need [`Capture::at_frame`].
     pub scene_moves: bool,
     /// The lens.
     pub lens: LensDescription,
@@ -122,6 +122,18 @@ pub struct Capture {
     pub output: OutputSettings,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
+    /// What it was read from, to be read again with changes; `None` where no file and no values hold its scene.
+    origin: Option<Origin>,
+}
+
+/// What a capture is read from.
+#[derive(Clone, Debug)]
+struct Origin {
+    /// As it was before overrides.
+    source: CaptureSource,
+    /// The file, whose kind says what it holds and whose folder is what paths are relative to.
+    path: PathBuf,
+    overrides: Vec<String>,
 }
 
 impl Capture {
@@ -143,18 +155,46 @@ impl Capture {
     /// Loads a capture with changes, of which all files that it names, and that these name, must lie in a sandbox. The
     /// capture itself may lie anywhere.
     pub fn load_within(sandbox: &Sandbox, path: &Path, overrides: &[String]) -> Result<Self> {
-        Self::load_frame(sandbox, path, overrides, 0)
-    }
-
-    /// Loads a capture so for the picture of that number, in whose time an animated scene has gone on.
-    pub fn load_frame(sandbox: &Sandbox, path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
-        Self::of_source(read_source(path)?.within(sandbox), path, overrides, frame)
+        Self::of_origin(Origin::new(read_source(path)?.within(sandbox), path, overrides), 0)
     }
 
     /// A capture from the text of a capture file, which names files relative to `folder`.
     pub fn parse(text: &str, folder: &Path, overrides: &[String]) -> Result<Self> {
         let path = folder.join("capture.toml");
-        Self::of_source(CaptureSource::parse(&path, text.to_owned())?, &path, overrides, 0)
+        Self::of_origin(Origin::new(CaptureSource::parse(&path, text.to_owned())?, &path, overrides), 0)
+    }
+
+    /// A capture from the values of a capture file, by the names of its tables. `path` stands for the file in messages,
+    /// and its folder is what paths are relative to.
+    ///
+    /// # Errors
+    ///
+    /// As [`load`](Self::load), without lines.
+    pub fn of_values(values: &serde_json::Value, path: &Path, overrides: &[String]) -> Result<Self> {
+        Self::of_origin(Origin::new(CaptureSource::of_values(path, values)?, path, overrides), 0)
+    }
+
+    /// The same capture with more changes to its keys, read anew from what it was loaded from; files that it names are
+    /// read as they now are.
+    pub fn with(&self, overrides: &[String]) -> Result<Self> {
+        let mut origin = self.origin()?.clone();
+        origin.overrides.extend_from_slice(overrides);
+        Self::of_origin(origin, 0)
+    }
+
+    /// The capture for the picture of that number of its series, in whose time an animated scene has gone on.
+    pub fn at_frame(&self, frame: u32) -> Result<Self> {
+        Self::of_origin(self.origin()?.clone(), frame)
+    }
+
+    fn origin(&self) -> Result<&Origin> {
+        let none = || Invalid::new("", "its scene is in no file, from which it could be read again");
+        self.origin.as_ref().ok_or_else(|| self.source.error(none()))
+    }
+
+    /// The changes to keys that it was read with, `key=value`.
+    pub fn overrides(&self) -> &[String] {
+        self.origin.as_ref().map_or(&[], |origin| &origin.overrides)
     }
 
     /// A capture of a scene that no file holds; `text` is a capture file with all but its geometry. Names of materials
@@ -170,8 +210,9 @@ impl Capture {
         Self::of_geometry(&file, ReadScene::of_description(scene), &source, Path::new(""), 0)
     }
 
-    fn of_source(mut source: CaptureSource, path: &Path, overrides: &[String], frame: u32) -> Result<Self> {
-        for argument in overrides {
+    fn of_origin(origin: Origin, frame: u32) -> Result<Self> {
+        let (path, mut source) = (&*origin.path, origin.source.clone());
+        for argument in &origin.overrides {
             overrides::set(&mut source, argument)?;
         }
         if is_scene_file(path) {
@@ -185,7 +226,8 @@ impl Capture {
             geometry.surround(&mut source)?;
             file.scene = source.read("scene")?.unwrap_or_default();
         }
-        Self::of_geometry(&file, geometry, &source, folder, frame)
+        let read = Self::of_geometry(&file, geometry, &source, folder, frame)?;
+        Ok(Self { origin: Some(origin), ..read })
     }
 
     /// With the geometry that its file names.
@@ -286,6 +328,13 @@ impl Capture {
             lens,
             sensor,
             source: source.clone(),
+            origin: None,
         })
+    }
+}
+
+impl Origin {
+    fn new(source: CaptureSource, path: &Path, overrides: &[String]) -> Self {
+        Self { source, path: path.to_owned(), overrides: overrides.to_vec() }
     }
 }

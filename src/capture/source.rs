@@ -82,6 +82,16 @@ impl CaptureSource {
         Ok(source)
     }
 
+    /// From values that no text holds; `path` stands for their file.
+    pub(super) fn of_values(path: &Path, values: &serde_json::Value) -> Result<Self> {
+        let mut source = Self::empty(path);
+        if !values.is_object() {
+            return Err(Invalid::new("", "a capture is a table of tables").in_file(path));
+        }
+        source.root = from_json(values, &(0..0));
+        Ok(source)
+    }
+
     /// From the values that a report holds, whose text is given for messages. The sensor in it is whole, whatever
     /// preset it names; it is called `sensor` unless it says otherwise.
     pub(super) fn of_report(path: &Path, text: String, capture: &serde_json::Value, sensor: &str) -> Self {
@@ -93,6 +103,17 @@ impl CaptureSource {
         });
         let texts = vec![Text { origin: Origin::Report(path.to_owned()), start: 0, text }];
         Self { path: path.to_owned(), texts, root, stored_sensor, displaced: Vec::new(), sandbox: Sandbox::default() }
+    }
+
+    /// Takes the sensor out of the tree.
+    pub(super) fn take_sensor(&mut self) -> Option<Node> {
+        self.root.remove("sensor")
+    }
+
+    /// Makes a whole sensor what changes are laid over, as over that of a report.
+    pub(super) fn keep_sensor(&mut self, mut sensor: Node, name: &str) {
+        sensor.insert_new("name", from_json(&name.into(), &(0..0)));
+        self.stored_sensor = Some(sensor);
     }
 
     /// The same where the files that it names must lie in a sandbox.

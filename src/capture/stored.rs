@@ -12,14 +12,16 @@ use super::colour::Finder;
 use super::file::refuse_unknown_sections;
 use super::lens::describe_lens;
 use super::relocate::keys_of;
-use super::sensor::{read_sensor, sensor_model};
+use super::sensor::{anchor_files, read_sensor, sensor_model};
 use super::settings::{ExposureSettings, OutputSettings};
 use super::source::{CaptureSource, shown};
 use super::stored_report::StoredReport;
 use super::tables::{LensTable, SECTIONS};
-use super::{develop, overrides, settings};
+use super::{Capture, develop, overrides, settings};
 use crate::develop::DevelopSettings;
+use crate::integrator::RenderSettings;
 use crate::optics::{Focus, LensDescription};
+use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
 use crate::{Error, Invalid, Result};
 use photosite_core::Sandbox;
@@ -98,6 +100,45 @@ impl StoredCapture {
     /// All keys as they now are, as in [`Capture::to_json`](super::Capture::to_json).
     pub fn to_json(&self, folder: &Path) -> Result<Value> {
         keys_of(&self.source, &self.sensor.name, folder)
+    }
+}
+
+impl Capture {
+    /// This capture with changes, `key=value`, to what light leaves open once it is traced: sensor, exposure, development,
+    /// output and the seed of the sensor's noise. The scene is not read again, nor is it in the result.
+    ///
+    /// # Errors
+    ///
+    /// A key that light transport has used; a value that cannot be used.
+    pub fn for_traced_light(&self, changes: &[String]) -> Result<Self> {
+        check(self.source.path(), changes)?;
+        let mut source = self.source.clone();
+        if let Some(mut sensor) = source.take_sensor() {
+            // Its paths are relative to the current folder already, those of a report to its own.
+            anchor_files(&mut sensor, &std::env::current_dir().unwrap_or_default());
+            source.keep_sensor(sensor, &self.sensor.name);
+        }
+        lay_over(&mut source, changes)?;
+        let StoredCapture { sensor, exposure, output, develop, seed, warnings, source, lens: _ } =
+            StoredCapture::assemble(source)?;
+        let origin = self.origin.clone().map(|mut origin| {
+            origin.overrides.extend_from_slice(changes);
+            origin
+        });
+        Ok(Self {
+            scene: SceneDescription { warnings, files: self.scene.files.clone(), ..SceneDescription::default() },
+            targets: self.targets.clone(),
+            recording: self.recording.clone(),
+            lens: self.lens.clone(),
+            render: RenderSettings { seed, ..self.render.clone() },
+            sensor,
+            exposure,
+            output,
+            develop,
+            source,
+            origin,
+            ..*self
+        })
     }
 }
 

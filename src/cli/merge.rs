@@ -78,7 +78,6 @@ fn merge_pictures(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     let request = Request {
         input: &input,
         named: relative_path(&input, folder.path()),
-        overrides,
         is_timed,
         light,
         film_memory: args.film_memory,

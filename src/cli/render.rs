@@ -50,7 +50,6 @@ pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
     let request = Request {
         input: &args.input,
         named: relative_path(&args.input, folder.path()),
-        overrides,
         light,
         film_memory: args.film_memory,
         monitor,

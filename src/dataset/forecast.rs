@@ -91,7 +91,6 @@ impl DataSet {
             let request = Request {
                 input: &self.capture_path,
                 named: self.file.description.capture.clone(),
-                overrides: changes.to_vec(),
                 light: LightSource::Traced,
                 film_memory: self.film_memory,
                 monitor: &Silent,

@@ -52,7 +52,7 @@ impl DataSet {
         folder: &DatasetFolder,
         monitor: &dyn Monitor,
         keeps_going: bool,
-        light: impl Fn(&str, u32) -> Result<LightSource>,
+        light: impl Fn(&str, u32) -> Result<LightSource<'static>>,
     ) -> Result<Made> {
         self.warn(folder, monitor);
         let mut todo: Vec<Picture<'_>> = self.pictures(frames).filter(|&(n, c, _)| !folder.is_done(c, n)).collect();
@@ -129,7 +129,7 @@ impl DataSet {
     fn picture(
         &self,
         (number, camera, overrides): Picture<'_>,
-        light: impl Fn(&str, u32) -> Result<LightSource>,
+        light: impl Fn(&str, u32) -> Result<LightSource<'static>>,
         picture: NewPicture,
         monitor: &dyn Monitor,
     ) -> Result<bool> {
@@ -143,7 +143,6 @@ impl DataSet {
         let request = Request {
             input: &self.capture_path,
             named: self.file.description.capture.clone(),
-            overrides: overrides.to_vec(),
             light,
             film_memory: self.film_memory,
             monitor,

@@ -56,6 +56,7 @@ impl<'a> From<&'a StoredCapture> for Settings<'a> {
 }
 
 /// The lens that light has passed, as far as raw files describe it.
+#[derive(Clone)]
 pub(super) struct Optics {
     pub(super) f_number: Option<f64>,
     pub(super) focal_length_m: Option<f64>,
@@ -63,6 +64,7 @@ pub(super) struct Optics {
 }
 
 /// What is found of a sensor's colours once, for all of its exposures to one light.
+#[derive(Clone)]
 pub(super) struct SensorColours {
     /// `None` for sensors without colours.
     camera: Option<CameraColour>,

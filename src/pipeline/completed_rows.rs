@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{BufWriter, Cursor};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::capture::Capture;
 use crate::film::{Film, Response};
@@ -15,14 +16,14 @@ use super::camera::pixels;
 /// Rows that are done.
 pub(super) enum CompletedRows {
     /// The light of a picture, and the file that it is in if it is in one.
-    Light(LightRows, Option<PathBuf>),
+    Light(Arc<LightRows>, Option<PathBuf>),
     /// The sums of a part: `film.npy` as far as it has come.
     Sums { file: File, path: PathBuf, height: usize },
 }
 
 impl CompletedRows {
     /// Light in a store, or in memory where the whole picture is one film that fits into it.
-    pub(super) fn light(capture: &Capture, responses: &[Response], store: Option<Box<dyn Store>>) -> LightRows {
+    pub(super) fn light(capture: &Capture, responses: &[Response], store: Option<Box<dyn Store>>) -> Arc<LightRows> {
         let size = pixels(capture).map(|n| n as usize);
         let channels: Vec<String> = responses.iter().map(|response| response.name.clone()).collect();
         // The sensor's channels come first. Of others nobody asks for the variance.
@@ -32,7 +33,7 @@ impl CompletedRows {
             Box::new(Cursor::new(Vec::with_capacity(bytes)))
         };
         let store = store.unwrap_or_else(in_memory);
-        LightRows::new(store, size, channels, with_variance)
+        Arc::new(LightRows::new(store, size, channels, with_variance))
     }
 
     /// Keeps the rows of a film.

@@ -32,7 +32,7 @@ impl Place {
         path: &Path,
         force: bool,
         capture: &Capture,
-        light: &LightSource,
+        light: &LightSource<'_>,
         monitor: &dyn Monitor,
     ) -> Result<Self> {
         let earlier = if force { None } else { earlier(path, capture, light)? };
@@ -49,7 +49,7 @@ impl Place {
 }
 
 /// The results of this render in a folder, and what is wrong with them.
-fn earlier(folder: &Path, capture: &Capture, light: &LightSource) -> Result<Option<(Rendered, Option<String>)>> {
+fn earlier(folder: &Path, capture: &Capture, light: &LightSource<'_>) -> Result<Option<(Rendered, Option<String>)>> {
     let is_part = matches!(light, LightSource::Part(_));
     let path = folder.join(if is_part { PART } else { REPORT });
     // Of what cannot be read nothing is known, and it stays somebody's.
@@ -64,10 +64,12 @@ fn earlier(folder: &Path, capture: &Capture, light: &LightSource) -> Result<Opti
         LightSource::Part(samples) => {
             read_part(folder).ok().filter(|part| part.range() == *samples).map(Rendered::Part)
         }
-        LightSource::Traced | LightSource::Merged(_) => Report::read(&path).ok().map(|report| {
-            let timings = report.timings.unwrap_or_default();
-            Rendered::Picture { report: Box::new(report), timings }
-        }),
+        LightSource::Traced | LightSource::Merged(_) | LightSource::Given { .. } => {
+            Report::read(&path).ok().map(|report| {
+                let timings = report.timings.unwrap_or_default();
+                Rendered::Picture { report: Box::new(report), timings }
+            })
+        }
     };
     Ok(done.map(|done| (done, damage)))
 }

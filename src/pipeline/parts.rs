@@ -7,6 +7,7 @@ use photosite_core::{Help, Remedy, input};
 use std::io::BufReader;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::capture::Capture;
 use crate::film::{Film, FilmResponses, Response};
@@ -134,7 +135,7 @@ impl Parts {
         responses: &[Response],
         strips: &Strips,
         folder: &OutputFolder,
-    ) -> Result<LightRows> {
+    ) -> Result<Arc<LightRows>> {
         let size = pixels(capture).map(|n| n as usize);
         let open = |(folder, part): &(PathBuf, PartReport)| {
             let path = folder.join(named("film", number, "npy"));

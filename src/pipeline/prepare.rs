@@ -1,5 +1,7 @@
 //! Everything of a capture that is made once, before light is traced: scene, camera, the sensor's colours, warnings.
 
+use std::sync::Arc;
+
 use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
 use super::focusing::{FocusedCamera, focus_camera};
 use super::needs;
@@ -14,10 +16,11 @@ use crate::scene::{self, Scene, spectral_coverage};
 use crate::spectrum::Spectrum;
 
 /// A capture that is ready to be traced.
+#[derive(Clone)]
 pub struct Prepared {
     /// The capture. Its scene has become [`scene`](Self::scene).
     pub(super) capture: Capture,
-    pub(super) scene: Scene,
+    pub(super) scene: Arc<Scene>,
     /// Standing still; where it moves, [`Capture::recording`] says how.
     pub(super) camera: Camera,
     /// What autofocus by contrast has tried.
@@ -34,7 +37,7 @@ pub struct Prepared {
     /// Of the [surfaces](crate::scene::description::SceneDescription::surfaces) that flow follows.
     pub(super) surfaces: u64,
     pub(super) truth: Option<TruthReport>,
-    warnings: Vec<String>,
+    pub(super) warnings: Vec<String>,
 }
 
 impl Prepared {
@@ -84,7 +87,7 @@ impl Prepared {
         let colours = SensorColours::find(Settings::from(&capture), &optics, &light, None, &mut warnings)?;
         let mut prepared = Self {
             capture,
-            scene,
+            scene: Arc::new(scene),
             camera,
             focus_steps,
             responses,

@@ -13,7 +13,7 @@ use super::needs::Needs;
 use super::output_folder::OutputFolder;
 use super::results::{Carried, Frames, write_results};
 use super::stored_light::StoredLight;
-use crate::capture::{ExposureTime, StoredCapture, StoredReport, relative_path};
+use crate::capture::{ExposureSettings, ExposureTime, StoredCapture, StoredReport, relative_path};
 use crate::develop::SensorCalibration;
 use crate::image::{Estimate, Planes};
 use crate::integrator::WavelengthChoice;
@@ -241,7 +241,8 @@ impl Stored {
         let capture = StoredCapture::of_report(sandbox, &path, &stored, overrides)?;
         let report = stored.report;
         let moves = report.traced.camera.as_ref().is_some_and(|camera| camera.motion.is_some());
-        same_times(&recorded, &capture, moves).map_err(|invalid| capture.source.error(invalid))?;
+        same_times([&recorded, &capture].map(|c| (&c.sensor, &c.exposure)), moves)
+            .map_err(|invalid| capture.source.error(invalid))?;
         same_cells(&recorded.sensor, &capture.sensor).map_err(|invalid| capture.source.error(invalid))?;
         let numbered = moves && recorded.exposure.frames > 1;
         let same_response = recorded.sensor.responses() == capture.sensor.responses();
@@ -324,8 +325,11 @@ fn in_words(scale: &PictureScale) -> String {
 /// Refuses times at which other light would have been seen. Where nothing moves, light is a rate, and every time and
 /// row time is exact; what a moving camera saw is known for the rendered ones alone. A scanning sensor sees all lines
 /// from one row in any case.
-fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) -> Result<(), Invalid> {
-    let [was, is] = [recorded, capture].map(|c| (c.sensor.shutter, &c.exposure));
+pub(super) fn same_times(
+    recorded_and_wanted: [(&SensorModel, &ExposureSettings); 2],
+    moves: bool,
+) -> Result<(), Invalid> {
+    let [was, is] = recorded_and_wanted.map(|(sensor, exposure)| (sensor.shutter, exposure));
     if was.0.scans() != is.0.scans() || moves && was.0 != is.0 {
         let message = "the rows of this sensor see light at other times than those of the rendered one";
         return Err(
@@ -350,7 +354,7 @@ fn same_times(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) ->
 }
 
 /// Refuses cells that would have collected light at other places, or where none was traced.
-fn same_cells(recorded: &SensorModel, sensor: &SensorModel) -> Result<(), Invalid> {
+pub(super) fn same_cells(recorded: &SensorModel, sensor: &SensorModel) -> Result<(), Invalid> {
     let help = "keep it as it was rendered, or render again";
     if recorded.cells.shape != sensor.cells.shape {
         let message = "cells of this shape collect light at other places than those of the rendered sensor";

@@ -12,10 +12,11 @@ use super::prepare::Prepared;
 use super::provenance::provenance;
 use super::request::{LightSource, Request};
 use super::series::{ExposedSeries, Reached, Recorded, Series};
-use super::truth_views::{ChangedPicture, Common, partner_camera};
+use super::strips::Strips;
+use super::truth_views::TruthViews;
 use crate::Result;
 use crate::calibration::targets::PlacedTarget;
-use crate::calibration::truth::{TruthLayer, View};
+use crate::calibration::truth::View;
 use crate::capture::{Capture, real_path};
 use crate::film::Response;
 use crate::report::{
@@ -49,7 +50,7 @@ pub fn render_into(
     mut timings: Timings,
 ) -> Result<Rendered> {
     match &request.light {
-        LightSource::Traced => {}
+        LightSource::Traced | LightSource::Given { .. } => {}
         LightSource::Part(samples) => check_samples(samples, &capture)?,
         LightSource::Merged(parts) => parts.check(&capture)?,
     }
@@ -58,27 +59,37 @@ pub fn render_into(
     let channels = super::responses::responses(&capture).len();
     let strips = request.film_memory.strips(&capture, channels, [is_exposed, true])?;
     go_on(request.monitor)?;
-    let mut prepared = Prepared::new(capture)?;
-    let truth = prepared.truth.take();
-    let prepared = &prepared;
-    let capture = &prepared.capture;
-    prepared.warnings().iter().for_each(|warning| request.monitor.report(Event::Warning(warning)));
+    let prepared = Prepared::new(capture)?;
     timings.build_s = start.elapsed().as_secs_f64();
+    record_into(&prepared, request, &strips, folder, timings)
+}
 
-    let Prepared { scene, camera, .. } = prepared;
-    let layers = &capture.output.truth.layers;
-    let common = layers
-        .contains(&TruthLayer::Flow)
-        .then_some(Common { surfaces: prepared.surfaces, importance: &prepared.importance });
-    let changed = common
-        .as_ref()
-        .map(|common| ChangedPicture::read(request.input, &request.overrides, capture, scene, common))
-        .transpose()?
-        .flatten();
-    let place = capture.output.truth.partner.filter(|_| layers.contains(&TruthLayer::Disparity));
-    let partner = place.map(|place| Ok((partner_camera(capture, camera, place, scene)?, place))).transpose()?;
+impl Prepared {
+    /// Writes a picture of light that was traced before into a folder, the report last, as [`render_into`] does.
+    /// `request` gives that light; for one that is shared, this is what [`for_light`](Self::for_light) has made for it.
+    ///
+    /// # Errors
+    ///
+    /// As [`render_into`].
+    pub fn expose_into(&self, request: &Request<'_>, folder: &mut OutputFolder) -> Result<Rendered> {
+        let strips = request.film_memory.strips(&self.capture, self.responses.len(), [true, false])?;
+        record_into(self, request, &strips, folder, Timings::default())
+    }
+}
+
+/// Records what is prepared into a folder.
+fn record_into(
+    prepared: &Prepared,
+    request: &Request<'_>,
+    strips: &Strips,
+    folder: &mut OutputFolder,
+    mut timings: Timings,
+) -> Result<Rendered> {
+    let Prepared { capture, scene, camera, truth, .. } = prepared;
+    prepared.warnings().iter().for_each(|warning| request.monitor.report(Event::Warning(warning)));
+    let views = TruthViews::new(prepared, &capture.output.truth.layers)?;
     let provenance = provenance(capture)?;
-    let series = Series { request, provenance: &provenance, prepared, strips, common, changed, partner };
+    let series = Series { request, provenance: &provenance, prepared, strips, views };
     let recorded = series.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
     let Recorded { exposed, paths, warnings } = recorded;
     let Some(ExposedSeries { exposure, gains, first, reached }) = exposed else {
@@ -86,8 +97,10 @@ pub fn render_into(
         folder.write_part(&part)?;
         return Ok(Rendered::Part(part));
     };
-    if let LightSource::Merged(parts) = &request.light {
-        timings.trace_s = parts.trace_s().unwrap_or(0.0);
+    match &request.light {
+        LightSource::Merged(parts) => timings.trace_s = parts.trace_s().unwrap_or(0.0),
+        LightSource::Given { light, .. } => timings.trace_s = light.trace_s,
+        LightSource::Traced | LightSource::Part(_) => {}
     }
 
     let first_camera = prepared.camera();
@@ -100,7 +113,7 @@ pub fn render_into(
         render: Some(render_report(capture, scene, reached)),
         scene_light: Some(LightReport::new(&prepared.light)),
         targets: Some(capture.targets.iter().map(report_target).collect()),
-        truth,
+        truth: truth.clone(),
         paths: Some(paths),
         paths_per_s: request.is_timed.then(|| paths as f64 / timings.trace_s),
     };
@@ -109,7 +122,7 @@ pub fn render_into(
         schema_version: SCHEMA_VERSION,
         photosite_version: env!("CARGO_PKG_VERSION").to_owned(),
         input: request.named.clone(),
-        overrides: request.overrides.clone(),
+        overrides: capture.overrides().to_vec(),
         capture: capture.to_json(folder.path())?,
         fingerprint: provenance["fingerprint"].as_str().map(str::to_owned),
         seed: capture.render.seed,
@@ -137,14 +150,14 @@ fn part_report(
     let samples_per_pixel = prepared.capture.render.samples_per_pixel;
     let samples = match &request.light {
         LightSource::Part(samples) => [samples.start, samples.end],
-        LightSource::Traced | LightSource::Merged(_) => [0, samples_per_pixel],
+        LightSource::Traced | LightSource::Merged(_) | LightSource::Given { .. } => [0, samples_per_pixel],
     };
     PartReport {
         samples,
         samples_per_pixel,
         input: request.named.clone(),
         path: real_path(request.input),
-        overrides: request.overrides.clone(),
+        overrides: prepared.capture.overrides().to_vec(),
         trace_s: request.is_timed.then_some(trace_s),
         files: folder.files(),
         sums: folder.sums().clone(),

@@ -3,18 +3,26 @@
 use std::ops::Range;
 use std::path::Path;
 
+use super::light::Light;
 use super::monitor::Monitor;
 use super::parts::Parts;
 use super::strips::FilmMemory;
 
 /// Where the light of a render comes from.
-pub enum LightSource {
+pub enum LightSource<'a> {
     /// All samples are traced.
     Traced,
     /// Some samples of each pixel are traced, which make no image yet.
     Part(Range<u32>),
     /// Parts that were traced before are merged.
     Merged(Parts),
+    /// It was traced before, in memory. One picture is made of it.
+    Given {
+        /// The light.
+        light: &'a Light,
+        /// The number of the frame that decides its temporal noise.
+        frame: u32,
+    },
 }
 
 /// What of a render into a folder does not stand in its capture.
@@ -23,10 +31,8 @@ pub struct Request<'a> {
     pub input: &'a Path,
     /// The input as reports name it: relative to their folder, or to the data set file.
     pub named: String,
-    /// The changes that the capture was read with, `key=value`.
-    pub overrides: Vec<String>,
     /// Where its light comes from.
-    pub light: LightSource,
+    pub light: LightSource<'a>,
     /// Memory for its film.
     pub film_memory: FilmMemory,
     /// Hears of it, and may stop it.

@@ -32,6 +32,14 @@ impl Frames {
         }
     }
 
+    /// Whether these are the first of their series, or the only one.
+    pub(super) fn begin(self) -> bool {
+        match self {
+            Self::All(_) | Self::One { number: 0, .. } | Self::One { of: ..=1, .. } => true,
+            Self::One { .. } => false,
+        }
+    }
+
     /// The number in the names of files of light, where each frame has light of its own.
     pub(super) fn light_number(self) -> Option<u32> {
         match self {
@@ -98,7 +106,7 @@ pub(super) fn write_results(
         }
         timings.expose_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        if number == 0 {
+        if number == first && frames.begin() {
             folder.remove_earlier()?;
         }
         folder.write_frame(output, are_named.then_some(number), &raw)?;

@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use glam::DAffine3;
 use serde_json::{Map, Value};
 
 use super::camera::pixels;
@@ -16,9 +15,9 @@ use super::request::{LightSource, Request};
 use super::results::{Carried, Frames, write_results};
 use super::strips::Strips;
 use super::trace::{Trace, Traced, trace};
-use super::truth_views::{ChangedPicture, Common, Moment};
+use super::truth_views::{FirstViews, Moment, TruthViews};
 use crate::calibration::truth::{TruthJob, TruthLayer, View, truth};
-use crate::capture::{Capture, NextPicture, TruthOutput};
+use crate::capture::{Capture, TruthOutput};
 use crate::io::truth::{TruthFormat, fits_png, lost_in_png};
 use crate::math::hash::hash64;
 use crate::optics::Camera;
@@ -34,13 +33,8 @@ pub(super) struct Series<'a> {
     pub(super) request: &'a Request<'a>,
     pub(super) provenance: &'a Map<String, Value>,
     pub(super) prepared: &'a Prepared,
-    pub(super) strips: Strips,
-    /// Where flow is asked for.
-    pub(super) common: Option<Common<'a>>,
-    /// The next picture, if it is that of a changed capture and flow is asked for.
-    pub(super) changed: Option<ChangedPicture>,
-    /// The camera of the partner where this one stands, and partner → camera, if disparity is asked for.
-    pub(super) partner: Option<(Camera, DAffine3)>,
+    pub(super) strips: &'a Strips,
+    pub(super) views: TruthViews<'a>,
 }
 
 /// What has become of a series.
@@ -74,8 +68,16 @@ impl Series<'_> {
     pub(super) fn record(&self, folder: &mut OutputFolder, timings: &mut Timings) -> Result<Recorded> {
         let Prepared { capture, scene: first_scene, camera: still, importance, .. } = self.prepared;
         let count = capture.exposure.frames;
+        if let LightSource::Given { frame, .. } = self.request.light {
+            let first = FirstViews::new(self.prepared, &self.views)?;
+            let next = self.views.next(capture, first_scene, first.next(self.prepared));
+            let frames = Frames::One { number: frame, of: 1 };
+            let carried = &mut Carried::default();
+            return self.picture(first_scene, &first.camera, next, frames, folder, timings, carried);
+        }
         let Some(recording) = &capture.recording else {
-            let next = self.next(first_scene, View::of(first_scene, still, pixels(capture)));
+            let of_series = View::of(first_scene, still, pixels(capture));
+            let next = self.views.next(capture, first_scene, of_series);
             return self.picture(
                 first_scene,
                 still,
@@ -91,7 +93,7 @@ impl Series<'_> {
         let mut carried = Carried::default();
         for number in 0..count {
             // Only flow looks ahead.
-            let mut next = match &self.common {
+            let mut next = match &self.views.common {
                 Some(common) if capture.scene_moves => {
                     Some(self.moment(number + 1, |next| common.build(next), timings)?)
                 }
@@ -102,7 +104,8 @@ impl Series<'_> {
                 .map(|recording| still.clone().recording(recording.clone()));
             let scene = now.scene.as_ref().unwrap_or(first_scene);
             let next_scene = next.as_ref().and_then(|next| next.scene.as_ref()).unwrap_or(scene);
-            let view = self.next(scene, View::of(next_scene, &next_camera, pixels(capture)));
+            let of_series = View::of(next_scene, &next_camera, pixels(capture));
+            let view = self.views.next(capture, scene, of_series);
             let frames = Frames::One { number, of: count };
             let recorded = self.picture(scene, &camera, view, frames, folder, timings, &mut carried)?;
             let first = all.exposed.map(|ExposedSeries { first, .. }| first);
@@ -135,13 +138,7 @@ impl Series<'_> {
         timings: &mut Timings,
     ) -> Result<Moment> {
         let start = Instant::now();
-        let mut capture = Capture::load_frame(
-            self.prepared.capture.source.sandbox(),
-            self.request.input,
-            &self.request.overrides,
-            number,
-        )
-        .map_err(Error::since_begun)?;
+        let mut capture = self.prepared.capture.at_frame(number).map_err(Error::since_begun)?;
         timings.load_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let scene = Some(build(&mut capture)?);
@@ -150,15 +147,6 @@ impl Series<'_> {
         let recording = capture.recording.clone().or_else(still);
         let recording = recording.expect("what is animated is recorded");
         Ok(Moment { recording, scene })
-    }
-
-    /// The picture that flow leads to from one of `scene`, after which `of_series` comes.
-    fn next<'b>(&'b self, scene: &'b Scene, of_series: View<'b>) -> Option<View<'b>> {
-        match &self.prepared.capture.output.truth.next {
-            NextPicture::OfSeries => Some(of_series),
-            NextPicture::Changed(_) => self.changed.as_ref().map(|changed| changed.view(scene)),
-            NextPicture::None => None,
-        }
     }
 
     /// One picture, with the view of the next one.
@@ -184,7 +172,7 @@ impl Series<'_> {
             settings.part = Some(samples.clone());
         }
         let resolution = pixels(capture);
-        let partner = self.partner.as_ref().map(|(partner, place)| (partner.clone().moving_as(camera), *place));
+        let partner = self.views.partner_of(camera);
         let partner = partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution });
         let truth_job = TruthJob { view: View::of(scene, camera, resolution), next, partner };
         let mut warnings = check_png(&truth_job, &capture.output.truth)
@@ -192,8 +180,9 @@ impl Series<'_> {
         warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
         let start = Instant::now();
         let traced = match &self.request.light {
+            LightSource::Given { light, .. } => light.traced(),
             LightSource::Merged(parts) => {
-                let light = parts.light(frames.light_number(), capture, &prepared.responses, &self.strips, folder)?;
+                let light = parts.light(frames.light_number(), capture, &prepared.responses, self.strips, folder)?;
                 let [width, height] = pixels(capture).map(u64::from);
                 let paths = width * height * u64::from(settings.samples_per_pixel);
                 Traced { rows: CompletedRows::Light(light, None), paths, pilot_paths: 0, earlier: Duration::ZERO }
@@ -218,7 +207,7 @@ impl Series<'_> {
                     camera,
                     responses: &prepared.responses,
                     filters: prepared.filters.as_ref(),
-                    strips: &self.strips,
+                    strips: self.strips,
                     is_part,
                     chain,
                     folder: Some(folder),
@@ -234,7 +223,7 @@ impl Series<'_> {
         let light = match rows {
             CompletedRows::Light(light, _) => light,
             CompletedRows::Sums { file, .. } => {
-                if frames.numbers().0.start == 0 {
+                if frames.begin() {
                     folder.remove_earlier()?;
                 }
                 folder.write_film(frames.light_number(), file)?;
@@ -243,7 +232,17 @@ impl Series<'_> {
             }
         };
         let in_folder = |reason: std::io::Error| Error::io(folder.path(), "read from", reason);
-        let rates = light.estimate(chain.channels()).map_err(in_folder)?;
+        let rates = match &self.request.light {
+            LightSource::Given { light, .. } => {
+                let (rates, more) = prepared.rates(light)?;
+                more.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+                warnings.extend(more);
+                rates
+            }
+            LightSource::Traced | LightSource::Part(_) | LightSource::Merged(_) => {
+                light.estimate(chain.channels()).map_err(in_folder)?
+            }
+        };
         let counts = light.counts().map_err(in_folder)?;
         let reached = Reached {
             samples_per_pixel: counts.iter().copied().max().unwrap_or(0),
@@ -256,7 +255,7 @@ impl Series<'_> {
         timings.expose_s += start.elapsed().as_secs_f64();
         let exposure = exposed.exposure;
         // An automatic exposure is one for all pictures.
-        if let Some(warning) = exposed.warning.clone().filter(|_| frames.numbers().0.start == 0) {
+        if let Some(warning) = exposed.warning.clone().filter(|_| frames.begin()) {
             monitor.report(Event::Warning(&warning));
             warnings.push(warning);
         }

@@ -1,38 +1,18 @@
 //! The pipeline in memory: light is traced once and exposed as often as one likes, without any folder.
 
-use std::time::Instant;
-
 use super::camera::pixels;
 use super::chain::Exposed;
-use super::completed_rows::CompletedRows;
-use super::monitor::{Event, Monitor, Silent, go_on};
+use super::light::Light;
+use super::monitor::{Event, go_on};
+use super::options::Options;
 use super::prepare::Prepared;
-use super::strips::FilmMemory;
-use super::trace::{Trace, Traced, trace};
-use crate::capture::{Capture, ExposureSettings};
+use crate::capture::Capture;
 use crate::develop::DevelopSettings;
-use crate::image::{Estimate, Planes};
-use crate::io::light_rows::LightRows;
+use crate::image::Estimate;
 use crate::raw::RawImage;
-use crate::sensor::{Exposure, LeftCharge, NoiseMaps};
+use crate::sensor::{Exposure, LeftCharge, NoiseMap, NoiseMaps};
 use crate::units::Seconds;
 use crate::{Picture, Result};
-
-/// How a capture is rendered, besides what it says itself.
-#[derive(Clone, Copy)]
-pub struct Options<'a> {
-    /// Hears of the work, and may stop it.
-    pub monitor: &'a dyn Monitor,
-    /// Memory for the film. The picture does not depend on it.
-    pub film_memory: FilmMemory,
-}
-
-impl Default for Options<'_> {
-    /// Silent, with 4 GiB for the film.
-    fn default() -> Self {
-        Self { monitor: &Silent, film_memory: FilmMemory::default() }
-    }
-}
 
 /// Renders the first picture of a capture: prepares, traces, exposes it. No file is touched but those that the capture
 /// names. Warnings go to the monitor.
@@ -59,29 +39,6 @@ pub fn render(capture: &Capture, options: Options<'_>) -> Result<Shot> {
     let shot = prepared.expose(&light, 0)?;
     shot.warnings.iter().for_each(|warning| options.monitor.report(Event::Warning(warning)));
     Ok(shot)
-}
-
-/// Light that was traced: the rates at which it frees electrons in each pixel.
-pub struct Light {
-    rows: LightRows,
-    /// Mean rates of the sensor's channels and their variances, e⁻/s and (e⁻/s)².
-    pub rates: Estimate,
-    /// Samples of each pixel, row by row.
-    pub samples: Vec<u32>,
-    /// Camera paths that were traced.
-    pub paths: u64,
-    /// Wall-clock seconds that it took.
-    pub trace_s: f64,
-}
-
-impl Light {
-    /// Irradiance on the sensor in the bands that `output.irradiance` asks for, W·m⁻²·nm⁻¹, a plane for each, named
-    /// after its centre in nm; `None` where the capture asks for none.
-    pub fn irradiance(&self, capture: &Capture) -> Option<Planes> {
-        let bands = capture.output.irradiance.as_ref()?;
-        let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
-        self.rows.means(names.iter().map(String::as_str)).to_planes().ok()
-    }
 }
 
 /// One exposure: what the sensor made of the light.
@@ -113,37 +70,6 @@ impl Shot {
 }
 
 impl Prepared {
-    /// Traces the light of the first picture, in memory.
-    ///
-    /// # Errors
-    ///
-    /// A film that needs more memory than it is given where it cannot be cut into strips; that the monitor stopped it.
-    pub fn trace(&self, options: Options<'_>) -> Result<Light> {
-        let start = Instant::now();
-        let camera = self.camera();
-        let chain = self.chain();
-        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false])?;
-        let traced = Trace {
-            capture: &self.capture,
-            settings: &self.capture.render,
-            scene: &self.scene,
-            camera: &camera,
-            responses: &self.responses,
-            filters: self.filters.as_ref(),
-            strips: &strips,
-            is_part: false,
-            chain: &chain,
-            folder: None,
-            monitor: options.monitor,
-        };
-        let Traced { rows, paths, pilot_paths, .. } = trace(&traced, None)?;
-        let CompletedRows::Light(rows, _) = rows else { unreachable!("sums are kept of parts alone") };
-        let in_memory = |reason| crate::Error::io("memory".as_ref(), "read", reason);
-        let rates = rows.estimate(chain.channels()).map_err(in_memory)?;
-        let samples = rows.counts().map_err(in_memory)?;
-        Ok(Light { rows, rates, samples, paths: paths + pilot_paths, trace_s: start.elapsed().as_secs_f64() })
-    }
-
     /// Exposes to that light at the gain of the exposure; each frame has temporal noise of its own, and all share the fixed pattern of the sensor,
     /// which has been in the dark before.
     ///
@@ -160,20 +86,29 @@ impl Prepared {
     ///
     /// As [`expose`](Self::expose).
     pub fn expose_after(&self, light: &Light, frame: u32, before: Option<LeftCharge>) -> Result<Shot> {
-        let chain = self.chain();
-        let exposed = chain.expose(light.rates.clone(), Seconds(1.0), None)?;
-        let mut left = before;
-        let maps = &self.capture.output.noise.maps;
-        let (raw, noise_maps) = chain.read_out_with_maps(&exposed, exposed.exposure.gain, frame, maps, &mut left)?;
-        let Exposed { exposure, electrons, warning } = exposed;
-        Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings: warning.into_iter().collect() })
+        self.expose_with_maps(light, frame, before, &self.capture.output.noise.maps)
     }
 
-    /// This capture with another exposure, for light that was traced already.
-    #[must_use]
-    pub fn with_exposure(mut self, exposure: ExposureSettings) -> Self {
-        self.capture.exposure = exposure;
-        self
+    /// Exposes to that light after a frame that has [left](Shot::left) charge in the sensor, with these noise maps.
+    ///
+    /// # Errors
+    ///
+    /// As [`expose`](Self::expose).
+    pub fn expose_with_maps(
+        &self,
+        light: &Light,
+        frame: u32,
+        before: Option<LeftCharge>,
+        maps: &[NoiseMap],
+    ) -> Result<Shot> {
+        let chain = self.chain();
+        let (rates, mut warnings) = self.rates(light)?;
+        let exposed = chain.expose(rates, Seconds(1.0), None)?;
+        let mut left = before;
+        let (raw, noise_maps) = chain.read_out_with_maps(&exposed, exposed.exposure.gain, frame, maps, &mut left)?;
+        let Exposed { exposure, electrons, warning } = exposed;
+        warnings.extend(warning);
+        Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings })
     }
 
     /// Columns and rows of the picture.

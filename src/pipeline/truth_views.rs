@@ -1,9 +1,8 @@
 //! The pictures that ground truth leads to: the next one for flow, that of the partner for disparity.
 
-use std::path::Path;
-
-use crate::calibration::truth::View;
+use crate::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use crate::capture::{Capture, NextPicture};
+use crate::image::Planes;
 use crate::optics::{Camera, Focus, Recording};
 use crate::scene::{self, Scene};
 use crate::spectrum::Spectrum;
@@ -12,6 +11,99 @@ use glam::DAffine3;
 
 use super::camera::{camera_of, pixels};
 use super::focusing::{focus_camera, place_camera};
+use super::prepare::Prepared;
+
+/// What ground truth needs besides the picture that it is of.
+pub(super) struct TruthViews<'a> {
+    /// Where flow is asked for.
+    pub(super) common: Option<Common<'a>>,
+    /// The next picture, if it is that of a changed capture and flow is asked for.
+    changed: Option<ChangedPicture>,
+    /// The camera of the partner where this one stands, and partner → camera, if disparity is asked for.
+    pub(super) partner: Option<(Camera, DAffine3)>,
+}
+
+impl<'a> TruthViews<'a> {
+    pub(super) fn new(prepared: &'a Prepared, layers: &[TruthLayer]) -> Result<Self> {
+        let Prepared { capture, scene, camera, .. } = prepared;
+        let common = layers
+            .contains(&TruthLayer::Flow)
+            .then_some(Common { surfaces: prepared.surfaces, importance: &prepared.importance });
+        let changed = common.as_ref().map(|common| ChangedPicture::read(capture, scene, common)).transpose()?.flatten();
+        let place = capture.output.truth.partner.filter(|_| layers.contains(&TruthLayer::Disparity));
+        let partner = place.map(|place| Ok((partner_camera(capture, camera, place, scene)?, place))).transpose()?;
+        Ok(Self { common, changed, partner })
+    }
+
+    /// The picture that flow leads to from one of `scene`, after which `of_series` comes.
+    pub(super) fn next<'b>(&'b self, capture: &Capture, scene: &'b Scene, of_series: View<'b>) -> Option<View<'b>> {
+        match &capture.output.truth.next {
+            NextPicture::OfSeries => Some(of_series),
+            NextPicture::Changed(_) => self.changed.as_ref().map(|changed| changed.view(scene)),
+            NextPicture::None => None,
+        }
+    }
+
+    /// The camera of the partner beside one that takes a picture, and partner → camera.
+    pub(super) fn partner_of(&self, camera: &Camera) -> Option<(Camera, DAffine3)> {
+        self.partner.as_ref().map(|(partner, place)| (partner.clone().moving_as(camera), *place))
+    }
+}
+
+impl Prepared {
+    /// Layers of ground truth of the first picture, in the order in which they are asked for.
+    ///
+    /// # Errors
+    ///
+    /// `disparity` where the capture has no partner; flow to a picture that shows other surfaces.
+    pub fn truth(&self, layers: &[TruthLayer]) -> Result<Planes> {
+        let Self { capture, scene, .. } = self;
+        if layers.contains(&TruthLayer::Disparity) && capture.output.truth.partner.is_none() {
+            let invalid = Invalid::new("output.truth", "\"disparity\" is that between two cameras, and there is one");
+            return Err(capture.source.error(invalid.help("say where the other one is with output.truth_partner")));
+        }
+        let views = TruthViews::new(self, layers)?;
+        let first = FirstViews::new(self, &views)?;
+        let resolution = pixels(capture);
+        let partner = views.partner_of(&first.camera);
+        let partner = partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution });
+        let next = views.next(capture, scene, first.next(self));
+        let view = View::of(scene, &first.camera, resolution);
+        Ok(truth(&TruthJob { view, next, partner }, layers))
+    }
+}
+
+/// The first picture and the one after it, of a series that may move.
+pub(super) struct FirstViews {
+    pub(super) camera: Camera,
+    next_camera: Camera,
+    /// `None`: as in the first.
+    next_scene: Option<Scene>,
+}
+
+impl FirstViews {
+    pub(super) fn new(prepared: &Prepared, views: &TruthViews<'_>) -> Result<Self> {
+        let Prepared { capture, camera: still, .. } = prepared;
+        let Some(recording) = &capture.recording else {
+            return Ok(Self { camera: still.clone(), next_camera: still.clone(), next_scene: None });
+        };
+        let mut next_recording = recording.later(1);
+        let mut next_scene = None;
+        // Only flow looks ahead.
+        if let Some(common) = views.common.as_ref().filter(|_| capture.scene_moves) {
+            let mut next = capture.at_frame(1)?;
+            next_scene = Some(common.build(&mut next)?);
+            next_recording = next.recording.unwrap_or(next_recording);
+        }
+        let [camera, next_camera] = [recording.clone(), next_recording].map(|taken| still.clone().recording(taken));
+        Ok(Self { camera, next_camera, next_scene })
+    }
+
+    pub(super) fn next<'b>(&'b self, prepared: &'b Prepared) -> View<'b> {
+        let scene = self.next_scene.as_ref().unwrap_or(&prepared.scene);
+        View::of(scene, &self.next_camera, pixels(&prepared.capture))
+    }
+}
 
 /// What the scene of a picture must have in common with that of the next, and what it is built with.
 #[derive(Clone, Copy)]
@@ -35,7 +127,7 @@ impl Common<'_> {
 }
 
 /// The next picture where it is that of a changed capture.
-pub(super) struct ChangedPicture {
+struct ChangedPicture {
     /// `None`: as in this one.
     scene: Option<Scene>,
     camera: Camera,
@@ -43,18 +135,10 @@ pub(super) struct ChangedPicture {
 }
 
 impl ChangedPicture {
-    /// The next picture of a capture, changed by overrides. It was read from `input` with `overrides`, and `scene` is
-    /// built of it.
-    pub(super) fn read(
-        input: &Path,
-        overrides: &[String],
-        capture: &Capture,
-        scene: &Scene,
-        common: &Common<'_>,
-    ) -> Result<Option<Self>> {
+    /// The next picture of a capture, changed by overrides; `scene` is built of this one.
+    fn read(capture: &Capture, scene: &Scene, common: &Common<'_>) -> Result<Option<Self>> {
         let NextPicture::Changed(changes) = &capture.output.truth.next else { return Ok(None) };
-        let all: Vec<String> = overrides.iter().chain(changes).cloned().collect();
-        let mut next = Capture::load_within(capture.source.sandbox(), input, &all)?;
+        let mut next = capture.with(changes)?;
         let builds = capture.scene_moves || changes.iter().any(|change| is_of_scene(change));
         let built = if builds { Some(common.build(&mut next)?) } else { None };
         let placed = place_camera(&next, || built.as_ref().unwrap_or(scene))?;
@@ -65,7 +149,7 @@ impl ChangedPicture {
         Ok(Some(Self { scene: built, camera, resolution: pixels(&next) }))
     }
 
-    pub(super) fn view<'a>(&'a self, scene: &'a Scene) -> View<'a> {
+    fn view<'a>(&'a self, scene: &'a Scene) -> View<'a> {
         View::of(self.scene.as_ref().unwrap_or(scene), &self.camera, self.resolution)
     }
 }
@@ -86,7 +170,7 @@ pub(super) struct Moment {
 
 /// The camera of a stereo partner as if it stood where `camera` does, whose capture it has. Its lens is that of
 /// `camera` but for what its own autofocus finds.
-pub(super) fn partner_camera(capture: &Capture, camera: &Camera, place: DAffine3, scene: &Scene) -> Result<Camera> {
+fn partner_camera(capture: &Capture, camera: &Camera, place: DAffine3, scene: &Scene) -> Result<Camera> {
     let Focus::Autofocus { .. } = capture.lens.focus else { return Ok(camera.clone()) };
     let focused = focus_camera(capture, camera.to_world() * place, || scene)?;
     let partner = camera_of(&capture.lens, &capture.sensor, camera.to_world(), focused.camera.focus_distance_m());

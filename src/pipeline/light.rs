@@ -1,0 +1,178 @@
+//! Light in memory: traced once, to be exposed as often as one likes.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::chain::{SensorColours, Settings};
+use super::completed_rows::CompletedRows;
+use super::options::Options;
+use super::prepare::Prepared;
+use super::reexpose::{same_cells, same_times};
+
+use super::trace::{Trace, Traced, trace};
+use crate::capture::{Capture, ExposureSettings, SpectralBands};
+use crate::image::{Estimate, Planes};
+use crate::io::light_rows::LightRows;
+use crate::sensor::{SensorModel, electron_rates};
+use crate::{Error, Invalid, Result};
+
+/// Light that was traced: the rates at which it frees electrons in each pixel.
+pub struct Light {
+    pub(super) rows: Arc<LightRows>,
+    /// Mean rates of the sensor's channels and their variances, e⁻/s and (e⁻/s)².
+    pub rates: Estimate,
+    /// Samples of each pixel, row by row.
+    pub samples: Vec<u32>,
+    /// Camera paths that were traced.
+    pub paths: u64,
+    /// Wall-clock seconds that it took.
+    pub trace_s: f64,
+    /// Of the paths, those that found how many others are needed.
+    pilot_paths: u64,
+    /// The sensor that the rates are those of, and the exposure in whose time things may move.
+    sensor: SensorModel,
+    exposure: ExposureSettings,
+    /// The bands of the irradiance that is kept.
+    bands: Option<SpectralBands>,
+    /// Whether the picture of an ideal observer is kept.
+    has_ideal: bool,
+}
+
+impl Light {
+    /// Irradiance on the sensor in the bands that `output.irradiance` asked for, W·m⁻²·nm⁻¹, a plane for each, named
+    /// after its centre in nm; `None` where the capture asked for none.
+    pub fn irradiance(&self) -> Option<Planes> {
+        let bands = self.bands.as_ref()?;
+        let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
+        self.rows.means(names.iter().map(String::as_str)).to_planes().ok()
+    }
+
+    /// As tracing leaves it.
+    pub(super) fn traced(&self) -> Traced {
+        Traced {
+            rows: CompletedRows::Light(Arc::clone(&self.rows), None),
+            paths: self.paths - self.pilot_paths,
+            pilot_paths: self.pilot_paths,
+            earlier: Duration::ZERO,
+        }
+    }
+}
+
+impl Prepared {
+    /// Traces the light of the first picture, in memory.
+    ///
+    /// # Errors
+    ///
+    /// A film that needs more memory than it is given where it cannot be cut into strips; that the monitor stopped it.
+    pub fn trace(&self, options: Options<'_>) -> Result<Light> {
+        let start = Instant::now();
+        let camera = self.camera();
+        let chain = self.chain();
+        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false])?;
+        let traced = Trace {
+            capture: &self.capture,
+            settings: &self.capture.render,
+            scene: &self.scene,
+            camera: &camera,
+            responses: &self.responses,
+            filters: self.filters.as_ref(),
+            strips: &strips,
+            is_part: false,
+            chain: &chain,
+            folder: None,
+            monitor: options.monitor,
+        };
+        let Traced { rows, paths, pilot_paths, .. } = trace(&traced, None)?;
+        let CompletedRows::Light(rows, _) = rows else { unreachable!("sums are kept of parts alone") };
+        let in_memory = |reason| Error::io("memory".as_ref(), "read", reason);
+        let rates = rows.estimate(chain.channels()).map_err(in_memory)?;
+        let samples = rows.counts().map_err(in_memory)?;
+        let Capture { sensor, exposure, output, .. } = &self.capture;
+        Ok(Light {
+            rows,
+            rates,
+            samples,
+            paths: paths + pilot_paths,
+            trace_s: start.elapsed().as_secs_f64(),
+            pilot_paths,
+            sensor: sensor.clone(),
+            exposure: exposure.clone(),
+            bands: output.irradiance.clone(),
+            has_ideal: output.ideal,
+        })
+    }
+
+    /// This capture with changes, `key=value`, to what light leaves open once it is traced: keys of sensor, exposure,
+    /// development and output, and the seed of the sensor's noise. A sensor that sees light differently needs light
+    /// whose irradiance is kept.
+    ///
+    /// # Errors
+    ///
+    /// A key that light transport has used; a value that cannot be used; a sensor or a time that this light does not
+    /// serve; output that it does not hold.
+    pub fn for_light(&self, light: &Light, changes: &[String]) -> Result<Self> {
+        if changes.is_empty() {
+            return Ok(self.clone());
+        }
+        let capture = self.capture.for_traced_light(changes)?;
+        light.check(&capture, self.capture.recording.is_some()).map_err(|invalid| capture.source.error(invalid))?;
+        let mut warnings = capture.scene.warnings.clone();
+        let colours = SensorColours::find(Settings::from(&capture), &self.optics, &self.light, None, &mut warnings)?;
+        // What was said of the sensor and the exposure before holds no more.
+        let before = [self.capture.sensor.warnings(), self.capture.exposure.warning().into_iter().collect()].concat();
+        let earlier = [before, self.chain().picture_warnings()].concat();
+        let kept = self.warnings.iter().filter(|warning| !earlier.contains(warning)).cloned();
+        let mut changed = Self { capture, colours, warnings: kept.collect(), ..self.clone() };
+        warnings.extend(changed.chain().picture_warnings());
+        for warning in warnings {
+            if !changed.warnings.contains(&warning) {
+                changed.warnings.push(warning);
+            }
+        }
+        Ok(changed)
+    }
+
+    /// The rates at which light frees electrons in this capture's sensor, e⁻/s. Those of another sensor than the light
+    /// was traced for come from its irradiance, without a variance, and with warnings about it.
+    pub(super) fn rates(&self, light: &Light) -> Result<(Estimate, Vec<String>)> {
+        let sensor = &self.capture.sensor;
+        if light.serves(sensor) {
+            return Ok((light.rates.clone(), Vec::new()));
+        }
+        let invalid = || Invalid::new("sensor", "sees light in another way than the one that it was traced for");
+        let help = "keep the irradiance, which serves any sensor, with output.irradiance = true when light is traced";
+        let bands = light.irradiance().ok_or_else(|| self.capture.source.error(invalid().help(help)))?;
+        let rates =
+            electron_rates(&bands, sensor, &self.light).map_err(|invalid| self.capture.source.error(invalid))?;
+        let variance = Planes::zeros::<&str>(bands.width(), bands.height(), []);
+        Ok((Estimate { mean: rates.rates, variance }, rates.warnings))
+    }
+}
+
+impl Light {
+    /// Whether a sensor sees light as the one does that it was traced for.
+    fn serves(&self, sensor: &SensorModel) -> bool {
+        self.sensor.cfa.channels() == sensor.cfa.channels() && self.sensor.responses() == sensor.responses()
+    }
+
+    /// Refuses a capture that this light does not serve.
+    fn check(&self, capture: &Capture, moves: bool) -> Result<(), Invalid> {
+        let Capture { sensor, exposure, output, .. } = capture;
+        if sensor.resolution != self.sensor.resolution {
+            let [width, height] = self.sensor.resolution;
+            let message = format!("the light was traced for {width} × {height} pixels");
+            return Err(Invalid::new("sensor.resolution_px", message).help("leave it as it was traced, or trace again"));
+        }
+        same_times([(&self.sensor, &self.exposure), (sensor, exposure)], moves)?;
+        same_cells(&self.sensor, sensor)?;
+        if output.irradiance.is_some() && output.irradiance != self.bands {
+            let message = "light was traced without these bands";
+            return Err(Invalid::new("output.irradiance", message).help("ask for them when light is traced"));
+        }
+        if output.ideal && !self.has_ideal {
+            let message = "light was traced without what an ideal observer sees of it";
+            return Err(Invalid::new("output.ideal", message).help("ask for it when light is traced"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,20 @@
+//! How the pipeline runs in memory.
+
+use super::monitor::{Monitor, Silent};
+use super::strips::FilmMemory;
+
+/// How a capture is rendered, besides what it says itself.
+#[derive(Clone, Copy)]
+pub struct Options<'a> {
+    /// Hears of the work, and may stop it.
+    pub monitor: &'a dyn Monitor,
+    /// Memory for the film. The picture does not depend on it.
+    pub film_memory: FilmMemory,
+}
+
+impl Default for Options<'_> {
+    /// Silent, with 4 GiB for the film.
+    fn default() -> Self {
+        Self { monitor: &Silent, film_memory: FilmMemory::default() }
+    }
+}
