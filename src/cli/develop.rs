@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::develop::{DevelopSettings, Development, RawDescription, develop_linear, develop_picture};
-use photosite::io::developable::{Developable, Light, read_developable};
-use photosite::io::developed::{PictureFormat, write_developed};
-use photosite::raw::{RawImage, RawMetadata};
-use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
 use super::develop_args::CommonDevelopArgs;
 use super::log::{say, warning};
 use super::print::{print_json, rounded};
+use crate::develop::{DevelopSettings, Development, RawDescription, develop_linear, develop_picture};
+use crate::io::developable::{Developable, Light, read_developable};
+use crate::io::developed::{PictureFormat, write_developed};
+use crate::raw::{RawImage, RawMetadata};
+use crate::{Error, Invalid, Result};
 
 /// Develop a raw file, or light of high dynamic range, to a picture: PNG, TIFF, JPEG, PGM, PPM, EXR or NPY.
 ///

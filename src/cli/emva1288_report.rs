@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photosite::Result;
-use photosite::characterisation::report::{ChannelReport, SpectralPoint, ThermalPoint};
-use photosite::characterisation::{Figures, NotMeasured};
-use photosite::emva1288::{evaluate_descriptor, evaluate_sets};
 use serde::Serialize;
 
 use super::figures_text::measured_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
+use crate::Result;
+use crate::characterisation::report::{ChannelReport, SpectralPoint, ThermalPoint};
+use crate::characterisation::{Figures, NotMeasured};
+use crate::emva1288::{evaluate_descriptor, evaluate_sets};
 
 /// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
 ///

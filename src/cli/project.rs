@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use glam::{DVec2, DVec3};
-use photosite::calibration::truth::project;
-use photosite::capture::Capture;
-use photosite::optics::{Camera, LensKind};
-use photosite::{Error, Invalid, Result, Sandbox};
 
 use super::print::println_out;
-use photosite::pipeline::standalone_recording_camera;
+use crate::calibration::truth::project;
+use crate::capture::Capture;
+use crate::optics::{Camera, LensKind};
+use crate::pipeline::standalone_recording_camera;
+use crate::{Error, Invalid, Result, Sandbox};
 
 /// Say where points appear in the picture of a camera, or what its pixels look at.
 ///
