@@ -72,5 +72,5 @@ pub use photosite_core::{Error, Help, Invalid, Remedy, Result, Sandbox};
 pub use photosite_core::{cells, colour, error, image, math, memory, projection, references, spectrum, units};
 pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, synthetic_noise, validation};
 pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};
-pub use picture::Picture;
+pub use picture::{DevelopedFile, Picture};
 pub use pipeline::{Options, Shot, render};

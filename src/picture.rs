@@ -2,12 +2,16 @@
 
 use std::path::Path;
 
-use crate::Result;
-use crate::develop::{DevelopSettings, Development, EncodedPicture, develop_linear, encode};
+use crate::capture::CaptureSource;
+use crate::develop::{
+    DevelopSettings, Development, EncodedPicture, RawDescription, develop_linear, develop_picture, encode,
+};
 use crate::image::Planes;
-use crate::io::developed::{PictureFormat, write_developed};
+use crate::io::developable::{Developable, Light};
+use crate::io::developed::{PictureFormat, PictureNumbers, numbers, write_developed};
 use crate::io::output::write_whole;
-use crate::raw::RawImage;
+use crate::raw::{RawImage, RawMetadata};
+use crate::{Invalid, Result};
 
 /// A developed picture.
 #[derive(Clone, Debug)]
@@ -31,6 +35,51 @@ impl Picture {
         Ok(Self { linear, development, settings: settings.clone() })
     }
 
+    /// Develops what was read from `path` by settings that stand in `source` and [suit](PictureFormat::check) the format,
+    /// for a file `output` of it.
+    ///
+    /// # Errors
+    ///
+    /// Settings that do not fit what is developed: either is named by its key.
+    pub fn develop_file(
+        file: Developable,
+        path: &Path,
+        (settings, source): &(DevelopSettings, CaptureSource),
+        (format, output): (PictureFormat, &Path),
+    ) -> Result<DevelopedFile> {
+        let no_part = |keys: Vec<&str>, of: &str| {
+            keys.iter().map(|key| format!("develop.{key} has no part in {of}")).collect::<Vec<_>>()
+        };
+        let mut warnings = no_part(format.unused_keys(settings), &output.display().to_string());
+        let mut assumed = None;
+        let developed = match file {
+            Developable::Raw(raw) => {
+                assumed = assumption(path, &raw, settings);
+                develop_linear(&raw, settings)
+            }
+            Developable::Light(Light { planes, pixel_aspect, left_out }) => {
+                warnings.extend(no_part(settings.raw_keys(), "a picture that is developed already"));
+                warnings.extend(left_out);
+                develop_picture(planes, pixel_aspect, settings)
+            }
+        };
+        // What is wrong now lies between the settings and the raw file.
+        let (linear, development) = developed.map_err(|invalid: Invalid| {
+            if source.has(&format!("develop.{}", invalid.key)) {
+                source.error(invalid.within("develop"))
+            } else {
+                invalid.in_file(path)
+            }
+        })?;
+        let picture = Self { linear, development, settings: settings.clone() };
+        Ok(DevelopedFile { picture, assumed, warnings })
+    }
+
+    /// What a file of this format holds of it.
+    pub fn into_numbers(self, format: PictureFormat) -> PictureNumbers {
+        numbers(self.linear, &self.settings, self.development.pixel_aspect, format)
+    }
+
     /// The picture as it is shown: codes of the settings' bits, with tone curve and dither.
     pub fn encoded(&self) -> EncodedPicture {
         let encoded = encode(self.linear.clone(), &self.settings.encoding());
@@ -52,4 +101,27 @@ impl Picture {
         let aspect = self.development.pixel_aspect;
         write_whole(path, |to| write_developed(self.linear.clone(), &self.settings, aspect, format, to))
     }
+}
+
+/// A picture that was developed of a file.
+pub struct DevelopedFile {
+    /// The picture.
+    pub picture: Picture,
+    /// What is taken to hold of a file that says nothing of itself.
+    pub assumed: Option<String>,
+    /// What was left out, and which keys had no part.
+    pub warnings: Vec<String>,
+}
+
+/// What is assumed of files of numbers alone of which nothing is stated.
+fn assumption(path: &Path, raw: &RawImage, settings: &DevelopSettings) -> Option<String> {
+    let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    if is_exr || raw.metadata != RawMetadata::default() || settings.raw != RawDescription::default() {
+        return None;
+    }
+    let kind = if raw.cfa.is_mono() { "a monochrome sensor" } else { "a sensor with R, G and B at every pixel" };
+    let (file, white) = (path.display(), raw.white_level_dn);
+    Some(format!(
+        "{file} holds numbers alone: taken for those of {kind}, linear from 0 to {white}; develop.raw says otherwise"
+    ))
 }

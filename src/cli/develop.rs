@@ -9,11 +9,10 @@ use serde::Serialize;
 use super::develop_args::CommonDevelopArgs;
 use super::log::{say, warning};
 use super::print::{print_json, rounded};
-use crate::develop::{DevelopSettings, Development, RawDescription, develop_linear, develop_picture};
-use crate::io::developable::{Developable, Light, read_developable};
+use crate::develop::{DevelopSettings, Development};
+use crate::io::developable::read_developable;
 use crate::io::developed::{PictureFormat, write_developed};
-use crate::raw::{RawImage, RawMetadata};
-use crate::{Error, Invalid, Result};
+use crate::{DevelopedFile, Error, Invalid, Picture, Result};
 
 /// Develop a raw file, or light of high dynamic range, to a picture: PNG, TIFF, JPEG, PGM, PPM, EXR or NPY.
 ///
@@ -69,43 +68,21 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         .clone()
         .unwrap_or_else(|| Path::new(args.raw.file_name().unwrap_or("picture".as_ref())).with_extension("png"));
     let format = PictureFormat::of(&path)?;
-    let (settings, source) = args.common.settings()?;
-    format.check(&settings).map_err(|invalid| source.error(invalid.within("develop")))?;
+    let source = args.common.settings()?;
+    format.check(&source.0).map_err(|invalid| source.1.error(invalid.within("develop")))?;
     args.common.check_output(&path)?;
     let start = Instant::now();
     let file = read_developable(&args.raw)?;
     let load_s = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
-    // What is wrong now lies between the settings and the raw file; either is named by its key.
-    let failed = |invalid: Invalid| {
-        if source.has(&format!("develop.{}", invalid.key)) {
-            source.error(invalid.within("develop"))
-        } else {
-            invalid.in_file(&args.raw)
-        }
-    };
-    let no_part =
-        |keys: Vec<&str>, of: &str| keys.iter().map(|key| format!("develop.{key} has no part in {of}")).collect();
-    let mut warnings: Vec<String> = no_part(format.unused_keys(&settings), &path.display().to_string());
-    let mut assumptions = None;
-    let developed = match file {
-        Developable::Raw(raw) => {
-            assumptions = assumed(&args.raw, &raw, &settings);
-            develop_linear(&raw, &settings)
-        }
-        Developable::Light(Light { planes, pixel_aspect, left_out }) => {
-            warnings.extend(no_part(settings.raw_keys(), "a picture that is developed already"));
-            warnings.extend(left_out);
-            develop_picture(planes, pixel_aspect, &settings)
-        }
-    };
-    let (planes, development) = developed.map_err(failed)?;
+    let developed = Picture::develop_file(file, &args.raw, &source, (format, &path))?;
+    let DevelopedFile { picture: Picture { linear: planes, development, .. }, assumed, warnings } = developed;
     format.check_picture(&planes).map_err(|Invalid { message, help, .. }| Error::Usage { message, help })?;
     let resolution_px = [planes.width(), planes.height()];
     let develop_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let aspect = development.pixel_aspect;
+    let (settings, aspect) = (source.0, development.pixel_aspect);
     args.common.write(&path, |to| write_developed(planes, &settings, aspect, format, to))?;
     let write_s = start.elapsed().as_secs_f64();
     let report = Report {
@@ -115,7 +92,7 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         resolution_px,
         settings: &settings,
         development,
-        assumed: assumptions,
+        assumed,
         warnings,
         timings: Timings { load_s, develop_s, write_s },
     };
@@ -126,19 +103,6 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
         summarise(&report);
     }
     Ok(())
-}
-
-/// What is assumed of files of numbers alone of which nothing is stated.
-fn assumed(path: &Path, raw: &RawImage, settings: &DevelopSettings) -> Option<String> {
-    let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-    if is_exr || raw.metadata != RawMetadata::default() || settings.raw != RawDescription::default() {
-        return None;
-    }
-    let kind = if raw.cfa.is_mono() { "a monochrome sensor" } else { "a sensor with R, G and B at every pixel" };
-    let (file, white) = (path.display(), raw.white_level_dn);
-    Some(format!(
-        "{file} holds numbers alone: taken for those of {kind}, linear from 0 to {white}; develop.raw says otherwise"
-    ))
 }
 
 fn summarise(report: &Report<'_>) {

@@ -11,6 +11,7 @@
 
 use std::io::BufReader;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::exr::{Attribute, ExrPicture, read_exr};
 use super::linear_picture::read_linear_picture;
@@ -25,7 +26,7 @@ use photosite_core::input;
 #[derive(Clone, Debug)]
 pub enum Developable {
     /// Digital numbers of a sensor.
-    Raw(Box<RawImage>),
+    Raw(Arc<RawImage>),
     /// A picture.
     Light(Light),
 }
@@ -39,6 +40,21 @@ pub struct Light {
     pub pixel_aspect: f64,
     /// What of the file is left out, as a warning says it.
     pub left_out: Option<String>,
+}
+
+/// Reads a file of digital numbers alone.
+///
+/// # Errors
+///
+/// A file that cannot be read, or holds a picture.
+pub fn read_digital_numbers(path: &Path) -> Result<Arc<RawImage>> {
+    match read_developable(path)? {
+        Developable::Raw(raw) => Ok(raw),
+        Developable::Light(_) => {
+            let help = "give a DNG, TIFF, PBM, PGM, PPM or NPY file, a raw.exr, or a PNG file of 16 bits of grey";
+            Err(Invalid::new("", "holds a picture that is developed already").help(help).in_file(path))
+        }
+    }
 }
 
 /// Reads a file by what its name says it is.
@@ -56,7 +72,7 @@ pub fn read_developable(path: &Path) -> Result<Developable> {
 }
 
 fn of_raw(path: &Path) -> Result<Developable> {
-    Ok(Developable::Raw(Box::new(read_raw(path)?)))
+    Ok(Developable::Raw(Arc::new(read_raw(path)?)))
 }
 
 fn of_exr(path: &Path) -> Result<Developable> {
@@ -82,7 +98,7 @@ fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
     {
         let numbers = mosaic.data.iter().map(|&number| number as u16).collect();
         let raw = RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX);
-        return Ok(Developable::Raw(Box::new(raw)));
+        return Ok(Developable::Raw(Arc::new(raw)));
     }
     let wanted: &[&str] = if channels.iter().any(|channel| channel.name == "R") { &["R", "G", "B"] } else { &["Y"] };
     let mut planes = Vec::new();
@@ -189,6 +205,6 @@ mod tests {
         let mut bytes = Vec::new();
         crate::io::plain_png::write_grey16([2, 1], &[7, 60_000], &mut bytes).expect("written");
         let Developable::Raw(raw) = file("mosaic.png", &bytes).expect("numbers") else { panic!("no colours") };
-        assert_eq!((raw.data, raw.white_level_dn), (vec![7, 60_000], u16::MAX));
+        assert_eq!((&raw.data[..], raw.white_level_dn), (&[7, 60_000][..], u16::MAX));
     }
 }

@@ -38,8 +38,38 @@ use crate::develop::{Codes, DevelopSettings, EncodedPicture, encode, in_model};
 use crate::image::Planes;
 use crate::units::Seconds;
 
-/// Writes linear planes that were developed by these settings, with tone curve, colour model and encoding. The pixels
-/// are `aspect` times as wide as high. Settings and planes must be such that the format can hold them.
+/// What a file of a developed picture holds.
+pub enum PictureNumbers {
+    /// Codes for display.
+    Codes(EncodedPicture),
+    /// Linear light, or the numbers of a colour model, and what EXR files say of them.
+    Floats(Planes, Vec<(&'static str, Attribute)>),
+}
+
+/// What a file of this format holds of linear planes that were developed by these settings: with tone curve, colour model
+/// and encoding. The pixels are `aspect` times as wide as high. Settings and planes must be such that the format can hold
+/// them.
+pub fn numbers(planes: Planes, settings: &DevelopSettings, aspect: f64, format: PictureFormat) -> PictureNumbers {
+    let space = settings.colour_space;
+    match format.numbers(settings) {
+        Numbers::Codes => {
+            let picture = encode(planes, &settings.encoding());
+            PictureNumbers::Codes(EncodedPicture { pixel_aspect: aspect, ..picture })
+        }
+        Numbers::Linear => {
+            let attributes = attributes(&planes, space, aspect);
+            PictureNumbers::Floats(planes, attributes)
+        }
+        Numbers::Model => {
+            let what = format!("{} of {}", settings.colour_model.name(), space.name());
+            let attributes =
+                vec![("colorSpace", Attribute::Text(what)), ("pixelAspectRatio", Attribute::PixelAspect(aspect))];
+            PictureNumbers::Floats(in_model(planes, settings), attributes)
+        }
+    }
+}
+
+/// Writes [what the format holds](numbers) of a picture.
 pub fn write_developed(
     planes: Planes,
     settings: &DevelopSettings,
@@ -47,26 +77,12 @@ pub fn write_developed(
     format: PictureFormat,
     to: &mut dyn Sink,
 ) -> io::Result<()> {
-    let space = settings.colour_space;
-    let (planes, attributes) = match format.numbers(settings) {
-        Numbers::Codes => {
-            let picture = EncodedPicture { pixel_aspect: aspect, ..encode(planes, &settings.encoding()) };
-            return if format == PictureFormat::Jpeg {
-                write_jpeg(&picture, settings.jpeg_quality, to)
-            } else {
-                write_encoded(&picture, format, to)
-            };
+    let (planes, attributes) = match numbers(planes, settings, aspect, format) {
+        PictureNumbers::Codes(picture) if format == PictureFormat::Jpeg => {
+            return write_jpeg(&picture, settings.jpeg_quality, to);
         }
-        Numbers::Linear => {
-            let attributes = attributes(&planes, space, aspect);
-            (planes, attributes)
-        }
-        Numbers::Model => {
-            let what = format!("{} of {}", settings.colour_model.name(), space.name());
-            let attributes =
-                vec![("colorSpace", Attribute::Text(what)), ("pixelAspectRatio", Attribute::PixelAspect(aspect))];
-            (in_model(planes, settings), attributes)
-        }
+        PictureNumbers::Codes(picture) => return write_encoded(&picture, format, to),
+        PictureNumbers::Floats(planes, attributes) => (planes, attributes),
     };
     match format {
         PictureFormat::Exr => write_exr(&planes, &attributes, to),
@@ -76,8 +92,8 @@ pub fn write_developed(
         }
         PictureFormat::Tiff | PictureFormat::Png | PictureFormat::Jpeg | PictureFormat::Pgm | PictureFormat::Ppm => {
             let names: Vec<&str> = planes.channels().iter().map(|channel| &channel.name[..]).collect();
-            let description = format!("{}: {} of {}", settings.colour_model.name(), names.join(", "), space.name());
-            write_float_tiff(&planes, &description, aspect, to)
+            let (model, space) = (settings.colour_model.name(), settings.colour_space.name());
+            write_float_tiff(&planes, &format!("{model}: {} of {space}", names.join(", ")), aspect, to)
         }
     }
 }

@@ -1,9 +1,10 @@
-//! Any raw file, those that [`raw`] reads and EXR files.
+//! Any raw file, those that [`raw`] reads and writes and EXR files.
 
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
-use super::raw_exr::read_raw_exr;
+use super::output::write_whole;
+use super::raw_exr::{read_raw_exr, write_raw_exr};
 use crate::raw::{self, RawImage};
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
@@ -22,6 +23,15 @@ pub fn read_raw(path: &Path) -> Result<RawImage> {
     }
     file.rewind().map_err(unreadable)?;
     read_raw_exr(file).map_err(|invalid| invalid.in_file(path))
+}
+
+/// Writes a raw image in the format that the extension asks for: .exr, or one of [`RawImage::save`]. The file appears
+/// whole or not at all; an older one is replaced.
+pub fn save_raw(raw: &RawImage, path: &Path) -> Result<()> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+        return write_whole(path, |to| write_raw_exr(raw, to));
+    }
+    raw.save(path)
 }
 
 /// Refuses a raw file whose rows are staggered, as those of hexagonal cells are, for what counts in columns.

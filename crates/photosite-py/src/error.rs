@@ -5,6 +5,9 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+/// The file of errors of values that were given in Python.
+pub(crate) const PYTHON: &str = "<python>";
+
 /// The exception for an error of the library, with its parts as attributes.
 pub(crate) fn raise(py: Python<'_>, error: Error) -> PyErr {
     let is_temporary = error.is_temporary();

@@ -2,8 +2,10 @@
 //! errors, frees the interpreter's lock while work is done, and does no work of its own. What users see is Python, in
 //! `python/photosite`, and is documented there.
 
+mod array;
 mod capture;
 mod error;
+mod raw;
 mod work;
 
 use pyo3::prelude::*;
@@ -14,6 +16,8 @@ mod _photosite {
 
     #[pymodule_export]
     use super::capture::Capture;
+    #[pymodule_export]
+    use super::raw::{Raw, develop};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

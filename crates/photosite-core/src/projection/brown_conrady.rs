@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DMat2, DVec2};
+use serde::{Deserialize, Serialize};
 
 use super::reach::FLAT_ANGLE;
 use super::rising::{first_loss, solve};
@@ -15,7 +16,7 @@ use super::rising::{first_loss, solve};
 /// y' = y·R + p₁(r² + 2y²) + 2p₂xy + s₃r² + s₄r⁴
 ///
 /// R = (1 + k₁r² + k₂r⁴ + k₃r⁶)/(1 + k₄r² + k₅r⁴ + k₆r⁶), r² = x² + y².
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BrownConrady {
     /// k₁ … k₆.
     pub k: [f64; 6],

@@ -11,6 +11,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use super::CalibrationModel;
 use super::model::{Model, Seen};
@@ -18,7 +19,7 @@ use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
 use crate::math::linear;
 
 /// A law that gives the radius in the picture for an angle from the axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FisheyeLaw {
     /// Equal solid angles are equal areas.
     Equisolid,

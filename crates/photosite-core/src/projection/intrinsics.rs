@@ -1,9 +1,10 @@
 //! From pixels to the normalised image coordinates of a projection, and back.
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 /// A pinhole matrix in pixels. The principal point is in photosite's continuous coordinates (pixel centres at +0.5).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Intrinsics {
     /// Focal length in pixel widths.
     pub fx: f64,

@@ -39,6 +39,7 @@ mod rising;
 mod tests;
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use division::Division;
 use equirectangular::Equirectangular;
@@ -57,7 +58,7 @@ pub use perspective::through_plane;
 pub use reach::{Reach, ReachEnd};
 
 /// A model of how a lens maps directions to its picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Projection {
     /// A rectilinear lens: (x, y) = (X, Y)/Z.
     Perspective,

@@ -1,9 +1,11 @@
 //! Rectangles of pixels.
 
+use serde::{Deserialize, Serialize};
+
 use std::fmt;
 
 /// Pixels x … x + width − 1 of rows y … y + height − 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelArea {
     /// First column.
     pub x: usize,

@@ -2,12 +2,13 @@
 
 use super::Cfa;
 use photosite_core::Invalid;
+use serde::{Deserialize, Serialize};
 
 /// Digital number of no light, pixel by pixel: that of its place in a tile, plus what its column and its row add
 /// (DNG BlackLevel, BlackLevelDeltaH and BlackLevelDeltaV, [Dng16](photosite_core::references#dng16)).
 ///
 /// Like those of a [`Cfa`], columns of the tile count numbers along a row. Everything begins at the top-left pixel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BlackLevel {
     width: usize,
     tile: Vec<f32>,

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use photosite_core::Invalid;
+use serde::{Deserialize, Serialize};
 
 /// A tile of channels that repeats over the sensor from its top-left pixel.
 ///
@@ -21,7 +22,7 @@ use photosite_core::Invalid;
 ///
 /// Channels are named by their letters, any of A to Z, and ordered R, G, B as far as there are such, then the others as
 /// they first appear.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cfa {
     width: usize,
     height: usize,

@@ -1,10 +1,11 @@
 //! The lens's falloff, which a developer can correct.
 
 use photosite_core::Invalid;
+use serde::{Deserialize, Serialize};
 
 /// Gains that make an evenly lit picture even: points on an even grid over the active area, the outermost on its edges,
 /// with straight lines in between.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GainMap {
     columns: usize,
     gains: Vec<f32>,

@@ -1,11 +1,12 @@
 //! The model of the lens that took a picture, and the way from a pinhole's picture to that of the lens.
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use photosite_core::projection::{Intrinsics, Projection, Reach};
 
 /// The model of a lens in front of a grid of pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LensModel {
     /// In pixels of the active area.
     pub intrinsics: Intrinsics,

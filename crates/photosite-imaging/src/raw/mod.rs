@@ -39,6 +39,7 @@ pub use warp::{Warp, WarpKind};
 use std::borrow::Cow;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use photosite_core::{Invalid, memory};
 
@@ -52,14 +53,15 @@ fn check_memory([width, height]: [usize; 2], samples: usize) -> Result<(), Inval
 }
 
 /// A picture of digital numbers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RawImage {
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
     /// Digital numbers, row by row from the top-left pixel: one a pixel in a mosaic, or those of all channels, one
-    /// beside the other ([`Cfa::samples_per_pixel`]).
+    /// beside the other ([`Cfa::samples_per_pixel`]). Serialised forms are without them.
+    #[serde(skip)]
     pub data: Vec<u16>,
     /// Which channel each number belongs to.
     pub cfa: Cfa,
@@ -107,15 +109,19 @@ impl RawImage {
         let Some(table) = &self.linearisation else { return Cow::Borrowed(self) };
         let mut data = self.data.clone();
         linearise(&mut data, table);
-        Cow::Owned(Self {
+        Cow::Owned(Self { bits: bits_for(self.white_level_dn), linearisation: None, ..self.with_data(data) })
+    }
+
+    /// Other digital numbers of which all holds that holds of these.
+    pub fn with_data(&self, data: Vec<u16>) -> Self {
+        Self {
             data,
             cfa: self.cfa.clone(),
-            bits: bits_for(self.white_level_dn),
-            linearisation: None,
+            linearisation: self.linearisation.clone(),
             black_level_dn: self.black_level_dn.clone(),
             metadata: self.metadata.clone(),
             ..*self
-        })
+        }
     }
 
     /// Numbers in a row of `data`.
@@ -188,7 +194,7 @@ fn linearise(data: &mut [u16], table: &[u16]) {
 }
 
 /// How a raw picture was taken, and what its colours mean.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RawMetadata {
     /// Sensor preset or name.
     pub camera_model: String,

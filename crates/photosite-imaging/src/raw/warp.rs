@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use super::LensModel;
 use photosite_core::math::linear::solve;
@@ -20,7 +21,7 @@ use photosite_core::projection::{BrownConrady, Intrinsics, Projection};
 /// and WarpFisheye, with θ = arctan r,
 ///
 /// (x', y') = (x, y)/r·(k₀θ + k₁θ³ + k₂θ⁵ + k₃θ⁷).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Warp {
     /// Which of the two.
     pub kind: WarpKind,
@@ -33,7 +34,7 @@ pub struct Warp {
 }
 
 /// Opcodes that undo distortion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WarpKind {
     /// WarpRectilinear.
     Rectilinear,

@@ -1,0 +1,458 @@
+"""Raw images: digital numbers and what is known of them."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _photosite
+from ._arguments import Path, as_array, assignments, floats, invalid, is_path
+
+__all__ = ["Cfa", "ColourCalibration", "PixelArea", "Raw", "develop", "read_raw"]
+
+
+@dataclass(frozen=True)
+class Cfa:
+    """A colour filter array: which channel each pixel has.
+
+    Attributes:
+        pattern: as sensor files say it: ``"RGGB"``, ``"mono"``, ``"x-trans"``, ``"RGRG/GBGB"``; ``"full:RGB"`` where
+            every pixel has all channels.
+        channels: names of the channels.
+        tile: rows of the tile that repeats from the top-left pixel, as indices into ``channels``; of a full layout the
+            channels of one pixel.
+    """
+
+    pattern: str
+    channels: "tuple[str, ...]"
+    tile: "tuple[tuple[int, ...], ...]"
+
+    @property
+    def is_full(self) -> bool:
+        """Whether every pixel has a number of every channel, and there are several."""
+        return self.pattern.startswith("full:")
+
+    def channel_map(self, rows: int, columns: int) -> "npt.NDArray[np.uint8]":
+        """Which channel each number of a raw image has.
+
+        Args:
+            rows: rows of the image.
+            columns: numbers in a row: pixels of a mosaic, pixels times channels of a full layout.
+
+        Returns:
+            (rows, columns) uint8, indices into ``channels``.
+        """
+        tile = np.array(self.tile, np.uint8)
+        repeats = (-(-rows // tile.shape[0]), -(-columns // tile.shape[1]))
+        return np.ascontiguousarray(np.tile(tile, repeats)[:rows, :columns])
+
+    def __str__(self) -> str:
+        return self.pattern
+
+
+class PixelArea(NamedTuple):
+    """A rectangle of pixels."""
+
+    x: int
+    y: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class ColourCalibration:
+    """What a camera's numbers mean in one light.
+
+    Attributes:
+        light: EXIF's number of the light: 17 is CIE illuminant A, 21 is D65, 23 is D50.
+        temperature_k: its correlated colour temperature, K.
+        colour_matrix: (C, 3) float64, XYZ → camera, a row for each channel; the largest response to the light's own
+            white of Y = 1 is 1.
+        forward_matrix: (3, C) float64, white-balanced camera → XYZ adapted to D50; None where it is not known.
+    """
+
+    light: int
+    temperature_k: float
+    colour_matrix: "npt.NDArray[np.float64]"
+    forward_matrix: "Optional[npt.NDArray[np.float64]]"
+
+
+class Raw:
+    """A raw image: digital numbers, and what a developer needs to know about them.
+
+    It is what a capture makes (``shot.raw``) and what :func:`read_raw` reads. ``np.asarray(raw)`` is the whole frame,
+    masked pixels included, (H, W) uint16, or (H, W, C) of sensors with all channels at every pixel: what ``raw.npy`` of
+    the command holds. That array shares the memory of the image, which never changes, and so cannot be written to;
+    ``np.array(raw)`` is a copy of your own. Raw images can be pickled.
+    """
+
+    def __init__(self, compiled: "_photosite.Raw") -> None:
+        # Made by the package: `read_raw`, `Raw.of`, `with_data`.
+        self._compiled = compiled
+
+    @classmethod
+    def of(
+        cls,
+        data: "npt.ArrayLike",
+        *,
+        cfa: str = "mono",
+        black_level_dn: float = 0.0,
+        white_level_dn: int = 65_535,
+    ) -> "Raw":
+        """A raw image of numbers of which nothing else is known.
+
+        Args:
+            data: (H, W) or (H, W, C) integers from 0 to 65535.
+            cfa: the colour filter array: ``"RGGB"``, ``"mono"``, ``"full:RGB"``; see :class:`Cfa`.
+            black_level_dn: number of no light, DN.
+            white_level_dn: smallest number at which a pixel counts as saturated, DN.
+
+        Raises:
+            InputError: numbers that are none of 16 bits, a shape that does not suit the filters.
+        """
+        numbers = _digital_numbers("data", data)
+        if not 0 <= black_level_dn <= 65_535:
+            raise invalid("black_level_dn", f"expected a number from 0 to 65535, got {black_level_dn}")
+        if not (0 < white_level_dn <= 65_535 and int(white_level_dn) == white_level_dn):
+            raise invalid("white_level_dn", f"expected a whole number from 1 to 65535, got {white_level_dn}")
+        shape, black, white = numbers.shape[:2], float(black_level_dn), int(white_level_dn)
+        flat = numbers.reshape(-1)
+        raw = cls(_photosite.Raw.of_numbers((shape[0], shape[1]), flat, cfa, black, white))
+        if raw.shape != numbers.shape:
+            raise invalid("data", f"expected shape {raw.shape} of {cfa!r}, got {numbers.shape}")
+        return raw
+
+    # Numbers
+
+    @property
+    def shape(self) -> "tuple[int, ...]":
+        """(H, W), or (H, W, C)."""
+        shape: "tuple[int, ...]" = self._compiled.__array_interface__["shape"]
+        return shape
+
+    @property
+    def ndim(self) -> int:
+        """2, or 3 where every pixel has all channels."""
+        return len(self.shape)
+
+    @property
+    def dtype(self) -> "np.dtype[np.uint16]":
+        """uint16."""
+        return np.dtype(np.uint16)
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, key: Any) -> Any:
+        return np.asarray(self)[key]
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> "npt.NDArray[Any]":
+        shared: npt.NDArray[np.uint16] = np.asarray(self._compiled)
+        wanted = shared.dtype if dtype is None else np.dtype(dtype)
+        if wanted == shared.dtype:
+            return shared.copy() if copy else shared
+        if copy is False:
+            raise ValueError(f"an array of {wanted} is a copy of the digital numbers, which are uint16")
+        return shared.astype(wanted)
+
+    def __dlpack__(
+        self,
+        *,
+        stream: Any = None,
+        max_version: "Optional[tuple[int, int]]" = None,
+        dl_device: "Optional[tuple[int, int]]" = None,
+        copy: Optional[bool] = None,
+    ) -> Any:
+        """Shares the memory with consumers that can be told that it is read-only; others get a copy."""
+        shared: npt.NDArray[Any] = np.asarray(self)
+        if dl_device is not None and tuple(dl_device) != self.__dlpack_device__():
+            raise BufferError(f"a raw image is in the memory of the processor, not on device {dl_device}")
+        if stream is not None:
+            raise BufferError("a raw image is in the memory of the processor, which has no streams")
+        if not copy and max_version is not None and max_version[0] >= 1:
+            try:
+                return shared.__dlpack__(max_version=max_version)
+            except (BufferError, TypeError):  # a NumPy of before 2.1 exports nothing that is read-only
+                if copy is False:
+                    raise
+        if copy is False:
+            raise BufferError("a raw image is read-only, and this consumer cannot be told so")
+        return shared.copy().__dlpack__()
+
+    def __dlpack_device__(self) -> "tuple[int, int]":
+        return (1, 0)  # the processor
+
+    @property
+    def active(self) -> "npt.NDArray[np.uint16]":
+        """The pixels that see light, without masked ones around: (h, w) or (h, w, C) uint16, which shares memory."""
+        x, y, width, height = self.active_area
+        whole: npt.NDArray[np.uint16] = np.asarray(self)
+        return whole[y : y + height, x : x + width]
+
+    def with_data(self, data: "npt.ArrayLike") -> "Raw":
+        """A raw image of other numbers of which all holds that holds of these.
+
+        Args:
+            data: integers of the same shape, from 0 to 2**bits - 1; they are copied.
+
+        Raises:
+            InputError: another shape, numbers that are no integers or out of range.
+        """
+        numbers = _digital_numbers("data", data)
+        if numbers.shape != self.shape:
+            raise invalid("data", f"expected shape {self.shape}, got {numbers.shape}")
+        largest = int(numbers.max())
+        if largest >= 1 << self.bits:
+            help = "clip them, or scale them to the range of the sensor"
+            raise invalid("data", f"the number {largest} takes more than the {self.bits} bits of the sensor", help)
+        return Raw(self._compiled.with_numbers(numbers.reshape(-1)))
+
+    # What is known of them
+
+    @cached_property
+    def _known(self) -> "dict[str, Any]":
+        known: "dict[str, Any]" = json.loads(self._compiled.description())
+        return known
+
+    @property
+    def _metadata(self) -> "dict[str, Any]":
+        metadata: "dict[str, Any]" = self._known["metadata"]
+        return metadata
+
+    @cached_property
+    def cfa(self) -> Cfa:
+        """The colour filter array."""
+        cfa = self._known["cfa"]
+        width: int = cfa["width"]
+        tile: "list[int]" = cfa["tile"]
+        rows = tuple(tuple(tile[i : i + width]) for i in range(0, len(tile), width))
+        return Cfa(self._compiled.cfa(), tuple(cfa["channels"]), rows)
+
+    @property
+    def bits(self) -> int:
+        """Bits of the digital numbers, 1–16."""
+        bits: int = self._known["bits"]
+        return bits
+
+    @cached_property
+    def black_level_dn(self) -> "Union[float, npt.NDArray[np.float32]]":
+        """Linear number of no light, DN: one for all numbers, or float32 of the shape of the image."""
+        levels = self._known["black_level_dn"]
+        is_uniform = not levels["column_deltas"] and not levels["row_deltas"] and len(set(levels["tile"])) == 1
+        if is_uniform:
+            return float(levels["tile"][0])
+        of_all: npt.NDArray[np.float32] = self._compiled.black_levels_dn()
+        of_all.flags.writeable = False
+        return of_all
+
+    @property
+    def white_level_dn(self) -> int:
+        """Smallest linear number at which a pixel counts as saturated, DN."""
+        level: int = self._known["white_level_dn"]
+        return level
+
+    @property
+    def linearisation(self) -> "Optional[npt.NDArray[np.uint16]]":
+        """For each digital number one in proportion to light, the last for all beyond; None where they are linear."""
+        table = self._known["linearisation"]
+        return None if table is None else np.array(table, np.uint16)
+
+    @property
+    def active_area(self) -> PixelArea:
+        """The pixels that see light; the whole frame where none are masked."""
+        area: "Optional[dict[str, int]]" = self._known["active_area"]
+        return PixelArea(0, 0, self.shape[1], self.shape[0]) if area is None else PixelArea(**area)
+
+    @cached_property
+    def calibrations(self) -> "tuple[ColourCalibration, ...]":
+        """What the numbers mean in up to three lights, in the order of DNG files."""
+
+        def of(known: "dict[str, Any]", temperature_k: float) -> ColourCalibration:
+            matrix, columns = np.array(known["colour_matrix"], np.float64), known["forward_matrix"]
+            forward = None if columns is None else np.ascontiguousarray(np.array(columns, np.float64).T)
+            return ColourCalibration(known["light"], temperature_k, matrix, forward)
+
+        return tuple(map(of, self._metadata["calibrations"], self._compiled.light_temperatures_k()))
+
+    @property
+    def as_shot_neutral(self) -> "Optional[npt.NDArray[np.float64]]":
+        """The camera's response to the scene's white, (C,), the largest 1; None where it is not known."""
+        neutral = self._metadata["as_shot_neutral"]
+        return None if neutral is None else np.array(neutral, np.float64)
+
+    @property
+    def as_shot_white_xy(self) -> "Optional[tuple[float, float]]":
+        """CIE x and y of the scene's white, where that is what a file says in place of the camera's response."""
+        xy = self._metadata["as_shot_white_xy"]
+        return None if xy is None else (xy[0], xy[1])
+
+    @property
+    def noise_profile(self) -> "npt.NDArray[np.float64]":
+        """(C, 2), S and O of each channel: the variance of the normalised signal x is S·x + O; (0, 2) if unknown."""
+        return np.array(self._metadata["noise_profile"], np.float64).reshape(-1, 2)
+
+    @property
+    def camera_model(self) -> str:
+        """Sensor preset or name; empty where it is not known."""
+        model: str = self._metadata["camera_model"]
+        return model
+
+    @property
+    def camera_serial(self) -> str:
+        """Serial number of the camera; empty where it is not known."""
+        serial: str = self._metadata["camera_serial"]
+        return serial
+
+    @property
+    def exposure_time_s(self) -> float:
+        """Exposure time, s; 0 where it is not known."""
+        time_s: float = self._metadata["exposure_time_s"]
+        return time_s
+
+    @property
+    def iso(self) -> Optional[int]:
+        """Saturation-based ISO speed, which says what the gain was."""
+        iso: Optional[int] = self._metadata["iso"]
+        return iso
+
+    @property
+    def f_number(self) -> Optional[float]:
+        """f-number, where there is a lens."""
+        f_number: Optional[float] = self._metadata["f_number"]
+        return f_number
+
+    @property
+    def focal_length_m(self) -> Optional[float]:
+        """Focal length, m, where there is a lens."""
+        focal_length_m: Optional[float] = self._metadata["focal_length_m"]
+        return focal_length_m
+
+    @property
+    def pixel_pitch_m(self) -> "Optional[tuple[float, float]]":
+        """Pixel pitch along x and y, m."""
+        pitch = self._metadata["pixel_pitch_m"]
+        return None if pitch is None else (pitch[0], pitch[1])
+
+    @property
+    def pixel_aspect(self) -> float:
+        """Width of a pixel over its height."""
+        return self._compiled.pixel_aspect()
+
+    @property
+    def baseline_exposure_ev(self) -> float:
+        """By how much a developer brightens the picture unasked, EV."""
+        ev: float = self._metadata["baseline_exposure_ev"]
+        return ev
+
+    # Files
+
+    def save(self, path: Path) -> None:
+        """Writes a file, in the place of an older one: the bytes that the command writes.
+
+        Args:
+            path: its extension says the format: ``.dng``, which holds all that is known, or ``.tiff``, ``.pgm``,
+                ``.npy`` or ``.exr``.
+
+        Raises:
+            InputError: another extension, or an image that the format cannot hold.
+            FileError: the file cannot be written.
+        """
+        self._compiled.save(os.fspath(path))
+
+    def __reduce__(self) -> Any:
+        return _unpickle, (self._compiled.description(), np.asarray(self).reshape(-1))
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Raw):
+            return NotImplemented
+        is_same = self._compiled.description() == other._compiled.description()
+        return is_same and np.array_equal(np.asarray(self), np.asarray(other))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        size = " × ".join(map(str, (self.shape[1], self.shape[0])))
+        black = self.black_level_dn
+        black_text = f"{black:g}" if isinstance(black, float) else f"{float(black.mean()):g} on average"
+        of = f" of {self.camera_model}" if self.camera_model else ""
+        return f"<Raw{of}: {size} pixels, {self.cfa}, {self.bits} bits, black {black_text} DN, white {self.white_level_dn} DN>"
+
+
+def _unpickle(description: str, numbers: "npt.NDArray[np.uint16]") -> Raw:
+    return Raw(_photosite.Raw.of_description(description, np.ascontiguousarray(numbers)))
+
+
+def _digital_numbers(name: str, data: Any) -> "npt.NDArray[np.uint16]":
+    """Integers of 16 bits, C-contiguous."""
+    array = as_array(name, data, (2, 3), "(H, W) or (H, W, C)")
+    help = "round and clip them first: np.clip(np.rint(data), 0, 65535).astype(np.uint16)"
+    if array.dtype.kind not in "ui":
+        raise invalid(name, f"expected integers of 16 bits, got an array of {array.dtype}", help)
+    if array.dtype != np.uint16 and (int(array.min()) < 0 or int(array.max()) > 65_535):
+        found = f"from {int(array.min())} to {int(array.max())}"
+        raise invalid(name, f"expected integers from 0 to 65535, got those {found}", help)
+    return np.ascontiguousarray(array, np.uint16)
+
+
+def read_raw(path: Path) -> Raw:
+    """Reads a raw file.
+
+    Args:
+        path: a DNG, TIFF, PBM, PGM, PPM or NPY file, an EXR file of digital numbers, or a PNG file of 16 bits of grey
+            that says nothing of colours. Files other than DNG and EXR say nothing but their numbers, which are taken for
+            those of a monochrome sensor, or of one with R, G and B at every pixel.
+
+    Raises:
+        InputError: a file of another kind, or a damaged one.
+        FileError: the file cannot be read.
+    """
+    return Raw(_photosite.Raw.read(os.fspath(path)))
+
+
+def develop(
+    raw: "Union[Raw, Path, npt.ArrayLike]",
+    /,
+    *,
+    like: Optional[Raw] = None,
+    linear: bool = False,
+    **keys: Any,
+) -> "npt.NDArray[Any]":
+    """Develops a raw image, or light of high dynamic range, to a picture, as ``photosite develop`` does.
+
+    Args:
+        raw: a :class:`Raw`, the path of a file that ``photosite develop`` reads, or an array (H, W) or (H, W, 3) of
+            integers from 0 to 65535.
+        like: the raw image whose levels, filters and matrices hold for the array. Without, an array (H, W) is taken for
+            that of a monochrome sensor, black at 0 and white at 65535; ``raw={"cfa": "RGGB", "black_level_dn": 64,
+            "white_level_dn": 4095}`` says otherwise.
+        linear: linear light in float32 instead of codes: what EXR and NPY files hold.
+        **keys: keys of the table ``[develop]`` of capture files: ``white_balance``, ``demosaic``, ``highlights``,
+            ``tone_curve``, ``colour_space``, ``exposure_ev``, ``bits`` and more; ``photosite schema`` describes them all.
+
+    Returns:
+        (H, W, 3) uint8, or uint16 with ``bits=16``: the codes of the command's PNG or TIFF file; (H, W) of grey pictures;
+        float32 with ``linear``, and of colours that are none for viewers, as CIELAB and XYZ are.
+
+    Raises:
+        InputError: a key or value that there is not, or one that the image has no use for.
+        FileError: the file cannot be read.
+    """
+    settings = assignments(keys, "develop.")
+    if is_path(raw):
+        if like is not None:
+            raise invalid("like", "a file says itself what its numbers mean", "read it with read_raw, or leave out like")
+        return _photosite.develop(None, os.fspath(raw), settings, bool(linear))  # type: ignore[arg-type]
+    if isinstance(raw, Raw):
+        image = raw
+    elif like is not None:
+        image = like.with_data(raw)  # type: ignore[arg-type]
+    else:
+        numbers = _digital_numbers("raw", raw)
+        image = Raw.of(numbers, cfa="mono" if numbers.ndim == 2 else "full:RGB")
+    return _photosite.develop(image._compiled, None, settings, bool(linear))  # pyright: ignore[reportPrivateUsage]
