@@ -58,6 +58,7 @@
 #![forbid(unsafe_code)]
 
 pub mod capture;
+pub mod cli;
 pub mod dataset;
 pub mod emva1288;
 pub mod io;

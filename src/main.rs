@@ -1,8 +1,6 @@
-//! The `photosite` command: parses the command line, calls the library, prints, exits.
+//! The `photosite` command.
 
 #![forbid(unsafe_code)]
-
-mod cli;
 
 use std::process::ExitCode;
 
@@ -13,5 +11,5 @@ use photosite_simd::Heap;
 static HEAP: Heap = Heap;
 
 fn main() -> ExitCode {
-    cli::run()
+    photosite::cli::run(std::env::args_os()).into()
 }

@@ -1,5 +1,6 @@
-//! What Cargo does not enforce of the structure: within a crate no files that depend on each other in a circle, and
-//! only the modules named for it touch files of the disk. Which crate may see which stands in the manifests.
+//! What Cargo does not enforce of the structure: within a crate no files that depend on each other in a circle, only
+//! the modules named for it touch files of the disk, and no other module knows the command line. Which crate may see
+//! which stands in the manifests.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -133,7 +134,7 @@ fn body(code: &str) -> String {
 fn module(folder: &Path, path: &Path) -> Vec<String> {
     let path = path.strip_prefix(folder).expect("below the folder").with_extension("");
     let mut names: Vec<String> = path.iter().map(|name| name.to_string_lossy().into_owned()).collect();
-    if names.last().is_some_and(|last| ["mod", "lib", "main"].contains(&last.as_str())) {
+    if names.last().is_some_and(|last| ["mod", "lib"].contains(&last.as_str())) {
         names.pop();
     }
     names
@@ -274,6 +275,18 @@ fn only_the_command_line_prints() {
         let code = code(path);
         for word in ["println!", "eprintln!", "std::process"] {
             assert!(!code.contains(word), "{} must not use {word}", path.display());
+        }
+    }
+}
+
+#[test]
+fn only_the_program_knows_the_command_line() {
+    let graph = Graph::new(&root().join("src"));
+    let belongs_to = |module: &[String], name: &str| module.first().is_some_and(|first| first == name);
+    assert!(graph.used(&["main".to_owned()]).iter().any(|used| belongs_to(used, "cli")), "the program calls it");
+    for module in graph.files.keys().filter(|module| !belongs_to(module, "cli") && !belongs_to(module, "main")) {
+        for used in graph.used(module).iter().filter(|used| belongs_to(used, "cli")) {
+            panic!("{} must not use {}", module.join("::"), used.join("::"));
         }
     }
 }

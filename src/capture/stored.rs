@@ -28,7 +28,7 @@ use photosite_core::Sandbox;
 use photosite_core::warnings::Warnings;
 
 /// The part of a capture that stored light leaves open.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct StoredCapture {
     /// The sensor.
     pub sensor: SensorModel,

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use photosite::Error;
+use crate::Error;
 
 /// Starts as many threads as are asked for.
-pub(super) fn start_threads(threads: Option<u16>) -> photosite::Result<()> {
+pub(super) fn start_threads(threads: Option<u16>) -> crate::Result<()> {
     /// So many that wait for each other slow down a small machine only a little.
     const FEW: usize = 256;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use photosite::calibration::camera_files::{
-    CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
-};
-use photosite::capture::Capture;
-use photosite::io::lock::Lock;
-use photosite::io::output::create_folder;
-use photosite::optics::LensKind;
-use photosite::{Invalid, Result, Sandbox};
 
 use super::log::say;
 use super::print::{println_out, refuse_existing, write_result};
-use photosite::pipeline::{LensSeen, standalone_recording_camera};
+use crate::calibration::camera_files::{
+    CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
+};
+use crate::capture::Capture;
+use crate::io::lock::Lock;
+use crate::io::output::create_folder;
+use crate::optics::LensKind;
+use crate::pipeline::{LensSeen, standalone_recording_camera};
+use crate::{Invalid, Result, Sandbox};
 
 /// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
 ///

@@ -1,21 +1,20 @@
 //! `photosite compare`: how far two pictures lie apart, and whether noise explains it.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
-use photosite::develop::EncodedPicture;
-use photosite::io::developed::write_png;
-use photosite::io::output::write_whole;
-use photosite::io::picture_file::read_picture_file;
-use photosite::raw::Pixels;
-use photosite::report::{ComparisonReport, DifferencePicture};
-use photosite::validation::{FalseColour, Limits, Picture, Settings, compare, false_colour};
-use photosite::{Error, Invalid, Result};
 
 use super::compare_report::text;
 use super::in_options;
 use super::print::{print_json, println_out, refuse_existing};
+use crate::develop::EncodedPicture;
+use crate::io::developed::write_png;
+use crate::io::output::write_whole;
+use crate::io::picture_file::read_picture_file;
+use crate::raw::Pixels;
+use crate::report::{ComparisonReport, DifferencePicture};
+use crate::validation::{FalseColour, Limits, Picture, Settings, compare, false_colour};
+use crate::{Error, Invalid, Result};
 
 /// Compare two pictures: errors per channel, and where variances are known whether noise explains them.
 ///
@@ -94,7 +93,8 @@ pub(super) struct CompareArgs {
     quiet: bool,
 }
 
-pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {
+/// Whether nothing tells the pictures apart.
+pub(super) fn run(args: &CompareArgs) -> Result<bool> {
     if let Some(path) = &args.picture {
         refuse_picture(path, args.force)?;
     }
@@ -124,7 +124,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<ExitCode> {
     } else if !args.quiet {
         println_out(&text(&report))?;
     }
-    Ok(if report.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(report.failures.is_empty())
 }
 
 /// What is wrong with the command line where two files do not fit together.

@@ -1,7 +1,7 @@
 //! What `photosite compare` says to people.
 
-use photosite::report::{ComparedFile, ComparisonReport, UntestedChannels};
-use photosite::validation::{ChannelDifference, Comparison, PixelDifference, Verdict, ZScores};
+use crate::report::{ComparedFile, ComparisonReport, UntestedChannels};
+use crate::validation::{ChannelDifference, Comparison, PixelDifference, Verdict, ZScores};
 
 /// The report as text.
 pub(super) fn text(report: &ComparisonReport) -> String {

@@ -4,15 +4,15 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::Args;
-use photosite::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, Shard};
-use photosite::pipeline::{FilmMemory, LightSource};
-use photosite::{Result, Sandbox};
 use serde_json::json;
 
 use super::arguments::parse_range;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::print_json;
+use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, Shard};
+use crate::pipeline::{FilmMemory, LightSource};
+use crate::{Result, Sandbox};
 
 /// Render a data set: a capture from many poses, under many conditions, by one camera or a rig.
 ///

@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use photosite::calibration::camera_files::DisparityScale;
-use photosite::dataset::disparity_scale;
-use photosite::io::map_file::{check_map, check_map_name, read_map, write_map};
-use photosite::{Error, Invalid, Result};
 use serde_json::json;
 
 use super::log::{say, warning};
 use super::print::{print_json, refuse_existing, write_result};
+use crate::calibration::camera_files::DisparityScale;
+use crate::dataset::disparity_scale;
+use crate::io::map_file::{check_map, check_map_name, read_map, write_map};
+use crate::{Error, Invalid, Result};
 
 /// Turn a disparity map of any program into depth, Z = f·b/(d + c), or depth into disparity.
 ///

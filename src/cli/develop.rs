@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::develop::{DevelopSettings, Development};
-use photosite::io::developable::read_developable;
-use photosite::io::developed::{PictureFormat, write_developed};
-use photosite::{DevelopedFile, Error, Invalid, Picture, Result};
 use serde::Serialize;
 
 use super::develop_args::CommonDevelopArgs;
 use super::log::{say, warning};
 use super::print::{print_json, rounded};
+use crate::develop::{DevelopSettings, Development};
+use crate::io::developable::read_developable;
+use crate::io::developed::{PictureFormat, write_developed};
+use crate::{DevelopedFile, Error, Invalid, Picture, Result};
 
 /// Develop a raw file, or light of high dynamic range, to a picture: PNG, TIFF, JPEG, PGM, PPM, EXR or NPY.
 ///

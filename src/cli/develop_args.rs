@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photosite::Result;
-use photosite::capture::{CaptureSource, read_develop_settings};
-use photosite::develop::DevelopSettings;
-use photosite::io::output::Sink;
 
 use super::print::{refuse_existing, write_result};
+use crate::Result;
+use crate::capture::{CaptureSource, read_develop_settings};
+use crate::develop::DevelopSettings;
+use crate::io::output::Sink;
 
 #[derive(Args)]
 pub(super) struct CommonDevelopArgs {

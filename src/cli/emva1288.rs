@@ -4,18 +4,18 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use photosite::capture::read_named_sensor;
-use photosite::characterisation::effects_left_out;
-use photosite::emva1288::{SetPlan, SetRequest, refuse_image_sets};
-use photosite::io::image_sets::ImageFormat;
-use photosite::pipeline::{Event, Monitor};
-use photosite::units::{Celsius, Decibels, Seconds};
-use photosite::{Result, Sandbox};
 
 use super::arguments::positive;
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
+use crate::capture::read_named_sensor;
+use crate::characterisation::effects_left_out;
+use crate::emva1288::{SetPlan, SetRequest, refuse_image_sets};
+use crate::io::image_sets::ImageFormat;
+use crate::pipeline::{Event, Monitor};
+use crate::units::{Celsius, Decibels, Seconds};
+use crate::{Result, Sandbox};
 
 /// Take the images that EMVA 1288 asks for, and tell what they must show.
 ///

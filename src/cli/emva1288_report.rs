@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photosite::Result;
-use photosite::emva1288::{MeasuredChannel, evaluate_descriptor, evaluate_sets};
 
 use super::figures_text::measured_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
+use crate::Result;
+use crate::emva1288::{MeasuredChannel, evaluate_descriptor, evaluate_sets};
 
 /// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
 ///

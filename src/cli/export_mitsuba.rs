@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photosite::capture::Capture;
-use photosite::io::lock::Lock;
-use photosite::io::mitsuba::export;
-use photosite::io::output::{create_folder, write_whole};
-use photosite::{Error, Result, Sandbox};
 
-use photosite::pipeline::standalone_camera;
+use super::log::{say, warning};
+use crate::capture::Capture;
+use crate::io::lock::Lock;
+use crate::io::mitsuba::export;
+use crate::io::output::{create_folder, write_whole};
+use crate::pipeline::standalone_camera;
+use crate::{Error, Result, Sandbox};
 
 /// Describe a capture to Mitsuba 3, an independent renderer.
 ///
@@ -81,4 +82,3 @@ fn refuse_scene(folder: &Path, force: bool) -> Result<()> {
         help: Some("add --force to overwrite it, or choose another folder with -o".into()),
     })
 }
-use super::log::{say, warning};

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use photosite::pipeline::{OutputFolder, PictureScale, StoredRender};
-use photosite::report::REPORT;
-use photosite::sensor::PictureUnit;
-use photosite::{Error, Result, Sandbox};
 
 use super::arguments::positive;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
+use crate::pipeline::{OutputFolder, PictureScale, StoredRender};
+use crate::report::REPORT;
+use crate::sensor::PictureUnit;
+use crate::{Error, Result, Sandbox};
 
 /// Expose stored light again: another time, gain, temperature, seed or sensor.
 ///

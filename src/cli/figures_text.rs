@@ -1,10 +1,9 @@
 //! Figures of EMVA 1288 as text: what image sets must show, and what they do show.
 
-use photosite::characterisation::Row;
-use photosite::characterisation::report::{ChannelReport, Report};
-use photosite::io::image_sets::ImageSets;
-
 use super::print::rounded;
+use crate::characterisation::Row;
+use crate::characterisation::report::{ChannelReport, Report};
+use crate::io::image_sets::ImageSets;
 
 /// The figures that the image sets of a sensor must show, a column for each channel.
 pub(super) fn expected_text(sets: &ImageSets) -> String {

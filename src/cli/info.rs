@@ -6,21 +6,21 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photosite::capture::{Capture, ExposureTime, read_sensor_file};
-use photosite::image::Planes;
-use photosite::io::exr::{Attribute, read_exr};
-use photosite::optics::{Camera, Focus, LensDescription, LensKind};
-use photosite::raw::{self, RawImage};
-use photosite::report::LensReport;
-use photosite::scene::description::{EnvironmentDescription, MaterialDescription, SceneDescription};
-use photosite::sensor::{Binning, Format, SensorModel, presets};
-use photosite::{Error, Invalid, Result, Sandbox};
+use photosite_core::input;
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
 use super::print::{print_json, println_out, rounded};
-use photosite::pipeline::standalone_camera;
-use photosite_core::input;
+use crate::capture::{Capture, ExposureTime, read_sensor_file};
+use crate::image::Planes;
+use crate::io::exr::{Attribute, read_exr};
+use crate::optics::{Camera, Focus, LensDescription, LensKind};
+use crate::pipeline::standalone_camera;
+use crate::raw::{self, RawImage};
+use crate::report::LensReport;
+use crate::scene::description::{EnvironmentDescription, MaterialDescription, SceneDescription};
+use crate::sensor::{Binning, Format, SensorModel, presets};
+use crate::{Error, Invalid, Result, Sandbox};
 
 /// Say what a scene, capture, sensor, raw or EXR file holds.
 #[derive(Args)]
@@ -307,7 +307,7 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
 }
 
 fn of_planes(planes: &Planes) -> Map<String, Value> {
-    let channel = |c: &photosite::image::Channel| {
+    let channel = |c: &crate::image::Channel| {
         let sum: f64 = c.data.iter().map(|&v| f64::from(v)).sum();
         let (low, high) = c.data.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         let mean = sum / c.data.len().max(1) as f64;

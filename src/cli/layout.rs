@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use photosite::calibration::layouts::Layout;
-use photosite::dataset::{LayoutFolder, read_dataset};
-use photosite::{Result, Sandbox};
 use serde_json::json;
 
 use super::log::say;
 use super::print::print_json;
+use crate::calibration::layouts::Layout;
+use crate::dataset::{LayoutFolder, read_dataset};
+use crate::{Result, Sandbox};
 
 /// Lay out a finished data set as other tools read it: folders, pictures, calibration, ground truth.
 ///

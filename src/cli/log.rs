@@ -7,7 +7,6 @@ use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use photosite::Error;
 use serde_json::{Map, Value, json};
 
 static IS_JSON: AtomicBool = AtomicBool::new(false);
@@ -41,6 +40,8 @@ macro_rules! warning {
 }
 
 pub(super) use {say, warning};
+
+use crate::Error;
 
 /// Says an event with its words.
 pub(super) fn message(event: &str, words: fmt::Arguments<'_>) {

@@ -4,19 +4,19 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use glam::DVec3;
-use photosite::colour::{ColourSpace, cielab, difference};
-use photosite::image::{Channel, Planes};
-use photosite::io::linear_picture::read_linear_picture;
-use photosite::io::picture_file::read_picture_file;
-use photosite::io::raw_file::refuse_staggered_rows;
-use photosite::measure::{CheckerReport, EdgeResponse, Histogram, histogram, slanted_edge, ssim};
-use photosite::pipeline::measure_checker;
-use photosite::raw::Pixels;
-use photosite::validation::Picture;
-use photosite::{Error, Invalid, Result, Sandbox};
 use serde::Serialize;
 
 use super::print::{print_json, println_out};
+use crate::colour::{ColourSpace, cielab, difference};
+use crate::image::{Channel, Planes};
+use crate::io::linear_picture::read_linear_picture;
+use crate::io::picture_file::read_picture_file;
+use crate::io::raw_file::refuse_staggered_rows;
+use crate::measure::{CheckerReport, EdgeResponse, Histogram, histogram, slanted_edge, ssim};
+use crate::pipeline::measure_checker;
+use crate::raw::Pixels;
+use crate::validation::Picture;
+use crate::{Error, Invalid, Result, Sandbox};
 
 /// Measure pictures: sharpness, colours, likeness, histograms.
 ///

@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::capture::{Capture, relative_path};
-use photosite::dataset::{DataSet, PartFolder};
-use photosite::pipeline::{FilmMemory, LightSource, Parts, Place, Request, render_into};
-use photosite::report::Timings;
-use photosite::{Error, Result, Sandbox};
 
 use super::dataset::SetReport;
 use super::monitor::TerminalMonitor;
 use super::render::{finish, finish_again};
+use crate::capture::{Capture, relative_path};
+use crate::dataset::{DataSet, PartFolder};
+use crate::pipeline::{FilmMemory, LightSource, Parts, Place, Request, render_into};
+use crate::report::Timings;
+use crate::{Error, Result, Sandbox};
 
 /// Put together what several runs of `photosite render --samples A..B`, or of `photosite dataset --samples A..B`, have
 /// traced.

@@ -4,17 +4,17 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use photosite::develop::merge::merge;
-use photosite::develop::{DevelopSettings, Development, Thresholding, develop_merged};
-use photosite::io::developed::{PictureFormat, write_hdr};
-use photosite::io::raw_file::read_raw;
-use photosite::units::Seconds;
-use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
 use super::develop_args::CommonDevelopArgs;
 use super::log::{say, warning};
 use super::print::{print_json, rounded};
+use crate::develop::merge::merge;
+use crate::develop::{DevelopSettings, Development, Thresholding, develop_merged};
+use crate::io::developed::{PictureFormat, write_hdr};
+use crate::io::raw_file::read_raw;
+use crate::units::Seconds;
+use crate::{Error, Invalid, Result};
 
 /// Merge raw files that were exposed for different times to a linear picture of their common light.
 ///

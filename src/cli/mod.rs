@@ -1,5 +1,6 @@
-//! The command line: one file a subcommand. Arguments come in here, results and errors go out; the work is the
-//! library's.
+//! The command line, for the program `photosite` and for the Python package, which has the same command: one file a
+//! subcommand. Arguments come in here, results and errors go out; the work is that of the other modules, none of which
+//! knows this one.
 
 mod arguments;
 mod camera;
@@ -34,20 +35,26 @@ mod sensors;
 mod signals;
 mod target;
 
-use std::io::IsTerminal;
+use std::ffi::OsString;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use photosite::{Error, Remedy, Result, Sandbox, memory};
 
-use arguments::start_threads;
+use self::arguments::start_threads;
+use crate::{Error, Remedy, Result, Sandbox, memory};
 
 /// What scripts and schedulers go by.
 const EXIT_STATUS: &str = "\
 Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 75 failed, but another try may succeed (disk full, a server or
 a file went away, another process writes to the same place); 129, 130, 143 ended by SIGHUP, SIGINT, SIGTERM, after which a
 render goes on from its checkpoint when the same command is given again.";
+
+const DONE: u8 = 0;
+const FAILED: u8 = 1;
+const WRONG_USAGE: u8 = 2;
+/// EX_TEMPFAIL of sysexits.h.
+const ANOTHER_TRY: u8 = 75;
 
 /// Renders glTF and OBJ scenes as a camera would record them: photons, electrons, raw files.
 #[derive(Parser)]
@@ -97,9 +104,25 @@ enum Command {
     Target(target::TargetArgs),
 }
 
-/// Runs the command line of this process, with the exit status that [`EXIT_STATUS`] tells of.
-pub(crate) fn run() -> ExitCode {
-    let cli = Cli::parse();
+/// Runs a command line, of which the first argument is the name of the program, and returns the exit status.
+///
+/// It is for a process that does nothing else, and once: it starts rayon's global threads, listens to signals, and ends
+/// the process where one comes while the work under way cannot be kept.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let status = match Cli::try_parse_from(arguments) {
+        Ok(cli) => run_parsed(&cli),
+        // Wrong usage, or what --help and --version ask for.
+        Err(words) => {
+            let _ = words.print();
+            if words.use_stderr() { WRONG_USAGE } else { DONE }
+        }
+    };
+    // Of a process that is not Rust's nobody else does so in the end.
+    let _ = std::io::stdout().flush();
+    status
+}
+
+fn run_parsed(cli: &Cli) -> u8 {
     if cli.log_json {
         log::speak_json();
     }
@@ -111,8 +134,8 @@ pub(crate) fn run() -> ExitCode {
     };
     // Fails only if a handler was set before, and this is the only place that sets one.
     let _ = miette::set_hook(Box::new(handler));
-    match run_command(&cli) {
-        Ok(done) => done,
+    match run_command(cli) {
+        Ok(status) => status,
         Err(mut error) => {
             let status = status(&error);
             // Who asked the work to stop, the program alone knows.
@@ -121,13 +144,13 @@ pub(crate) fn run() -> ExitCode {
             }
             let error = error.in_words(&in_options, "--set");
             log::error(error, status);
-            ExitCode::from(status)
+            status
         }
     }
 }
 
 /// Runs a command, with the threads and the memory that it is given.
-fn run_command(cli: &Cli) -> Result<ExitCode> {
+fn run_command(cli: &Cli) -> Result<u8> {
     cli.memory.map_or(Ok(()), memory::set_limit)?;
     let sandbox = &cli.sandbox.as_deref().map_or_else(|| Ok(Sandbox::default()), Sandbox::new)?;
     signals::listen()?;
@@ -136,7 +159,7 @@ fn run_command(cli: &Cli) -> Result<ExitCode> {
         Command::Render(args) => render::run(args, sandbox),
         Command::Develop(args) => develop::run(args),
         Command::Expose(args) => expose::run(args, sandbox),
-        Command::Compare(args) => return compare::run(args),
+        Command::Compare(args) => return compare::run(args).map(|agree| if agree { DONE } else { FAILED }),
         Command::Measure(args) => measure::run(args, sandbox),
         Command::Merge(args) => merge::run(args, sandbox),
         Command::MergeHdr(args) => merge_hdr::run(args),
@@ -155,17 +178,15 @@ fn run_command(cli: &Cli) -> Result<ExitCode> {
         Command::Schema(args) => schema::run(args),
         Command::Target(args) => target::run(args),
     };
-    done.map(|()| ExitCode::SUCCESS)
+    done.map(|()| DONE)
 }
 
 fn status(error: &Error) -> u8 {
-    /// EX_TEMPFAIL of sysexits.h.
-    const ANOTHER_TRY: u8 = 75;
     match error {
         Error::Cancelled { .. } => signals::status(),
-        Error::Override { .. } | Error::Usage { .. } => 2,
+        Error::Override { .. } | Error::Usage { .. } => WRONG_USAGE,
         Error::Input(_) | Error::Io { .. } | Error::Temporary(_) if error.is_temporary() => ANOTHER_TRY,
-        Error::Input(_) | Error::Io { .. } | Error::Resources { .. } | Error::Temporary(_) => 1,
+        Error::Input(_) | Error::Io { .. } | Error::Resources { .. } | Error::Temporary(_) => FAILED,
     }
 }
 

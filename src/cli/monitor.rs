@@ -6,11 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use photosite::pipeline::{Event, Monitor};
 use serde_json::json;
 
 use super::log::{self, say, warning};
 use super::signals;
+use crate::pipeline::{Event, Monitor};
 
 /// Between two lines of progress in a file.
 const LINE_INTERVAL: Duration = Duration::from_secs(30);

@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use photosite::characterisation::noise::{Request, figures};
-use photosite::characterisation::report::{NoiseReport, PlaneNoise};
-use photosite::io::noise_series::{NoiseSeries, sigma_map_format, write_sigma_map};
-use photosite::io::output::Sink;
-use photosite::raw::Pixels;
-use photosite::{Error, Result};
 
 use super::arguments::positive;
 use super::log::say;
 use super::noise_add::{self, NoiseAddArgs};
 use super::print::{print_json, println_out, refuse_existing, write_result};
+use crate::characterisation::noise::{Request, figures};
+use crate::characterisation::report::{NoiseReport, PlaneNoise};
+use crate::io::noise_series::{NoiseSeries, sigma_map_format, write_sigma_map};
+use crate::io::output::Sink;
+use crate::raw::Pixels;
+use crate::{Error, Result};
 
 /// Estimate the noise of a picture, or of several of the same scene; or add noise to one (photosite noise add).
 ///

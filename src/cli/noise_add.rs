@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use photosite::capture::read_synthetic_noise;
-use photosite::io::noisy_picture::{NoisyPicture, make_noisy};
-use photosite::io::number_picture::{NumberFormat, write_numbers};
-use photosite::synthetic_noise::{Clipped, SyntheticNoise};
-use photosite::{Error, Invalid, Result};
 use serde::Serialize;
 
 use super::log::{say, warning};
 use super::print::{print_json, refuse_existing, rounded, write_result};
+use crate::capture::read_synthetic_noise;
+use crate::io::noisy_picture::{NoisyPicture, make_noisy};
+use crate::io::number_picture::{NumberFormat, write_numbers};
+use crate::synthetic_noise::{Clipped, SyntheticNoise};
+use crate::{Error, Invalid, Result};
 
 /// Add noise to a picture of any program.
 ///

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use photosite::Error;
-use photosite::io::output::{Sink, write_new, write_whole};
-use photosite::io::pretty_json::pretty_json;
-pub(super) use photosite::math::float::rounded;
+use crate::Error;
+use crate::io::output::{Sink, write_new, write_whole};
+use crate::io::pretty_json::pretty_json;
+pub(super) use crate::math::float::rounded;
 
 /// Refuses to overwrite a file unasked.
-pub(super) fn refuse_existing(path: &Path, force: bool) -> photosite::Result<()> {
+pub(super) fn refuse_existing(path: &Path, force: bool) -> crate::Result<()> {
     if force || !path.exists() { Ok(()) } else { Err(exists_already(path)) }
 }
 
@@ -22,7 +22,7 @@ pub(super) fn write_result(
     path: &Path,
     force: bool,
     write: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
-) -> photosite::Result<()> {
+) -> crate::Result<()> {
     if force {
         write_whole(path, write)
     } else if write_new(path, write)? {
@@ -33,12 +33,12 @@ pub(super) fn write_result(
 }
 
 /// Prints an object as JSON on standard output.
-pub(super) fn print_json(value: &impl serde::Serialize) -> photosite::Result<()> {
+pub(super) fn print_json(value: &impl serde::Serialize) -> crate::Result<()> {
     println_out(&pretty_json(value))
 }
 
 /// Prints a line on standard output. A reader that has seen enough and went away, as `head` does, is no error.
-pub(super) fn println_out(text: &str) -> photosite::Result<()> {
+pub(super) fn println_out(text: &str) -> crate::Result<()> {
     use std::io::{ErrorKind, Write};
     match writeln!(std::io::stdout().lock(), "{text}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

@@ -4,11 +4,11 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photosite::capture::Capture;
-use photosite::sight::{Sight, Space};
-use photosite::{Error, Invalid, Result, Sandbox};
 
 use super::print::println_out;
+use crate::capture::Capture;
+use crate::sight::{Sight, Space};
+use crate::{Error, Invalid, Result, Sandbox};
 
 /// Say where points appear in the picture of a camera, or what its pixels look at.
 ///

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use photosite::dataset::{FrameList, RectifiedReport, RectifySettings, rectify};
-use photosite::develop::ResizeFilter;
-use photosite::{Result, Sandbox};
 
 use super::log::{say, warning};
 use super::print::{print_json, rounded};
+use crate::dataset::{FrameList, RectifiedReport, RectifySettings, rectify};
+use crate::develop::ResizeFilter;
+use crate::{Result, Sandbox};
 
 /// Rectify the pictures of two cameras of a finished data set, with depth and disparity as truth.
 ///

@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use photosite::capture::{Capture, relative_path};
-use photosite::pipeline::{FilmMemory, LightSource, Place, Rendered, Request, render_into};
-use photosite::report::{REPORT, Report, Timings};
-use photosite::{Result, Sandbox};
 
 use super::arguments::parse_range;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
+use crate::capture::{Capture, relative_path};
+use crate::pipeline::{FilmMemory, LightSource, Place, Rendered, Request, render_into};
+use crate::report::{REPORT, Report, Timings};
+use crate::{Result, Sandbox};
 
 /// Render a scene as the camera of a capture file records it.
 ///

@@ -16,11 +16,11 @@ pub(super) struct SchemaArgs {
     noise: bool,
 }
 
-pub(super) fn run(args: &SchemaArgs) -> photosite::Result<()> {
+pub(super) fn run(args: &SchemaArgs) -> crate::Result<()> {
     let schema = match (args.report, args.noise) {
-        (true, _) => photosite::report::report_schema(),
-        (false, true) => photosite::capture::noise_schema(),
-        (false, false) => photosite::capture::capture_schema(),
+        (true, _) => crate::report::report_schema(),
+        (false, true) => crate::capture::noise_schema(),
+        (false, false) => crate::capture::capture_schema(),
     };
     // The layout of the copies that ship, which other tools write, too.
     println_out(&serde_json::to_string_pretty(&schema).expect("a schema has string keys and finite numbers"))

@@ -1,11 +1,11 @@
 //! `photosite sensors`: the presets as a table, or the formats that sensors are sold under.
 
 use clap::Args;
-use photosite::sensor::{Binning, FORMATS, Format, SensorModel, presets};
-use photosite::spectrum::Spectrum;
 use serde::Serialize;
 
 use super::print::{print_json, println_out, rounded};
+use crate::sensor::{Binning, FORMATS, Format, SensorModel, presets};
+use crate::spectrum::Spectrum;
 
 /// List the sensor presets.
 #[derive(Args)]
@@ -46,7 +46,7 @@ struct Row {
     source: String,
 }
 
-pub(super) fn run(args: &SensorsArgs) -> photosite::Result<()> {
+pub(super) fn run(args: &SensorsArgs) -> crate::Result<()> {
     if let Some(resolution) = &args.formats {
         return run_formats(resolution, args.json);
     }
@@ -93,10 +93,10 @@ fn pitch([x, y]: [f64; 2]) -> String {
     if x == y { x.to_string() } else { format!("{x}×{y}") }
 }
 
-fn run_formats(resolution: &str, json: bool) -> photosite::Result<()> {
+fn run_formats(resolution: &str, json: bool) -> crate::Result<()> {
     let sides: Option<Vec<u32>> = resolution.split(['x', '×']).map(|side| side.trim().parse().ok()).collect();
     let size = sides.and_then(|sides| <[u32; 2]>::try_from(sides).ok()).filter(|size| !size.contains(&0));
-    let size = size.ok_or_else(|| photosite::Error::Usage {
+    let size = size.ok_or_else(|| crate::Error::Usage {
         message: format!("--formats: {resolution:?} is no number of columns and rows"),
         help: Some("for example --formats 1920x1200".into()),
     })?;

@@ -52,8 +52,8 @@ pub(super) fn status() -> u8 {
 
 /// Listens from now on.
 #[cfg(unix)]
-pub(super) fn listen() -> photosite::Result<()> {
-    use photosite::io::cleanup::clean_up;
+pub(super) fn listen() -> crate::Result<()> {
+    use crate::io::cleanup::clean_up;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
 
@@ -76,7 +76,7 @@ pub(super) fn listen() -> photosite::Result<()> {
 }
 
 #[cfg(not(unix))]
-pub(super) fn listen() -> photosite::Result<()> {
+pub(super) fn listen() -> crate::Result<()> {
     Ok(())
 }
 

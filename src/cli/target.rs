@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use photosite::Result;
-use photosite::calibration::targets::TargetKind;
-use photosite::capture::read_target;
-use photosite::io::lock::Lock;
-use photosite::io::target_file::{target_files, write_target};
 
 use super::print::{println_out, refuse_existing};
+use crate::Result;
+use crate::calibration::targets::TargetKind;
+use crate::capture::read_target;
+use crate::io::lock::Lock;
+use crate::io::target_file::{target_files, write_target};
 
 /// Write a calibration target: to print, to photograph, or for other programs.
 ///

@@ -82,6 +82,7 @@ pub(super) struct Chain<'a> {
 }
 
 /// What the sensor counts on average during an exposure.
+#[derive(Clone)]
 pub(super) struct Exposed {
     pub(super) exposure: Exposure,
     /// Mean electrons with the variance that light transport leaves, e⁻ and (e⁻)².

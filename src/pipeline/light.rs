@@ -7,7 +7,7 @@ use super::chain::{SensorColours, Settings};
 use super::completed_rows::CompletedRows;
 use super::options::Options;
 use super::prepare::Prepared;
-use super::reexpose::{same_cells, same_times};
+use super::same_light::{same_cells, same_times};
 
 use super::trace::{Trace, Traced, trace};
 use crate::capture::{Capture, ExposureSettings, SpectralBands};

@@ -37,7 +37,7 @@ pub use model::{
     Shutter, ShutterDescription, ShutterKind, SignalInterpolation, Spad, SpadDescription, SpectrumSource,
     TelegraphDescription, TelegraphSignal, Video, VideoCurve, VideoDescription,
 };
-pub use picture_light::{PictureElectrons, PictureUnit, picture_electrons};
+pub use picture_light::{PictureElectrons, PictureUnit, picture_electrons, without_negative};
 pub use prediction::{Neighbours, noise_ratio, samples_needed, smoothed_mean};
 pub use signal::effects::{MapUnit, NoiseMap, Stage, Stages};
 pub use signal::noise_key::NoiseKey;

@@ -62,7 +62,7 @@ pub fn picture_electrons(
 }
 
 /// The planes of light, in which numbers below 0 are 0.
-fn without_negative(picture: &Planes, warnings: &mut Vec<String>) -> Result<Planes, Invalid> {
+pub fn without_negative(picture: &Planes, warnings: &mut Vec<String>) -> Result<Planes, Invalid> {
     let (width, height) = (picture.width(), picture.height());
     let (alpha, mut channels): (Vec<Channel>, Vec<Channel>) =
         picture.clone().into_channels().into_iter().partition(|channel| channel.name == "A");

@@ -1,0 +1,201 @@
+//! What is known of stored light: the capture that it was rendered for, and the one that it is exposed for now.
+
+use std::path::{Path, PathBuf};
+
+use super::file_names::PART;
+use super::same_light::{same_cells, same_times};
+use super::stored_light::StoredLight;
+use crate::capture::{ExposureTime, StoredCapture, StoredReport};
+use crate::develop::SensorCalibration;
+use crate::image::{Estimate, Planes};
+use crate::report::{LightReport, REPORT, Report, TracedReport};
+use crate::sensor::{PictureUnit, picture_electrons};
+use crate::spectrum::illuminant;
+use crate::units::{Decibels, Seconds};
+use crate::{Error, Invalid, Result};
+use photosite_core::{Remedy, Sandbox};
+
+/// What the numbers of a picture of another program are on the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureScale {
+    /// What they count.
+    pub unit: PictureUnit,
+    /// How much of it a number of 1 is; of files of whole numbers, white.
+    pub one: f64,
+    /// Whether codes are in proportion to light, whatever the file says of them.
+    pub is_linear: bool,
+}
+
+/// What is known of stored light, beside itself: the capture as it shall be, and as it was.
+#[derive(Clone)]
+pub(super) struct Stored {
+    pub(super) capture: StoredCapture,
+    /// Where each picture of a series has light of its own: the files of those after the first.
+    pub(super) later: Vec<PathBuf>,
+    /// The capture as it was rendered, where that is known.
+    pub(super) recorded: Option<StoredCapture>,
+    /// The analogue and the digital gain that it was exposed with.
+    pub(super) gains: Option<[Decibels; 2]>,
+    /// What was found of its sensor.
+    pub(super) calibration: Option<SensorCalibration>,
+    /// What the report says of the light.
+    pub(super) traced: TracedReport,
+}
+
+impl Stored {
+    pub(super) fn read(sandbox: &Sandbox, input: &Path, overrides: &[String]) -> Result<(Self, StoredLight)> {
+        let (folder, file) =
+            if input.is_dir() { (input, None) } else { (input.parent().unwrap_or(Path::new("")), Some(input)) };
+        let path = folder.join(REPORT);
+        if file.is_none() && !path.exists() {
+            let invalid = Invalid::new("", format!("holds no {REPORT}, so nothing tells how it was rendered"));
+            let help = if folder.join(PART).exists() {
+                "it is a part of a render: photosite merge makes a picture of all parts"
+            } else {
+                "give a folder that photosite render filled, or an electrons.exr or irradiance.exr"
+            };
+            return Err(invalid.help(help).in_file(input));
+        }
+        let stored = match file {
+            None => Some(StoredReport::read(&path)?),
+            // A file counts as part of the render if the report lists it.
+            Some(file) => StoredReport::read(&path).ok().filter(|stored| lists(&stored.report, file)),
+        };
+        let Some(stored) = stored else {
+            let light = StoredLight::read(input)?;
+            return Ok((Self::of_light(sandbox, input, &light, overrides)?, light));
+        };
+        let recorded = StoredCapture::of_report(sandbox, &path, &stored, &[])?;
+        let capture = StoredCapture::of_report(sandbox, &path, &stored, overrides)?;
+        let report = stored.report;
+        let moves = report.traced.camera.as_ref().is_some_and(|camera| camera.motion.is_some());
+        same_times([&recorded, &capture].map(|c| (&c.sensor, &c.exposure)), moves)
+            .map_err(|invalid| capture.source.error(invalid))?;
+        same_cells(&recorded.sensor, &capture.sensor).map_err(|invalid| capture.source.error(invalid))?;
+        let numbered = moves && recorded.exposure.frames > 1;
+        let same_response = recorded.sensor.responses() == capture.sensor.responses();
+        let file = match file {
+            Some(file) if numbered => return Err(one_of_a_series(file)),
+            Some(file) => file.to_owned(),
+            None => light_file(folder, numbered, same_response)?,
+        };
+        let light = StoredLight::read(&file)?;
+        let later = if numbered { 1..capture.exposure.frames } else { 1..1 };
+        let later = later.map(|number| with_number(&file, number)).collect();
+        if let (StoredLight::Electrons { .. }, false) = (&light, same_response) {
+            return Err(no_irradiance(folder));
+        }
+        light.check(&capture)?;
+        let gains = [report.exposure.gain_db, report.exposure.digital_gain_db].map(Decibels);
+        let stored = Self {
+            capture,
+            later,
+            recorded: Some(recorded),
+            gains: Some(gains),
+            calibration: report.sensor.calibration,
+            traced: report.traced,
+        };
+        Ok((stored, light))
+    }
+
+    /// Light of which nothing else is known.
+    pub(super) fn of_light(sandbox: &Sandbox, input: &Path, light: &StoredLight, overrides: &[String]) -> Result<Self> {
+        let capture = StoredCapture::of_picture(sandbox, input, light.resolution(), overrides)?;
+        light.check(&capture)?;
+        let (later, traced) = (Vec::new(), TracedReport::default());
+        Ok(Self { capture, later, recorded: None, gains: None, calibration: None, traced })
+    }
+}
+
+impl Stored {
+    /// Numbers that are light as `scale` says; `assumed` is what else was taken for granted of them.
+    pub(super) fn of_planes(
+        sandbox: &Sandbox,
+        input: &Path,
+        planes: &Planes,
+        scale: &PictureScale,
+        assumed: &[String],
+        overrides: &[String],
+    ) -> Result<(Self, StoredLight)> {
+        let resolution = [planes.width(), planes.height()];
+        let mut capture = StoredCapture::of_picture(sandbox, input, resolution, overrides)?;
+        let found = picture_electrons(planes, &capture.sensor, scale.unit, scale.one);
+        let found = found.map_err(|invalid| match invalid.key.as_str() {
+            "" => invalid.in_file(input),
+            _ => Error::Usage { message: format!("{}: {}", invalid.key, invalid.message), help: invalid.help },
+        })?;
+        let collected = match (found.per_second, capture.exposure.time) {
+            (true, _) => Seconds(1.0),
+            (false, ExposureTime::Fixed(time)) => time,
+            (false, ExposureTime::Auto(_)) => {
+                let message = "is not given, and the electrons of an exposure do not depend on its time, so that it cannot \
+                               be found automatically";
+                let help = Remedy::Override("exposure.time_s=0.01".to_owned());
+                return Err(Invalid::new("exposure.time_s", message).help(help).in_file(input));
+            }
+        };
+        let variance = Planes::zeros::<&str>(resolution[0], resolution[1], []);
+        let light = StoredLight::Electrons { electrons: Estimate { mean: found.electrons, variance }, collected };
+        light.check(&capture)?;
+        // What the caller has said himself needs no warning.
+        capture.warnings.extend(assumed.iter().map(|assumed| format!("{assumed}; 1 is {}", in_words(scale))));
+        capture.warnings.extend(found.warnings);
+        let daylight = illuminant::d65();
+        let scene_light = match scale.unit {
+            PictureUnit::Lux => Some(LightReport::new(&daylight.scale(1.0 / f64::from(daylight.max())))),
+            PictureUnit::Electrons | PictureUnit::FullWell | PictureUnit::Irradiance { .. } => None,
+        };
+        let traced = TracedReport { scene_light, ..TracedReport::default() };
+        let later = Vec::new();
+        Ok((Self { capture, later, recorded: None, gains: None, calibration: None, traced }, light))
+    }
+}
+
+/// What a number of 1 is.
+fn in_words(scale: &PictureScale) -> String {
+    let one = scale.one;
+    match scale.unit {
+        PictureUnit::Electrons => format!("{one} mean photo-electrons of a pixel in the exposure"),
+        PictureUnit::FullWell => format!("{one} of the full well in the exposure"),
+        PictureUnit::Lux => format!("{one} lx of D65 on the sensor, colours upsampled to spectra"),
+        PictureUnit::Irradiance { wavelength_nm } => format!("{one} W/m² on the sensor at {wavelength_nm} nm"),
+    }
+}
+
+/// `electrons-0000.exr` → `electrons-0007.exr`.
+fn with_number(first: &Path, number: u32) -> PathBuf {
+    let name = first.file_name().unwrap_or_default().to_string_lossy();
+    first.with_file_name(name.replace("-0000", &format!("-{number:04}")))
+}
+
+fn one_of_a_series(file: &Path) -> Error {
+    let invalid = Invalid::new("", "is one of a series of pictures, each of which has light of its own");
+    invalid.help("give the folder that it lies in").in_file(file)
+}
+
+/// The file in a folder that serves: electrons where they are counted for the sensor, else irradiance.
+fn light_file(folder: &Path, numbered: bool, same_response: bool) -> Result<PathBuf> {
+    let number = if numbered { "-0000" } else { "" };
+    let [electrons, irradiance] = ["electrons", "irradiance"].map(|name| folder.join(format!("{name}{number}.exr")));
+    if same_response && electrons.exists() {
+        Ok(electrons)
+    } else if irradiance.exists() {
+        Ok(irradiance)
+    } else if electrons.exists() {
+        Err(no_irradiance(folder))
+    } else {
+        let invalid = Invalid::new("", "holds no stored light: neither electrons.exr nor irradiance.exr");
+        Err(invalid.help("render with output.electrons = true or output.irradiance = true").in_file(folder))
+    }
+}
+
+fn no_irradiance(folder: &Path) -> Error {
+    let message = "electrons.exr counts what the rendered sensor sees, and this sensor sees light differently";
+    let help = "expose irradiance.exr instead, which is written with output.irradiance=true";
+    Invalid::new("", message).help(help).in_file(folder)
+}
+
+fn lists(report: &Report, file: &Path) -> bool {
+    let name = file.file_name().map(|name| name.to_string_lossy());
+    report.files.iter().any(|listed| Some(&**listed) == name.as_deref())
+}
