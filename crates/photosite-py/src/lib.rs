@@ -5,7 +5,10 @@
 mod array;
 mod capture;
 mod error;
+mod light;
 mod raw;
+mod sensor;
+mod shot;
 mod work;
 
 use pyo3::prelude::*;
@@ -15,9 +18,17 @@ mod _photosite {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use super::array::write_rgb;
+    #[pymodule_export]
     use super::capture::Capture;
     #[pymodule_export]
+    use super::light::{Light, render_to, trace};
+    #[pymodule_export]
     use super::raw::{Raw, develop};
+    #[pymodule_export]
+    use super::sensor::{Sensor, expose_irradiance, expose_planes, expose_stored, illuminant_spectrum};
+    #[pymodule_export]
+    use super::shot::Shot;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
