@@ -3,10 +3,16 @@
 //! `python/photosite`, and is documented there.
 
 mod capture;
+mod command;
 mod error;
 mod work;
 
+use photosite_simd::Heap;
 use pyo3::prelude::*;
+
+/// As the program has it: says so where memory ends.
+#[global_allocator]
+static HEAP: Heap = Heap;
 
 #[pymodule]
 mod _photosite {
@@ -14,6 +20,8 @@ mod _photosite {
 
     #[pymodule_export]
     use super::capture::Capture;
+    #[pymodule_export]
+    use super::command::cli;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -1,0 +1,5 @@
+"""The compiled half of the package."""
+
+__version__: str
+
+def cli(arguments: list[str], /) -> int: ...
