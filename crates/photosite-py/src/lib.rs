@@ -4,6 +4,7 @@
 
 mod array;
 mod capture;
+mod command;
 mod error;
 mod light;
 mod raw;
@@ -11,7 +12,12 @@ mod sensor;
 mod shot;
 mod work;
 
+use photosite_simd::Heap;
 use pyo3::prelude::*;
+
+/// As the program has it: says so where memory ends.
+#[global_allocator]
+static HEAP: Heap = Heap;
 
 #[pymodule]
 mod _photosite {
@@ -21,6 +27,8 @@ mod _photosite {
     use super::array::write_rgb;
     #[pymodule_export]
     use super::capture::Capture;
+    #[pymodule_export]
+    use super::command::cli;
     #[pymodule_export]
     use super::light::{Light, render_to, trace};
     #[pymodule_export]
