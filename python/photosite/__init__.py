@@ -1,7 +1,7 @@
 """Photographs of scenes that exist as numbers: spectral light, electrons, raw files."""
 
 from ._compare import Comparison, DifferencePicture, compare
-from ._dataset import Dataset, Frame, FramePicture, ReportedCamera
+from ._dataset import Dataset, Frame, FramePicture
 from ._emva1288 import ChannelFigures, Emva1288Report, Figures, SpatialFigures, emva1288, emva1288_report
 from ._errors import Error, FileError, InputError, PhotositeWarning, ResourceError
 from ._photosite import __version__
@@ -26,7 +26,6 @@ __all__ = [
     "PhotositeWarning",
     "PixelArea",
     "Raw",
-    "ReportedCamera",
     "ResourceError",
     "SpatialFigures",
     "Targets",

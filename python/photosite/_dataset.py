@@ -7,7 +7,7 @@ import os
 import shutil
 import tempfile
 import weakref
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any, Optional, Union, cast, overload
@@ -17,36 +17,16 @@ import numpy.typing as npt
 
 from . import _photosite
 from ._arguments import Path, assignments, invalid
+from ._camera import Camera
 from ._errors import InputError
+from ._progress import Progress, listener
 from ._raw import Raw, read_raw
+from ._shot import TRUTH_UNITS, Layers, noise_unit
 
-__all__ = ["Dataset", "Frame", "FramePicture", "ReportedCamera"]
+__all__ = ["Dataset", "Frame", "FramePicture"]
 
 #: The extensions of raw files, those that say most first.
 _RAW_FILES = ("dng", "exr", "npy", "tiff", "pgm")
-
-
-class ReportedCamera:
-    """A camera as the report of a picture states it, in OpenCV's conventions: x right, y down, z forward, pixel centres at
-    whole numbers.
-
-    Attributes:
-        K: (3, 3) float64, the camera matrix, px.
-        R: (3, 3) float64, world → camera: x_camera = R·x_world + t.
-        t: (3,) float64, m.
-        distortion: coefficients in OpenCV's order, for ``cv2`` or ``cv2.fisheye`` or ``cv2.omnidir``.
-        projection: the model of the lens, as ``[lens]`` names it.
-        resolution_px: columns and rows.
-    """
-
-    def __init__(self, report: "dict[str, Any]") -> None:
-        self.K: npt.NDArray[np.float64] = np.array(report["camera_matrix"], np.float64)
-        self.R: npt.NDArray[np.float64] = np.array(report["rotation"], np.float64)
-        self.t: npt.NDArray[np.float64] = np.array(report["translation_m"], np.float64)
-        self.distortion: npt.NDArray[np.float64] = np.array(report["distortion"], np.float64)
-        self.projection: str = report["projection"]
-        width, height = report["resolution_px"]
-        self.resolution_px: "tuple[int, int]" = (width, height)
 
 
 class FramePicture:
@@ -113,32 +93,32 @@ class FramePicture:
         return np.stack([self._electrons[f"variance.{name}"] for name in self.channels], axis=-1)
 
     @cached_property
-    def truth(self) -> "dict[str, npt.NDArray[Any]]":
-        """Ground truth by the names of its layers: ``depth`` (H, W) float32, m; ``normal`` (H, W, 3) and so on. Empty
-        where none was asked for."""
-        return self._layers("truth", 'output.truth_formats = ["exr"]')
+    def truth(self) -> Layers:
+        """Ground truth by the names of its layers, with ``truth.units``: ``depth`` (H, W) float32 in m, ``normal``
+        (H, W, 3) and so on, as :attr:`Shot.truth` has them. Empty where none was asked for."""
+        arrays = self._arrays("truth", 'output.truth_formats = ["exr"]')
+        return Layers(arrays.__getitem__, {name: TRUTH_UNITS.get(name, "") for name in arrays})
 
     @cached_property
-    def noise(self) -> "dict[str, npt.NDArray[Any]]":
-        """Noise maps by their names, whose ends are their units: ``prnu_e`` (H, W) float32. Empty where none was asked
-        for."""
-        return self._layers("noise", 'output.noise_formats = ["exr"]')
+    def noise(self) -> Layers:
+        """What each effect of the sensor has added, by its name, with ``noise.units``: ``prnu_e`` (H, W) float32 in e⁻.
+        Empty where none was asked for."""
+        arrays = self._arrays("noise", 'output.noise_formats = ["exr"]')
+        return Layers(arrays.__getitem__, {name: noise_unit(name) for name in arrays})
 
     @property
-    def camera(self) -> ReportedCamera:
+    def camera(self) -> Camera:
         """Pose and intrinsics."""
-        report: "Optional[dict[str, Any]]" = self.report.get("camera")
-        if report is None:
-            raise self._missing("a camera", "a lens")
-        return ReportedCamera(report)
+        return Camera.of_report(self.report["camera"])
 
-    def _layers(self, stem: str, wanted: str) -> "dict[str, npt.NDArray[Any]]":
+    def _arrays(self, stem: str, wanted: str) -> "dict[str, npt.NDArray[np.float32]]":
         names = {file.name for file in self.files}
         if f"{stem}.exr" in names:
             return _photosite.read_exr_arrays(os.fspath(self.folder / f"{stem}.exr"))
         arrays = sorted(name for name in names if name.startswith(f"{stem}-") and name.endswith(".npy"))
         if arrays:
-            return {name[len(stem) + 1 : -4]: np.load(self.folder / name) for name in arrays}
+            found = {name[len(stem) + 1 : -4]: np.load(self.folder / name) for name in arrays}
+            return {name: np.asarray(array, np.float32) for name, array in found.items()}
         if any(name.startswith(stem) for name in names):
             raise self._missing(f"{stem}.exr", wanted)
         return {}
@@ -153,7 +133,7 @@ class FramePicture:
         return several[0]
 
     def _missing(self, what: str, wanted: str) -> InputError:
-        reason = f"the pictures of this data set have no {what.removeprefix('a ') if what.startswith('a ') else what}"
+        reason = f"the pictures of this data set have no {what}"
         help = f"ask for it in its capture file: {wanted}"
         return InputError(f"{self.folder}: {reason}", file=self.folder, reason=reason, help=help)
 
@@ -279,13 +259,14 @@ class Dataset(Sequence[Frame]):
         self,
         *,
         threads: Optional[int] = None,
-        progress: "Optional[Callable[[int, int], object]]" = None,
+        progress: Progress = None,
     ) -> int:
         """Renders all frames that are missing, and writes manifest, calibration files and README if they have a folder.
 
         Args:
             threads: threads to use; without, those of the data set.
-            progress: called with how many pictures are done, and of how many.
+            progress: False for no bar, True for one, None for one in terminals and notebooks, or a function that is
+                called with how many pictures are done, and of how many.
 
         Returns:
             How many pictures were made by this process; others may make some meanwhile.
@@ -293,7 +274,8 @@ class Dataset(Sequence[Frame]):
         Raises:
             KeyboardInterrupt: Ctrl-C; pictures that are done stay, one that is under way leaves a checkpoint.
         """
-        made = self._compiled.render(os.fspath(self._folder), list(self._numbers), threads or self._threads, progress)
+        told = listener(progress, "render")
+        made = self._compiled.render(os.fspath(self._folder), list(self._numbers), threads or self._threads, told)
         if self._keeps:
             self.write_index()
         return made

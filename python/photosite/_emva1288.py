@@ -11,6 +11,8 @@ from typing import Any, Optional, Union
 
 from . import _photosite
 from ._arguments import Path, assignments, invalid
+from ._progress import Progress, listener
+from ._sensor import Sensor
 
 __all__ = ["ChannelFigures", "Emva1288Report", "Figures", "SpatialFigures", "emva1288", "emva1288_report"]
 
@@ -115,7 +117,7 @@ class Emva1288Report(Sequence[ChannelFigures]):
 
 
 def emva1288(
-    sensor: Any,
+    sensor: "Union[Sensor, Path]",
     /,
     *,
     output: Optional[Path] = None,
@@ -133,12 +135,12 @@ def emva1288(
     size_px: "Optional[tuple[int, int]]" = None,
     seed: int = 0,
     threads: Optional[int] = None,
-    progress: "Optional[Callable[[int, int], object]]" = None,
+    progress: Progress = None,
 ) -> Emva1288Report:
     """Takes the images that EMVA 1288 asks for, of a sensor's model before an even light, and measures them.
 
     Args:
-        sensor: a preset, or the path of a sensor file.
+        sensor: a :class:`Sensor`, the name of a preset, or the path of a sensor file.
         output: a folder that keeps the images; without, they go when they are measured.
         overwrite: replace image sets that are in the folder already.
         set: keys of the sensor to change: ``{"noise.read_noise_e": 2}``.
@@ -155,7 +157,8 @@ def emva1288(
         size_px: columns and rows of the images; without, 512 × 512, or what the sensor has.
         seed: seed of temporal noise; another camera of the same make is ``set={"serial": 1}``.
         threads: threads to use; without, all cores.
-        progress: called with how many images are done, and of how many.
+        progress: False for no bar, True for one, None for one in terminals and notebooks, or a function that is called
+            with how many images are done, and of how many.
 
     Returns:
         The figures of each channel, measured and expected: ``report[0].measured.system_gain_dn_per_e``.
@@ -177,8 +180,9 @@ def emva1288(
         raise invalid("saturation_time_s", f"expected a time above 0, got {saturation_time_s}")
     if seed < 0:
         raise invalid("seed", f"expected a whole number of at least 0, got {seed}")
+    name, changes = (sensor.source, sensor.changes) if isinstance(sensor, Sensor) else (os.fspath(sensor), [])
     request = {
-        "overrides": assignments(set or {}),
+        "overrides": [*changes, *assignments(set or {})],
         "channels": None if channels is None else [str(name) for name in channels],
         "wavelength_nm": None if wavelength_nm is None else float(wavelength_nm),
         "steps": int(steps),
@@ -191,10 +195,10 @@ def emva1288(
         "size": None if size_px is None else _size(size_px),
         "seed": int(seed),
     }
-    name = os.fspath(sensor)
+    told = listener(progress, "images")
 
     def take(folder: str) -> Emva1288Report:
-        _photosite.take_image_sets(name, folder, bool(overwrite), request, threads, progress)
+        _photosite.take_image_sets(name, folder, bool(overwrite), request, threads, told)
         return _evaluated(folder, threads, None)
 
     if output is not None:
@@ -208,7 +212,7 @@ def emva1288_report(
     /,
     *,
     threads: Optional[int] = None,
-    progress: "Optional[Callable[[int, int], object]]" = None,
+    progress: Progress = None,
 ) -> Emva1288Report:
     """Measures image sets as EMVA 1288 has it.
 
@@ -217,13 +221,14 @@ def emva1288_report(
             (``.txt``): "n 12 640 480" for bits, columns and rows, "b 20000000 1234.5" for exposure time in ns and
             photons a pixel before bright images, "d 20000000" before dark ones, "i images\\\\a.tif" for each.
         threads: threads to use; without, all cores.
-        progress: called with how many images are done, and of how many.
+        progress: False for no bar, True for one, None for one in terminals and notebooks, or a function that is called
+            with how many images are done, and of how many.
 
     Raises:
         InputError: a folder without image sets, images that do not fit together.
         FileError: a file cannot be read.
     """
-    return _evaluated(os.fspath(images), threads, progress)
+    return _evaluated(os.fspath(images), threads, listener(progress, "images"))
 
 
 def _evaluated(

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from . import _photosite
 from ._arguments import Path, as_array, assignments, invalid
+from ._capture import CaptureLike, loaded
 
 __all__ = ["Marker", "Targets", "project", "unproject"]
 
@@ -123,11 +124,11 @@ def _unpickle(kind: str, keys: "dict[str, Any]") -> Targets:
     return Targets(kind, **keys)
 
 
-def project(capture: Any, points: "npt.ArrayLike", *, camera_space: bool = False) -> "npt.NDArray[np.float64]":
+def project(capture: CaptureLike, points: "npt.ArrayLike", *, camera_space: bool = False) -> "npt.NDArray[np.float64]":
     """Where points appear in the picture of a capture's camera, through the whole lens.
 
     Args:
-        capture: a capture, as :func:`load` makes it.
+        capture: a capture as :func:`load` makes it, or what that takes.
         points: (N, 3) or (3,), m, in the world.
         camera_space: the points are in the camera's coordinates of OpenCV instead: x right, y down, z forward.
 
@@ -140,15 +141,15 @@ def project(capture: Any, points: "npt.ArrayLike", *, camera_space: bool = False
         InputError: points that are none, a camera without a lens.
     """
     numbers = _rows("points", points, 3)
-    found = _photosite.project(_compiled(capture), numbers.reshape(-1, 3), bool(camera_space))
+    found = _photosite.project(loaded(capture).compiled, numbers.reshape(-1, 3), bool(camera_space))
     return found.reshape(numbers.shape[:-1] + (2,))
 
 
-def unproject(capture: Any, pixels: "npt.ArrayLike", *, camera_space: bool = False) -> "npt.NDArray[np.float64]":
+def unproject(capture: CaptureLike, pixels: "npt.ArrayLike", *, camera_space: bool = False) -> "npt.NDArray[np.float64]":
     """What pixels of a capture's camera look at: the inverse of :func:`project`.
 
     Args:
-        capture: a capture, as :func:`load` makes it.
+        capture: a capture as :func:`load` makes it, or what that takes.
         pixels: (N, 2) or (2,), column and row, whole numbers at the centres of pixels.
         camera_space: directions in the camera's coordinates of OpenCV, x right, y down, z forward, instead of the world's.
 
@@ -159,15 +160,8 @@ def unproject(capture: Any, pixels: "npt.ArrayLike", *, camera_space: bool = Fal
         InputError: pixels that are none, a camera without a lens.
     """
     numbers = _rows("pixels", pixels, 2)
-    found = _photosite.unproject(_compiled(capture), numbers.reshape(-1, 2), bool(camera_space))
+    found = _photosite.unproject(loaded(capture).compiled, numbers.reshape(-1, 2), bool(camera_space))
     return found.reshape(numbers.shape[:-1] + (3,))
-
-
-def _compiled(capture: Any) -> "_photosite.Capture":
-    compiled: Any = getattr(capture, "_compiled", capture)
-    if not isinstance(compiled, _photosite.Capture):
-        raise invalid("capture", f"expected a capture, got {type(capture).__name__}", "load one with photosite.load")
-    return compiled
 
 
 def _rows(name: str, value: Any, length: int) -> "npt.NDArray[np.float64]":

@@ -320,6 +320,7 @@ impl<'a> Chain<'a> {
             iso: self.settings.sensor.iso(exposure),
             temperature_c: temperature.0,
             frames: self.settings.exposure.frames,
+            frame: None,
             bracket_s: self
                 .settings
                 .exposure

@@ -1,5 +1,6 @@
 //! A sensor that stored light has fallen on, to be read out into memory or into a folder.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -20,6 +21,7 @@ use crate::develop::DevelopSettings;
 use crate::image::{Estimate, Planes};
 use crate::integrator::WavelengthChoice;
 use crate::optics::{Camera, Focus, LensDescription};
+use crate::raw::RawImage;
 use crate::report::{LensReport, LightReport, Report, SCHEMA_VERSION, Timings, TracedReport};
 use crate::sensor::{Exposure, LeftCharge, NoiseMap, SensorModel, electron_rates};
 use crate::spectrum::{Spectrum, illuminant};
@@ -102,6 +104,17 @@ impl ExposedRender {
         Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings: Vec::new() })
     }
 
+    /// What a report says of a shot in memory: there are no files.
+    ///
+    /// # Errors
+    ///
+    /// Values of the capture that cannot be written.
+    pub fn report(&self, shot: &Shot, frame: u32) -> Result<Report> {
+        let report = self.sensor.report((&shot.exposure, &shot.raw, &[]), frame, Path::new("."))?;
+        let input = self.input.display().to_string();
+        Ok(Report { input, overrides: self.overrides.clone(), warnings: self.warnings.clone(), ..report })
+    }
+
     /// Reads out and develops into a folder as many frames as the capture asks for, the report last, which is returned.
     pub fn write_into(self, folder: &mut OutputFolder, monitor: &dyn Monitor) -> Result<Report> {
         let of = 1 + self.sensor.stored.later.len() as u32;
@@ -117,7 +130,7 @@ impl ExposedRender {
     fn write_frames(self, frames: Frames, folder: &mut OutputFolder, monitor: &dyn Monitor) -> Result<Report> {
         let Self { sensor, exposed, warnings, input, overrides, mut timings } = self;
         warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
-        let Stored { capture, later, traced, .. } = &sensor.stored;
+        let later = &sensor.stored.later;
         let chain = sensor.chain();
         let mut exposure = exposed.exposure;
         let mut carried = Carried::default();
@@ -132,22 +145,18 @@ impl ExposedRender {
                 write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut carried, |_, _| Ok(()))?;
             }
         }
+        let frame = match frames {
+            Frames::One { number, of: 1 } => number,
+            Frames::All(_) | Frames::One { .. } => 0,
+        };
         let report = Report {
-            schema_version: SCHEMA_VERSION,
-            photosite_version: env!("CARGO_PKG_VERSION").to_owned(),
             input: relative_path(&input, folder.path()),
             overrides,
-            capture: capture.to_json(folder.path())?,
-            fingerprint: None,
-            seed: capture.seed,
-            traced: traced.clone(),
-            sensor: chain.sensor_report(&exposure, &first),
-            image: chain.image_report(),
-            exposure: chain.exposure_report(&exposure, &carried.gains),
             files: folder.files(),
             sums: folder.sums().clone(),
             warnings,
             timings: Some(timings),
+            ..sensor.report((&exposure, &first, &carried.gains), frame, folder.path())?
         };
         folder.write_report(&report)?;
         Ok(report)
@@ -200,6 +209,35 @@ impl ReadySensor {
     fn chain(&self) -> Chain<'_> {
         let lens = self.placed.as_ref().map(|(lens, camera)| (lens, camera));
         Chain::new(Settings::from(&self.stored.capture), &self.optics, &self.colours, lens)
+    }
+
+    /// What a report says of a picture, but for its files; paths are relative to a folder.
+    fn report(
+        &self,
+        (exposure, raw, gains): (&Exposure, &RawImage, &[Decibels]),
+        frame: u32,
+        folder: &Path,
+    ) -> Result<Report> {
+        let (capture, chain) = (&self.stored.capture, self.chain());
+        let mut exposure_report = chain.exposure_report(exposure, gains);
+        exposure_report.frame = (frame > 0).then_some(frame);
+        Ok(Report {
+            schema_version: SCHEMA_VERSION,
+            photosite_version: env!("CARGO_PKG_VERSION").to_owned(),
+            input: String::new(),
+            overrides: Vec::new(),
+            capture: capture.to_json(folder)?,
+            fingerprint: None,
+            seed: capture.seed,
+            traced: self.stored.traced.clone(),
+            sensor: chain.sensor_report(exposure, raw),
+            image: chain.image_report(),
+            exposure: exposure_report,
+            files: Vec::new(),
+            sums: BTreeMap::new(),
+            warnings: Vec::new(),
+            timings: None,
+        })
     }
 
     /// The light of a later picture of a series.

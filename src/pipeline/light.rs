@@ -1,12 +1,16 @@
 //! Light in memory: traced once, to be exposed as often as one likes.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::chain::{SensorColours, Settings};
+use super::checkpoint::{self, Checkpoints};
 use super::completed_rows::CompletedRows;
 use super::options::Options;
+use super::output_folder::OutputFolder;
 use super::prepare::Prepared;
+use super::provenance::provenance;
 use super::same_light::{same_cells, same_times};
 
 use super::trace::{Trace, Traced, trace};
@@ -47,6 +51,10 @@ impl Light {
         self.rows.means(names.iter().map(String::as_str)).to_planes().ok()
     }
 
+    pub(super) fn pilot_paths(&self) -> u64 {
+        self.pilot_paths
+    }
+
     /// As tracing leaves it.
     pub(super) fn traced(&self) -> Traced {
         Traced {
@@ -82,7 +90,11 @@ impl Prepared {
             folder: None,
             monitor: options.monitor,
         };
-        let Traced { rows, paths, pilot_paths, .. } = trace(&traced, None)?;
+        let traced = match options.checkpoint {
+            None => trace(&traced, None)?,
+            Some(path) => self.trace_with_checkpoint(&traced, path)?,
+        };
+        let Traced { rows, paths, pilot_paths, .. } = traced;
         let CompletedRows::Light(rows, _) = rows else { unreachable!("sums are kept of parts alone") };
         let in_memory = |reason| Error::io("memory".as_ref(), "read", reason);
         let rates = rows.estimate(chain.channels()).map_err(in_memory)?;
@@ -100,6 +112,18 @@ impl Prepared {
             bands: output.irradiance.clone(),
             has_ideal: output.ideal,
         })
+    }
+
+    /// Traces with a checkpoint in a folder, which is that of a render of this capture into it.
+    fn trace_with_checkpoint(&self, job: &Trace<'_>, path: &Path) -> Result<Traced> {
+        let folder = OutputFolder::claim(path, false)?;
+        let provenance = provenance(&self.capture)?;
+        let interval = self.capture.output.checkpoint_interval;
+        let checkpoints =
+            Checkpoints::new(path, folder.is_forced(), None, false, job.settings.samples(), &provenance, interval);
+        let traced = trace(job, Some(checkpoints))?;
+        checkpoint::remove(path)?;
+        Ok(traced)
     }
 
     /// This capture with changes, `key=value`, to what light leaves open once it is traced: keys of sensor, exposure,

@@ -31,6 +31,7 @@ mod needs;
 mod options;
 mod output_folder;
 mod parts;
+mod picture_report;
 mod prepare;
 mod provenance;
 mod reexpose;

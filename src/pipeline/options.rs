@@ -1,5 +1,7 @@
 //! How the pipeline runs in memory.
 
+use std::path::Path;
+
 use super::monitor::{Monitor, Silent};
 use super::strips::FilmMemory;
 
@@ -10,11 +12,14 @@ pub struct Options<'a> {
     pub monitor: &'a dyn Monitor,
     /// Memory for the film. The picture does not depend on it.
     pub film_memory: FilmMemory,
+    /// A folder for the checkpoint of light that is traced in memory: work that is stopped goes on from there. It is
+    /// gone when the work is done.
+    pub checkpoint: Option<&'a Path>,
 }
 
 impl Default for Options<'_> {
-    /// Silent, with 4 GiB for the film.
+    /// Silent, with 4 GiB for the film and no checkpoint.
     fn default() -> Self {
-        Self { monitor: &Silent, film_memory: FilmMemory::default() }
+        Self { monitor: &Silent, film_memory: FilmMemory::default(), checkpoint: None }
     }
 }

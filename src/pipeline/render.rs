@@ -4,26 +4,20 @@ use std::time::Instant;
 
 use serde_json::{Map, Value};
 
-use super::camera::pixels;
 use super::monitor::{Event, go_on};
 use super::output_folder::OutputFolder;
 use super::parts::check_samples;
+use super::picture_report::{Made, picture_report};
 use super::prepare::Prepared;
 use super::provenance::provenance;
 use super::request::{LightSource, Request};
-use super::series::{ExposedSeries, Reached, Recorded, Series};
+use super::series::{Recorded, Series};
 use super::strips::Strips;
 use super::truth_views::TruthViews;
 use crate::Result;
-use crate::calibration::targets::PlacedTarget;
-use crate::calibration::truth::View;
 use crate::capture::{Capture, real_path};
 use crate::film::Response;
-use crate::report::{
-    CameraReport, LensReport, LightReport, PartReport, RenderReport, Report, SCHEMA_VERSION, TargetReport, Timings,
-    TracedReport,
-};
-use crate::scene::Scene;
+use crate::report::{PartReport, Report, Timings};
 
 /// A render that is done and written.
 pub enum Rendered {
@@ -85,14 +79,14 @@ fn record_into(
     folder: &mut OutputFolder,
     mut timings: Timings,
 ) -> Result<Rendered> {
-    let Prepared { capture, scene, camera, truth, .. } = prepared;
+    let capture = &prepared.capture;
     prepared.warnings().iter().for_each(|warning| request.monitor.report(Event::Warning(warning)));
     let views = TruthViews::new(prepared, &capture.output.truth.layers)?;
     let provenance = provenance(capture)?;
-    let series = Series { request, provenance: &provenance, prepared, strips, views };
-    let recorded = series.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
+    let all = Series { request, provenance: &provenance, prepared, strips, views };
+    let recorded = all.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
     let Recorded { exposed, paths, warnings } = recorded;
-    let Some(ExposedSeries { exposure, gains, first, reached }) = exposed else {
+    let Some(series) = exposed else {
         let part = part_report(request, prepared, provenance, folder, timings.trace_s);
         folder.write_part(&part)?;
         return Ok(Rendered::Part(part));
@@ -103,38 +97,21 @@ fn record_into(
         LightSource::Traced | LightSource::Part(_) => {}
     }
 
-    let first_camera = prepared.camera();
-    let view = View::of(scene, &first_camera, pixels(capture));
-    let report_target = |target: &PlacedTarget| TargetReport::new(target, &view);
-    let recording = capture.recording.as_ref();
-    let traced = TracedReport {
-        camera: Some(CameraReport::new(&capture.lens, &first_camera.halfway(), pixels(capture), recording)),
-        lens: Some(LensReport::new(&capture.lens, camera, capture.sensor.pixel_pitch_m, &prepared.focus_steps)),
-        render: Some(render_report(capture, scene, reached)),
-        scene_light: Some(LightReport::new(&prepared.light)),
-        targets: Some(capture.targets.iter().map(report_target).collect()),
-        truth: truth.clone(),
-        paths: Some(paths),
-        paths_per_s: request.is_timed.then(|| paths as f64 / timings.trace_s),
-    };
-    let chain = prepared.chain();
-    let report = Report {
-        schema_version: SCHEMA_VERSION,
-        photosite_version: env!("CARGO_PKG_VERSION").to_owned(),
-        input: request.named.clone(),
-        overrides: capture.overrides().to_vec(),
-        capture: capture.to_json(folder.path())?,
-        fingerprint: provenance["fingerprint"].as_str().map(str::to_owned),
-        seed: capture.render.seed,
-        traced,
-        sensor: chain.sensor_report(&exposure, &first),
-        image: chain.image_report(),
-        exposure: chain.exposure_report(&exposure, &gains),
-        files: folder.files(),
-        sums: folder.sums().clone(),
-        warnings: [prepared.warnings(), &warnings].concat(),
-        timings: request.is_timed.then_some(timings),
-    };
+    let report = picture_report(
+        prepared,
+        Made {
+            named: request.named.clone(),
+            folder: folder.path(),
+            frame: request.light.frame(),
+            series,
+            paths,
+            warnings: &warnings,
+            fingerprint: provenance["fingerprint"].as_str(),
+            files: folder.files(),
+            sums: folder.sums().clone(),
+            timings: request.is_timed.then_some(timings),
+        },
+    )?;
     folder.write_report(&report)?;
     Ok(Rendered::Picture { report: Box::new(report), timings })
 }
@@ -163,25 +140,5 @@ fn part_report(
         sums: folder.sums().clone(),
         channels: prepared.responses.iter().map(|response: &Response| response.name.clone()).collect(),
         provenance,
-    }
-}
-
-fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderReport {
-    let settings = &capture.render;
-    let Reached { samples_per_pixel, noise_ratio, noise } = reached;
-    RenderReport {
-        seed: settings.seed,
-        samples_per_pixel,
-        max_depth: settings.max_depth,
-        roulette_depth: settings.roulette_depth,
-        splitting: settings.splitting,
-        reuse: settings.reuse,
-        light_paths: settings.light_paths,
-        wavelengths: settings.wavelengths.name().to_owned(),
-        sampler: settings.sampler.name().to_owned(),
-        triangles: scene.geometry().triangles.len(),
-        lights: scene.lights().len(),
-        noise_ratio,
-        noise,
     }
 }

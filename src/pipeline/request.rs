@@ -40,3 +40,13 @@ pub struct Request<'a> {
     /// Whether the report says how long it took, which differs from run to run.
     pub is_timed: bool,
 }
+
+impl LightSource<'_> {
+    /// The number of the first frame that is made.
+    pub(super) fn frame(&self) -> u32 {
+        match *self {
+            Self::Given { frame, .. } => frame,
+            Self::Traced | Self::Part(_) | Self::Merged(_) => 0,
+        }
+    }
+}

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Map, Value};
 
 use super::camera::pixels;
+use super::chain::Chain;
 use super::checkpoint::Checkpoints;
 use super::completed_rows::CompletedRows;
 use super::ideal;
@@ -18,6 +19,7 @@ use super::trace::{Trace, Traced, trace};
 use super::truth_views::{FirstViews, Moment, TruthViews};
 use crate::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use crate::capture::{Capture, TruthOutput};
+use crate::image::Estimate;
 use crate::io::truth::{TruthFormat, fits_png, lost_in_png};
 use crate::math::hash::hash64;
 use crate::optics::Camera;
@@ -61,6 +63,23 @@ pub(super) struct Reached {
     pub(super) samples_per_pixel: u32,
     pub(super) noise_ratio: Option<f64>,
     pub(super) noise: Option<NoiseReport>,
+}
+
+impl Reached {
+    /// By so many samples of each pixel, and `pilot_paths` beside them that found how many it takes.
+    pub(super) fn new(
+        chain: &Chain<'_>,
+        rates: &Estimate,
+        counts: &[u32],
+        noise_target: Option<f64>,
+        pilot_paths: u64,
+    ) -> Self {
+        Self {
+            samples_per_pixel: counts.iter().copied().max().unwrap_or(0),
+            noise_ratio: chain.noise_ratio(rates, counts.iter().copied().min().unwrap_or(0)),
+            noise: noise_target.map(|target| chain.noise_report(rates, counts, target, pilot_paths)),
+        }
+    }
 }
 
 impl Series<'_> {
@@ -244,11 +263,7 @@ impl Series<'_> {
             }
         };
         let counts = light.counts().map_err(in_folder)?;
-        let reached = Reached {
-            samples_per_pixel: counts.iter().copied().max().unwrap_or(0),
-            noise_ratio: chain.noise_ratio(&rates, counts.iter().copied().min().unwrap_or(0)),
-            noise: settings.noise_target.map(|target| chain.noise_report(&rates, &counts, target, pilot_paths)),
-        };
+        let reached = Reached::new(chain, &rates, &counts, settings.noise_target, pilot_paths);
         // Where no pixel stops by itself, all have the same number.
         let counts = settings.noise_target.map(|_| counts);
         let exposed = chain.expose(rates, Seconds(1.0), None)?;

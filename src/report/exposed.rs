@@ -64,6 +64,9 @@ pub struct ExposureReport {
     pub temperature_c: f64,
     /// Pictures of the series.
     pub frames: u32,
+    /// Which of a series this is, counted from 0, where it is a later one that was written alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u32>,
     /// The times of a bracket; `null` for none.
     pub bracket_s: Option<Vec<f64>>,
 }

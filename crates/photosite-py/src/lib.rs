@@ -4,22 +4,35 @@
 
 mod array;
 mod capture;
+mod command;
 mod compare;
 mod dataset;
 mod emva1288;
 mod error;
+mod light;
 mod raw;
+mod sensor;
+mod shot;
 mod target;
 mod work;
 
+use photosite_simd::Heap;
 use pyo3::prelude::*;
+
+/// As the program has it: says so where memory ends.
+#[global_allocator]
+static HEAP: Heap = Heap;
 
 #[pymodule]
 mod _photosite {
     use pyo3::prelude::*;
 
     #[pymodule_export]
+    use super::array::write_rgb;
+    #[pymodule_export]
     use super::capture::Capture;
+    #[pymodule_export]
+    use super::command::cli;
     #[pymodule_export]
     use super::compare::{ComparedPicture, compare, difference_picture};
     #[pymodule_export]
@@ -27,7 +40,13 @@ mod _photosite {
     #[pymodule_export]
     use super::emva1288::{evaluate_image_sets, take_image_sets};
     #[pymodule_export]
+    use super::light::{Light, render_to, trace};
+    #[pymodule_export]
     use super::raw::{Raw, develop};
+    #[pymodule_export]
+    use super::sensor::{Sensor, expose_irradiance, expose_planes, expose_stored, illuminant_spectrum};
+    #[pymodule_export]
+    use super::shot::Shot;
     #[pymodule_export]
     use super::target::{Target, project, unproject};
 

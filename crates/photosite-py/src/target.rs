@@ -80,7 +80,7 @@ pub(crate) fn project<'py>(
     debug_assert_eq!(points.shape()[1], 3, "points of three coordinates");
     let points = points.as_slice()?;
     let pixels: Vec<[f64; 2]> = work(py, How::default(), |_| {
-        let sight = Sight::new(&capture.0, space(camera_space))?;
+        let sight = Sight::new(capture.capture(), space(camera_space))?;
         let points = points.as_chunks::<3>().0.iter();
         Ok(points.map(|&point| sight.pixel(point)).collect())
     })?;
@@ -98,7 +98,7 @@ pub(crate) fn unproject<'py>(
     debug_assert_eq!(pixels.shape()[1], 2, "pixels of two coordinates");
     let pixels = pixels.as_slice()?;
     let directions: Vec<[f64; 3]> = work(py, How::default(), |_| {
-        let sight = Sight::new(&capture.0, space(camera_space))?;
+        let sight = Sight::new(capture.capture(), space(camera_space))?;
         let pixels = pixels.as_chunks::<2>().0.iter();
         Ok(pixels.map(|&pixel| sight.direction(pixel)).collect())
     })?;

@@ -2,8 +2,8 @@
 //!
 //! The standard library's answer to a failed allocation may ask for memory itself: with `RUST_BACKTRACE=1` it collects a
 //! backtrace while it holds a lock, and where that fails, too, the program waits for itself for ever. This heap says what
-//! it has to say from the stack, and ends the program at once. A program chooses it by `#[global_allocator]`; libraries
-//! do not.
+//! it has to say from the stack, and ends the program at once. A program, or a module of Python, chooses it by
+//! `#[global_allocator]`; libraries do not.
 
 #![allow(unsafe_code, reason = "an allocator is unsafe by its trait; this one hands all work to the system's")]
 

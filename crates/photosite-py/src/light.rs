@@ -1,0 +1,147 @@
+//! Light that is traced, and folders that renders fill.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::{IntoPyArray, PyArray1};
+use photosite::capture::{Capture as LoadedCapture, relative_path};
+use photosite::pipeline::{
+    self, Event, FilmMemory, LightSource, Options, Place, Prepared, Rendered, Request, render_into,
+};
+use photosite::report::{Report, Timings};
+use pyo3::prelude::*;
+
+use crate::array::{of_pixels, of_stack};
+use crate::capture::Capture;
+use crate::shot::{Shot, Source};
+use crate::work::{How, work};
+
+/// Light that was traced, with the scene that it comes from.
+#[pyclass(frozen, module = "photosite._photosite")]
+pub(crate) struct Light {
+    prepared: Arc<Prepared>,
+    light: Arc<pipeline::Light>,
+}
+
+fn film_memory(gib: Option<f64>) -> photosite::Result<FilmMemory> {
+    gib.map_or_else(|| Ok(FilmMemory::default()), FilmMemory::gib)
+}
+
+/// Traces the light of the first picture of a capture.
+#[pyfunction]
+pub(crate) fn trace(
+    py: Python<'_>,
+    capture: &Capture,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+    film_memory_gib: Option<f64>,
+    checkpoint: Option<PathBuf>,
+) -> PyResult<Light> {
+    let capture = capture.capture();
+    work(py, How { threads, progress }, |monitor| {
+        let film_memory = film_memory(film_memory_gib)?;
+        let prepared = Prepared::new(LoadedCapture::clone(capture))?;
+        prepared.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+        let light = prepared.trace(Options { monitor, film_memory, checkpoint: checkpoint.as_deref() })?;
+        Ok(Light { prepared: Arc::new(prepared), light: Arc::new(light) })
+    })
+}
+
+/// Renders a capture into a folder as the command does, and returns its report as JSON.
+#[pyfunction]
+pub(crate) fn render_to(
+    py: Python<'_>,
+    capture: &Capture,
+    folder: PathBuf,
+    overwrite: bool,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+    film_memory_gib: Option<f64>,
+) -> PyResult<String> {
+    let capture = capture.capture();
+    let report: Report = work(py, How { threads, progress }, |monitor| {
+        let light = LightSource::Traced;
+        let mut place = match Place::claim(&folder, overwrite, capture, &light, monitor)? {
+            Place::Free(place) => place,
+            Place::Done(rendered) => return Ok(report_of(rendered)),
+        };
+        let input = capture.source.path();
+        let request = Request {
+            input,
+            named: relative_path(input, place.path()),
+            light,
+            film_memory: film_memory(film_memory_gib)?,
+            monitor,
+            is_timed: true,
+        };
+        Ok(report_of(render_into(LoadedCapture::clone(capture), &request, &mut place, Timings::default())?))
+    })?;
+    Ok(serde_json::to_string(&report).expect("plain values"))
+}
+
+/// The report of a picture, which is all that is rendered here.
+pub(crate) fn report_of(rendered: Rendered) -> Report {
+    match rendered {
+        Rendered::Picture { report, .. } => *report,
+        Rendered::Part(_) => unreachable!("no part was asked for"),
+    }
+}
+
+#[pymethods]
+impl Light {
+    /// Columns and rows.
+    fn resolution(&self) -> [u32; 2] {
+        self.prepared.resolution()
+    }
+
+    fn channels(&self) -> Vec<String> {
+        self.light.rates.mean.channels().iter().map(|channel| channel.name.clone()).collect()
+    }
+
+    /// Rates of electrons and their variance, e⁻/s and (e⁻/s)²: (rows, columns, channels).
+    fn rates<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let rates = &self.light.rates;
+        Ok((of_stack(py, &rates.mean)?, of_stack(py, &rates.variance)?))
+    }
+
+    /// Irradiance, (rows, columns, bands), and the central wavelengths of its bands, nm.
+    fn irradiance<'py>(&self, py: Python<'py>) -> PyResult<Option<(Bound<'py, PyAny>, Bound<'py, PyArray1<f64>>)>> {
+        let Some(bands) = self.light.irradiance() else { return Ok(None) };
+        let wavelengths: Vec<f64> = bands.channels().iter().filter_map(|channel| channel.name.parse().ok()).collect();
+        Ok(Some((of_stack(py, &bands)?, wavelengths.into_pyarray(py))))
+    }
+
+    /// Samples of each pixel, (rows, columns).
+    fn samples<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let [columns, rows] = self.prepared.resolution().map(|n| n as usize);
+        of_pixels(py, [rows, columns, 1], self.light.samples.clone())
+    }
+
+    fn paths(&self) -> u64 {
+        self.light.paths
+    }
+
+    fn trace_s(&self) -> f64 {
+        self.light.trace_s
+    }
+
+    /// Pose and intrinsics as a report has them, as JSON.
+    fn camera(&self) -> String {
+        serde_json::to_string(&self.prepared.camera_report()).expect("plain values")
+    }
+
+    /// Exposes to it as often as is said, with changes to what light leaves open.
+    fn expose(&self, py: Python<'_>, changes: Vec<String>, frames: u32, threads: Option<usize>) -> PyResult<Vec<Shot>> {
+        let Self { prepared, light } = self;
+        work(py, How { threads, progress: None }, |monitor| {
+            let prepared = Arc::new(prepared.for_light(light, &changes)?);
+            prepared.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+            Shot::series(Source::Traced { prepared, light: Arc::clone(light) }, frames, monitor)
+        })
+    }
+
+    /// Layers of ground truth by their names, each (rows, columns) or (rows, columns, components).
+    fn truth<'py>(&self, py: Python<'py>, layers: Vec<String>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        Source::Traced { prepared: Arc::clone(&self.prepared), light: Arc::clone(&self.light) }.truth(py, &layers)
+    }
+}

@@ -1,0 +1,150 @@
+//! Sensors alone, exposed to light that somebody else has computed.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray3};
+use photosite::pipeline::{Event, PictureScale, StoredRender};
+use photosite::sensor::{PictureUnit, SensorModel};
+use photosite::spectrum::{Outside, Spectrum, illuminant};
+use photosite::{Invalid, Sandbox};
+use pyo3::prelude::*;
+
+use crate::array::to_planes;
+use crate::error::{PYTHON, raise};
+use crate::shot::{Shot, Source};
+use crate::work::{How, warn, work};
+
+/// A sensor by the name of a preset or the path of a sensor file, with changes to its keys.
+#[pyclass(frozen, module = "photosite._photosite")]
+pub(crate) struct Sensor(SensorModel);
+
+#[pymethods]
+impl Sensor {
+    #[new]
+    fn new(py: Python<'_>, name: &str, overrides: Vec<String>) -> PyResult<Self> {
+        let read = photosite::capture::read_named_sensor(&Sandbox::default(), name, &overrides);
+        let (sensor, warnings) = read.map_err(|error| raise(py, error))?;
+        warn(py, warnings)?;
+        Ok(Self(sensor))
+    }
+
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// Columns and rows.
+    fn resolution(&self) -> [usize; 2] {
+        self.0.resolution
+    }
+
+    /// Horizontal and vertical, m.
+    fn pixel_pitch_m(&self) -> [f64; 2] {
+        self.0.pixel_pitch_m
+    }
+
+    fn channels(&self) -> Vec<String> {
+        self.0.cfa.channels().to_vec()
+    }
+
+    /// For each channel wavelengths, nm, and electrons a second that W·m⁻²·nm⁻¹ frees in a pixel.
+    #[expect(clippy::type_complexity, reason = "two arrays for each channel")]
+    fn responses<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let arrays = |(name, response): (String, Spectrum)| {
+            let (wavelengths, values): (Vec<f64>, Vec<f64>) = response.iter().unzip();
+            (name, wavelengths.into_pyarray(py), values.into_pyarray(py))
+        };
+        self.0.responses().into_iter().map(arrays).collect()
+    }
+}
+
+/// Exposes a sensor to irradiance, (rows, columns, bands) in W·m⁻²·nm⁻¹.
+#[pyfunction]
+pub(crate) fn expose_irradiance(
+    py: Python<'_>,
+    irradiance: PyReadonlyArray3<'_, f32>,
+    wavelengths_nm: Vec<f64>,
+    white: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
+    overrides: Vec<String>,
+    frames: u32,
+    threads: Option<usize>,
+) -> PyResult<Vec<Shot>> {
+    let names = wavelengths_nm.iter().map(f64::to_string).collect();
+    let bands = to_planes(&irradiance, names).map_err(|invalid| raise(py, invalid.in_file(Path::new(PYTHON))))?;
+    let white = white
+        .map(|(wavelengths, values)| {
+            let spectrum = Spectrum::from_samples(wavelengths.as_slice()?, values.as_slice()?, Outside::Zero);
+            spectrum.map_err(|invalid| raise(py, invalid.within("illuminant").in_file(Path::new(PYTHON))))
+        })
+        .transpose()?;
+    work(py, How { threads, progress: None }, |monitor| {
+        let render = StoredRender::of_irradiance(Path::new(PYTHON), bands, white.as_ref(), &overrides)?.expose()?;
+        render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+        Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
+    })
+}
+
+/// Exposes a sensor to planes of numbers, (rows, columns, channels), of which 1 is so much of a unit.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "numbers, what they are, and how they are exposed")]
+pub(crate) fn expose_planes(
+    py: Python<'_>,
+    numbers: PyReadonlyArray3<'_, f32>,
+    channels: Vec<String>,
+    unit: &str,
+    one: f64,
+    wavelength_nm: Option<f64>,
+    overrides: Vec<String>,
+    frames: u32,
+    threads: Option<usize>,
+) -> PyResult<Vec<Shot>> {
+    let planes = to_planes(&numbers, channels).map_err(|invalid| raise(py, invalid.in_file(Path::new(PYTHON))))?;
+    let unit = match (unit, wavelength_nm) {
+        ("electrons", _) => PictureUnit::Electrons,
+        ("full-well", _) => PictureUnit::FullWell,
+        ("lux", _) => PictureUnit::Lux,
+        ("irradiance", Some(wavelength_nm)) => PictureUnit::Irradiance { wavelength_nm },
+        _ => {
+            let invalid = Invalid::new("unit", format!("{unit:?} is no unit of light on a sensor"));
+            let help = "write \"electrons\", \"full-well\", \"lux\", or \"irradiance\" with wavelength_nm";
+            return Err(raise(py, invalid.help(help).in_file(Path::new(PYTHON))));
+        }
+    };
+    work(py, How { threads, progress: None }, |monitor| {
+        let scale = PictureScale { unit, one, is_linear: true };
+        let render = StoredRender::of_planes(Path::new(PYTHON), &planes, &scale, &overrides)?.expose()?;
+        render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+        Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
+    })
+}
+
+/// Exposes light that a render has left in a folder, or one of its files.
+#[pyfunction]
+pub(crate) fn expose_stored(
+    py: Python<'_>,
+    path: std::path::PathBuf,
+    overrides: Vec<String>,
+    frames: u32,
+    threads: Option<usize>,
+) -> PyResult<Vec<Shot>> {
+    work(py, How { threads, progress: None }, |monitor| {
+        let render = StoredRender::read(&Sandbox::default(), &path, &overrides)?.expose()?;
+        render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+        Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
+    })
+}
+
+/// The spectrum of a light by its name: wavelengths, nm, and relative values.
+#[pyfunction]
+pub(crate) fn illuminant_spectrum<'py>(
+    py: Python<'py>,
+    name: &str,
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    let spectrum = illuminant::illuminant(name).ok_or_else(|| {
+        let known = illuminant::names().collect::<Vec<_>>().join(", ");
+        let invalid = Invalid::new("illuminant", format!("there is no light {name:?}"));
+        raise(py, invalid.help(format!("the lights are {known}")).in_file(Path::new(PYTHON)))
+    })?;
+    let (wavelengths, values): (Vec<f64>, Vec<f64>) = spectrum.iter().unzip();
+    Ok((wavelengths.into_pyarray(py), values.into_pyarray(py)))
+}

@@ -1,0 +1,301 @@
+"""Light: traced once, exposed as often as one likes."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, Optional, Union, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _photosite
+from ._arguments import Path, assignments, invalid
+from ._camera import Camera
+from ._capture import Capture, CaptureLike, loaded
+from ._errors import warn_all
+from ._progress import Progress, listener
+from ._shot import Layers, Shot, truth_layers
+
+__all__ = ["Light", "render", "render_into", "trace"]
+
+
+class Light:
+    """Light that was traced: the rates at which it frees electrons. Made by :func:`trace`."""
+
+    def __init__(self, compiled: "_photosite.Light", capture: Capture) -> None:
+        self._compiled = compiled
+        self._capture = capture
+
+    @property
+    def capture(self) -> Capture:
+        """The capture that it was traced for."""
+        return self._capture
+
+    @property
+    def channels(self) -> "tuple[str, ...]":
+        """Names of the channels: those of the sensor's colour filters."""
+        return tuple(self._compiled.channels())
+
+    @cached_property
+    def _rates(self) -> "tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]":
+        return self._compiled.rates()
+
+    @property
+    def electrons_per_s(self) -> "npt.NDArray[np.float32]":
+        """Mean rate of photo-electrons of every channel at every pixel, e⁻/s: (H, W, C) float32."""
+        return self._rates[0]
+
+    @property
+    def variance(self) -> "npt.NDArray[np.float32]":
+        """Variance of :attr:`electrons_per_s` that light transport has left, (e⁻/s)²: (H, W, C) float32."""
+        return self._rates[1]
+
+    @cached_property
+    def _irradiance(self) -> "Optional[tuple[npt.NDArray[np.float32], npt.NDArray[np.float64]]]":
+        return self._compiled.irradiance()
+
+    @property
+    def irradiance(self) -> "npt.NDArray[np.float32]":
+        """Spectral irradiance on the sensor in bands, W·m⁻²·nm⁻¹: (H, W, B) float32.
+
+        Raises:
+            InputError: a capture that did not ask for it with ``output.irradiance``.
+        """
+        return self._bands()[0]
+
+    @property
+    def wavelengths_nm(self) -> "npt.NDArray[np.float64]":
+        """Central wavelengths of the bands of :attr:`irradiance`, nm: (B,) float64."""
+        return self._bands()[1]
+
+    def _bands(self) -> "tuple[npt.NDArray[np.float32], npt.NDArray[np.float64]]":
+        if self._irradiance is None:
+            help = 'load the capture with set={"output.irradiance": True}'
+            raise invalid("irradiance", "was not kept when light was traced", help)
+        return self._irradiance
+
+    @property
+    def samples(self) -> "npt.NDArray[np.uint32]":
+        """Samples of each pixel: (H, W) uint32."""
+        return self._compiled.samples()
+
+    @property
+    def paths(self) -> int:
+        """Camera paths that were traced."""
+        return self._compiled.paths()
+
+    @property
+    def trace_s(self) -> float:
+        """Wall-clock seconds that it took."""
+        return self._compiled.trace_s()
+
+    @cached_property
+    def truth(self) -> Layers:
+        """Ground truth of the scene, as :attr:`Shot.truth`."""
+        return truth_layers(self._compiled)
+
+    @cached_property
+    def camera(self) -> Camera:
+        """Pose and intrinsics."""
+        return Camera.of_report(json.loads(self._compiled.camera()))
+
+    @overload
+    def expose(
+        self,
+        *,
+        time_s: Optional[float] = ...,
+        gain_db: Optional[float] = ...,
+        seed: Optional[int] = ...,
+        frames: None = ...,
+        set: "Optional[Mapping[str, Any]]" = ...,
+        threads: Optional[int] = ...,
+    ) -> Shot: ...
+    @overload
+    def expose(
+        self,
+        *,
+        time_s: Optional[float] = ...,
+        gain_db: Optional[float] = ...,
+        seed: Optional[int] = ...,
+        frames: int,
+        set: "Optional[Mapping[str, Any]]" = ...,
+        threads: Optional[int] = ...,
+    ) -> "list[Shot]": ...
+    def expose(
+        self,
+        *,
+        time_s: Optional[float] = None,
+        gain_db: Optional[float] = None,
+        seed: Optional[int] = None,
+        frames: Optional[int] = None,
+        set: "Optional[Mapping[str, Any]]" = None,
+        threads: Optional[int] = None,
+    ) -> "Union[Shot, list[Shot]]":
+        """Exposes the sensor to this light.
+
+        Args:
+            time_s: exposure time, s.
+            gain_db: analogue gain, dB.
+            seed: seed of the sensor's temporal noise; the fixed pattern belongs to ``sensor.serial``.
+            frames: so many exposures, one after the other, each with temporal noise of its own.
+            set: values for other keys of ``sensor``, ``exposure``, ``develop`` and ``output``, as in
+                ``{"sensor.noise.read_noise_e": 3}``. A sensor with other filters or quantum efficiency needs light that
+                was traced with ``output.irradiance``.
+            threads: threads to use; as many as there are cores unless said.
+
+        Returns:
+            A shot, or with ``frames`` a list of them.
+
+        Raises:
+            InputError: an exposure that the sensor cannot make, a key that light transport has used already.
+        """
+        changes = exposure_changes(self._capture, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
+        shots = self._compiled.expose(changes, count("frames", frames), count("threads", threads, None))
+        made = [Shot(shot, self._capture) for shot in shots]
+        return made[0] if frames is None else made
+
+    def __repr__(self) -> str:
+        columns, rows = self._compiled.resolution()
+        return f"<photosite.Light {columns} × {rows} px, {', '.join(self.channels)}, {self.paths} paths>"
+
+
+def exposure_changes(
+    capture: Optional[Capture],
+    *,
+    time_s: Optional[float],
+    gain_db: Optional[float],
+    seed: Optional[int],
+    set: "Optional[Mapping[str, Any]]",
+) -> "list[str]":
+    """What a call says of an exposure, as changes to a capture."""
+    named = {"exposure.time_s": time_s, "exposure.gain_db": gain_db, "render.seed": seed}
+    changes = assignments(dict(set or {}))
+    if capture is not None and capture.series[0] != 1:
+        # Frames are asked for by the call.
+        changes.append("exposure.frames=1")
+    return changes + assignments({key: value for key, value in named.items() if value is not None})
+
+
+@overload
+def count(name: str, value: Optional[int], default: int = ...) -> int: ...
+@overload
+def count(name: str, value: Optional[int], default: None) -> Optional[int]: ...
+def count(name: str, value: Optional[int], default: Optional[int] = 1) -> Optional[int]:
+    """A number of things, of which there is at least one."""
+    if value is None:
+        return default
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 < value < 1 << 32:
+        raise invalid(name, f"expected a whole number above 0, got {value!r}")
+    return int(value)
+
+
+def _to_trace(capture: CaptureLike, samples: Optional[int], seed: Optional[int]) -> Capture:
+    named = {"render.samples_per_pixel": samples, "render.seed": seed}
+    return loaded(capture).set({key: value for key, value in named.items() if value is not None})
+
+
+def trace(
+    capture: CaptureLike,
+    /,
+    *,
+    samples: Optional[int] = None,
+    seed: Optional[int] = None,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+    film_memory_gib: Optional[float] = None,
+    checkpoint: Optional[Path] = None,
+) -> Light:
+    """Traces the light of a capture, in memory. Of a series in which things move it is that of the first picture.
+
+    Args:
+        capture: a capture, or what :func:`load` takes.
+        samples: samples of each pixel.
+        seed: seed of light transport and of the sensor's noise.
+        threads: threads to use; as many as there are cores unless said. The light does not depend on it.
+        progress: True for a bar, False for none, or a function of the paths that are done and all paths; a bar in
+            terminals and notebooks unless said.
+        film_memory_gib: most memory for the film, GiB: a picture that needs more is traced in strips; 4 unless said.
+        checkpoint: a folder in which work that is interrupted (Ctrl-C) is kept, and from which the same call goes on,
+            as the command ``photosite render`` does. It is gone when the work is done.
+
+    Raises:
+        InputError: what only the whole scene shows to be wrong.
+        ResourceError: a picture that needs more memory than there is.
+        KeyboardInterrupt: Ctrl-C, within 0.1 s.
+    """
+    wanted = _to_trace(capture, samples, seed)
+    frames, moves, _ = wanted.series
+    if moves and frames > 1:
+        warn_all([f"light is traced of the first of {frames} pictures in which things move; render_into makes them all"])
+    place = None if checkpoint is None else os.fspath(checkpoint)
+    compiled = _photosite.trace(
+        wanted.compiled, count("threads", threads, None), listener(progress, "tracing"), film_memory_gib, place
+    )
+    return Light(compiled, wanted)
+
+
+def render(
+    capture: CaptureLike,
+    /,
+    *,
+    samples: Optional[int] = None,
+    seed: Optional[int] = None,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+    film_memory_gib: Optional[float] = None,
+) -> Shot:
+    """Traces the light of a capture and exposes to it once: ``trace(capture, …).expose()``.
+
+    Args and errors are those of :func:`trace`.
+    """
+    light = trace(
+        capture, samples=samples, seed=seed, threads=threads, progress=progress, film_memory_gib=film_memory_gib
+    )
+    return light.expose(threads=threads)
+
+
+def render_into(
+    capture: CaptureLike,
+    folder: Path,
+    /,
+    *,
+    samples: Optional[int] = None,
+    seed: Optional[int] = None,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+    film_memory_gib: Optional[float] = None,
+    overwrite: bool = False,
+) -> "dict[str, Any]":
+    """Renders a capture into a folder, with all pictures of its series, as the command ``photosite render`` does.
+
+    What is interrupted leaves a checkpoint there, and the same call goes on from it. What is there already, made by the
+    same version of the same keys and files, is left as it is.
+
+    Args:
+        folder: created where missing.
+        overwrite: whether other earlier results there may go.
+
+    The other arguments are those of :func:`trace`.
+
+    Returns:
+        What ``capture.json`` holds.
+
+    Raises:
+        InputError: a folder with results of another render.
+        KeyboardInterrupt: Ctrl-C.
+    """
+    wanted = _to_trace(capture, samples, seed)
+    report: "dict[str, Any]" = json.loads(
+        _photosite.render_to(
+            wanted.compiled,
+            os.fspath(folder),
+            overwrite,
+            count("threads", threads, None),
+            listener(progress, "rendering"),
+            film_memory_gib,
+        )
+    )
+    return report
