@@ -65,6 +65,7 @@ pub mod io;
 mod picture;
 pub mod pipeline;
 pub mod report;
+pub mod sight;
 
 pub use capture::Capture;
 pub use photosite_calibration as calibration;

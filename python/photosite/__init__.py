@@ -1,7 +1,45 @@
-"""Photographs of scenes that exist as numbers: spectral light, electrons, raw files."""
+"""Renders scenes as a camera would record them: photons, electrons, raw images, with truth at each stage.
 
+    import photosite as ps
+    capture = ps.load("scenes/cornell-box/capture.toml", set={"exposure.time_s": 0.02})
+    light = ps.trace(capture, samples=256)
+    shot = light.expose(time_s=0.01, seed=3)
+
+Arrays have rows, columns and channels in this order, are float32 or uint16, and say their units in their names. All but
+the first arguments are named.
+"""
+
+from ._camera import Camera
+from ._capture import Capture, load
 from ._errors import Error, FileError, InputError, PhotositeWarning, ResourceError
+from ._light import Light, render, render_into, trace
 from ._photosite import __version__
 from ._raw import Cfa, ColourCalibration, PixelArea, Raw, develop, read_raw
+from ._sensor import Sensor, expose
+from ._shot import Layers, Shot
 
-__all__ = ["Error", "FileError", "InputError", "PhotositeWarning", "ResourceError", "__version__"]
+__all__ = [
+    "Camera",
+    "Capture",
+    "Cfa",
+    "ColourCalibration",
+    "Error",
+    "FileError",
+    "InputError",
+    "Layers",
+    "Light",
+    "PhotositeWarning",
+    "PixelArea",
+    "Raw",
+    "ResourceError",
+    "Sensor",
+    "Shot",
+    "__version__",
+    "develop",
+    "expose",
+    "load",
+    "read_raw",
+    "render",
+    "render_into",
+    "trace",
+]

@@ -5,16 +5,15 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::compare_report::text;
+use super::in_options;
 use super::print::{print_json, println_out, refuse_existing};
 use crate::develop::EncodedPicture;
 use crate::io::developed::write_png;
 use crate::io::output::write_whole;
 use crate::io::picture_file::read_picture_file;
 use crate::raw::Pixels;
-use crate::report::{ComparedFile, ComparisonReport, DifferencePicture, UntestedChannels};
-use crate::validation::{
-    ChannelDifference, Comparison, FalseColour, Limits, Picture, Settings, VarianceOf, compare, failures, false_colour,
-};
+use crate::report::{ComparisonReport, DifferencePicture};
+use crate::validation::{FalseColour, Limits, Picture, Settings, compare, false_colour};
 use crate::{Error, Invalid, Result};
 
 /// Compare two pictures: errors per channel, and where variances are known whether noise explains them.
@@ -119,24 +118,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
         Some(path) => Some(write_picture(path, false_colour(&a, &b, &settings, args.range).map_err(unfit)?)?),
         None => None,
     };
-    let untested = untested(&comparison, &a, &b);
-    let failures = failures(&comparison, &limits);
-    let judged = comparison.verdict.is_some() || !limits.is_empty() || !failures.is_empty();
-    let report = ComparisonReport {
-        a: file_report(&a),
-        b: file_report(&b),
-        comparison,
-        outcome: if !judged {
-            "not judged"
-        } else if failures.is_empty() {
-            "agree"
-        } else {
-            "differ"
-        },
-        failures,
-        untested,
-        picture,
-    };
+    let report = ComparisonReport { picture, ..ComparisonReport::new(comparison, [&a, &b], &limits, in_options) };
     if args.json {
         print_json(&report)?;
     } else if !args.quiet {
@@ -165,36 +147,6 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
             help: Some("write a number of at least 0, or the name of an EXR file".into()),
         }),
         Err(_) => picture.with_variances_from(&read_picture_file(Path::new(text), pixels)?).map_err(unfit),
-    }
-}
-
-/// Which channels noise is not asked about, though the variance of one picture is known or could be, and how to give
-/// it.
-fn untested(comparison: &Comparison, a: &Picture, b: &Picture) -> Vec<UntestedChannels> {
-    let of = |(letter, other, picture): (&str, VarianceOf, &Picture)| {
-        let has_moment = |name: &str| picture.has_second_moment(name);
-        let is_missing = |c: &&ChannelDifference| {
-            c.variance_of == other || c.variance_of == VarianceOf::None && has_moment(&c.channel)
-        };
-        let channels: Vec<String> = comparison.channels.iter().filter(is_missing).map(|c| c.channel.clone()).collect();
-        let option = letter.to_lowercase();
-        let help = if channels.iter().any(|name| has_moment(name)) {
-            format!("say of how many samples a pixel its second moments are, with --samples-{option} N")
-        } else {
-            format!("give it with --variance-{option} FILE, or say --variance-{option} 0 where {letter} is exact")
-        };
-        let missing = format!("the variance of {letter} is unknown");
-        (!channels.is_empty()).then_some(UntestedChannels { channels, missing, help })
-    };
-    [("A", VarianceOf::B, a), ("B", VarianceOf::A, b)].into_iter().filter_map(of).collect()
-}
-
-fn file_report(picture: &Picture) -> ComparedFile {
-    ComparedFile {
-        file: picture.name.clone(),
-        unit: picture.unit.clone(),
-        channels: picture.mean.channels().iter().map(|c| c.name.clone()).collect(),
-        variances: !picture.variance.channels().is_empty(),
     }
 }
 

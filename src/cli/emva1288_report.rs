@@ -3,15 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::Serialize;
 
 use super::figures_text::measured_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
 use crate::Result;
-use crate::characterisation::report::{ChannelReport, SpectralPoint, ThermalPoint};
-use crate::characterisation::{Figures, NotMeasured};
-use crate::emva1288::{evaluate_descriptor, evaluate_sets};
+use crate::emva1288::{MeasuredChannel, evaluate_descriptor, evaluate_sets};
 
 /// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
 ///
@@ -36,20 +33,6 @@ pub(super) struct Emva1288ReportArgs {
     quiet: bool,
 }
 
-/// The object that `--json` prints for each channel.
-#[derive(Serialize)]
-struct Measured<'a> {
-    channel: &'a str,
-    measured: Figures,
-    /// What the images do not tell, and why.
-    not_measured: Vec<NotMeasured>,
-    expected: Option<Figures>,
-    wavelengths: &'a [SpectralPoint],
-    temperatures: &'a [ThermalPoint],
-    /// Expected and measured.
-    doubling_temperature_k: Option<[f64; 2]>,
-}
-
 pub(super) fn run(args: &Emva1288ReportArgs) -> Result<()> {
     let is_folder = args.input.is_dir();
     let folder = if is_folder { &*args.input } else { args.input.parent().unwrap_or(Path::new("")) };
@@ -59,23 +42,11 @@ pub(super) fn run(args: &Emva1288ReportArgs) -> Result<()> {
     let report = if is_folder { evaluate_sets(folder, &monitor)? } else { evaluate_descriptor(&args.input)? };
     write_result(&output, args.force, |to| to.write_all(report.html().as_bytes()))?;
     if args.json {
-        print_json(&report.channels.iter().map(measured).collect::<Vec<_>>())
+        print_json(&report.channels.iter().map(MeasuredChannel::new).collect::<Vec<_>>())
     } else if args.quiet {
         Ok(())
     } else {
         println_out(&measured_text(&report))?;
         println_out(&format!("\nthe curves are in {}", output.display()))
-    }
-}
-
-fn measured(channel: &ChannelReport) -> Measured<'_> {
-    Measured {
-        channel: &channel.title,
-        measured: channel.evaluation.figures,
-        not_measured: channel.evaluation.not_measured(),
-        expected: channel.expected,
-        wavelengths: &channel.spectral,
-        temperatures: &channel.thermal,
-        doubling_temperature_k: channel.doubling_temperature_k,
     }
 }

@@ -206,6 +206,14 @@ fn in_options(remedy: &Remedy) -> String {
         Remedy::Masked { name, area } => {
             format!("of {name} the active area is looked at, {area}; --masked looks at its masked pixels, too")
         }
+        Remedy::Variance(picture) => {
+            let option = picture.to_lowercase();
+            format!("give it with --variance-{option} FILE, or say --variance-{option} 0 where {picture} is exact")
+        }
+        Remedy::Moments(picture) => {
+            let option = picture.to_lowercase();
+            format!("say of how many samples a pixel its second moments are, with --samples-{option} N")
+        }
         Remedy::Nearest => "add --approximate for the nearest that Mitsuba has".to_owned(),
         Remedy::Linear => "say --linear where its codes are in proportion to light".to_owned(),
         Remedy::LightUnit => {

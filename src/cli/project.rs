@@ -4,13 +4,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use glam::{DVec2, DVec3};
 
 use super::print::println_out;
-use crate::calibration::truth::project;
 use crate::capture::Capture;
-use crate::optics::{Camera, LensKind};
-use crate::pipeline::standalone_recording_camera;
+use crate::sight::{Sight, Space};
 use crate::{Error, Invalid, Result, Sandbox};
 
 /// Say where points appear in the picture of a camera, or what its pixels look at.
@@ -42,48 +39,24 @@ pub(super) struct ProjectArgs {
 
 pub(super) fn run(args: &ProjectArgs, sandbox: &Sandbox) -> Result<()> {
     let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
-    if capture.lens.kind == LensKind::Bare {
-        let message = "no point has a place on a bare sensor: each of its pixels sees everything";
-        return Err(capture.source.error(Invalid::new("lens.type", message).help("take a lens")));
-    }
-    let camera = standalone_recording_camera(&capture)?;
+    let space = if args.camera_space { Space::Camera } else { Space::World };
+    let sight = Sight::new(&capture, space)?;
     let text = read(&args.points)?;
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or("").trim()));
     let mut out = String::new();
     for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
         let in_line = |invalid: Invalid| invalid.at_line(&args.points, number);
         let answer = if args.inverse {
-            let [column, row] = numbers(line, "100.5, 42").map_err(in_line)?;
-            direction(&camera, DVec2::new(column, row) + 0.5, args.camera_space)
-                .to_array()
-                .map(|x| x.to_string())
-                .join(",")
+            let pixel = numbers(line, "100.5, 42").map_err(in_line)?;
+            sight.direction(pixel).map(|x| x.to_string()).join(",")
         } else {
-            let point = DVec3::from_array(numbers(line, "0.1, -0.2, 3").map_err(in_line)?);
-            let pixel = match args.camera_space {
-                true => camera.project_camera(flipped(point)),
-                false => project(&camera, point),
-            };
-            (pixel.unwrap_or(DVec2::NAN) - 0.5).to_array().map(|x| x.to_string()).join(",")
+            let point = numbers(line, "0.1, -0.2, 3").map_err(in_line)?;
+            sight.pixel(point).map(|x| x.to_string()).join(",")
         };
         out += &answer.to_lowercase();
         out.push('\n');
     }
     println_out(out.trim_end())
-}
-
-fn direction(camera: &Camera, pixel: DVec2, camera_space: bool) -> DVec3 {
-    match (camera.seen(pixel), camera_space) {
-        (None, _) => DVec3::NAN,
-        (Some(seen), true) => flipped(seen.direction),
-        (Some(seen), false) => camera.pose_at_row(pixel.y - 0.5).0.transform_vector3(seen.direction),
-    }
-}
-
-/// Between the axes of OpenCV and those of glTF.
-fn flipped(v: DVec3) -> DVec3 {
-    // Adding zero makes zeros of negative ones.
-    DVec3::new(v.x, -v.y, -v.z) + 0.0
 }
 
 fn read(path: &Path) -> Result<String> {

@@ -2,7 +2,9 @@
 //! [`characterisation`](crate::characterisation); here are files and order.
 
 mod evaluate;
+mod measured;
 mod take;
 
 pub use evaluate::{evaluate_descriptor, evaluate_sets};
+pub use measured::MeasuredChannel;
 pub use take::{SetPlan, SetRequest, refuse_image_sets};

@@ -13,7 +13,7 @@ use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::exr::{Attribute, ExrPicture, read_exr};
+use super::exr::{Attribute, ExrPicture, read_exr_file};
 use super::linear_picture::read_linear_picture;
 use super::raw_file::read_raw;
 use crate::image::{Channel, Planes};
@@ -76,8 +76,7 @@ fn of_raw(path: &Path) -> Result<Developable> {
 }
 
 fn of_exr(path: &Path) -> Result<Developable> {
-    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
-    let picture = read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?;
+    let picture = read_exr_file(path)?;
     match picture.text("unit") {
         Some("DN") => of_raw(path),
         Some(unit) => {

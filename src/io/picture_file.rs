@@ -160,8 +160,8 @@ fn unreadable(kind: &str, error: &dyn std::fmt::Display) -> Invalid {
     Invalid::new("", format!("cannot read it as {kind}: {error}"))
 }
 
-/// Planes of 1–4 components that lie side by side in the file; `maximum` is that of integers.
-fn interleaved(
+/// Planes of 1–4 components that lie side by side, named as those of an NPY file; `maximum` is that of integers.
+pub fn interleaved(
     name: String,
     [width, height]: [usize; 2],
     components: usize,

@@ -10,6 +10,7 @@
 //! | flow | x, y, visible | `float32` | 64·x + 2¹⁵, 64·y + 2¹⁵, visible (KITTI's); zeros beyond ±512 px |
 //! | disparity | x, y, visible | `float32` | 256·x where it is visible, at least 1; 0 elsewhere (KITTI's) |
 
+use std::collections::BTreeMap;
 use std::io::{self, Seek, Write};
 
 use png::{BitDepth, ColorType};
@@ -18,7 +19,7 @@ use serde::Deserialize;
 
 use crate::Invalid;
 use crate::calibration::truth::TruthLayer;
-use crate::image::Planes;
+use crate::image::{Channel, Planes};
 
 use super::exr::{Attribute, write_exr};
 use super::npy::write_planes;
@@ -50,6 +51,23 @@ impl TruthFormat {
             (Self::Exr | Self::Npy | Self::Png, _) => Ok(()),
         }
     }
+}
+
+/// The planes of each layer, in the order of its channels; planes of other names by themselves.
+pub fn by_layer(planes: Planes) -> BTreeMap<String, Planes> {
+    let [width, height] = [planes.width(), planes.height()];
+    let layer_of = |name: &str| TruthLayer::ALL.into_iter().find(|layer| layer.channels().contains(&name));
+    let place = |name: &str| layer_of(name)?.channels().iter().position(|known| *known == name);
+    let mut layers: BTreeMap<String, Vec<Channel>> = BTreeMap::new();
+    for channel in planes.into_channels() {
+        let name = layer_of(&channel.name).map_or_else(|| channel.name.clone(), |layer| layer.name().to_owned());
+        layers.entry(name).or_default().push(channel);
+    }
+    let together = |(name, mut channels): (String, Vec<Channel>)| {
+        channels.sort_by_key(|channel| place(&channel.name));
+        (name, Planes::new(width, height, channels).expect("planes of one picture"))
+    };
+    layers.into_iter().map(together).collect()
 }
 
 /// Whether all depths and distances fit into 16 bits of `depth_unit_m`, and all disparities into those of KITTI's,

@@ -37,6 +37,10 @@ pub enum Remedy {
         /// Where the active area lies.
         area: String,
     },
+    /// Give the variance of the picture that is called so, or say that it is exact.
+    Variance(&'static str),
+    /// Say of how many samples the second moments of that picture are.
+    Moments(&'static str),
     /// Take the nearest that a file format has.
     Nearest,
     /// Say that the numbers of a picture are in proportion to light.
@@ -78,6 +82,8 @@ impl fmt::Display for Remedy {
             Self::Masked { name, area } => {
                 write!(f, "of {name} the active area is looked at, {area}; ask for its masked pixels, too")
             }
+            Self::Variance(picture) => write!(f, "give the variance of {picture}, which is 0 where it is exact"),
+            Self::Moments(picture) => write!(f, "say of how many samples a pixel the second moments of {picture} are"),
             Self::Nearest => f.write_str("ask for the nearest that there is"),
             Self::Linear => f.write_str("say that its codes are in proportion to light"),
             Self::LightUnit => f.write_str("say what the numbers of the picture are on the sensor"),

@@ -68,3 +68,13 @@ pub(crate) fn write_rgb(py: Python<'_>, path: PathBuf, numbers: PyReadonlyArray3
         write_whole(&path, |to| write_exr(&planes, &[], to))
     })
 }
+
+/// Rows of numbers as an array (rows, N).
+pub(crate) fn of_rows<const N: usize>(
+    py: Python<'_>,
+    rows: impl ExactSizeIterator<Item = [f64; N]>,
+) -> PyResult<Bound<'_, PyAny>> {
+    let count = rows.len();
+    let numbers: Vec<f64> = rows.flatten().collect();
+    Ok(numbers.into_pyarray(py).reshape([count, N])?.into_any())
+}

@@ -56,7 +56,7 @@ fn words(help: Option<Help>) -> Option<String> {
 }
 
 /// What to do about an error, as the arguments of functions that do it.
-fn in_arguments(remedy: &Remedy) -> String {
+pub(crate) fn in_arguments(remedy: &Remedy) -> String {
     match remedy {
         Remedy::Overwrite => "overwrite it with overwrite=True".to_owned(),
         Remedy::StartAnew => "start anew with overwrite=True".to_owned(),
@@ -67,6 +67,14 @@ fn in_arguments(remedy: &Remedy) -> String {
         Remedy::FilmMemory(gib) => format!("allow more with film_memory_gib={gib}"),
         Remedy::Linear => "say linear=True where its codes are in proportion to light".to_owned(),
         Remedy::LightUnit => "say what its numbers are with unit=".to_owned(),
+        Remedy::Variance(picture) => {
+            let argument = picture.to_lowercase();
+            format!("give it with variance_{argument}=, which is 0 where {argument} is exact")
+        }
+        Remedy::Moments(picture) => {
+            let argument = picture.to_lowercase();
+            format!("say of how many samples a pixel its second moments are, with samples_{argument}=")
+        }
         Remedy::Say(_)
         | Remedy::Elsewhere(_)
         | Remedy::Memory(_)

@@ -5,11 +5,15 @@
 mod array;
 mod capture;
 mod command;
+mod compare;
+mod dataset;
+mod emva1288;
 mod error;
 mod light;
 mod raw;
 mod sensor;
 mod shot;
+mod target;
 mod work;
 
 use photosite_simd::Heap;
@@ -30,6 +34,12 @@ mod _photosite {
     #[pymodule_export]
     use super::command::cli;
     #[pymodule_export]
+    use super::compare::{ComparedPicture, compare, difference_picture};
+    #[pymodule_export]
+    use super::dataset::{Dataset, read_codes, read_exr_arrays};
+    #[pymodule_export]
+    use super::emva1288::{evaluate_image_sets, take_image_sets};
+    #[pymodule_export]
     use super::light::{Light, render_to, trace};
     #[pymodule_export]
     use super::raw::{Raw, develop};
@@ -37,6 +47,8 @@ mod _photosite {
     use super::sensor::{Sensor, expose_irradiance, expose_planes, expose_stored, illuminant_spectrum};
     #[pymodule_export]
     use super::shot::Shot;
+    #[pymodule_export]
+    use super::target::{Target, project, unproject};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

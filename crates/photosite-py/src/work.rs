@@ -31,6 +31,8 @@ pub(crate) struct How {
 struct Watch {
     done: AtomicU64,
     all: AtomicU64,
+    /// Whether pictures are counted, rather than camera paths.
+    of_pictures: AtomicBool,
     stop: AtomicBool,
     warnings: Mutex<Vec<String>>,
 }
@@ -47,6 +49,15 @@ impl Monitor for Watch {
             Event::PictureFails { camera, frame, error } => {
                 self.report(Event::Warning(&format!("frame {frame} of {camera} is left out: {error}")));
             }
+            Event::SetBegins { pictures } => {
+                self.of_pictures.store(true, Ordering::Relaxed);
+                self.done.store(0, Ordering::Relaxed);
+                self.all.store(pictures, Ordering::Relaxed);
+            }
+            Event::PictureEnds => {
+                self.done.fetch_add(1, Ordering::Relaxed);
+            }
+            Event::TraceBegins { .. } if self.of_pictures.load(Ordering::Relaxed) => {}
             Event::TraceBegins { traced, expected, .. } => {
                 self.done.store(traced, Ordering::Relaxed);
                 self.all.store(expected, Ordering::Relaxed);
@@ -55,11 +66,7 @@ impl Monitor for Watch {
                 self.done.fetch_add(paths, Ordering::Relaxed);
             }
             Event::PassEnds { expected, .. } => self.all.store(expected, Ordering::Relaxed),
-            Event::TraceEnds
-            | Event::SetBegins { .. }
-            | Event::PictureEnds
-            | Event::Waiting { .. }
-            | Event::SetEnds => {}
+            Event::TraceEnds | Event::Waiting { .. } | Event::SetEnds => {}
         }
     }
 

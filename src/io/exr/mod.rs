@@ -6,7 +6,8 @@
 mod sorted_header;
 
 use std::collections::HashMap;
-use std::io::{self, BufRead, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
+use std::path::Path;
 use std::sync::Mutex;
 
 use exr::block::lines::LineRefMut;
@@ -18,11 +19,11 @@ use exr::meta::attribute::{AttributeValue, Chromaticities, LevelMode, LineOrder,
 use exr::meta::header::Header;
 use exr::prelude::{LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImage, read};
 
-use crate::Invalid;
 use crate::image::{Channel, Planes};
+use crate::{Error, Invalid, Result};
 
 use super::picture_rows::PictureRows;
-use photosite_core::memory;
+use photosite_core::{input, memory};
 use sorted_header::SortedHeader;
 
 /// A value in the header of a file.
@@ -176,6 +177,12 @@ impl SamplesWriter for Rows<'_> {
         }
         line.write_samples_from_slice(&row).expect("a row fills its line");
     }
+}
+
+/// Reads a file, as [`read_exr`] does.
+pub fn read_exr_file(path: &Path) -> Result<ExrPicture> {
+    let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
+    read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
 }
 
 /// Reads all channels of the first layer at full resolution, as 32-bit floats.

@@ -1,0 +1,89 @@
+//! EMVA 1288: image sets of a sensor, and the figures that they show.
+
+use std::path::PathBuf;
+
+use photosite::Sandbox;
+use photosite::capture::read_named_sensor;
+use photosite::characterisation::effects_left_out;
+use photosite::emva1288::{
+    MeasuredChannel, SetPlan, SetRequest, evaluate_descriptor, evaluate_sets, refuse_image_sets,
+};
+use photosite::io::image_sets::ImageFormat;
+use photosite::pipeline::Event;
+use photosite::units::{Celsius, Decibels, Seconds};
+use pyo3::prelude::*;
+
+use crate::work::{How, work};
+
+/// The images that are taken, and how.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Request {
+    overrides: Vec<String>,
+    channels: Option<Vec<String>>,
+    wavelength_nm: Option<f64>,
+    steps: u32,
+    spatial: u32,
+    saturation_time_s: Option<f64>,
+    sweep_nm: Vec<f64>,
+    temperatures_c: Vec<f64>,
+    temperature_c: f64,
+    gain_db: f64,
+    size: Option<[usize; 2]>,
+    seed: u64,
+}
+
+/// Takes the image sets of a sensor into a folder, and returns what the command prints as JSON.
+#[pyfunction]
+pub(crate) fn take_image_sets(
+    py: Python<'_>,
+    sensor: &str,
+    folder: PathBuf,
+    overwrite: bool,
+    request: Request,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let sets = work(py, How { threads, progress }, |monitor| {
+        let (sensor, warnings) = read_named_sensor(&Sandbox::default(), sensor, &request.overrides)?;
+        let request = SetRequest {
+            channels: request.channels,
+            wavelength_nm: request.wavelength_nm,
+            steps: request.steps,
+            spatial: request.spatial,
+            saturation_time: request.saturation_time_s.map(Seconds),
+            sweep_nm: request.sweep_nm,
+            temperatures_c: request.temperatures_c,
+            temperature: Celsius(request.temperature_c),
+            gain: Decibels(request.gain_db),
+            size: request.size,
+            seed: request.seed,
+            format: ImageFormat::Tiff,
+            overrides: request.overrides,
+        };
+        let plan = SetPlan::new(&sensor, request)?;
+        refuse_image_sets(&folder, overwrite)?;
+        let left_out = effects_left_out(&sensor);
+        let left_out = left_out
+            .iter()
+            .map(|key| format!("{key} is in the images, but not in the figures that are expected of them"));
+        warnings.into_iter().chain(left_out).for_each(|warning| monitor.report(Event::Warning(&warning)));
+        plan.take_into(&folder, overwrite, monitor)
+    })?;
+    Ok(serde_json::to_string(&sets).expect("plain values"))
+}
+
+/// Evaluates image sets of a folder, or of a descriptor: what the command prints as JSON, and its page.
+#[pyfunction]
+pub(crate) fn evaluate_image_sets(
+    py: Python<'_>,
+    path: PathBuf,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, String)> {
+    let report = work(py, How { threads, progress }, |monitor| {
+        if path.is_dir() { evaluate_sets(&path, monitor) } else { evaluate_descriptor(&path) }
+    })?;
+    let channels: Vec<_> = report.channels.iter().map(MeasuredChannel::new).collect();
+    Ok((serde_json::to_string(&channels).expect("plain values"), report.html()))
+}

@@ -1,0 +1,110 @@
+//! Calibration targets, and where points appear.
+
+use std::path::PathBuf;
+
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use photosite::calibration::targets::{Target as Drawing, TargetDescription, TargetKind};
+use photosite::capture::read_target;
+use photosite::io::lock::Lock;
+use photosite::io::target_file::{TargetFacts, target_files, write_target};
+use photosite::sight::{Sight, Space};
+use pyo3::prelude::*;
+
+use crate::array::of_rows;
+use crate::capture::Capture;
+use crate::work::{How, work};
+
+/// A calibration target.
+#[pyclass(frozen, module = "photosite._photosite")]
+pub(crate) struct Target {
+    description: TargetDescription,
+    drawing: Drawing,
+}
+
+#[pymethods]
+impl Target {
+    /// A target of this kind, with `key=value` for its sizes.
+    #[staticmethod]
+    fn draw(py: Python<'_>, kind: &str, keys: Vec<String>) -> PyResult<Option<Self>> {
+        let Some(kind) = TargetKind::ALL.iter().copied().find(|known| known.name() == kind) else { return Ok(None) };
+        let (description, drawing) = work(py, How::default(), |_| read_target(kind, &keys))?;
+        Ok(Some(Self { description, drawing }))
+    }
+
+    /// The names of the kinds, and what they are.
+    #[staticmethod]
+    fn kinds() -> Vec<(&'static str, &'static str)> {
+        TargetKind::ALL.iter().map(|kind| (kind.name(), kind.summary())).collect()
+    }
+
+    /// What the command's JSON file holds.
+    fn facts(&self) -> String {
+        serde_json::to_string(&TargetFacts::new(&self.description, &self.drawing)).expect("plain values")
+    }
+
+    /// Its points in its own frame, m.
+    fn points_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        of_rows(py, self.drawing.points.iter().map(|point| point.position_m.extend(0.0).to_array()))
+    }
+
+    /// The corners of its markers one after the other, m.
+    fn corners_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let corners: Vec<_> = self.drawing.markers.iter().flat_map(|marker| marker.corners_m).collect();
+        of_rows(py, corners.into_iter().map(|corner| corner.extend(0.0).to_array()))
+    }
+
+    /// Width and height of the sheet, m.
+    fn size_m(&self) -> [f64; 2] {
+        self.drawing.size_m().to_array()
+    }
+
+    /// Writes it in the format that the extension asks for, in the place of older files.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        work(py, How::default(), |_| {
+            target_files(&path)?;
+            // Some are two files that belong together.
+            let _lock = Lock::beside(&path)?;
+            write_target(&path, &self.description, &self.drawing)
+        })
+    }
+}
+
+/// Where points (N, 3) appear in the picture of a capture, (N, 2).
+#[pyfunction]
+pub(crate) fn project<'py>(
+    py: Python<'py>,
+    capture: &Capture,
+    points: PyReadonlyArray2<'py, f64>,
+    camera_space: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    debug_assert_eq!(points.shape()[1], 3, "points of three coordinates");
+    let points = points.as_slice()?;
+    let pixels: Vec<[f64; 2]> = work(py, How::default(), |_| {
+        let sight = Sight::new(capture.capture(), space(camera_space))?;
+        let points = points.as_chunks::<3>().0.iter();
+        Ok(points.map(|&point| sight.pixel(point)).collect())
+    })?;
+    of_rows(py, pixels.into_iter())
+}
+
+/// The unit vectors (N, 3) of what pixels (N, 2) look at.
+#[pyfunction]
+pub(crate) fn unproject<'py>(
+    py: Python<'py>,
+    capture: &Capture,
+    pixels: PyReadonlyArray2<'py, f64>,
+    camera_space: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    debug_assert_eq!(pixels.shape()[1], 2, "pixels of two coordinates");
+    let pixels = pixels.as_slice()?;
+    let directions: Vec<[f64; 3]> = work(py, How::default(), |_| {
+        let sight = Sight::new(capture.capture(), space(camera_space))?;
+        let pixels = pixels.as_chunks::<2>().0.iter();
+        Ok(pixels.map(|&pixel| sight.direction(pixel)).collect())
+    })?;
+    of_rows(py, directions.into_iter())
+}
+
+fn space(camera_space: bool) -> Space {
+    if camera_space { Space::Camera } else { Space::World }
+}

@@ -1,0 +1,69 @@
+//! Where points appear in the picture of a camera, and what its pixels look at, in OpenCV's coordinates: pixels are column
+//! and row with whole numbers at the centres, of the sensor before regions and binning; those of a camera are x right, y
+//! down, z forward.
+
+use glam::{DVec2, DVec3};
+
+use crate::calibration::truth::project;
+use crate::capture::Capture;
+use crate::optics::{Camera, LensKind};
+use crate::pipeline::standalone_recording_camera;
+use crate::{Invalid, Result};
+
+/// What points and directions are measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// The world: glTF's axes, m.
+    World,
+    /// The camera.
+    Camera,
+}
+
+/// The camera of a capture as it takes the first picture. One that moves sees each point, and each pixel, in the middle of
+/// the exposure of its row.
+pub struct Sight {
+    camera: Camera,
+    space: Space,
+}
+
+impl Sight {
+    /// Of a capture's camera.
+    ///
+    /// # Errors
+    ///
+    /// A bare sensor; a lens that cannot be.
+    pub fn new(capture: &Capture, space: Space) -> Result<Self> {
+        if capture.lens.kind == LensKind::Bare {
+            let message = "no point has a place on a bare sensor: each of its pixels sees everything";
+            return Err(capture.source.error(Invalid::new("lens.type", message).help("take a lens")));
+        }
+        Ok(Self { camera: standalone_recording_camera(capture)?, space })
+    }
+
+    /// Where a point appears; not-a-number where the lens does not show it.
+    pub fn pixel(&self, point: [f64; 3]) -> [f64; 2] {
+        let point = DVec3::from_array(point);
+        let pixel = match self.space {
+            Space::Camera => self.camera.project_camera(flipped(point)),
+            Space::World => project(&self.camera, point),
+        };
+        (pixel.unwrap_or(DVec2::NAN) - 0.5).to_array()
+    }
+
+    /// The unit vector of what a pixel looks at; not-a-number where it sees nothing.
+    pub fn direction(&self, pixel: [f64; 2]) -> [f64; 3] {
+        let pixel = DVec2::from_array(pixel) + 0.5;
+        let direction = match (self.camera.seen(pixel), self.space) {
+            (None, _) => DVec3::NAN,
+            (Some(seen), Space::Camera) => flipped(seen.direction),
+            (Some(seen), Space::World) => self.camera.pose_at_row(pixel.y - 0.5).0.transform_vector3(seen.direction),
+        };
+        direction.to_array()
+    }
+}
+
+/// Between the axes of OpenCV and those of glTF.
+fn flipped(v: DVec3) -> DVec3 {
+    // Adding zero makes zeros of negative ones.
+    DVec3::new(v.x, -v.y, -v.z) + 0.0
+}
