@@ -274,7 +274,7 @@ class Dataset(Sequence[Frame]):
         Raises:
             KeyboardInterrupt: Ctrl-C; pictures that are done stay, one that is under way leaves a checkpoint.
         """
-        told = listener(progress, "render")
+        told = listener(progress, "render", "pictures")
         made = self._compiled.render(os.fspath(self._folder), list(self._numbers), threads or self._threads, told)
         if self._keeps:
             self.write_index()

@@ -195,7 +195,7 @@ def emva1288(
         "size": None if size_px is None else _size(size_px),
         "seed": int(seed),
     }
-    told = listener(progress, "images")
+    told = listener(progress, "emva1288", "images")
 
     def take(folder: str) -> Emva1288Report:
         _photosite.take_image_sets(name, folder, bool(overwrite), request, threads, told)
@@ -228,7 +228,7 @@ def emva1288_report(
         InputError: a folder without image sets, images that do not fit together.
         FileError: a file cannot be read.
     """
-    return _evaluated(os.fspath(images), threads, listener(progress, "images"))
+    return _evaluated(os.fspath(images), threads, listener(progress, "emva1288", "images"))
 
 
 def _evaluated(

@@ -48,16 +48,6 @@ pub(crate) fn of_planes<'py>(py: Python<'py>, planes: Planes) -> PyResult<Bound<
     of_pixels(py, [rows, columns, count], numbers)
 }
 
-/// Rows of numbers as an array (rows, N).
-pub(crate) fn of_rows<const N: usize>(
-    py: Python<'_>,
-    rows: impl ExactSizeIterator<Item = [f64; N]>,
-) -> PyResult<Bound<'_, PyAny>> {
-    let count = rows.len();
-    let numbers: Vec<f64> = rows.flatten().collect();
-    Ok(numbers.into_pyarray(py).reshape([count, N])?.into_any())
-}
-
 /// The planes of an array (rows, columns, channels) of any strides.
 pub(crate) fn to_planes(numbers: &PyReadonlyArray3<'_, f32>, names: Vec<String>) -> Result<Planes, Invalid> {
     let numbers = numbers.as_array();
@@ -77,4 +67,14 @@ pub(crate) fn write_rgb(py: Python<'_>, path: PathBuf, numbers: PyReadonlyArray3
         let planes = planes.map_err(|invalid| invalid.in_file(&path))?;
         write_whole(&path, |to| write_exr(&planes, &[], to))
     })
+}
+
+/// Rows of numbers as an array (rows, N).
+pub(crate) fn of_rows<const N: usize>(
+    py: Python<'_>,
+    rows: impl ExactSizeIterator<Item = [f64; N]>,
+) -> PyResult<Bound<'_, PyAny>> {
+    let count = rows.len();
+    let numbers: Vec<f64> = rows.flatten().collect();
+    Ok(numbers.into_pyarray(py).reshape([count, N])?.into_any())
 }
