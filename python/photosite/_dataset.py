@@ -38,8 +38,10 @@ class FramePicture:
         folder: where its files are.
     """
 
-    def __init__(self, folder: FilePath, camera_name: str, frame: int) -> None:
+    def __init__(self, folder: FilePath, camera_name: str, frame: int, owner: object = None) -> None:
         self.folder, self.camera_name, self.frame = folder, camera_name, frame
+        # A temporary folder is there as long as somebody may read from it.
+        self._owner = owner
 
     @cached_property
     def report(self) -> "dict[str, Any]":
@@ -151,10 +153,10 @@ class Frame(Mapping[str, FramePicture]):
         number: its number.
     """
 
-    def __init__(self, folder: FilePath, cameras: "tuple[str, ...]", number: int) -> None:
+    def __init__(self, folder: FilePath, cameras: "tuple[str, ...]", number: int, owner: object = None) -> None:
         self.number = number
         self._folder, self._cameras = folder, cameras
-        self._pictures = {name: FramePicture(folder / name / f"{number:06}", name, number) for name in cameras}
+        self._pictures = {name: FramePicture(folder / name / f"{number:06}", name, number, owner) for name in cameras}
 
     def __getitem__(self, camera: str) -> FramePicture:
         return self._pictures[camera]
@@ -181,8 +183,7 @@ class Dataset(Sequence[Frame]):
     Args:
         path: a data set file (``.toml``).
         output: the folder of the data set, as ``photosite dataset -o`` fills it: what is there is read, what is missing
-            is rendered and stays. Without, a temporary folder that goes with the data set, and with everything that was
-            read from it.
+            is rendered and stays. Without, a temporary folder that is there as long as the data set and its frames are.
         set: keys of the capture to change in all frames: ``{"render.samples_per_pixel": 16}``.
         threads: threads to render with; without, all cores.
 
@@ -207,13 +208,9 @@ class Dataset(Sequence[Frame]):
         self._overrides = assignments(set or {})
         self._threads = threads
         self._compiled = _photosite.Dataset.read(os.fspath(path), self._overrides)
-        self._keeps = output is not None
-        if output is None:
-            folder = tempfile.mkdtemp(prefix="photosite-dataset-")
-            self._remover: Any = weakref.finalize(self, _remove, folder, os.getpid())
-        else:
-            folder, self._remover = os.path.abspath(os.fspath(output)), None
-        self._folder = FilePath(folder)
+        self._owner = _TemporaryFolder() if output is None else None
+        folder = os.path.abspath(os.fspath(output)) if output is not None else cast(_TemporaryFolder, self._owner).path
+        self._keeps, self._folder = output is not None, FilePath(folder)
         self._numbers: "Sequence[int]" = range(self._compiled.frame_count())
 
     @property
@@ -245,7 +242,7 @@ class Dataset(Sequence[Frame]):
             return self._part(self._numbers[index])
         number = self._numbers[index]
         self._compiled.render(os.fspath(self._folder), [number], self._threads, None)
-        return Frame(self._folder, self.cameras, number)
+        return Frame(self._folder, self.cameras, number, self._owner)
 
     def __iter__(self) -> Iterator[Frame]:
         for index in range(len(self)):
@@ -293,8 +290,6 @@ class Dataset(Sequence[Frame]):
         part = object.__new__(Dataset)
         part.__dict__.update(self.__dict__)
         part._numbers = numbers
-        # A temporary folder stays as long as a part of the data set does.
-        part.__dict__["_whole"] = self
         return part
 
     def __reduce__(self) -> Any:
@@ -322,12 +317,20 @@ def _unpickle(
         "_threads": threads,
         "_compiled": compiled,
         "_keeps": keeps,
-        "_remover": None,
+        "_owner": None,
         "_folder": FilePath(folder),
         "_numbers": cast("Sequence[int]", numbers),
     }
     dataset.__dict__.update(parts)
     return dataset
+
+
+class _TemporaryFolder:
+    """A folder that goes with what holds on to it."""
+
+    def __init__(self) -> None:
+        self.path = tempfile.mkdtemp(prefix="photosite-dataset-")
+        weakref.finalize(self, _remove, self.path, os.getpid())
 
 
 def _remove(folder: str, owner: int) -> None:

@@ -6,7 +6,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any, Optional, Union
 
 from . import _photosite
@@ -252,9 +252,8 @@ def _channel(known: "dict[str, Any]") -> ChannelFigures:
 
 
 def _figures(known: "dict[str, Any]") -> Figures:
-    names = [part.name for part in fields(Figures)]
     spatial = {name: SpatialFigures(**known[name]) for name in ("dsnu_e", "prnu_percent")}
-    return Figures(**{name: known[name] for name in names if name not in spatial}, **spatial)
+    return Figures(**{**known, **spatial})
 
 
 def _size(size_px: "Union[Sequence[int], Any]") -> "list[int]":
