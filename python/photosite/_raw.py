@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _photosite
-from ._arguments import Path, as_array, assignments, floats, invalid, is_path
+from ._arguments import Path, as_array, assignments, invalid, is_path
 
 __all__ = ["Cfa", "ColourCalibration", "PixelArea", "Raw", "develop", "read_raw"]
 
@@ -379,7 +379,7 @@ class Raw:
     def __repr__(self) -> str:
         size = " × ".join(map(str, (self.shape[1], self.shape[0])))
         black = self.black_level_dn
-        black_text = f"{black:g}" if isinstance(black, float) else f"{float(black.mean()):g} on average"
+        black_text = f"{float(black.mean()):g} on average" if isinstance(black, np.ndarray) else f"{black:g}"
         of = f" of {self.camera_model}" if self.camera_model else ""
         return f"<Raw{of}: {size} pixels, {self.cfa}, {self.bits} bits, black {black_text} DN, white {self.white_level_dn} DN>"
 
@@ -447,11 +447,11 @@ def develop(
     if is_path(raw):
         if like is not None:
             raise invalid("like", "a file says itself what its numbers mean", "read it with read_raw, or leave out like")
-        return _photosite.develop(None, os.fspath(raw), settings, bool(linear))  # type: ignore[arg-type]
+        return _photosite.develop(None, os.fspath(raw), settings, bool(linear))
     if isinstance(raw, Raw):
         image = raw
     elif like is not None:
-        image = like.with_data(raw)  # type: ignore[arg-type]
+        image = like.with_data(raw)
     else:
         numbers = _digital_numbers("raw", raw)
         image = Raw.of(numbers, cfa="mono" if numbers.ndim == 2 else "full:RGB")

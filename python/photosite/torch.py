@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, Optional
 
 import numpy as np
-import torch
 import torch.distributed
 import torch.utils.data
+from torch.utils.dlpack import from_dlpack
 
 from ._dataset import Dataset, Frame
 
@@ -35,7 +35,7 @@ def tensors(frame: Frame) -> "dict[str, Any]":
         arrays.update(picture.truth)
         camera = picture.camera
         arrays.update(K=camera.K, R=camera.R, t=camera.t, distortion=camera.distortion)
-        sample[name] = {key: torch.from_dlpack(array) for key, array in arrays.items()}
+        sample[name] = {key: from_dlpack(array) for key, array in arrays.items()}
     return sample
 
 
