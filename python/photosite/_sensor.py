@@ -46,6 +46,16 @@ class Sensor:
         return self._compiled.name()
 
     @property
+    def source(self) -> str:
+        """The preset or the file that it is of."""
+        return self._name
+
+    @property
+    def changes(self) -> "list[str]":
+        """Its changed keys as the library reads them, ``key=value``."""
+        return list(self._changes)
+
+    @property
     def resolution_px(self) -> "tuple[int, int]":
         """Columns and rows of the whole sensor. One that is exposed to an array has as many as that."""
         columns, rows = self._compiled.resolution()

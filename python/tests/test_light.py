@@ -10,12 +10,13 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
 import photosite as ps
+from conftest import Command
 
 #: Keys of three captures: a mosaic with all that is written; an automatic exposure of a sensor without colours; a moving
 #: camera behind a distorting lens, before a CCD.
@@ -55,7 +56,7 @@ def toml(value: Any) -> str:
 
 @pytest.fixture(params=list(CAPTURES))
 def both(
-    request: pytest.FixtureRequest, room: Path, tmp_path: Path, command: "Callable[..., str]"
+    request: pytest.FixtureRequest, room: Path, tmp_path: Path, command: Command
 ) -> "tuple[ps.Shot, Path, Path]":
     """A shot, the folder that it is saved to, and that of the command."""
     keys = {**CAPTURES[request.param], **OUTPUT}
@@ -112,7 +113,7 @@ def test_noise_maps_sum_to_the_raw_image(room: Path) -> None:
 
 
 def test_exposures_are_those_that_the_command_makes_of_the_whole_capture(
-    room: Path, tmp_path: Path, command: "Callable[..., str]"
+    room: Path, tmp_path: Path, command: Command
 ) -> None:
     light = ps.trace(room)
     changes = {"exposure.time_s": 0.004, "exposure.gain_db": 6.0, "sensor.noise.read_noise_e": 9.0}
@@ -123,7 +124,7 @@ def test_exposures_are_those_that_the_command_makes_of_the_whole_capture(
     assert np.allclose(shot.variance, 0.004**2 * light.variance, rtol=1e-6)
 
 
-def test_frames_are_those_of_the_command(room: Path, tmp_path: Path, command: "Callable[..., str]") -> None:
+def test_frames_are_those_of_the_command(room: Path, tmp_path: Path, command: Command) -> None:
     keys = {"exposure.frames": 3, "output.raw": ["npy"]}
     command("render", room, "--quiet", "-o", tmp_path / "series", *assignments(keys))
     light = ps.trace(ps.load(room, set={"exposure.frames": 3}))
@@ -138,7 +139,7 @@ def test_frames_are_those_of_the_command(room: Path, tmp_path: Path, command: "C
     assert np.array_equal(np.asarray(ps.read_raw(tmp_path / "last" / "raw.dng")), np.asarray(shots[2].raw))
 
 
-def test_another_sensor_sees_the_irradiance(room: Path, tmp_path: Path, command: "Callable[..., str]") -> None:
+def test_another_sensor_sees_the_irradiance(room: Path, tmp_path: Path, command: Command) -> None:
     keys = {"output.irradiance": {"bands_nm": [380, 780, 20]}}
     command("render", room, "--quiet", "-o", tmp_path / "light", *assignments(keys))
     other = {"sensor.preset": "sony-imx249-mono", "output.raw": ["npy"]}
@@ -211,7 +212,7 @@ except KeyboardInterrupt as stopped:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")
 def test_ctrl_c_leaves_a_checkpoint_from_which_the_same_call_goes_on(
-    room: Path, tmp_path: Path, command: "Callable[..., str]"
+    room: Path, tmp_path: Path, command: Command
 ) -> None:
     place = tmp_path / "place"
     code = ENDLESS.format(room=str(room), place=str(place))
@@ -244,7 +245,7 @@ def test_ctrl_c_leaves_a_checkpoint_from_which_the_same_call_goes_on(
     assert whole.paths == 40 * 64 * 48
 
 
-def test_folders_are_filled_as_by_the_command(room: Path, tmp_path: Path, command: "Callable[..., str]") -> None:
+def test_folders_are_filled_as_by_the_command(room: Path, tmp_path: Path, command: Command) -> None:
     keys = {"exposure.frames": 2}
     command("render", room, "--quiet", "-o", tmp_path / "command", *assignments(keys))
     report = ps.render_into(ps.load(room, set=keys), tmp_path / "python")
