@@ -44,8 +44,8 @@ class Error(Exception):
         self.file = None if file is None else os.fspath(file)
         self.line, self.key, self.reason, self.help = line, key, reason or message, help
         self.is_temporary = is_temporary
-        if help and hasattr(self, "add_note"):  # from Python 3.11 on, below the message
-            self.add_note(f"help: {help}")
+        if help and sys.version_info >= (3, 11):
+            self.add_note(f"help: {help}")  # below the message
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -92,6 +92,7 @@ def make(kind: str, message: str, errno: Optional[int] = None, **parts: Any) -> 
         known = {"Error": Error, "InputError": InputError, "ResourceError": ResourceError}
         return known[kind](message, **parts)
     plain = OSError(errno, "") if errno is not None else OSError()
+    of_system: "dict[type[OSError], type[FileError]]"
     of_system = {FileNotFoundError: _NotFound, PermissionError: _Forbidden, FileExistsError: _Exists}
     error = of_system.get(type(plain), FileError)(message, **parts)
     error.errno = errno

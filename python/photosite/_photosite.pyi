@@ -170,6 +170,7 @@ def expose_planes(
     unit: str,
     one: float,
     wavelength_nm: Optional[float],
+    white: Optional[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]],
     overrides: list[str],
     frames: int,
     threads: Optional[int],

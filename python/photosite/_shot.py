@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Optional
 
@@ -41,7 +41,7 @@ class Layers(Mapping[str, "npt.NDArray[np.float32]"]):
         units: the unit of each layer by its name; empty for numbers without one.
     """
 
-    def __init__(self, compute: Any, units: "Mapping[str, str]") -> None:
+    def __init__(self, compute: "Callable[[str], npt.NDArray[np.float32]]", units: "Mapping[str, str]") -> None:
         self._compute = compute
         self._known: "dict[str, npt.NDArray[np.float32]]" = {}
         self.units: "Mapping[str, str]" = dict(units)
