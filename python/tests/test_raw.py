@@ -202,6 +202,26 @@ def test_places_that_cannot_be_written_to(raw: ps.Raw, tmp_path: Path) -> None:
             raw.save(path)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_a_thousand_raw_images_leave_nothing_behind(tmp_path: Path) -> None:
+    np.save(tmp_path / "raw.npy", np.zeros((500, 500), np.uint16))
+
+    def resident_kib() -> int:
+        return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmRSS"))
+
+    def use() -> None:
+        raw = ps.read_raw(tmp_path / "raw.npy")
+        pickle.loads(pickle.dumps(np.asarray(raw.with_data(raw))))
+
+    for _ in range(100):
+        use()
+    before = resident_kib()
+    for _ in range(900):
+        use()
+    # One more of them has 488 KiB.
+    assert resident_kib() - before < 5_000
+
+
 # Development
 
 
