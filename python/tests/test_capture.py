@@ -76,7 +76,7 @@ def test_spectra_textures_and_environments_are_arrays(tmp_path: Path) -> None:
     geometry = [arrays(FLOOR, material="floor"), arrays(WALL, material="wall", uvs=uvs)]
 
     def capture(reflectance: Any, texture: Any) -> "dict[str, Any]":
-        made = values(geometry=geometry, environment={"image": sky})
+        made = values(geometry=geometry, environment={"image": sky, "nit_per_unit": 1000})
         made["materials"] = {
             "floor": {"type": "diffuse", "reflectance": {"file": reflectance}},
             "wall": {"type": "diffuse", "reflectance": {"texture": texture}},
