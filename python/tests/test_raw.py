@@ -8,6 +8,7 @@ import pickle
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import photosite as ps
@@ -80,7 +81,7 @@ def test_dlpack(raw: ps.Raw) -> None:
     class Older:
         """A consumer of before DLPack 1.0."""
 
-        def __dlpack__(self, **_: object) -> object:
+        def __dlpack__(self, *, stream: None = None) -> Any:
             return raw.__dlpack__()
 
         def __dlpack_device__(self) -> "tuple[int, int]":
@@ -175,7 +176,7 @@ def test_raw_of_an_array() -> None:
     assert ps.Raw.of(np.zeros((2, 3, 3), np.uint8), cfa="full:RGB").shape == (2, 3, 3)
     for arguments in ({"cfa": "RGX1"}, {"cfa": "full:RGB"}, {"white_level_dn": 0}, {"black_level_dn": float("nan")}):
         with pytest.raises(ps.InputError):
-            ps.Raw.of(mosaic(), **arguments)  # type: ignore[arg-type]
+            ps.Raw.of(mosaic(), **arguments)
 
 
 @pytest.mark.parametrize("name", ["missing.dng", "folder", "text.dng", "empty.dng", "half.dng"])
@@ -243,7 +244,7 @@ def test_codes_are_those_of_the_commands_ppm(
     kind = ">u2" if largest == b"65535" else "u1"
     expected = np.frombuffer(numbers, kind).reshape(48, 64, 1 if magic == b"P5" else 3).squeeze()
     for source in (rendered / "raw.dng", str(rendered / "raw.dng"), ps.read_raw(rendered / "raw.dng")):
-        found = ps.develop(source, **keys)
+        found = ps.develop(source, **keys)  # type: ignore[arg-type]
         assert found.dtype == (np.uint16 if kind == ">u2" else np.uint8)
         assert np.array_equal(found, expected)
 
