@@ -34,7 +34,7 @@ def test_numbers_are_those_of_the_commands_array(rendered: Path, name: str) -> N
 
 
 def test_levels_filters_and_matrices_are_those_of_the_dng_file(raw: ps.Raw) -> None:
-    assert (raw.shape, raw.dtype, raw.ndim, len(raw)) == ((48, 64), np.uint16, 2, 48)
+    assert (raw.shape, raw.dtype, raw.ndim, len(raw)) == ((48, 64), np.dtype(np.uint16), 2, 48)
     assert (raw.bits, raw.black_level_dn, raw.white_level_dn) == (12, 64.0, 4095)
     assert str(raw.cfa) == "RGGB" and raw.cfa.channels == ("R", "G", "B") and raw.cfa.tile == ((0, 1), (1, 2))
     map = raw.cfa.channel_map(5, 3)
