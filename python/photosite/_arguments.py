@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, Optional, Union
+from typing import Any, Optional, Union, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -52,6 +52,8 @@ def is_path(value: object) -> bool:
 
 def assignments(keys: Mapping[str, Any], prefix: str = "") -> "list[str]":
     """Keys and their values as the library reads them, `key=value`, with values in TOML."""
+    if not isinstance(cast(object, keys), Mapping):
+        raise invalid("set", f"expected a dictionary of values by their keys, got {type(keys).__name__}")
     return [f"{prefix}{key}={toml(f'{prefix}{key}', value)}" for key, value in keys.items()]
 
 
