@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, Optional, Union, cast
+from typing import TYPE_CHECKING, Any, Optional, Union, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from ._errors import InputError
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeIs
 
 #: Whatever names a file.
 Path = Union[str, "os.PathLike[str]"]
@@ -45,7 +48,7 @@ def as_array(name: str, value: Any, axes: "tuple[int, ...]", shape: str) -> "npt
     return array
 
 
-def is_path(value: object) -> bool:
+def is_path(value: object) -> "TypeIs[Path]":
     """Whether it names a file."""
     return isinstance(value, (str, os.PathLike))
 
@@ -59,16 +62,15 @@ def assignments(keys: Mapping[str, Any], prefix: str = "") -> "list[str]":
 
 def toml(name: str, value: Any) -> str:
     """A value as TOML has it."""
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    elif isinstance(value, np.generic):
-        value = value.item()
+    if isinstance(value, (np.ndarray, np.generic)):
+        plain = cast(Any, value).tolist()
+        return toml(name, plain)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
         return repr(value)
-    if isinstance(value, (str, os.PathLike)):
-        text: str = os.fspath(value)  # pyright: ignore[reportUnknownVariableType, reportUnknownArgumentType]
+    if is_path(value):
+        text: str = os.fspath(value)
         return json.dumps(text).replace("\x7f", "\\u007f")
     if isinstance(value, Mapping):
         pairs: Mapping[str, Any] = value  # pyright: ignore[reportUnknownVariableType]

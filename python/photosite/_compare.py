@@ -193,13 +193,13 @@ def _compared(
         return compared
     if is_path(variance):
         return compared.with_variances_from(_of(argument, variance, masked))
-    if np.ndim(variance) == 0:  # type: ignore[arg-type]
+    if np.ndim(variance) == 0:
         constant = float(cast(float, variance))
         _number(argument, constant, constant >= 0, "of at least 0")
         return compared.with_constant_variance(constant)
     array = floats(argument, variance, "(H, W) or (H, W, C)", (2, 3))
-    if not isinstance(picture, Raw) and not is_path(picture) and array.shape != np.shape(picture):  # type: ignore[arg-type]
-        raise invalid(argument, f"expected shape {np.shape(picture)}, that of {name}, got {array.shape}")  # type: ignore[arg-type]
+    if not isinstance(picture, Raw) and not is_path(picture) and array.shape != np.shape(picture):
+        raise invalid(argument, f"expected shape {np.shape(picture)}, that of {name}, got {array.shape}")
     deep = array if array.ndim == 3 else array[:, :, None]
     channels = compared.channels()
     if deep.shape[2] != len(channels):

@@ -204,13 +204,18 @@ class Dataset(Sequence[Frame]):
         if threads is not None and threads < 1:
             raise invalid("threads", f"expected at least 1, got {threads}")
         # Worker processes may work in another folder.
-        self._path = os.path.abspath(os.fspath(path))
+        typed: str = os.fspath(path)
+        self._path: str = os.path.abspath(typed)
         self._overrides = assignments(set or {})
         self._threads = threads
-        self._compiled = _photosite.Dataset.read(os.fspath(path), self._overrides)
-        self._owner = _TemporaryFolder() if output is None else None
-        folder = os.path.abspath(os.fspath(output)) if output is not None else cast(_TemporaryFolder, self._owner).path
-        self._keeps, self._folder = output is not None, FilePath(folder)
+        self._compiled = _photosite.Dataset.read(typed, self._overrides)
+        self._owner: "Optional[_TemporaryFolder]" = None
+        if output is None:
+            self._owner = _TemporaryFolder()
+            self._folder = FilePath(self._owner.path)
+        else:
+            self._folder = FilePath(os.path.abspath(output))
+        self._keeps = output is not None
         self._numbers: "Sequence[int]" = range(self._compiled.frame_count())
 
     @property

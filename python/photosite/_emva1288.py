@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Optional, Union
+from typing import Any, Optional, Union, overload
 
 from . import _photosite
 from ._arguments import Path, assignments, invalid
@@ -106,7 +106,13 @@ class Emva1288Report(Sequence[ChannelFigures]):
     channels: "tuple[ChannelFigures, ...]"
     html: str = field(repr=False)
 
-    def __getitem__(self, index: Any) -> Any:
+    @overload
+    def __getitem__(self, index: int) -> ChannelFigures: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> "tuple[ChannelFigures, ...]": ...
+
+    def __getitem__(self, index: "Union[int, slice]") -> "Union[ChannelFigures, tuple[ChannelFigures, ...]]":
         return self.channels[index]
 
     def __len__(self) -> int:
@@ -252,7 +258,7 @@ def _channel(known: "dict[str, Any]") -> ChannelFigures:
 
 
 def _figures(known: "dict[str, Any]") -> Figures:
-    spatial = {name: SpatialFigures(**known[name]) for name in ("dsnu_e", "prnu_percent")}
+    spatial: "dict[str, Any]" = {name: SpatialFigures(**known[name]) for name in ("dsnu_e", "prnu_percent")}
     return Figures(**{**known, **spatial})
 
 

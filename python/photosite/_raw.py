@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _photosite
-from ._arguments import Path, as_array, assignments, floats, invalid, is_path
+from ._arguments import Path, as_array, assignments, invalid, is_path
 
 __all__ = ["Cfa", "ColourCalibration", "PixelArea", "Raw", "develop", "read_raw"]
 
@@ -51,6 +51,27 @@ class Cfa:
         tile = np.array(self.tile, np.uint8)
         repeats = (-(-rows // tile.shape[0]), -(-columns // tile.shape[1]))
         return np.ascontiguousarray(np.tile(tile, repeats)[:rows, :columns])
+
+    def mosaic(self, channels: "npt.ArrayLike") -> "npt.NDArray[Any]":
+        """Of each pixel the value of the channel that it has.
+
+        Args:
+            channels: (H, W, C) numbers of all channels, such as ``shot.electrons`` of a whole sensor.
+
+        Returns:
+            (H, W) of the same type; of a full layout the array itself.
+
+        Raises:
+            InputError: an array of another shape.
+        """
+        values = as_array("channels", channels, (3,), "(H, W, C)")
+        if values.shape[2] != len(self.channels):
+            expected = f"(H, W, {len(self.channels)}) of {', '.join(self.channels)}"
+            raise invalid("channels", f"expected an array {expected}, got one of shape {values.shape}")
+        if self.is_full:
+            return values
+        which = self.channel_map(values.shape[0], values.shape[1]).astype(np.intp)
+        return np.ascontiguousarray(np.take_along_axis(values, which[:, :, np.newaxis], 2)[:, :, 0])
 
     def __str__(self) -> str:
         return self.pattern
@@ -379,7 +400,7 @@ class Raw:
     def __repr__(self) -> str:
         size = " × ".join(map(str, (self.shape[1], self.shape[0])))
         black = self.black_level_dn
-        black_text = f"{black:g}" if isinstance(black, float) else f"{float(black.mean()):g} on average"
+        black_text = f"{float(black.mean()):g} on average" if isinstance(black, np.ndarray) else f"{black:g}"
         of = f" of {self.camera_model}" if self.camera_model else ""
         return f"<Raw{of}: {size} pixels, {self.cfa}, {self.bits} bits, black {black_text} DN, white {self.white_level_dn} DN>"
 
@@ -447,11 +468,11 @@ def develop(
     if is_path(raw):
         if like is not None:
             raise invalid("like", "a file says itself what its numbers mean", "read it with read_raw, or leave out like")
-        return _photosite.develop(None, os.fspath(raw), settings, bool(linear))  # type: ignore[arg-type]
+        return _photosite.develop(None, os.fspath(raw), settings, bool(linear))
     if isinstance(raw, Raw):
         image = raw
     elif like is not None:
-        image = like.with_data(raw)  # type: ignore[arg-type]
+        image = like.with_data(raw)
     else:
         numbers = _digital_numbers("raw", raw)
         image = Raw.of(numbers, cfa="mono" if numbers.ndim == 2 else "full:RGB")

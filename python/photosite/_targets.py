@@ -167,7 +167,7 @@ def unproject(capture: CaptureLike, pixels: "npt.ArrayLike", *, camera_space: bo
 def _rows(name: str, value: Any, length: int) -> "npt.NDArray[np.float64]":
     """Rows of so many numbers each, or one of them."""
     shape = f"(N, {length})"
-    if isinstance(value, np.ndarray) and value.shape == (0, length):
+    if getattr(value, "shape", None) == (0, length):
         return np.empty((0, length), np.float64)
     array = as_array(name, value, (1, 2), shape)
     if array.shape[-1] != length:

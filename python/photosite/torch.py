@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from typing import Any, Optional
 
 import numpy as np
-import torch
 import torch.distributed
 import torch.utils.data
+from torch.utils.dlpack import from_dlpack
 
 from ._dataset import Dataset, Frame
 
@@ -35,7 +35,7 @@ def tensors(frame: Frame) -> "dict[str, Any]":
         arrays.update(picture.truth)
         camera = picture.camera
         arrays.update(K=camera.K, R=camera.R, t=camera.t, distortion=camera.distortion)
-        sample[name] = {key: torch.from_dlpack(array) for key, array in arrays.items()}
+        sample[name] = {key: from_dlpack(array) for key, array in arrays.items()}
     return sample
 
 
@@ -88,15 +88,10 @@ class FrameIterableDataset(torch.utils.data.IterableDataset[Any]):
         # Workers that are spawned know nothing of the process group of their parent.
         self.rank, self.world_size = _place() if rank is None or world_size is None else (rank, world_size)
 
-    def shares(self, workers: int = 1) -> int:
-        """How many shares the frames have with so many workers in each rank."""
-        return self.world_size * workers
-
     def __iter__(self) -> Iterator[Any]:
         info = torch.utils.data.get_worker_info()
         worker, workers = (0, 1) if info is None else (info.id, info.num_workers)
-        share = self.rank * workers + worker
-        for index in range(share, len(self.dataset), self.shares(workers)):
+        for index in range(self.rank * workers + worker, len(self.dataset), self.world_size * workers):
             yield self.transform(self.dataset[index])
 
 

@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import photosite as ps
@@ -190,7 +191,7 @@ def work(dataset: ps.Dataset, start: int, results: "multiprocessing.Queue[int]")
 def test_processes_fill_a_folder_together(command: Command, file: Path, tmp_path: Path, method: str) -> None:
     dataset = ps.Dataset(file, output=tmp_path / "ours", threads=1)
     dataset[0]  # threads of this process are there when it forks
-    context = multiprocessing.get_context(method)
+    context: Any = multiprocessing.get_context(method)
     results = context.Queue()
     workers = [context.Process(target=work, args=(dataset, start, results)) for start in (0, 3)]
     for worker in workers:

@@ -8,6 +8,7 @@ import pickle
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import photosite as ps
@@ -33,7 +34,7 @@ def test_numbers_are_those_of_the_commands_array(rendered: Path, name: str) -> N
 
 
 def test_levels_filters_and_matrices_are_those_of_the_dng_file(raw: ps.Raw) -> None:
-    assert (raw.shape, raw.dtype, raw.ndim, len(raw)) == ((48, 64), np.uint16, 2, 48)
+    assert (raw.shape, raw.dtype, raw.ndim, len(raw)) == ((48, 64), np.dtype(np.uint16), 2, 48)
     assert (raw.bits, raw.black_level_dn, raw.white_level_dn) == (12, 64.0, 4095)
     assert str(raw.cfa) == "RGGB" and raw.cfa.channels == ("R", "G", "B") and raw.cfa.tile == ((0, 1), (1, 2))
     map = raw.cfa.channel_map(5, 3)
@@ -80,7 +81,7 @@ def test_dlpack(raw: ps.Raw) -> None:
     class Older:
         """A consumer of before DLPack 1.0."""
 
-        def __dlpack__(self, **_: object) -> object:
+        def __dlpack__(self, *, stream: None = None) -> Any:
             return raw.__dlpack__()
 
         def __dlpack_device__(self) -> "tuple[int, int]":
@@ -175,7 +176,7 @@ def test_raw_of_an_array() -> None:
     assert ps.Raw.of(np.zeros((2, 3, 3), np.uint8), cfa="full:RGB").shape == (2, 3, 3)
     for arguments in ({"cfa": "RGX1"}, {"cfa": "full:RGB"}, {"white_level_dn": 0}, {"black_level_dn": float("nan")}):
         with pytest.raises(ps.InputError):
-            ps.Raw.of(mosaic(), **arguments)  # type: ignore[arg-type]
+            ps.Raw.of(mosaic(), **arguments)
 
 
 @pytest.mark.parametrize("name", ["missing.dng", "folder", "text.dng", "empty.dng", "half.dng"])
@@ -202,6 +203,26 @@ def test_places_that_cannot_be_written_to(raw: ps.Raw, tmp_path: Path) -> None:
             raw.save(path)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_a_thousand_raw_images_leave_nothing_behind(tmp_path: Path) -> None:
+    np.save(tmp_path / "raw.npy", np.zeros((500, 500), np.uint16))
+
+    def resident_kib() -> int:
+        return next(int(line.split()[1]) for line in open("/proc/self/status") if line.startswith("VmRSS"))
+
+    def use() -> None:
+        raw = ps.read_raw(tmp_path / "raw.npy")
+        pickle.loads(pickle.dumps(np.asarray(raw.with_data(raw))))
+
+    for _ in range(100):
+        use()
+    before = resident_kib()
+    for _ in range(900):
+        use()
+    # One more of them has 488 KiB.
+    assert resident_kib() - before < 5_000
+
+
 # Development
 
 
@@ -223,7 +244,7 @@ def test_codes_are_those_of_the_commands_ppm(
     kind = ">u2" if largest == b"65535" else "u1"
     expected = np.frombuffer(numbers, kind).reshape(48, 64, 1 if magic == b"P5" else 3).squeeze()
     for source in (rendered / "raw.dng", str(rendered / "raw.dng"), ps.read_raw(rendered / "raw.dng")):
-        found = ps.develop(source, **keys)
+        found = ps.develop(source, **keys)  # type: ignore[arg-type]
         assert found.dtype == (np.uint16 if kind == ">u2" else np.uint8)
         assert np.array_equal(found, expected)
 

@@ -148,6 +148,7 @@ mod tests {
     use crate::develop::EncodedPicture;
     use crate::io::developed::{write_linear, write_png};
     use crate::io::exr::write_exr;
+    use crate::io::raw_file::save_raw;
 
     fn file(name: &str, bytes: &[u8]) -> Result<Developable> {
         let folder = tempfile::tempdir().expect("a folder");
@@ -197,6 +198,23 @@ mod tests {
             assert!(error.to_string().contains(complaint), "{error}");
         }
         assert!(file("picture.png", b"nothing of the kind").is_err());
+    }
+
+    #[test]
+    fn raw_files_come_back_and_pictures_are_none() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let raw = RawImage::bare(2, 1, vec![3, 900], Cfa::mono(), 1023);
+        for name in ["raw.exr", "raw.EXR", "raw.npy", "raw.dng"] {
+            save_raw(&raw, &folder.path().join(name)).expect("written");
+            let read = read_digital_numbers(&folder.path().join(name)).expect("digital numbers");
+            assert_eq!(read.data, raw.data, "{name}");
+        }
+        assert!(save_raw(&raw, &folder.path().join("raw.jpg")).is_err());
+        let path = folder.path().join("picture.exr");
+        let planes = Planes::zeros(1, 1, ["R", "G", "B"]);
+        crate::io::output::write_whole(&path, |to| write_exr(&planes, &[], to)).expect("written");
+        let error = read_digital_numbers(&path).expect_err("no raw file").to_string();
+        assert!(error.contains("developed already"), "{error}");
     }
 
     #[test]

@@ -220,6 +220,19 @@ mod tests {
     use crate::image::Channel;
 
     #[test]
+    fn layers_have_their_channels_in_order() {
+        // As a file has them, sorted by name.
+        let mut planes = Planes::zeros(1, 1, ["depth", "flow.X", "flow.Y", "flow.visible", "other.X", "uv.U", "uv.V"]);
+        planes.channels_mut().iter_mut().enumerate().for_each(|(i, channel)| channel.data[0] = i as f32);
+        let layers = by_layer(planes);
+        let names = |planes: &Planes| planes.channels().iter().map(|c| (c.name.clone(), c.data[0])).collect::<Vec<_>>();
+        let named = |names: &[(&str, f32)]| names.iter().map(|&(name, x)| (name.to_owned(), x)).collect::<Vec<_>>();
+        assert_eq!(layers.keys().collect::<Vec<_>>(), ["depth", "flow", "other.X", "uv"]);
+        assert_eq!(names(&layers["flow"]), named(&[("flow.X", 1.0), ("flow.Y", 2.0), ("flow.visible", 3.0)]));
+        assert_eq!(names(&layers["uv"]), named(&[("uv.U", 5.0), ("uv.V", 6.0)]));
+    }
+
+    #[test]
     fn depths_are_whole_units_and_nothing_is_zero() {
         let depth = |m: f64, unit: f64| codes(TruthLayer::Depth, [m, 0.0, 0.0], unit).map(|[code, ..]| code).ok();
         assert_eq!(depth(1.2344, 1e-3), Some(1234));

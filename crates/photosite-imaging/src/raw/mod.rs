@@ -248,3 +248,46 @@ impl RawMetadata {
         of_d65.map(|calibration| &calibration.colour_matrix)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use photosite_core::projection::{BrownConrady, Intrinsics, Projection};
+
+    #[test]
+    fn all_but_the_numbers_survives_serialisation() {
+        let cfa = Cfa::parse("x-trans").expect("known");
+        let black = BlackLevel::of_tile(2, vec![63.9, 64.1]).expect("a tile");
+        let lens = LensModel {
+            intrinsics: Intrinsics { fx: 1.1, fy: 1.2, cx: 0.1, cy: 0.2, skew: 1e-17 },
+            projection: Projection::Omnidirectional { xi: 0.7, distortion: BrownConrady::default() },
+            max_angle_rad: Some(0.1 + 0.2),
+        };
+        let calibration = ColourCalibration {
+            light: LightSource::D65,
+            colour_matrix: vec![[1.0 / 3.0, 2.0, -1e-9]; 3],
+            forward_matrix: None,
+        };
+        let raw = RawImage {
+            width: 6,
+            height: 1,
+            data: vec![7; 6],
+            active_area: Some(PixelArea { x: 1, y: 0, width: 5, height: 1 }),
+            linearisation: Some(vec![0, 3, 9]),
+            black_level_dn: black.with_deltas(&cfa, vec![0.1; 6], Vec::new()),
+            cfa,
+            metadata: RawMetadata {
+                camera_model: "a \"camera\"".to_owned(),
+                calibrations: vec![calibration],
+                gain_map: Some(GainMap::new(2, 1, vec![1.0, 1.1]).expect("a map")),
+                distortion: Some(Distortion::Lens(lens)),
+                ..RawMetadata::default()
+            },
+            ..RawImage::default()
+        };
+        let text = serde_json::to_string(&raw).expect("plain values");
+        let read: RawImage = serde_json::from_str(&text).expect("what was written");
+        assert!(read.data.is_empty());
+        assert_eq!(read.with_data(vec![7; 6]), raw);
+    }
+}
