@@ -11,35 +11,55 @@ the first arguments are named.
 
 from ._camera import Camera
 from ._capture import Capture, load
+from ._compare import Comparison, DifferencePicture, compare
+from ._dataset import Dataset, Frame, FramePicture
+from ._emva1288 import ChannelFigures, Emva1288Report, Figures, SpatialFigures, emva1288, emva1288_report
 from ._errors import Error, FileError, InputError, PhotositeWarning, ResourceError
 from ._light import Light, render, render_into, trace
 from ._photosite import __version__
 from ._raw import Cfa, ColourCalibration, PixelArea, Raw, develop, read_raw
 from ._sensor import Sensor, expose
 from ._shot import Layers, Shot
+from ._targets import Marker, Targets, project, unproject
 
 __all__ = [
     "Camera",
     "Capture",
     "Cfa",
+    "ChannelFigures",
     "ColourCalibration",
+    "Comparison",
+    "Dataset",
+    "DifferencePicture",
+    "Emva1288Report",
     "Error",
+    "Figures",
     "FileError",
+    "Frame",
+    "FramePicture",
     "InputError",
     "Layers",
     "Light",
+    "Marker",
     "PhotositeWarning",
     "PixelArea",
     "Raw",
     "ResourceError",
     "Sensor",
     "Shot",
+    "SpatialFigures",
+    "Targets",
     "__version__",
+    "compare",
     "develop",
+    "emva1288",
+    "emva1288_report",
     "expose",
     "load",
+    "project",
     "read_raw",
     "render",
     "render_into",
     "trace",
+    "unproject",
 ]

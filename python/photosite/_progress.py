@@ -11,13 +11,13 @@ from typing import Any, Callable, Optional, Union
 Progress = Union[bool, Callable[[int, int], object], None]
 
 
-def listener(progress: Progress, label: str) -> "Optional[Callable[[int, int], object]]":
+def listener(progress: Progress, label: str, unit: str = "paths") -> "Optional[Callable[[int, int], object]]":
     """What is to be told of progress."""
     if callable(progress):
         return progress
     if progress is None:
         progress = _is_notebook() or sys.stderr.isatty()
-    return _bar(label) if progress else None
+    return _bar(label, unit) if progress else None
 
 
 def _is_notebook() -> bool:
@@ -25,23 +25,23 @@ def _is_notebook() -> bool:
     return "ipykernel" in sys.modules and "IPython" in sys.modules
 
 
-def _bar(label: str) -> "Callable[[int, int], object]":
+def _bar(label: str, unit: str) -> "Callable[[int, int], object]":
     """tqdm's bar where that is installed, else a plain line."""
     try:
         from tqdm.auto import tqdm
     except ImportError:
         return _Line(label)
-    return _Tqdm(tqdm, label)
+    return _Tqdm(tqdm, label, unit)
 
 
 class _Tqdm:
-    def __init__(self, tqdm: Any, label: str) -> None:
-        self._make, self._label = tqdm, label
+    def __init__(self, tqdm: Any, label: str, unit: str) -> None:
+        self._make, self._label, self._unit = tqdm, label, unit
         self._shown: Any = None
 
     def __call__(self, done: int, all: int) -> None:
         if self._shown is None:
-            self._shown = self._make(total=all, initial=done, desc=self._label, unit=" paths", unit_scale=True)
+            self._shown = self._make(total=all, initial=done, desc=self._label, unit=f" {self._unit}", unit_scale=True)
         self._shown.total = all
         self._shown.update(done - self._shown.n)
         if done >= all:

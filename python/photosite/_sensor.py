@@ -46,6 +46,16 @@ class Sensor:
         return self._compiled.name()
 
     @property
+    def source(self) -> str:
+        """The preset or the file that it is of."""
+        return self._name
+
+    @property
+    def changes(self) -> "list[str]":
+        """Its changed keys as the library reads them, ``key=value``."""
+        return list(self._changes)
+
+    @property
     def resolution_px(self) -> "tuple[int, int]":
         """Columns and rows of the whole sensor. One that is exposed to an array has as many as that."""
         columns, rows = self._compiled.resolution()
@@ -158,20 +168,20 @@ class Sensor:
         """
         changes = [f"sensor.preset={_quoted(self._name)}", *self._changes]
         changes += exposure_changes(None, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
-        number, threads = count("frames", frames), count("threads", threads, None)
+        number, threads, white = count("frames", frames), count("threads", threads, None), _spectrum(illuminant)
         if wavelengths_nm is not None:
             if unit is not None:
                 raise invalid("unit", "goes with numbers that are no spectral irradiance", "leave unit or wavelengths_nm out")
             cube, centres = _bands(light, wavelengths_nm)
-            white = _spectrum(illuminant)
             compiled = _photosite.expose_irradiance(cube, centres, white, changes, number, threads)
         elif unit is None:
             help = "give wavelengths_nm for spectral irradiance, or unit, for example unit=\"lux\", one=500"
             raise invalid("unit", "nothing says what the numbers of the light are", help)
         else:
             numbers, names = self._planes(light, unit, channels)
-            one = float(one)
-            compiled = _photosite.expose_planes(numbers, names, unit, one, wavelength_nm, changes, number, threads)
+            compiled = _photosite.expose_planes(
+                numbers, names, unit, float(one), wavelength_nm, white, changes, number, threads
+            )
         shots = [Shot(shot) for shot in compiled]
         return shots[0] if frames is None else shots
 

@@ -71,7 +71,7 @@ def truth_layers(compiled: "_photosite.Light | _photosite.Shot") -> Layers:
     return Layers(lambda name: compiled.truth([name])[0], TRUTH_UNITS)
 
 
-def _unit(name: str) -> str:
+def noise_unit(name: str) -> str:
     """The unit of a noise map, with which its name ends."""
     return "e-" if name.endswith("_e") else "DN" if name.endswith("_dn") else ""
 
@@ -135,7 +135,7 @@ class Shot:
         DN behind it, see ``noise.units``. The sum times the gain, with the black level, is the raw image. See
         ``output.noise_maps`` of capture files."""
         names = self._compiled.noise_names()
-        return Layers(self._compiled.noise, {name: _unit(name) for name in names})
+        return Layers(self._compiled.noise, {name: noise_unit(name) for name in names})
 
     @cached_property
     def truth(self) -> Layers:

@@ -51,9 +51,18 @@ impl StoredRender {
     }
 
     /// Takes planes of numbers that are light on the sensor as `scale` says, as [`of_picture`](Self::of_picture) takes
-    /// those of a file. `name` stands for their file in messages.
-    pub fn of_planes(name: &Path, planes: &Planes, scale: &PictureScale, overrides: &[String]) -> Result<Self> {
-        let (stored, light) = Stored::of_planes(&Sandbox::default(), name, planes, scale, &[], overrides)?;
+    /// those of a file. `illuminant` and `name` are as of [irradiance](Self::of_irradiance).
+    pub fn of_planes(
+        name: &Path,
+        planes: &Planes,
+        scale: &PictureScale,
+        illuminant: Option<&Spectrum>,
+        overrides: &[String],
+    ) -> Result<Self> {
+        let (mut stored, light) = Stored::of_planes(&Sandbox::default(), name, planes, scale, &[], overrides)?;
+        if let Some(illuminant) = illuminant {
+            stored.traced.scene_light = Some(LightReport::new(illuminant));
+        }
         Ok(Self { input: name.to_owned(), overrides: overrides.to_vec(), stored, light, load_s: 0.0 })
     }
 

@@ -11,19 +11,21 @@ pub(crate) const PYTHON: &str = "<python>";
 /// The exception for an error of the library, with its parts as attributes.
 pub(crate) fn raise(py: Python<'_>, error: Error) -> PyErr {
     let is_temporary = error.is_temporary();
+    // A change to a key stands in no file.
+    let in_file = !matches!(&error, Error::Input(input) if input.is_override);
     let error = error.in_words(&in_arguments, "set");
-    exception(py, error, is_temporary).unwrap_or_else(|failed| failed)
+    exception(py, error, is_temporary, in_file).unwrap_or_else(|failed| failed)
 }
 
-fn exception(py: Python<'_>, error: Error, is_temporary: bool) -> PyResult<PyErr> {
+fn exception(py: Python<'_>, error: Error, is_temporary: bool, in_file: bool) -> PyResult<PyErr> {
     let text = error.to_string();
     let parts = PyDict::new(py);
     parts.set_item("is_temporary", is_temporary)?;
     let class = match error {
-        Error::Temporary(inner) => return exception(py, *inner, is_temporary),
+        Error::Temporary(inner) => return exception(py, *inner, is_temporary, in_file),
         Error::Cancelled { help, .. } => return Ok(PyKeyboardInterrupt::new_err(words(help))),
         Error::Input(input) => {
-            parts.set_item("file", &input.path)?;
+            parts.set_item("file", in_file.then_some(&input.path))?;
             parts.set_item("line", input.line)?;
             parts.set_item("key", &input.key)?;
             parts.set_item("reason", &input.message)?;

@@ -58,25 +58,31 @@ impl Sensor {
     }
 }
 
+/// Wavelengths, nm, and values.
+type Table<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
+
+/// The spectrum of a table.
+fn spectrum(py: Python<'_>, table: Option<Table<'_>>) -> PyResult<Option<Spectrum>> {
+    let Some((wavelengths, values)) = table else { return Ok(None) };
+    let spectrum = Spectrum::from_samples(wavelengths.as_slice()?, values.as_slice()?, Outside::Zero);
+    let spectrum = spectrum.map_err(|invalid| raise(py, invalid.within("illuminant").in_file(Path::new(PYTHON))));
+    spectrum.map(Some)
+}
+
 /// Exposes a sensor to irradiance, (rows, columns, bands) in W·m⁻²·nm⁻¹.
 #[pyfunction]
 pub(crate) fn expose_irradiance(
     py: Python<'_>,
     irradiance: PyReadonlyArray3<'_, f32>,
     wavelengths_nm: Vec<f64>,
-    white: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
+    white: Option<Table<'_>>,
     overrides: Vec<String>,
     frames: u32,
     threads: Option<usize>,
 ) -> PyResult<Vec<Shot>> {
     let names = wavelengths_nm.iter().map(f64::to_string).collect();
     let bands = to_planes(&irradiance, names).map_err(|invalid| raise(py, invalid.in_file(Path::new(PYTHON))))?;
-    let white = white
-        .map(|(wavelengths, values)| {
-            let spectrum = Spectrum::from_samples(wavelengths.as_slice()?, values.as_slice()?, Outside::Zero);
-            spectrum.map_err(|invalid| raise(py, invalid.within("illuminant").in_file(Path::new(PYTHON))))
-        })
-        .transpose()?;
+    let white = spectrum(py, white)?;
     work(py, How { threads, progress: None }, |monitor| {
         let render = StoredRender::of_irradiance(Path::new(PYTHON), bands, white.as_ref(), &overrides)?.expose()?;
         render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
@@ -94,6 +100,7 @@ pub(crate) fn expose_planes(
     unit: &str,
     one: f64,
     wavelength_nm: Option<f64>,
+    white: Option<Table<'_>>,
     overrides: Vec<String>,
     frames: u32,
     threads: Option<usize>,
@@ -110,9 +117,11 @@ pub(crate) fn expose_planes(
             return Err(raise(py, invalid.help(help).in_file(Path::new(PYTHON))));
         }
     };
+    let white = spectrum(py, white)?;
     work(py, How { threads, progress: None }, |monitor| {
         let scale = PictureScale { unit, one, is_linear: true };
-        let render = StoredRender::of_planes(Path::new(PYTHON), &planes, &scale, &overrides)?.expose()?;
+        let render =
+            StoredRender::of_planes(Path::new(PYTHON), &planes, &scale, white.as_ref(), &overrides)?.expose()?;
         render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
         Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
     })

@@ -7,8 +7,9 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use photosite::Error;
 use photosite::pipeline::{Event, Monitor};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -93,7 +94,7 @@ fn pool(threads: Option<usize>) -> photosite::Result<Arc<ThreadPool>> {
     if let Some(pool) = pools.get(&count) {
         return Ok(pool.clone());
     }
-    let made = ThreadPoolBuilder::new().num_threads(count).build().map_err(|reason| photosite::Error::Resources {
+    let made = ThreadPoolBuilder::new().num_threads(count).build().map_err(|reason| Error::Resources {
         message: format!("cannot start threads: {reason}"),
         help: Some("ask for fewer with threads=".into()),
     })?;
@@ -111,8 +112,8 @@ pub(crate) fn work<T: Send>(
     job: impl FnOnce(&dyn Monitor) -> photosite::Result<T> + Send,
 ) -> PyResult<T> {
     let watch = Watch::default();
-    let outcome = py.detach(|| {
-        std::thread::scope(|scope| {
+    let (outcome, failed) = py.detach(|| {
+        std::thread::scope(|scope| -> PyResult<_> {
             let (tell, told) = channel();
             let watch = &watch;
             let threads = how.threads;
@@ -125,7 +126,7 @@ pub(crate) fn work<T: Send>(
             let (mut said, mut failed) = (None, None);
             loop {
                 match told.recv_timeout(LOOK_INTERVAL) {
-                    Ok(outcome) => return failed.map_or(Ok(outcome), Err),
+                    Ok(outcome) => return Ok((outcome, failed)),
                     Err(RecvTimeoutError::Disconnected) => unreachable!("the thread tells before it ends"),
                     Err(RecvTimeoutError::Timeout) => {}
                 }
@@ -138,6 +139,15 @@ pub(crate) fn work<T: Send>(
             }
         })
     })?;
+    if let Some(error) = failed {
+        // Of work that Ctrl-C has stopped the library says how it goes on.
+        return Err(match outcome {
+            Ok(Err(stopped @ Error::Cancelled { .. })) if error.is_instance_of::<PyKeyboardInterrupt>(py) => {
+                raise(py, stopped)
+            }
+            Ok(_) | Err(_) => error,
+        });
+    }
     let outcome = outcome.map_err(|panic| {
         let words = panic.downcast_ref::<String>().map(String::as_str);
         let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason is known");
