@@ -55,6 +55,8 @@ def is_path(value: object) -> "TypeIs[Path]":
 
 def assignments(keys: Mapping[str, Any], prefix: str = "") -> "list[str]":
     """Keys and their values as the library reads them, `key=value`, with values in TOML."""
+    if not isinstance(cast(object, keys), Mapping):
+        raise invalid("set", f"expected a dictionary of values by their keys, got {type(keys).__name__}")
     return [f"{prefix}{key}={toml(f'{prefix}{key}', value)}" for key, value in keys.items()]
 
 

@@ -22,10 +22,10 @@ class Camera:
         K: (3, 3) float64, the camera matrix: focal lengths and principal point in px.
         R: (3, 3) float64, rotation from the world to the camera.
         t: (3,) float64, translation from the world to the camera, m.
-        distortion: float64 coefficients in OpenCV's order: k1 k2 p1 p2 k3 (k4 k5 k6 (s1 … s4)) of a rectilinear lens, k1
+        distortion: float64 coefficients in OpenCV's order: k1 k2 p1 p2 k3 (k4 k5 k6 (s1 … s4)) of a perspective lens, k1
             … k4 of a fisheye, k1 k2 p1 p2 of an omnidirectional lens.
-        projection: the model of the lens, as ``[lens]`` of capture files names it: ``"rectilinear"``, ``"fisheye"`` …;
-            ``"none"`` without a lens.
+        projection: the model of the lens, as ``lens.projection`` of capture files names it: ``"perspective"``,
+            ``"fisheye"`` …; ``"none"`` without a lens.
         xi: mirror parameter of an omnidirectional lens; None of others.
         position_m: (3,) float64, where the centre of the lens stands in the world, m.
         resolution_px: columns and rows.

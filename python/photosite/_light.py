@@ -157,6 +157,26 @@ class Light:
         made = [Shot(shot, self._capture) for shot in shots]
         return made[0] if frames is None else made
 
+    def to_xarray(self) -> Any:
+        """Its arrays as an ``xarray.Dataset``: ``electrons_per_s`` and ``variance`` over ``y``, ``x`` (px, whole at pixel
+        centres) and ``channel``, and where it is kept ``irradiance`` over ``wavelength_nm``. Needs xarray."""
+        import xarray
+
+        rows, columns = self.electrons_per_s.shape[:2]
+        arrays: "dict[str, Any]" = {
+            "electrons_per_s": (("y", "x", "channel"), self.electrons_per_s, {"units": "e-/s"}),
+            "variance": (("y", "x", "channel"), self.variance, {"units": "e-2/s2"}),
+        }
+        coordinates: "dict[str, Any]" = {
+            "y": ("y", np.arange(rows), {"units": "px"}),
+            "x": ("x", np.arange(columns), {"units": "px"}),
+            "channel": list(self.channels),
+        }
+        if self._irradiance is not None:
+            arrays["irradiance"] = (("y", "x", "wavelength_nm"), self.irradiance, {"units": "W m-2 nm-1"})
+            coordinates["wavelength_nm"] = ("wavelength_nm", self.wavelengths_nm, {"units": "nm"})
+        return xarray.Dataset(arrays, coordinates)
+
     def __repr__(self) -> str:
         columns, rows = self._compiled.resolution()
         return f"<photosite.Light {columns} × {rows} px, {', '.join(self.channels)}, {self.paths} paths>"

@@ -52,6 +52,27 @@ class Cfa:
         repeats = (-(-rows // tile.shape[0]), -(-columns // tile.shape[1]))
         return np.ascontiguousarray(np.tile(tile, repeats)[:rows, :columns])
 
+    def mosaic(self, channels: "npt.ArrayLike") -> "npt.NDArray[Any]":
+        """Of each pixel the value of the channel that it has.
+
+        Args:
+            channels: (H, W, C) numbers of all channels, such as ``shot.electrons`` of a whole sensor.
+
+        Returns:
+            (H, W) of the same type; of a full layout the array itself.
+
+        Raises:
+            InputError: an array of another shape.
+        """
+        values = as_array("channels", channels, (3,), "(H, W, C)")
+        if values.shape[2] != len(self.channels):
+            expected = f"(H, W, {len(self.channels)}) of {', '.join(self.channels)}"
+            raise invalid("channels", f"expected an array {expected}, got one of shape {values.shape}")
+        if self.is_full:
+            return values
+        which = self.channel_map(values.shape[0], values.shape[1]).astype(np.intp)
+        return np.ascontiguousarray(np.take_along_axis(values, which[:, :, np.newaxis], 2)[:, :, 0])
+
     def __str__(self) -> str:
         return self.pattern
 

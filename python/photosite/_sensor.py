@@ -65,7 +65,7 @@ class Sensor:
     def pixel_pitch_um(self) -> "tuple[float, float]":
         """Horizontal and vertical distance of pixels, µm."""
         x, y = self._compiled.pixel_pitch_m()
-        return x * 1e6, y * 1e6
+        return round(x * 1e6, 9), round(y * 1e6, 9)
 
     @property
     def channels(self) -> "tuple[str, ...]":

@@ -180,6 +180,13 @@ class Shot:
         return self._compiled.exposure()[2]
 
     @property
+    def system_gain_dn_per_e(self) -> float:
+        """EMVA 1288's overall system gain K at these gains, DN/e⁻: a number of the raw image, less the black level, is K
+        times the electrons of its pixel and noise, where the sensor is linear."""
+        gain: float = self.report["sensor"]["system_gain_dn_per_e"]
+        return gain
+
+    @property
     def temperature_c(self) -> float:
         """Temperature of the sensor, °C."""
         return self._compiled.exposure()[3]

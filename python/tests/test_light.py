@@ -287,6 +287,7 @@ def test_nothing_is_printed(room: Path) -> None:
         ({"frames": 0}, "frames"),
         ({"frames": 1.5}, "frames"),
         ({"threads": 0}, "threads"),
+        ({"set": 3}, "set"),
         ({"set": {"lens.f_number": 2}}, ""),
         ({"set": {"sensor.resolution_px": [32, 32]}}, "sensor.resolution_px"),
         ({"set": {"output.irradiance": True}}, "output.irradiance"),
@@ -333,3 +334,5 @@ def test_xarray_has_named_axes_and_units(room: Path) -> None:
     data = ps.render(room).to_xarray()
     assert data.electrons.dims == ("y", "x", "channel") and data.electrons.attrs["units"] == "e-"
     assert data.raw.dims == ("y", "x") and list(data.channel.values) == ["R", "G", "B"]
+    light = ps.trace(ps.load(room, set={"output.irradiance": {"bands_nm": [400, 700, 50]}})).to_xarray()
+    assert light.irradiance.dims == ("y", "x", "wavelength_nm") and light.wavelength_nm.values[0] == 425

@@ -18,7 +18,7 @@ use crate::spectrum::{Spectrum, illuminant};
 use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
 
-use super::lens_corrections::LensSeen;
+use super::lens_corrections::{KnownGainMap, LensSeen};
 use crate::report::{ExposureReport, ImageReport, NoiseReport, SensorReport};
 
 /// What the chain needs of a capture.
@@ -78,8 +78,11 @@ pub(super) struct Chain<'a> {
     optics: &'a Optics,
     colours: &'a SensorColours,
     /// What raw files say of falloff and distortion comes from these.
-    lens: Option<(&'a LensDescription, &'a Camera)>,
+    lens: Option<SeenLens<'a>>,
 }
+
+/// A lens, where it stands, and what is known of its falloff.
+pub(super) type SeenLens<'a> = (&'a LensDescription, &'a Camera, &'a KnownGainMap);
 
 /// What the sensor counts on average during an exposure.
 #[derive(Clone)]
@@ -139,7 +142,7 @@ impl<'a> Chain<'a> {
         settings: Settings<'a>,
         optics: &'a Optics,
         colours: &'a SensorColours,
-        lens: Option<(&'a LensDescription, &'a Camera)>,
+        lens: Option<SeenLens<'a>>,
     ) -> Self {
         Self { settings, optics, colours, lens }
     }
@@ -147,7 +150,7 @@ impl<'a> Chain<'a> {
     /// Warnings about what images and raw files do not show of the lens, and what images do not hold.
     pub(super) fn picture_warnings(&self) -> Vec<String> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
-        let seen = self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.region));
+        let seen = self.lens.map(|(lens, camera, _)| LensSeen::new(lens, camera, sensor, &exposure.region));
         let mut warnings = seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output));
         if !develop.colour_model.is_shown() {
             let model = develop.colour_model.name();
@@ -164,12 +167,12 @@ impl<'a> Chain<'a> {
     /// What the developed picture is a picture of, where the lens is known.
     pub(super) fn image_report(&self) -> Option<ImageReport> {
         let Settings { sensor, exposure, develop, .. } = self.settings;
-        self.lens.map(|(lens, camera)| LensSeen::new(lens, camera, sensor, &exposure.region).image_report(develop))
+        self.lens.map(|(lens, camera, _)| LensSeen::new(lens, camera, sensor, &exposure.region).image_report(develop))
     }
 
     /// How the grid of the whole sensor becomes that of the ideal picture, where it does not stay.
     pub(super) fn ideal_resampling(&self) -> Option<Resampling> {
-        let (lens, camera) = self.lens?;
+        let (lens, camera, _) = self.lens?;
         LensSeen::new(lens, camera, self.settings.sensor, &RegionOfInterest::WHOLE).resampling(self.settings.develop)
     }
 
@@ -220,8 +223,8 @@ impl<'a> Chain<'a> {
             colour.write_to(&mut raw.metadata);
         }
         raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
-        if let Some((lens, camera)) = self.lens {
-            LensSeen::new(lens, camera, sensor, &exposure.region).write_to(&mut raw.metadata);
+        if let Some((lens, camera, known)) = self.lens {
+            LensSeen::new(lens, camera, sensor, &exposure.region).write_to(&mut raw.metadata, known);
         }
         Ok((raw, maps))
     }

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DAffine3;
 
 use super::camera::camera_of;
 use super::chain::{Chain, Exposed, Optics, SensorColours, Settings};
+use super::lens_corrections::KnownGainMap;
 use super::monitor::{Event, Monitor};
 use super::needs::Needs;
 use super::output_folder::OutputFolder;
@@ -48,6 +50,7 @@ struct ReadySensor {
     optics: Optics,
     colours: SensorColours,
     placed: Option<(LensDescription, Camera)>,
+    gain_map: Arc<KnownGainMap>,
     /// What automatic exposure found when this was exposed before.
     known_gains: Option<[Decibels; 2]>,
 }
@@ -190,7 +193,7 @@ impl ReadySensor {
             specimen == capture.sensor && r.exposure.is_like(&capture.exposure)
         });
         let known_gains = gains.filter(|_| same);
-        let ready = Self { stored, white, optics, colours, placed, known_gains };
+        let ready = Self { stored, white, optics, colours, placed, gain_map: Arc::default(), known_gains };
         warnings.extend(ready.chain().picture_warnings());
         let Stored { capture, recorded, traced, .. } = &ready.stored;
         if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
@@ -207,7 +210,7 @@ impl ReadySensor {
     }
 
     fn chain(&self) -> Chain<'_> {
-        let lens = self.placed.as_ref().map(|(lens, camera)| (lens, camera));
+        let lens = self.placed.as_ref().map(|(lens, camera)| (lens, camera, &*self.gain_map));
         Chain::new(Settings::from(&self.stored.capture), &self.optics, &self.colours, lens)
     }
 

@@ -6,6 +6,7 @@ use crate::optics::{Camera, Falloff, Intrinsics, LensDescription, Projection};
 use crate::raw::{Distortion, GainMap, LensModel, PixelArea, RawMetadata, Warp};
 use crate::sensor::{RegionOfInterest, SensorModel};
 use glam::DVec2;
+use std::sync::{Mutex, PoisonError};
 
 use crate::report::ImageReport;
 
@@ -27,6 +28,23 @@ pub struct LensSeen<'a> {
     pitch_m: [f64; 2],
     /// Whether every second row lies half a pixel farther to the right.
     is_staggered: bool,
+}
+
+/// The gain map of a lens through the window that it was asked for last: it takes longer than a small exposure.
+#[derive(Debug, Default)]
+pub(super) struct KnownGainMap(Mutex<Option<([f64; 4], Option<GainMap>)>>);
+
+impl KnownGainMap {
+    fn of(&self, seen: &LensSeen<'_>) -> Option<GainMap> {
+        let window = seen.window_px();
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, map)) = known.as_ref().filter(|(of, _)| *of == window) {
+            return map.clone();
+        }
+        let map = seen.gain_map();
+        *known = Some((window, map.clone()));
+        map
+    }
 }
 
 /// What a developer has done to the places of things.
@@ -53,11 +71,11 @@ impl<'a> LensSeen<'a> {
         Self { lens, camera, area, size_px, factor, pitch_m, is_staggered: sensor.cells.is_staggered() }
     }
 
-    /// Writes falloff and distortion into the metadata of a raw image of this window.
-    pub(super) fn write_to(&self, metadata: &mut RawMetadata) {
+    /// Writes falloff and distortion into the metadata of a raw image of this window. `known` is of this lens.
+    pub(super) fn write_to(&self, metadata: &mut RawMetadata, known: &KnownGainMap) {
         metadata.gain_map = match self.lens.falloff {
             Falloff::None if self.lens.stops.is_empty() => None,
-            Falloff::None | Falloff::Cos4 => self.gain_map(),
+            Falloff::None | Falloff::Cos4 => known.of(self),
         };
         metadata.distortion = self.model().map(Distortion::Lens);
     }
@@ -182,14 +200,20 @@ impl<'a> LensSeen<'a> {
         can_correct.then_some(model)
     }
 
+    /// The window on the grid of the sensor: left, top, width, height.
+    fn window_px(&self) -> [f64; 4] {
+        let [width, height] = [0, 1].map(|axis| self.size_px[axis] as f64 * self.factor[axis]);
+        [self.area.x as f64, self.area.y as f64, width, height]
+    }
+
     /// 1 over the relative illumination. Where distortion leaves a pixel without light, there is nothing to correct.
     fn gain_map(&self) -> Option<GainMap> {
         let [columns, rows] = POINTS;
-        let seen = [0, 1].map(|axis| self.size_px[axis] as f64 * self.factor[axis]);
+        let [left, top, width, height] = self.window_px();
         let gain = |i: usize| {
             let part = [i % columns, i / columns].map(|n| n as f64);
-            let x = self.area.x as f64 + part[0] / (columns - 1) as f64 * seen[0];
-            let y = self.area.y as f64 + part[1] / (rows - 1) as f64 * seen[1];
+            let x = left + part[0] / (columns - 1) as f64 * width;
+            let y = top + part[1] / (rows - 1) as f64 * height;
             let illumination = self.camera.relative_illumination(DVec2::new(x, y)).filter(|part| *part > 0.0);
             illumination.map_or(1.0, |illumination| 1.0 / illumination as f32)
         };
@@ -283,7 +307,7 @@ mod tests {
     fn the_gains_undo_cos4() {
         let (lens, camera) = camera(Projection::Perspective, 22.0, [6e-6; 2]);
         let mut metadata = RawMetadata::default();
-        seen(&lens, &camera, RegionOfInterest::WHOLE, [6e-6; 2]).write_to(&mut metadata);
+        seen(&lens, &camera, RegionOfInterest::WHOLE, [6e-6; 2]).write_to(&mut metadata, &KnownGainMap::default());
         let map = metadata.gain_map.expect("falloff");
         for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.25), (0.73, 0.4)] {
             let across = DVec2::new((x - 0.5) * 640.0, (y - 0.5) * 480.0) * 6e-6 / 0.004;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
 use super::focusing::{FocusedCamera, focus_camera};
+use super::lens_corrections::KnownGainMap;
 use super::needs;
 use super::responses::{filters, importance, responses, seen_through_lens};
 use crate::Result;
@@ -34,6 +35,7 @@ pub struct Prepared {
     pub(super) light: Spectrum,
     pub(super) optics: Optics,
     pub(super) colours: SensorColours,
+    pub(super) gain_map: Arc<KnownGainMap>,
     /// Of the [surfaces](crate::scene::description::SceneDescription::surfaces) that flow follows.
     pub(super) surfaces: u64,
     pub(super) truth: Option<TruthReport>,
@@ -96,6 +98,7 @@ impl Prepared {
             light,
             optics,
             colours,
+            gain_map: Arc::default(),
             surfaces,
             truth,
             warnings,
@@ -130,7 +133,7 @@ impl Prepared {
     /// The steps after light transport.
     pub(super) fn chain(&self) -> Chain<'_> {
         // Of a bare sensor there is nothing to correct.
-        let lens = self.camera.makes_picture().then_some((&self.capture.lens, &self.camera));
+        let lens = self.camera.makes_picture().then_some((&self.capture.lens, &self.camera, &*self.gain_map));
         Chain::new((&self.capture).into(), &self.optics, &self.colours, lens)
     }
 }

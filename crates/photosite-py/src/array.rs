@@ -29,10 +29,13 @@ pub(crate) fn of_pixels<'py, T: Element>(
 pub(crate) fn of_stack<'py>(py: Python<'py>, planes: &Planes) -> PyResult<Bound<'py, PyAny>> {
     let channels = planes.channels();
     let [rows, columns, count] = [planes.height(), planes.width(), channels.len()];
-    let mut numbers = vec![0.0f32; rows * columns * count];
-    for (i, channel) in channels.iter().enumerate() {
-        numbers[i..].iter_mut().step_by(count).zip(&channel.data).for_each(|(to, &value)| *to = value);
-    }
+    let numbers = py.detach(|| {
+        let mut numbers = vec![0.0f32; rows * columns * count];
+        for (i, channel) in channels.iter().enumerate() {
+            numbers[i..].iter_mut().step_by(count).zip(&channel.data).for_each(|(to, &value)| *to = value);
+        }
+        numbers
+    });
     Ok(numbers.into_pyarray(py).reshape([rows, columns, count])?.into_any())
 }
 
@@ -40,11 +43,10 @@ pub(crate) fn of_stack<'py>(py: Python<'py>, planes: &Planes) -> PyResult<Bound<
 pub(crate) fn of_planes<'py>(py: Python<'py>, planes: Planes) -> PyResult<Bound<'py, PyAny>> {
     let [rows, columns, count] = [planes.height(), planes.width(), planes.channels().len()];
     let mut channels = planes.into_channels();
-    let numbers = if count == 1 {
-        channels.swap_remove(0).data
-    } else {
-        (0..rows * columns).flat_map(|i| channels.iter().map(move |channel| channel.data[i])).collect()
-    };
+    let numbers = py.detach(|| match count {
+        1 => channels.swap_remove(0).data,
+        _ => (0..rows * columns).flat_map(|i| channels.iter().map(move |channel| channel.data[i])).collect(),
+    });
     of_pixels(py, [rows, columns, count], numbers)
 }
 
