@@ -216,7 +216,12 @@ fn absolute(module: &[String], path: &str, files: &BTreeMap<Vec<String>, PathBuf
     let mut names: Vec<String> = path.split("::").map(str::to_owned).collect();
     let mut base = module.to_vec();
     match names.first().map(String::as_str) {
-        Some("crate" | "photosite") => {
+        Some("crate") => {
+            base.clear();
+            names.remove(0);
+        }
+        // The program beside the library.
+        Some("photosite") if module == ["main"] => {
             base.clear();
             names.remove(0);
         }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::compare_report::text;
-use super::in_options;
 use super::print::{print_json, println_out, refuse_existing};
+use super::remedies::in_options;
 use crate::develop::EncodedPicture;
 use crate::io::developed::write_png;
 use crate::io::output::write_whole;

@@ -28,6 +28,7 @@ mod noise_add;
 mod print;
 mod project;
 mod rectify;
+mod remedies;
 mod render;
 mod run_args;
 mod schema;
@@ -42,7 +43,8 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use self::arguments::start_threads;
-use crate::{Error, Remedy, Result, Sandbox, memory};
+use self::remedies::in_options;
+use crate::{Error, Result, Sandbox, memory};
 
 /// What scripts and schedulers go by.
 const EXIT_STATUS: &str = "\
@@ -187,37 +189,5 @@ fn status(error: &Error) -> u8 {
         Error::Override { .. } | Error::Usage { .. } => WRONG_USAGE,
         Error::Input(_) | Error::Io { .. } | Error::Temporary(_) if error.is_temporary() => ANOTHER_TRY,
         Error::Input(_) | Error::Io { .. } | Error::Resources { .. } | Error::Temporary(_) => FAILED,
-    }
-}
-
-/// What to do about an error, as the options of the command line that do it.
-fn in_options(remedy: &Remedy) -> String {
-    match remedy {
-        Remedy::Say(words) => words.clone(),
-        Remedy::Overwrite => "add --force to overwrite".to_owned(),
-        Remedy::StartAnew => "add --force to start anew".to_owned(),
-        Remedy::Elsewhere(place) => format!("choose {place} with -o"),
-        Remedy::Override(change) => format!("add --set {change}"),
-        Remedy::Example(change) => format!("for example --set {change}"),
-        Remedy::FilmMemory(gib) => format!("add --film-memory {gib}"),
-        Remedy::Memory(gib) => format!("allow it with --memory {gib}"),
-        Remedy::Samples([from, to]) => format!("render them with --samples {from}..{to}"),
-        Remedy::Channels(names) => format!("name channels that both have: --channels {}", names.join(",")),
-        Remedy::Masked { name, area } => {
-            format!("of {name} the active area is looked at, {area}; --masked looks at its masked pixels, too")
-        }
-        Remedy::Variance(picture) => {
-            let option = picture.to_lowercase();
-            format!("give it with --variance-{option} FILE, or say --variance-{option} 0 where {picture} is exact")
-        }
-        Remedy::Moments(picture) => {
-            let option = picture.to_lowercase();
-            format!("say of how many samples a pixel its second moments are, with --samples-{option} N")
-        }
-        Remedy::Nearest => "add --approximate for the nearest that Mitsuba has".to_owned(),
-        Remedy::Linear => "say --linear where its codes are in proportion to light".to_owned(),
-        Remedy::LightUnit => {
-            "say what the numbers of a picture are with --unit electrons, full-well, lux or irradiance".to_owned()
-        }
     }
 }

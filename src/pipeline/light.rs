@@ -109,7 +109,7 @@ impl Prepared {
             pilot_paths,
             sensor: sensor.clone(),
             exposure: exposure.clone(),
-            bands: output.irradiance.clone(),
+            bands: output.irradiance,
             has_ideal: output.ideal,
         })
     }

@@ -5,15 +5,13 @@ use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1};
 use photosite::capture::{Capture as LoadedCapture, relative_path};
-use photosite::pipeline::{
-    self, Event, FilmMemory, LightSource, Options, Place, Prepared, Rendered, Request, render_into,
-};
+use photosite::pipeline::{self, Event, FilmMemory, LightSource, Options, Place, Prepared, Request, render_into};
 use photosite::report::{Report, Timings};
 use pyo3::prelude::*;
 
 use crate::array::{of_pixels, of_stack};
 use crate::capture::Capture;
-use crate::shot::{Shot, Source};
+use crate::shot::{Shot, Source, report_of};
 use crate::work::{How, work};
 
 /// Light that was traced, with the scene that it comes from.
@@ -77,14 +75,6 @@ pub(crate) fn render_to(
         Ok(report_of(render_into(LoadedCapture::clone(capture), &request, &mut place, Timings::default())?))
     })?;
     Ok(serde_json::to_string(&report).expect("plain values"))
-}
-
-/// The report of a picture, which is all that is rendered here.
-pub(crate) fn report_of(rendered: Rendered) -> Report {
-    match rendered {
-        Rendered::Picture { report, .. } => *report,
-        Rendered::Part(_) => unreachable!("no part was asked for"),
-    }
 }
 
 #[pymethods]

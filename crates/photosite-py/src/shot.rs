@@ -7,7 +7,7 @@ use photosite::calibration::truth::TruthLayer;
 use photosite::capture::relative_path;
 use photosite::image::{Estimate, Planes};
 use photosite::pipeline::{
-    self, Event, ExposedRender, FilmMemory, LightSource, Monitor, OutputFolder, Prepared, Request,
+    self, Event, ExposedRender, FilmMemory, LightSource, Monitor, OutputFolder, Prepared, Rendered, Request,
 };
 use photosite::report::Report;
 use photosite::sensor::{LeftCharge, NoiseMap};
@@ -16,7 +16,6 @@ use pyo3::prelude::*;
 
 use crate::array::{of_planes, of_stack};
 use crate::error::{PYTHON, raise};
-use crate::light::report_of;
 use crate::raw::{Raw, of_codes};
 use crate::work::{How, work};
 
@@ -205,6 +204,14 @@ impl Shot {
             }
         })?;
         Ok(serde_json::to_string(&report).expect("plain values"))
+    }
+}
+
+/// The report of a picture, which is all that is rendered here.
+pub(crate) fn report_of(rendered: Rendered) -> Report {
+    match rendered {
+        Rendered::Picture { report, .. } => *report,
+        Rendered::Part(_) => unreachable!("no part was asked for"),
     }
 }
 
