@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArray3};
+use numpy::{Element, IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray3};
 use photosite::image::Channel;
 use photosite::image::Planes;
 use photosite::io::exr::write_exr;
@@ -11,6 +11,9 @@ use photosite::{Invalid, Result};
 use pyo3::prelude::*;
 
 use crate::work::{How, work};
+
+/// A row of numbers.
+pub(crate) type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 
 /// Numbers of pixels, row by row, as an array (rows, columns, components); of one component (rows, columns).
 pub(crate) fn of_pixels<'py, T: Element>(

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray1};
+use numpy::IntoPyArray;
 use photosite::capture::{Capture as LoadedCapture, relative_path};
 use photosite::pipeline::{self, Event, FilmMemory, LightSource, Options, Place, Prepared, Request, render_into};
 use photosite::report::{Report, Timings};
 use pyo3::prelude::*;
 
-use crate::array::{of_pixels, of_stack};
+use crate::array::{Numbers, of_pixels, of_stack};
 use crate::capture::Capture;
 use crate::shot::{Shot, Source, report_of};
 use crate::work::{How, work};
@@ -95,7 +95,7 @@ impl Light {
     }
 
     /// Irradiance, (rows, columns, bands), and the central wavelengths of its bands, nm.
-    fn irradiance<'py>(&self, py: Python<'py>) -> PyResult<Option<(Bound<'py, PyAny>, Bound<'py, PyArray1<f64>>)>> {
+    fn irradiance<'py>(&self, py: Python<'py>) -> PyResult<Option<(Bound<'py, PyAny>, Numbers<'py>)>> {
         let Some(bands) = self.light.irradiance() else { return Ok(None) };
         let wavelengths: Vec<f64> = bands.channels().iter().filter_map(|channel| channel.name.parse().ok()).collect();
         Ok(Some((of_stack(py, &bands)?, wavelengths.into_pyarray(py))))

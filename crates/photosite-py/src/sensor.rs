@@ -3,14 +3,14 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray3};
 use photosite::pipeline::{Event, PictureScale, StoredRender};
 use photosite::sensor::{PictureUnit, SensorModel};
 use photosite::spectrum::{Outside, Spectrum, illuminant};
 use photosite::{Invalid, Sandbox};
 use pyo3::prelude::*;
 
-use crate::array::to_planes;
+use crate::array::{Numbers, to_planes};
 use crate::error::{PYTHON, raise};
 use crate::shot::{Shot, Source};
 use crate::work::{How, warn, work};
@@ -48,8 +48,7 @@ impl Sensor {
     }
 
     /// For each channel wavelengths, nm, and electrons a second that W·m⁻²·nm⁻¹ frees in a pixel.
-    #[expect(clippy::type_complexity, reason = "two arrays for each channel")]
-    fn responses<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    fn responses<'py>(&self, py: Python<'py>) -> Vec<(String, Numbers<'py>, Numbers<'py>)> {
         let arrays = |(name, response): (String, Spectrum)| {
             let (wavelengths, values): (Vec<f64>, Vec<f64>) = response.iter().unzip();
             (name, wavelengths.into_pyarray(py), values.into_pyarray(py))
@@ -145,10 +144,7 @@ pub(crate) fn expose_stored(
 
 /// The spectrum of a light by its name: wavelengths, nm, and relative values.
 #[pyfunction]
-pub(crate) fn illuminant_spectrum<'py>(
-    py: Python<'py>,
-    name: &str,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str) -> PyResult<(Numbers<'py>, Numbers<'py>)> {
     let spectrum = illuminant::illuminant(name).ok_or_else(|| {
         let known = illuminant::names().collect::<Vec<_>>().join(", ");
         let invalid = Invalid::new("illuminant", format!("there is no light {name:?}"));
