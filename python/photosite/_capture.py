@@ -103,7 +103,7 @@ def load(source: "Union[Path, Mapping[str, Any]]", *, set: "Optional[Mapping[str
         InputError: whatever is wrong with the file or one that it names, with key and line.
         FileError: a file that cannot be read.
     """
-    changes = assignments(set or {})
+    changes = assignments({} if set is None else set)
     if isinstance(source, Mapping):
         return _again(source, changes)
     if not is_path(source):

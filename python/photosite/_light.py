@@ -192,7 +192,7 @@ def exposure_changes(
 ) -> "list[str]":
     """What a call says of an exposure, as changes to a capture."""
     named = {"exposure.time_s": time_s, "exposure.gain_db": gain_db, "render.seed": seed}
-    changes = assignments(dict(set or {}))
+    changes = assignments({} if set is None else set)
     if capture is not None and capture.series[0] != 1:
         # Frames are asked for by the call.
         changes.append("exposure.frames=1")

@@ -36,8 +36,8 @@ class Sensor:
         if not is_path(name):
             raise invalid("name", f"expected the name of a sensor or a path, got {type(name).__name__}")
         self._name = str(name)
-        self._keys = dict(set or {})
-        self._changes = assignments({_below_sensor(key): value for key, value in self._keys.items()})
+        self._keys: "Mapping[str, Any]" = {} if set is None else set
+        self._changes = [_below_sensor(change) for change in assignments(self._keys)]
         self._compiled = _photosite.Sensor(self._name, self._changes)
 
     @property
@@ -212,12 +212,12 @@ class Sensor:
         return f"<photosite.Sensor {self.name}, {columns} × {rows} px, {', '.join(self.channels)}>"
 
 
-def _sensor(name: str, keys: "dict[str, Any]") -> Sensor:
+def _sensor(name: str, keys: "Mapping[str, Any]") -> Sensor:
     return Sensor(name, set=keys)
 
 
-def _below_sensor(key: str) -> str:
-    return key if key.startswith("sensor.") else f"sensor.{key}"
+def _below_sensor(change: str) -> str:
+    return change if change.startswith("sensor.") else f"sensor.{change}"
 
 
 def _quoted(text: str) -> str:
