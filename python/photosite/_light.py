@@ -139,7 +139,9 @@ class Light:
         Args:
             time_s: exposure time, s.
             gain_db: analogue gain, dB.
-            seed: seed of the sensor's temporal noise; the fixed pattern belongs to ``sensor.serial``.
+            seed: seed of the sensor's temporal noise; the fixed pattern belongs to ``sensor.serial``. The same seed draws
+                the same random numbers for a pixel at every time and gain: exposures whose noise shall be independent
+                get seeds of their own.
             frames: so many exposures, one after the other, each with temporal noise of its own.
             set: values for other keys of ``sensor``, ``exposure``, ``develop`` and ``output``, as in
                 ``{"sensor.noise.read_noise_e": 3}``. A sensor with other filters or quantum efficiency needs light that

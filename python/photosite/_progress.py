@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+import warnings
 from typing import Any, Callable, Optional, Union
 
 #: True for a bar, False for none, None for one where somebody watches, or a function of what is done and what there is
@@ -28,7 +29,10 @@ def _is_notebook() -> bool:
 def _bar(label: str, unit: str) -> "Callable[[int, int], object]":
     """tqdm's bar where that is installed, else a plain line."""
     try:
-        from tqdm.auto import tqdm
+        with warnings.catch_warnings():
+            # That a notebook lacks widgets, and gets a bar of text.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
     except ImportError:
         return _Line(label)
     return _Tqdm(tqdm, label, unit)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any, Optional, Union, overload
 
@@ -54,6 +55,12 @@ class Sensor:
     def changes(self) -> "list[str]":
         """Its changed keys as the library reads them, ``key=value``."""
         return list(self._changes)
+
+    @property
+    def values(self) -> "dict[str, Any]":
+        """All its keys by the tables of a sensor file, with changes: ``values["noise"]["read_noise_e"]``."""
+        values: "dict[str, Any]" = json.loads(self._compiled.values())
+        return values
 
     @property
     def resolution_px(self) -> "tuple[int, int]":
@@ -155,7 +162,8 @@ class Sensor:
             channels: names of the channels of ``light``; those of the sensor in their order unless said.
             illuminant: the light that white balance makes neutral; D65 unless said, with a warning.
             gain_db: analogue gain, dB.
-            seed: seed of temporal noise.
+            seed: seed of temporal noise. The same seed draws the same random numbers for a pixel, whatever the light and
+                the time: exposures whose noise shall be independent get seeds of their own.
             frames: so many exposures, each with temporal noise of its own.
             set: values for keys of ``sensor``, ``exposure``, ``develop`` and ``output``.
             threads: threads to use.

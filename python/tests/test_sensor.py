@@ -99,6 +99,7 @@ def test_arrays_of_any_layout_are_taken() -> None:
 def test_sensors_can_be_pickled_and_changed(tmp_path: Path) -> None:
     sensor = ps.Sensor("sony-imx249-mono", set={"noise.read_noise_e": 50.0, "serial": 7})
     again = pickle.loads(pickle.dumps(sensor))
+    assert again.values == sensor.values and sensor.values["noise"]["read_noise_e"] == 50
     dark = np.zeros((32, 32, len(NM)), np.float32)
     one, two = (np.asarray(s.expose(dark, wavelengths_nm=NM, time_s=0.01, illuminant="D65").raw) for s in (sensor, again))
     assert np.array_equal(one, two)

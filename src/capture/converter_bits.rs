@@ -109,7 +109,7 @@ fn short_counter(base: &Node, changes: &Node, bits: u32) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use crate::capture::read_named_sensor;
+    use crate::capture::{NamedSensor, read_named_sensor};
     use crate::sensor::{Exposure, presets};
     use crate::units::Seconds;
     use photosite_core::Sandbox;
@@ -125,7 +125,7 @@ mod tests {
             // A counter of fewer bits ends before its pixels do, and says so.
             let least = if preset.architecture.spad().is_some() { 8 } else { 1 };
             for bits in least..=16 {
-                let (sensor, warnings) =
+                let NamedSensor { model: sensor, warnings, .. } =
                     read_named_sensor(&Sandbox::default(), name, &[format!("adc.bits={bits}")]).expect("valid");
                 assert!(warnings.is_empty(), "{name}: {warnings:?}");
                 let [before, after] = [&preset, &sensor].map(|s| s.saturation_capacity(&exposure).0);
@@ -145,7 +145,7 @@ mod tests {
     fn the_converters_of_dual_gain_follow_their_own_bits() {
         let preset = presets::model("andor-zyla-55").expect("listed");
         let set = ["adc.dual_gain.bits=10", "adc.dual_gain.low_gain_dn_per_e=0.03"].map(str::to_owned);
-        let (sensor, _) = read_named_sensor(&Sandbox::default(), "andor-zyla-55", &set).expect("valid");
+        let sensor = read_named_sensor(&Sandbox::default(), "andor-zyla-55", &set).expect("valid").model;
         let [before, after] = [&preset, &sensor].map(|s| s.converter.dual_gain.as_ref().expect("two converters"));
         let gains = |dual: &crate::sensor::DualGain| [&dual.high, &dual.low].map(|c| c.conversion_gain_dn_per_e);
         assert_eq!(gains(after), [gains(before)[0] / 4.0, 0.03]);

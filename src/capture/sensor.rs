@@ -132,9 +132,19 @@ pub fn read_sensor_file(path: &Path, sandbox: &Sandbox) -> Result<Option<SensorM
     model.map(Some).map_err(|invalid| source.error(invalid))
 }
 
-/// A sensor by the name of a preset or the path of a sensor file, with overrides, `key=value`, laid over its
-/// keys; and warnings about them.
-pub fn read_named_sensor(sandbox: &Sandbox, name: &str, overrides: &[String]) -> Result<(SensorModel, Vec<String>)> {
+/// A sensor that was read by its name.
+#[derive(Clone, Debug)]
+pub struct NamedSensor {
+    /// The sensor.
+    pub model: SensorModel,
+    /// All its keys.
+    pub values: serde_json::Value,
+    /// Warnings about them.
+    pub warnings: Vec<String>,
+}
+
+/// A sensor by the name of a preset or the path of a sensor file, with overrides, `key=value`, laid over its keys.
+pub fn read_named_sensor(sandbox: &Sandbox, name: &str, overrides: &[String]) -> Result<NamedSensor> {
     if is_path(name) {
         std::fs::metadata(name).map_err(|reason| Error::io(Path::new(name), "read", reason))?;
     } else if presets::table(name).is_none() {
@@ -147,9 +157,9 @@ pub fn read_named_sensor(sandbox: &Sandbox, name: &str, overrides: &[String]) ->
         overrides::set_below(&mut source, "sensor", argument)?;
     }
     let merged = read_sensor(&mut source, Path::new(""))?;
-    let sensor = sensor_model(&merged, source.sandbox()).map_err(|invalid| source.error(invalid.within("sensor")))?;
-    let warnings = merged.warnings.into_iter().chain(sensor.warnings()).collect();
-    Ok((sensor, warnings))
+    let model = sensor_model(&merged, source.sandbox()).map_err(|invalid| source.error(invalid.within("sensor")))?;
+    let warnings = merged.warnings.into_iter().chain(model.warnings()).collect();
+    Ok(NamedSensor { model, values: source.read("sensor")?.unwrap_or_default(), warnings })
 }
 
 /// What the changes are laid over, and its name: the sensor that a report holds, else the default, unless a preset is

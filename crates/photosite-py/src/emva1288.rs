@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use photosite::Sandbox;
-use photosite::capture::read_named_sensor;
+use photosite::capture::{NamedSensor, read_named_sensor};
 use photosite::characterisation::effects_left_out;
 use photosite::emva1288::{
     MeasuredChannel, SetPlan, SetRequest, evaluate_descriptor, evaluate_sets, refuse_image_sets,
@@ -45,7 +45,8 @@ pub(crate) fn take_image_sets(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let sets = work(py, How { threads, progress }, |monitor| {
-        let (sensor, warnings) = read_named_sensor(&Sandbox::default(), sensor, &request.overrides)?;
+        let NamedSensor { model: sensor, warnings, .. } =
+            read_named_sensor(&Sandbox::default(), sensor, &request.overrides)?;
         let request = SetRequest {
             channels: request.channels,
             wavelength_nm: request.wavelength_nm,

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray3};
+use photosite::capture::{NamedSensor, read_named_sensor};
 use photosite::pipeline::{Event, PictureScale, StoredRender};
 use photosite::sensor::{PictureUnit, SensorModel};
 use photosite::spectrum::{Outside, Spectrum, illuminant};
@@ -17,34 +18,42 @@ use crate::work::{How, warn, work};
 
 /// A sensor by the name of a preset or the path of a sensor file, with changes to its keys.
 #[pyclass(frozen, module = "photosite._photosite")]
-pub(crate) struct Sensor(SensorModel);
+pub(crate) struct Sensor {
+    model: SensorModel,
+    values: String,
+}
 
 #[pymethods]
 impl Sensor {
     #[new]
     fn new(py: Python<'_>, name: &str, overrides: Vec<String>) -> PyResult<Self> {
-        let read = photosite::capture::read_named_sensor(&Sandbox::default(), name, &overrides);
-        let (sensor, warnings) = read.map_err(|error| raise(py, error))?;
+        let read = read_named_sensor(&Sandbox::default(), name, &overrides);
+        let NamedSensor { model, values, warnings } = read.map_err(|error| raise(py, error))?;
         warn(py, warnings)?;
-        Ok(Self(sensor))
+        Ok(Self { model, values: values.to_string() })
+    }
+
+    /// All its keys, as JSON.
+    fn values(&self) -> &str {
+        &self.values
     }
 
     fn name(&self) -> &str {
-        &self.0.name
+        &self.model.name
     }
 
     /// Columns and rows.
     fn resolution(&self) -> [usize; 2] {
-        self.0.resolution
+        self.model.resolution
     }
 
     /// Horizontal and vertical, m.
     fn pixel_pitch_m(&self) -> [f64; 2] {
-        self.0.pixel_pitch_m
+        self.model.pixel_pitch_m
     }
 
     fn channels(&self) -> Vec<String> {
-        self.0.cfa.channels().to_vec()
+        self.model.cfa.channels().to_vec()
     }
 
     /// For each channel wavelengths, nm, and electrons a second that W·m⁻²·nm⁻¹ frees in a pixel.
@@ -53,7 +62,7 @@ impl Sensor {
             let (wavelengths, values): (Vec<f64>, Vec<f64>) = response.iter().unzip();
             (name, wavelengths.into_pyarray(py), values.into_pyarray(py))
         };
-        self.0.responses().into_iter().map(arrays).collect()
+        self.model.responses().into_iter().map(arrays).collect()
     }
 }
 
