@@ -17,29 +17,12 @@ import pytest
 import photosite
 
 COMMAND = os.path.join(sysconfig.get_path("scripts"), "photosite")
-ROOM = """
-[scene]
-geometry = ["room.obj"]
-environment = { illuminant = "D65", illuminance_lux = 500 }
-[camera]
-position_m = [0, 0.5, 3]
-look_at_m = [0, 0.5, 0]
-[sensor]
-resolution_px = [64, 48]
-[exposure]
-time_s = 0.01
-[render]
-samples_per_pixel = 4
-seed = 7
-"""
 
 
 @pytest.fixture
-def room(tmp_path: Path) -> Path:
-    """A folder with a capture of a wall above a floor."""
-    (tmp_path / "room.obj").write_text("v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 1 -1\nv 1 1 -1\nf 1 4 3 2\nf 1 2 6 5\n")
-    (tmp_path / "capture.toml").write_text(ROOM)
-    return tmp_path
+def folder(room: Path) -> Path:
+    """The folder of the room's capture."""
+    return room.parent
 
 
 def run(*arguments: str, program: str = COMMAND, **how: Any) -> "subprocess.CompletedProcess[str]":
@@ -52,12 +35,12 @@ def until(is_there: Any, process: "subprocess.Popen[str]") -> None:
         time.sleep(0.005)
 
 
-def endless(room: Path, *before: str) -> "subprocess.Popen[str]":
+def endless(folder: Path, *before: str) -> "subprocess.Popen[str]":
     """A render that takes longer than anybody waits for, once it has begun to trace."""
     command = [COMMAND, "render", "capture.toml", "--quiet", "-o", "out", "--set", "render.samples_per_pixel=4000000000"]
     command += ["--set", "output.preview_interval_s=0.01"]
-    process = subprocess.Popen([*before, *command], cwd=room, stderr=subprocess.PIPE, text=True)
-    until((room / "out" / "preview.png").exists, process)
+    process = subprocess.Popen([*before, *command], cwd=folder, stderr=subprocess.PIPE, text=True)
+    until((folder / "out" / "preview.png").exists, process)
     return process
 
 
@@ -77,36 +60,36 @@ def test_wrong_usage() -> None:
     assert outcome.returncode == 2 and outcome.stdout == "" and "--colour" in outcome.stderr
 
 
-def test_failure(room: Path) -> None:
-    outcome = run("render", "missing.toml", cwd=room)
+def test_failure(folder: Path) -> None:
+    outcome = run("render", "missing.toml", cwd=folder)
     assert outcome.returncode == 1 and outcome.stdout == "" and "missing.toml" in outcome.stderr
-    outcome = run("render", "capture.toml", "--set", "lens.f_nummer=2", cwd=room)
+    outcome = run("render", "capture.toml", "--set", "lens.f_nummer=2", cwd=folder)
     assert outcome.returncode == 1 and "did you mean `f_number`?" in outcome.stderr
 
 
-def test_pictures_that_differ(room: Path) -> None:
+def test_pictures_that_differ(folder: Path) -> None:
     for seed in "12":
-        assert run("render", "capture.toml", "--quiet", "-o", seed, "--set", f"render.seed={seed}", cwd=room).returncode == 0
-    outcome = run("compare", "1/electrons.exr", "2/electrons.exr", "--max-rmse", "1e-9", cwd=room)
+        assert run("render", "capture.toml", "--quiet", "-o", seed, "--set", f"render.seed={seed}", cwd=folder).returncode == 0
+    outcome = run("compare", "1/electrons.exr", "2/electrons.exr", "--max-rmse", "1e-9", cwd=folder)
     assert outcome.returncode == 1 and outcome.stderr == ""
-    assert run("compare", "1/electrons.exr", "1/electrons.exr", "--max-rmse", "1e-9", cwd=room).returncode == 0
+    assert run("compare", "1/electrons.exr", "1/electrons.exr", "--max-rmse", "1e-9", cwd=folder).returncode == 0
 
 
-def test_names_that_are_no_text(room: Path) -> None:
+def test_names_that_are_no_text(folder: Path) -> None:
     name = os.fsdecode(b"out-\xff")
-    assert run("render", "capture.toml", "--quiet", "-o", name, cwd=room).returncode == 0
-    assert (room / name / "raw.dng").exists()
+    assert run("render", "capture.toml", "--quiet", "-o", name, cwd=folder).returncode == 0
+    assert (folder / name / "raw.dng").exists()
 
 
 @pytest.mark.skipif("PHOTOSITE_BINARY" not in os.environ, reason="PHOTOSITE_BINARY does not name the program")
 @pytest.mark.parametrize("threads", ["1", "2"])
-def test_same_as_the_program(room: Path, threads: str) -> None:
+def test_same_as_the_program(folder: Path, threads: str) -> None:
     both = {}
     for program in (os.environ["PHOTOSITE_BINARY"], COMMAND):
         arguments = ("--threads", threads, "render", "capture.toml", "--quiet", "--force", "-o", "out")
-        outcome = run(*arguments, cwd=room, program=program)
+        outcome = run(*arguments, cwd=folder, program=program)
         assert (outcome.returncode, outcome.stdout, outcome.stderr) == (0, "", "")
-        files = {path.name: path.read_bytes() for path in (room / "out").iterdir()}
+        files = {path.name: path.read_bytes() for path in (folder / "out").iterdir()}
         report = json.loads(files.pop("capture.json"))
         del report["timings"], report["paths_per_s"]
         both[program] = (report, files)
@@ -116,16 +99,16 @@ def test_same_as_the_program(room: Path, threads: str) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_signals_leave_a_checkpoint(room: Path, number: signal.Signals) -> None:
-    process = endless(room)
+def test_signals_leave_a_checkpoint(folder: Path, number: signal.Signals) -> None:
+    process = endless(folder)
     process.send_signal(number)
     words = process.communicate(timeout=30)[1]
     assert process.returncode == 128 + number and f"stopped by {number.name}" in words and "Traceback" not in words
-    assert [path.name for path in (room / "out").iterdir()] == ["checkpoint.film"]
+    assert [path.name for path in (folder / "out").iterdir()] == ["checkpoint.film"]
 
 
-def test_a_signal_that_is_ignored_stays_so(room: Path) -> None:
-    process = endless(room, "sh", "-c", 'trap "" INT; exec "$0" "$@"')
+def test_a_signal_that_is_ignored_stays_so(folder: Path) -> None:
+    process = endless(folder, "sh", "-c", 'trap "" INT; exec "$0" "$@"')
     process.send_signal(signal.SIGINT)
     time.sleep(0.3)
     assert process.poll() is None
