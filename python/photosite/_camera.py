@@ -11,7 +11,7 @@ import numpy.typing as npt
 __all__ = ["Camera"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Camera:
     """A camera in OpenCV's conventions: x right, y down, z forward; whole pixel coordinates at pixel centres.
 

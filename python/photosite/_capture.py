@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 from collections.abc import Mapping
 from typing import Any, Optional, Union, cast
 
 from . import _photosite
-from ._arguments import Path, assignments, invalid, is_path
+from ._arguments import Path, assignments, invalid, is_path, path_of
 from ._scene_files import SceneFiles
 
 __all__ = ["Capture", "load"]
@@ -38,16 +39,6 @@ class Capture:
         """Columns and rows of the sensor."""
         columns, rows = self._compiled.resolution()
         return columns, rows
-
-    @property
-    def compiled(self) -> "_photosite.Capture":
-        """What the compiled half of the package works with."""
-        return self._compiled
-
-    @property
-    def series(self) -> "tuple[int, bool, bool]":
-        """Frames that it asks for, whether things move, and whether the frames have exposures of several times."""
-        return self._compiled.series()
 
     @property
     def values(self) -> "dict[str, Any]":
@@ -105,10 +96,12 @@ def load(source: "Union[Path, Mapping[str, Any]]", *, set: "Optional[Mapping[str
     """
     changes = assignments({} if set is None else set)
     if isinstance(source, Mapping):
-        return _again(source, changes)
+        # A capture never changes, whatever becomes of the dictionary.
+        return _again(copy.deepcopy(dict(source)), changes)
     if not is_path(source):
         raise invalid("source", f"expected a path or a dictionary, got {type(cast(object, source)).__name__}")
-    return _again(os.path.abspath(os.fspath(source)), changes, os.fspath(source))
+    typed = path_of("source", source)
+    return _again(os.path.abspath(typed), changes, typed)
 
 
 def loaded(capture: CaptureLike) -> Capture:
@@ -123,5 +116,8 @@ def _again(
     if isinstance(source, str):
         return Capture(_photosite.Capture.load(typed or source, changes), source, changes, None)
     files = SceneFiles()
-    values = json.dumps(files.plain(source))
+    try:
+        values = json.dumps(files.plain(source))
+    except RecursionError:
+        raise invalid("capture", "holds itself, or is too deep") from None
     return Capture(_photosite.Capture.of_values(values, "<python>", changes), source, changes, files)

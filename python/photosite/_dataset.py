@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _photosite
-from ._arguments import Path, assignments, invalid
+from ._arguments import Path, assignments, invalid, path_of
 from ._camera import Camera
 from ._errors import InputError
 from ._progress import Progress, listener
@@ -204,9 +204,9 @@ class Dataset(Sequence[Frame]):
         if threads is not None and threads < 1:
             raise invalid("threads", f"expected at least 1, got {threads}")
         # Worker processes may work in another folder.
-        typed: str = os.fspath(path)
+        typed = path_of("path", path)
         self._path: str = os.path.abspath(typed)
-        self._overrides = assignments(set or {})
+        self._overrides = assignments({} if set is None else set)
         self._threads = threads
         self._compiled = _photosite.Dataset.read(typed, self._overrides)
         self._owner: "Optional[_TemporaryFolder]" = None

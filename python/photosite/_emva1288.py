@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, Optional, Union, overload
 
 from . import _photosite
-from ._arguments import Path, assignments, invalid
+from ._arguments import Path, assignments, invalid, path_of
 from ._progress import Progress, listener
 from ._sensor import Sensor
 
@@ -186,9 +186,9 @@ def emva1288(
         raise invalid("saturation_time_s", f"expected a time above 0, got {saturation_time_s}")
     if seed < 0:
         raise invalid("seed", f"expected a whole number of at least 0, got {seed}")
-    name, changes = (sensor.source, sensor.changes) if isinstance(sensor, Sensor) else (os.fspath(sensor), [])
+    name, changes = (sensor.source, sensor.changes) if isinstance(sensor, Sensor) else (path_of("sensor", sensor), [])
     request = {
-        "overrides": [*changes, *assignments(set or {})],
+        "overrides": [*changes, *assignments({} if set is None else set)],
         "channels": None if channels is None else [str(name) for name in channels],
         "wavelength_nm": None if wavelength_nm is None else float(wavelength_nm),
         "steps": int(steps),
@@ -208,7 +208,7 @@ def emva1288(
         return _evaluated(folder, threads, None)
 
     if output is not None:
-        return take(os.fspath(output))
+        return take(path_of("output", output))
     with tempfile.TemporaryDirectory(prefix="photosite-emva1288-") as folder:
         return take(os.path.join(folder, "sets"))
 
@@ -234,7 +234,7 @@ def emva1288_report(
         InputError: a folder without image sets, images that do not fit together.
         FileError: a file cannot be read.
     """
-    return _evaluated(os.fspath(images), threads, listener(progress, "emva1288", "images"))
+    return _evaluated(path_of("images", images), threads, listener(progress, "emva1288", "images"))
 
 
 def _evaluated(
@@ -263,7 +263,10 @@ def _figures(known: "dict[str, Any]") -> Figures:
 
 
 def _size(size_px: "Union[Sequence[int], Any]") -> "list[int]":
-    size = [int(side) for side in size_px]
+    try:
+        size = [int(side) for side in size_px]
+    except (TypeError, ValueError):
+        size = []
     if len(size) != 2 or min(size) < 1:
         raise invalid("size_px", f"expected columns and rows, got {size_px}", "for example size_px=(512, 512)")
     return size

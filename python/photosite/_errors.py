@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 import sys
 import warnings
+from collections.abc import Iterable
 from typing import Any, Optional
 
 __all__ = ["Error", "InputError", "FileError", "ResourceError", "PhotositeWarning"]
@@ -82,6 +84,25 @@ class _Exists(FileError, FileExistsError):
     pass
 
 
+class _NoLayer(InputError, KeyError):
+    pass
+
+
+# What tracebacks show is what users can catch.
+for _kind in (_NotFound, _Forbidden, _Exists):
+    _kind.__name__ = _kind.__qualname__ = "FileError"
+_NoLayer.__name__ = _NoLayer.__qualname__ = "InputError"
+
+
+def no_layer(name: str, known: "Iterable[str]") -> InputError:
+    """The error of a mapping of layers that has none of that name."""
+    names = list(known)
+    near = difflib.get_close_matches(name, names, 1)
+    reason = "there is no such layer" + (f"; did you mean {near[0]}?" if near else "")
+    help = f"the layers are {', '.join(names)}"
+    return _NoLayer(f"{name}: {reason}", file="<python>", key=name, reason=reason, help=help)
+
+
 class PhotositeWarning(UserWarning):
     """What one should know of a result that is otherwise as it was asked for."""
 
@@ -101,8 +122,7 @@ def make(kind: str, message: str, errno: Optional[int] = None, **parts: Any) -> 
 
 
 def _unpickle(kind: str, message: str, parts: "dict[str, Any]") -> Error:
-    is_file = kind not in ("Error", "InputError", "ResourceError")
-    return make("FileError" if is_file else kind, message, **parts)
+    return make(kind, message, **parts)
 
 
 def warn_all(messages: "list[str]") -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Optional, Union, overload
@@ -12,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _photosite
-from ._arguments import Path, assignments, invalid
+from ._arguments import Path, assignments, invalid, number, path_of
 from ._camera import Camera
 from ._capture import Capture, CaptureLike, loaded
 from ._errors import warn_all
@@ -140,7 +139,7 @@ class Light:
             time_s: exposure time, s.
             gain_db: analogue gain, dB.
             seed: seed of the sensor's temporal noise; the fixed pattern belongs to ``sensor.serial``. The same seed draws
-                the same random numbers for a pixel at every time and gain: exposures whose noise shall be independent
+                the same random numbers for a pixel at every time and gain. Exposures whose noise shall be independent
                 get seeds of their own.
             frames: so many exposures, one after the other, each with temporal noise of its own.
             set: values for other keys of ``sensor``, ``exposure``, ``develop`` and ``output``, as in
@@ -179,6 +178,9 @@ class Light:
             coordinates["wavelength_nm"] = ("wavelength_nm", self.wavelengths_nm, {"units": "nm"})
         return xarray.Dataset(arrays, coordinates)
 
+    def __reduce__(self) -> Any:
+        raise TypeError("light cannot be pickled, as it holds its scene; pickle its capture, or save a shot of it")
+
     def __repr__(self) -> str:
         columns, rows = self._compiled.resolution()
         return f"<photosite.Light {columns} × {rows} px, {', '.join(self.channels)}, {self.paths} paths>"
@@ -195,7 +197,9 @@ def exposure_changes(
     """What a call says of an exposure, as changes to a capture."""
     named = {"exposure.time_s": time_s, "exposure.gain_db": gain_db, "render.seed": seed}
     changes = assignments({} if set is None else set)
-    if capture is not None and capture.series[0] != 1:
+    if any(change.startswith("exposure.frames=") for change in changes):
+        raise invalid("set", "exposure.frames is not for a single exposure", "ask for several with frames=")
+    if capture is not None and capture._compiled.series()[0] != 1:
         # Frames are asked for by the call.
         changes.append("exposure.frames=1")
     return changes + assignments({key: value for key, value in named.items() if value is not None})
@@ -249,12 +253,13 @@ def trace(
         KeyboardInterrupt: Ctrl-C, within 0.1 s.
     """
     wanted = _to_trace(capture, samples, seed)
-    frames, moves, _ = wanted.series
+    memory = None if film_memory_gib is None else number("film_memory_gib", film_memory_gib)
+    frames, moves, _ = wanted._compiled.series()
     if moves and frames > 1:
         warn_all([f"light is traced of the first of {frames} pictures in which things move; render_into makes them all"])
-    place = None if checkpoint is None else os.fspath(checkpoint)
+    place = None if checkpoint is None else path_of("checkpoint", checkpoint)
     compiled = _photosite.trace(
-        wanted.compiled, count("threads", threads, None), listener(progress, "tracing"), film_memory_gib, place
+        wanted._compiled, count("threads", threads, None), listener(progress, "tracing"), memory, place
     )
     return Light(compiled, wanted)
 
@@ -312,8 +317,8 @@ def render_into(
     wanted = _to_trace(capture, samples, seed)
     report: "dict[str, Any]" = json.loads(
         _photosite.render_to(
-            wanted.compiled,
-            os.fspath(folder),
+            wanted._compiled,
+            path_of("folder", folder),
             overwrite,
             count("threads", threads, None),
             listener(progress, "rendering"),

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Optional, Union
+from typing import Any, NamedTuple, Optional, Union, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _photosite
-from ._arguments import Path, as_array, assignments, invalid, is_path
+from ._arguments import Path, as_array, assignments, invalid, is_path, path_of
 
 __all__ = ["Cfa", "ColourCalibration", "PixelArea", "Raw", "develop", "read_raw"]
 
@@ -86,7 +85,7 @@ class PixelArea(NamedTuple):
     height: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ColourCalibration:
     """What a camera's numbers mean in one light.
 
@@ -384,7 +383,7 @@ class Raw:
             InputError: another extension, or an image that the format cannot hold.
             FileError: the file cannot be written.
         """
-        self._compiled.save(os.fspath(path))
+        self._compiled.save(path_of("path", path))
 
     def __reduce__(self) -> Any:
         return _unpickle, (self._compiled.description(), np.asarray(self).reshape(-1))
@@ -433,7 +432,7 @@ def read_raw(path: Path) -> Raw:
         InputError: a file of another kind, or a damaged one.
         FileError: the file cannot be read.
     """
-    return Raw(_photosite.Raw.read(os.fspath(path)))
+    return Raw(_photosite.Raw.read(path_of("path", path)))
 
 
 def develop(
@@ -468,10 +467,12 @@ def develop(
     if is_path(raw):
         if like is not None:
             raise invalid("like", "a file says itself what its numbers mean", "read it with read_raw, or leave out like")
-        return _photosite.develop(None, os.fspath(raw), settings, bool(linear))
+        return _photosite.develop(None, path_of("raw", raw), settings, bool(linear))
     if isinstance(raw, Raw):
         image = raw
     elif like is not None:
+        if not isinstance(cast(object, like), Raw):
+            raise invalid("like", f"expected a Raw, got {type(like).__name__}")
         image = like.with_data(raw)
     else:
         numbers = _digital_numbers("raw", raw)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from collections.abc import Mapping, Sequence
 from typing import Any, Optional, Union, overload
@@ -10,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _photosite
-from ._arguments import Path, as_array, assignments, floats, invalid, is_path
+from ._arguments import Path, as_array, assignments, floats, invalid, number, path_of
+from ._arguments import names as names_of
 from ._light import count, exposure_changes
 from ._shot import Shot
 
@@ -34,10 +36,8 @@ class Sensor:
     """
 
     def __init__(self, name: Path, *, set: "Optional[Mapping[str, Any]]" = None) -> None:
-        if not is_path(name):
-            raise invalid("name", f"expected the name of a sensor or a path, got {type(name).__name__}")
-        self._name = str(name)
-        self._keys: "Mapping[str, Any]" = {} if set is None else set
+        self._name = path_of("name", name)
+        self._keys: "Mapping[str, Any]" = {} if set is None else copy.deepcopy(set)
         self._changes = [_below_sensor(change) for change in assignments(self._keys)]
         self._compiled = _photosite.Sensor(self._name, self._changes)
 
@@ -163,7 +163,7 @@ class Sensor:
             illuminant: the light that white balance makes neutral; D65 unless said, with a warning.
             gain_db: analogue gain, dB.
             seed: seed of temporal noise. The same seed draws the same random numbers for a pixel, whatever the light and
-                the time: exposures whose noise shall be independent get seeds of their own.
+                however long. Exposures whose noise shall be independent get seeds of their own.
             frames: so many exposures, each with temporal noise of its own.
             set: values for keys of ``sensor``, ``exposure``, ``develop`` and ``output``.
             threads: threads to use.
@@ -174,21 +174,22 @@ class Sensor:
         Raises:
             InputError: an array that is none of these, that holds NaN or infinity, or that the sensor has no use for.
         """
-        changes = [f"sensor.preset={_quoted(self._name)}", *self._changes]
+        changes = [*assignments({"sensor.preset": self._name}), *self._changes]
         changes += exposure_changes(None, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
-        number, threads, white = count("frames", frames), count("threads", threads, None), _spectrum(illuminant)
+        times, threads, white = count("frames", frames), count("threads", threads, None), _spectrum(illuminant)
         if wavelengths_nm is not None:
             if unit is not None:
                 raise invalid("unit", "goes with numbers that are no spectral irradiance", "leave unit or wavelengths_nm out")
             cube, centres = _bands(light, wavelengths_nm)
-            compiled = _photosite.expose_irradiance(cube, centres, white, changes, number, threads)
+            compiled = _photosite.expose_irradiance(cube, centres, white, changes, times, threads)
         elif unit is None:
             help = "give wavelengths_nm for spectral irradiance, or unit, for example unit=\"lux\", one=500"
             raise invalid("unit", "nothing says what the numbers of the light are", help)
         else:
             numbers, names = self._planes(light, unit, channels)
+            length = None if wavelength_nm is None else number("wavelength_nm", wavelength_nm)
             compiled = _photosite.expose_planes(
-                numbers, names, unit, float(one), wavelength_nm, white, changes, number, threads
+                numbers, names, str(unit), number("one", one), length, white, changes, times, threads
             )
         shots = [Shot(shot) for shot in compiled]
         return shots[0] if frames is None else shots
@@ -202,7 +203,7 @@ class Sensor:
             numbers = numbers[:, :, np.newaxis]
         planes = numbers.shape[2]
         if channels is not None:
-            names = [str(name) for name in channels]
+            names = names_of("channels", channels)
         elif unit in ("lux", "irradiance"):
             names = ["Y"] if planes == 1 else ["R", "G", "B"]
         else:
@@ -228,11 +229,6 @@ def _below_sensor(change: str) -> str:
     return change if change.startswith("sensor.") else f"sensor.{change}"
 
 
-def _quoted(text: str) -> str:
-    [assignment] = assignments({"": text})
-    return assignment[1:]
-
-
 def _bands(
     light: "npt.ArrayLike", wavelengths_nm: "npt.ArrayLike"
 ) -> "tuple[npt.NDArray[np.float32], list[float]]":
@@ -240,8 +236,10 @@ def _bands(
     centres = as_array("wavelengths_nm", wavelengths_nm, (1,), "(B,)").astype(np.float64)
     if len(centres) != cube.shape[2]:
         raise invalid("wavelengths_nm", f"there are {len(centres)} for an array of shape {cube.shape}, (H, W, B)")
-    if not (np.isfinite(centres).all() and (np.diff(centres) > 0).all() and len(centres) > 1):
-        raise invalid("wavelengths_nm", "expected two or more numbers that increase", "sort the bands by wavelength")
+    if not (np.isfinite(centres).all() and (np.diff(centres) > 0).all() and len(centres) > 1 and centres[0] > 0):
+        raise invalid("wavelengths_nm", "expected two or more numbers above 0 that increase", "sort the bands by wavelength")
+    if centres[-1] < 50:
+        raise invalid("wavelengths_nm", f"expected nm, got {centres[0]:g} to {centres[-1]:g}", "multiply µm by 1000")
     return cube, centres.tolist()
 
 
@@ -250,7 +248,12 @@ def _spectrum(illuminant: Illuminant) -> "Optional[tuple[npt.NDArray[np.float64]
         return None
     if isinstance(illuminant, str):
         return _photosite.illuminant_spectrum(illuminant)
+    if not isinstance(illuminant, tuple) or len(illuminant) != 2:
+        help = 'for example illuminant="D65", or (wavelengths_nm, values)'
+        raise invalid("illuminant", f"expected a name or two arrays, got {type(illuminant).__name__}", help)
     wavelengths, values = (as_array("illuminant", part, (1,), "(N,)").astype(np.float64) for part in illuminant)
+    if (values < 0).any() or not (values > 0).any():
+        raise invalid("illuminant", "expected values of 0 and more, not all 0")
     return np.ascontiguousarray(wavelengths), np.ascontiguousarray(values)
 
 
@@ -278,8 +281,7 @@ def expose(
     Raises:
         InputError: a folder without light, a sensor that this light does not serve.
     """
-    if not is_path(stored):
-        raise invalid("stored", f"expected a path, got {type(stored).__name__}")
+    place = path_of("stored", stored)
     changes = exposure_changes(None, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
-    [shot] = _photosite.expose_stored(str(stored), changes, 1, count("threads", threads, None))
+    [shot] = _photosite.expose_stored(place, changes, 1, count("threads", threads, None))
     return Shot(shot)

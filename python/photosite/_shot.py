@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Optional
@@ -12,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _photosite
-from ._arguments import Path, invalid
+from ._arguments import Path, invalid, path_of
 from ._camera import Camera
+from ._errors import no_layer
 from ._raw import Raw
 
 __all__ = ["Layers", "Shot"]
@@ -49,7 +49,7 @@ class Layers(Mapping[str, "npt.NDArray[np.float32]"]):
     def __getitem__(self, name: str) -> "npt.NDArray[np.float32]":
         if name not in self._known:
             if name not in self.units:
-                raise invalid(str(name), "there is no such layer", f"the layers are {', '.join(self.units)}")
+                raise no_layer(str(name), self.units)
             self._known[name] = self._compute(name)
         return self._known[name]
 
@@ -133,7 +133,7 @@ class Shot:
     def noise(self) -> Layers:
         """What each effect of the sensor has added to each number, by its name: (H, W) float32, e⁻ up to the gain and
         DN behind it, see ``noise.units``. The sum times the gain, with the black level, is the raw image. See
-        ``output.noise_maps`` of capture files."""
+        ``output.noise`` of capture files."""
         names = self._compiled.noise_names()
         return Layers(self._compiled.noise, {name: noise_unit(name) for name in names})
 
@@ -203,6 +203,9 @@ class Shot:
         """Writes what the command writes, with the same bytes: the raw image, the picture, electrons, and what else
         ``[output]`` of the capture asks for, with ``capture.json`` last.
 
+        The command that gives the same has one seed for light and noise: of a shot whose seed is not that of its light
+        it traces other light, with Monte Carlo noise of its own.
+
         Args:
             folder: created where missing.
             overwrite: whether earlier results there may go.
@@ -214,7 +217,7 @@ class Shot:
             InputError: a folder with earlier results.
             FileError: one that cannot be written to.
         """
-        report: "dict[str, Any]" = json.loads(self._compiled.save(os.fspath(folder), overwrite))
+        report: "dict[str, Any]" = json.loads(self._compiled.save(path_of("folder", folder), bool(overwrite)))
         return report
 
     def to_xarray(self) -> Any:
@@ -243,6 +246,9 @@ class Shot:
             coordinates["rgb"] = ["R", "G", "B"]
         attributes = {"time_s": self.time_s, "gain_db": self.gain_db, "temperature_c": self.temperature_c}
         return xarray.Dataset(arrays, coordinates, attributes)
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a shot cannot be pickled, as it holds its light; pickle its arrays, its raw image or its capture")
 
     def __repr__(self) -> str:
         shape = " × ".join(str(n) for n in self.raw.shape[1::-1])

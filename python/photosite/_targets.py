@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,13 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _photosite
-from ._arguments import Path, as_array, assignments, invalid
+from ._arguments import Path, as_array, assignments, invalid, path_of
 from ._capture import CaptureLike, loaded
 
 __all__ = ["Marker", "Targets", "project", "unproject"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Marker:
     """A marker of a target.
 
@@ -110,7 +109,7 @@ class Targets:
             InputError: another extension.
             FileError: the file cannot be written.
         """
-        self._compiled.save(os.fspath(path))
+        self._compiled.save(path_of("path", path))
 
     def __reduce__(self) -> Any:
         return _unpickle, (self._kind, self._given)
@@ -141,7 +140,7 @@ def project(capture: CaptureLike, points: "npt.ArrayLike", *, camera_space: bool
         InputError: points that are none, a camera without a lens.
     """
     numbers = _rows("points", points, 3)
-    found = _photosite.project(loaded(capture).compiled, numbers.reshape(-1, 3), bool(camera_space))
+    found = _photosite.project(loaded(capture)._compiled, numbers.reshape(-1, 3), bool(camera_space))
     return found.reshape(numbers.shape[:-1] + (2,))
 
 
@@ -160,7 +159,7 @@ def unproject(capture: CaptureLike, pixels: "npt.ArrayLike", *, camera_space: bo
         InputError: pixels that are none, a camera without a lens.
     """
     numbers = _rows("pixels", pixels, 2)
-    found = _photosite.unproject(loaded(capture).compiled, numbers.reshape(-1, 2), bool(camera_space))
+    found = _photosite.unproject(loaded(capture)._compiled, numbers.reshape(-1, 2), bool(camera_space))
     return found.reshape(numbers.shape[:-1] + (3,))
 
 

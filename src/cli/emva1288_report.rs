@@ -39,7 +39,7 @@ pub(super) fn run(args: &Emva1288ReportArgs) -> Result<()> {
     let output = args.output.clone().unwrap_or_else(|| folder.join("report.html"));
     refuse_existing(&output, args.force)?;
     let monitor = TerminalMonitor::new(args.quiet, args.json);
-    let report = if is_folder { evaluate_sets(folder, &monitor)? } else { evaluate_descriptor(&args.input)? };
+    let report = if is_folder { evaluate_sets(folder, &monitor)? } else { evaluate_descriptor(&args.input, &monitor)? };
     write_result(&output, args.force, |to| to.write_all(report.html().as_bytes()))?;
     if args.json {
         print_json(&report.channels.iter().map(MeasuredChannel::new).collect::<Vec<_>>())

@@ -5,12 +5,12 @@ use std::path::Path;
 use crate::characterisation::report::{ChannelReport, Report, SpectralPoint, ThermalPoint};
 use crate::characterisation::{Figures, doubling_temperature, evaluate, responsivity};
 use crate::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
-use crate::pipeline::{Event, Monitor};
+use crate::pipeline::{Event, Monitor, go_on};
 use crate::{Invalid, Result};
 
 /// The images of any camera.
-pub fn evaluate_descriptor(path: &Path) -> Result<Report> {
-    let set = read_set(path, &|| {})?;
+pub fn evaluate_descriptor(path: &Path, monitor: &dyn Monitor) -> Result<Report> {
+    let set = read_set(path, &|| go_on(monitor))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let conditions = conditions([set.descriptor.width, set.descriptor.height], set.descriptor.bits);
     let channel = channel_report("Figures".to_owned(), set, None).map_err(|invalid| invalid.in_file(path))?;
@@ -64,7 +64,10 @@ fn conditions([width, height]: [usize; 2], bits: u32) -> Vec<(String, String)> {
 }
 
 fn of_channel(folder: &Path, sets: &ChannelSets, monitor: &dyn Monitor) -> Result<(ChannelReport, u32)> {
-    let taken = || monitor.report(Event::PictureEnds);
+    let taken = || {
+        monitor.report(Event::PictureEnds);
+        go_on(monitor)
+    };
     let read = |path: &str| read_set(&folder.join(path), &taken);
     let title = format!(
         "Channel {} at {} nm and {} °C",

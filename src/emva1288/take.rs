@@ -12,7 +12,7 @@ use crate::io::image_sets::{CONTENTS, ChannelSets, ImageFormat, ImageSets, SetWr
 use crate::io::lock::Lock;
 use crate::io::output::{create_folder, write_unsynced};
 use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
-use crate::pipeline::{Event, Monitor};
+use crate::pipeline::{Event, Monitor, go_on};
 use crate::sensor::SensorModel;
 use crate::units::{Celsius, Decibels, Seconds};
 use crate::{Error, Invalid, Result, memory};
@@ -275,7 +275,10 @@ impl Camera<'_> {
     /// Takes the images of a set into the folder `set` and describes them.
     fn take_set(&mut self, descriptor: &str, set: &str, point: &OperatingPoint, shots: &[Shot]) -> Result<()> {
         let flat = FlatField::new(self.sensor, point, self.size);
-        let taken = || self.monitor.report(Event::PictureEnds);
+        let taken = || {
+            self.monitor.report(Event::PictureEnds);
+            go_on(self.monitor)
+        };
         let series: Vec<Series> =
             shots.iter().map(|shot| self.writer.take(set, &flat, shot, &taken)).collect::<Result<_>>()?;
         let [width, height] = self.size;

@@ -83,7 +83,7 @@ pub(crate) fn evaluate_image_sets(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, String)> {
     let report = work(py, How { threads, progress }, |monitor| {
-        if path.is_dir() { evaluate_sets(&path, monitor) } else { evaluate_descriptor(&path) }
+        if path.is_dir() { evaluate_sets(&path, monitor) } else { evaluate_descriptor(&path, monitor) }
     })?;
     let channels: Vec<_> = report.channels.iter().map(MeasuredChannel::new).collect();
     Ok((serde_json::to_string(&channels).expect("plain values"), report.html()))

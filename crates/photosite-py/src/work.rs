@@ -2,18 +2,19 @@
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use photosite::Error;
 use photosite::pipeline::{Event, Monitor};
+use photosite::{Error, Invalid};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::error::raise;
+use crate::error::{PYTHON, raise};
 
 /// Between two looks at signals and progress. Ctrl-C is to be heard within 0.1 s.
 const LOOK_INTERVAL: Duration = Duration::from_millis(25);
@@ -82,8 +83,19 @@ impl Monitor for Watch {
 /// loaders and `multiprocessing` fork by default up to Python 3.13.
 fn pool(threads: Option<usize>) -> photosite::Result<Arc<ThreadPool>> {
     type Pools = BTreeMap<usize, Arc<ThreadPool>>;
+    /// So many that wait for each other slow down a small machine only a little.
+    const FEW: usize = 256;
+    /// Pools of other numbers of threads that are kept.
+    const KEPT: usize = 4;
     static POOLS: Mutex<Option<(u32, Pools)>> = Mutex::new(None);
     let count = threads.unwrap_or(0);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let most = FEW.max(4 * cores);
+    if count > most {
+        let invalid = Invalid::new("threads", format!("at most {most} can be asked for, got {count}"));
+        let help = format!("this machine runs {cores} at once; more than these make nothing faster");
+        return Err(invalid.help(help).in_file(Path::new(PYTHON)));
+    }
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let process = std::process::id();
     if let Some((_, of_parent)) = pools.take_if(|(owner, _)| *owner != process) {
@@ -99,6 +111,10 @@ fn pool(threads: Option<usize>) -> photosite::Result<Arc<ThreadPool>> {
         help: Some("ask for fewer with threads=".into()),
     })?;
     let pool = Arc::new(made);
+    if pools.len() > KEPT {
+        // Those that work is done on end with it.
+        pools.clear();
+    }
     pools.insert(count, pool.clone());
     Ok(pool)
 }

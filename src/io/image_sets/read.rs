@@ -22,9 +22,9 @@ pub struct MeasuredSet {
     pub stacks: Option<[SpatialStack; 2]>,
 }
 
-/// Reads a descriptor and the images that it names. `taken` is called after each. Several dark pairs of one exposure
+/// Reads a descriptor and the images that it names. `taken` is called after each, and may end the work. Several dark pairs of one exposure
 /// time count as their mean.
-pub fn read_set(path: &Path, taken: &dyn Fn()) -> Result<MeasuredSet> {
+pub fn read_set(path: &Path, taken: &dyn Fn() -> Result<()>) -> Result<MeasuredSet> {
     let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
     // Comments may be in any encoding.
     let text = String::from_utf8_lossy(&bytes);
@@ -84,7 +84,7 @@ pub fn read_set(path: &Path, taken: &dyn Fn()) -> Result<MeasuredSet> {
 struct ImageReader<'a> {
     folder: &'a Path,
     descriptor: &'a Descriptor,
-    taken: &'a dyn Fn(),
+    taken: &'a dyn Fn() -> Result<()>,
 }
 
 impl ImageReader<'_> {
@@ -118,7 +118,7 @@ impl ImageReader<'_> {
         if !plane.data.iter().all(is_number) {
             return Err(no_digital_numbers(&path));
         }
-        (self.taken)();
+        (self.taken)()?;
         Ok(plane.data.iter().map(|&y| y as u16).collect())
     }
 }

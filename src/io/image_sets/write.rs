@@ -69,8 +69,14 @@ impl SetWriter {
     }
 
     /// Takes the images of a shot and writes them into the folder `images` beside a descriptor in `set`, a folder below
-    /// that of the writer. `taken` is called after each.
-    pub fn take(&mut self, set: &str, flat: &FlatField<'_>, shot: &Shot, taken: &dyn Fn()) -> Result<Series> {
+    /// that of the writer. `taken` is called after each, and may end the work.
+    pub fn take(
+        &mut self,
+        set: &str,
+        flat: &FlatField<'_>,
+        shot: &Shot,
+        taken: &dyn Fn() -> Result<()>,
+    ) -> Result<Series> {
         let folder = self.folder.join(set).join("images");
         fs::create_dir_all(&folder).map_err(|reason| Error::io(&folder, "create the folder", reason))?;
         let unfit = |invalid: Invalid| invalid.in_file(&folder);
@@ -81,7 +87,7 @@ impl SetWriter {
             let name = format!("{}-{i}.{}", shot.name, self.format.extension());
             write_unsynced(&folder.join(&name), |to| self.format.write(&image, to))?;
             images.push(format!("images/{name}"));
-            taken();
+            taken()?;
         }
         self.frame += u64::from(shot.images);
         Ok(Series { exposure_ns: shot.time.0 * 1e9, light: shot.light, images })
