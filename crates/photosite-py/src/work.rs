@@ -1,11 +1,10 @@
 //! Work without the interpreter's lock: on threads of this process, watched for signals, warnings and progress.
 
-use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use photosite::pipeline::{Event, Monitor};
@@ -77,46 +76,74 @@ impl Monitor for Watch {
     }
 }
 
-/// The threads of this process, of each number that was asked for.
+/// Threads that no other work uses: one that waits for a part of its work takes up other work of its pool, and that must
+/// not wait for what the first one holds, such as the lock of a folder.
 ///
-/// rayon's own pool would not do: a forked child has its locks but not its threads, and would wait for ever. PyTorch's
-/// loaders and `multiprocessing` fork by default up to Python 3.13.
-fn pool(threads: Option<usize>) -> photosite::Result<Arc<ThreadPool>> {
-    type Pools = BTreeMap<usize, Arc<ThreadPool>>;
-    /// So many that wait for each other slow down a small machine only a little.
-    const FEW: usize = 256;
-    /// Pools of other numbers of threads that are kept.
-    const KEPT: usize = 4;
-    static POOLS: Mutex<Option<(u32, Pools)>> = Mutex::new(None);
-    let count = threads.unwrap_or(0);
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let most = FEW.max(4 * cores);
-    if count > most {
-        let invalid = Invalid::new("threads", format!("at most {most} can be asked for, got {count}"));
-        let help = format!("this machine runs {cores} at once; more than these make nothing faster");
-        return Err(invalid.help(help).in_file(Path::new(PYTHON)));
+/// rayon's own pool would not do, either: a forked child has its locks but not its threads, and would wait for ever.
+/// PyTorch's loaders and `multiprocessing` fork by default up to Python 3.13.
+struct Threads {
+    /// There until it is given back.
+    pool: Option<ThreadPool>,
+    count: usize,
+    /// The process that they run in.
+    process: u32,
+}
+
+/// Pools that nobody uses, by the number of their threads.
+type FreePools = Vec<(usize, ThreadPool)>;
+
+/// Those of a process. Nobody waits for them: in a forked child they may be locked for ever, by a thread of its parent.
+static FREE: Mutex<Option<(u32, FreePools)>> = Mutex::new(None);
+
+impl Threads {
+    /// So many threads, or as many as there are cores.
+    fn new(threads: Option<usize>) -> photosite::Result<Self> {
+        /// So many that wait for each other slow down a small machine only a little.
+        const FEW: usize = 256;
+        let count = threads.unwrap_or(0);
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let most = FEW.max(4 * cores);
+        if count > most {
+            let invalid = Invalid::new("threads", format!("at most {most} can be asked for, got {count}"));
+            let help = format!("this machine runs {cores} at once; more than these make nothing faster");
+            return Err(invalid.help(help).in_file(Path::new(PYTHON)));
+        }
+        let process = std::process::id();
+        let free = Self::take_free(count, process);
+        let pool = free.map_or_else(|| ThreadPoolBuilder::new().num_threads(count).build(), Ok);
+        let pool = pool.map_err(|reason| Error::Resources {
+            message: format!("cannot start threads: {reason}"),
+            help: Some("ask for fewer with threads=".into()),
+        })?;
+        Ok(Self { pool: Some(pool), count, process })
     }
-    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    let process = std::process::id();
-    if let Some((_, of_parent)) = pools.take_if(|(owner, _)| *owner != process) {
-        // Dropping them would wait for threads that are not in this process.
-        std::mem::forget(of_parent);
+
+    fn take_free(count: usize, process: u32) -> Option<ThreadPool> {
+        let mut free = FREE.try_lock().ok()?;
+        if let Some((_, of_parent)) = free.take_if(|(owner, _)| *owner != process) {
+            // Dropping them would wait for threads that are not in this process.
+            std::mem::forget(of_parent);
+        }
+        let (_, pools) = free.as_mut()?;
+        let place = pools.iter().position(|(threads, _)| *threads == count)?;
+        Some(pools.swap_remove(place).1)
     }
-    let (_, pools) = pools.get_or_insert_with(|| (process, Pools::new()));
-    if let Some(pool) = pools.get(&count) {
-        return Ok(pool.clone());
+
+    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.pool.as_ref().expect("there until it is given back").install(work)
     }
-    let made = ThreadPoolBuilder::new().num_threads(count).build().map_err(|reason| Error::Resources {
-        message: format!("cannot start threads: {reason}"),
-        help: Some("ask for fewer with threads=".into()),
-    })?;
-    let pool = Arc::new(made);
-    if pools.len() > KEPT {
-        // Those that work is done on end with it.
-        pools.clear();
+}
+
+impl Drop for Threads {
+    fn drop(&mut self) {
+        /// Pools that are kept for later.
+        const KEPT: usize = 4;
+        let (Some(pool), Ok(mut free)) = (self.pool.take(), FREE.try_lock()) else { return };
+        let (owner, pools) = free.get_or_insert_with(|| (self.process, Vec::new()));
+        if *owner == self.process && pools.len() < KEPT {
+            pools.push((self.count, pool));
+        }
     }
-    pools.insert(count, pool.clone());
-    Ok(pool)
 }
 
 /// Does work without the interpreter's lock. Meanwhile the lock is taken some 40 times a second, to see whether a signal
@@ -134,7 +161,7 @@ pub(crate) fn work<T: Send>(
             let watch = &watch;
             let threads = how.threads;
             let begun = std::thread::Builder::new().spawn_scoped(scope, move || {
-                let work = || pool(threads)?.install(|| job(watch));
+                let work = || Threads::new(threads)?.install(|| job(watch));
                 // Nobody hears it where an exception has ended the wait.
                 let _ = tell.send(catch_unwind(AssertUnwindSafe(work)));
             });
