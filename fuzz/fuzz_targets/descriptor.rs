@@ -8,6 +8,6 @@ use photosite_fuzz::written;
 
 fuzz_target!(|data: &[u8]| {
     if Descriptor::parse(&String::from_utf8_lossy(data)).is_ok() {
-        let _ = read_set(&written("set.txt", data), &|| ());
+        let _ = read_set(&written("set.txt", data), &|| Ok(()));
     }
 });
