@@ -30,7 +30,7 @@ FOLDER = Path(__file__).resolve().parent
 # The longest takes two and a half minutes on two cores; a slow build or machine may take more.
 CELL_TIMEOUT_S = 1_200
 # The package's own line, and the bar of tqdm where that is installed.
-PROGRESS = re.compile(r"\w+ +\d+%  [\d.]+ s|\w+: +\d+%\|.*")
+PROGRESS = re.compile(r"\w+ +\d+%  [\d.]+ s|\w+: +(\d+%\||[\d.]+\w? \w+ \[).*")
 PICTURE_BYTES = 100_000
 FOLDER_BYTES = 1_500_000
 
