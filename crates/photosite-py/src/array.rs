@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use numpy::{Element, IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray3};
-use photosite::image::Channel;
-use photosite::image::Planes;
+use photosite::image::{Channel, Planes};
 use photosite::io::exr::write_exr;
 use photosite::io::output::write_whole;
 use photosite::{Invalid, Result};
@@ -30,27 +29,27 @@ pub(crate) fn of_pixels<'py, T: Element>(
 
 /// Planes as an array (rows, columns, channels), also where there is a single one.
 pub(crate) fn of_stack<'py>(py: Python<'py>, planes: &Planes) -> PyResult<Bound<'py, PyAny>> {
-    let channels = planes.channels();
-    let [rows, columns, count] = [planes.height(), planes.width(), channels.len()];
-    let numbers = py.detach(|| {
-        let mut numbers = vec![0.0f32; rows * columns * count];
-        for (i, channel) in channels.iter().enumerate() {
-            numbers[i..].iter_mut().step_by(count).zip(&channel.data).for_each(|(to, &value)| *to = value);
-        }
-        numbers
-    });
-    Ok(numbers.into_pyarray(py).reshape([rows, columns, count])?.into_any())
+    let shape = [planes.height(), planes.width(), planes.channels().len()];
+    let numbers = py.detach(|| interleaved(planes.channels()));
+    Ok(numbers.into_pyarray(py).reshape(shape)?.into_any())
 }
 
-/// Planes as an array (rows, columns, channels); a single one as (rows, columns).
+/// Planes as an array (rows, columns, channels); a single one as (rows, columns), which gets its memory.
 pub(crate) fn of_planes<'py>(py: Python<'py>, planes: Planes) -> PyResult<Bound<'py, PyAny>> {
-    let [rows, columns, count] = [planes.height(), planes.width(), planes.channels().len()];
+    let shape @ [.., count] = [planes.height(), planes.width(), planes.channels().len()];
     let mut channels = planes.into_channels();
-    let numbers = py.detach(|| match count {
-        1 => channels.swap_remove(0).data,
-        _ => (0..rows * columns).flat_map(|i| channels.iter().map(move |channel| channel.data[i])).collect(),
-    });
-    of_pixels(py, [rows, columns, count], numbers)
+    let numbers = if count == 1 { channels.swap_remove(0).data } else { py.detach(|| interleaved(&channels)) };
+    of_pixels(py, shape, numbers)
+}
+
+/// The numbers of all channels, pixel by pixel.
+fn interleaved(channels: &[Channel]) -> Vec<f32> {
+    let count = channels.len();
+    let mut numbers = vec![0.0f32; channels.iter().map(|channel| channel.data.len()).sum()];
+    for (i, channel) in channels.iter().enumerate() {
+        numbers[i..].iter_mut().step_by(count).zip(&channel.data).for_each(|(to, &value)| *to = value);
+    }
+    numbers
 }
 
 /// The planes of an array (rows, columns, channels) of any strides.

@@ -1,11 +1,11 @@
 //! Sensors alone, exposed to light that somebody else has computed.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray3};
 use photosite::capture::{NamedSensor, read_named_sensor};
-use photosite::pipeline::{Event, PictureScale, StoredRender};
+use photosite::pipeline::{Event, Monitor, PictureScale, StoredRender};
 use photosite::sensor::{PictureUnit, SensorModel};
 use photosite::spectrum::{Outside, Spectrum, illuminant};
 use photosite::{Invalid, Sandbox};
@@ -59,8 +59,8 @@ impl Sensor {
     /// For each channel wavelengths, nm, and electrons a second that W·m⁻²·nm⁻¹ frees in a pixel.
     fn responses<'py>(&self, py: Python<'py>) -> Vec<(String, Numbers<'py>, Numbers<'py>)> {
         let arrays = |(name, response): (String, Spectrum)| {
-            let (wavelengths, values): (Vec<f64>, Vec<f64>) = response.iter().unzip();
-            (name, wavelengths.into_pyarray(py), values.into_pyarray(py))
+            let (wavelengths, values) = table(py, &response);
+            (name, wavelengths, values)
         };
         self.model.responses().into_iter().map(arrays).collect()
     }
@@ -92,9 +92,8 @@ pub(crate) fn expose_irradiance(
     let bands = to_planes(&irradiance, names).map_err(|invalid| raise(py, invalid.in_file(Path::new(PYTHON))))?;
     let white = spectrum(py, white)?;
     work(py, How { threads, progress: None }, |monitor| {
-        let render = StoredRender::of_irradiance(Path::new(PYTHON), bands, white.as_ref(), &overrides)?.expose()?;
-        render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
-        Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
+        let light = StoredRender::of_irradiance(Path::new(PYTHON), bands, white.as_ref(), &overrides)?;
+        shots_of(light, frames, monitor)
     })
 }
 
@@ -128,10 +127,8 @@ pub(crate) fn expose_planes(
     let white = spectrum(py, white)?;
     work(py, How { threads, progress: None }, |monitor| {
         let scale = PictureScale { unit, one, is_linear: true };
-        let render =
-            StoredRender::of_planes(Path::new(PYTHON), &planes, &scale, white.as_ref(), &overrides)?.expose()?;
-        render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
-        Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
+        let light = StoredRender::of_planes(Path::new(PYTHON), &planes, &scale, white.as_ref(), &overrides)?;
+        shots_of(light, frames, monitor)
     })
 }
 
@@ -139,16 +136,21 @@ pub(crate) fn expose_planes(
 #[pyfunction]
 pub(crate) fn expose_stored(
     py: Python<'_>,
-    path: std::path::PathBuf,
+    path: PathBuf,
     overrides: Vec<String>,
     frames: u32,
     threads: Option<usize>,
 ) -> PyResult<Vec<Shot>> {
     work(py, How { threads, progress: None }, |monitor| {
-        let render = StoredRender::read(&Sandbox::default(), &path, &overrides)?.expose()?;
-        render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
-        Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
+        shots_of(StoredRender::read(&Sandbox::default(), &path, &overrides)?, frames, monitor)
     })
+}
+
+/// Exposes to light as often as is said, with warnings about it.
+fn shots_of(light: StoredRender, frames: u32, monitor: &dyn Monitor) -> photosite::Result<Vec<Shot>> {
+    let render = light.expose()?;
+    render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+    Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
 }
 
 /// The spectrum of a light by its name: wavelengths, nm, and relative values.
@@ -159,6 +161,11 @@ pub(crate) fn illuminant_spectrum<'py>(py: Python<'py>, name: &str) -> PyResult<
         let invalid = Invalid::new("illuminant", format!("there is no light {name:?}"));
         raise(py, invalid.help(format!("the lights are {known}")).in_file(Path::new(PYTHON)))
     })?;
+    Ok(table(py, &spectrum))
+}
+
+/// Wavelengths, nm, and values of a spectrum.
+fn table<'py>(py: Python<'py>, spectrum: &Spectrum) -> (Numbers<'py>, Numbers<'py>) {
     let (wavelengths, values): (Vec<f64>, Vec<f64>) = spectrum.iter().unzip();
-    Ok((wavelengths.into_pyarray(py), values.into_pyarray(py)))
+    (wavelengths.into_pyarray(py), values.into_pyarray(py))
 }
