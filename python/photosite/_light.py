@@ -154,6 +154,9 @@ class Light:
             InputError: an exposure that the sensor cannot make, a key that light transport has used already.
         """
         changes = exposure_changes(self._capture, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
+        differ = self._capture._compiled.series()[2]
+        if differ is not None:
+            warn_all([f"{differ} has no part in exposures to traced light; render_into makes the whole series"])
         shots = self._compiled.expose(changes, count("frames", frames), count("threads", threads, None))
         made = [Shot(shot, self._capture) for shot in shots]
         return made[0] if frames is None else made

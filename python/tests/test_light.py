@@ -270,6 +270,20 @@ def test_series_that_move_say_that_light_is_of_the_first_picture(room: Path) -> 
     assert warned[0].filename == __file__
 
 
+@pytest.mark.parametrize(
+    ("keys", "what"),
+    [
+        ({"exposure.bracket_ev": [-1, 0, 1]}, "the bracket"),
+        ({"exposure.gain_control": {}, "exposure.frames": 3}, "exposure.gain_control"),
+    ],
+    ids=["bracket", "gain-control"],
+)
+def test_exposures_that_differ_say_that_they_are_made_in_folders(room: Path, keys: "dict[str, Any]", what: str) -> None:
+    light = ps.trace(ps.load(room, set=keys))
+    with pytest.warns(ps.PhotositeWarning, match=f"{what} has no part"):
+        light.expose(frames=3)
+
+
 def test_nothing_is_printed(room: Path) -> None:
     code = f"import photosite as ps; shot = ps.render({str(room)!r}, samples=400); shot.image; shot.save({str(room.parent / 'out')!r})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
