@@ -139,10 +139,13 @@ class Shot:
 
     @cached_property
     def truth(self) -> Layers:
-        """Ground truth at the centre of each pixel of the whole sensor, whatever is read out of it, float32:
-        ``depth`` along the axis and ``distance`` in m, (H, W); ``position`` in m, ``normal``, ``shading-normal`` of the world and ``albedo``, (H, W, 3); ``uv``, (H, W, 2);
-        numbers of ``instance`` and ``material``, (H, W); ``flow`` in px and whether its end is visible, (H, W, 3);
-        ``disparity`` likewise where the capture has a partner. Nothing is inf in depths, NaN in positions, 0 else."""
+        """Ground truth at the centre of each pixel of the whole sensor, whatever is read out of it, float32.
+
+        ``depth`` along the axis and ``distance`` in m, (H, W); ``position`` in m, ``normal``, ``shading-normal`` of the
+        world and ``albedo``, (H, W, 3); ``uv``, (H, W, 2); numbers of ``instance`` and ``material``, (H, W); ``flow`` in
+        px and whether its end is visible, (H, W, 3); ``disparity`` likewise where the capture has a partner. Nothing is
+        inf in depths, NaN in positions, 0 else.
+        """
         return truth_layers(self._compiled)
 
     @cached_property
