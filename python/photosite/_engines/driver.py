@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Callable, Optional, Protocol
 
 from .._errors import Error, make, warn_all
 from .plan import Plan
-from .task import Ended, Outcome, Task
+from .task import Ended, Failure, Outcome, Task
 
 __all__ = ["Driver", "Engine"]
 
@@ -77,7 +78,7 @@ class Driver:
             self._plan.lost(task, ended.why, now)
             return
         failed = set(self._plan.failed)
-        self._plan.done(task, _checked(ended.outcome), now)
+        self._plan.done(task, _checked(task, ended.outcome), now)
         for frame in self._plan.failed.keys() - failed:
             self._warn(f"frame {frame} is left out: {self._plan.failed[frame]}")
         for warning in ended.outcome.warnings:
@@ -95,12 +96,15 @@ class Driver:
             self._said = now
 
 
-def _checked(outcome: Outcome) -> Outcome:
-    """Raises what would keep other tasks of the run from being done, too."""
+def _checked(task: Task, outcome: Outcome) -> Outcome:
+    """Raises what would keep other tasks of the run from being done, too. What may pass is a failure of each frame."""
     if outcome.fault is not None:
         reason = f"a worker on {outcome.host} failed:\n{outcome.fault}"
         raise Error(reason, reason=reason)
-    if outcome.error is not None:
-        kind, message, parts = outcome.error
-        raise make(kind, f"{message} (on the machine {outcome.host})", **parts)
-    return outcome
+    if outcome.error is None:
+        return outcome
+    kind, message, parts = outcome.error
+    message = f"{message} (on the machine {outcome.host})"
+    if not parts["is_temporary"]:
+        raise make(kind, message, **parts)
+    return replace(outcome, error=None, failures=[Failure(frame, message, True) for frame in task.frames])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+import queue
 from dataclasses import asdict
 from typing import Any, Optional
 
@@ -27,6 +27,7 @@ class DaskEngine:
         self._job, self._most = asdict(job), workers
         self._client, self._is_ours = self._connected(address)
         self._running: "dict[Any, int]" = {}
+        self._done: "queue.Queue[Any]" = queue.Queue()
         self._seen: "set[str]" = set()
 
     def _connected(self, address: Optional[str]) -> "tuple[Any, bool]":
@@ -52,18 +53,18 @@ class DaskEngine:
 
     def submit(self, key: int, task: Task) -> None:
         # The same call twice is a call, too.
-        self._running[self._client.submit(carry_out, self._job, asdict(task), pure=False)] = key
+        future = self._client.submit(carry_out, self._job, asdict(task), pure=False)
+        self._running[future] = key
+        future.add_done_callback(self._done.put)
 
     def ended(self, wait_s: float) -> "list[Ended]":
-        if not self._running:
-            # Maybe workers come.
-            time.sleep(wait_s)
-            return []
+        done: "list[Any]" = []
         try:
-            done = self._dask.wait(list(self._running), timeout=wait_s, return_when="FIRST_COMPLETED").done
-        except (TimeoutError, self._dask.TimeoutError):
-            return []
-        return [self._ended(future) for future in done]
+            done.append(self._done.get(timeout=wait_s))
+            while True:
+                done.append(self._done.get_nowait())
+        except queue.Empty:
+            return [self._ended(future) for future in done]
 
     def _ended(self, future: Any) -> Ended:
         key = self._running.pop(future)

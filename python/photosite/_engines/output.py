@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from pathlib import Path
 from typing import Protocol
 
 from .. import _photosite
@@ -67,26 +68,41 @@ class Folder:
         elif task.parts:
             folders = [part_folder(self.path, first, end) for first, end in task.parts]
             told = dataset.merge(self.path, task.frames, folders, job.threads)
+            if not told[0]:
+                self._remove_parts(dataset, folders, task.frames)
         else:
             told = dataset.make(self.path, task.frames, job.threads)
         return failures_of(told[0]), told[1]
 
     def finish(self, dataset: "_photosite.Dataset") -> "list[str]":
         _, left_out = dataset.write_index(self.path)
-        parts = os.path.join(self.path, _PARTS)
-        if os.path.exists(parts) and not dataset.missing(self.path, list(range(dataset.frame_count()))):
+        parts = Path(self.path, _PARTS)
+        frames = {int(picture.name) for picture in parts.glob("*/*/[0-9]*")}
+        if parts.exists() and not dataset.missing(self.path, sorted(frames)):
             # Nothing depends on them any more.
             shutil.rmtree(parts, ignore_errors=True)
         return left_out
 
+    def _remove_parts(self, dataset: "_photosite.Dataset", folders: "list[str]", frames: "list[int]") -> None:
+        """Removes the parts of pictures that are whole now: they take much disk."""
+        for folder in folders:
+            for camera in dataset.cameras():
+                for frame in frames:
+                    shutil.rmtree(os.path.join(folder, camera, f"{frame:06}"), ignore_errors=True)
+
     def sample_ranges(self) -> "list[tuple[int, int]]":
         """The ranges of samples of which there are folders, in order."""
-        try:
-            names = os.listdir(os.path.join(self.path, _PARTS))
-        except FileNotFoundError:
-            return []
-        ranges = [name.split("-") for name in names]
-        return sorted((int(ends[0]), int(ends[1])) for ends in ranges if len(ends) == 2 and all(map(str.isdigit, ends)))
+        names = [folder.name.split("-") for folder in Path(self.path, _PARTS).glob("[0-9]*-[0-9]*")]
+        return sorted((int(first), int(end)) for first, end in names)
+
+    def parts(self, dataset: "_photosite.Dataset", frames: "list[int]") -> "dict[int, list[tuple[int, int]]]":
+        """The ranges of samples of each frame that are there, in order."""
+        found: "dict[int, list[tuple[int, int]]]" = {frame: [] for frame in frames}
+        for first, end in self.sample_ranges():
+            missing = dataset.missing(part_folder(self.path, first, end), frames)
+            for frame in set(frames).difference(missing):
+                found[frame].append((first, end))
+        return found
 
 
 def part_folder(output: str, first: int, end: int) -> str:

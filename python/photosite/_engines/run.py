@@ -13,6 +13,7 @@ from .._errors import Error, warn_all
 from .driver import Driver, Engine
 from .output import Folder, Output, open_output
 from .plan import FramePlan, Plan
+from .sample_plan import SamplePlan
 from .task import Job
 
 __all__ = ["EngineRun", "Request", "run"]
@@ -64,7 +65,7 @@ def run(
     missing = output.missing(dataset, request.frames)
     plan, lost = _plan(dataset, request, output, missing), 0
     if missing:
-        workers, threads = _shares(request, len(missing))
+        workers, threads = _shares(request, len(missing) if request.split == "frames" else None)
         job = Job(
             version=_photosite.__version__,
             path=request.path,
@@ -92,17 +93,24 @@ def run(
 def _plan(dataset: "_photosite.Dataset", request: Request, output: Output, missing: "list[int]") -> Plan:
     if request.split == "frames":
         return FramePlan(missing, request.retries)
+    if request.split == "samples":
+        if not isinstance(output, Folder):
+            reason = "parts of pictures need a folder that all machines see, and no store"
+            raise invalid("split", reason, "give a folder, or split='frames'")
+        present = output.parts(dataset, missing)
+        return SamplePlan(missing, dataset.samples(), present, output.sample_ranges(), request.retries)
     raise invalid("split", f"expected 'frames' or 'samples', got {request.split!r}")
 
 
-def _shares(request: Request, tasks: int) -> "tuple[Optional[int], int]":
+def _shares(request: Request, tasks: Optional[int]) -> "tuple[Optional[int], int]":
     """Workers and the threads of each. Machines of a cluster know better how many workers they take."""
     workers, threads = request.workers, request.threads
     if request.engine != "local":
         return workers, threads or 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if workers is None:
-        workers = max(1, min(cores // (threads or 1), tasks))
+        workers = max(1, cores // (threads or 1))
+        workers = workers if tasks is None else min(workers, tasks)
     return workers, threads or max(1, cores // workers)
 
 

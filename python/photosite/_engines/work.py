@@ -9,7 +9,7 @@ import traceback
 from typing import Any, Optional
 
 from .. import _photosite
-from .._errors import Error, InputError
+from .._errors import Error, InputError, make
 from .output import open_output
 from .task import Job, Outcome, Task
 
@@ -27,6 +27,10 @@ def carry_out(job: "dict[str, Any]", task: "dict[str, Any]") -> "dict[str, Any]"
         outcome = _made(host, Job(**job), Task(**task))
     except Error as error:
         outcome = Outcome(host, error=list(error.__reduce__()[1]))
+    except OSError as refused:
+        # Of what is put aside for a while; another machine, or a later moment, may have room.
+        passing = make("FileError", f"cannot write temporary files: {refused}", refused.errno, is_temporary=True)
+        outcome = Outcome(host, error=list(passing.__reduce__()[1]))
     except Exception:  # noqa: BLE001
         outcome = Outcome(host, fault=traceback.format_exc())
     return outcome.to_values()
