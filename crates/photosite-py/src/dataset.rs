@@ -130,8 +130,8 @@ impl Dataset {
     }
 }
 
-/// A frame that could not be made: its number, its camera, why, and whether another try may succeed.
-type Failure = (u32, String, String, bool);
+/// A frame that could not be made: its number, why, and whether another try may succeed.
+type Failure = (u32, String, bool);
 /// The frames that could not be made, and warnings.
 type Told = (Vec<Failure>, Vec<String>);
 
@@ -157,8 +157,8 @@ struct Listener<'a> {
 
 impl Monitor for Listener<'_> {
     fn report(&self, event: Event<'_>) {
-        if let Event::PictureFails { camera, frame, error } = event {
-            let failure = (frame, camera.to_owned(), error.to_string(), error.is_temporary());
+        if let Event::PictureFails { frame, error, .. } = event {
+            let failure = (frame, error.to_string(), error.is_temporary());
             self.failures.lock().unwrap_or_else(PoisonError::into_inner).push(failure);
         } else if let Event::Warning(words) = event {
             self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(words.to_owned());

@@ -110,9 +110,9 @@ def part_folder(output: str, first: int, end: int) -> str:
     return os.path.join(output, _PARTS, f"{first:06}-{end:06}")
 
 
-def failures_of(told: "list[tuple[int, str, str, bool]]") -> "list[Failure]":
+def failures_of(told: "list[tuple[int, str, bool]]") -> "list[Failure]":
     """Failures as the library tells them."""
-    return [Failure(frame, f"{camera}: {why}" if camera else why, temporary) for frame, camera, why, temporary in told]
+    return [Failure(*failure) for failure in told]
 
 
 def fingerprint_in(folder: str) -> str:

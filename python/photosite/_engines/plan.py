@@ -107,8 +107,8 @@ class FramePlan:
         return Task([self._fresh.popleft() for _ in range(count)]) if count else None
 
     def done(self, task: Task, outcome: Outcome, now: float) -> None:
-        # Of a rig several cameras may fail.
-        failures = {failure.frame: failure for failure in outcome.failures}
+        # Of a rig several cameras may fail; the first says why.
+        failures = {failure.frame: failure for failure in reversed(outcome.failures)}
         self._pace.add(len(task.frames), outcome.seconds)
         self._done += len(task.frames) - len(failures)
         for frame, failure in failures.items():
