@@ -9,7 +9,7 @@ use super::dataset::SetReport;
 use super::monitor::TerminalMonitor;
 use super::render::{finish, finish_again};
 use crate::capture::{Capture, relative_path};
-use crate::dataset::{DataSet, PartFolder};
+use crate::dataset::{DataSet, MakeOptions, PartFolder};
 use crate::pipeline::{FilmMemory, LightSource, Parts, Place, Request, render_into};
 use crate::report::Timings;
 use crate::{Error, Result, Sandbox};
@@ -95,8 +95,9 @@ fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
     let input = args.input(&parts[0].input(), &args.parts[0], sandbox)?;
     let set = DataSet::read(sandbox, &input, &parts[0].arguments(), args.film_memory)?;
-    let monitor = TerminalMonitor::new(args.quiet, args.json);
+    let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
     let frames = set.frames(0..set.frame_count(), false, &monitor)?;
-    let (folder, made) = set.merge(&parts, &frames, &args.output, &monitor, false)?;
-    SetReport::of(args.quiet, args.json).finish(&set, &folder, &made)
+    let listening = report.listening(&monitor);
+    let (folder, made) = set.merge(&parts, &frames, &args.output, &listening, MakeOptions::default())?;
+    report.finish(&set, &folder, &made)
 }

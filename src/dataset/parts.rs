@@ -8,7 +8,7 @@ use super::DataSet;
 use super::folder::DatasetFolder;
 use super::frames::Frames;
 use super::identity::{IDENTITY, OF_PART, read_identity};
-use super::make::Made;
+use super::make::{Made, MakeOptions};
 use super::presence::picture;
 use crate::pipeline::{LightSource, Monitor, Parts, difference};
 use crate::{Error, Invalid, Result};
@@ -70,14 +70,14 @@ impl PartFolder {
 
 impl DataSet {
     /// Makes the pictures of these frames of the parts in all folders together. What is missing shows before anything
-    /// is made, unless the run `keeps_going`.
+    /// is made, unless the run keeps going.
     pub fn merge(
         &self,
         parts: &[PartFolder],
         frames: &Frames,
         path: &Path,
         monitor: &dyn Monitor,
-        keeps_going: bool,
+        options: MakeOptions,
     ) -> Result<(DatasetFolder, Made)> {
         parts.iter().try_for_each(|part| part.check(&self.identity))?;
         let of_picture = |camera: &str, number: u32| {
@@ -89,14 +89,14 @@ impl DataSet {
             }
             Parts::read(&found)
         };
-        if !keeps_going {
+        if !options.keeps_going {
             for number in frames.numbers() {
                 self.cameras().try_for_each(|camera| of_picture(camera, number).map(drop))?;
             }
         }
         let folder = self.claim(path)?;
         let light = |camera: &str, number| of_picture(camera, number).map(LightSource::Merged);
-        let made = self.make(frames, &folder, monitor, keeps_going, light)?;
+        let made = self.make(frames, &folder, monitor, options, light)?;
         Ok((folder, made))
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use photosite::Sandbox;
-use photosite::dataset::{DataSet, Made, PartFolder};
+use photosite::dataset::{DataSet, Made, MakeOptions, PartFolder};
 use photosite::io::exr::read_exr_file;
 use photosite::io::picture_file::read_picture_file;
 use photosite::io::truth::by_layer;
@@ -52,7 +52,8 @@ impl Dataset {
             let frames = self.0.frames(frames, false, monitor)?;
             self.0.check_first(&frames)?;
             let folder = self.0.claim(&folder)?;
-            let made = self.0.make(&frames, &folder, monitor, false, |_, _| Ok(LightSource::Traced))?;
+            let made =
+                self.0.make(&frames, &folder, monitor, MakeOptions::default(), |_, _| Ok(LightSource::Traced))?;
             made.check(&folder)?;
             Ok(made.pictures)
         })
@@ -78,7 +79,7 @@ impl Dataset {
         told(py, threads, |monitor| {
             let frames = self.0.frames(frames, true, monitor)?;
             let folder = self.0.claim(&folder)?;
-            self.0.make(&frames, &folder, monitor, true, |_, _| Ok(LightSource::Traced))
+            self.0.make(&frames, &folder, monitor, ONE_BY_ONE, |_, _| Ok(LightSource::Traced))
         })
     }
 
@@ -97,7 +98,7 @@ impl Dataset {
             self.0.check_samples(&samples)?;
             let frames = self.0.frames(frames, true, monitor)?;
             let folder = self.0.claim_part(&folder, &samples, &input)?;
-            self.0.make(&frames, &folder, monitor, true, |_, _| Ok(LightSource::Part(samples.clone())))
+            self.0.make(&frames, &folder, monitor, ONE_BY_ONE, |_, _| Ok(LightSource::Part(samples.clone())))
         })
     }
 
@@ -113,7 +114,7 @@ impl Dataset {
         told(py, threads, |monitor| {
             let parts = parts.iter().map(|part| PartFolder::read(part)).collect::<photosite::Result<Vec<_>>>()?;
             let frames = self.0.frames(frames, true, monitor)?;
-            self.0.merge(&parts, &frames, &folder, monitor, true).map(|(_, made)| made)
+            self.0.merge(&parts, &frames, &folder, monitor, ONE_BY_ONE).map(|(_, made)| made)
         })
     }
 
@@ -129,6 +130,9 @@ impl Dataset {
         Ok((index.present, index.left_out))
     }
 }
+
+/// Past frames that cannot be made. A worker that dies loses no more than the picture that it is at.
+const ONE_BY_ONE: MakeOptions = MakeOptions { keeps_going: true, jobs: Some(1) };
 
 /// A frame that could not be made: its number, why, and whether another try may succeed.
 type Failure = (u32, String, bool);
