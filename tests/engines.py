@@ -6,7 +6,8 @@ makes a stereo set on four workers (Dataset.run). At random moments a worker tha
 driver, which is started again. In the end
 
 - every file has the bytes of a run of PROGRAM in one process, and there is no other file;
-- of pictures that were begun, as the system tells of their folders, at most one for each killed worker is begun twice;
+- of pictures that were begun, as the system tells of their folders, for each killed worker at most those of one frame
+  are begun twice;
 - no process is left, those of a killed driver included.
 """
 
@@ -149,11 +150,8 @@ def ray_cluster() -> "tuple[str, Callable[[int], list[int]], Callable[[], None]]
 
 
 def dask_cluster() -> "tuple[str, Callable[[int], list[int]], Callable[[], None]]":
-    import dask
     from dask.distributed import LocalCluster
 
-    # So many deaths of workers under one task are for the driver to judge.
-    dask.config.set({"distributed.scheduler.allowed-failures": 3})
     cluster = LocalCluster(
         n_workers=WORKERS, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1", silence_logs=50
     )
@@ -291,7 +289,7 @@ def main() -> None:
         return
     twice = len(pictures.names) - options.frames * len(CAMERAS)
     # With the driver each of its workers may die.
-    most = options.kills + WORKERS
+    most = (options.kills + WORKERS) * len(CAMERAS)
     print(f"{options.engine}: {killed}; {twice} pictures were begun twice, at most {most} may be; {all_s}")
     if not 0 < twice <= most:
         sys.exit("no kill hit a picture under way" if twice <= 0 else "more was made twice than was under way")

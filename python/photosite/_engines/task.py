@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Optional
 
 __all__ = ["Ended", "Failure", "Job", "Outcome", "Task"]
@@ -80,8 +80,8 @@ class Outcome:
 
     @staticmethod
     def of_values(values: "dict[str, Any]") -> "Outcome":
-        failures = [Failure(**failure) for failure in values["failures"]]
-        return Outcome(**{**values, "failures": failures})
+        outcome = Outcome(**values)
+        return replace(outcome, failures=[Failure(**failure) for failure in values["failures"]])
 
 
 @dataclass(frozen=True)
