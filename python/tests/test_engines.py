@@ -18,7 +18,7 @@ from typing import Any, Callable, Optional
 import photosite as ps
 import pytest
 from conftest import Command, contents
-from photosite._engines import pace, plan
+from photosite._engines import driver, pace, plan
 from photosite._engines.address import check_reachable
 from photosite._engines.driver import Driver
 from photosite._engines.pace import Pace
@@ -122,15 +122,15 @@ def test_a_driver_that_ends_takes_its_workers_along_and_goes_on(
 ) -> None:
     out = tmp_path / "out"
     command = [sys.executable, "-c", DRIVER, str(file), split]
-    driver = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
     try:
         until(lambda: len(list(out.glob("[lr]*/[0-9]*"))) >= 2)
-        workers = workers_of(driver.pid)
+        workers = workers_of(process.pid)
         assert len(workers) == 2
-        driver.send_signal(how)
-        output, _ = driver.communicate(timeout=30)
+        process.send_signal(how)
+        output, _ = process.communicate(timeout=30)
     finally:
-        driver.kill()
+        process.kill()
     assert output == ("" if how == signal.SIGKILL else "stopped\n")
     until(lambda: not any(map(lives, workers)), 10)
     made = {path: path.stat().st_mtime_ns for path in out.glob("[lr]*/[0-9]*/capture.json")}
@@ -177,13 +177,13 @@ def test_places_that_cannot_be_used(file: Path, tmp_path: Path) -> None:
     (tmp_path / "full/letter.txt").write_text("dear")
     with pytest.raises(ps.InputError, match="holds no data set"):
         dataset.run(tmp_path / "full")
-    assert os.listdir(tmp_path / "full") == ["letter.txt"]
     with pytest.raises(ps.InputError, match="is a file"):
         dataset.run(file)
     with pytest.raises(ps.InputError, match="temporary folder"):
         dataset.run()
     with pytest.raises(ps.InputError, match="memory of one process"):
         dataset.run("memory://set")
+    assert os.listdir(tmp_path / "full") == ["letter.txt"]
 
 
 @pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may write everywhere")
@@ -243,6 +243,12 @@ def test_an_engine_that_is_not_installed(
     assert caught.value.help and "pip install" in caught.value.help
 
 
+def test_workers_that_do_not_start(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "executable", shutil.which("false"))
+    with pytest.raises(ps.ResourceError, match="workers do not start: the last one ended with status 1"):
+        ps.Dataset(file).run(tmp_path / "out", workers=1)
+
+
 def test_an_address_where_nobody_answers() -> None:
     with socket.socket() as unheard:
         unheard.bind(("127.0.0.1", 0))
@@ -269,6 +275,7 @@ def test_an_address_where_nobody_answers() -> None:
 def test_arguments_are_checked(file: Path, tmp_path: Path, arguments: "dict[str, Any]", complaint: str) -> None:
     with pytest.raises(ps.InputError, match=complaint):
         ps.Dataset(file).run(tmp_path / "out", **arguments)
+    assert not (tmp_path / "out").exists()
 
 
 class TestStores:
@@ -323,6 +330,20 @@ class TestStores:
             dataset.run(f"file://{tmp_path}/store", workers=1)
 
 
+def test_a_cluster_without_workers_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(driver, "_PATIENCE_S", 0.0)
+    engine = FakeEngine(0, lambda task: Outcome("here", 0.1))
+
+    def listen(message: "list[str]") -> None:
+        assert "no worker" in message[0]
+        engine.come(2)
+
+    monkeypatch.setattr(driver, "warn_all", listen)
+    work = FramePlan([0, 1, 2], 3)
+    Driver(engine, work, None).run()
+    assert work.progress() == (3, 3)
+
+
 class FakeEngine:
     """Ends tasks one after the other, each as it is told to."""
 
@@ -333,6 +354,9 @@ class FakeEngine:
 
     def slots(self) -> int:
         return self._slots
+
+    def come(self, slots: int) -> None:
+        self._slots = slots
 
     def submit(self, key: int, task: Task) -> None:
         assert len(self._running) < self._slots

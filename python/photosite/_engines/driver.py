@@ -14,6 +14,8 @@ __all__ = ["Driver", "Engine"]
 
 #: Between two looks at pauses that are over, and at workers that came.
 _LOOK_S = 0.5
+#: Without a worker before that is said.
+_PATIENCE_S = 10.0
 
 
 class Engine(Protocol):
@@ -48,6 +50,7 @@ class Driver:
         self._warned: "set[str]" = set()
         self._said: "Optional[tuple[int, int]]" = None
         self._count = 0
+        self._idle_since = time.monotonic()
 
     def run(self) -> None:
         """Returns when all frames are there or given up.
@@ -64,6 +67,10 @@ class Driver:
 
     def _submit(self) -> None:
         slots = self._engine.slots()
+        if slots > 0:
+            self._idle_since = time.monotonic()
+        elif time.monotonic() - self._idle_since > _PATIENCE_S:
+            self._warn("the cluster has no worker with as many cores as threads= asks for; the run waits for one")
         while len(self._running) < slots:
             task = self._plan.next(slots, time.monotonic())
             if task is None:

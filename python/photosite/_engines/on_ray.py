@@ -43,9 +43,9 @@ class RayEngine:
             raise unreachable(address or "local", f"Ray says: {refused}") from None
 
     def slots(self) -> int:
-        # Machines come and go.
-        cores = int(self._ray.cluster_resources().get("CPU", 0))
-        slots = cores // self._threads
+        # Machines come and go; a task has all of its threads on one of them.
+        alive = [node["Resources"].get("CPU", 0) for node in self._ray.nodes() if node["Alive"]]
+        slots = sum(int(cores) // self._threads for cores in alive)
         return slots if self._most is None else min(slots, self._most)
 
     def submit(self, key: int, task: Task) -> None:

@@ -11,6 +11,7 @@ from .. import _photosite
 from .._arguments import invalid
 from .._errors import Error, warn_all
 from .driver import Driver, Engine
+from .installed import needed
 from .output import Folder, Output, open_output
 from .plan import FramePlan, Plan
 from .sample_plan import SamplePlan
@@ -59,6 +60,7 @@ def run(
     dataset: "_photosite.Dataset", request: Request, told: "Optional[Callable[[int, int], object]]"
 ) -> EngineRun:
     """Makes the frames that are missing."""
+    _check(request)
     begun = time.monotonic()
     output = open_output(request.output)
     fingerprint = output.claim(dataset)
@@ -90,16 +92,28 @@ def run(
     return result
 
 
+def _check(request: Request) -> None:
+    """Refuses what no place has to be taken for."""
+    if request.split not in ("frames", "samples"):
+        raise invalid("split", f"expected 'frames' or 'samples', got {request.split!r}")
+    if request.engine not in ("local", "ray", "dask"):
+        raise invalid("engine", f"expected 'local', 'ray' or 'dask', got {request.engine!r}")
+    if request.engine == "local" and request.address is not None:
+        raise invalid("address", "the local engine has none", "leave it out, or say which engine it is the address of")
+    if request.engine == "ray":
+        needed("ray", "ray", "engine", "ray")
+    if request.engine == "dask":
+        needed("dask.distributed", "dask[distributed]", "engine", "dask")
+
+
 def _plan(dataset: "_photosite.Dataset", request: Request, output: Output, missing: "list[int]") -> Plan:
     if request.split == "frames":
         return FramePlan(missing, request.retries)
-    if request.split == "samples":
-        if not isinstance(output, Folder):
-            reason = "parts of pictures need a folder that all machines see, and no store"
-            raise invalid("split", reason, "give a folder, or split='frames'")
-        present = output.parts(dataset, missing)
-        return SamplePlan(missing, dataset.samples(), present, output.sample_ranges(), request.retries)
-    raise invalid("split", f"expected 'frames' or 'samples', got {request.split!r}")
+    if not isinstance(output, Folder):
+        reason = "parts of pictures need a folder that all machines see, and no store"
+        raise invalid("split", reason, "give a folder, or split='frames'")
+    present = output.parts(dataset, missing)
+    return SamplePlan(missing, dataset.samples(), present, output.sample_ranges(), request.retries)
 
 
 def _shares(request: Request, tasks: Optional[int]) -> "tuple[Optional[int], int]":
@@ -123,10 +137,6 @@ def _engine(request: Request, job: Job, workers: Optional[int]) -> Engine:
         from .on_dask import DaskEngine
 
         return DaskEngine(job, request.address, workers)
-    if request.engine != "local":
-        raise invalid("engine", f"expected 'local', 'ray' or 'dask', got {request.engine!r}")
-    if request.address is not None:
-        raise invalid("address", "the local engine has none", "leave it out, or say which engine it is the address of")
     from .local import LocalEngine
 
     return LocalEngine(job, workers or 1)
