@@ -328,7 +328,7 @@ class Dataset(Sequence[Frame]):
                 does not answer.
             InputError: the place holds another data set; an engine that is not installed; a file that a machine does
                 not have.
-            KeyboardInterrupt: Ctrl-C ends the workers; what is done stays.
+            KeyboardInterrupt: Ctrl-C ends the workers, of Dask at the end of the task under way; what is done stays.
         """
         if output is None and not self._keeps:
             raise invalid("output", "a data set of a temporary folder needs a place that stays", 'run("out")')

@@ -76,6 +76,7 @@ class DaskEngine:
         return Ended(key, Outcome("Dask", fault=repr(error)))
 
     def close(self) -> None:
+        # Those under way end by themselves: Dask stops no thread.
         self._client.cancel(list(self._running))
         if self._is_ours:
             self._client.close()

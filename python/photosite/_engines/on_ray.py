@@ -75,7 +75,7 @@ class RayEngine:
 
     def close(self) -> None:
         for reference in self._running:
-            # As Ctrl-C, so that a checkpoint is kept.
+            # As Ctrl-C in the worker.
             self._ray.cancel(reference)
         if self._is_ours:
             self._ray.shutdown()
