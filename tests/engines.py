@@ -26,34 +26,10 @@ import threading
 import time
 import uuid
 from pathlib import Path
-from typing import Callable, Optional
+from typing import Callable
 
-CAPTURE = """\
-[scene]
-environment = { illuminant = 'D65', illuminance_lux = 500 }
-[[targets]]
-type = 'chessboard'
-name = 'board'
-squares = [9, 6]
-square_mm = 30
-[camera]
-position_m = [0, 0, 0.6]
-look_at_m = [0, 0, 0]
-[lens]
-type = 'pinhole'
-f_number = 4
-focal_length_mm = 6
-focus_distance_m = 'infinity'
-[sensor]
-preset = 'sony-imx249-mono'
-resolution_px = [32, 24]
-pixel_pitch_um = [200, 200]
-[exposure]
-time_s = 0.004
-[render]
-samples_per_pixel = SAMPLES
-max_depth = 3
-"""
+from chaos import CAPTURE
+
 SET = """\
 capture = 'capture.toml'
 frames = FRAMES
@@ -253,7 +229,7 @@ def main() -> None:
     parser.add_argument("--split", choices=["frames", "samples"], default="frames")
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--kills", type=int, default=10)
-    parser.add_argument("--samples", type=int, default=500, help="samples a pixel: how long a frame takes")
+    parser.add_argument("--samples", type=int, default=125, help="samples a pixel: how long a frame takes")
     parser.add_argument("--seed", type=int, default=34)
     parser.add_argument("--limit-s", type=float, default=120, help="longest wait for a picture")
     options = parser.parse_args()
