@@ -98,6 +98,7 @@ samples_per_pixel = 2
 [output]
 truth = ["depth", "normal", "instance"]
 noise = ["prnu_e"]
+electrons = true
 """
 SET = """
 capture = "board.toml"
