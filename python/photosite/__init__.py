@@ -14,6 +14,7 @@ from ._capture import Capture, load
 from ._compare import Comparison, DifferencePicture, compare
 from ._dataset import Dataset, Frame, FramePicture
 from ._emva1288 import ChannelFigures, Emva1288Report, Figures, SpatialFigures, emva1288, emva1288_report
+from ._engines.run import EngineRun
 from ._errors import Error, FileError, InputError, PhotositeWarning, ResourceError
 from ._light import Light, render, render_into, trace
 from ._photosite import __version__
@@ -32,6 +33,7 @@ __all__ = [
     "Dataset",
     "DifferencePicture",
     "Emva1288Report",
+    "EngineRun",
     "Error",
     "Figures",
     "FileError",

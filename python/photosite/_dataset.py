@@ -18,6 +18,7 @@ import numpy.typing as npt
 from . import _photosite
 from ._arguments import Path, assignments, invalid, path_of
 from ._camera import Camera
+from ._engines.run import EngineRun, Request, run
 from ._errors import InputError
 from ._progress import Progress, listener
 from ._raw import Raw, read_raw
@@ -281,6 +282,81 @@ class Dataset(Sequence[Frame]):
         if self._keeps:
             self.write_index()
         return made
+
+    def run(
+        self,
+        output: Optional[Path] = None,
+        *,
+        engine: str = "local",
+        address: Optional[str] = None,
+        workers: Optional[int] = None,
+        threads: Optional[int] = None,
+        frames: Optional[Iterable[int]] = None,
+        split: str = "frames",
+        retries: int = 3,
+        keep_going: bool = False,
+        progress: Progress = None,
+    ) -> EngineRun:
+        """Renders the frames that are missing on many processes or machines, and writes manifest, calibration files and
+        README.
+
+        Tasks are as many frames as take about 25 s at the pace seen so far. Frames of a worker that dies go to another
+        one; those that it had finished stay. A run that was killed, driver and all, goes on when it is called again. The
+        result has the bytes of ``photosite dataset``. Workers read the data set file by its path, and need photosite in
+        the same version.
+
+        Args:
+            output: a folder that all machines see, or a place in an object store as ``fsspec`` names it,
+                ``s3://bucket/set``; without, the folder of the data set.
+            engine: "local", processes of this machine; "ray" or "dask", which must be installed.
+            address: where the cluster is: ``host:6379`` or "auto" for Ray, ``tcp://host:8786`` for Dask. Without, the
+                one that this process is connected to; Ray otherwise starts one of this machine.
+            workers: tasks under way at once, at most; without, as many as there are cores, or as the cluster takes.
+            threads: threads of each worker; without, those of the data set, else 1 on a cluster and the worker's share
+                of the cores on this machine.
+            frames: numbers of frames to make; without, all of this data set.
+            split: "frames", or "samples" where pictures are few and large: tasks are then samples of one frame, and
+                take disk for as many films, at most 16 or so a picture, until it is whole.
+            retries: further tries of what fails for a reason that may pass, such as a full disk, and of frames whose
+                worker dies.
+            keep_going: whether frames that cannot be made are in the result, rather than in an error at the end.
+            progress: False for no bar, True for one, None for one in terminals and notebooks, or a function that is
+                called with how much is done, and of how much: frames, or samples of them.
+
+        Raises:
+            Error: frames that could not be made, when the others are done; a reason that does not pass; a cluster that
+                does not answer.
+            InputError: the place holds another data set; an engine that is not installed; a file that a machine does
+                not have.
+            KeyboardInterrupt: Ctrl-C ends the workers, of Dask at the end of the task under way; what is done stays.
+        """
+        if output is None and not self._keeps:
+            raise invalid("output", "a data set of a temporary folder needs a place that stays", 'run("out")')
+        numbers = list(self._numbers)
+        if frames is not None:
+            wanted = set(frames)
+            unknown = sorted(wanted - set(numbers))
+            if unknown:
+                raise invalid("frames", f"there is no frame {unknown[0]}", f"there are {len(numbers)} frames")
+            numbers = [number for number in numbers if number in wanted]
+        for name, value, least in (("workers", workers, 1), ("threads", threads, 1), ("retries", retries, 0)):
+            if value is not None and value < least:
+                raise invalid(name, f"expected at least {least}, got {value}")
+        place = os.fspath(self._folder) if output is None else path_of("output", output)
+        request = Request(
+            path=self._path,
+            overrides=self._overrides,
+            output=place if "://" in place else os.path.abspath(place),
+            frames=numbers,
+            engine=engine,
+            address=address,
+            workers=workers,
+            threads=threads or self._threads,
+            split=split,
+            retries=retries,
+            keep_going=keep_going,
+        )
+        return run(self._compiled, request, listener(progress, "render", split))
 
     def write_index(self) -> int:
         """Writes ``manifest.jsonl``, calibration files and ``README.md``, as the command does at its end.

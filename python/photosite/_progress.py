@@ -58,13 +58,22 @@ class _Line:
     def __init__(self, label: str) -> None:
         self._label = label
         self._begun = self._said = time.monotonic()
+        self._before: "Optional[int]" = None
 
     def __call__(self, done: int, all: int) -> None:
         now = time.monotonic()
         is_done = done >= all
+        if self._before is None:
+            # What was done before says nothing of the pace.
+            self._before = done
         if now - self._said < 0.1 and not is_done:
             return
         self._said = now
         end = "\n" if is_done else ""
         share = done / max(all, 1)
-        print(f"\r{self._label} {share:4.0%}  {now - self._begun:.1f} s", end=end, file=sys.stderr, flush=True)
+        spent = now - self._begun
+        left = ""
+        if not is_done and done > self._before:
+            left = f", {spent * (all - done) / (done - self._before):.0f} s left"
+        # Blanks, where the line before was longer.
+        print(f"\r{self._label} {share:4.0%}  {spent:.1f} s{left:16}", end=end, file=sys.stderr, flush=True)

@@ -18,65 +18,7 @@ from typing import Any
 import numpy as np
 import photosite as ps
 import pytest
-from conftest import ROOT, Command
-
-BOARD = """
-[[targets]]
-type = "chessboard"
-name = "board"
-squares = [6, 5]
-square_mm = 40
-[scene]
-environment = { illuminant = "D65", illuminance_lux = 1000 }
-[camera]
-position_m = [0, 0, 1]
-look_at_m = [0, 0, 0]
-[lens]
-type = "pinhole"
-focal_length_mm = 6
-f_number = 4
-focus_distance_m = "infinity"
-[sensor]
-preset = "generic-cmos-color"
-resolution_px = [40, 30]
-pixel_pitch_um = [100, 100]
-[exposure]
-auto = true
-[render]
-samples_per_pixel = 2
-[output]
-truth = ["depth", "normal", "instance"]
-noise = ["prnu_e"]
-"""
-SET = """
-capture = "board.toml"
-frames = 5
-seed = 1
-[[cameras]]
-name = "left"
-[[cameras]]
-name = "right"
-position_m = [0.1, 0, 0]
-look_at_m = [0.05, 0, -1]
-[poses.random]
-target = "board"
-distance_m = [0.8, 1.2]
-tilt_deg = [10, 30]
-"""
-
-
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    (tmp_path / "board.toml").write_text(BOARD)
-    (tmp_path / "set.toml").write_text(SET)
-    return tmp_path / "set.toml"
-
-
-def contents(folder: Path) -> "dict[str, bytes]":
-    """All files of a data set but locks."""
-    files = (path for path in folder.rglob("*") if path.is_file() and not path.name.startswith("."))
-    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
-
+from conftest import ROOT, Command, contents
 
 def test_frames_are_the_commands(command: Command, file: Path, tmp_path: Path) -> None:
     command("dataset", file, "-o", tmp_path / "theirs", "-q")

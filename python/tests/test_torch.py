@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import photosite as ps
 import pytest
-from test_dataset import contents, file  # noqa: F401
+from conftest import contents
 
 torch = pytest.importorskip("torch")
 

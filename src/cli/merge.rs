@@ -95,24 +95,9 @@ fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
     let input = args.input(&parts[0].input(), &args.parts[0], sandbox)?;
     let set = DataSet::read(sandbox, &input, &parts[0].arguments(), args.film_memory)?;
-    parts.iter().try_for_each(|part| set.check_part(part))?;
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
     let frames = set.frames(0..set.frame_count(), false, &monitor)?;
-    let of_picture = |camera: &str, number: u32| {
-        let found: Vec<PathBuf> = parts.iter().filter_map(|part| part.picture(camera, number)).collect();
-        if found.is_empty() {
-            let message = format!("frame {number} of camera {camera} is in none of the folders");
-            let help = "give the command of the missing part again: it goes on where it was broken off";
-            return Err(Error::Usage { message, help: Some(help.into()) });
-        }
-        Parts::read(&found)
-    };
-    // What is missing shows before anything is made.
-    for number in frames.numbers() {
-        set.cameras().try_for_each(|camera| of_picture(camera, number).map(|_| ()))?;
-    }
-    let folder = set.claim(&args.output)?;
-    let light = |camera: &str, number| of_picture(camera, number).map(LightSource::Merged);
-    let made = set.make(&frames, &folder, &report.listening(&monitor), MakeOptions::default(), light)?;
+    let listening = report.listening(&monitor);
+    let (folder, made) = set.merge(&parts, &frames, &args.output, &listening, MakeOptions::default())?;
     report.finish(&set, &folder, &made)
 }

@@ -24,13 +24,15 @@ use crate::io::output::{create_folder, remove_leftovers, write_new};
 use crate::io::pretty_json::pretty_json;
 use crate::io::unfinished::{UnfinishedFolder, unfinished_folders};
 use crate::pipeline::are_checkpoints_in;
-use crate::report::Look;
+use crate::report::{Listing, Look, REPORT};
 use crate::{Error, Invalid, Result};
 
 /// A folder that is known to be that of this data set.
 pub struct DatasetFolder {
     path: PathBuf,
     knows_locks: bool,
+    /// Whether the pictures' other files are somewhere else.
+    has_reports_only: bool,
 }
 
 impl DatasetFolder {
@@ -65,7 +67,12 @@ impl DatasetFolder {
         for camera in plan.cameras() {
             create_folder(&path.join(&camera.place.name))?;
         }
-        Ok(Self { path: path.to_owned(), knows_locks: lock.is_proven() })
+        Ok(Self { path: path.to_owned(), knows_locks: lock.is_proven(), has_reports_only: false })
+    }
+
+    /// The same folder, of which a picture's report alone says that it is there: its files are in a store elsewhere.
+    pub fn of_reports(self) -> Self {
+        Self { has_reports_only: true, ..self }
     }
 
     /// Whether processes that fill the folder together know of each other.
@@ -80,7 +87,11 @@ impl DatasetFolder {
 
     /// Whether a picture is there, with all of its files.
     pub(super) fn is_done(&self, camera: &str, number: u32) -> bool {
-        damage(&self.picture(camera, number), Look::Sizes).is_none()
+        let picture = self.picture(camera, number);
+        if self.has_reports_only {
+            return Listing::read(&picture.join(REPORT)).is_ok();
+        }
+        damage(&picture, Look::Sizes).is_none()
     }
 
     /// Begins a picture, or finds out who has it. One that has lost a file since it was made is made again.
@@ -213,12 +224,11 @@ fn check_complete(folder: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::REPORT;
 
     fn folder() -> (tempfile::TempDir, DatasetFolder) {
         let root = tempfile::tempdir().expect("a folder");
         fs::create_dir(root.path().join("left")).expect("made");
-        let folder = DatasetFolder { path: root.path().to_owned(), knows_locks: true };
+        let folder = DatasetFolder { path: root.path().to_owned(), knows_locks: true, has_reports_only: false };
         (root, folder)
     }
 

@@ -1,12 +1,11 @@
 //! What the pictures of a folder are pictures of: `dataset.json`, written once and compared ever after.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use photosite_core::input;
 use serde_json::{Map, Value, json};
 
-use super::presence::picture;
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, DatasetFile, real_path};
 use crate::pipeline::{difference, fingerprinted, keys_and_files};
@@ -15,7 +14,7 @@ use crate::{Error, Invalid, Result};
 /// The file that identifies the data set.
 pub(super) const IDENTITY: &str = "dataset.json";
 /// Its key in folders of parts.
-const OF_PART: &str = "part";
+pub(super) const OF_PART: &str = "part";
 
 /// Everything that decides what the pictures are: version, description, captures, and the files that these name. How
 /// many frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow
@@ -47,61 +46,6 @@ pub(super) fn part_identity(identity: &Value, samples: &Range<u32>, input: &Path
     let mut identity = identity.clone();
     identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": real_path(input) });
     identity
-}
-
-/// A folder of parts of pictures.
-pub struct PartFolder {
-    path: PathBuf,
-    identity: Value,
-}
-
-impl PartFolder {
-    /// Whether a folder is that of a data set.
-    pub fn is_one(path: &Path) -> bool {
-        path.join(IDENTITY).exists()
-    }
-
-    /// Reads what a folder is a part of.
-    pub fn read(path: &Path) -> Result<Self> {
-        let refuse = |message: &str| {
-            let help = "give folders that hold a part of a data set";
-            Err(Invalid::new("", message).help(help).in_file(path))
-        };
-        if !Self::is_one(path) {
-            return refuse("holds no part of a data set");
-        }
-        let identity = read_identity(&path.join(IDENTITY))?;
-        if identity[OF_PART].is_null() {
-            return refuse("holds a whole data set and no part of one");
-        }
-        Ok(Self { path: path.to_owned(), identity })
-    }
-
-    /// Where the data set file was.
-    pub fn input(&self) -> PathBuf {
-        PathBuf::from(self.identity[OF_PART]["path"].as_str().unwrap_or_default())
-    }
-
-    /// The overrides that it was made with.
-    pub fn arguments(&self) -> Vec<String> {
-        let arguments = self.identity["overrides"].as_array().into_iter().flatten();
-        arguments.filter_map(Value::as_str).map(str::to_owned).collect()
-    }
-
-    /// Refuses parts of another data set.
-    pub fn check(&self, whole: &Value) -> Result<()> {
-        if self.identity["fingerprint"] == whole["fingerprint"] {
-            return Ok(());
-        }
-        let difference = difference(&self.identity, whole);
-        let message = format!("{} is a part of another data set: {difference}", self.path.display());
-        Err(Error::Usage { message, help: Some("give parts of one data set, and its file as it was".into()) })
-    }
-
-    /// The part of a picture, if it is there.
-    pub fn picture(&self, camera: &str, number: u32) -> Option<PathBuf> {
-        Some(picture(&self.path, camera, number)).filter(|path| path.exists())
-    }
 }
 
 /// Reads the identity of a folder.

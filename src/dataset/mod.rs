@@ -13,6 +13,7 @@ mod index;
 mod jobs;
 mod layout_folder;
 mod make;
+mod parts;
 mod picture;
 mod presence;
 mod rectified_truth;
@@ -26,26 +27,29 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use rayon::prelude::*;
 use serde_json::Value;
 
 pub use finished::{read_dataset, read_present};
 pub use folder::DatasetFolder;
 pub use forecast::Forecast;
 pub use frames::Frames;
-pub use identity::PartFolder;
 pub use index::Index;
 pub use layout_folder::LayoutFolder;
 pub use make::{Made, MakeOptions};
+pub use parts::PartFolder;
 pub use presence::name as picture_name;
 pub use rectify::{RectifiedReport, RectifySettings, disparity_scale, rectify};
 pub use selection::{FrameList, Shard};
 
 use identity::{identity, part_identity};
+use presence::{damage, picture};
 use rig::plan;
 
 use crate::calibration::dataset::Plan;
 use crate::capture::{Capture, DatasetFile};
 use crate::pipeline::{Event, FilmMemory, Monitor, Prepared, check_samples};
+use crate::report::Look;
 use crate::{Error, Invalid, Result, Sandbox};
 
 /// A data set file with all that it needs.
@@ -137,6 +141,13 @@ impl DataSet {
         index::write_index(folder, &self.file, &self.identity, &self.plan)
     }
 
+    /// Which of these frames lack a picture, or a part of one, in the folder at `path`, which need not be there.
+    pub fn missing(&self, numbers: Vec<u32>, path: &Path) -> Vec<u32> {
+        let lacks = |camera: &str, number| damage(&picture(path, camera, number), Look::Sizes).is_some();
+        let numbers = numbers.into_par_iter();
+        numbers.filter(|&number| self.cameras().any(|camera| lacks(camera, number))).collect()
+    }
+
     /// How many pictures, or parts of pictures, a folder holds.
     pub fn present(&self, folder: &DatasetFolder) -> usize {
         let done = |number| self.cameras().filter(|camera| folder.is_done(camera, number)).count();
@@ -167,14 +178,22 @@ impl DataSet {
         DatasetFolder::claim(path, &part_identity(&self.identity, samples, input), &self.plan)
     }
 
+    /// Samples of each pixel that all pictures have.
+    pub fn samples(&self) -> Result<u32> {
+        let samples = self.captures[0].render.samples_per_pixel;
+        let is_varied = self.file.description.vary.iter().any(|v| v.key.trim() == "render.samples_per_pixel");
+        if is_varied || self.captures.iter().any(|capture| capture.render.samples_per_pixel != samples) {
+            let help = "write one number of samples, or share the work by frames";
+            let invalid = Invalid::new("render.samples_per_pixel", "differs from picture to picture");
+            return Err(self.file.error(invalid.help(help)));
+        }
+        self.check_samples(&(0..samples))?;
+        Ok(samples)
+    }
+
     /// Refuses samples that are no part of what the captures ask for.
     pub fn check_samples(&self, samples: &Range<u32>) -> Result<()> {
         self.captures.iter().try_for_each(|capture| check_samples(samples, capture))
-    }
-
-    /// Refuses a folder with a part of another data set.
-    pub fn check_part(&self, part: &PartFolder) -> Result<()> {
-        part.check(&self.identity)
     }
 
     /// Reads the captures of the first of these frames: keys that there are not show before anything is made.

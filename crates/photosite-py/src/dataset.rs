@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use photosite::Sandbox;
-use photosite::dataset::{DataSet, MakeOptions};
+use photosite::dataset::{DataSet, Made, MakeOptions, PartFolder};
 use photosite::io::exr::read_exr_file;
 use photosite::io::picture_file::read_picture_file;
 use photosite::io::truth::by_layer;
-use photosite::pipeline::{FilmMemory, LightSource};
+use photosite::pipeline::{Event, FilmMemory, LightSource, Monitor};
 use photosite::raw::Pixels;
 use pyo3::prelude::*;
 
@@ -58,11 +59,125 @@ impl Dataset {
         })
     }
 
+    /// Takes a folder for the data set, or refuses it.
+    fn claim(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        work(py, How::default(), |_| self.0.claim(&folder).map(drop))
+    }
+
+    /// Which of these frames lack a picture, or a part of one, in the folder.
+    fn missing(&self, py: Python<'_>, folder: PathBuf, frames: Vec<u32>) -> PyResult<Vec<u32>> {
+        work(py, How::default(), |_| Ok(self.0.missing(frames, &folder)))
+    }
+
+    /// Samples of each pixel that all pictures have.
+    fn samples(&self, py: Python<'_>) -> PyResult<u32> {
+        work(py, How::default(), |_| self.0.samples())
+    }
+
+    /// Makes the pictures of these frames, and goes past those that cannot be made.
+    fn make(&self, py: Python<'_>, folder: PathBuf, frames: Vec<u32>, threads: Option<usize>) -> PyResult<Told> {
+        told(py, threads, |monitor| {
+            let frames = self.0.frames(frames, true, monitor)?;
+            let folder = self.0.claim(&folder)?;
+            self.0.make(&frames, &folder, monitor, ONE_BY_ONE, |_, _| Ok(LightSource::Traced))
+        })
+    }
+
+    /// Makes these samples of the pictures, in a folder for them; `input` is the data set file.
+    fn make_part(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        frames: Vec<u32>,
+        samples: [u32; 2],
+        input: PathBuf,
+        threads: Option<usize>,
+    ) -> PyResult<Told> {
+        let samples = samples[0]..samples[1];
+        told(py, threads, |monitor| {
+            self.0.check_samples(&samples)?;
+            let frames = self.0.frames(frames, true, monitor)?;
+            let folder = self.0.claim_part(&folder, &samples, &input)?;
+            self.0.make(&frames, &folder, monitor, ONE_BY_ONE, |_, _| Ok(LightSource::Part(samples.clone())))
+        })
+    }
+
+    /// Makes the pictures of these frames of the parts that the folders hold.
+    fn merge(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        frames: Vec<u32>,
+        parts: Vec<PathBuf>,
+        threads: Option<usize>,
+    ) -> PyResult<Told> {
+        told(py, threads, |monitor| {
+            let parts = parts.iter().map(|part| PartFolder::read(part)).collect::<photosite::Result<Vec<_>>>()?;
+            let frames = self.0.frames(frames, true, monitor)?;
+            self.0.merge(&parts, &frames, &folder, monitor, ONE_BY_ONE).map(|(_, made)| made)
+        })
+    }
+
+    /// Writes the summary of pictures of which the folder holds the reports alone, and counts them.
+    fn write_index_of_reports(&self, py: Python<'_>, folder: PathBuf) -> PyResult<(usize, Vec<String>)> {
+        let index = work(py, How::default(), |_| self.0.write_index(&self.0.open(&folder)?.of_reports()))?;
+        Ok((index.present, index.left_out))
+    }
+
     /// Writes the summary of the pictures in the folder, and counts them; with why calibration files are left out.
     fn write_index(&self, py: Python<'_>, folder: PathBuf) -> PyResult<(usize, Vec<String>)> {
         let index = work(py, How::default(), |_| self.0.write_index(&self.0.open(&folder)?))?;
         Ok((index.present, index.left_out))
     }
+}
+
+/// Past frames that cannot be made. A worker that dies loses no more than the picture that it is at.
+const ONE_BY_ONE: MakeOptions = MakeOptions { keeps_going: true, jobs: Some(1) };
+
+/// A frame that could not be made: its number, why, and whether another try may succeed.
+type Failure = (u32, String, bool);
+/// The frames that could not be made, and warnings.
+type Told = (Vec<Failure>, Vec<String>);
+
+/// Does work that goes past frames that cannot be made, and returns what was said meanwhile.
+fn told(
+    py: Python<'_>,
+    threads: Option<usize>,
+    job: impl FnOnce(&dyn Monitor) -> photosite::Result<Made> + Send,
+) -> PyResult<Told> {
+    work(py, How { threads, progress: None }, |monitor| {
+        let listener = Listener { monitor, failures: Mutex::default(), warnings: Mutex::default() };
+        job(&listener)?;
+        Ok((kept(listener.failures), kept(listener.warnings)))
+    })
+}
+
+/// Keeps what is said of frames that cannot be made, and warnings, for somebody in another process.
+struct Listener<'a> {
+    monitor: &'a dyn Monitor,
+    failures: Mutex<Vec<Failure>>,
+    warnings: Mutex<Vec<String>>,
+}
+
+impl Monitor for Listener<'_> {
+    fn report(&self, event: Event<'_>) {
+        if let Event::PictureFails { frame, error, .. } = event {
+            let failure = (frame, error.to_string(), error.is_temporary());
+            self.failures.lock().unwrap_or_else(PoisonError::into_inner).push(failure);
+        } else if let Event::Warning(words) = event {
+            self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(words.to_owned());
+        } else {
+            self.monitor.report(event);
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.monitor.is_cancelled()
+    }
+}
+
+fn kept<T>(list: Mutex<T>) -> T {
+    list.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The planes of an EXR file by their names, those of a layer of ground truth together.
