@@ -68,7 +68,7 @@ impl Jobs<'_> {
     /// Takes pictures out of the queue until there is none, or the work is over.
     fn job<'a>(&self, queue: &Mutex<std::vec::IntoIter<Picture<'a>>>, theirs: &Mutex<Vec<Picture<'a>>>) -> Result<()> {
         let end = thread::scope(|scope| {
-            let (hand_over, rendered) = sync_channel(1);
+            let (hand_over, rendered) = sync_channel(0);
             let finisher = scope.spawn(move || self.finish_all(&rendered));
             let made = self.make_all(queue, theirs, &hand_over);
             drop(hand_over);
