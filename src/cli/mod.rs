@@ -33,7 +33,9 @@ mod render;
 mod run_args;
 mod schema;
 mod sensors;
+mod shell;
 mod signals;
+mod status;
 mod target;
 
 use std::ffi::OsString;
@@ -48,7 +50,7 @@ use crate::{Error, Result, Sandbox, memory};
 
 /// What scripts and schedulers go by.
 const EXIT_STATUS: &str = "\
-Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 75 failed, but another try may succeed (disk full, a server or
+Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 3 and 4 of `photosite status` (see its --help); 75 failed, but another try may succeed (disk full, a server or
 a file went away, another process writes to the same place); 129, 130, 143 ended by SIGHUP, SIGINT, SIGTERM, after which a
 render goes on from its checkpoint when the same command is given again.";
 
@@ -89,6 +91,7 @@ enum Command {
     Merge(merge::MergeArgs),
     MergeHdr(merge_hdr::MergeHdrArgs),
     Dataset(dataset::DatasetArgs),
+    Status(status::StatusArgs),
     Layout(layout::LayoutArgs),
     Rectify(rectify::RectifyArgs),
     Depth(depth::DepthArgs),
@@ -166,6 +169,7 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Merge(args) => merge::run(args, sandbox),
         Command::MergeHdr(args) => merge_hdr::run(args),
         Command::Dataset(args) => dataset::run(args, sandbox),
+        Command::Status(args) => return status::run(args),
         Command::Layout(args) => layout::run(args, sandbox),
         Command::Rectify(args) => rectify::run(args, sandbox),
         Command::Depth(args) => depth::run(args),

@@ -5,7 +5,8 @@
 //! `manifest.jsonl` what is in it, a line a picture.
 //!
 //! Several processes may fill it. Each picture has a lock, `.NUMBER.lock`, so that they make different ones, and know
-//! what a dead one has left; what concerns the whole has the lock of the folder. Nothing is lost where the file system
+//! what a dead one has left; what concerns the whole has the lock of the folder. The lock of a picture says who makes it,
+//! `.NUMBER.failed` why it could not be made. Nothing is lost where the file system
 //! knows no locks: each process makes a picture under a name of its own, the first to finish gives it its number, and
 //! the other drops its own.
 
@@ -16,11 +17,14 @@ use std::path::{Path, PathBuf};
 use photosite_core::{Remedy, fail_point};
 use serde_json::Value;
 
-use super::identity::{IDENTITY, read_identity, refusal};
-use super::presence::{damage, picture};
+use super::failure::{Failure, forget};
+use super::frames::Frames;
+use super::heartbeat::{Beating, Heartbeat};
+use super::identity::{IDENTITY, read_identity, refusal, with_extent_of};
+use super::presence::{damage, failure, lock, picture};
 use crate::calibration::dataset::Plan;
 use crate::io::lock::Lock;
-use crate::io::output::{create_folder, remove_leftovers, write_new};
+use crate::io::output::{create_folder, remove_leftovers, write_new, write_whole};
 use crate::io::pretty_json::pretty_json;
 use crate::io::unfinished::{UnfinishedFolder, unfinished_folders};
 use crate::pipeline::are_checkpoints_in;
@@ -31,6 +35,7 @@ use crate::{Error, Invalid, Result};
 pub struct DatasetFolder {
     path: PathBuf,
     knows_locks: bool,
+    heartbeat: Heartbeat,
 }
 
 impl DatasetFolder {
@@ -62,10 +67,13 @@ impl DatasetFolder {
         if let Some(difference) = refusal(&earlier, identity) {
             return refuse(format!("{} {difference}", path.display()));
         }
+        if let Some(now) = with_extent_of(&earlier, identity) {
+            write_whole(&marker, |to| writeln!(to, "{}", pretty_json(&now)))?;
+        }
         for camera in plan.cameras() {
             create_folder(&path.join(&camera.place.name))?;
         }
-        Ok(Self { path: path.to_owned(), knows_locks: lock.is_proven() })
+        Ok(Self { path: path.to_owned(), knows_locks: lock.is_proven(), heartbeat: Heartbeat::default() })
     }
 
     /// Whether processes that fill the folder together know of each other.
@@ -110,7 +118,8 @@ impl DatasetFolder {
             }
         }
         fail_point::reach("picture-begun");
-        Ok(Turn::Ours(NewPicture { folder, lost, _lock: lock }))
+        let failure = failure(&self.path, camera, number);
+        Ok(Turn::Ours(NewPicture { folder, failure, lost, _beating: self.heartbeat.of(&lock), _lock: lock }))
     }
 
     /// Takes away a picture that is damaged, unless another process makes it anew, or has done so.
@@ -126,7 +135,21 @@ impl DatasetFolder {
     }
 
     fn lock(&self, camera: &str, number: u32) -> PathBuf {
-        self.path.join(camera).join(format!(".{number:06}.lock"))
+        lock(&self.path, camera, number)
+    }
+
+    /// Keeps why a picture could not be made, until it is made. One that was asked to stop has not failed.
+    pub(super) fn record_failure(&self, camera: &str, number: u32, error: &Error) {
+        if !matches!(error, Error::Cancelled { .. }) {
+            Failure::of(error).write(&failure(&self.path, camera, number));
+        }
+    }
+
+    /// Keeps why frames cannot be had, of all their pictures.
+    pub(super) fn record_failures<'a>(&self, frames: &Frames, cameras: impl Iterator<Item = &'a str> + Clone) {
+        for (number, why) in &frames.reasons {
+            cameras.clone().for_each(|camera| why.write(&failure(&self.path, camera, *number)));
+        }
     }
 
     /// Removes what dead processes have left beside pictures that are done.
@@ -140,6 +163,9 @@ impl DatasetFolder {
                 // The lock leaves with its file.
                 let lock = Lock::try_take(&self.lock(camera, number))?;
                 let path = self.picture(camera, number);
+                if path.exists() {
+                    forget(&failure(&self.path, camera, number));
+                }
                 if lock.is_some_and(|lock| lock.is_proven() && path.exists()) {
                     // Nothing depends on it.
                     unfinished_folders(&path).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
@@ -164,8 +190,11 @@ pub(super) enum Turn {
 pub(super) struct NewPicture {
     // Put away before the lock is let go of.
     folder: UnfinishedFolder,
+    /// Where an earlier try has left why it failed.
+    failure: PathBuf,
     /// What was wrong with an earlier one that it replaces.
     lost: Option<String>,
+    _beating: Beating,
     _lock: Lock,
 }
 
@@ -184,7 +213,9 @@ impl NewPicture {
     pub(super) fn finish(self) -> Result<bool> {
         check_complete(self.folder.path())?;
         fail_point::reach("picture-complete");
-        self.folder.finish()
+        let is_ours = self.folder.finish()?;
+        forget(&self.failure);
+        Ok(is_ours)
     }
 }
 
@@ -218,7 +249,7 @@ mod tests {
     fn folder() -> (tempfile::TempDir, DatasetFolder) {
         let root = tempfile::tempdir().expect("a folder");
         fs::create_dir(root.path().join("left")).expect("made");
-        let folder = DatasetFolder { path: root.path().to_owned(), knows_locks: true };
+        let folder = DatasetFolder { path: root.path().to_owned(), knows_locks: true, heartbeat: Heartbeat::default() };
         (root, folder)
     }
 

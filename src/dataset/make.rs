@@ -55,6 +55,7 @@ impl DataSet {
         light: impl Fn(&str, u32) -> Result<LightSource<'static>>,
     ) -> Result<Made> {
         self.warn(folder, monitor);
+        folder.record_failures(frames, self.plan.cameras().iter().map(|camera| &*camera.place.name));
         let mut todo: Vec<Picture<'_>> = self.pictures(frames).filter(|&(n, c, _)| !folder.is_done(c, n)).collect();
         if !folder.knows_locks() && !todo.is_empty() {
             // Each process begins somewhere else, so that few make the same.
@@ -82,7 +83,8 @@ impl DataSet {
                 if let Some(turn) = turn {
                     // Warnings about the scene are given once.
                     let of_one = OfOnePicture { monitor, warns: std::mem::take(&mut is_first) };
-                    match self.picture(picture, &light, turn, &of_one) {
+                    let outcome = self.picture(picture, &light, turn, &of_one);
+                    match outcome.inspect_err(|error| folder.record_failure(camera, number, error)) {
                         Ok(is_ours) => made.pictures += usize::from(is_ours),
                         Err(error @ Error::Cancelled { .. }) => return Err(error),
                         Err(error) if keeps_going => {

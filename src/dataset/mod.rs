@@ -4,10 +4,12 @@ mod calibration;
 #[cfg(test)]
 mod claim_model;
 mod epipolar_lines;
+mod failure;
 mod finished;
 mod folder;
 mod forecast;
 mod frames;
+mod heartbeat;
 mod identity;
 mod index;
 mod layout_folder;
@@ -17,6 +19,7 @@ mod rectified_truth;
 mod rectify;
 mod rig;
 mod selection;
+mod status;
 mod verify;
 
 use std::ops::Range;
@@ -24,16 +27,19 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+pub use failure::Failure;
 pub use finished::{read_dataset, read_present};
 pub use folder::DatasetFolder;
 pub use forecast::Forecast;
 pub use frames::Frames;
+pub use heartbeat::Holder;
 pub use identity::PartFolder;
 pub use index::Index;
 pub use layout_folder::LayoutFolder;
 pub use make::Made;
 pub use rectify::{RectifiedReport, RectifySettings, disparity_scale, rectify};
 pub use selection::{FrameList, Shard};
+pub use status::{PictureState, PictureStatus, Status};
 
 use identity::{identity, part_identity};
 use rig::plan;
@@ -63,7 +69,7 @@ impl DataSet {
         let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
         sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
         let (plan, captures) = plan(&file, sandbox, &capture_path, arguments)?;
-        let identity = identity(&file, &captures, arguments)?;
+        let identity = identity(&file, &captures, arguments, &plan)?;
         Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), film_memory, identity })
     }
 
@@ -82,6 +88,7 @@ impl DataSet {
                 Err(error) if keeps_going => {
                     monitor.report(Event::PictureFails { camera: "", frame: number, error: &error });
                     frames.failed.push(number);
+                    frames.reasons.insert(number, Failure::of(&error));
                 }
                 Err(error) => return Err(error),
             }

@@ -47,6 +47,7 @@ mod seeds;
 mod shared_work;
 mod signals;
 mod specimens;
+mod status;
 mod stored_sensors;
 mod straight_pictures;
 mod strips;
