@@ -33,9 +33,9 @@ mod render;
 mod run_args;
 mod schema;
 mod sensors;
-mod shell;
 mod signals;
 mod status;
+mod submit;
 mod target;
 
 use std::ffi::OsString;
@@ -92,6 +92,7 @@ enum Command {
     MergeHdr(merge_hdr::MergeHdrArgs),
     Dataset(dataset::DatasetArgs),
     Status(status::StatusArgs),
+    Submit(submit::SubmitArgs),
     Layout(layout::LayoutArgs),
     Rectify(rectify::RectifyArgs),
     Depth(depth::DepthArgs),
@@ -107,6 +108,21 @@ enum Command {
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
     Target(target::TargetArgs),
+}
+
+impl Cli {
+    /// The options for all commands that hold wherever photosite is started for this one.
+    fn of_hosts(&self) -> Result<Vec<String>> {
+        let mut words = Vec::new();
+        if let Some(gib) = self.memory {
+            words.extend(["--memory".to_owned(), gib.to_string()]);
+        }
+        if let Some(folder) = &self.sandbox {
+            let whole = std::path::absolute(folder).map_err(|reason| Error::io(folder, "find", reason))?;
+            words.extend(["--sandbox".to_owned(), whole.to_string_lossy().into_owned()]);
+        }
+        Ok(words)
+    }
 }
 
 /// Runs a command line, of which the first argument is the name of the program, and returns the exit status.
@@ -170,6 +186,7 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::MergeHdr(args) => merge_hdr::run(args),
         Command::Dataset(args) => dataset::run(args, sandbox),
         Command::Status(args) => return status::run(args),
+        Command::Submit(args) => submit::run(args, sandbox, &cli.of_hosts()?),
         Command::Layout(args) => layout::run(args, sandbox),
         Command::Rectify(args) => rectify::run(args, sandbox),
         Command::Depth(args) => depth::run(args),

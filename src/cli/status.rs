@@ -6,10 +6,10 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::print::println_out;
-use super::shell::{all_quoted, quoted};
 use super::{DONE, FAILED};
 use crate::Result;
 use crate::dataset::{PictureState, PictureStatus, Status};
+use crate::schedulers::{all_quoted, quoted};
 
 /// Pictures are missing, and nobody makes any.
 const MISSING: u8 = 3;
@@ -169,7 +169,8 @@ fn line(picture: &PictureStatus) -> Option<String> {
                 |holder| format!("on {}, process {}", holder.host, holder.process),
             );
             let since = age_s.map_or_else(String::new, |age| format!(", for {}", seconds(age)));
-            let heard = silence_s.map_or_else(String::new, |silence| format!(", last heard of {} ago", seconds(silence)));
+            let heard =
+                silence_s.map_or_else(String::new, |silence| format!(", last heard of {} ago", seconds(silence)));
             who + &since + &heard
         }
         PictureState::Failed(failure) => {
@@ -194,8 +195,7 @@ fn seconds(seconds: f64) -> String {
 /// What makes the pictures that are to be made. Of a whole data set the folder does not know the file.
 fn command(status: &Status) -> String {
     let input = status.part.as_ref().map_or_else(|| "FILE.toml".to_owned(), |(_, path)| word(path));
-    let samples =
-        status.part.as_ref().map_or_else(String::new, |([from, to], _)| format!(" --samples {from}..{to}"));
+    let samples = status.part.as_ref().map_or_else(String::new, |([from, to], _)| format!(" --samples {from}..{to}"));
     let set = status.overrides.iter().flat_map(|change| ["--set", change]);
     let set: String = [" ".to_owned(), all_quoted(set)].concat();
     format!(

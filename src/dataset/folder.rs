@@ -26,7 +26,7 @@ use crate::calibration::dataset::Plan;
 use crate::io::lock::Lock;
 use crate::io::output::{create_folder, remove_leftovers, write_new, write_whole};
 use crate::io::pretty_json::pretty_json;
-use crate::io::unfinished::{UnfinishedFolder, unfinished_folders};
+use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use crate::pipeline::are_checkpoints_in;
 use crate::report::Look;
 use crate::{Error, Invalid, Result};
@@ -41,13 +41,7 @@ pub struct DatasetFolder {
 impl DatasetFolder {
     /// Takes a new or empty folder, or one of the same data set; no other.
     pub fn claim(path: &Path, identity: &Value, plan: &Plan) -> Result<Self> {
-        let refuse = |message: String| {
-            let help = Remedy::Elsewhere("another folder, as pictures of two data sets must not be mixed".to_owned());
-            Err(Error::Usage { message, help: Some(help.into()) })
-        };
-        if path.is_file() {
-            return refuse(format!("{} is a file, where a folder is needed", path.display()));
-        }
+        check_is_folder(path)?;
         create_folder(path)?;
         let marker = path.join(IDENTITY);
         // Whoever begins at the same time takes part.
@@ -59,13 +53,13 @@ impl DatasetFolder {
             let entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
             let mut names = entries.flatten().map(|entry| entry.file_name());
             if names.any(|name| !name.to_string_lossy().starts_with(".photosite")) && !marker.exists() {
-                return refuse(format!("{} is not empty, and holds no data set", path.display()));
+                return Err(not_of_set(format!("{} is not empty, and holds no data set", path.display())));
             }
             write_new(&marker, |to| writeln!(to, "{}", pretty_json(identity)))?;
         }
         let earlier = read_identity(&marker)?;
         if let Some(difference) = refusal(&earlier, identity) {
-            return refuse(format!("{} {difference}", path.display()));
+            return Err(not_of_set(format!("{} {difference}", path.display())));
         }
         if let Some(now) = with_extent_of(&earlier, identity) {
             write_whole(&marker, |to| writeln!(to, "{}", pretty_json(&now)))?;
@@ -174,6 +168,35 @@ impl DatasetFolder {
         }
         Ok(())
     }
+}
+
+/// Refuses what [`DatasetFolder::claim`] would refuse, and changes nothing.
+pub(super) fn check_folder(path: &Path, identity: &Value) -> Result<()> {
+    check_is_folder(path)?;
+    let marker = path.join(IDENTITY);
+    if !marker.exists() {
+        if is_filled(path) {
+            return Err(not_of_set(format!("{} is not empty, and holds no data set", path.display())));
+        }
+        return Ok(());
+    }
+    match refusal(&read_identity(&marker)?, identity) {
+        Some(difference) => Err(not_of_set(format!("{} {difference}", path.display()))),
+        None => Ok(()),
+    }
+}
+
+fn check_is_folder(path: &Path) -> Result<()> {
+    if path.is_file() {
+        return Err(not_of_set(format!("{} is a file, where a folder is needed", path.display())));
+    }
+    Ok(())
+}
+
+/// The error of a place that is not for this data set.
+fn not_of_set(message: String) -> Error {
+    let help = Remedy::Elsewhere("another folder, as pictures of two data sets must not be mixed".to_owned());
+    Error::Usage { message, help: Some(help.into()) }
 }
 
 /// Whose a picture is to make.

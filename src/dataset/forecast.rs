@@ -1,7 +1,10 @@
-//! What a data set will take: its first picture is made with few samples, and the rest follows in proportion.
+//! What a data set will take: some pictures of each camera are made with few samples, and the rest follows in proportion.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
+use std::iter::Sum;
+use std::ops::Add;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -17,6 +20,8 @@ use crate::{Error, Invalid, Result};
 
 /// Tracing for less than this says little of the speed, s.
 const ENOUGH_S: f64 = 1.0;
+/// How many pictures of each camera are made: poses differ in what they see, and the first one is as good as any other.
+const SPECIMENS: usize = 3;
 
 /// What the pictures that are missing will take, on this machine with this process alone.
 #[derive(Clone, Debug, Serialize)]
@@ -30,6 +35,16 @@ pub struct Forecast {
     pub present: usize,
     /// Frames that cannot be made.
     pub failed: Vec<u32>,
+    /// Frames that lack a picture which can be made.
+    #[serde(skip)]
+    pub missing: Vec<u32>,
+    /// How many cameras take each frame.
+    #[serde(skip)]
+    pub cameras: usize,
+    /// Threads by which times are those.
+    pub threads: usize,
+    /// Time for the pictures of all cameras of a frame, s.
+    pub frame_s: f64,
     /// Time for the others, s.
     pub time_s: f64,
     /// Whether pictures may take less: they end when their noise is low enough.
@@ -45,7 +60,8 @@ impl DataSet {
     /// `path`, of which nothing is changed. With `keeps_going` frames that cannot be made are reported and counted.
     pub fn forecast(&self, frames: &Frames, path: &Path, keeps_going: bool, monitor: &dyn Monitor) -> Result<Forecast> {
         let mut failed = frames.failed.clone();
-        let (mut pictures, mut present, mut first) = (0, 0, None);
+        let (mut pictures, mut present) = (0, 0);
+        let mut missing: BTreeMap<&str, Vec<Missing<'_>>> = BTreeMap::new();
         let mut is_at_most = false;
         for (number, camera, changes) in self.pictures(frames) {
             pictures += 1;
@@ -54,7 +70,8 @@ impl DataSet {
                 Ok(capture) => {
                     is_at_most |= capture.render.noise_target.is_some();
                     // Not the capture itself, which the picture will load again.
-                    first.get_or_insert((camera, number, changes, capture.render.samples_per_pixel));
+                    let samples = capture.render.samples_per_pixel;
+                    missing.entry(camera).or_default().push(Missing { number, changes, samples });
                 }
                 Err(error) if keeps_going => {
                     monitor.report(Event::PictureFails { camera, frame: number, error: &error });
@@ -63,26 +80,36 @@ impl DataSet {
                 Err(error) => return Err(error),
             }
         }
-        let failed_pictures = failed.len() - frames.failed.len();
-        let missing = (pictures - present - failed_pictures) as f64;
-        let cost = match first {
-            Some((camera, number, changes, samples)) => self.cost(camera, number, changes, samples)?,
-            None => Cost::default(),
-        };
+        let mut costs = Cost::default();
+        let mut frame_s = 0.0;
+        for (camera, missing) in &missing {
+            // From the middle of equal shares of the set.
+            let count = missing.len().min(SPECIMENS);
+            let specimens = (0..count).map(|i| &missing[(2 * i + 1) * missing.len() / (2 * count)]);
+            let of_some = specimens.map(|one| self.cost(camera, one)).sum::<Result<Cost>>()?;
+            let share = missing.len() as f64 / count as f64;
+            frame_s += of_some.time_s / count as f64;
+            costs = costs + Cost { time_s: of_some.time_s * share, disk_bytes: of_some.disk_bytes * share };
+        }
+        let numbers = missing.values().flatten().map(|one| one.number).collect();
         Ok(Forecast {
             input: self.file.path().to_owned(),
             pictures,
             present,
             failed: in_order(failed),
-            time_s: cost.time_s * missing,
+            missing: in_order(numbers),
+            cameras: self.cameras().count(),
+            threads: rayon::current_num_threads(),
+            frame_s,
+            time_s: costs.time_s,
             is_at_most,
             memory_bytes: most_memory_bytes(),
-            disk_bytes: (cost.disk_bytes as f64 * missing) as u64,
+            disk_bytes: costs.disk_bytes as u64,
         })
     }
 
     /// What a picture of so many samples a pixel takes.
-    fn cost(&self, camera: &str, number: u32, changes: &[String], all: u32) -> Result<Cost> {
+    fn cost(&self, camera: &str, &Missing { number, changes, samples: all }: &Missing<'_>) -> Result<Cost> {
         let mut few = 1;
         loop {
             let folder =
@@ -125,16 +152,38 @@ impl Forecast {
     }
 }
 
-/// What a picture takes.
+/// A picture that is to be made.
+struct Missing<'a> {
+    number: u32,
+    changes: &'a [String],
+    /// Samples of each pixel.
+    samples: u32,
+}
+
+/// What pictures take.
 #[derive(Default)]
 struct Cost {
     time_s: f64,
-    disk_bytes: u64,
+    disk_bytes: f64,
 }
 
-fn bytes_in(folder: &Path) -> u64 {
+impl Add for Cost {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { time_s: self.time_s + other.time_s, disk_bytes: self.disk_bytes + other.disk_bytes }
+    }
+}
+
+impl Sum for Cost {
+    fn sum<I: Iterator<Item = Self>>(costs: I) -> Self {
+        costs.fold(Self::default(), Self::add)
+    }
+}
+
+fn bytes_in(folder: &Path) -> f64 {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.filter_map(|entry| entry.metadata().ok()).map(|file| file.len()).sum()
+    entries.filter_map(|entry| entry.metadata().ok()).map(|file| file.len() as f64).sum()
 }
 
 /// The most memory that this process has had, as Linux tells it.
@@ -160,7 +209,7 @@ impl fmt::Display for Forecast {
 }
 
 /// Two digits of the unit that fits.
-fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     match seconds {
         ..100.0 => format!("{seconds:.1} s"),
         ..6000.0 => format!("{:.0} min", seconds / 60.0),
@@ -169,7 +218,8 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-fn size(bytes: u64) -> String {
+/// The same of bytes.
+pub fn size(bytes: u64) -> String {
     let mib = bytes as f64 / f64::from(1 << 20);
     if mib < 1000.0 { format!("{mib:.1} MiB") } else { format!("{:.1} GiB", mib / 1024.0) }
 }

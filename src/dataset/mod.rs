@@ -30,7 +30,7 @@ use serde_json::Value;
 pub use failure::Failure;
 pub use finished::{read_dataset, read_present};
 pub use folder::DatasetFolder;
-pub use forecast::Forecast;
+pub use forecast::{Forecast, duration, size};
 pub use frames::Frames;
 pub use heartbeat::Holder;
 pub use identity::PartFolder;
@@ -136,6 +136,11 @@ impl DataSet {
     /// The frames that the file asks for.
     pub fn frame_count(&self) -> u32 {
         self.plan.frames()
+    }
+
+    /// Refuses a folder that cannot be taken for the data set, and changes nothing.
+    pub fn check_folder(&self, path: &Path) -> Result<()> {
+        folder::check_folder(path, &self.identity)
     }
 
     /// Takes a folder for the whole data set.

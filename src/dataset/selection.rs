@@ -26,6 +26,11 @@ impl FrameList {
         self.0.is_empty()
     }
 
+    /// The ranges that it consists of.
+    pub fn ranges(&self) -> impl Iterator<Item = &Range<u32>> {
+        self.0.iter()
+    }
+
     /// As it is read, whole however long it is.
     pub fn in_full(&self) -> String {
         let ranges = self.0.iter().map(|range| match range {

@@ -88,7 +88,8 @@ impl Status {
         let identity = read_identity(&marker)?;
         let (frames, cameras) = extent(folder, &identity)?;
         let times: Vec<Option<f64>> = cameras.iter().map(|camera| now_s(&folder.join(camera))).collect();
-        let all: Vec<(u32, usize)> = (0..frames).flat_map(|frame| (0..cameras.len()).map(move |c| (frame, c))).collect();
+        let all: Vec<(u32, usize)> =
+            (0..frames).flat_map(|frame| (0..cameras.len()).map(move |c| (frame, c))).collect();
         let pictures = all.par_iter().map(|&(frame, c)| PictureStatus {
             camera: cameras[c].clone(),
             frame,

@@ -1,7 +1,7 @@
 //! Words as a shell reads them.
 
 /// A word in quotes, where a shell would take it for something else.
-pub(super) fn quoted(word: &str) -> String {
+pub fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+:,@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
         return word.to_owned();
@@ -10,7 +10,7 @@ pub(super) fn quoted(word: &str) -> String {
 }
 
 /// Several of them.
-pub(super) fn all_quoted(words: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+pub fn all_quoted(words: impl IntoIterator<Item = impl AsRef<str>>) -> String {
     words.into_iter().map(|word| quoted(word.as_ref())).collect::<Vec<_>>().join(" ")
 }
 
@@ -22,7 +22,8 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn a_shell_reads_words_as_they_were() {
-        let words = ["", "a b", "it's", "\"$HOME\"", "`ls`\\", "a\nb", "*", "set=['x', \"y\"]", "ü/1..4,9", "-o", "~", "#"];
+        let words =
+            ["", "a b", "it's", "\"$HOME\"", "`ls`\\", "a\nb", "*", "set=['x', \"y\"]", "ü/1..4,9", "-o", "~", "#"];
         let script = format!("for word in {}; do printf '%s|' \"$word\"; done", all_quoted(words));
         let output = std::process::Command::new("sh").arg("-c").arg(script).output().expect("a shell");
         assert_eq!(String::from_utf8(output.stdout).expect("text"), words.map(|word| format!("{word}|")).concat());
