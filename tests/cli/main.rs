@@ -51,6 +51,7 @@ mod status;
 mod stored_sensors;
 mod straight_pictures;
 mod strips;
+mod submit;
 mod targets;
 mod together;
 mod truth;
