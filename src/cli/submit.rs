@@ -11,7 +11,7 @@ use super::arguments::positive;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
-use crate::dataset::{DataSet, Forecast};
+use crate::dataset::{DataSet, Forecast, MakeOptions};
 use crate::io::output::create_folder;
 use crate::pipeline::FilmMemory;
 use crate::schedulers::{Cut, Job, LONGEST_PARAMETER, Tasks, all_quoted, index_command, script, template};
@@ -97,6 +97,9 @@ struct CommonArgs {
     /// Cut them into tasks of about so many minutes, by the time measured [default: 30].
     #[arg(long, value_name = "MINUTES", value_parser = positive)]
     task_time: Option<f64>,
+    /// Make so many pictures at once in a task [default: one for each thread where pictures are small, else 1].
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
     /// Time that each task asks for, minutes [default: twice the time measured and two minutes].
     #[arg(long, value_name = "MINUTES", value_parser = value_parser!(u64).range(1..))]
     time_limit: Option<u64>,
@@ -207,7 +210,8 @@ impl CommonArgs {
         let output = self.output.as_deref().unwrap_or(&default);
         set.check_folder(output)?;
         let frames = set.frames(0..set.frame_count(), self.keep_going, &monitor)?;
-        let forecast = set.forecast(&frames, output, self.keep_going, &monitor)?;
+        let options = MakeOptions { keeps_going: self.keep_going, jobs: self.jobs };
+        let forecast = set.forecast(&frames, output, options, &monitor)?;
         if forecast.missing.is_empty() {
             if self.json {
                 print_json(&json!({ "forecast": forecast, "tasks": 0 }))?;
@@ -234,12 +238,13 @@ impl CommonArgs {
         let name = stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
         let set = self.overrides.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
         let film = self.film_memory.iter().flat_map(|gib| ["--film-memory".to_owned(), gib.to_string()]);
+        let jobs = self.jobs.iter().flat_map(|jobs| ["--jobs".to_owned(), jobs.to_string()]);
         let job = Job {
             name,
             program: self.program.clone().unwrap_or_else(this_program),
             input: absolute(&self.input)?,
             output: absolute(output)?,
-            arguments: shared.iter().cloned().chain(film).chain(set).collect(),
+            arguments: shared.iter().cloned().chain(film).chain(jobs).chain(set).collect(),
             retries: self.retries,
         };
         Ok(Some(Plan { forecast, job, tasks, about }))

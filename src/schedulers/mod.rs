@@ -109,27 +109,37 @@ impl Tasks {
         let about = if forecast.is_at_most { "at most" } else { "about" };
         let memory = forecast.memory_bytes.map_or_else(|| "an unknown amount".to_owned(), size);
         let asked = memory_mib.map_or_else(
-            || "no memory is asked for, as what it takes is not known here".to_owned(),
-            |mib| format!("{mib} MiB of memory, {MEMORY_FACTOR} times that"),
+            || "no memory, as what it takes is not known here".to_owned(),
+            |mib| format!("{mib} MiB of memory ({MEMORY_FACTOR} times what was measured)"),
         );
         vec![
             format!(
-                "{} frames by {} cameras lack pictures: {tasks} tasks of at most {frames_per_task} frames",
-                forecast.missing.len(),
-                forecast.cameras
+                "{} by {} lack pictures: {} of at most {}",
+                many(forecast.missing.len(), "frame"),
+                many(forecast.cameras, "camera"),
+                many(*tasks, "task"),
+                many(*frames_per_task, "frame")
             ),
             format!(
-                "a frame takes {about} {} with {threads} threads of this machine, and {memory} of memory; all of them take {} of \
-                 one such machine, and {} of disk",
+                "a frame takes {about} {} with {} here, {} at once, and {memory} of memory; all of them take \
+                 {} and {} of disk",
                 duration(forecast.frame_s),
+                many(*threads, "thread"),
+                many(forecast.jobs, "picture"),
                 duration(forecast.time_s),
                 size(forecast.disk_bytes)
             ),
             format!(
                 "each task takes {about} {} and asks for {time_limit_min} min (of itself {TIME_FACTOR} times the time and \
-                 {START_S} s to begin), {threads} cores; {asked}",
-                duration(*task_s)
+                 {START_S} s to begin), {} and {asked}",
+                duration(*task_s),
+                many(*threads, "core")
             ),
         ]
     }
+}
+
+/// So many of something.
+fn many(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
