@@ -19,11 +19,13 @@ const RUNNING: u8 = 4;
 const MOST_NAMED: usize = 20;
 
 const STATUSES: &str = "\
-Exit status: 0 all pictures are there; 1 pictures have failed or are damaged; 3 pictures are missing, and no process makes any;
-4 pictures are missing, and processes are making some; 2 the folder holds no data set.
+Exit status: 0 all pictures are there; 1 some have failed or are damaged, or the folder cannot be read; \
+2 wrong usage, or the folder holds no data set; 3 some are missing, and no process makes any; \
+4 some are missing, and processes are making some.
 
-A process that makes a picture holds its lock and gives a sign of life every 5 s. Where locks do not reach from machine to
-machine, who has been silent for 30 s is taken for dead. Times are those of the file system: the clocks of machines may differ.";
+A process that makes a picture holds its lock and gives a sign of life every 5 s. Where locks do \
+not reach from machine to machine, who has been silent for 30 s is taken for dead. Times are those \
+of the file system: the clocks of machines may differ.";
 
 /// Tell how far a data set is: what is done, running, failed, damaged, missing, and what to run again.
 ///

@@ -361,9 +361,10 @@ fn openjd_run(written: Option<&Path>, text: &str) -> Result<()> {
 }
 
 fn missing(program: &str, reason: &std::io::Error, help: &str) -> Error {
-    let message = match reason.kind() {
-        ErrorKind::NotFound => format!("{program} is not installed here"),
-        _ => format!("{program} cannot be started: {reason}"),
+    let message = if reason.kind() == ErrorKind::NotFound {
+        format!("{program} is not installed here")
+    } else {
+        format!("{program} cannot be started: {reason}")
     };
     Error::Resources { message, help: Some(help.into()) }
 }

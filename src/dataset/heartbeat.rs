@@ -79,7 +79,7 @@ impl Heartbeat {
         let mut state = self.0.state();
         let number = state.next;
         state.next += 1;
-        if let Ok((file, text)) = lock.file().try_clone().and_then(|file| signed(file)) {
+        if let Ok((file, text)) = lock.file().try_clone().and_then(signed) {
             state.locks.push((number, file, text));
         }
         if !state.is_started {

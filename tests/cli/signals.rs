@@ -55,10 +55,8 @@ fn a_signal_ends_a_render_with_a_checkpoint(#[case] signal: &str, #[case] status
     assert_eq!(folder.results("out").into_keys().collect::<Vec<_>>(), ["checkpoint.film"]);
 }
 
-/// Both come before the render has kept anything: it is held on until both are there.
-#[test]
-fn a_second_signal_ends_a_render_at_once() {
-    let folder = room("");
+/// Starts a render that goes on until it is interrupted, and waits until it traces.
+fn begun(folder: &Folder) -> Child {
     let mut process = folder
         .command(&format!("render capture.toml --quiet -o out {ENDLESS}"))
         .stdout(Stdio::piped())
@@ -69,6 +67,14 @@ fn a_second_signal_ends_a_render_at_once() {
         assert!(process.try_wait().expect("a child").is_none(), "it ended before it was interrupted");
         sleep(Duration::from_millis(1));
     }
+    process
+}
+
+/// Both come before the render has kept anything: it is held on until both are there.
+#[test]
+fn a_second_signal_ends_a_render_at_once() {
+    let folder = room("");
+    let process = begun(&folder);
     for signal in ["STOP", "INT", "TERM", "CONT"] {
         send(signal, process.id());
     }
@@ -83,16 +89,7 @@ fn a_second_signal_ends_a_render_at_once() {
 #[test]
 fn the_same_signal_twice_at_once_is_one() {
     let folder = room("");
-    let mut process = folder
-        .command(&format!("render capture.toml --quiet -o out {ENDLESS}"))
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the binary runs");
-    while !folder.path("out/preview.png").exists() {
-        assert!(process.try_wait().expect("a child").is_none(), "it ended before it was interrupted");
-        sleep(Duration::from_millis(1));
-    }
+    let process = begun(&folder);
     send("TERM", process.id());
     // By then it listens to the next.
     sleep(Duration::from_millis(20));
