@@ -65,6 +65,7 @@ pub mod io;
 mod picture;
 pub mod pipeline;
 pub mod report;
+pub mod schedulers;
 pub mod sight;
 
 pub use capture::Capture;

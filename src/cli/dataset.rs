@@ -90,8 +90,9 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let frames = set.frames(numbers, args.keep_going, &monitor)?;
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
     let path = args.output.as_deref().unwrap_or(&default);
+    let options = MakeOptions { keeps_going: args.keep_going, jobs: args.jobs };
     if args.dry_run {
-        let forecast = set.forecast(&frames, path, args.keep_going, &monitor)?;
+        let forecast = set.forecast(&frames, path, options, &monitor)?;
         return report.forecast(&forecast);
     }
     if !args.keep_going {
@@ -107,7 +108,6 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
         return report.index(&set, &frames, &folder, damaged);
     }
     let light = |_: &str, _| Ok(args.samples.clone().map_or(LightSource::Traced, LightSource::Part));
-    let options = MakeOptions { keeps_going: args.keep_going, jobs: args.jobs };
     let made = set.make(&frames, &folder, &report.listening(&monitor), options, light)?;
     if args.samples.is_none() {
         return report.finish(&set, &folder, &made);

@@ -34,6 +34,8 @@ mod run_args;
 mod schema;
 mod sensors;
 mod signals;
+mod status;
+mod submit;
 mod target;
 
 use std::ffi::OsString;
@@ -48,7 +50,7 @@ use crate::{Error, Result, Sandbox, memory};
 
 /// What scripts and schedulers go by.
 const EXIT_STATUS: &str = "\
-Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 75 failed, but another try may succeed (disk full, a server or
+Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 3 and 4 of `photosite status` (see its --help); 75 failed, but another try may succeed (disk full, a server or
 a file went away, another process writes to the same place); 129, 130, 143 ended by SIGHUP, SIGINT, SIGTERM, after which a
 render goes on from its checkpoint when the same command is given again.";
 
@@ -89,6 +91,8 @@ enum Command {
     Merge(merge::MergeArgs),
     MergeHdr(merge_hdr::MergeHdrArgs),
     Dataset(dataset::DatasetArgs),
+    Status(status::StatusArgs),
+    Submit(submit::SubmitArgs),
     Layout(layout::LayoutArgs),
     Rectify(rectify::RectifyArgs),
     Depth(depth::DepthArgs),
@@ -104,6 +108,21 @@ enum Command {
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
     Target(target::TargetArgs),
+}
+
+impl Cli {
+    /// The options for all commands that hold wherever photosite is started for this one.
+    fn of_hosts(&self) -> Result<Vec<String>> {
+        let mut words = Vec::new();
+        if let Some(gib) = self.memory {
+            words.extend(["--memory".to_owned(), gib.to_string()]);
+        }
+        if let Some(folder) = &self.sandbox {
+            let whole = std::path::absolute(folder).map_err(|reason| Error::io(folder, "find", reason))?;
+            words.extend(["--sandbox".to_owned(), whole.to_string_lossy().into_owned()]);
+        }
+        Ok(words)
+    }
 }
 
 /// Runs a command line, of which the first argument is the name of the program, and returns the exit status.
@@ -166,6 +185,8 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Merge(args) => merge::run(args, sandbox),
         Command::MergeHdr(args) => merge_hdr::run(args),
         Command::Dataset(args) => dataset::run(args, sandbox),
+        Command::Status(args) => return status::run(args),
+        Command::Submit(args) => submit::run(args, sandbox, &cli.of_hosts()?),
         Command::Layout(args) => layout::run(args, sandbox),
         Command::Rectify(args) => rectify::run(args, sandbox),
         Command::Depth(args) => depth::run(args),

@@ -3,11 +3,15 @@
 //!
 //! Work that can be kept is left to stop by itself ([`become_patient`]): it looks at [`came`] some times a second, and
 //! keeps what is done in a checkpoint. All other work ends at once, without its temporary files. A second signal ends
-//! everything at once.
+//! everything at once, but not the same one within a second: a scheduler signals all processes of a job, and its script
+//! passes on what it gets.
 
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+/// The same signal again within this time is one and the same.
+#[cfg(unix)]
+const ONE_SIGNAL: std::time::Duration = std::time::Duration::from_secs(1);
 /// Added to a signal's number, this is the exit status that shells give it.
 const BASE: i32 = 128;
 
@@ -57,17 +61,20 @@ pub(super) fn listen() -> crate::Result<()> {
     use crate::io::cleanup::clean_up;
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
+    use std::time::Instant;
 
     // Shells let commands in the background ignore SIGINT, and nohup lets them ignore SIGHUP: so it stays.
     let wanted = [SIGTERM, SIGINT, SIGHUP].into_iter().filter(|&signal| !is_ignored(signal));
     // Where there is no listening, signals end the program as they end any.
     let Ok(mut signals) = Signals::new(wanted) else { return Ok(()) };
     let listening = std::thread::Builder::new().spawn(move || {
+        let mut first: Option<(i32, Instant)> = None;
         for signal in signals.forever() {
             // Held on to in the end: nobody becomes patient then.
             let patient = patient();
-            let is_first = CAME.swap(signal, Ordering::Relaxed) == 0;
-            if !(is_first && *patient > 0) {
+            CAME.store(signal, Ordering::Relaxed);
+            let (known, since) = *first.get_or_insert_with(|| (signal, Instant::now()));
+            if !(known == signal && since.elapsed() < ONE_SIGNAL && *patient > 0) {
                 let _clean = clean_up();
                 std::process::exit(BASE + signal);
             }

@@ -75,8 +75,8 @@ fn read(folder: &Path) -> Result<(PictureSet, u32)> {
 #[derive(Deserialize)]
 pub(super) struct Line {
     frame: u32,
-    frames: u32,
-    camera: String,
+    pub(super) frames: u32,
+    pub(super) camera: String,
     time_s: Option<f64>,
     pub(super) folder: String,
     /// None in manifests of earlier versions.

@@ -5,7 +5,8 @@
 //! `manifest.jsonl` what is in it, a line a picture.
 //!
 //! Several processes may fill it. Each picture has a lock, `.NUMBER.lock`, so that they make different ones, and know
-//! what a dead one has left; what concerns the whole has the lock of the folder. Nothing is lost where the file system
+//! what a dead one has left; what concerns the whole has the lock of the folder. The lock of a picture says who makes it,
+//! `.NUMBER.failed` why it could not be made. Nothing is lost where the file system
 //! knows no locks: each process makes a picture under a name of its own, the first to finish gives it its number, and
 //! the other drops its own.
 
@@ -16,13 +17,16 @@ use std::path::{Path, PathBuf};
 use photosite_core::{Remedy, fail_point};
 use serde_json::Value;
 
-use super::identity::{IDENTITY, read_identity, refusal};
-use super::presence::{damage, picture};
+use super::failure::{Failure, forget};
+use super::frames::Frames;
+use super::heartbeat::{Beating, Heartbeat};
+use super::identity::{IDENTITY, read_identity, refusal, with_extent_of};
+use super::presence::{damage, failure, lock, picture};
 use crate::calibration::dataset::Plan;
 use crate::io::lock::Lock;
-use crate::io::output::{create_folder, remove_leftovers, write_new};
+use crate::io::output::{create_folder, remove_leftovers, write_new, write_whole};
 use crate::io::pretty_json::pretty_json;
-use crate::io::unfinished::{UnfinishedFolder, unfinished_folders};
+use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use crate::pipeline::are_checkpoints_in;
 use crate::report::{Listing, Look, REPORT};
 use crate::{Error, Invalid, Result};
@@ -33,18 +37,13 @@ pub struct DatasetFolder {
     knows_locks: bool,
     /// Whether the pictures' other files are somewhere else.
     has_reports_only: bool,
+    heartbeat: Heartbeat,
 }
 
 impl DatasetFolder {
     /// Takes a new or empty folder, or one of the same data set; no other.
     pub fn claim(path: &Path, identity: &Value, plan: &Plan) -> Result<Self> {
-        let refuse = |message: String| {
-            let help = Remedy::Elsewhere("another folder, as pictures of two data sets must not be mixed".to_owned());
-            Err(Error::Usage { message, help: Some(help.into()) })
-        };
-        if path.is_file() {
-            return refuse(format!("{} is a file, where a folder is needed", path.display()));
-        }
+        check_is_folder(path)?;
         create_folder(path)?;
         let marker = path.join(IDENTITY);
         // Whoever begins at the same time takes part.
@@ -56,18 +55,26 @@ impl DatasetFolder {
             let entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
             let mut names = entries.flatten().map(|entry| entry.file_name());
             if names.any(|name| !name.to_string_lossy().starts_with(".photosite")) && !marker.exists() {
-                return refuse(format!("{} is not empty, and holds no data set", path.display()));
+                return Err(not_of_set(format!("{} is not empty, and holds no data set", path.display())));
             }
             write_new(&marker, |to| writeln!(to, "{}", pretty_json(identity)))?;
         }
         let earlier = read_identity(&marker)?;
         if let Some(difference) = refusal(&earlier, identity) {
-            return refuse(format!("{} {difference}", path.display()));
+            return Err(not_of_set(format!("{} {difference}", path.display())));
+        }
+        if let Some(now) = with_extent_of(&earlier, identity) {
+            write_whole(&marker, |to| writeln!(to, "{}", pretty_json(&now)))?;
         }
         for camera in plan.cameras() {
             create_folder(&path.join(&camera.place.name))?;
         }
-        Ok(Self { path: path.to_owned(), knows_locks: lock.is_proven(), has_reports_only: false })
+        Ok(Self {
+            path: path.to_owned(),
+            knows_locks: lock.is_proven(),
+            has_reports_only: false,
+            heartbeat: Heartbeat::default(),
+        })
     }
 
     /// The same folder, of which a picture's report alone says that it is there: its files are in a store elsewhere.
@@ -121,7 +128,8 @@ impl DatasetFolder {
             }
         }
         fail_point::reach("picture-begun");
-        Ok(Turn::Ours(NewPicture { folder, lost, _lock: lock }))
+        let failure = failure(&self.path, camera, number);
+        Ok(Turn::Ours(NewPicture { folder, failure, lost, _beating: self.heartbeat.of(&lock), _lock: lock }))
     }
 
     /// Takes away a picture that is damaged, unless another process makes it anew, or has done so.
@@ -137,7 +145,21 @@ impl DatasetFolder {
     }
 
     fn lock(&self, camera: &str, number: u32) -> PathBuf {
-        self.path.join(camera).join(format!(".{number:06}.lock"))
+        lock(&self.path, camera, number)
+    }
+
+    /// Keeps why a picture could not be made, until it is made. One that was asked to stop has not failed.
+    pub(super) fn record_failure(&self, camera: &str, number: u32, error: &Error) {
+        if !matches!(error, Error::Cancelled { .. }) {
+            Failure::of(error).write(&failure(&self.path, camera, number));
+        }
+    }
+
+    /// Keeps why frames cannot be had, of all their pictures.
+    pub(super) fn record_failures<'a>(&self, frames: &Frames, cameras: impl Iterator<Item = &'a str> + Clone) {
+        for (number, why) in &frames.reasons {
+            cameras.clone().for_each(|camera| why.write(&failure(&self.path, camera, *number)));
+        }
     }
 
     /// Removes what dead processes have left beside pictures that are done.
@@ -151,6 +173,9 @@ impl DatasetFolder {
                 // The lock leaves with its file.
                 let lock = Lock::try_take(&self.lock(camera, number))?;
                 let path = self.picture(camera, number);
+                if path.exists() {
+                    forget(&failure(&self.path, camera, number));
+                }
                 if lock.is_some_and(|lock| lock.is_proven() && path.exists()) {
                     // Nothing depends on it.
                     unfinished_folders(&path).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
@@ -159,6 +184,35 @@ impl DatasetFolder {
         }
         Ok(())
     }
+}
+
+/// Refuses what [`DatasetFolder::claim`] would refuse, and changes nothing.
+pub(super) fn check_folder(path: &Path, identity: &Value) -> Result<()> {
+    check_is_folder(path)?;
+    let marker = path.join(IDENTITY);
+    if !marker.exists() {
+        if is_filled(path) {
+            return Err(not_of_set(format!("{} is not empty, and holds no data set", path.display())));
+        }
+        return Ok(());
+    }
+    match refusal(&read_identity(&marker)?, identity) {
+        Some(difference) => Err(not_of_set(format!("{} {difference}", path.display()))),
+        None => Ok(()),
+    }
+}
+
+fn check_is_folder(path: &Path) -> Result<()> {
+    if path.is_file() {
+        return Err(not_of_set(format!("{} is a file, where a folder is needed", path.display())));
+    }
+    Ok(())
+}
+
+/// The error of a place that is not for this data set.
+fn not_of_set(message: String) -> Error {
+    let help = Remedy::Elsewhere("another folder, as pictures of two data sets must not be mixed".to_owned());
+    Error::Usage { message, help: Some(help.into()) }
 }
 
 /// Whose a picture is to make.
@@ -175,8 +229,11 @@ pub(super) enum Turn {
 pub(super) struct NewPicture {
     // Put away before the lock is let go of.
     folder: UnfinishedFolder,
+    /// Where an earlier try has left why it failed.
+    failure: PathBuf,
     /// What was wrong with an earlier one that it replaces.
     lost: Option<String>,
+    _beating: Beating,
     _lock: Lock,
 }
 
@@ -195,7 +252,9 @@ impl NewPicture {
     pub(super) fn finish(self) -> Result<bool> {
         check_complete(self.folder.path())?;
         fail_point::reach("picture-complete");
-        self.folder.finish()
+        let is_ours = self.folder.finish()?;
+        forget(&self.failure);
+        Ok(is_ours)
     }
 }
 
@@ -228,7 +287,12 @@ mod tests {
     fn folder() -> (tempfile::TempDir, DatasetFolder) {
         let root = tempfile::tempdir().expect("a folder");
         fs::create_dir(root.path().join("left")).expect("made");
-        let folder = DatasetFolder { path: root.path().to_owned(), knows_locks: true, has_reports_only: false };
+        let folder = DatasetFolder {
+            path: root.path().to_owned(),
+            knows_locks: true,
+            has_reports_only: false,
+            heartbeat: Heartbeat::default(),
+        };
         (root, folder)
     }
 

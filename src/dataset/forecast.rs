@@ -1,22 +1,29 @@
-//! What a data set will take: its first picture is made with few samples, and the rest follows in proportion.
+//! What a data set will take: some pictures of each camera are made with few samples, and the rest follows in proportion.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
+use std::iter::Sum;
+use std::ops::Add;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use rayon::ThreadPoolBuilder;
 use serde::Serialize;
 
 use super::DataSet;
 use super::frames::Frames;
+use super::make::MakeOptions;
 use super::presence::{damage, picture};
 use super::selection::{FrameList, in_order};
-use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent, render_into};
+use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent};
 use crate::report::{Look, Timings};
 use crate::{Error, Invalid, Result};
 
 /// Tracing for less than this says little of the speed, s.
 const ENOUGH_S: f64 = 1.0;
+/// How many pictures of each camera are made: poses differ in what they see, and the first one is as good as any other.
+const SPECIMENS: usize = 3;
 
 /// What the pictures that are missing will take, on this machine with this process alone.
 #[derive(Clone, Debug, Serialize)]
@@ -30,6 +37,18 @@ pub struct Forecast {
     pub present: usize,
     /// Frames that cannot be made.
     pub failed: Vec<u32>,
+    /// Frames that lack a picture which can be made.
+    #[serde(skip)]
+    pub missing: Vec<u32>,
+    /// How many cameras take each frame.
+    #[serde(skip)]
+    pub cameras: usize,
+    /// Threads by which times are those.
+    pub threads: usize,
+    /// How many pictures these make at once.
+    pub jobs: usize,
+    /// Time for the pictures of all cameras of a frame, s.
+    pub frame_s: f64,
     /// Time for the others, s.
     pub time_s: f64,
     /// Whether pictures may take less: they end when their noise is low enough.
@@ -42,10 +61,18 @@ pub struct Forecast {
 
 impl DataSet {
     /// Checks the keys of every frame, and tells what it takes to make the pictures that are missing in the folder at
-    /// `path`, of which nothing is changed. With `keeps_going` frames that cannot be made are reported and counted.
-    pub fn forecast(&self, frames: &Frames, path: &Path, keeps_going: bool, monitor: &dyn Monitor) -> Result<Forecast> {
+    /// `path`, of which nothing is changed. With [`MakeOptions::keeps_going`] frames that cannot be made are reported and counted,
+    /// and of its jobs each has its share of the threads.
+    pub fn forecast(
+        &self,
+        frames: &Frames,
+        path: &Path,
+        options: MakeOptions,
+        monitor: &dyn Monitor,
+    ) -> Result<Forecast> {
         let mut failed = frames.failed.clone();
-        let (mut pictures, mut present, mut first) = (0, 0, None);
+        let (mut pictures, mut present) = (0, 0);
+        let mut missing: BTreeMap<&str, Vec<Missing<'_>>> = BTreeMap::new();
         let mut is_at_most = false;
         for (number, camera, changes) in self.pictures(frames) {
             pictures += 1;
@@ -54,63 +81,96 @@ impl DataSet {
                 Ok(capture) => {
                     is_at_most |= capture.render.noise_target.is_some();
                     // Not the capture itself, which the picture will load again.
-                    first.get_or_insert((camera, number, changes, capture.render.samples_per_pixel));
+                    let samples = capture.render.samples_per_pixel;
+                    missing.entry(camera).or_default().push(Missing { number, changes, samples });
                 }
-                Err(error) if keeps_going => {
+                Err(error) if options.keeps_going => {
                     monitor.report(Event::PictureFails { camera, frame: number, error: &error });
                     failed.push(number);
                 }
                 Err(error) => return Err(error),
             }
         }
-        let failed_pictures = failed.len() - frames.failed.len();
-        let missing = (pictures - present - failed_pictures) as f64;
-        let cost = match first {
-            Some((camera, number, changes, samples)) => self.cost(camera, number, changes, samples)?,
-            None => Cost::default(),
-        };
+        let jobs = self.jobs(options.jobs, missing.values().map(Vec::len).sum()).max(1);
+        let threads = rayon::current_num_threads();
+        let of_one = ThreadPoolBuilder::new().num_threads((threads / jobs).max(1)).build();
+        let of_one = of_one.map_err(|reason| Error::Resources {
+            message: format!("cannot start {threads} threads: {reason}"),
+            help: Some("ask for fewer".into()),
+        })?;
+        let before_bytes = memory_bytes("VmRSS:");
+        let mut costs = Cost::default();
+        let mut frame_s = 0.0;
+        for (camera, missing) in &missing {
+            // The scene is built for the first, and kept.
+            of_one.install(|| self.trial(camera, &missing[0], 1))?;
+            // From the middle of equal shares of the set.
+            let count = missing.len().min(SPECIMENS);
+            let specimens = (0..count).map(|i| &missing[(2 * i + 1) * missing.len() / (2 * count)]);
+            let of_some = specimens.map(|one| of_one.install(|| self.cost(camera, one))).sum::<Result<Cost>>()?;
+            let share = missing.len() as f64 / count as f64;
+            let time_s = of_some.time_s / jobs as f64;
+            frame_s += time_s / count as f64;
+            costs = costs + Cost { time_s: time_s * share, disk_bytes: of_some.disk_bytes * share };
+        }
+        // Each job takes what one has taken.
+        let most_bytes = memory_bytes("VmHWM:");
+        let numbers = missing.values().flatten().map(|one| one.number).collect();
         Ok(Forecast {
             input: self.file.path().to_owned(),
             pictures,
             present,
             failed: in_order(failed),
-            time_s: cost.time_s * missing,
+            missing: in_order(numbers),
+            cameras: self.cameras().count(),
+            threads,
+            jobs,
+            frame_s,
+            time_s: costs.time_s,
             is_at_most,
-            memory_bytes: most_memory_bytes(),
-            disk_bytes: (cost.disk_bytes as f64 * missing) as u64,
+            memory_bytes: most_bytes
+                .map(|most| most + (jobs as u64 - 1) * most.saturating_sub(before_bytes.unwrap_or(0))),
+            disk_bytes: costs.disk_bytes as u64,
         })
     }
 
     /// What a picture of so many samples a pixel takes.
-    fn cost(&self, camera: &str, number: u32, changes: &[String], all: u32) -> Result<Cost> {
+    fn cost(&self, camera: &str, picture: &Missing<'_>) -> Result<Cost> {
+        let all = picture.samples;
         let mut few = 1;
         loop {
-            let folder =
-                tempfile::tempdir().map_err(|reason| Error::io(&std::env::temp_dir(), "write into", reason))?;
-            let start = Instant::now();
-            let request = Request {
-                input: &self.capture_path,
-                named: self.file.description.capture.clone(),
-                light: LightSource::Traced,
-                film_memory: self.film_memory,
-                monitor: &Silent,
-                is_timed: true,
-            };
-            let mut capture = self.capture(camera, number, changes)?;
-            (capture.render.samples_per_pixel, capture.render.noise_target) = (few, None);
-            let mut results = OutputFolder::own(folder.path());
-            let rendered = render_into(capture, &request, &mut results, Timings::default())
-                .map_err(|error| self.error_of_change(error, camera, number, changes))?;
-            let Rendered::Picture { timings, .. } = rendered else { return Ok(Cost::default()) };
-            let whole_s = start.elapsed().as_secs_f64();
-            if timings.trace_s >= ENOUGH_S || few == all {
-                let per_sample_s = timings.trace_s / f64::from(few);
-                let time_s = whole_s - timings.trace_s + per_sample_s * f64::from(all);
-                return Ok(Cost { time_s, disk_bytes: bytes_in(folder.path()) });
+            let Trial { whole_s, trace_s, disk_bytes } = self.trial(camera, picture, few)?;
+            if trace_s >= ENOUGH_S || few == all {
+                let time_s = whole_s - trace_s + trace_s / f64::from(few) * f64::from(all);
+                return Ok(Cost { time_s, disk_bytes });
             }
-            let enough = f64::from(few) * (1.5 * ENOUGH_S / timings.trace_s.max(1e-3));
+            let enough = f64::from(few) * (1.5 * ENOUGH_S / trace_s.max(1e-3));
             few = all.min(enough.ceil() as u32);
         }
+    }
+
+    /// Makes a picture of so few samples a pixel, and lets it go.
+    fn trial(&self, camera: &str, &Missing { number, changes, .. }: &Missing<'_>, few: u32) -> Result<Trial> {
+        let folder = tempfile::tempdir().map_err(|reason| Error::io(&std::env::temp_dir(), "write into", reason))?;
+        let start = Instant::now();
+        let request = Request {
+            input: &self.capture_path,
+            named: self.file.description.capture.clone(),
+            light: LightSource::Traced,
+            film_memory: self.film_memory,
+            monitor: &Silent,
+            is_timed: true,
+        };
+        let mut capture = self.capture(camera, number, changes)?;
+        (capture.render.samples_per_pixel, capture.render.noise_target) = (few, None);
+        let mut results = OutputFolder::own(folder.path());
+        let rendered = self.make_ready(camera, capture, &request, Timings::default()).and_then(|ready| ready.render_into(&mut results));
+        let rendered = rendered.map_err(|error| self.error_of_change(error, camera, number, changes))?;
+        let trace_s = match rendered {
+            Rendered::Picture { timings, .. } => timings.trace_s,
+            Rendered::Part(_) => 0.0,
+        };
+        Ok(Trial { whole_s: start.elapsed().as_secs_f64(), trace_s, disk_bytes: bytes_in(folder.path()) })
     }
 }
 
@@ -125,23 +185,52 @@ impl Forecast {
     }
 }
 
-/// What a picture takes.
+/// A picture that is to be made.
+struct Missing<'a> {
+    number: u32,
+    changes: &'a [String],
+    /// Samples of each pixel.
+    samples: u32,
+}
+
+/// A picture of few samples.
+struct Trial {
+    whole_s: f64,
+    trace_s: f64,
+    disk_bytes: f64,
+}
+
+/// What pictures take.
 #[derive(Default)]
 struct Cost {
     time_s: f64,
-    disk_bytes: u64,
+    disk_bytes: f64,
 }
 
-fn bytes_in(folder: &Path) -> u64 {
+impl Add for Cost {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { time_s: self.time_s + other.time_s, disk_bytes: self.disk_bytes + other.disk_bytes }
+    }
+}
+
+impl Sum for Cost {
+    fn sum<I: Iterator<Item = Self>>(costs: I) -> Self {
+        costs.fold(Self::default(), Self::add)
+    }
+}
+
+fn bytes_in(folder: &Path) -> f64 {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.filter_map(|entry| entry.metadata().ok()).map(|file| file.len()).sum()
+    entries.filter_map(|entry| entry.metadata().ok()).map(|file| file.len() as f64).sum()
 }
 
-/// The most memory that this process has had, as Linux tells it.
-fn most_memory_bytes() -> Option<u64> {
+/// The memory of this process, or the most that it has had, as Linux tells it.
+fn memory_bytes(key: &str) -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let kib: u64 =
-        status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().strip_suffix("kB")?.trim().parse().ok()?;
+        status.lines().find_map(|line| line.strip_prefix(key))?.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib << 10)
 }
 
@@ -160,7 +249,7 @@ impl fmt::Display for Forecast {
 }
 
 /// Two digits of the unit that fits.
-fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     match seconds {
         ..100.0 => format!("{seconds:.1} s"),
         ..6000.0 => format!("{:.0} min", seconds / 60.0),
@@ -169,7 +258,8 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-fn size(bytes: u64) -> String {
+/// The same of bytes.
+pub fn size(bytes: u64) -> String {
     let mib = bytes as f64 / f64::from(1 << 20);
     if mib < 1000.0 { format!("{mib:.1} MiB") } else { format!("{:.1} GiB", mib / 1024.0) }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::failure::Failure;
+
 /// Frames of a data set that were planned.
 #[derive(Debug, Default)]
 pub struct Frames {
@@ -9,6 +11,8 @@ pub struct Frames {
     pub(super) changes: BTreeMap<u32, Vec<Vec<String>>>,
     /// The frames that cannot be had.
     pub(super) failed: Vec<u32>,
+    /// Why not.
+    pub(super) reasons: BTreeMap<u32, Failure>,
 }
 
 impl Frames {

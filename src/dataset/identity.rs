@@ -6,6 +6,7 @@ use std::path::Path;
 use photosite_core::input;
 use serde_json::{Map, Value, json};
 
+use crate::calibration::dataset::Plan;
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, DatasetFile, real_path};
 use crate::pipeline::{difference, fingerprinted, keys_and_files};
@@ -15,11 +16,14 @@ use crate::{Error, Invalid, Result};
 pub(super) const IDENTITY: &str = "dataset.json";
 /// Its key in folders of parts.
 pub(super) const OF_PART: &str = "part";
+/// Its keys of what there is to be; none in folders of earlier versions.
+pub(super) const FRAMES: &str = "frames";
+pub(super) const CAMERAS: &str = "cameras";
 
 /// Everything that decides what the pictures are: version, description, captures, and the files that these name. How
 /// many frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow
 /// tells of the next one.
-pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[String]) -> Result<Value> {
+pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[String], plan: &Plan) -> Result<Value> {
     let mut description = file.values.clone();
     let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some());
     // Flow of the last frame leads nowhere.
@@ -32,13 +36,28 @@ pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[St
     for capture in captures {
         keys.push(keys_and_files(capture, &mut named)?);
     }
-    Ok(Value::Object(fingerprinted(json!({
+    let mut identity = Value::Object(fingerprinted(json!({
         "photosite_version": env!("CARGO_PKG_VERSION"),
         "dataset": description,
         "overrides": overrides,
         "captures": keys,
         "files_sha256": named,
-    }))))
+    })));
+    // How much there is to be, which decides nothing of any picture.
+    identity[FRAMES] = plan.frames().into();
+    identity[CAMERAS] = plan.cameras().iter().map(|camera| &*camera.place.name).collect();
+    Ok(identity)
+}
+
+/// An earlier identity of the same pictures with the number of frames that there are to be now; `None` where it has that.
+pub(super) fn with_extent_of(earlier: &Value, now: &Value) -> Option<Value> {
+    let extent = [FRAMES, CAMERAS];
+    if extent.iter().all(|key| earlier[key] == now[key]) {
+        return None;
+    }
+    let mut identity = earlier.clone();
+    extent.iter().for_each(|key| identity[key] = now[key].clone());
+    Some(identity)
 }
 
 /// The identity of a folder that holds a part of every picture, made from the data set file `input`.

@@ -137,6 +137,7 @@ impl Jobs<'_> {
 
     /// Goes past a picture that cannot be made, if it is to.
     fn pass_over(&self, of @ (number, camera, _): Picture<'_>, error: Error) -> Result<()> {
+        self.folder.record_failure(camera, number, &error);
         if !self.keeps_going || is_stopped(&error) {
             return Err(error);
         }

@@ -73,6 +73,7 @@ impl DataSet {
         light: impl Fn(&str, u32) -> Result<LightSource<'static>> + Sync,
     ) -> Result<Made> {
         self.warn(folder, monitor);
+        folder.record_failures(frames, self.plan.cameras().iter().map(|camera| &*camera.place.name));
         let mut todo: Vec<Picture<'_>> = self.pictures(frames).filter(|&(n, c, _)| !folder.is_done(c, n)).collect();
         if !folder.knows_locks() && !todo.is_empty() {
             // Each process begins somewhere else, so that few make the same.
@@ -110,12 +111,17 @@ impl DataSet {
         Ok(made)
     }
 
+    /// How many of so many pictures are made at once.
+    pub(super) fn jobs(&self, jobs: Option<u16>, pictures: usize) -> usize {
+        let automatic = || if self.captures.iter().all(is_small) { rayon::current_num_threads() } else { 1 };
+        jobs.map_or_else(automatic, usize::from).min(pictures)
+    }
+
     /// Threads for each job, in pools that no other job uses: one that waits for a part of its work must not take up
     /// another picture meanwhile. None for a single job, which has all threads that there are.
     fn pools(&self, jobs: Option<u16>, pictures: usize) -> Result<Vec<ThreadPool>> {
         let threads = rayon::current_num_threads();
-        let automatic = || if self.captures.iter().all(is_small) { threads } else { 1 };
-        let jobs = jobs.map_or_else(automatic, usize::from).min(pictures);
+        let jobs = self.jobs(jobs, pictures);
         if jobs <= 1 {
             return Ok(Vec::new());
         }

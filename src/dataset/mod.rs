@@ -4,10 +4,12 @@ mod calibration;
 #[cfg(test)]
 mod claim_model;
 mod epipolar_lines;
+mod failure;
 mod finished;
 mod folder;
 mod forecast;
 mod frames;
+mod heartbeat;
 mod identity;
 mod index;
 mod jobs;
@@ -20,6 +22,7 @@ mod rectified_truth;
 mod rectify;
 mod rig;
 mod selection;
+mod status;
 mod verify;
 
 use std::collections::BTreeMap;
@@ -30,10 +33,12 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 use serde_json::Value;
 
+pub use failure::Failure;
 pub use finished::{read_dataset, read_present};
 pub use folder::DatasetFolder;
-pub use forecast::Forecast;
+pub use forecast::{Forecast, duration, size};
 pub use frames::Frames;
+pub use heartbeat::Holder;
 pub use index::Index;
 pub use layout_folder::LayoutFolder;
 pub use make::{Made, MakeOptions};
@@ -41,6 +46,7 @@ pub use parts::PartFolder;
 pub use presence::name as picture_name;
 pub use rectify::{RectifiedReport, RectifySettings, disparity_scale, rectify};
 pub use selection::{FrameList, Shard};
+pub use status::{PictureState, PictureStatus, Status};
 
 use identity::{identity, part_identity};
 use presence::{damage, picture};
@@ -74,7 +80,7 @@ impl DataSet {
         let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
         sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
         let (plan, captures) = plan(&file, sandbox, &capture_path, arguments)?;
-        let identity = identity(&file, &captures, arguments)?;
+        let identity = identity(&file, &captures, arguments, &plan)?;
         Ok(Self {
             file,
             capture_path,
@@ -102,6 +108,7 @@ impl DataSet {
                 Err(error) if keeps_going => {
                     monitor.report(Event::PictureFails { camera: "", frame: number, error: &error });
                     frames.failed.push(number);
+                    frames.reasons.insert(number, Failure::of(&error));
                 }
                 Err(error) => return Err(error),
             }
@@ -157,6 +164,11 @@ impl DataSet {
     /// The frames that the file asks for.
     pub fn frame_count(&self) -> u32 {
         self.plan.frames()
+    }
+
+    /// Refuses a folder that cannot be taken for the data set, and changes nothing.
+    pub fn check_folder(&self, path: &Path) -> Result<()> {
+        folder::check_folder(path, &self.identity)
     }
 
     /// Takes a folder for the whole data set.

@@ -44,7 +44,7 @@ impl DataSet {
     }
 
     /// Makes a capture ready to be rendered. A scene that nothing varies is built for the first picture and kept.
-    fn make_ready<'a>(
+    pub(super) fn make_ready<'a>(
         &self,
         camera: &str,
         capture: Capture,

@@ -17,6 +17,16 @@ pub(super) fn picture(folder: &Path, camera: &str, number: u32) -> PathBuf {
     folder.join(name(camera, number))
 }
 
+/// The lock of a picture, which says who makes it.
+pub(super) fn lock(folder: &Path, camera: &str, number: u32) -> PathBuf {
+    folder.join(camera).join(format!(".{number:06}.lock"))
+}
+
+/// What tells why a picture could not be made.
+pub(super) fn failure(folder: &Path, camera: &str, number: u32) -> PathBuf {
+    folder.join(camera).join(format!(".{number:06}.failed"))
+}
+
 /// What is wrong with the first file of a picture of which something is: its name, and what.
 pub(super) fn damage(folder: &Path, look: Look) -> Option<String> {
     let Some(report) = [REPORT, PART].map(|name| folder.join(name)).into_iter().find(|path| path.exists()) else {

@@ -21,6 +21,25 @@ impl FrameList {
         Self(ranges)
     }
 
+    /// Whether it names none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The ranges that it consists of.
+    pub fn ranges(&self) -> impl Iterator<Item = &Range<u32>> {
+        self.0.iter()
+    }
+
+    /// As it is read, whole however long it is.
+    pub fn in_full(&self) -> String {
+        let ranges = self.0.iter().map(|range| match range {
+            Range { start, end } if end - start == 1 => start.to_string(),
+            Range { start, end } => format!("{start}..{end}"),
+        });
+        ranges.collect::<Vec<_>>().join(",")
+    }
+
     /// Those that there are of `count` frames, each once and in order, and whether the list names more.
     pub fn among(&self, count: u32) -> (Vec<u32>, bool) {
         let numbers = self.0.iter().flat_map(|range| range.start..range.end.min(count)).collect();
@@ -61,14 +80,9 @@ impl FromStr for FrameList {
 impl fmt::Display for FrameList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const MOST: usize = 8;
-        for (index, range) in self.0.iter().take(MOST).enumerate() {
-            let comma = if index == 0 { "" } else { "," };
-            match range {
-                Range { start, end } if end - start == 1 => write!(f, "{comma}{start}")?,
-                Range { start, end } => write!(f, "{comma}{start}..{end}")?,
-            }
-        }
-        if self.0.len() > MOST { write!(f, " and more") } else { Ok(()) }
+        let more = if self.0.len() > MOST { " and more" } else { "" };
+        let first = Self(self.0.iter().take(MOST).cloned().collect());
+        write!(f, "{}{more}", first.in_full())
     }
 }
 

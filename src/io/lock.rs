@@ -23,7 +23,7 @@ const IN_FOLDER: &str = ".photosite.lock";
 pub struct Lock {
     // Removed first, and unlocked then: what is locked must be what has the name.
     _cleanup: Cleanup,
-    _file: File,
+    file: File,
     is_proven: bool,
 }
 
@@ -80,7 +80,7 @@ impl Lock {
             if !is_proven || has_name(&file, path) {
                 let path = path.to_owned();
                 let cleanup = Cleanup::new(move || remove(&path));
-                return Ok(Some(Self { _cleanup: cleanup, _file: file, is_proven }));
+                return Ok(Some(Self { _cleanup: cleanup, file, is_proven }));
             }
         }
     }
@@ -88,6 +88,22 @@ impl Lock {
     /// Whether nobody else can hold it; not so where the file system knows no locks.
     pub fn is_proven(&self) -> bool {
         self.is_proven
+    }
+
+    /// The file that is locked, in which its holder may say who it is. A copy of it that stays open keeps the lock.
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+}
+
+/// Whether a process holds the lock of a file that was opened for this; `None` where the file system does not tell. It is
+/// held for a moment, in which who wants it takes it for another's.
+pub fn is_held(file: &File) -> Option<bool> {
+    // Shared, for which network file systems ask no more than that the file may be read.
+    match file.try_lock_shared() {
+        Ok(()) => file.unlock().ok().map(|()| false),
+        Err(TryLockError::WouldBlock) => Some(true),
+        Err(TryLockError::Error(_)) => None,
     }
 }
 
@@ -124,7 +140,10 @@ mod tests {
         let path = folder.path().join("lock");
         let lock = Lock::try_take(&path).expect("a lock").expect("free");
         assert!(lock.is_proven() && Lock::try_take(&path).expect("no failure").is_none());
+        let looked_at = File::open(&path).expect("a file");
+        assert_eq!(is_held(&looked_at), Some(true));
         drop(lock);
+        assert_eq!(is_held(&looked_at), Some(false));
         assert!(!path.exists());
         let again = Lock::try_take(&path).expect("a lock");
         assert!(again.is_some());

@@ -34,7 +34,7 @@ fn standard_output_on_a_full_disk() {
 /// Runs a script with a mount of its own, as who runs this, or else as a root of its own; `None` where nothing can be
 /// mounted.
 #[cfg(target_os = "linux")]
-fn with_mounts(folder: &Folder, script: &str) -> Option<std::process::Output> {
+pub(crate) fn with_mounts(folder: &Folder, script: &str) -> Option<std::process::Output> {
     let run = |kind: &str| {
         let mut command = Command::new("unshare");
         command.current_dir(folder.path("")).args([kind, "sh", "-c", script]).output()

@@ -55,10 +55,8 @@ fn a_signal_ends_a_render_with_a_checkpoint(#[case] signal: &str, #[case] status
     assert_eq!(folder.results("out").into_keys().collect::<Vec<_>>(), ["checkpoint.film"]);
 }
 
-/// Both come before the render has kept anything: it is held on until both are there.
-#[test]
-fn a_second_signal_ends_a_render_at_once() {
-    let folder = room("");
+/// Starts a render that goes on until it is interrupted, and waits until it traces.
+fn begun(folder: &Folder) -> Child {
     let mut process = folder
         .command(&format!("render capture.toml --quiet -o out {ENDLESS}"))
         .stdout(Stdio::piped())
@@ -69,6 +67,14 @@ fn a_second_signal_ends_a_render_at_once() {
         assert!(process.try_wait().expect("a child").is_none(), "it ended before it was interrupted");
         sleep(Duration::from_millis(1));
     }
+    process
+}
+
+/// Both come before the render has kept anything: it is held on until both are there.
+#[test]
+fn a_second_signal_ends_a_render_at_once() {
+    let folder = room("");
+    let process = begun(&folder);
     for signal in ["STOP", "INT", "TERM", "CONT"] {
         send(signal, process.id());
     }
@@ -77,6 +83,21 @@ fn a_second_signal_ends_a_render_at_once() {
     assert_eq!(output.status.code(), Some(143), "{output:?}");
     assert_eq!(output.stderr, b"", "{output:?}");
     assert!(!folder.path("out").exists(), "nothing is left behind");
+}
+
+/// As of a scheduler that signals all processes of a job, whose script passes the signal on.
+#[test]
+fn the_same_signal_twice_at_once_is_one() {
+    let folder = room("");
+    let process = begun(&folder);
+    send("TERM", process.id());
+    // By then it listens to the next.
+    sleep(Duration::from_millis(20));
+    // It may have ended.
+    let _ = Command::new("kill").arg("-TERM").arg(process.id().to_string()).status();
+    let output = process.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(143), "{output:?}");
+    assert_eq!(folder.results("out").into_keys().collect::<Vec<_>>(), ["checkpoint.film"]);
 }
 
 /// Broken off again and again, after some part of the time that it takes when it is left alone.

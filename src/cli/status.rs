@@ -1,0 +1,213 @@
+//! `photosite status`: how far a data set is, by its folder.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::print::println_out;
+use super::{DONE, FAILED};
+use crate::Result;
+use crate::dataset::{PictureState, PictureStatus, Status};
+use crate::schedulers::{all_quoted, quoted};
+
+/// Pictures are missing, and nobody makes any.
+const MISSING: u8 = 3;
+/// Pictures are missing, and some are being made.
+const RUNNING: u8 = 4;
+/// As many pictures are named of each kind, unless all are asked for with --json.
+const MOST_NAMED: usize = 20;
+
+const STATUSES: &str = "\
+Exit status: 0 all pictures are there; 1 some have failed or are damaged, or the folder cannot be read; \
+2 wrong usage, or the folder holds no data set; 3 some are missing, and no process makes any; \
+4 some are missing, and processes are making some.
+
+A process that makes a picture holds its lock and gives a sign of life every 5 s. Where locks do \
+not reach from machine to machine, who has been silent for 30 s is taken for dead. Times are those \
+of the file system: the clocks of machines may differ.";
+
+/// Tell how far a data set is: what is done, running, failed, damaged, missing, and what to run again.
+///
+/// Looks at the folder alone, of which nothing is changed; the data set file is not needed.
+#[derive(Args)]
+#[command(after_help = STATUSES)]
+pub(super) struct StatusArgs {
+    /// The folder that `photosite dataset` fills.
+    folder: PathBuf,
+    /// Print JSON: a line for each picture, and one for the whole at the end.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &StatusArgs) -> Result<u8> {
+    let status = Status::read(&args.folder)?;
+    let counts = Counts::of(&status);
+    if args.json {
+        for picture in &status.pictures {
+            println_out(&event("picture", json!(picture)))?;
+        }
+        println_out(&event("end", json!(whole(&status, &counts))))?;
+    } else {
+        println_out(&words(&status, &counts))?;
+    }
+    Ok(counts.exit_status())
+}
+
+/// How many pictures are in each state.
+struct Counts {
+    done: usize,
+    running: usize,
+    failed: usize,
+    damaged: usize,
+    missing: usize,
+}
+
+impl Counts {
+    fn of(status: &Status) -> Self {
+        Self {
+            done: status.count(|state| matches!(state, PictureState::Done)),
+            running: status.count(|state| matches!(state, PictureState::Running { .. })),
+            failed: status.count(|state| matches!(state, PictureState::Failed(_))),
+            damaged: status.count(|state| matches!(state, PictureState::Damaged { .. })),
+            missing: status.count(|state| matches!(state, PictureState::Missing)),
+        }
+    }
+
+    fn exit_status(&self) -> u8 {
+        match self {
+            Self { failed: 1.., .. } | Self { damaged: 1.., .. } => FAILED,
+            Self { running: 1.., .. } => RUNNING,
+            Self { missing: 1.., .. } => MISSING,
+            Self { .. } => DONE,
+        }
+    }
+}
+
+/// One line of JSON.
+fn event(kind: &str, what: Value) -> String {
+    let mut line = json!({ "event": kind });
+    if let (Value::Object(line), Value::Object(what)) = (&mut line, what) {
+        line.extend(what);
+    }
+    line.to_string()
+}
+
+fn whole(status: &Status, counts: &Counts) -> Value {
+    let to_make = status.to_make();
+    json!({
+        "folder": status.folder,
+        "frames": status.frames,
+        "cameras": status.cameras,
+        "pictures": status.pictures.len(),
+        "done": counts.done,
+        "running": counts.running,
+        "failed": counts.failed,
+        "damaged": counts.damaged,
+        "missing": counts.missing,
+        "complete": counts.done == status.pictures.len(),
+        "to_make": (!to_make.is_empty()).then(|| to_make.in_full()),
+        "command": (!to_make.is_empty()).then(|| command(status)),
+        "times_known": status.timeless.is_empty(),
+    })
+}
+
+/// All of it for people.
+fn words(status: &Status, counts: &Counts) -> String {
+    let mut lines = vec![summary(status, counts)];
+    for (kind, is_one) in KINDS {
+        let of_kind: Vec<String> = status.pictures.iter().filter(|p| is_one(&p.state)).filter_map(line).collect();
+        lines.extend(of_kind.iter().take(MOST_NAMED).map(|what| format!("{kind:8} {what}")));
+        if let Some(more @ 1..) = of_kind.len().checked_sub(MOST_NAMED) {
+            lines.push(format!("{kind:8} and {more} more, which --json names"));
+        }
+    }
+    if !status.timeless.is_empty() && counts.running > 0 {
+        let folders: Vec<String> =
+            status.timeless.iter().map(|camera| status.folder.join(camera).display().to_string()).collect();
+        lines.push(format!(
+            "warning: nothing can be written to {}: it is not known since when pictures are made there, and whether processes \
+             of other machines that make them still live",
+            folders.join(", ")
+        ));
+    }
+    let to_make = status.to_make();
+    if !to_make.is_empty() {
+        lines.push(format!("to make: frames {to_make}"));
+        lines.push(format!("  {}", command(status)));
+    }
+    lines.join("\n")
+}
+
+fn summary(status: &Status, counts: &Counts) -> String {
+    let Status { folder, frames, cameras, pictures, .. } = status;
+    let what = if status.part.is_some() { "parts of pictures" } else { "pictures" };
+    let Counts { done, running, failed, damaged, missing } = counts;
+    let mut text = format!("{}: {done} of {} {what} are done", folder.display(), pictures.len());
+    text += &format!(" ({frames} frames, {} cameras)", cameras.len());
+    for (count, kind) in [(running, "running"), (failed, "failed"), (damaged, "damaged"), (missing, "missing")] {
+        if *count > 0 {
+            text += &format!(", {count} {kind}");
+        }
+    }
+    text
+}
+
+/// Those of which each picture is named.
+type Kind = (&'static str, fn(&PictureState) -> bool);
+const KINDS: [Kind; 3] = [
+    ("running", |state| matches!(state, PictureState::Running { .. })),
+    ("failed", |state| matches!(state, PictureState::Failed(_))),
+    ("damaged", |state| matches!(state, PictureState::Damaged { .. })),
+];
+
+/// What is to be said of a picture.
+fn line(picture: &PictureStatus) -> Option<String> {
+    let what = match &picture.state {
+        PictureState::Done | PictureState::Missing => return None,
+        PictureState::Running { holder, age_s, silence_s } => {
+            let who = holder.as_ref().map_or_else(
+                || "by a process that has not said who it is".to_owned(),
+                |holder| format!("on {}, process {}", holder.host, holder.process),
+            );
+            let since = age_s.map_or_else(String::new, |age| format!(", for {}", seconds(age)));
+            let heard =
+                silence_s.map_or_else(String::new, |silence| format!(", last heard of {} ago", seconds(silence)));
+            who + &since + &heard
+        }
+        PictureState::Failed(failure) => {
+            let again = if failure.temporary { "; another try may succeed" } else { "" };
+            let help = failure.help.as_ref().map_or_else(String::new, |help| format!("; help: {help}"));
+            let words = format!("{}{help}{again}", failure.message);
+            format!("on {}: {}", failure.host, words.split_whitespace().collect::<Vec<_>>().join(" "))
+        }
+        PictureState::Damaged { message } => message.clone(),
+    };
+    Some(format!("{} {what}", picture.folder))
+}
+
+fn seconds(seconds: f64) -> String {
+    match seconds {
+        ..120.0 => format!("{seconds:.0} s"),
+        ..7200.0 => format!("{:.0} min", seconds / 60.0),
+        _ => format!("{:.1} h", seconds / 3600.0),
+    }
+}
+
+/// What makes the pictures that are to be made. Of a whole data set the folder does not know the file.
+fn command(status: &Status) -> String {
+    let input = status.part.as_ref().map_or_else(|| "FILE.toml".to_owned(), |(_, path)| word(path));
+    let samples = status.part.as_ref().map_or_else(String::new, |([from, to], _)| format!(" --samples {from}..{to}"));
+    let set = status.overrides.iter().flat_map(|change| ["--set", change]);
+    let set: String = [" ".to_owned(), all_quoted(set)].concat();
+    format!(
+        "photosite dataset {input} -o {}{samples}{} --frames {}",
+        word(&status.folder),
+        set.trim_end(),
+        status.to_make().in_full()
+    )
+}
+
+fn word(path: &Path) -> String {
+    quoted(&path.to_string_lossy())
+}
