@@ -17,6 +17,7 @@ mod rectified_truth;
 mod rectify;
 mod rig;
 mod selection;
+mod shards;
 mod verify;
 
 use std::ops::Range;
@@ -34,6 +35,7 @@ pub use layout_folder::LayoutFolder;
 pub use make::Made;
 pub use rectify::{RectifiedReport, RectifySettings, disparity_scale, rectify};
 pub use selection::{FrameList, Shard};
+pub use shards::{Progress, ShardFormat, ShardSize, Shards};
 
 use identity::{identity, part_identity};
 use rig::plan;

@@ -32,6 +32,8 @@ struct Memory {
     texts: BTreeMap<String, String>,
     masks: BTreeMap<String, Vec<bool>>,
     depths: BTreeMap<String, Vec<u16>>,
+    arrays: BTreeMap<String, Vec<f32>>,
+    warnings: Vec<String>,
     pictures: Vec<String>,
     truth: Option<Planes>,
     scene: Arc<SceneDescription>,
@@ -61,6 +63,16 @@ impl LayoutFiles for Memory {
         self.depths.insert(path.to_owned(), values.to_vec());
         Ok(())
     }
+    fn write_npy(&mut self, path: &str, _: [u32; 2], values: &[f32]) -> Result<()> {
+        self.arrays.insert(path.to_owned(), values.to_vec());
+        Ok(())
+    }
+    fn warn(&mut self, message: &str) {
+        self.warnings.push(message.to_owned());
+    }
+    fn has_truth(&mut self, _: &Shot, _: &[TruthLayer]) -> Result<bool> {
+        Ok(self.truth.is_some())
+    }
     fn truth(&mut self, _: &Shot, _: &[TruthLayer]) -> Result<Planes> {
         Ok(self.truth.clone().expect("truth"))
     }
@@ -89,6 +101,7 @@ fn shot(frame: u32, camera: usize) -> Shot {
         velocity_m_per_s: DVec3::ZERO,
         is_resampled: false,
         is_skewed: false,
+        shutter: None,
         targets: Vec::new(),
         objects: Vec::new(),
     }
