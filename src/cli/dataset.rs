@@ -10,6 +10,7 @@ use super::arguments::parse_range;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::print_json;
+use super::shards::LayoutsArgs;
 use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, Shard};
 use crate::pipeline::{FilmMemory, LightSource};
 use crate::{Result, Sandbox};
@@ -60,6 +61,8 @@ pub(super) struct DatasetArgs {
     /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
+    #[command(flatten)]
+    layouts: LayoutsArgs,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -102,7 +105,10 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
         return report.index(&set, &frames, &folder, damaged);
     }
     let light = |_: &str, _| Ok(args.samples.clone().map_or(LightSource::Traced, LightSource::Part));
-    let made = set.make(&frames, &folder, &monitor, args.keep_going, light)?;
+    let layouts = args.layouts.open(&folder, count, args.quiet)?;
+    let layouts = layouts.beside(&monitor);
+    let made = layouts.unless_failed(set.make(&frames, &folder, &layouts, args.keep_going, light))?;
+    layouts.finish(args.quiet)?;
     if args.samples.is_none() {
         return report.finish(&set, &folder, &made);
     }

@@ -7,8 +7,9 @@ use serde_json::json;
 
 use super::log::{say, warning};
 use super::print::print_json;
+use super::shards::{ShardSizeArgs, warner};
 use crate::calibration::layouts::Layout;
-use crate::dataset::{LayoutFolder, ShardFormat, ShardSize, Shards, read_dataset};
+use crate::dataset::{LayoutFolder, ShardFormat, Shards, read_dataset};
 use crate::{Error, Result, Sandbox};
 
 /// Lay out a finished data set as other tools read it: folders, pictures, calibration, ground truth.
@@ -37,28 +38,6 @@ pub(super) struct LayoutArgs {
     /// Print what was made on standard output.
     #[arg(long)]
     json: bool,
-}
-
-/// How large shards are.
-#[derive(Args, Clone, Copy)]
-pub(super) struct ShardSizeArgs {
-    /// Most bytes of a shard, MiB: the number of frames follows from the first one that is there [default: 256].
-    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "shard_frames")]
-    shard_mb: Option<u32>,
-    /// Frames of a shard, however large they are.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    shard_frames: Option<u32>,
-}
-
-impl ShardSizeArgs {
-    pub(super) fn size(self) -> ShardSize {
-        ShardSize { mb: self.shard_mb, frames: self.shard_frames }
-    }
-
-    /// Whether a size is asked for.
-    pub(super) fn is_given(self) -> bool {
-        self.shard_mb.is_some() || self.shard_frames.is_some()
-    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -159,13 +138,4 @@ fn write_shards(args: &LayoutArgs, format: ShardFormat) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Says what shards leave out.
-pub(super) fn warner(quiet: bool) -> impl Fn(&str) + Send + Sync + 'static {
-    move |what| {
-        if !quiet {
-            warning!("{what}");
-        }
-    }
 }
