@@ -13,7 +13,7 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
-from ._arguments import Path, invalid
+from ._arguments import Path, invalid, path_of
 from ._camera import Camera
 from ._dataset import Dataset, Frame, FramePicture
 from ._errors import Error, FileError, InputError, PhotositeWarning
@@ -42,7 +42,7 @@ def to_rerun(dataset: Union[Dataset, Path], path: Path, /) -> None:
         FileError: a file cannot be read or written.
     """
     rerun = _rerun()
-    target = FilePath(os.fspath(path))
+    target = FilePath(path_of("path", path))
     if target.suffix != ".rrd":
         raise invalid("path", f"expected the name of an .rrd file, got {target.name!r}")
     folder, frames = _frames(dataset)
@@ -88,7 +88,7 @@ def _rerun() -> Any:
 def _frames(dataset: Union[Dataset, Path]) -> "tuple[FilePath, Iterator[Frame]]":
     if isinstance(dataset, Dataset):
         return dataset.folder, iter(dataset)
-    folder = FilePath(os.fspath(dataset))
+    folder = FilePath(path_of("dataset", dataset))
     if not (folder / "manifest.jsonl").is_file():
         reason = "holds no manifest.jsonl"
         help = "give the folder that photosite dataset has filled, or a photosite.Dataset"

@@ -131,10 +131,10 @@ fn write_shards(args: &LayoutArgs, format: ShardFormat) -> Result<()> {
     }
     if !args.quiet {
         let (written, folder) = (progress.written, args.output.display());
-        match (progress.present, progress.left) {
-            (present, 0) => say!("wrote {written} shards; all {present} are in {folder}"),
-            (0, _) => say!("wrote no shards: no range of frames is complete yet"),
-            (present, left) => say!("wrote {written} shards; {present} are in {folder}, and {left} are left to write"),
+        let all = progress.present + progress.left;
+        match progress.present {
+            0 => say!("wrote no shards: no range of frames is complete yet"),
+            present => say!("wrote {written} shards; {present} of {all} are in {folder}"),
         }
     }
     Ok(())

@@ -110,9 +110,11 @@ impl GrowingLayouts<'_> {
             let progress = shards.finish()?;
             if !quiet {
                 let folder = shards.folder().display();
-                match progress.left {
-                    0 => say!("all {} shards are in {folder}", progress.present),
-                    left => say!("{} shards are in {folder}, and {left} are left to write", progress.present),
+                let (present, all) = (progress.present, progress.present + progress.left);
+                if all == 0 {
+                    say!("no shard is in {folder}: no frame is complete");
+                } else {
+                    say!("{present} of {all} shards are in {folder}");
                 }
             }
         }

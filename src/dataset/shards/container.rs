@@ -27,7 +27,17 @@ pub(super) fn write_files<C: Container>(
     name: impl Fn(usize) -> PathBuf,
     warn: &dyn Fn(&str),
 ) -> Result<()> {
-    let mut items = samples.map(|sample| C::item(sample?, warn)).peekable();
+    write_items(samples.map(|sample| C::item(sample?, warn)), limit, name, C::bytes, C::write)
+}
+
+fn write_items<T>(
+    items: impl Iterator<Item = Result<T>>,
+    limit: u64,
+    name: impl Fn(usize) -> PathBuf,
+    bytes: impl Fn(&T) -> u64,
+    write: impl Fn(&mut dyn Iterator<Item = io::Result<T>>, &mut dyn Sink) -> io::Result<()>,
+) -> Result<()> {
+    let mut items = items.peekable();
     let mut files: Vec<(PathBuf, FileBeside)> = Vec::new();
     while items.peek().is_some() {
         let path = name(files.len());
@@ -35,12 +45,12 @@ pub(super) fn write_files<C: Container>(
         let mut taken = 0;
         let written = write_beside(&path, |to| {
             let mut of_file = std::iter::from_fn(|| {
-                let bytes = items.peek()?.as_ref().map_or(0, C::bytes);
+                let more = items.peek()?.as_ref().map_or(0, &bytes);
                 // A picture that is larger than the limit has a file of its own.
-                if taken > 0 && taken + bytes > limit {
+                if taken > 0 && taken + more > limit {
                     return None;
                 }
-                taken += bytes.max(1);
+                taken += more.max(1);
                 items.next()?.map_or_else(
                     |error| {
                         failure = Some(error);
@@ -49,7 +59,7 @@ pub(super) fn write_files<C: Container>(
                     |item| Some(Ok(item)),
                 )
             });
-            C::write(&mut of_file, to)
+            write(&mut of_file, to)
         });
         if let Some(error) = failure {
             return Err(error);
@@ -65,4 +75,37 @@ pub(super) fn measure<C: Container>(samples: impl Iterator<Item = Result<Sample>
     let mut file = io::Cursor::new(Vec::new());
     C::write(&mut items.into_iter().map(Ok), &mut file).map_err(|reason| Error::io(path, "write", reason))?;
     Ok(file.into_inner().len() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// Texts, as long as they are.
+    struct Texts;
+
+    impl Texts {
+        fn write_all(texts: &[&str], limit: u64, name: impl Fn(usize) -> PathBuf) -> Result<()> {
+            let items = texts.iter().map(|text| Ok((*text).to_owned()));
+            write_items(
+                items,
+                limit,
+                name,
+                |text: &String| text.len() as u64,
+                |items, to| items.try_for_each(|text| to.write_all(text?.as_bytes())),
+            )
+        }
+    }
+
+    #[test]
+    fn files_end_before_their_limit_and_what_is_larger_is_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let name = |part: usize| folder.path().join(part.to_string());
+        Texts::write_all(&["aaa", "bbb", "cc", "ddddddddd", "e", "f"], 6, name).expect("written");
+        let text = |part: usize| fs::read_to_string(name(part)).ok();
+        let found: Vec<String> = (0..).map_while(text).collect();
+        assert_eq!(found, ["aaabbb", "cc", "ddddddddd", "ef"]);
+    }
 }

@@ -19,13 +19,13 @@ use crate::report::{Look, REPORT};
 use crate::{Invalid, Result};
 
 /// How far the shards of a folder are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
     /// Shards that this process has written.
     pub written: u32,
     /// Shards that are there.
     pub present: u32,
-    /// Shards that are not there yet.
+    /// Shards that are not there yet; 0 as well where no frame tells yet how many there will be.
     pub left: u32,
 }
 
@@ -102,9 +102,7 @@ impl Shards {
 
     /// Writes all shards whose pictures are there, and the index when there is no other.
     pub fn finish(&self) -> Result<Progress> {
-        let Some(settings) = self.settings(0..self.wanted.frames)? else {
-            return Ok(Progress { written: 0, present: 0, left: 1 });
-        };
+        let Some(settings) = self.settings(0..self.wanted.frames)? else { return Ok(Progress::default()) };
         (0..settings.shards()).try_for_each(|shard| self.write_if_whole(&settings, shard))?;
         let present = (0..settings.shards()).filter(|&shard| self.path(shard, 0).exists()).count();
         let present = u32::try_from(present).unwrap_or(u32::MAX);
@@ -125,15 +123,14 @@ impl Shards {
             return Ok(Some(settings.clone()));
         }
         let Some(number) = frames.find(|&number| self.is_there(number)) else { return Ok(None) };
-        let measured = || {
-            let samples = self.samples.of_frames(number..number + 1);
-            match self.wanted.format {
-                ShardFormat::Webdataset => measure::<TarFile>(samples, &self.folder),
-                ShardFormat::Parquet => measure::<ParquetFile>(samples, &self.folder),
-                ShardFormat::Mcap => measure::<McapFile>(samples, &self.folder),
-            }
-        };
-        let settings = self.wanted.decide(&self.folder, measured)?;
+        // What cannot be laid out shows before there is a folder.
+        let samples = self.samples.of_frames(number..number + 1);
+        let bytes = match self.wanted.format {
+            ShardFormat::Webdataset => measure::<TarFile>(samples, &self.folder),
+            ShardFormat::Parquet => measure::<ParquetFile>(samples, &self.folder),
+            ShardFormat::Mcap => measure::<McapFile>(samples, &self.folder),
+        }?;
+        let settings = self.wanted.decide(&self.folder, bytes)?;
         self.state().know(settings.clone());
         Ok(Some(settings))
     }

@@ -145,7 +145,7 @@ impl Wanted {
     }
 
     /// Decides for a folder that has decided nothing, by the bytes of a frame, unless another process is first.
-    pub(super) fn decide(&self, folder: &Path, bytes_of_frame: impl FnOnce() -> Result<u64>) -> Result<Settings> {
+    pub(super) fn decide(&self, folder: &Path, bytes_of_frame: u64) -> Result<Settings> {
         create_folder(folder)?;
         let _lock = Lock::wait_for_folder(folder)?;
         if let Some(settings) = self.recorded(folder)? {
@@ -155,7 +155,7 @@ impl Wanted {
             Some(frames) => (frames, None),
             None => {
                 let mb = self.size.mb.unwrap_or(DEFAULT_MB);
-                (frames_within(u64::from(mb) << 20, bytes_of_frame()?), Some(mb))
+                (frames_within(u64::from(mb) << 20, bytes_of_frame), Some(mb))
             }
         };
         let settings = Settings {
@@ -205,7 +205,7 @@ mod tests {
     fn every_frame_is_in_one_shard() {
         let folder = tempfile::tempdir().expect("a folder");
         let size = ShardSize { frames: Some(10), mb: None };
-        let settings = wanted(size).decide(folder.path(), || panic!("nothing is measured")).expect("decided");
+        let settings = wanted(size).decide(folder.path(), 1).expect("decided");
         let frames: Vec<u32> = (0..settings.shards()).flat_map(|shard| settings.frames_of(shard)).collect();
         assert_eq!((settings.shards(), frames), (3, (0..25).collect()));
     }
@@ -216,9 +216,9 @@ mod tests {
         let folder = root.path().join("out");
         let none = ShardSize::default();
         assert_eq!(wanted(none).recorded(&folder).expect("new"), None);
-        let settings = wanted(none).decide(&folder, || Ok(100 << 20)).expect("decided");
+        let settings = wanted(none).decide(&folder, 100 << 20).expect("decided");
         assert_eq!((settings.frames_per_shard, settings.limit_mb), (2, Some(256)));
-        let again = wanted(none).decide(&folder, || Ok(1)).expect("decided");
+        let again = wanted(none).decide(&folder, 1).expect("decided");
         assert_eq!(again, settings);
         let refused = |wanted: Wanted| wanted.recorded(&folder).expect_err("refused").to_string();
         assert!(refused(wanted(ShardSize { mb: Some(9), frames: None })).contains("at most 256 MiB, and not of 9"));
