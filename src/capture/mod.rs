@@ -58,12 +58,14 @@ mod tree;
 mod tests;
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Weak};
 
 use glam::DAffine3;
 
 use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
+use crate::io::gltf::Moment;
 use crate::optics::{LensDescription, LensKind, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
@@ -98,8 +100,8 @@ pub use target::read_target;
 /// Everything that a capture file, the files it names and the command line say.
 #[derive(Clone, Debug)]
 pub struct Capture {
-    /// What is in front of the camera. Its warnings are those of the whole capture.
-    pub scene: SceneDescription,
+    /// What is in front of the camera. Captures that differ in other tables alone share it.
+    pub scene: Arc<SceneDescription>,
     /// Calibration targets in it.
     pub targets: Vec<PlacedTarget>,
     /// Camera → world; the camera looks along −Z.
@@ -120,8 +122,12 @@ pub struct Capture {
     pub develop: DevelopSettings,
     /// What is written.
     pub output: OutputSettings,
+    /// Things worth telling the user that are no errors, besides those of the scene, each once.
+    pub(crate) warnings: Vec<String>,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
+    /// What the scene was read from, and the scene itself as long as somebody holds it; `None` where no tables say it.
+    known_scene: Option<(TablesOfScene, Weak<SceneDescription>)>,
     /// What it was read from, to be read again with changes; `None` where no file and no values hold its scene.
     origin: Option<Origin>,
 }
@@ -134,6 +140,21 @@ struct Origin {
     /// The file, whose kind says what it holds and whose folder is what paths are relative to.
     path: PathBuf,
     overrides: Vec<String>,
+}
+
+/// All that decides what a scene is, as long as the files stay that it names.
+#[derive(Clone, Debug, PartialEq)]
+struct TablesOfScene {
+    tables: [Option<serde_json::Value>; 4],
+    moment: Option<Moment>,
+}
+
+impl TablesOfScene {
+    fn of(source: &CaptureSource, moment: Option<&Moment>) -> Result<Self> {
+        let [scene, targets, lights, materials] = ["scene", "targets", "lights", "materials"];
+        let tables = [source.read(scene)?, source.read(targets)?, source.read(lights)?, source.read(materials)?];
+        Ok(Self { tables, moment: moment.cloned() })
+    }
 }
 
 impl Capture {
@@ -155,13 +176,13 @@ impl Capture {
     /// Loads a capture with changes, of which all files that it names, and that these name, must lie in a sandbox. The
     /// capture itself may lie anywhere.
     pub fn load_within(sandbox: &Sandbox, path: &Path, overrides: &[String]) -> Result<Self> {
-        Self::of_origin(Origin::new(read_source(path)?.within(sandbox), path, overrides), 0)
+        Self::of_origin(Origin::new(read_source(path)?.within(sandbox), path, overrides), 0, None)
     }
 
     /// A capture from the text of a capture file, which names files relative to `folder`.
     pub fn parse(text: &str, folder: &Path, overrides: &[String]) -> Result<Self> {
         let path = folder.join("capture.toml");
-        Self::of_origin(Origin::new(CaptureSource::parse(&path, text.to_owned())?, &path, overrides), 0)
+        Self::of_origin(Origin::new(CaptureSource::parse(&path, text.to_owned())?, &path, overrides), 0, None)
     }
 
     /// A capture from the values of a capture file, by the names of its tables. `path` stands for the file in messages,
@@ -171,20 +192,35 @@ impl Capture {
     ///
     /// As [`load`](Self::load), without lines.
     pub fn of_values(values: &serde_json::Value, path: &Path, overrides: &[String]) -> Result<Self> {
-        Self::of_origin(Origin::new(CaptureSource::of_values(path, values)?, path, overrides), 0)
+        Self::of_origin(Origin::new(CaptureSource::of_values(path, values)?, path, overrides), 0, None)
     }
 
-    /// The same capture with more changes to its keys, read anew from what it was loaded from; files that it names are
-    /// read as they now are.
+    /// The same capture with more changes to its keys, read anew from what it was loaded from. Where they leave the
+    /// scene as it is, it is shared; otherwise files that it names are read as they now are.
     pub fn with(&self, overrides: &[String]) -> Result<Self> {
-        let mut origin = self.origin()?.clone();
-        origin.overrides.extend_from_slice(overrides);
-        Self::of_origin(origin, 0)
+        self.with_all(&[self.overrides(), overrides].concat())
+    }
+
+    /// The same capture with these changes to its keys in place of its own, as [`with`](Self::with) has it.
+    pub(crate) fn with_all(&self, overrides: &[String]) -> Result<Self> {
+        let origin = Origin { overrides: overrides.to_vec(), ..self.origin()?.clone() };
+        Self::of_origin(origin, 0, Some(self))
     }
 
     /// The capture for the picture of that number of its series, in whose time an animated scene has gone on.
     pub fn at_frame(&self, frame: u32) -> Result<Self> {
-        Self::of_origin(self.origin()?.clone(), frame)
+        Self::of_origin(self.origin()?.clone(), frame, Some(self))
+    }
+
+    /// Things worth telling the user that are no errors, each once.
+    pub fn warnings(&self) -> Vec<String> {
+        [&*self.scene.warnings, &*self.warnings].concat()
+    }
+
+    /// Takes the scene out; its files still tell what results are made of.
+    pub(crate) fn take_scene(&mut self) -> Arc<SceneDescription> {
+        let left = SceneDescription { files: self.scene.files.clone(), ..SceneDescription::default() };
+        std::mem::replace(&mut self.scene, Arc::new(left))
     }
 
     fn origin(&self) -> Result<&Origin> {
@@ -207,10 +243,13 @@ impl Capture {
             let invalid = Invalid::new("scene.geometry", "cannot go with a scene that is given");
             return Err(source.error(invalid.help("remove it, or load the capture file")));
         }
-        Self::of_geometry(&file, ReadScene::of_description(scene), &source, Path::new(""), 0)
+        let folder = Path::new("");
+        let (scene, targets) = Self::describe(&file, ReadScene::of_description(scene), &source, folder)?;
+        Self::assemble(&file, scene, targets, &source, folder, 0).map_err(|invalid| source.error(invalid))
     }
 
-    fn of_origin(origin: Origin, frame: u32) -> Result<Self> {
+    /// Reads a capture, with the scene of `earlier` if it is the same.
+    fn of_origin(origin: Origin, frame: u32, earlier: Option<&Self>) -> Result<Self> {
         let (path, mut source) = (&*origin.path, origin.source.clone());
         for argument in &origin.overrides {
             overrides::set(&mut source, argument)?;
@@ -221,30 +260,46 @@ impl Capture {
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut file = CaptureFile::read(&mut source, folder)?;
         let moment = motion::moment(&file, frame, source.sandbox()).map_err(|invalid| source.error(invalid))?;
-        let geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
-        if is_scene_file(path) {
-            geometry.surround(&mut source)?;
-            file.scene = source.read("scene")?.unwrap_or_default();
-        }
-        let read = Self::of_geometry(&file, geometry, &source, folder, frame)?;
-        Ok(Self { origin: Some(origin), ..read })
+        let tables = TablesOfScene::of(&source, moment.as_ref())?;
+        // A scene file gets its surroundings from what it holds.
+        let earlier = earlier.filter(|_| !is_scene_file(path));
+        let (scene, targets) = match earlier.and_then(|earlier| Some((earlier.scene_of(&tables)?, &earlier.targets))) {
+            Some((scene, targets)) => (scene, targets.clone()),
+            None => {
+                let geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
+                if is_scene_file(path) {
+                    geometry.surround(&mut source)?;
+                    file.scene = source.read("scene")?.unwrap_or_default();
+                }
+                Self::describe(&file, geometry, &source, folder)?
+            }
+        };
+        let read = Self::assemble(&file, scene, targets, &source, folder, frame);
+        let read = read.map_err(|invalid| source.error(invalid))?;
+        let known_scene = Some((tables, Arc::downgrade(&read.scene)));
+        Ok(Self { origin: Some(origin), known_scene, ..read })
     }
 
-    /// With the geometry that its file names.
-    fn of_geometry(
+    /// The scene, if these tables are what it was read from.
+    fn scene_of(&self, tables: &TablesOfScene) -> Option<Arc<SceneDescription>> {
+        let (_, scene) = self.known_scene.as_ref().filter(|(known, _)| known == tables)?;
+        scene.upgrade()
+    }
+
+    /// Lays the tables of the capture over the geometry that its files hold.
+    fn describe(
         file: &CaptureFile,
         mut geometry: ReadScene,
         source: &CaptureSource,
         folder: &Path,
-        frame: u32,
-    ) -> Result<Self> {
-        let placed = || -> Result<Self, Invalid> {
+    ) -> Result<(Arc<SceneDescription>, Vec<PlacedTarget>)> {
+        let described = || -> Result<_, Invalid> {
             let targets = place_targets(&file.targets)?;
             geometry.add_quadrics(&file.scene, &file.materials)?;
             geometry.add_targets(&targets)?;
-            Self::assemble(file, geometry, targets, source, folder, frame)
+            Ok((Arc::new(geometry.with_tables(file, folder, source.sandbox())?), targets))
         };
-        placed().map_err(|invalid| source.error(invalid))
+        described().map_err(|invalid| source.error(invalid))
     }
 
     /// All keys that were given: the capture file, the sensor's preset under it and overrides over it. They stand for
@@ -257,7 +312,7 @@ impl Capture {
     /// Makes of the tables what they mean.
     fn assemble(
         file: &CaptureFile,
-        geometry: ReadScene,
+        scene: Arc<SceneDescription>,
         targets: Vec<PlacedTarget>,
         source: &CaptureSource,
         folder: &Path,
@@ -268,8 +323,7 @@ impl Capture {
         let motion = motion::motion(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
         let mut warnings = Warnings::default();
         source.displaced().iter().for_each(|message| warnings.once(message));
-        let (camera_to_world, lens) =
-            place_camera(file, motion.as_ref(), &finder, &geometry.scene, &sensor, &mut warnings)?;
+        let (camera_to_world, lens) = place_camera(file, motion.as_ref(), &finder, &scene, &sensor, &mut warnings)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
         let scene_moves = file.scene.animation.is_some();
         let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
@@ -281,7 +335,7 @@ impl Capture {
         }
         let recording = moves.then(|| motion::recording(mover, motion, &exposure, &sensor)).transpose()?;
         let recording = recording.map(|recording| recording.later(frame)).map(|recording| {
-            let of_file = motion::motion_of_file(&file.camera, &geometry.scene.cameras, &recording);
+            let of_file = motion::motion_of_file(&file.camera, &scene.cameras, &recording);
             Recording { motion: recording.motion.clone().or(of_file), ..recording }
         });
         let output = settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?;
@@ -310,11 +364,10 @@ impl Capture {
             let invalid = Invalid::new("light_paths", "cannot go with a sensor that scans line by line");
             return Err(invalid.help("remove it, or sensor.shutter").within("render"));
         }
-        let mut scene = geometry.with_tables(file, folder, source.sandbox())?;
-        scene.warnings.extend(warnings.into_messages());
-        scene.warnings.extend_from_slice(&file.sensor.warnings);
-        scene.warnings.extend(sensor.warnings());
-        scene.warnings.extend(exposure.warning());
+        let mut warnings = warnings.into_messages();
+        warnings.extend_from_slice(&file.sensor.warnings);
+        warnings.extend(sensor.warnings());
+        warnings.extend(exposure.warning());
         Ok(Self {
             recording,
             scene_moves,
@@ -327,7 +380,9 @@ impl Capture {
             camera_to_world,
             lens,
             sensor,
+            warnings,
             source: source.clone(),
+            known_scene: None,
             origin: None,
         })
     }

@@ -9,11 +9,13 @@
 use photosite_core::{Help, Sandbox};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::de::{DeserializeOwned, DeserializeSeed};
 
 use super::reader::{ReadError, Reader};
 use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
+use crate::io::file_sum::KnownSums;
 use crate::{Error, Invalid, Result};
 use photosite_core::json;
 use photosite_core::suggest::{did_you_mean, list};
@@ -31,6 +33,8 @@ pub struct CaptureSource {
     stored_sensor: Option<Node>,
     /// Where the files may lie that it names.
     sandbox: Sandbox,
+    /// Sums of the files that it names, which all captures have in common that are made of it.
+    sums: Arc<KnownSums>,
 }
 
 /// A text and where it begins in the imagined long one.
@@ -64,6 +68,7 @@ impl CaptureSource {
             stored_sensor: None,
             displaced: Vec::new(),
             sandbox: Sandbox::default(),
+            sums: Arc::default(),
         }
     }
 
@@ -102,7 +107,7 @@ impl CaptureSource {
             node
         });
         let texts = vec![Text { origin: Origin::Report(path.to_owned()), start: 0, text }];
-        Self { path: path.to_owned(), texts, root, stored_sensor, displaced: Vec::new(), sandbox: Sandbox::default() }
+        Self { texts, root, stored_sensor, ..Self::empty(path) }
     }
 
     /// Takes the sensor out of the tree.
@@ -125,6 +130,11 @@ impl CaptureSource {
     /// Where the files may lie that it names.
     pub fn sandbox(&self) -> &Sandbox {
         &self.sandbox
+    }
+
+    /// Sums of the files that it names.
+    pub(crate) fn sums(&self) -> &KnownSums {
+        &self.sums
     }
 
     /// The whole sensor that a report holds.

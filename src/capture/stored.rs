@@ -5,6 +5,7 @@
 //! [`StoredCapture`]. The scene is neither read nor needed.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
@@ -126,7 +127,9 @@ impl Capture {
             origin
         });
         Ok(Self {
-            scene: SceneDescription { warnings, files: self.scene.files.clone(), ..SceneDescription::default() },
+            scene: Arc::new(SceneDescription { files: self.scene.files.clone(), ..SceneDescription::default() }),
+            warnings,
+            known_scene: None,
             targets: self.targets.clone(),
             recording: self.recording.clone(),
             lens: self.lens.clone(),

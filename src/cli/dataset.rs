@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
 use serde_json::json;
@@ -9,10 +10,10 @@ use serde_json::json;
 use super::arguments::parse_range;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
-use super::print::print_json;
+use super::print::{print_json, println_out};
 use super::shards::LayoutsArgs;
-use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, Shard};
-use crate::pipeline::{FilmMemory, LightSource};
+use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, Shard, picture_name};
+use crate::pipeline::{Event, FilmMemory, LightSource, Monitor, PictureOfFrame};
 use crate::{Result, Sandbox};
 
 /// Render a data set: a capture from many poses, under many conditions, by one camera or a rig.
@@ -43,6 +44,10 @@ pub(super) struct DatasetArgs {
     /// Go past frames that cannot be made, and end with status 1 if there were any.
     #[arg(long)]
     keep_going: bool,
+    /// Make so many pictures at once, which share the threads [default: one for each thread where pictures are small,
+    /// else 1].
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
     /// Make no picture: check every frame's keys, and say how long the pictures that are missing would take, and how
     /// much memory and disk.
     #[arg(long, conflicts_with_all = ["samples", "index_only", "verify"])]
@@ -66,7 +71,7 @@ pub(super) struct DatasetArgs {
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
-    /// Print what was made on standard output.
+    /// Print what is made on standard output, an object a line: `"event": "picture"` for each picture, `"end"` last.
     #[arg(long)]
     json: bool,
 }
@@ -105,9 +110,11 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
         return report.index(&set, &frames, &folder, damaged);
     }
     let light = |_: &str, _| Ok(args.samples.clone().map_or(LightSource::Traced, LightSource::Part));
+    let options = MakeOptions { keeps_going: args.keep_going, jobs: args.jobs };
     let layouts = args.layouts.open(&folder, count, args.quiet)?;
-    let layouts = layouts.beside(&monitor);
-    let made = layouts.unless_failed(set.make(&frames, &folder, &layouts, args.keep_going, light))?;
+    let lines = report.listening(&monitor);
+    let layouts = layouts.beside(&lines);
+    let made = layouts.unless_failed(set.make(&frames, &folder, &layouts, options, light))?;
     layouts.finish(args.quiet)?;
     if args.samples.is_none() {
         return report.finish(&set, &folder, &made);
@@ -128,6 +135,11 @@ pub(super) struct SetReport {
 impl SetReport {
     pub(super) fn of(quiet: bool, json: bool) -> Self {
         Self { quiet, json }
+    }
+
+    /// Hears of pictures for `monitor`, and prints a line for each where that is asked for.
+    pub(super) fn listening<'a>(self, monitor: &'a dyn Monitor) -> PictureLines<'a> {
+        PictureLines { monitor, prints: self.json, counts: Mutex::default() }
     }
 
     /// Writes the summary of the images, and prints it.
@@ -160,18 +172,72 @@ impl SetReport {
         let (frames, cameras) = (set.frame_count(), set.cameras().count());
         let all = frames as usize * cameras;
         if self.json {
-            return print_json(&json!({
-                "folder": folder.path(),
-                "frames": frames,
-                "cameras": cameras,
-                "made": made,
-                "present": present,
-                "complete": present == all,
-            }));
+            return println_out(
+                &json!({
+                    "event": "end",
+                    "folder": folder.path(),
+                    "frames": frames,
+                    "cameras": cameras,
+                    "made": made,
+                    "present": present,
+                    "complete": present == all,
+                })
+                .to_string(),
+            );
         }
         if !self.quiet {
             say!("made {made} {what}; {present} of {all} {what} are in {}", folder.path().display());
         }
         Ok(())
+    }
+}
+
+/// Prints a line for each picture of a data set, and passes everything on.
+pub(super) struct PictureLines<'a> {
+    monitor: &'a dyn Monitor,
+    prints: bool,
+    /// Pictures that are done, and all.
+    counts: Mutex<[u64; 2]>,
+}
+
+impl Monitor for PictureLines<'_> {
+    fn report(&self, event: Event<'_>) {
+        self.monitor.report(event);
+        if !self.prints {
+            return;
+        }
+        // Lines come out in the order of their numbers.
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        let line = match event {
+            Event::SetBegins { pictures } => {
+                *counts = [0, pictures];
+                return;
+            }
+            Event::PictureEnds(Some(PictureOfFrame { camera, frame, seconds })) => {
+                counts[0] += 1;
+                let [done, of] = *counts;
+                json!({
+                    "event": "picture", "camera": camera, "frame": frame, "folder": picture_name(camera, frame),
+                    "made": seconds.is_some(), "seconds": seconds, "done": done, "of": of,
+                })
+            }
+            Event::PictureFails { camera, frame, error } => {
+                json!({ "event": "failed", "camera": camera, "frame": frame, "message": error.to_string() })
+            }
+            Event::Warning(_)
+            | Event::TraceBegins { .. }
+            | Event::Traced(_)
+            | Event::PassEnds { .. }
+            | Event::TraceEnds
+            | Event::PictureEnds(None)
+            | Event::Waiting { .. }
+            | Event::SetEnds => return,
+        };
+        // The work goes on, whether somebody reads it or not.
+        let _ = println_out(&line.to_string());
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.monitor.is_cancelled()
     }
 }

@@ -47,7 +47,8 @@ const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
 pub(super) fn run(args: &ExportMitsubaArgs, sandbox: &Sandbox) -> Result<()> {
     refuse_scene(&args.output, args.force)?;
     let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
-    let warnings = capture.scene.warnings.iter().filter(|_| !args.quiet);
+    let warnings = capture.warnings();
+    let warnings = warnings.iter().filter(|_| !args.quiet);
     warnings.for_each(|warning| warning!("{warning}"));
     let camera = standalone_camera(&capture)?;
     let scene = export(&capture, &camera, args.approximate).map_err(|invalid| invalid.in_file(&args.input))?;

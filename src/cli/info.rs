@@ -101,7 +101,7 @@ fn position_halfway(capture: &Capture) -> [f64; 3] {
 fn of_capture(capture: &Capture) -> Map<String, Value> {
     let Capture { scene, lens, sensor, exposure, render, .. } = capture;
     let mut facts = of_scene(scene);
-    let mut warnings = scene.warnings.clone();
+    let mut warnings = capture.warnings();
     match standalone_camera(capture) {
         Err(error) => warnings.push(error.to_string()),
         Ok(camera) => {

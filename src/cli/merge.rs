@@ -9,7 +9,7 @@ use super::dataset::SetReport;
 use super::monitor::TerminalMonitor;
 use super::render::{finish, finish_again};
 use crate::capture::{Capture, relative_path};
-use crate::dataset::{DataSet, PartFolder};
+use crate::dataset::{DataSet, MakeOptions, PartFolder};
 use crate::pipeline::{FilmMemory, LightSource, Parts, Place, Request, render_into};
 use crate::report::Timings;
 use crate::{Error, Result, Sandbox};
@@ -96,7 +96,7 @@ fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     let input = args.input(&parts[0].input(), &args.parts[0], sandbox)?;
     let set = DataSet::read(sandbox, &input, &parts[0].arguments(), args.film_memory)?;
     parts.iter().try_for_each(|part| set.check_part(part))?;
-    let monitor = TerminalMonitor::new(args.quiet, args.json);
+    let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
     let frames = set.frames(0..set.frame_count(), false, &monitor)?;
     let of_picture = |camera: &str, number: u32| {
         let found: Vec<PathBuf> = parts.iter().filter_map(|part| part.picture(camera, number)).collect();
@@ -113,6 +113,6 @@ fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     }
     let folder = set.claim(&args.output)?;
     let light = |camera: &str, number| of_picture(camera, number).map(LightSource::Merged);
-    let made = set.make(&frames, &folder, &monitor, false, light)?;
-    SetReport::of(args.quiet, args.json).finish(&set, &folder, &made)
+    let made = set.make(&frames, &folder, &report.listening(&monitor), MakeOptions::default(), light)?;
+    report.finish(&set, &folder, &made)
 }

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::log::{self, say, warning};
 use super::signals;
-use crate::pipeline::{Event, Monitor};
+use crate::pipeline::{Event, Monitor, PictureOfFrame};
 
 /// Between two lines of progress in a file.
 const LINE_INTERVAL: Duration = Duration::from_secs(30);
@@ -177,13 +177,20 @@ impl Monitor for TerminalMonitor {
                 self.log("set_begins", json!({ "pictures": pictures }));
             }
             Event::PictureFails { camera, frame, error } => {
+                let camera_name = camera;
                 let camera = if camera.is_empty() { String::new() } else { format!(" of {camera}") };
                 warning!("frame {frame}{camera} is left out: {error}");
-                self.log("picture_fails", json!({ "frame": frame, "message": error.to_string() }));
+                self.log(
+                    "picture_fails",
+                    json!({ "camera": camera_name, "frame": frame, "message": error.to_string() }),
+                );
             }
-            Event::PictureEnds => {
+            Event::PictureEnds(of) => {
                 self.advance(1);
-                self.log("picture_ends", json!({}));
+                let of = of.map(|PictureOfFrame { camera, frame, seconds }| {
+                    json!({ "camera": camera, "frame": frame, "seconds": seconds })
+                });
+                self.log("picture_ends", of.unwrap_or_else(|| json!({})));
             }
             Event::Waiting { pictures } if !self.quiet => {
                 say!("other processes are making {pictures} pictures, which are waited for");

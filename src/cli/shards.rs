@@ -124,12 +124,10 @@ impl GrowingLayouts<'_> {
 
 impl Monitor for GrowingLayouts<'_> {
     fn report(&self, event: Event<'_>) {
-        let is_end = matches!(event, Event::PictureEnds);
+        let frame = if let Event::PictureEnds(picture) = &event { picture.map(|picture| picture.frame) } else { None };
         self.monitor.report(event);
-        if !is_end {
-            return;
-        }
-        if let Err(error) = self.layouts.iter().try_for_each(Shards::write_ready) {
+        let Some(frame) = frame else { return };
+        if let Err(error) = self.layouts.iter().try_for_each(|shards| shards.frame_done(frame)) {
             self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
         }
     }

@@ -13,22 +13,23 @@ const BASE: i32 = 128;
 
 /// The number of the signal that came; 0 while there was none.
 static CAME: AtomicI32 = AtomicI32::new(0);
-/// Whether the work under way stops by itself.
-static PATIENT: Mutex<bool> = Mutex::new(false);
+/// How many pieces of work are under way that stop by themselves.
+static PATIENT: Mutex<u32> = Mutex::new(0);
 
-fn patient() -> MutexGuard<'static, bool> {
+fn patient() -> MutexGuard<'static, u32> {
     PATIENT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// From now on a first signal does not end the program: the work stops by itself.
 pub(super) fn become_patient() {
-    *patient() = true;
+    *patient() += 1;
 }
 
-/// From now on a signal ends the program at once again. Whether one has come since [`become_patient`] is known when
+/// Takes that back: when nobody is left who stops by himself, a signal ends the program at once again. Whether one has come since [`become_patient`] is known when
 /// this returns.
 pub(super) fn become_impatient() {
-    *patient() = false;
+    let mut patient = patient();
+    *patient = patient.saturating_sub(1);
 }
 
 /// Whether a signal has come.
@@ -66,7 +67,7 @@ pub(super) fn listen() -> crate::Result<()> {
             // Held on to in the end: nobody becomes patient then.
             let patient = patient();
             let is_first = CAME.swap(signal, Ordering::Relaxed) == 0;
-            if !(is_first && *patient) {
+            if !(is_first && *patient > 0) {
                 let _clean = clean_up();
                 std::process::exit(BASE + signal);
             }

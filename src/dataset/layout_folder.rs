@@ -211,7 +211,7 @@ impl LayoutFiles for LayoutFolder {
         {
             return Ok(scene.clone());
         }
-        let scene = Arc::new(Capture::load_within(&self.sandbox, &path, &[])?.scene);
+        let scene = Capture::load_within(&self.sandbox, &path, &[])?.scene;
         self.scene = Some((keys, scene.clone()));
         Ok(scene)
     }

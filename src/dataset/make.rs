@@ -2,16 +2,21 @@
 
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
 use std::thread::sleep;
 use std::time::Duration;
 
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
 use super::DataSet;
-use super::folder::{DatasetFolder, NewPicture, Turn};
+use super::folder::DatasetFolder;
 use super::frames::Frames;
-use super::presence::name;
+use super::jobs::Jobs;
+use super::picture::Picture;
 use super::selection::{FrameList, in_order};
-use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Request, go_on, render_into};
-use crate::report::Timings;
+use crate::capture::Capture;
+use crate::pipeline::{Event, LightSource, Monitor, go_on, pixels};
 use crate::{Error, Invalid, Result};
 
 /// Between two looks at what other processes make, at first and after a while.
@@ -40,19 +45,32 @@ impl Made {
     }
 }
 
-/// A picture of a frame, with the changes to the capture that make it.
-type Picture<'a> = (u32, &'a str, &'a [String]);
+/// How pictures are made, besides which.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MakeOptions {
+    /// Whether a picture that cannot be made is reported and left out.
+    pub keeps_going: bool,
+    /// How many pictures are made at once, which share the threads. Without, small ones one for each thread, and others
+    /// one by one.
+    pub jobs: Option<u16>,
+}
+
+/// Whether threads have little to share in a picture: less than some seconds of work for one.
+fn is_small(capture: &Capture) -> bool {
+    const FEW_PATHS: u64 = 1 << 22;
+    let [width, height] = pixels(capture).map(u64::from);
+    width * height * u64::from(capture.render.samples_per_pixel) <= FEW_PATHS && capture.render.noise_target.is_none()
+}
 
 impl DataSet {
-    /// Makes all pictures of the frames that are not there, with the light that a camera has in a frame. With
-    /// `keeps_going` a picture that cannot be made is reported and left out.
+    /// Makes all pictures of the frames that are not there, with the light that a camera has in a frame.
     pub fn make(
         &self,
         frames: &Frames,
         folder: &DatasetFolder,
         monitor: &dyn Monitor,
-        keeps_going: bool,
-        light: impl Fn(&str, u32) -> Result<LightSource<'static>>,
+        options: MakeOptions,
+        light: impl Fn(&str, u32) -> Result<LightSource<'static>> + Sync,
     ) -> Result<Made> {
         self.warn(folder, monitor);
         let mut todo: Vec<Picture<'_>> = self.pictures(frames).filter(|&(n, c, _)| !folder.is_done(c, n)).collect();
@@ -63,39 +81,21 @@ impl DataSet {
         }
         monitor.report(Event::SetBegins { pictures: todo.len() as u64 });
         let _until_end = UntilSetEnds(monitor);
-        let mut made = Made { pictures: 0, failed: frames.failed.clone() };
-        let mut is_first = true;
+        let pools = self.pools(options.jobs, todo.len())?;
+        let jobs = Jobs {
+            set: self,
+            folder,
+            monitor,
+            keeps_going: options.keeps_going,
+            light: &light,
+            made: Mutex::new(Made { pictures: 0, failed: frames.failed.clone() }),
+            has_warned: AtomicBool::new(false),
+            is_over: AtomicBool::new(false),
+        };
         let mut pause = SHORTEST_PAUSE;
         while !todo.is_empty() {
             // What other processes make is looked at again in the end: they may die.
-            let mut theirs = Vec::new();
-            for picture in todo {
-                let (number, camera, _) = picture;
-                let turn = match folder.begin(camera, number)? {
-                    Turn::Theirs => {
-                        theirs.push(picture);
-                        continue;
-                    }
-                    Turn::Done => None,
-                    Turn::Ours(turn) => Some(turn),
-                };
-                if let Some(turn) = turn {
-                    // Warnings about the scene are given once.
-                    let of_one = OfOnePicture { monitor, warns: std::mem::take(&mut is_first) };
-                    match self.picture(picture, &light, turn, &of_one) {
-                        Ok(is_ours) => made.pictures += usize::from(is_ours),
-                        Err(error @ Error::Cancelled { .. }) => return Err(error),
-                        Err(error) if keeps_going => {
-                            go_on(monitor)?;
-                            monitor.report(Event::PictureFails { camera, frame: number, error: &error });
-                            made.failed.push(number);
-                        }
-                        Err(error) => return Err(error),
-                    }
-                }
-                monitor.report(Event::PictureEnds);
-            }
-            todo = theirs;
+            todo = jobs.go_through(todo, &pools)?;
             if !todo.is_empty() {
                 if pause == SHORTEST_PAUSE {
                     monitor.report(Event::Waiting { pictures: todo.len() });
@@ -105,8 +105,29 @@ impl DataSet {
                 pause = LONGEST_PAUSE.min(pause * 2);
             }
         }
+        let mut made = jobs.made.into_inner().unwrap_or_else(PoisonError::into_inner);
         made.failed = in_order(made.failed);
         Ok(made)
+    }
+
+    /// Threads for each job, in pools that no other job uses: one that waits for a part of its work must not take up
+    /// another picture meanwhile. None for a single job, which has all threads that there are.
+    fn pools(&self, jobs: Option<u16>, pictures: usize) -> Result<Vec<ThreadPool>> {
+        let threads = rayon::current_num_threads();
+        let automatic = || if self.captures.iter().all(is_small) { threads } else { 1 };
+        let jobs = jobs.map_or_else(automatic, usize::from).min(pictures);
+        if jobs <= 1 {
+            return Ok(Vec::new());
+        }
+        let pool = |job: usize| {
+            let threads = ((threads + job) / jobs).max(1);
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.map_err(|reason| Error::Resources {
+                message: format!("cannot start the threads of {jobs} jobs: {reason}"),
+                help: Some("ask for fewer at once".into()),
+            })
+        };
+        (0..jobs).map(pool).collect()
     }
 
     /// Says what of the captures does not hold in a data set, and what of the folder cannot be relied on.
@@ -123,62 +144,6 @@ impl DataSet {
                  the same picture, of which one is dropped",
             ));
         }
-    }
-
-    /// Makes one picture, and returns whether it got its number, or another process's did.
-    fn picture(
-        &self,
-        (number, camera, overrides): Picture<'_>,
-        light: impl Fn(&str, u32) -> Result<LightSource<'static>>,
-        picture: NewPicture,
-        monitor: &dyn Monitor,
-    ) -> Result<bool> {
-        if let Some(lost) = picture.lost() {
-            monitor.report(Event::Warning(&format!("{} is made again: {lost}", name(camera, number))));
-        }
-        let light = light(camera, number)?;
-        // It was read before, with all that it names.
-        let capture = self.capture(camera, number, overrides).map_err(Error::since_begun)?;
-        let mut results = OutputFolder::own(picture.path());
-        let request = Request {
-            input: &self.capture_path,
-            named: self.file.description.capture.clone(),
-            light,
-            film_memory: self.film_memory,
-            monitor,
-            is_timed: false,
-        };
-        let rendered = render_into(capture, &request, &mut results, Timings::default());
-        rendered.map_err(|error| self.error_of_change(error, camera, number, overrides))?;
-        picture.finish()
-    }
-}
-
-/// What is heard of one picture of a set: that it was cancelled, and warnings of the first alone.
-struct OfOnePicture<'a> {
-    monitor: &'a dyn Monitor,
-    warns: bool,
-}
-
-impl Monitor for OfOnePicture<'_> {
-    fn report(&self, event: Event<'_>) {
-        match event {
-            Event::Warning(_) if self.warns => self.monitor.report(event),
-            // While a picture is traced it stops by itself and keeps a checkpoint.
-            Event::TraceBegins { .. } | Event::TraceEnds => self.monitor.report(event),
-            Event::Warning(_)
-            | Event::Traced(_)
-            | Event::PassEnds { .. }
-            | Event::SetBegins { .. }
-            | Event::PictureEnds
-            | Event::PictureFails { .. }
-            | Event::Waiting { .. }
-            | Event::SetEnds => {}
-        }
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.monitor.is_cancelled()
     }
 }
 

@@ -10,8 +10,10 @@ mod forecast;
 mod frames;
 mod identity;
 mod index;
+mod jobs;
 mod layout_folder;
 mod make;
+mod picture;
 mod presence;
 mod rectified_truth;
 mod rectify;
@@ -20,8 +22,10 @@ mod selection;
 mod shards;
 mod verify;
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use serde_json::Value;
 
@@ -32,7 +36,8 @@ pub use frames::Frames;
 pub use identity::PartFolder;
 pub use index::Index;
 pub use layout_folder::LayoutFolder;
-pub use make::Made;
+pub use make::{Made, MakeOptions};
+pub use presence::name as picture_name;
 pub use rectify::{RectifiedReport, RectifySettings, disparity_scale, rectify};
 pub use selection::{FrameList, Shard};
 pub use shards::{Progress, ShardFormat, ShardSize, Shards};
@@ -42,7 +47,7 @@ use rig::plan;
 
 use crate::calibration::dataset::Plan;
 use crate::capture::{Capture, DatasetFile};
-use crate::pipeline::{Event, FilmMemory, Monitor, check_samples};
+use crate::pipeline::{Event, FilmMemory, Monitor, Prepared, check_samples};
 use crate::{Error, Invalid, Result, Sandbox};
 
 /// A data set file with all that it needs.
@@ -56,6 +61,8 @@ pub struct DataSet {
     arguments: Vec<String>,
     film_memory: FilmMemory,
     identity: Value,
+    /// What the next picture of a camera may have in common with its last one.
+    kept: Mutex<BTreeMap<String, Prepared>>,
 }
 
 impl DataSet {
@@ -66,7 +73,16 @@ impl DataSet {
         sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
         let (plan, captures) = plan(&file, sandbox, &capture_path, arguments)?;
         let identity = identity(&file, &captures, arguments)?;
-        Ok(Self { file, capture_path, plan, captures, arguments: arguments.to_vec(), film_memory, identity })
+        Ok(Self {
+            file,
+            capture_path,
+            plan,
+            captures,
+            arguments: arguments.to_vec(),
+            film_memory,
+            identity,
+            kept: Mutex::default(),
+        })
     }
 
     /// Plans the frames of these numbers: poses that cannot be had show here rather than after an hour. With
@@ -107,7 +123,8 @@ impl DataSet {
 
     /// The capture of a camera in a frame. What is wrong with a change is wrong with the key that asks for it.
     fn capture(&self, camera: &str, number: u32, overrides: &[String]) -> Result<Capture> {
-        let capture = Capture::load_within(self.captures[0].source.sandbox(), &self.capture_path, overrides);
+        let before = self.cameras().position(|name| name == camera).unwrap_or(0);
+        let capture = self.captures[before].with_all(overrides);
         capture.map_err(|error| self.error_of_change(error, camera, number, overrides))
     }
 

@@ -8,7 +8,7 @@ use crate::pipeline::PART;
 use crate::report::{Listing, Look, REPORT, damage_of_file};
 
 /// CAMERA/NUMBER, as the manifest has it.
-pub(super) fn name(camera: &str, number: u32) -> String {
+pub fn name(camera: &str, number: u32) -> String {
     format!("{camera}/{number:06}")
 }
 

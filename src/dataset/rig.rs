@@ -24,11 +24,15 @@ pub(super) fn plan(
     let description = &file.description;
     let rig = description.rig().map_err(|invalid| file.error(invalid))?;
     let mut cameras = Vec::new();
-    let mut captures = Vec::new();
+    let mut captures: Vec<Capture> = Vec::new();
     for place in rig {
         let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
         let read = || {
-            let capture = Capture::load_within(sandbox, capture_path, &set)?;
+            let capture = match captures.first() {
+                None => Capture::load_within(sandbox, capture_path, &set)?,
+                // The scene is read once.
+                Some(first) => first.with_all(&set)?,
+            };
             check(&capture)?;
             if description.zooms() && capture.lens.intrinsics.is_some() {
                 let message = "states the camera matrix, which a focal length of poses.trajectory would not change";

@@ -65,7 +65,7 @@ fn conditions([width, height]: [usize; 2], bits: u32) -> Vec<(String, String)> {
 
 fn of_channel(folder: &Path, sets: &ChannelSets, monitor: &dyn Monitor) -> Result<(ChannelReport, u32)> {
     let taken = || {
-        monitor.report(Event::PictureEnds);
+        monitor.report(Event::PictureEnds(None));
         go_on(monitor)
     };
     let read = |path: &str| read_set(&folder.join(path), &taken);

@@ -276,7 +276,7 @@ impl Camera<'_> {
     fn take_set(&mut self, descriptor: &str, set: &str, point: &OperatingPoint, shots: &[Shot]) -> Result<()> {
         let flat = FlatField::new(self.sensor, point, self.size);
         let taken = || {
-            self.monitor.report(Event::PictureEnds);
+            self.monitor.report(Event::PictureEnds(None));
             go_on(self.monitor)
         };
         let series: Vec<Series> =

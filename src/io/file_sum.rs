@@ -1,12 +1,18 @@
 //! Size and SHA-256 of a file, by which damage shows that a file's name does not.
 
+use std::collections::BTreeMap;
+use std::fs;
 use std::io::{self, ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
 
 use photosite_core::input;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+
+use crate::{Error, Invalid, Result};
 
 /// What is read at a time.
 const BUFFER_BYTES: usize = 1 << 16;
@@ -36,6 +42,38 @@ impl FileSum {
                 Err(reason) if reason.kind() == ErrorKind::Interrupted => {}
                 Err(reason) => return Err(reason),
             }
+        }
+    }
+}
+
+/// The sums of files that results are made of. Each is read once, and must stay as it was from then on: what is made
+/// later is said to be made of it, too.
+#[derive(Debug, Default)]
+pub struct KnownSums(Mutex<BTreeMap<PathBuf, (FileSum, Option<SystemTime>)>>);
+
+impl KnownSums {
+    /// The sum of a file.
+    ///
+    /// # Errors
+    ///
+    /// One that cannot be read, and one that has changed since it was read first.
+    pub fn of(&self, path: &Path) -> Result<FileSum> {
+        let unreadable = |reason| Error::io(path, "read", reason);
+        let metadata = fs::metadata(path).map_err(unreadable)?;
+        let modified = metadata.modified().ok();
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((sum, then)) = known.get(path)
+            && (sum.bytes, *then) == (metadata.len(), modified)
+        {
+            return Ok(sum.clone());
+        }
+        let sum = FileSum::of(path).map_err(unreadable)?;
+        match known.insert(path.to_owned(), (sum.clone(), modified)) {
+            Some((earlier, _)) if earlier != sum => {
+                let invalid = Invalid::new("", "has changed while pictures were made of it");
+                Err(invalid.help("put it back as it was, or begin anew in another folder").in_file(path))
+            }
+            Some(_) | None => Ok(sum),
         }
     }
 }

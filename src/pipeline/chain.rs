@@ -69,6 +69,8 @@ pub(super) struct SensorColours {
     /// `None` for sensors without colours.
     camera: Option<CameraColour>,
     calibration: Option<SensorCalibration>,
+    /// Where the white balance is not that of the light.
+    pub(super) warning: Option<String>,
 }
 
 /// The steps after light transport.
@@ -115,7 +117,6 @@ impl SensorColours {
         optics: &Optics,
         light: &Spectrum,
         stored: Option<&SensorCalibration>,
-        warnings: &mut Vec<String>,
     ) -> Result<Self> {
         let mut responses = settings.sensor.responses();
         for (_, response) in &mut responses {
@@ -123,16 +124,17 @@ impl SensorColours {
         }
         let in_sensor = |invalid: Invalid| settings.source.error(invalid.within("sensor"));
         let calibration = SensorCalibration::of(&responses, stored).map_err(in_sensor)?;
-        let Some(found) = &calibration else { return Ok(Self { camera: None, calibration: None }) };
+        let Some(found) = &calibration else { return Ok(Self { camera: None, calibration: None, warning: None }) };
+        let mut warning = None;
         let white = neutral(&responses, light).or_else(|invalid| {
             let white = neutral(&responses, illuminant::d65())?;
             if light.max() > 0.0 {
-                warnings.push(format!("{}, so the white balance is that of D65", invalid.message));
+                warning = Some(format!("{}, so the white balance is that of D65", invalid.message));
             }
             Ok(white)
         });
         let camera = CameraColour { calibrations: found.lights().to_vec(), neutral: white.map_err(in_sensor)? };
-        Ok(Self { camera: Some(camera), calibration })
+        Ok(Self { camera: Some(camera), calibration, warning })
     }
 }
 

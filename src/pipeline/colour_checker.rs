@@ -1,6 +1,7 @@
 //! Where a picture shows a colour checker, and what colours its patches must have: both follow from the capture.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
@@ -33,7 +34,7 @@ const MARGIN: usize = 3;
 pub fn measure_checker(picture: &Planes, picture_path: &Path, path: &Path, sandbox: &Sandbox) -> Result<CheckerReport> {
     let mut capture = Capture::load_within(sandbox, path, &[])?;
     let size = [picture.width(), picture.height()];
-    let description = std::mem::take(&mut capture.scene);
+    let description = Arc::unwrap_or_clone(capture.take_scene());
     let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
     let spectra: Vec<Spectrum> = names.iter().filter_map(|name| library::spectrum(name)).collect();
     let patch_of_material: Vec<Option<usize>> =

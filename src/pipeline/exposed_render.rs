@@ -186,7 +186,8 @@ impl ReadySensor {
         };
         let placed = recorded.as_ref().zip(lens).and_then(|(recorded, lens)| placed_lens(recorded, lens));
         let settings = Settings::from(capture);
-        let colours = SensorColours::find(settings, &optics, &white, calibration.as_ref(), &mut warnings)?;
+        let colours = SensorColours::find(settings, &optics, &white, calibration.as_ref())?;
+        warnings.extend(colours.warning.clone());
         // What is asked for again as it was takes what automatic exposure found then, to the last bit.
         let same = recorded.as_ref().is_some_and(|r| {
             let specimen = SensorModel { serial: capture.sensor.serial, ..r.sensor.clone() };

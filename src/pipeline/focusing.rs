@@ -11,6 +11,7 @@ use crate::Result;
 use crate::capture::Capture;
 use crate::optics::{AutofocusMethod, Camera, Focus, LensDescription};
 use crate::report::FocusStepReport;
+use crate::scene::description::SceneDescription;
 use crate::scene::{self, Scene};
 
 /// A camera in its place, focused.
@@ -65,7 +66,7 @@ pub(super) fn focus_camera<'a>(
 /// The camera of a capture that is not rendered: its scene is built only where autofocus has to look at it.
 pub fn standalone_camera(capture: &Capture) -> Result<Camera> {
     let built = OnceCell::new();
-    let build = || scene::build(capture.scene.clone(), &importance(&responses(capture)));
+    let build = || scene::build(SceneDescription::clone(&capture.scene), &importance(&responses(capture)));
     place_camera(capture, || built.get_or_init(build))
 }
 

@@ -59,14 +59,14 @@ pub use focusing::{place_camera, standalone_camera, standalone_recording_camera}
 pub use lens_corrections::{LensSeen, Resampled};
 pub use light::Light;
 pub(crate) use monitor::go_on;
-pub use monitor::{Event, Monitor, Silent};
+pub use monitor::{Event, Monitor, PictureOfFrame, Silent};
 pub use options::Options;
 pub use output_folder::OutputFolder;
 pub use parts::{Parts, check_samples};
 pub use prepare::Prepared;
 pub(crate) use provenance::{difference, fingerprinted, keys_and_files};
 pub use reexpose::StoredRender;
-pub use render::{Rendered, render_into};
+pub use render::{ReadyRender, Rendered, render_into};
 pub use request::{LightSource, Request};
 pub use shot::{Shot, render};
 pub use stored::PictureScale;

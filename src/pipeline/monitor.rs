@@ -61,8 +61,8 @@ pub enum Event<'a> {
         /// Why.
         error: &'a Error,
     },
-    /// Another picture of it is there, or was given up.
-    PictureEnds,
+    /// Another picture is there, or was given up.
+    PictureEnds(Option<PictureOfFrame<'a>>),
     /// Other processes are making so many of its pictures, which are waited for.
     Waiting {
         /// Their number.
@@ -70,6 +70,17 @@ pub enum Event<'a> {
     },
     /// All pictures of it are there, or the work is broken off.
     SetEnds,
+}
+
+/// Which picture of a data set it is that is there.
+#[derive(Clone, Copy, Debug)]
+pub struct PictureOfFrame<'a> {
+    /// The camera's name.
+    pub camera: &'a str,
+    /// The frame's number.
+    pub frame: u32,
+    /// Wall-clock seconds that this process has worked on it; `None` where it was there already, or another made it.
+    pub seconds: Option<f64>,
 }
 
 /// Hears nothing and never stops anything.

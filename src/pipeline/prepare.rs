@@ -1,6 +1,6 @@
 //! Everything of a capture that is made once, before light is traced: scene, camera, the sensor's colours, warnings.
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
 use super::focusing::{FocusedCamera, focus_camera};
@@ -13,6 +13,7 @@ use crate::film::Response;
 use crate::integrator::{FilterTile, WavelengthChoice};
 use crate::optics::{AutofocusMethod, Camera, Focus, LensKind};
 use crate::report::{FocusStepReport, TruthReport};
+use crate::scene::description::SceneDescription;
 use crate::scene::{self, Scene, spectral_coverage};
 use crate::spectrum::Spectrum;
 
@@ -22,6 +23,8 @@ pub struct Prepared {
     /// The capture. Its scene has become [`scene`](Self::scene).
     pub(super) capture: Capture,
     pub(super) scene: Arc<Scene>,
+    /// What the scene was built of, which may be gone.
+    pub(super) described: Weak<SceneDescription>,
     /// Standing still; where it moves, [`Capture::recording`] says how.
     pub(super) camera: Camera,
     /// What autofocus by contrast has tried.
@@ -34,7 +37,7 @@ pub struct Prepared {
     /// Spectrum of all light of the scene, the largest value 1.
     pub(super) light: Spectrum,
     pub(super) optics: Optics,
-    pub(super) colours: SensorColours,
+    pub(super) colours: Arc<SensorColours>,
     pub(super) gain_map: Arc<KnownGainMap>,
     /// Of the [surfaces](crate::scene::description::SceneDescription::surfaces) that flow follows.
     pub(super) surfaces: u64,
@@ -49,14 +52,22 @@ impl Prepared {
     ///
     /// What only the whole scene shows: a lens that cannot focus where autofocus looks, lights too large to compute
     /// with.
-    pub fn new(mut capture: Capture) -> Result<Self> {
+    pub fn new(capture: Capture) -> Result<Self> {
+        Self::after(None, capture)
+    }
+
+    /// The same, where what the capture has in common with an earlier one is shared with that. The scene is, where one
+    /// capture was made of the other by [`Capture::with`] and their sensors see the same wavelengths.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn after(earlier: Option<Self>, mut capture: Capture) -> Result<Self> {
+        let mut warnings = capture.warnings();
+        let description = capture.take_scene();
         let responses = responses(&capture);
         let importance = importance(&responses);
         let filters = filters(&capture);
-        let description = std::mem::take(&mut capture.scene);
-        // Its files still tell what the results are made of.
-        capture.scene.files.clone_from(&description.files);
-        let mut warnings = description.warnings.clone();
         warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
         if capture.lens.kind == LensKind::Bare && !description.lights.is_empty() {
             warnings.push(
@@ -74,22 +85,43 @@ impl Prepared {
             capture.recording.as_ref(),
         );
         let surfaces = description.surfaces();
-        needs::check_scene(&description, &capture.source)?;
-        let scene = scene::build(description, &importance);
+        let described = Arc::downgrade(&description);
+        // Another scene's memory is free again before this one is built.
+        let earlier = earlier.filter(|earlier| earlier.is_of(&description) && earlier.importance == importance);
+        let (scene, light) = match &earlier {
+            Some(earlier) => (Arc::clone(&earlier.scene), earlier.light.clone()),
+            None => {
+                needs::check_scene(&description, &capture.source)?;
+                let scene = scene::build(Arc::unwrap_or_clone(description), &importance);
+                let light = scene_light(&capture, &scene)?;
+                (Arc::new(scene), light)
+            }
+        };
         let FocusedCamera { camera, steps: focus_steps, is_nearest } =
             focus_camera(&capture, capture.camera_to_world, || &scene)?;
         warnings.extend(autofocus_warning(&capture, &camera, is_nearest));
         warnings.extend(ineffective_settings(&capture, &scene));
-        let light = scene_light(&capture, &scene)?;
         let optics = Optics {
             f_number: camera.makes_picture().then_some(capture.lens.f_number),
             focal_length_m: Some(capture.lens.focal_length_m).filter(|f| camera.makes_picture() && *f > 0.0),
             transmittance: capture.lens.transmittance.clone(),
         };
-        let colours = SensorColours::find(Settings::from(&capture), &optics, &light, None, &mut warnings)?;
+        let same_sensor = earlier.filter(|earlier| {
+            earlier.capture.sensor == capture.sensor && earlier.capture.lens.transmittance == optics.transmittance
+        });
+        let colours = match &same_sensor {
+            Some(earlier) => Arc::clone(&earlier.colours),
+            None => Arc::new(SensorColours::find(Settings::from(&capture), &optics, &light, None)?),
+        };
+        warnings.extend(colours.warning.clone());
+        let same_falloff = same_sensor.filter(|earlier| {
+            let focus = |camera: &Camera| [camera.focus_distance_m(), camera.image_distance_m()].map(f64::to_bits);
+            earlier.capture.lens == capture.lens && focus(&earlier.camera) == focus(&camera)
+        });
         let mut prepared = Self {
             capture,
-            scene: Arc::new(scene),
+            scene,
+            described,
             camera,
             focus_steps,
             responses,
@@ -98,13 +130,18 @@ impl Prepared {
             light,
             optics,
             colours,
-            gain_map: Arc::default(),
+            gain_map: same_falloff.map_or_else(Arc::default, |earlier| earlier.gain_map),
             surfaces,
             truth,
             warnings,
         };
         prepared.warnings.extend(prepared.chain().picture_warnings());
         Ok(prepared)
+    }
+
+    /// Whether its scene was built of this one.
+    pub(super) fn is_of(&self, scene: &Arc<SceneDescription>) -> bool {
+        self.described.ptr_eq(&Arc::downgrade(scene))
     }
 
     /// Warnings about the capture, each once.

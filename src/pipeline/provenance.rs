@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use crate::capture::{Capture, relative_path};
-use crate::io::file_sum::{FileSum, hex};
-use crate::{Error, Result};
-use photosite_core::Sandbox;
+use crate::Result;
+use crate::capture::{Capture, CaptureSource, relative_path};
+use crate::io::file_sum::hex;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
@@ -25,24 +24,28 @@ pub(crate) fn provenance(capture: &Capture) -> Result<Map<String, Value>> {
 pub(crate) fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>) -> Result<Value> {
     let folder = capture.source.path().parent().unwrap_or(Path::new(""));
     let values = capture.to_json(folder)?;
-    add_files(&values, (folder, capture.source.sandbox()), hashes)?;
+    add_files(&values, (folder, &capture.source), hashes)?;
     // What scenes name in turn, by names that do not depend on where the command was given
     let named_from = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    capture.scene.files.iter().try_for_each(|path| add_file(&relative_path(path, named_from), path, hashes))?;
+    capture
+        .scene
+        .files
+        .iter()
+        .try_for_each(|path| add_file(&relative_path(path, named_from), path, &capture.source, hashes))?;
     Ok(values)
 }
 
 fn add_files(
     values: &Value,
-    place @ (folder, sandbox): (&Path, &Sandbox),
+    place @ (folder, source): (&Path, &CaptureSource),
     hashes: &mut Map<String, Value>,
 ) -> Result<()> {
     match values {
         Value::String(name) => {
             let path = folder.join(name);
             // A text may happen to be the name of a file.
-            if !name.is_empty() && sandbox.check(&path).is_ok() && path.is_file() {
-                add_file(name, &path, hashes)
+            if !name.is_empty() && source.sandbox().check(&path).is_ok() && path.is_file() {
+                add_file(name, &path, source, hashes)
             } else {
                 Ok(())
             }
@@ -53,9 +56,8 @@ fn add_files(
     }
 }
 
-fn add_file(name: &str, path: &Path, hashes: &mut Map<String, Value>) -> Result<()> {
-    let sum = FileSum::of(path).map_err(|reason| Error::io(path, "read", reason))?;
-    hashes.insert(name.to_owned(), sum.sha256.into());
+fn add_file(name: &str, path: &Path, source: &CaptureSource, hashes: &mut Map<String, Value>) -> Result<()> {
+    hashes.insert(name.to_owned(), source.sums().of(path)?.sha256.into());
     Ok(())
 }
 

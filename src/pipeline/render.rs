@@ -41,21 +41,66 @@ pub fn render_into(
     capture: Capture,
     request: &Request<'_>,
     folder: &mut OutputFolder,
-    mut timings: Timings,
+    timings: Timings,
 ) -> Result<Rendered> {
-    match &request.light {
-        LightSource::Traced | LightSource::Given { .. } => {}
-        LightSource::Part(samples) => check_samples(samples, &capture)?,
-        LightSource::Merged(parts) => parts.check(&capture)?,
+    ReadyRender::new(capture, None, request, timings)?.render_into(folder)
+}
+
+/// A render whose scene is built and whose camera stands in place.
+pub struct ReadyRender<'a> {
+    request: &'a Request<'a>,
+    prepared: Prepared,
+    strips: Strips,
+    timings: Timings,
+}
+
+impl<'a> ReadyRender<'a> {
+    /// Makes a capture ready, with what it has in common with an `earlier` one ([`Prepared::after`]). `timings` holds
+    /// what has passed before.
+    ///
+    /// # Errors
+    ///
+    /// Whatever is wrong with the capture, or with parts that are merged; that the monitor cancelled it.
+    pub fn new(
+        capture: Capture,
+        earlier: Option<Prepared>,
+        request: &'a Request<'a>,
+        mut timings: Timings,
+    ) -> Result<Self> {
+        match &request.light {
+            LightSource::Traced | LightSource::Given { .. } => {}
+            LightSource::Part(samples) => check_samples(samples, &capture)?,
+            LightSource::Merged(parts) => parts.check(&capture)?,
+        }
+        let start = Instant::now();
+        let is_exposed = !matches!(request.light, LightSource::Part(_));
+        let strips_of = |capture: &Capture| {
+            let channels = super::responses::responses(capture).len();
+            request.film_memory.strips(capture, channels, [is_exposed, true])
+        };
+        // A scene that is there already takes no more memory.
+        let has_scene = earlier.as_ref().is_some_and(|earlier| earlier.is_of(&capture.scene));
+        let before = if has_scene { None } else { Some(strips_of(&capture)?) };
+        go_on(request.monitor)?;
+        let prepared = Prepared::after(earlier, capture)?;
+        let strips = before.map_or_else(|| strips_of(&prepared.capture), Ok)?;
+        timings.build_s = start.elapsed().as_secs_f64();
+        Ok(Self { request, prepared, strips, timings })
     }
-    let start = Instant::now();
-    let is_exposed = !matches!(request.light, LightSource::Part(_));
-    let channels = super::responses::responses(&capture).len();
-    let strips = request.film_memory.strips(&capture, channels, [is_exposed, true])?;
-    go_on(request.monitor)?;
-    let prepared = Prepared::new(capture)?;
-    timings.build_s = start.elapsed().as_secs_f64();
-    record_into(&prepared, request, &strips, folder, timings)
+
+    /// What the next render may have in common with this one.
+    pub fn prepared(&self) -> &Prepared {
+        &self.prepared
+    }
+
+    /// Renders into a folder, the report last.
+    ///
+    /// # Errors
+    ///
+    /// As [`render_into`].
+    pub fn render_into(self, folder: &mut OutputFolder) -> Result<Rendered> {
+        record_into(&self.prepared, self.request, &self.strips, folder, self.timings)
+    }
 }
 
 impl Prepared {

@@ -1,5 +1,6 @@
 //! The pictures of a series, one after the other: traced, exposed, developed and written into a folder.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value};
@@ -141,7 +142,7 @@ impl Series<'_> {
             if next.is_none() && capture.scene_moves {
                 // Two scenes need twice the memory.
                 now.scene = None;
-                let build = |next: &mut Capture| Ok(scene::build(std::mem::take(&mut next.scene), importance));
+                let build = |next: &mut Capture| Ok(scene::build(Arc::unwrap_or_clone(next.take_scene()), importance));
                 next = Some(self.moment(number + 1, build, timings)?);
             }
             now = next.unwrap_or(Moment { recording: later, scene: None });

@@ -8,6 +8,7 @@ use crate::scene::{self, Scene};
 use crate::spectrum::Spectrum;
 use crate::{Invalid, Result};
 use glam::DAffine3;
+use std::sync::Arc;
 
 use super::camera::{camera_of, pixels};
 use super::focusing::{focus_camera, place_camera};
@@ -116,13 +117,13 @@ pub(super) struct Common<'a> {
 impl Common<'_> {
     /// Builds the scene of a next picture.
     pub(super) fn build(&self, next: &mut Capture) -> Result<Scene> {
-        let description = std::mem::take(&mut next.scene);
+        let description = next.take_scene();
         if description.surfaces() != self.surfaces {
             let message = "\"flow\" follows surfaces, and the next picture has others than this one";
             let help = "leave \"flow\" out, or let the geometry stay: what is placed may move and change its shape";
             return Err(next.source.error(Invalid::new("output.truth", message).help(help)));
         }
-        Ok(scene::build(description, self.importance))
+        Ok(scene::build(Arc::unwrap_or_clone(description), self.importance))
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use photosite::Sandbox;
-use photosite::dataset::DataSet;
+use photosite::dataset::{DataSet, MakeOptions};
 use photosite::io::exr::read_exr_file;
 use photosite::io::picture_file::read_picture_file;
 use photosite::io::truth::by_layer;
@@ -51,7 +51,8 @@ impl Dataset {
             let frames = self.0.frames(frames, false, monitor)?;
             self.0.check_first(&frames)?;
             let folder = self.0.claim(&folder)?;
-            let made = self.0.make(&frames, &folder, monitor, false, |_, _| Ok(LightSource::Traced))?;
+            let made =
+                self.0.make(&frames, &folder, monitor, MakeOptions::default(), |_, _| Ok(LightSource::Traced))?;
             made.check(&folder)?;
             Ok(made.pictures)
         })

@@ -55,7 +55,7 @@ impl Monitor for Watch {
                 self.done.store(0, Ordering::Relaxed);
                 self.all.store(pictures, Ordering::Relaxed);
             }
-            Event::PictureEnds => {
+            Event::PictureEnds(_) => {
                 self.done.fetch_add(1, Ordering::Relaxed);
             }
             Event::TraceBegins { .. } if self.of_pictures.load(Ordering::Relaxed) => {}

@@ -36,7 +36,7 @@ fn a_capture_without_anything_but_geometry_has_defaults() {
     assert_eq!((capture.exposure.gain, capture.exposure.frames), (Decibels(0.0), 1));
     assert_eq!((&capture.output.raw[..], capture.output.electrons), (&[RawFormat::Dng][..], true));
     // Nothing describes the three materials of the OBJ file.
-    assert_eq!(capture.scene.warnings.len(), 3, "{:?}", capture.scene.warnings);
+    assert_eq!(capture.warnings().len(), 3, "{:?}", capture.scene.warnings);
     let Some(EnvironmentDescription::Constant { luminance_nit: Some(nit), colour: Colour::Spectrum(colour) }) =
         &capture.scene.environment
     else {
@@ -63,7 +63,7 @@ fn materials_replace_those_of_the_geometry() {
     ));
     files.add("red.csv", b"400,0.1\n700,0.7\n");
     let capture = files.read(&[]).expect("valid");
-    assert!(capture.scene.warnings.is_empty(), "{:?}", capture.scene.warnings);
+    assert!(capture.warnings().is_empty(), "{:?}", capture.scene.warnings);
     let MaterialModel::Diffuse(Diffuse { reflectance }) = &material(&capture, "wall").model else {
         panic!("{:?}", material(&capture, "wall"))
     };
@@ -260,7 +260,7 @@ fn keys_without_effect_are_warned_of() {
         ("type = 'none'\nmin_focus_distance_m = 2", "lens.min_focus_distance_m"),
         ("focus_distance_m = 2\nautofocus = { method = 'contrast' }", "lens.autofocus"),
     ] {
-        let warnings = capture(&room(&format!("[lens]\n{lens}"))).scene.warnings;
+        let warnings = capture(&room(&format!("[lens]\n{lens}"))).warnings();
         assert!(warnings.iter().any(|w| w.starts_with(&format!("{key} has no effect"))), "{lens}: {warnings:?}");
     }
 }

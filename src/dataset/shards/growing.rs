@@ -94,12 +94,6 @@ impl Shards {
         self.write_if_whole(&settings, number / settings.frames_per_shard)
     }
 
-    /// Pictures have been made: writes the shards whose pictures are all there now.
-    pub fn write_ready(&self) -> Result<()> {
-        let Some(settings) = self.settings(0..self.wanted.frames)? else { return Ok(()) };
-        (0..settings.shards()).try_for_each(|shard| self.write_if_whole(&settings, shard))
-    }
-
     /// Writes all shards whose pictures are there, and the index when there is no other.
     pub fn finish(&self) -> Result<Progress> {
         let Some(settings) = self.settings(0..self.wanted.frames)? else { return Ok(Progress::default()) };

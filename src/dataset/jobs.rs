@@ -1,0 +1,160 @@
+//! Several pictures at once: each job makes one after the other, on threads of its own.
+//!
+//! A picture is on the disk when it has its number, which takes a small one longer than to be rendered. So each job
+//! leaves that to a thread beside it, and renders the next one meanwhile.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+use std::time::Instant;
+
+use rayon::ThreadPool;
+
+use super::DataSet;
+use super::folder::{DatasetFolder, NewPicture, Turn};
+use super::make::Made;
+use super::picture::{OfOnePicture, Picture, locked};
+use super::presence::name;
+use crate::pipeline::{Event, LightSource, Monitor, PictureOfFrame, go_on};
+use crate::{Error, Result};
+
+/// What all jobs have in common.
+pub(super) struct Jobs<'a> {
+    pub(super) set: &'a DataSet,
+    pub(super) folder: &'a DatasetFolder,
+    pub(super) monitor: &'a dyn Monitor,
+    pub(super) keeps_going: bool,
+    pub(super) light: &'a (dyn Fn(&str, u32) -> Result<LightSource<'static>> + Sync),
+    pub(super) made: Mutex<Made>,
+    /// Whether warnings about the scene were given.
+    pub(super) has_warned: AtomicBool,
+    /// Whether an error has ended the work.
+    pub(super) is_over: AtomicBool,
+}
+
+/// A picture that is rendered and has no number yet.
+struct Rendered<'a> {
+    of: Picture<'a>,
+    picture: NewPicture,
+    begun: Instant,
+}
+
+impl Jobs<'_> {
+    /// Makes pictures, one job for each pool, or one on the threads of the caller; returns those that other processes
+    /// are making.
+    pub(super) fn go_through<'a>(&self, todo: Vec<Picture<'a>>, pools: &[ThreadPool]) -> Result<Vec<Picture<'a>>> {
+        let queue = Mutex::new(todo.into_iter());
+        let theirs = Mutex::new(Vec::new());
+        let job = || self.job(&queue, &theirs);
+        if pools.is_empty() {
+            job()?;
+        } else {
+            thread::scope(|scope| {
+                let jobs: Vec<_> = pools.iter().map(|pool| scope.spawn(|| pool.install(job))).collect();
+                // All are waited for, and what the first has to say counts, unless it only stopped for another's error.
+                let ends: Vec<Result<()>> = jobs.into_iter().map(joined).collect();
+                let (stopped, failed) = ends.into_iter().filter_map(Result::err).partition::<Vec<_>, _>(is_stopped);
+                failed.into_iter().chain(stopped).next().map_or(Ok(()), Err)
+            })?;
+        }
+        let mut theirs = theirs.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+        theirs.sort_unstable_by_key(|&(number, camera, _)| (number, camera));
+        Ok(theirs)
+    }
+
+    /// Takes pictures out of the queue until there is none, or the work is over.
+    fn job<'a>(&self, queue: &Mutex<std::vec::IntoIter<Picture<'a>>>, theirs: &Mutex<Vec<Picture<'a>>>) -> Result<()> {
+        let end = thread::scope(|scope| {
+            let (hand_over, rendered) = sync_channel(1);
+            let finisher = scope.spawn(move || self.finish_all(&rendered));
+            let made = self.make_all(queue, theirs, &hand_over);
+            drop(hand_over);
+            // An error of the finisher is why nothing more could be handed over.
+            joined(finisher).and(made)
+        });
+        if end.is_err() {
+            self.is_over.store(true, Ordering::Relaxed);
+        }
+        end
+    }
+
+    fn make_all<'a>(
+        &self,
+        queue: &Mutex<std::vec::IntoIter<Picture<'a>>>,
+        theirs: &Mutex<Vec<Picture<'a>>>,
+        hand_over: &SyncSender<Rendered<'a>>,
+    ) -> Result<()> {
+        let is_over = || self.is_over.load(Ordering::Relaxed);
+        while !is_over() {
+            let next = locked(queue).next();
+            let Some(of @ (number, camera, _)) = next else { break };
+            let begun = Instant::now();
+            let picture = match self.folder.begin(camera, number)? {
+                Turn::Theirs => {
+                    locked(theirs).push(of);
+                    continue;
+                }
+                Turn::Done => {
+                    self.tell(of, None);
+                    continue;
+                }
+                Turn::Ours(picture) => picture,
+            };
+            // Warnings about the scene are given once.
+            let warns = !self.has_warned.swap(true, Ordering::Relaxed);
+            let monitor = OfOnePicture { monitor: self.monitor, warns, is_over: &is_over };
+            if let Some(lost) = picture.lost().filter(|_| warns) {
+                self.monitor.report(Event::Warning(&format!("{} is made again: {lost}", name(camera, number))));
+            }
+            let light = (self.light)(camera, number);
+            match light.and_then(|light| self.set.picture(of, light, &picture, &monitor)) {
+                Ok(()) => {
+                    if hand_over.send(Rendered { of, picture, begun }).is_err() {
+                        break;
+                    }
+                }
+                Err(error) => self.pass_over(of, error)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn finish_all(&self, rendered: &Receiver<Rendered<'_>>) -> Result<()> {
+        for Rendered { of, picture, begun } in rendered {
+            match picture.finish() {
+                Ok(is_ours) => {
+                    locked(&self.made).pictures += usize::from(is_ours);
+                    self.tell(of, is_ours.then(|| begun.elapsed().as_secs_f64()));
+                }
+                Err(error) => self.pass_over(of, error)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Goes past a picture that cannot be made, if it is to.
+    fn pass_over(&self, of @ (number, camera, _): Picture<'_>, error: Error) -> Result<()> {
+        if !self.keeps_going || is_stopped(&error) {
+            return Err(error);
+        }
+        go_on(self.monitor)?;
+        self.monitor.report(Event::PictureFails { camera, frame: number, error: &error });
+        locked(&self.made).failed.push(number);
+        self.tell(of, None);
+        Ok(())
+    }
+
+    fn tell(&self, (frame, camera, _): Picture<'_>, seconds: Option<f64>) {
+        self.monitor.report(Event::PictureEnds(Some(PictureOfFrame { camera, frame, seconds })));
+    }
+}
+
+fn is_stopped(error: &Error) -> bool {
+    matches!(error, Error::Cancelled { .. })
+}
+
+/// What a thread has returned; its panic goes on in this one.
+fn joined<T>(thread: thread::ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
