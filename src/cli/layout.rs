@@ -131,10 +131,9 @@ fn write_shards(args: &LayoutArgs, format: ShardFormat) -> Result<()> {
     }
     if !args.quiet {
         let (written, folder) = (progress.written, args.output.display());
-        let all = progress.present + progress.left;
-        match progress.present {
-            0 => say!("wrote no shards: no range of frames is complete yet"),
-            present => say!("wrote {written} shards; {present} of {all} are in {folder}"),
+        match (progress.present, progress.left) {
+            (present, Some(left)) => say!("wrote {written} shards; {present} of {} are in {folder}", present + left),
+            (_, None) => say!("wrote no shards: no frame is complete yet"),
         }
     }
     Ok(())

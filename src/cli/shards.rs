@@ -110,11 +110,10 @@ impl GrowingLayouts<'_> {
             let progress = shards.finish()?;
             if !quiet {
                 let folder = shards.folder().display();
-                let (present, all) = (progress.present, progress.present + progress.left);
-                if all == 0 {
-                    say!("no shard is in {folder}: no frame is complete");
-                } else {
-                    say!("{present} of {all} shards are in {folder}");
+                let present = progress.present;
+                match progress.left {
+                    Some(left) => say!("{present} of {} shards are in {folder}", present + left),
+                    None => say!("no shards are in {folder}: no frame is complete"),
                 }
             }
         }

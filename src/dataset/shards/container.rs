@@ -89,13 +89,14 @@ mod tests {
     impl Texts {
         fn write_all(texts: &[&str], limit: u64, name: impl Fn(usize) -> PathBuf) -> Result<()> {
             let items = texts.iter().map(|text| Ok((*text).to_owned()));
-            write_items(
-                items,
-                limit,
-                name,
-                |text: &String| text.len() as u64,
-                |items, to| items.try_for_each(|text| to.write_all(text?.as_bytes())),
-            )
+            let bytes = |text: &String| text.len() as u64;
+            let write = |items: &mut dyn Iterator<Item = io::Result<String>>, to: &mut dyn Sink| {
+                for text in items {
+                    to.write_all(text?.as_bytes())?;
+                }
+                Ok(())
+            };
+            write_items(items, limit, name, bytes, write)
         }
     }
 

@@ -25,8 +25,8 @@ pub struct Progress {
     pub written: u32,
     /// Shards that are there.
     pub present: u32,
-    /// Shards that are not there yet; 0 as well where no frame tells yet how many there will be.
-    pub left: u32,
+    /// Shards that are not there yet; not known before a frame tells how many there will be.
+    pub left: Option<u32>,
 }
 
 /// The shards of a data set in a folder. All of its methods may be called by several threads, and by several processes.
@@ -104,7 +104,7 @@ impl Shards {
         if left == 0 && settings.format == ShardFormat::Webdataset {
             write_index(&self.folder)?;
         }
-        Ok(Progress { written: self.state().written, present, left })
+        Ok(Progress { written: self.state().written, present, left: Some(left) })
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
