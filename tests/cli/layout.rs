@@ -318,3 +318,26 @@ fn a_shard_that_cannot_be_written_ends_the_work() {
     assert!(said.status == Some(1) && said.stderr.contains("was developed without the distortion"), "{said:?}");
     assert!(!folder.path("laid").exists() && !folder.path("out/manifest.jsonl").exists());
 }
+
+/// Each shard is whole or not there, and the next run writes those that are missing.
+#[rstest]
+fn shards_that_were_broken_off_are_written_anew(#[values("file-written", "file-named")] point: &str) {
+    let folder = made(SET, "");
+    folder.succeed("layout out --format webdataset -o whole --shard-frames 1 --quiet");
+    let mut round = 1;
+    while folder.killed_at(point, round, "layout out --format webdataset -o killed --shard-frames 1 --quiet") {
+        for name in names(&folder, "killed").iter().filter(|name| !name.starts_with('.')) {
+            let bytes = |of: &str| std::fs::read(folder.path(of).join(name)).expect("a file");
+            assert!(bytes("killed") == bytes("whole"), "{name}, {round}");
+        }
+        round += 1;
+        if round > 2 {
+            // What is there is not written again, so that other files are the first.
+            folder.succeed("layout out --format webdataset -o killed --shard-frames 1 --quiet");
+            assert_eq!(names(&folder, "killed"), names(&folder, "whole"), "nothing else is left");
+            std::fs::remove_dir_all(folder.path("killed")).expect("removed");
+        }
+    }
+    // The settings, three shards, the index.
+    assert_eq!(round, 6);
+}

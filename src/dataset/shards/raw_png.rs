@@ -22,7 +22,7 @@ pub(super) fn depth_png(depth: &Planes) -> io::Result<(Vec<u8>, f64)> {
     let values = depth.plane("depth").unwrap_or_default();
     let largest = values.iter().filter(|m| m.is_finite()).fold(0.0_f64, |largest, &m| largest.max(f64::from(m)));
     let mut power = 0;
-    while largest / step(power) > LARGEST {
+    while (largest / step(power)).round() > LARGEST {
         power += 1;
     }
     let step = step(power);

@@ -198,7 +198,8 @@ mod tests {
         assert_eq!(frames_within(256 << 20, 3 << 20), 70);
         assert_eq!(frames_within(256 << 20, 3_200_000), 70);
         assert_eq!(frames_within(10, 100), 1);
-        assert_eq!(frames_within(1 << 40, 1), 900_000_000);
+        assert_eq!(frames_within(1 << 30, 1), 900_000_000);
+        assert_eq!(frames_within(1 << 40, 1), u32::MAX);
     }
 
     #[test]
