@@ -98,8 +98,15 @@ impl Shards {
     pub fn finish(&self) -> Result<Progress> {
         let Some(settings) = self.settings(0..self.wanted.frames)? else { return Ok(Progress::default()) };
         (0..settings.shards()).try_for_each(|shard| self.write_if_whole(&settings, shard))?;
-        let present = (0..settings.shards()).filter(|&shard| self.path(shard, 0).exists()).count();
-        let present = u32::try_from(present).unwrap_or(u32::MAX);
+        let mut present = 0;
+        for path in (0..settings.shards()).map(|shard| self.path(shard, 0)).filter(|path| path.exists()) {
+            present += 1;
+            let lock = self.lock(&path);
+            if lock.exists() {
+                // Of a dead process: it leaves with who takes it. A living one is about to let go of it.
+                drop(Lock::try_take(&lock)?);
+            }
+        }
         let left = settings.shards() - present;
         if left == 0 && settings.format == ShardFormat::Webdataset {
             write_index(&self.folder)?;
