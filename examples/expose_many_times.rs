@@ -26,7 +26,7 @@ impl Monitor for Counter {
             | Event::TraceEnds
             | Event::SetBegins { .. }
             | Event::PictureFails { .. }
-            | Event::PictureEnds
+            | Event::PictureEnds(_)
             | Event::Waiting { .. }
             | Event::SetEnds => {}
         }

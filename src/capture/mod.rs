@@ -140,6 +140,8 @@ struct Origin {
     /// The file, whose kind says what it holds and whose folder is what paths are relative to.
     path: PathBuf,
     overrides: Vec<String>,
+    /// Whether it is of a data set, which keeps no electrons unless they are asked for: they are most of a frame's bytes.
+    is_of_set: bool,
 }
 
 /// All that decides what a scene is, as long as the files stay that it names.
@@ -177,6 +179,12 @@ impl Capture {
     /// capture itself may lie anywhere.
     pub fn load_within(sandbox: &Sandbox, path: &Path, overrides: &[String]) -> Result<Self> {
         Self::of_origin(Origin::new(read_source(path)?.within(sandbox), path, overrides), 0, None)
+    }
+
+    /// Loads a capture for a data set, which keeps no mean electrons unless they are asked for.
+    pub fn load_for_set(sandbox: &Sandbox, path: &Path, overrides: &[String]) -> Result<Self> {
+        let origin = Origin::new(read_source(path)?.within(sandbox), path, overrides);
+        Self::of_origin(Origin { is_of_set: true, ..origin }, 0, None)
     }
 
     /// A capture from the text of a capture file, which names files relative to `folder`.
@@ -256,6 +264,9 @@ impl Capture {
         }
         if is_scene_file(path) {
             focus_on_scene(&mut source);
+        }
+        if origin.is_of_set {
+            source.set_default("output", "electrons", &false.into());
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut file = CaptureFile::read(&mut source, folder)?;
@@ -390,6 +401,6 @@ impl Capture {
 
 impl Origin {
     fn new(source: CaptureSource, path: &Path, overrides: &[String]) -> Self {
-        Self { source, path: path.to_owned(), overrides: overrides.to_vec() }
+        Self { source, path: path.to_owned(), overrides: overrides.to_vec(), is_of_set: false }
     }
 }

@@ -135,6 +135,8 @@ pub struct OutputSettings {
     pub dng_baseline_exposure_ev: f64,
     /// The colour filter array that raw files state.
     pub raw_layout: RawLayout,
+    /// Whether the developed picture is written.
+    pub image: bool,
     /// Whether the mean electrons are written.
     pub electrons: bool,
     /// The bands in which the spectral irradiance is written, if it is.
@@ -490,6 +492,7 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
         dng_compression: table.dng_compression.unwrap_or_default(),
         dng_baseline_exposure_ev: baseline,
         raw_layout,
+        image: table.image.unwrap_or(true),
         electrons: table.electrons.unwrap_or(true),
         ideal: table.ideal.unwrap_or(false),
         truth: truth(table)?,

@@ -10,6 +10,7 @@ use glam::{DVec2, DVec3};
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::layout_folder::PICTURE;
 use crate::calibration::camera_files::CalibratedCamera;
 use crate::calibration::layouts::{EPOCH_NS, PictureSet, RollingShutter, SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::io::file_sum::FileSum;
@@ -139,7 +140,8 @@ pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Re
         matches!(projection, Projection::BrownConrady(_))
             && report.capture["develop"]["distortion"] != Value::Bool(false)
     };
-    let is_resampled = report.image.as_ref().map_or_else(undid_distortion, |image| image.is_resampled);
+    let has_image = report.files.iter().any(|file| file == PICTURE);
+    let is_resampled = has_image && report.image.as_ref().map_or_else(undid_distortion, |image| image.is_resampled);
     Ok(Shot {
         folder: line.folder,
         frame: line.frame,

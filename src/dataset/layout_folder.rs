@@ -114,7 +114,7 @@ impl LayoutFolder {
 
     /// The developed picture, which has the pixels of the camera.
     pub(super) fn picture(&self, shot: &Shot) -> Result<PathBuf> {
-        let help = "make the data set with a develop.colour_space whose pictures are PNG files, not xyz";
+        let help = "make the data set with output.image = true, and a develop.colour_space whose pictures are PNG files, not xyz";
         let path = self.source(shot, PICTURE, help)?;
         check_size(picture_size(&path)?, shot, &path)?;
         Ok(path)

@@ -25,7 +25,7 @@ use crate::calibration::layouts::{LayoutFiles, PictureSet, Shot};
 use crate::develop::{ResizeFilter, remap};
 use crate::image::Planes;
 use crate::io::coded_png::CodedPng;
-use crate::io::exr::{Attribute, ExrPicture, read_exr, write_exr};
+use crate::io::exr::{Attribute, ExrPicture, Values, read_exr, write_exr, write_exr_of};
 use crate::io::output::write_unsynced;
 use crate::io::pretty_json::pretty_json;
 use crate::report::matrix::rows;
@@ -292,7 +292,7 @@ impl Work<'_> {
         let camera = &self.shot.calibrated;
         let Some(rectified) = rectified_truth(&truth, camera, self.view, scale, self.size) else { return Ok(false) };
         let attributes = [("unit", Attribute::Text("depth: m; disparity: px".to_owned()))];
-        write_unsynced(&self.place(folder, TRUTH)?, |to| write_exr(&rectified, &attributes, to))?;
+        write_unsynced(&self.place(folder, TRUTH)?, |to| write_exr_of(Values::Smooth, &rectified, &attributes, to))?;
         Ok(true)
     }
 

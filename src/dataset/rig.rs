@@ -29,7 +29,7 @@ pub(super) fn plan(
         let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
         let read = || {
             let capture = match captures.first() {
-                None => Capture::load_within(sandbox, capture_path, &set)?,
+                None => Capture::load_for_set(sandbox, capture_path, &set)?,
                 // The scene is read once.
                 Some(first) => first.with_all(&set)?,
             };

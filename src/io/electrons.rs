@@ -11,7 +11,7 @@ use crate::Invalid;
 use crate::image::{Channel, Estimate, Planes};
 use crate::units::Seconds;
 
-use super::exr::{Attribute, ExrPicture, NamedPlane, read_exr, write_planes};
+use super::exr::{Attribute, ExrPicture, NamedPlane, Values, read_exr, write_planes};
 
 /// What stands before the name of a channel's variance.
 pub(super) const VARIANCE: &str = "variance.";
@@ -22,7 +22,7 @@ pub fn write_electrons<W: Write + Seek>(electrons: &Estimate, time: Seconds, to:
     let Estimate { mean, variance } = electrons;
     let planes = named(mean, "").chain(named(variance, VARIANCE));
     let attributes = [("unit", Attribute::Text(UNIT.to_owned())), ("exposureTime", Attribute::Number(time.0))];
-    write_planes([mean.width(), mean.height()], planes, &attributes, to)
+    write_planes(Values::Noisy, [mean.width(), mean.height()], planes, &attributes, to)
 }
 
 /// The planes with `prefix` before their names.

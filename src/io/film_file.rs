@@ -1,11 +1,15 @@
-//! `film.npy`: the sums of a part of a render, from which the whole is put together.
+//! `film.npy.gz`: the sums of a part of a render, from which the whole is put together.
 //!
-//! A NumPy array of `float64`, shape (rows, columns, channels, 4). The four are Σ v over the samples v of the pixel and
-//! what rounding leaves of it, and the same of Σ v²: [`Sums`]. The channels are named elsewhere. It is written
-//! and read strip by strip, since films of large pictures do not fit into memory.
+//! A NumPy array of `float64`, shape (rows, columns, channels, 4), compressed by gzip (RFC 1952) to half of its bytes:
+//! `numpy.load(gzip.open(…))` reads it. The four are Σ v over the samples v of the pixel and what rounding leaves of it,
+//! and the same of Σ v²: [`Sums`]. The channels are named elsewhere. It is written and read strip by strip, since films
+//! of large pictures do not fit into memory.
 
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 
+use flate2::Compression;
+use flate2::bufread::GzDecoder;
+use flate2::write::GzEncoder;
 use npyz::{NpyFile, NpyReader, Order, WriterBuilder};
 
 use super::npy::write_planes;
@@ -49,6 +53,14 @@ pub fn write_film<W: Write + Seek>(film: &Film, height: usize, mut to: W) -> io:
     to.seek(SeekFrom::Start(film_bytes(size, channels, film.picture_rows().start)))?;
     write_sums(film, &mut to)?;
     to.flush()
+}
+
+/// Compresses what [`write_film`] has written.
+pub fn write_compressed(film: &mut impl Read, to: impl Write) -> io::Result<()> {
+    // More work saves next to nothing: half of the bytes are zeros, and the others noise.
+    let mut compressed = GzEncoder::new(to, Compression::fast());
+    io::copy(film, &mut compressed)?;
+    compressed.finish()?.flush()
 }
 
 /// Writes how many samples each pixel has: an array of `uint32`, shape (rows, columns).
@@ -100,6 +112,11 @@ impl<'a> FilmReader<'a> {
     pub fn new(size: [usize; 2], channels: usize, from: impl Read + 'a) -> Result<Self, Invalid> {
         let numbers = array(&shape(size, channels), from)?.data::<f64>().map_err(|e| unreadable(&e))?;
         Ok(Self { numbers })
+    }
+
+    /// Of a file that [`write_compressed`] wrote.
+    pub fn compressed(size: [usize; 2], channels: usize, from: impl BufRead + 'a) -> Result<Self, Invalid> {
+        Self::new(size, channels, BufReader::new(GzDecoder::new(from)))
     }
 
     /// Adds the next rows, as many as a film of the same columns and channels holds, of `samples` samples a pixel.

@@ -16,7 +16,7 @@ use crate::Invalid;
 use crate::image::{Channel, Planes};
 use crate::spectrum::{cie, rgb};
 
-use super::exr::{Attribute, ExrPicture, NamedPlane, read_exr, write_planes};
+use super::exr::{Attribute, ExrPicture, NamedPlane, Values, read_exr, write_planes};
 use super::picture_rows::PictureRows;
 
 const PREFIX: &str = "S0.";
@@ -45,7 +45,7 @@ pub fn write_irradiance<W: Write + Seek>(bands: &dyn PictureRows, to: W) -> io::
         ("spectralLayoutVersion", Attribute::Text("1.0".to_owned())),
         ("emissiveUnits", Attribute::Text(UNITS.to_owned())),
     ];
-    write_planes(bands.size(), of_preview.chain(planes), &attributes, to)
+    write_planes(Values::Noisy, bands.size(), of_preview.chain(planes), &attributes, to)
 }
 
 /// Reads bands, sorted by wavelength, named by their central wavelengths in nm.

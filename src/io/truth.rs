@@ -21,7 +21,7 @@ use crate::Invalid;
 use crate::calibration::truth::TruthLayer;
 use crate::image::{Channel, Planes};
 
-use super::exr::{Attribute, write_exr};
+use super::exr::{Attribute, Values, write_exr_of};
 use super::npy::write_planes;
 use super::plain_png::write_png_of_numbers;
 
@@ -138,7 +138,7 @@ fn flow_code(px: f64) -> Option<u16> {
 /// Writes all layers as one OpenEXR file.
 pub fn write_truth_exr<W: Write + Seek>(truth: &Planes, to: W) -> io::Result<()> {
     let unit = "depth, distance, position: m; flow, disparity: px; position, normals: world axes, x right, y up";
-    write_exr(truth, &[("unit", Attribute::Text(unit.to_owned()))], to)
+    write_exr_of(Values::Smooth, truth, &[("unit", Attribute::Text(unit.to_owned()))], to)
 }
 
 /// The planes of a layer.

@@ -154,6 +154,9 @@ impl<'a> Chain<'a> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
         let seen = self.lens.map(|(lens, camera, _)| LensSeen::new(lens, camera, sensor, &exposure.region));
         let mut warnings = seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output));
+        if !output.image {
+            return warnings;
+        }
         if !develop.colour_model.is_shown() {
             let model = develop.colour_model.name();
             warnings.push(format!(
@@ -168,8 +171,9 @@ impl<'a> Chain<'a> {
 
     /// What the developed picture is a picture of, where the lens is known.
     pub(super) fn image_report(&self) -> Option<ImageReport> {
-        let Settings { sensor, exposure, develop, .. } = self.settings;
-        self.lens.map(|(lens, camera, _)| LensSeen::new(lens, camera, sensor, &exposure.region).image_report(develop))
+        let Settings { sensor, exposure, develop, output, .. } = self.settings;
+        let lens = self.lens.filter(|_| output.image);
+        lens.map(|(lens, camera, _)| LensSeen::new(lens, camera, sensor, &exposure.region).image_report(develop))
     }
 
     /// How the grid of the whole sensor becomes that of the ideal picture, where it does not stay.

@@ -17,7 +17,7 @@ use super::camera::pixels;
 pub(super) enum CompletedRows {
     /// The light of a picture, and the file that it is in if it is in one.
     Light(Arc<LightRows>, Option<PathBuf>),
-    /// The sums of a part: `film.npy` as far as it has come.
+    /// The sums of a part, not compressed yet, as far as they have come.
     Sums { file: File, path: PathBuf, height: usize },
 }
 

@@ -112,7 +112,7 @@ impl<'a> LensSeen<'a> {
         let name = self.lens.projection.name();
         let has_dng = output.raw.contains(&RawFormat::Dng);
         match self.model() {
-            None if settings.distortion && self.is_distorted() => {
+            None if output.image && settings.distortion && self.is_distorted() => {
                 let why = if self.camera.scans() {
                     "a line of a line-scan camera does not know what lies beside it"
                 } else {
@@ -135,7 +135,7 @@ impl<'a> LensSeen<'a> {
             let how = "by CFALayout, which most programs pass over: they take the rows for columns";
             warnings.push(format!("raw.dng tells that every second row lies half a pixel to the right {how}"));
         }
-        if let Some(Resampled { what, keys }) = self.resampled(settings) {
+        if let Some(Resampled { what, keys }) = self.resampled(settings).filter(|_| output.image) {
             if !output.truth.layers.is_empty() {
                 warnings.push(format!(
                     "image.png is {what}, where ground truth is not; write {keys}, and both show things in the same places"

@@ -17,7 +17,7 @@ use crate::io::cleanup::Cleanup;
 use crate::io::developed::{write_hdr, write_linear, write_png};
 use crate::io::electrons::write_electrons;
 use crate::io::file_sum::FileSum;
-use crate::io::film_file::write_samples;
+use crate::io::film_file::{write_compressed, write_samples};
 use crate::io::light_rows::{LightRows, Store};
 use crate::io::lock::Lock;
 use crate::io::noise_maps::{NoiseFormat, write_noise_exr, write_noise_npy};
@@ -40,7 +40,7 @@ use crate::report::{Listing, PartReport, REPORT, Report};
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
 /// unasked: a texture may be called `image.png`.
 const RESULTS: [(&str, &[&str]); 10] = [
-    ("film", &["npy"]),
+    ("film", &["npy.gz"]),
     ("image", &["png"]),
     ("hdr", &["exr"]),
     ("ideal", &["exr", "png"]),
@@ -254,9 +254,9 @@ impl OutputFolder {
     /// The sums of a part of a render, from the file in which they were kept. That one stays until the part is there as
     /// a whole.
     pub(super) fn write_film(&mut self, number: Option<u32>, mut kept: File) -> Result<()> {
-        self.write(&named("film", number, "npy"), |to| {
+        self.write(&named("film", number, "npy.gz"), |to| {
             kept.rewind()?;
-            std::io::copy(&mut kept, to).map(|_| ())
+            write_compressed(&mut kept, to)
         })
     }
 

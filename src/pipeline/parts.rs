@@ -1,6 +1,6 @@
 //! Parts of a render: some samples of every pixel, which are no picture yet.
 //!
-//! A part is a folder with the sums of its samples, `film.npy` (numbered where a camera moves), and `part.json`,
+//! A part is a folder with the sums of its samples, `film.npy.gz` (numbered where a camera moves), and `part.json`,
 //! written last, which says what they are the sums of. Sensor, noise and development come when all are together.
 
 use photosite_core::{Help, Remedy, input};
@@ -138,7 +138,7 @@ impl Parts {
     ) -> Result<Arc<LightRows>> {
         let size = pixels(capture).map(|n| n as usize);
         let open = |(folder, part): &(PathBuf, PartReport)| {
-            let path = folder.join(named("film", number, "npy"));
+            let path = folder.join(named("film", number, "npy.gz"));
             let unreadable = |reason| Error::io(&path, "read", reason);
             // Before any of it is taken for light
             let found = FileSum::of(&path).map_err(unreadable)?;
@@ -148,7 +148,7 @@ impl Parts {
                 return Err(Invalid::new("", message).help("render that part again").in_file(&path));
             }
             let file = input::open(&path).map_err(unreadable)?;
-            let sums = FilmReader::new(size, responses.len(), BufReader::new(file));
+            let sums = FilmReader::compressed(size, responses.len(), BufReader::new(file));
             let sums = sums.map_err(|invalid| invalid.in_file(&path))?;
             Ok((path, part.samples[1] - part.samples[0], sums))
         };

@@ -139,11 +139,13 @@ pub(super) fn write_results(
     }
     let start = Instant::now();
     let raw = kept.swap_remove(shown);
-    let picture = chain.develop(&raw)?;
-    timings.develop_s += start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    folder.write_picture(light_number, &picture)?;
-    timings.write_s += start.elapsed().as_secs_f64();
+    if output.image {
+        let picture = chain.develop(&raw)?;
+        timings.develop_s += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        folder.write_picture(light_number, &picture)?;
+        timings.write_s += start.elapsed().as_secs_f64();
+    }
     Ok(raw)
 }
 

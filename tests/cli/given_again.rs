@@ -47,7 +47,7 @@ fn what_is_finished_is_left_as_it_is(#[values("render", "part", "merge")] what: 
 #[rstest]
 fn what_has_lost_a_file_is_made_again(#[values("render", "part", "merge")] what: &str) {
     let (folder, command) = made(what);
-    let lost = if what == "part" { "out/film.npy" } else { "out/raw.dng" };
+    let lost = if what == "part" { "out/film.npy.gz" } else { "out/raw.dng" };
     let whole = fs::read(folder.path(lost)).expect("there");
     fs::remove_file(folder.path(lost)).expect("removed");
     let outcome = folder.succeed(command);

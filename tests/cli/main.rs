@@ -25,6 +25,7 @@ mod gltf_features;
 mod image_lag;
 mod info;
 mod interruption;
+mod kept_scenes;
 mod layout;
 mod lens;
 mod light_paths;

@@ -38,7 +38,7 @@ fn parts_make_the_bytes_of_one_render(#[case] exposure: &str, #[case] more: &str
     let moves = exposure.contains("motion");
     let part: Vec<String> = folder.results("part1").into_keys().collect();
     let films: &[&str] =
-        if moves { &["film-0000.npy", "film-0001.npy", "part.json"] } else { &["film.npy", "part.json"] };
+        if moves { &["film-0000.npy.gz", "film-0001.npy.gz", "part.json"] } else { &["film.npy.gz", "part.json"] };
     assert_eq!(part, films);
     // In any order, on any number of threads.
     folder.succeed("merge part2 part0 part1 -o merged --threads 2");
@@ -132,25 +132,25 @@ fn parts_and_renders_are_not_taken_for_each_other(#[case] command: &str, #[case]
 }
 
 fn cut_film(folder: &Folder) {
-    let film = folder.results("part1")["film.npy"].clone();
-    folder.add("part1/film.npy", &film[..film.len() / 2]);
+    let film = folder.results("part1")["film.npy.gz"].clone();
+    folder.add("part1/film.npy.gz", &film[..film.len() / 2]);
 }
 
 fn flip_bits_of_film(folder: &Folder) {
-    let mut film = folder.results("part1")["film.npy"].clone();
+    let mut film = folder.results("part1")["film.npy.gz"].clone();
     let whole = film.clone();
     for place in [3, 60, film.len() / 2, film.len() - 1] {
         film[place] ^= 1;
-        folder.add("part1/film.npy", &film);
-        folder.fail("merge part0 part1 part2 -o merged", 1, &["part1/film.npy", "is damaged: its checksum"]);
+        folder.add("part1/film.npy.gz", &film);
+        folder.fail("merge part0 part1 part2 -o merged", 1, &["part1/film.npy.gz", "is damaged: its checksum"]);
         film[place] = whole[place];
     }
     film[200] ^= 0x80;
-    folder.add("part1/film.npy", &film);
+    folder.add("part1/film.npy.gz", &film);
 }
 
 fn remove_film(folder: &Folder) {
-    fs::remove_file(folder.path("part1/film.npy")).expect("removed");
+    fs::remove_file(folder.path("part1/film.npy.gz")).expect("removed");
 }
 
 fn cut_report(folder: &Folder) {
@@ -170,9 +170,9 @@ fn render_another_capture(folder: &Folder) {
 }
 
 #[rstest]
-#[case::film_cut(cut_film, 1, &["part1/film.npy", "render that part again"])]
-#[case::film_flipped(flip_bits_of_film, 1, &["part1/film.npy", "is damaged: its checksum", "render that part again"])]
-#[case::film_missing(remove_film, 1, &["part1/film.npy", "cannot read"])]
+#[case::film_cut(cut_film, 1, &["part1/film.npy.gz", "render that part again"])]
+#[case::film_flipped(flip_bits_of_film, 1, &["part1/film.npy.gz", "is damaged: its checksum", "render that part again"])]
+#[case::film_missing(remove_film, 1, &["part1/film.npy.gz", "cannot read"])]
 #[case::report_cut(cut_report, 1, &["part1/part.json", "is damaged"])]
 #[case::samples_backwards(state_samples_backwards, 1, &["part1/part.json", "is damaged", "[3, 1] of 8"])]
 #[case::another_capture(

@@ -113,7 +113,7 @@ fn what_was_broken_off_ends_with_the_bytes_of_one_that_was_not(#[case] settings:
     }
     assert!(interrupted > 0, "too quick to be interrupted");
     if settings.contains("samples") {
-        assert!(folder.results("whole")["film.npy"] == folder.results("out")["film.npy"]);
+        assert!(folder.results("whole")["film.npy.gz"] == folder.results("out")["film.npy.gz"]);
     } else {
         assert_same(&folder, "whole", "out");
     }

@@ -50,7 +50,7 @@ fn parts_are_traced_and_merged_in_strips() {
     for rows in [1, 7] {
         let strips = strips_of(rows, 33.0);
         folder.succeed(&format!("render capture.toml --samples 0..4 -o strips-{rows} {strips}"));
-        assert!(folder.results("part")["film.npy"] == folder.results(&format!("strips-{rows}"))["film.npy"]);
+        assert!(folder.results("part")["film.npy.gz"] == folder.results(&format!("strips-{rows}"))["film.npy.gz"]);
     }
     folder.succeed(&format!("render capture.toml --samples 4..6 -o rest {}", strips_of(5, 33.0)));
     folder.succeed(&format!("merge rest strips-7 -o merged {}", strips_of(4, 33.0)));
@@ -88,7 +88,7 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
     let [done, _] = rows_of(&folder, "out/checkpoint.film").expect("a checkpoint");
     kill_when(&folder, &format!("{go_on} --quiet"), |[first, _]| first > done);
     let checkpoint = fs::read(folder.path("out/checkpoint.film")).expect("a checkpoint");
-    assert!(!folder.path("out/electrons.exr").exists() && !folder.path("out/film.npy").exists());
+    assert!(!folder.path("out/electrons.exr").exists() && !folder.path("out/film.npy.gz").exists());
 
     // Less memory than the strip under way takes, other samples, and rows that are not all there.
     kill_when(&folder, &format!("{go_on} --quiet"), |[first, end]| first > done && end > first);
@@ -120,7 +120,7 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
     if part.is_empty() {
         assert_same(&folder, "whole", "out");
     } else {
-        assert!(folder.results("whole")["film.npy"] == folder.results("out")["film.npy"]);
+        assert!(folder.results("whole")["film.npy.gz"] == folder.results("out")["film.npy.gz"]);
     }
 }
 

@@ -183,7 +183,9 @@ pub(crate) struct OutputTable {
     pub(crate) noise: Option<NoiseSource>,
     /// Formats of that: "exr" for one file noise.exr, "npy" for one file a map. Left out: ["exr"].
     pub(crate) noise_formats: Option<Vec<NoiseFormat>>,
-    /// Mean electrons of every pixel, without noise. Left out: true.
+    /// The developed picture, image.png. Left out: true.
+    pub(crate) image: Option<bool>,
+    /// Mean electrons of every pixel, without noise. Left out: true, and false for the pictures of a data set.
     pub(crate) electrons: Option<bool>,
     /// Seconds between pictures of a render that is under way; 0 for none. Left out: 10.
     pub(crate) preview_interval_s: Option<f64>,

@@ -1,0 +1,131 @@
+//! What pictures of a data set have in common is made once: which changes none of their bytes, whatever varies, and
+//! however many are made at once.
+
+use std::collections::BTreeSet;
+
+use rstest::rstest;
+use serde_json::Value;
+
+use crate::dataset::{BOARD, files, folder, manifest};
+use crate::folder::Folder;
+
+/// Variations of all that decides whether something can be kept: scene, lights, materials, targets, sensor, lens,
+/// exposure, development, output.
+#[rstest]
+#[case::exposure("exposure.time_s", "[0.002, 0.004]")]
+#[case::light_of_scene("scene.environment.illuminance_lux", "[300, 500]")]
+#[case::target("targets.0.square_mm", "[25, 30]")]
+#[case::lens("lens.f_number", "[4, 5.6]")]
+#[case::focal_length("lens.focal_length_mm", "[6, 5.5]")]
+#[case::transmittance("lens.transmittance", "[0.9, 0.5]")]
+#[case::sensor("sensor.preset", "['sony-imx249-mono', 'generic-cmos-color']")]
+#[case::mosaic("sensor.cfa", "['GRBG', 'RGGB']")]
+#[case::pixels("sensor.resolution_px", "[[32, 24], [24, 24]]")]
+#[case::serial("sensor.serial", "[7, 9]")]
+#[case::samples("render.samples_per_pixel", "[1, 2]")]
+#[case::development("develop.exposure_ev", "[0, 1]")]
+#[case::truth("output.truth", "[['depth'], ['flow']]")]
+fn pictures_are_those_of_a_process_of_their_own(#[case] key: &str, #[case] choice: &str) {
+    let preset = if key == "sensor.cfa" { "set = ['sensor.preset=generic-cmos-color']\n" } else { "" };
+    let folder = folder(&format!(
+        "{preset}frames = 5\nseed = 2\n[poses.random]\ntarget = 'board'\ndistance_m = [0.7, 1.2]\nmargin_px = 1\n\
+         [[vary]]\nkey = '{key}'\nchoice = {choice}\n"
+    ));
+    folder.succeed("dataset set.toml -o together --jobs 1");
+    folder.succeed("dataset set.toml -o at-once --jobs 3 --threads 2");
+    for frame in 0..5 {
+        folder.succeed(&format!("dataset set.toml -o apart --frames {frame}"));
+    }
+    let of = |name: &str| {
+        let mut files = files(&folder, name);
+        // Folders that are empty by now say nothing.
+        files.retain(|_, bytes| bytes.is_some());
+        files
+    };
+    let together = of("together");
+    for other in ["apart", "at-once"] {
+        let found = of(other);
+        let names = together.keys().chain(found.keys());
+        let differ: BTreeSet<_> = names.filter(|name| together.get(*name) != found.get(*name)).collect();
+        assert_eq!(differ, BTreeSet::new(), "{other}");
+    }
+    let values: BTreeSet<String> =
+        manifest(&folder, "together").iter().map(|line| line["overrides"].to_string()).collect();
+    assert!(values.len() >= 2, "{key} varies");
+}
+
+#[test]
+fn a_file_that_changes_while_pictures_are_made_of_it_is_noticed() {
+    let board = BOARD
+        .replace("environment = {", "environment = { image = 'sky.hdr', unused = 0, #")
+        .replace("unused = 0, ", "");
+    let sky = |value: u8| {
+        let mut file = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n".to_vec();
+        file.extend([value, value, value, 129].repeat(8));
+        file
+    };
+    let board = board.replace("'sky.hdr', #", "'sky.hdr', nit_per_unit = 100.0 } #");
+    let folder = Folder::new([
+        ("board.toml", board.into()),
+        ("sky.hdr", sky(100)),
+        ("set.toml", "capture = 'board.toml'\nframes = 2\n".into()),
+    ]);
+    folder.succeed("dataset set.toml -o out --frames 0");
+    folder.add("sky.hdr", sky(120));
+    // Another process finds another data set.
+    folder.fail("dataset set.toml -o out", 2, &["holds another data set", "a file that the capture names has changed"]);
+}
+
+#[test]
+fn lines_of_json_tell_of_each_picture() {
+    let folder = folder("frames = 3\n[[cameras]]\nname = 'a'\n[[cameras]]\nname = 'b'\nposition_m = [0.1, 0, 0]\n");
+    folder.succeed("dataset set.toml -o out --frames 1");
+    let outcome = folder.succeed("dataset set.toml -o out --json --jobs 2");
+    let lines: Vec<Value> = outcome.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let (end, pictures) = lines.split_last().expect("lines");
+    assert_eq!(pictures.len(), 4);
+    for (i, line) in pictures.iter().enumerate() {
+        assert_eq!(
+            (&line["event"], &line["made"], line["done"].as_u64()),
+            (&"picture".into(), &true.into(), Some(i as u64 + 1))
+        );
+        assert_eq!(line["of"], 4);
+        assert!(line["seconds"].as_f64().is_some_and(|s| s > 0.0));
+        let name = line["folder"].as_str().expect("a name");
+        let frame = line["frame"].as_u64().expect("a number");
+        assert_eq!(name, format!("{}/{frame:06}", line["camera"].as_str().expect("a name")));
+        assert!(folder.path("out").join(name).join("capture.json").exists());
+    }
+    assert_eq!(
+        (&end["event"], &end["made"], &end["present"], &end["complete"]),
+        (&"end".into(), &4.into(), &6.into(), &true.into())
+    );
+    let again = folder.succeed("dataset set.toml -o out --json").stdout;
+    assert_eq!(again.lines().count(), 1, "{again}");
+}
+
+#[rstest]
+#[case::usual("", &["capture.json", "image.png", "raw.dng"])]
+#[case::electrons(" --set output.electrons=true", &["capture.json", "electrons.exr", "image.png", "raw.dng"])]
+#[case::raw_and_truth(" --set output.image=false --set output.truth=['depth']", &["capture.json", "raw.dng", "truth.exr"])]
+fn a_frame_keeps_what_is_asked_for(#[case] arguments: &str, #[case] wanted: &[&str]) {
+    let board = BOARD.replace("electrons = false\n", "");
+    let folder =
+        Folder::new([("board.toml", board.into()), ("set.toml", "capture = 'board.toml'\nframes = 1\n".into())]);
+    folder.succeed(&format!("dataset set.toml -o out{arguments}"));
+    let results = folder.results("out/camera/000000");
+    assert_eq!(results.keys().map(String::as_str).collect::<Vec<_>>(), wanted);
+    // What is said of the picture stands for itself: rendered again from that, it is the same.
+    folder.succeed("render out/camera/000000/capture.json -o again");
+    let again = folder.results("again");
+    assert_eq!(again.keys().collect::<Vec<_>>(), results.keys().collect::<Vec<_>>());
+    assert!(again["raw.dng"] == results["raw.dng"]);
+}
+
+#[test]
+fn pictures_without_image_png_have_no_image_in_their_report() {
+    let folder = Folder::new([("board.toml", BOARD.into())]);
+    folder.succeed("render board.toml -o out --set output.image=false");
+    assert!(folder.report("out")["image"].is_null());
+    folder.fail("layout out --format colmap -o laid", 1, &["manifest.jsonl"]);
+}
