@@ -182,10 +182,10 @@ impl Shards {
         write_files::<C>(samples, settings.limit(), |part| self.path(shard, part), &warn)
     }
 
-    /// The file of a shard, of which there may be several.
+    /// The file of a shard, of which there may be several, whose names are in the order of their pictures.
     fn path(&self, shard: u32, part: usize) -> PathBuf {
         let [before, after] = self.wanted.format.affixes();
-        let part = if part == 0 { String::new() } else { format!("-{part:02}") };
+        let part = if part == 0 { String::new() } else { format!("_{part:02}") };
         self.folder.join(format!("{before}{shard:06}{part}{after}"))
     }
 

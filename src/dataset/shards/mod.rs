@@ -11,7 +11,7 @@
 //! | Parquet of Hugging Face `datasets` | `part-000000.parquet` | a row, with pictures as PNG |
 //! | MCAP of ROS 2 | `part-000000.mcap` | messages `CameraInfo`, `Image`, `CompressedImage`, `TFMessage` |
 //!
-//! A shard that would be larger than its limit goes on in `shard-000000-01.tar` and so on, which have their names before
+//! A shard that would be larger than its limit goes on in `shard-000000_01.tar` and so on, which have their names before
 //! the first one gets its own.
 
 mod cdr;
