@@ -213,12 +213,13 @@ impl Monitor for PictureLines<'_> {
                 *counts = [0, pictures];
                 return;
             }
-            Event::PictureEnds(Some(PictureOfFrame { camera, frame, seconds })) => {
+            Event::PictureEnds(Some(PictureOfFrame { camera, frame, made })) => {
                 counts[0] += 1;
                 let [done, of] = *counts;
                 json!({
                     "event": "picture", "camera": camera, "frame": frame, "folder": picture_name(camera, frame),
-                    "made": seconds.is_some(), "seconds": seconds, "done": done, "of": of,
+                    "made": made.is_some(), "seconds": made.map(|made| made.seconds), "steps": made.map(|made| made.steps),
+                    "done": done, "of": of,
                 })
             }
             Event::PictureFails { camera, frame, error } => {

@@ -187,8 +187,8 @@ impl Monitor for TerminalMonitor {
             }
             Event::PictureEnds(of) => {
                 self.advance(1);
-                let of = of.map(|PictureOfFrame { camera, frame, seconds }| {
-                    json!({ "camera": camera, "frame": frame, "seconds": seconds })
+                let of = of.map(|PictureOfFrame { camera, frame, made }| {
+                    json!({ "camera": camera, "frame": frame, "seconds": made.map(|made| made.seconds) })
                 });
                 self.log("picture_ends", of.unwrap_or_else(|| json!({})));
             }

@@ -16,7 +16,8 @@ use super::folder::{DatasetFolder, NewPicture, Turn};
 use super::make::Made;
 use super::picture::{OfOnePicture, Picture, locked};
 use super::presence::name;
-use crate::pipeline::{Event, LightSource, Monitor, PictureOfFrame, go_on};
+use crate::pipeline::{Event, LightSource, MadeIn, Monitor, PictureOfFrame, go_on};
+use crate::report::Timings;
 use crate::{Error, Result};
 
 /// What all jobs have in common.
@@ -38,6 +39,7 @@ struct Rendered<'a> {
     of: Picture<'a>,
     picture: NewPicture,
     begun: Instant,
+    steps: Timings,
 }
 
 impl Jobs<'_> {
@@ -109,8 +111,8 @@ impl Jobs<'_> {
             }
             let light = (self.light)(camera, number);
             match light.and_then(|light| self.set.picture(of, light, &picture, &monitor)) {
-                Ok(()) => {
-                    if hand_over.send(Rendered { of, picture, begun }).is_err() {
+                Ok(steps) => {
+                    if hand_over.send(Rendered { of, picture, begun, steps }).is_err() {
                         break;
                     }
                 }
@@ -121,11 +123,11 @@ impl Jobs<'_> {
     }
 
     fn finish_all(&self, rendered: &Receiver<Rendered<'_>>) -> Result<()> {
-        for Rendered { of, picture, begun } in rendered {
+        for Rendered { of, picture, begun, steps } in rendered {
             match picture.finish() {
                 Ok(is_ours) => {
                     locked(&self.made).pictures += usize::from(is_ours);
-                    self.tell(of, is_ours.then(|| begun.elapsed().as_secs_f64()));
+                    self.tell(of, is_ours.then(|| MadeIn { seconds: begun.elapsed().as_secs_f64(), steps }));
                 }
                 Err(error) => self.pass_over(of, error)?,
             }
@@ -145,8 +147,8 @@ impl Jobs<'_> {
         Ok(())
     }
 
-    fn tell(&self, (frame, camera, _): Picture<'_>, seconds: Option<f64>) {
-        self.monitor.report(Event::PictureEnds(Some(PictureOfFrame { camera, frame, seconds })));
+    fn tell(&self, (frame, camera, _): Picture<'_>, made: Option<MadeIn>) {
+        self.monitor.report(Event::PictureEnds(Some(PictureOfFrame { camera, frame, made })));
     }
 }
 

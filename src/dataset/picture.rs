@@ -1,11 +1,12 @@
 //! One picture of a data set: its capture, rendered into a folder of its own, with what it has in common with the last.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use super::DataSet;
 use super::folder::NewPicture;
 use crate::capture::Capture;
-use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, ReadyRender, Request};
+use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, ReadyRender, Rendered, Request};
 use crate::report::Timings;
 use crate::{Error, Result};
 
@@ -20,7 +21,8 @@ impl DataSet {
         light: LightSource<'static>,
         picture: &NewPicture,
         monitor: &dyn Monitor,
-    ) -> Result<()> {
+    ) -> Result<Timings> {
+        let start = Instant::now();
         // It was read before, with all that it names.
         let capture = self.capture(camera, number, overrides).map_err(Error::since_begun)?;
         let request = Request {
@@ -32,25 +34,36 @@ impl DataSet {
             is_timed: false,
         };
         let mut results = OutputFolder::own(picture.path());
-        let rendered = self.make_ready(camera, capture, &request).and_then(|ready| ready.render_into(&mut results));
-        rendered.map_err(|error| self.error_of_change(error, camera, number, overrides)).map(drop)
+        let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
+        let ready = self.make_ready(camera, capture, &request, timings);
+        let rendered = ready.and_then(|ready| ready.render_into(&mut results));
+        match rendered.map_err(|error| self.error_of_change(error, camera, number, overrides))? {
+            Rendered::Picture { timings, .. } => Ok(timings),
+            Rendered::Part(_) => Ok(timings),
+        }
     }
 
     /// Makes a capture ready to be rendered. A scene that nothing varies is built for the first picture and kept.
-    fn make_ready<'a>(&self, camera: &str, capture: Capture, request: &'a Request<'a>) -> Result<ReadyRender<'a>> {
+    fn make_ready<'a>(
+        &self,
+        camera: &str,
+        capture: Capture,
+        request: &'a Request<'a>,
+        timings: Timings,
+    ) -> Result<ReadyRender<'a>> {
         if !self.captures.iter().any(|before| Arc::ptr_eq(&before.scene, &capture.scene)) {
-            return ReadyRender::new(capture, None, request, Timings::default());
+            return ReadyRender::new(capture, None, request, timings);
         }
         let mut kept = locked(&self.kept);
         // Other cameras of a rig see the same scene.
         let Some(earlier) = kept.get(camera).or_else(|| kept.values().next()).cloned() else {
             // Of jobs that begin together one builds the scene, and the others wait for it.
-            let ready = ReadyRender::new(capture, None, request, Timings::default())?;
+            let ready = ReadyRender::new(capture, None, request, timings)?;
             kept.insert(camera.to_owned(), ready.prepared().clone());
             return Ok(ready);
         };
         drop(kept);
-        let ready = ReadyRender::new(capture, Some(earlier), request, Timings::default())?;
+        let ready = ReadyRender::new(capture, Some(earlier), request, timings)?;
         locked(&self.kept).insert(camera.to_owned(), ready.prepared().clone());
         Ok(ready)
     }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::Error;
+use crate::report::Timings;
 
 /// Watches work under way. One method takes everything that is reported, the other is asked whether to stop.
 ///
@@ -79,8 +80,17 @@ pub struct PictureOfFrame<'a> {
     pub camera: &'a str,
     /// The frame's number.
     pub frame: u32,
-    /// Wall-clock seconds that this process has worked on it; `None` where it was there already, or another made it.
-    pub seconds: Option<f64>,
+    /// What it has taken this process; `None` where it was there already, or another made it.
+    pub made: Option<MadeIn>,
+}
+
+/// Wall-clock seconds that a picture has taken.
+#[derive(Clone, Copy, Debug)]
+pub struct MadeIn {
+    /// From its begin until it was on the disk under its number.
+    pub seconds: f64,
+    /// The steps until its files were written.
+    pub steps: Timings,
 }
 
 /// Hears nothing and never stops anything.
