@@ -19,6 +19,7 @@ from ._errors import Error, FileError, InputError, PhotositeWarning, ResourceErr
 from ._light import Light, render, render_into, trace
 from ._photosite import __version__
 from ._raw import Cfa, ColourCalibration, PixelArea, Raw, develop, read_raw
+from ._rerun import to_rerun
 from ._sensor import Sensor, expose
 from ._shot import Layers, Shot
 from ._targets import Marker, Targets, project, unproject
@@ -62,6 +63,7 @@ __all__ = [
     "read_raw",
     "render",
     "render_into",
+    "to_rerun",
     "trace",
     "unproject",
 ]

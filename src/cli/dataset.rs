@@ -11,6 +11,7 @@ use super::arguments::parse_range;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
+use super::shards::LayoutsArgs;
 use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, Shard, picture_name};
 use crate::pipeline::{Event, FilmMemory, LightSource, Monitor, PictureOfFrame};
 use crate::{Result, Sandbox};
@@ -65,6 +66,8 @@ pub(super) struct DatasetArgs {
     /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
+    #[command(flatten)]
+    layouts: LayoutsArgs,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -108,7 +111,11 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
         return report.index(&set, &frames, &folder, damaged);
     }
     let light = |_: &str, _| Ok(args.samples.clone().map_or(LightSource::Traced, LightSource::Part));
-    let made = set.make(&frames, &folder, &report.listening(&monitor), options, light)?;
+    let layouts = args.layouts.open(&folder, count, args.quiet)?;
+    let lines = report.listening(&monitor);
+    let layouts = layouts.beside(&lines);
+    let made = layouts.unless_failed(set.make(&frames, &folder, &layouts, options, light))?;
+    layouts.finish(args.quiet)?;
     if args.samples.is_none() {
         return report.finish(&set, &folder, &made);
     }

@@ -1,29 +1,37 @@
-//! `photosite layout`: a finished data set as other tools read it.
+//! `photosite layout`: a data set as other tools read it.
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use serde_json::json;
 
-use super::log::say;
+use super::log::{say, warning};
 use super::print::print_json;
+use super::shards::{ShardSizeArgs, warner};
 use crate::calibration::layouts::Layout;
-use crate::dataset::{LayoutFolder, read_dataset};
-use crate::{Result, Sandbox};
+use crate::dataset::{LayoutFolder, ShardFormat, Shards, read_dataset};
+use crate::{Error, Result, Sandbox};
 
 /// Lay out a finished data set as other tools read it: folders, pictures, calibration, ground truth.
 ///
-/// The data set is left as it is; pictures are copied. Cameras have OpenCV's axes, the world is that of glTF (y up).
+/// The data set is left as it is; pictures are copied. Cameras have OpenCV's axes, the world is that of glTF (y up), but
+/// for nerfstudio, which has its own. webdataset, parquet and mcap are made of shards, files of some frames each, which
+/// can be written while the data set grows (--growing); given again, the command writes those that are missing.
 #[derive(Args)]
 pub(super) struct LayoutArgs {
-    /// The folder that `photosite dataset` has filled.
+    /// The folder that `photosite dataset` has filled, or fills.
     dataset: PathBuf,
     /// The layout.
     #[arg(long, value_enum)]
     format: Format,
-    /// New folder for it.
+    /// New folder for it; of shards, also one that holds some of them.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Of a data set that is not finished, write those shards whose frames are all there.
+    #[arg(long)]
+    growing: bool,
+    #[command(flatten)]
+    size: ShardSizeArgs,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -44,25 +52,57 @@ enum Format {
     Bop,
     /// images/ and annotations/instances.json, with key points of targets; needs output.truth = ["instance"].
     Coco,
+    /// transforms.json with images/ and depths/, for Nerfstudio, instant-ngp, gsplat and 3DGUT.
+    Nerfstudio,
+    /// shard-000000.tar … with an index, for WebDataset: pictures, raw images and ground truth as arrays.
+    Webdataset,
+    /// part-000000.parquet … for Hugging Face datasets: a row a picture, with image features.
+    Parquet,
+    /// part-000000.mcap … of ROS 2 messages: CameraInfo, Image, CompressedImage, tf.
+    Mcap,
+}
+
+/// What a format is written by.
+enum Written {
+    Folder(Layout),
+    Shards(ShardFormat),
 }
 
 impl Format {
-    fn layout(self) -> Layout {
+    fn written(self) -> Written {
         match self {
-            Self::Euroc => Layout::Euroc,
-            Self::Kalibr => Layout::Kalibr,
-            Self::Colmap => Layout::Colmap,
-            Self::Bop => Layout::Bop,
-            Self::Coco => Layout::Coco,
+            Self::Euroc => Written::Folder(Layout::Euroc),
+            Self::Kalibr => Written::Folder(Layout::Kalibr),
+            Self::Colmap => Written::Folder(Layout::Colmap),
+            Self::Bop => Written::Folder(Layout::Bop),
+            Self::Coco => Written::Folder(Layout::Coco),
+            Self::Nerfstudio => Written::Folder(Layout::Nerfstudio),
+            Self::Webdataset => Written::Shards(ShardFormat::Webdataset),
+            Self::Parquet => Written::Shards(ShardFormat::Parquet),
+            Self::Mcap => Written::Shards(ShardFormat::Mcap),
         }
     }
 }
 
 pub(super) fn run(args: &LayoutArgs, sandbox: &Sandbox) -> Result<()> {
+    match args.format.written() {
+        Written::Folder(layout) => write_folder(args, layout, sandbox),
+        Written::Shards(format) => write_shards(args, format),
+    }
+}
+
+fn write_folder(args: &LayoutArgs, layout: Layout, sandbox: &Sandbox) -> Result<()> {
+    if args.growing || args.size.is_given() {
+        let message = "--growing, --shard-mb and --shard-frames are of webdataset, parquet and mcap".to_owned();
+        return Err(Error::Usage { message, help: Some("leave them out, or choose one of these formats".into()) });
+    }
     LayoutFolder::check(&args.output)?;
     let set = read_dataset(&args.dataset)?;
     let mut folder = LayoutFolder::begin(sandbox, &args.output, &args.dataset)?;
-    args.format.layout().write(&set, &mut folder)?;
+    layout.write(&set, &mut folder)?;
+    if !args.quiet {
+        folder.warnings().iter().for_each(|what| warning!("{what}"));
+    }
     folder.finish(&args.output)?;
     let pictures = set.shots.len();
     if args.json {
@@ -70,6 +110,31 @@ pub(super) fn run(args: &LayoutArgs, sandbox: &Sandbox) -> Result<()> {
     }
     if !args.quiet {
         say!("laid out {pictures} pictures in {}", args.output.display());
+    }
+    Ok(())
+}
+
+fn write_shards(args: &LayoutArgs, format: ShardFormat) -> Result<()> {
+    if !args.growing {
+        read_dataset(&args.dataset)?;
+    }
+    let warn = warner(args.quiet);
+    let shards = Shards::open(&args.dataset, None, format, &args.output, args.size.size(), warn)?;
+    let progress = shards.finish()?;
+    if args.json {
+        return print_json(&json!({
+            "folder": args.output,
+            "written": progress.written,
+            "shards": progress.present,
+            "left": progress.left,
+        }));
+    }
+    if !args.quiet {
+        let (written, folder) = (progress.written, args.output.display());
+        match (progress.present, progress.left) {
+            (present, Some(left)) => say!("wrote {written} shards; {present} of {} are in {folder}", present + left),
+            (_, None) => say!("wrote no shards: no frame is complete yet"),
+        }
     }
     Ok(())
 }

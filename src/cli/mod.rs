@@ -33,6 +33,7 @@ mod render;
 mod run_args;
 mod schema;
 mod sensors;
+mod shards;
 mod signals;
 mod status;
 mod submit;

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use super::layout_folder::PICTURE;
 use crate::calibration::camera_files::CalibratedCamera;
-use crate::calibration::layouts::{EPOCH_NS, PictureSet, SceneObject, SeenPoint, SeenTarget, Shot};
+use crate::calibration::layouts::{EPOCH_NS, PictureSet, RollingShutter, SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::io::file_sum::FileSum;
 use crate::optics::{CameraMotion, Projection, Recording};
 use crate::report::{REPORT, Report, TargetReport, TracedReport};
@@ -30,14 +30,33 @@ pub fn read_dataset(folder: &Path) -> Result<PictureSet> {
         let help = "give the command that makes the data set again: it goes on where it stopped";
         return Err(Invalid::new("", message).help(help).in_file(&folder.join(MANIFEST)));
     }
-    if let Some(shot) = set.shots.iter().find(|shot| shot.is_resampled) {
-        let message = "the picture was developed without the distortion, or the shape of pixels, that its camera and its ground \
-                       truth have";
-        let invalid = Invalid::new("capture.develop", message);
-        let help = "make the data set without setting develop.distortion and develop.square_pixels";
-        return Err(invalid.help(help).in_file(&folder.join(&shot.folder).join(REPORT)));
-    }
+    set.shots.iter().try_for_each(|shot| refuse_resampled(folder, shot))?;
     Ok(set)
+}
+
+/// Refuses a picture that shows things in other places than ground truth has them.
+pub(super) fn refuse_resampled(folder: &Path, shot: &Shot) -> Result<()> {
+    if !shot.is_resampled {
+        return Ok(());
+    }
+    let message = "the picture was developed without the distortion, or the shape of pixels, that its camera and its ground \
+                   truth have";
+    let invalid = Invalid::new("capture.develop", message);
+    let help = "make the data set without setting develop.distortion and develop.square_pixels";
+    Err(invalid.help(help).in_file(&folder.join(&shot.folder).join(REPORT)))
+}
+
+/// How many frames a data set has in the end, as its manifest says, which may be of a time when few were there.
+pub(super) fn frames_of_manifest(folder: &Path) -> Result<u32> {
+    let path = folder.join(MANIFEST);
+    let text = fs::read_to_string(&path).unwrap_or_default();
+    let line = text.lines().find_map(|line| serde_json::from_str::<Line>(line).ok());
+    line.map(|line| line.frames).ok_or_else(|| {
+        let message = format!("its {MANIFEST} does not say yet how many frames it will have");
+        let help = "give `photosite dataset` with --index-only, which writes it when the first picture is there; or with \
+                    --layout, which writes shards while the data set grows";
+        Invalid::new("", message).help(help).in_file(folder)
+    })
 }
 
 /// Reads those pictures of a data set that are there.
@@ -65,8 +84,8 @@ fn read(folder: &Path) -> Result<(PictureSet, u32)> {
             set.cameras.len() - 1
         });
         frames = line.frames;
-        let report = folder.join(&line.folder).join(REPORT);
-        set.shots.push(shot(&report, line, camera)?);
+        let path = folder.join(&line.folder).join(REPORT);
+        set.shots.push(shot(&path, Report::read(&path)?, line, camera)?);
     }
     Ok((set, frames))
 }
@@ -74,22 +93,22 @@ fn read(folder: &Path) -> Result<(PictureSet, u32)> {
 /// A line of the manifest.
 #[derive(Deserialize)]
 pub(super) struct Line {
-    frame: u32,
+    pub(super) frame: u32,
     pub(super) frames: u32,
     pub(super) camera: String,
-    time_s: Option<f64>,
+    pub(super) time_s: Option<f64>,
     pub(super) folder: String,
     /// None in manifests of earlier versions.
     #[serde(default)]
     pub(super) sums: BTreeMap<String, FileSum>,
 }
 
-fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
+/// What the report at `path` says of a picture.
+pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Result<Shot> {
     let damaged = |why: &str| {
         let help = "remove its folder, and give the command that makes the data set again";
         Invalid::new("", format!("is damaged: {why}")).help(help).in_file(path)
     };
-    let report = Report::read(path)?;
     let TracedReport { camera: Some(reported), targets, truth, .. } = report.traced else {
         return Err(damaged("it says nothing of the camera"));
     };
@@ -108,6 +127,13 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
     // Short against any change of a velocity, and long against the last bits of a position.
     const STEP_S: f64 = 1e-4;
     let velocity = (pose(time_s + STEP_S).translation - pose(time_s).translation) / STEP_S;
+    let rows = f64::from(reported.resolution_px[1]);
+    let shutter = recording.as_ref().filter(|recording| recording.motion.is_some() && recording.row_time_s != 0.0);
+    let shutter = shutter.filter(|_| rows > 1.0).map(|recording| RollingShutter {
+        rows: [0.0, rows - 1.0].map(|row| pose(recording.time_s(row, 0.5))),
+        exposure: recording.exposure_s / ((rows - 1.0) * recording.row_time_s),
+        is_downwards: recording.first_row == 0.0,
+    });
     let since_start_s = line.time_s.unwrap_or(f64::from(line.frame)) + time_s;
     // Reports that say nothing of it are of a time when this lens's distortion alone was undone.
     let undid_distortion = || {
@@ -131,6 +157,7 @@ fn shot(path: &Path, line: Line, camera: usize) -> Result<Shot> {
         start: pose(0.0),
         velocity_m_per_s: velocity,
         is_resampled,
+        shutter,
         is_skewed: recording.is_some_and(|recording| recording.row_time_s != 0.0),
         targets: targets.into_iter().flatten().map(seen).collect(),
         objects: truth.map_or_else(Vec::new, |truth| SceneObject::of_instances(truth.objects())),

@@ -164,7 +164,9 @@ impl DataSet {
         let mut capture = self.capture(camera, number, changes)?;
         (capture.render.samples_per_pixel, capture.render.noise_target) = (few, None);
         let mut results = OutputFolder::own(folder.path());
-        let rendered = self.make_ready(camera, capture, &request, Timings::default()).and_then(|ready| ready.render_into(&mut results));
+        let rendered = self
+            .make_ready(camera, capture, &request, Timings::default())
+            .and_then(|ready| ready.render_into(&mut results));
         let rendered = rendered.map_err(|error| self.error_of_change(error, camera, number, changes))?;
         let trace_s = match rendered {
             Rendered::Picture { timings, .. } => timings.trace_s,

@@ -152,7 +152,8 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_
          R1, R2, P1, P2, Q, the epipoles e1 and e2, and H1 and H2, the homographies of rectification) and `ros/` \
          the same with Tx = -fx·b in P, for the raw picture and for `image.png` where that keeps its distortion.\n{left_out}\
          - `dataset.json`: what the data set was made from, with hashes of the files.\n\n\
-         `photosite layout` arranges all this as COLMAP, EuRoC, Kalibr, BOP or COCO have it.\n\n\
+         `photosite layout` arranges all this as COLMAP, EuRoC, Kalibr, BOP, COCO or Nerfstudio have it, or packs it for \
+         WebDataset, Hugging Face datasets (Parquet) or ROS 2 (MCAP).\n\n\
          Lengths are metres, the world is that of glTF (y up). Fingerprint: `{fingerprint}`.\n",
         version = env!("CARGO_PKG_VERSION"),
         capture = file.description.capture,

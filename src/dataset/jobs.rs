@@ -13,7 +13,7 @@ use rayon::ThreadPool;
 
 use super::DataSet;
 use super::folder::{DatasetFolder, NewPicture, Turn};
-use super::make::Made;
+use super::made::Made;
 use super::picture::{OfOnePicture, Picture, locked};
 use super::presence::name;
 use crate::pipeline::{Event, LightSource, MadeIn, Monitor, PictureOfFrame, go_on};

@@ -12,6 +12,7 @@ use crate::capture::Capture;
 use crate::image::Planes;
 use crate::io::exr::read_exr;
 use crate::io::lock::Lock;
+use crate::io::npy::write_planes;
 use crate::io::output::{create_folder, write_unsynced};
 use crate::io::plain_png::{is_grey, picture_size, read_grey, write_grey8, write_grey16};
 use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
@@ -34,6 +35,7 @@ pub struct LayoutFolder {
     scene: Option<(Vec<Value>, Arc<SceneDescription>)>,
     /// Where its files must lie.
     sandbox: Sandbox,
+    warnings: Vec<String>,
 }
 
 impl LayoutFolder {
@@ -62,7 +64,19 @@ impl LayoutFolder {
             unfinished_folders(path).iter().for_each(|folder| drop(fs::remove_dir_all(folder)));
         }
         let folder = UnfinishedFolder::beside(path, |_| false)?;
-        Ok(Self { folder, _lock: lock, dataset: dataset.to_owned(), scene: None, sandbox: sandbox.clone() })
+        Ok(Self {
+            folder,
+            _lock: lock,
+            dataset: dataset.to_owned(),
+            scene: None,
+            sandbox: sandbox.clone(),
+            warnings: Vec::new(),
+        })
+    }
+
+    /// What the layout leaves out.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Gives the complete folder its name.
@@ -118,6 +132,12 @@ pub(super) fn check_size([width, height]: [u32; 2], shot: &Shot, path: &Path) ->
     Err(Invalid::new("", message).help(help).in_file(path))
 }
 
+/// Reads all layers of a picture.
+pub(super) fn read_truth(path: &Path) -> Result<Planes> {
+    let file = File::open(path).map_err(|reason| Error::io(path, "read", reason))?;
+    Ok(read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?.planes)
+}
+
 impl LayoutFiles for LayoutFolder {
     fn write_text(&mut self, path: &str, text: &str) -> Result<()> {
         write_unsynced(&self.place(path)?, |to| to.write_all(text.as_bytes()))
@@ -146,6 +166,24 @@ impl LayoutFiles for LayoutFolder {
         write_unsynced(&self.place(path)?, |to| write_grey16(size, values, to))
     }
 
+    fn write_npy(&mut self, path: &str, size: [u32; 2], values: &[f32]) -> Result<()> {
+        let size = size.map(|n| n as usize);
+        write_unsynced(&self.place(path)?, |to| write_planes(size, &[values], |value| value, to))
+    }
+
+    fn warn(&mut self, message: &str) {
+        self.warnings.push(message.to_owned());
+    }
+
+    fn has_truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<bool> {
+        let path = self.of_shot(shot, TRUTH);
+        if !path.is_file() {
+            return Ok(false);
+        }
+        let planes = read_truth(&path)?;
+        Ok(layers.iter().flat_map(|layer| layer.channels()).all(|name| planes.plane(name).is_some()))
+    }
+
     fn truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<Planes> {
         let names: Vec<String> = layers.iter().map(|layer| format!("\"{}\"", layer.name())).collect();
         let help = format!(
@@ -153,8 +191,7 @@ impl LayoutFiles for LayoutFolder {
             names.join(", ")
         );
         let path = self.source(shot, TRUTH, &help)?;
-        let file = File::open(&path).map_err(|reason| Error::io(&path, "read", reason))?;
-        let planes = read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(&path))?.planes;
+        let planes = read_truth(&path)?;
         let mut channels = layers.iter().flat_map(|layer| layer.channels());
         if let Some(missing) = channels.find(|name| planes.plane(name).is_none()) {
             return Err(Invalid::new("", format!("has no layer {missing}")).help(help).in_file(&path));

@@ -13,37 +13,16 @@ use super::DataSet;
 use super::folder::DatasetFolder;
 use super::frames::Frames;
 use super::jobs::Jobs;
+use super::made::Made;
 use super::picture::Picture;
-use super::selection::{FrameList, in_order};
+use super::selection::in_order;
 use crate::capture::Capture;
 use crate::pipeline::{Event, LightSource, Monitor, go_on, pixels};
-use crate::{Error, Invalid, Result};
+use crate::{Error, Result};
 
 /// Between two looks at what other processes make, at first and after a while.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);
-
-/// What a run has made of a data set.
-#[derive(Debug, Default)]
-pub struct Made {
-    /// How many pictures, by this process.
-    pub pictures: usize,
-    /// The frames that could not be made, in order.
-    pub failed: Vec<u32>,
-}
-
-impl Made {
-    /// Refuses to call it done where frames are bad.
-    pub fn check(&self, folder: &DatasetFolder) -> Result<()> {
-        if self.failed.is_empty() {
-            return Ok(());
-        }
-        let frames = FrameList::of(&self.failed);
-        let message = format!("is without frames that could not be made: {frames}");
-        let help = format!("see what was said of each, and then give the same command with --frames {frames}");
-        Err(Invalid::new("", message).help(help).in_file(folder.path()))
-    }
-}
 
 /// How pictures are made, besides which.
 #[derive(Clone, Copy, Debug, Default)]

@@ -52,13 +52,23 @@ impl FileSum {
 pub struct KnownSums(Mutex<BTreeMap<PathBuf, (FileSum, Option<SystemTime>)>>);
 
 impl KnownSums {
+    /// Whether the sum of a file was asked for before.
+    pub fn has(&self, path: &Path) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).contains_key(path)
+    }
+
     /// The sum of a file.
     ///
     /// # Errors
     ///
     /// One that cannot be read, and one that has changed since it was read first.
     pub fn of(&self, path: &Path) -> Result<FileSum> {
-        let unreadable = |reason| Error::io(path, "read", reason);
+        // One that was there before may come back.
+        let is_known = self.has(path);
+        let unreadable = |reason| {
+            let error = Error::io(path, "read", reason);
+            if is_known { error.since_begun() } else { error }
+        };
         let metadata = fs::metadata(path).map_err(unreadable)?;
         let modified = metadata.modified().ok();
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -20,7 +20,7 @@ pub mod mitsuba;
 pub mod noise_maps;
 pub mod noise_series;
 pub mod noisy_picture;
-mod npy;
+pub mod npy;
 pub mod number_picture;
 pub mod picture_file;
 mod picture_format;

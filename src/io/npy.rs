@@ -6,7 +6,7 @@ use npyz::{AutoSerialize, WriterBuilder};
 
 /// Writes planes of so many columns and rows as an array of shape (rows, columns), or (rows, columns, planes) where
 /// there are several, each value as what `number` makes of it.
-pub(super) fn write_planes<V: Copy, T: AutoSerialize, W: Write>(
+pub fn write_planes<V: Copy, T: AutoSerialize, W: Write>(
     [width, height]: [usize; 2],
     planes: &[&[V]],
     number: impl Fn(V) -> T,

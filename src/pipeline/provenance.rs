@@ -44,7 +44,8 @@ fn add_files(
         Value::String(name) => {
             let path = folder.join(name);
             // A text may happen to be the name of a file.
-            if !name.is_empty() && source.sandbox().check(&path).is_ok() && path.is_file() {
+            if !name.is_empty() && source.sandbox().check(&path).is_ok() && (path.is_file() || source.sums().has(&path))
+            {
                 add_file(name, &path, source, hashes)
             } else {
                 Ok(())

@@ -38,6 +38,18 @@ max_depth = 2
 electrons = false
 ";
 
+/// The same under a sky that a file holds.
+pub(crate) fn board_under_sky() -> String {
+    BOARD.replace("illuminant = 'D65', illuminance_lux = 500", "image = 'sky.hdr', nit_per_unit = 100")
+}
+
+/// A picture of the sky, grey of that value.
+pub(crate) fn sky(value: u8) -> Vec<u8> {
+    let mut file = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n".to_vec();
+    file.extend([value, value, value, 129].repeat(8));
+    file
+}
+
 pub(crate) fn folder(dataset: &str) -> Folder {
     Folder::new([("board.toml", BOARD.into()), ("set.toml", format!("capture = 'board.toml'\n{dataset}").into())])
 }

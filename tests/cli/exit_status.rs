@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use crate::dataset::folder as board;
+use crate::dataset::{board_under_sky, folder as board, sky};
 use crate::folder::Folder;
 use crate::room::room;
 use crate::signals::send;
@@ -122,7 +122,9 @@ fn a_folder_that_vanished() {
 #[test]
 fn an_input_that_vanished() {
     let folder = board("frames = 2\n");
-    let command = "dataset set.toml -o out --quiet --set render.samples_per_pixel=20000";
+    folder.add("board.toml", board_under_sky());
+    folder.add("sky.hdr", sky(100));
+    let command = "dataset set.toml -o out --quiet --jobs 1 --set render.samples_per_pixel=20000";
     let mut process = folder.command(command).stderr(Stdio::piped()).spawn().expect("the binary runs");
     while !folder.path("out/camera").exists() || fs::read_dir(folder.path("out/camera")).expect("a folder").count() < 2
     {
@@ -132,11 +134,11 @@ fn an_input_that_vanished() {
     // It has begun the first picture.
     send("STOP", process.id());
     sleep(Duration::from_millis(50));
-    fs::rename(folder.path("board.toml"), folder.path("elsewhere.toml")).expect("renamed");
+    fs::rename(folder.path("sky.hdr"), folder.path("elsewhere.hdr")).expect("renamed");
     send("CONT", process.id());
     let output = process.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), ANOTHER_TRY, "{output:?}");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("board.toml"), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("sky.hdr"), "{output:?}");
     // What never was there is no matter of trying again.
-    folder.fail("dataset set.toml -o other", 1, &["board.toml"]);
+    folder.fail("dataset set.toml -o other", 1, &["sky.hdr"]);
 }

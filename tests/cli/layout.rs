@@ -19,11 +19,16 @@ distance_m = [0.6, 0.9]
 margin_px = 1
 ";
 
-/// A folder with a data set in `out`, made with these arguments.
-fn made(dataset: &str, arguments: &str) -> Folder {
+/// A folder with a data set file, of which nothing is made.
+fn described(dataset: &str) -> Folder {
     // Large enough for its corners to be told apart, without light from one part to another.
     let board = BOARD.replace("[9, 6]", "[5, 4]").replace("max_depth = 2", "max_depth = 1");
-    let folder = Folder::new([("board.toml", board.into()), ("set.toml", dataset.into())]);
+    Folder::new([("board.toml", board.into()), ("set.toml", dataset.into())])
+}
+
+/// A folder with a data set in `out`, made with these arguments.
+fn made(dataset: &str, arguments: &str) -> Folder {
+    let folder = described(dataset);
     folder.succeed(&format!("dataset set.toml -o out --quiet {arguments}"));
     folder
 }
@@ -33,6 +38,7 @@ fn made(dataset: &str, arguments: &str) -> Folder {
 #[case("euroc", &["mav0/body.yaml", "mav0/cam1/data/1000000002000000000.png", "mav0/cam1/data.csv", "mav0/cam1/sensor.yaml", "mav0/state_groundtruth_estimate0/data.csv"])]
 #[case("kalibr", &["cam0/1000000000000000000.png", "cam1/1000000002000000000.png", "camchain.yaml", "target-board.yaml"])]
 #[case("bop", &["train/000001/gray/000002.png", "train/000001/depth/000002.png", "train/000001/mask/000002_000000.png", "train/000001/mask_visib/000002_000000.png", "train/000001/scene_gt.json", "models/obj_000001.ply", "models/models_info.json"])]
+#[case("nerfstudio", &["images/right-000001.png", "depths/left-000002.npy", "transforms.json"])]
 #[case("coco", &["images/right/000001.png", "annotations/instances.json"])]
 fn every_layout_is_made_and_the_data_set_left_as_it_is(#[case] format: &str, #[case] files: &[&str]) {
     let folder = made(SET, "--set output.truth=['depth','instance']");
@@ -228,4 +234,110 @@ fn files_of_a_rig_hold_the_rig() {
     assert!(!files.join("ros/left-up/up.yaml").exists() && !files.join("ros/left.yaml").exists());
     let card = std::fs::read_to_string(folder.path("out/README.md")).expect("a card");
     assert!(card.contains("`ros/left-up/up.yaml`: ROS files have no model for the division lens of up"), "{card}");
+}
+
+/// The names in a folder, in order.
+fn names(folder: &Folder, name: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(folder.path(name)).expect("a folder");
+    let mut names: Vec<String> =
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[rstest]
+#[case::webdataset("webdataset", &["index.json", "layout.json", "shard-000000.tar", "shard-000001.tar"])]
+#[case::parquet("parquet", &["layout.json", "part-000000.parquet", "part-000001.parquet"])]
+#[case::mcap("mcap", &["layout.json", "part-000000.mcap", "part-000001.mcap"])]
+fn shards_are_written_while_the_set_grows_with_the_bytes_of_later(#[case] format: &str, #[case] files: &[&str]) {
+    let folder = described(SET);
+    let grow = format!("dataset set.toml -o out --layout {format}=grown --shard-frames 2 --set output.truth=['depth']");
+    let said = folder.succeed(&format!("{grow} --frames 0..2"));
+    assert!(said.stderr.contains("1 of 2 shards are in grown"), "{}", said.stderr);
+    let said = folder.succeed(&format!("layout out --format {format} -o grown --growing"));
+    assert!(said.stderr.contains("wrote 0 shards; 1 of 2 are in grown"), "{}", said.stderr);
+    // Not before the set is finished, unless it is asked for.
+    folder.fail(&format!("layout out --format {format} -o later"), 1, &["4 of 6 pictures are there"]);
+    folder.succeed(&format!("{grow} --quiet"));
+    assert_eq!(names(&folder, "grown"), files);
+    folder.succeed(&format!("layout out --format {format} -o later --shard-frames 2 --quiet"));
+    for file in files {
+        let bytes = |name: &str| std::fs::read(folder.path(name).join(file)).expect("a file");
+        assert!(bytes("grown") == bytes("later"), "{file}");
+    }
+    // What was lost is written again.
+    let lost = folder.path("grown").join(files[files.len() - 1]);
+    std::fs::remove_file(&lost).expect("removed");
+    let said = folder.succeed(&format!("layout out --format {format} -o grown --json"));
+    assert!(said.stdout.contains("\"written\": 1") && lost.exists(), "{}", said.stdout);
+}
+
+#[test]
+fn the_size_of_shards_is_decided_by_their_limit() {
+    let folder = made(SET, "--set output.truth=['depth','normal','position']");
+    folder.succeed("layout out --format webdataset -o laid --quiet");
+    let settings = std::fs::read_to_string(folder.path("laid/layout.json")).expect("settings");
+    assert!(settings.contains("\"frames_per_shard\": 3") && settings.contains("\"limit_mb\": 256"), "{settings}");
+}
+
+#[test]
+fn folders_of_other_shards_are_refused() {
+    let folder = made(SET, "");
+    folder.succeed("layout out --format mcap -o laid --shard-frames 2 --quiet");
+    folder.fail("layout out --format parquet -o laid", 2, &["laid holds mcap files, and not parquet", "a new folder"]);
+    folder.fail("layout out --format mcap -o laid --shard-frames 3", 2, &["shards of 2 frames, and not of 3"]);
+    folder.fail("layout out --format mcap -o laid --shard-mb 9", 2, &["2 frames, and not of at most 9 MiB"]);
+    folder.fail("layout out --format mcap -o out", 2, &["out is not empty, and holds no layout.json"]);
+    folder.succeed("dataset set.toml -o other --set exposure.time_s=0.002 --quiet");
+    folder.fail("layout other --format mcap -o laid", 2, &["laid holds shards of another data set"]);
+    folder.fail("dataset set.toml -o out --layout parquet=laid", 2, &["laid holds mcap files"]);
+    folder.fail("layout out --format colmap -o new --growing", 2, &["--growing", "webdataset, parquet and mcap"]);
+    folder.fail("dataset set.toml -o out --shard-mb 9", 2, &["no --layout asks for any"]);
+    folder.fail("dataset set.toml -o out --layout colmap=new", 2, &["webdataset=DIR, parquet=DIR or mcap=DIR"]);
+}
+
+#[test]
+fn shards_say_what_they_leave_out() {
+    let folder = made(SET, "--set output.truth=['depth','normal'] --set lens.distortion={model='division',k=[-0.1]}");
+    let said = folder.succeed("layout out --format parquet -o rows");
+    assert!(said.stderr.contains("are without normal, which webdataset holds"), "{}", said.stderr);
+    let said = folder.succeed("layout out --format mcap -o messages");
+    let count =
+        said.stderr.matches("there is no /left/camera_info: ROS files have no model for the division lens").count();
+    assert_eq!(count, 1, "{}", said.stderr);
+    let folder = made(SET, "--set output.raw=[] --set output.truth=['depth'] --set output.truth_formats=['npy']");
+    folder.fail("layout out --format webdataset -o laid", 1, &["no truth.exr", "truth_formats = [\"exr\"]"]);
+}
+
+#[test]
+fn a_shard_that_cannot_be_written_ends_the_work() {
+    let folder = described(SET);
+    let distortion = "--set lens.distortion={model='brown-conrady',k=[-0.1,0,0],p=[0,0]} --set develop.distortion=true";
+    let command = format!("dataset set.toml -o out --layout webdataset=laid --shard-frames 1 {distortion}");
+    let said = folder.run(&command);
+    assert!(said.status == Some(1) && said.stderr.contains("was developed without the distortion"), "{said:?}");
+    assert!(!folder.path("laid").exists() && !folder.path("out/manifest.jsonl").exists());
+}
+
+/// Each shard is whole or not there, and the next run writes those that are missing.
+#[rstest]
+fn shards_that_were_broken_off_are_written_anew(#[values("file-written", "file-named")] point: &str) {
+    let folder = made(SET, "");
+    folder.succeed("layout out --format webdataset -o whole --shard-frames 1 --quiet");
+    let mut round = 1;
+    while folder.killed_at(point, round, "layout out --format webdataset -o killed --shard-frames 1 --quiet") {
+        for name in names(&folder, "killed").iter().filter(|name| !name.starts_with('.')) {
+            let bytes = |of: &str| std::fs::read(folder.path(of).join(name)).expect("a file");
+            assert!(bytes("killed") == bytes("whole"), "{name}, {round}");
+        }
+        round += 1;
+        if round > 2 {
+            // What is there is not written again, so that other files are the first.
+            folder.succeed("layout out --format webdataset -o killed --shard-frames 1 --quiet");
+            assert_eq!(names(&folder, "killed"), names(&folder, "whole"), "nothing else is left");
+            std::fs::remove_dir_all(folder.path("killed")).expect("removed");
+        }
+    }
+    // The settings, which get their name in another way; three shards, the index.
+    assert_eq!(round, if point == "file-written" { 6 } else { 5 });
 }

@@ -19,11 +19,16 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
+/// The last line of what `dataset --json` prints, which sums up.
+pub(crate) fn last_line(text: &str) -> Value {
+    json(text.lines().last().expect("a line"))
+}
+
 #[test]
 fn lists_and_shards_of_frames_make_the_whole() {
     let folder = folder(SIX);
     folder.succeed("dataset set.toml -o whole");
-    let made = |arguments: &str| json(&folder.succeed(&format!("dataset set.toml --json -o {arguments}")).stdout);
+    let made = |arguments: &str| last_line(&folder.succeed(&format!("dataset set.toml --json -o {arguments}")).stdout);
     assert_eq!(made("parts --frames 0..2,5")["made"], 3);
     assert_eq!(made("parts --shard 1/2")["made"], 2, "0, 2 and 4, of which the first is there");
     assert_eq!(made("parts --shard 2/2 --frames 2..6")["made"], 1, "3 and 5, of which the last is there");

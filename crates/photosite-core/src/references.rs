@@ -388,6 +388,25 @@
 //! COCO, "Data format", <https://cocodataset.org/#format-data>; its program interface `pycocotools/mask.py`,
 //! <https://github.com/cocodataset/cocoapi>.
 //!
+//! ## Nerfstudio
+//! Nerfstudio, "Data conventions", <https://docs.nerf.studio/quickstart/data_conventions.html>; its
+//! `nerfstudio_dataparser.py`.
+//!
+//! ## InstantNgp
+//! Instant neural graphics primitives, `src/nerf_loader.cu`, <https://github.com/NVlabs/instant-ngp>: the keys
+//! `transform_matrix_start`, `transform_matrix_end` and `rolling_shutter` of `transforms.json`.
+//!
+//! ## Gut3d
+//! Q. Wu, J. Martinez Esturo, A. Mirzaei, N. Moenne-Loccoz, Z. Gojcic, "3DGUT: Enabling Distorted Cameras and Secondary
+//! Rays in Gaussian Splatting", CVPR (2025).
+//!
+//! ## WebDataset
+//! WebDataset, <https://github.com/webdataset/webdataset>; the index is that of its module `wids`.
+//!
+//! ## RosMessages
+//! ROS 2, packages `std_msgs`, `geometry_msgs`, `sensor_msgs`, `tf2_msgs`; REP 103, 105, 118; MCAP,
+//! "Well-known encodings", <https://mcap.dev/spec/registry>.
+//!
 //! ## Brown71
 //! D. C. Brown, "Close-Range Camera Calibration", Photogrammetric Engineering 37(8), 855–866 (1971).
 //!

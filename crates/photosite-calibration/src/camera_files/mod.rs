@@ -36,7 +36,7 @@ pub use kalibr::kalibr;
 pub use opencv::{opencv, opencv_pair};
 pub use rectification::StereoPair;
 pub use rectified_view::RectifiedView;
-pub use ros::{ros, ros_pair};
+pub use ros::{ros, ros_distortion, ros_name, ros_pair};
 
 use photosite_core::Invalid;
 use photosite_transport::optics::{BrownConrady, Camera, Intrinsics, Projection};
@@ -74,19 +74,19 @@ impl CalibratedCamera {
     }
 
     /// fx, fy, cx, cy with the centre of the first pixel at 0, 0.
-    fn at_centres(&self) -> [f64; 4] {
+    pub fn at_centres(&self) -> [f64; 4] {
         let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
         [fx, fy, cx - 0.5, cy - 0.5]
     }
 
     /// fx, 0, cx; 0, fy, cy; 0, 0, 1 in OpenCV's coordinates, with the skew in the first row.
-    pub(super) fn matrix(&self) -> [f64; 9] {
+    pub fn matrix(&self) -> [f64; 9] {
         let [fx, fy, cx, cy] = self.at_centres();
         [fx, self.intrinsics.skew, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]
     }
 
     /// Refuses a skew, which most formats have no place for.
-    fn without_skew(&self, format: &str) -> Result<(), Invalid> {
+    pub(super) fn without_skew(&self, format: &str) -> Result<(), Invalid> {
         if self.intrinsics.skew == 0.0 {
             return Ok(());
         }

@@ -22,7 +22,9 @@ pub fn ros_pair(pair: &StereoPair<'_>) -> Result<[String; 2], Invalid> {
     Ok([info(0, &first)?, info(1, &second)?])
 }
 
-fn camera_info(camera: &CalibratedCamera, rectification: &DMat3, projection: &[f64; 12]) -> Result<String, Invalid> {
+/// What ROS calls the model of a lens, and its coefficients: 5 of `plumb_bob`, 8 of `rational_polynomial`, 4 of
+/// `equidistant`.
+pub fn ros_distortion(camera: &CalibratedCamera) -> Result<(&'static str, Vec<f64>), Invalid> {
     let model = match camera.projection.calibration_model() {
         Some(CalibrationModel::Pinhole) => "plumb_bob",
         Some(CalibrationModel::BrownConrady(BrownConrady {
@@ -35,13 +37,22 @@ fn camera_info(camera: &CalibratedCamera, rectification: &DMat3, projection: &[f
         }
     };
     camera.without_skew("ROS")?;
+    Ok((model, camera.projection.coefficients()))
+}
+
+/// A name as topics and files of ROS have them: letters, digits and underscores only.
+pub fn ros_name(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}
+
+fn camera_info(camera: &CalibratedCamera, rectification: &DMat3, projection: &[f64; 12]) -> Result<String, Invalid> {
+    let (model, coefficients) = ros_distortion(camera)?;
     let [width, height] = camera.resolution;
-    // Names of ROS have letters, digits and underscores only.
-    let name: String = camera.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    let name = ros_name(&camera.name);
     Ok(format!(
         "image_width: {width}\nimage_height: {height}\ncamera_name: \"{name}\"\n{}distortion_model: {model}\n{}{}{}",
         matrix("camera_matrix", 3, &camera.matrix()),
-        matrix("distortion_coefficients", 1, &camera.projection.coefficients()),
+        matrix("distortion_coefficients", 1, &coefficients),
         matrix("rectification_matrix", 3, &by_rows(rectification)),
         matrix("projection_matrix", 3, projection),
     ))

@@ -11,8 +11,10 @@
 //! | [Kalibr](photosite_core::references#kalibr) | from camera to camera | target file | – |
 //! | [BOP](photosite_core::references#bop) | model → camera, world → camera, mm | – | depth, instance |
 //! | [COCO](photosite_core::references#coco) | – | as key points | instance |
+//! | [Nerfstudio](photosite_core::references#nerfstudio) | camera → world, z up | – | – |
 //!
-//! Cameras have OpenCV's axes (x right, y down, z forward) in all of them; the world is that of glTF, metres with y up.
+//! Cameras have OpenCV's axes (x right, y down, z forward) in all of them but Nerfstudio's; the world is that of
+//! glTF, metres with y up, in all but that.
 //! Pictures are copied, never linked: a tool that changes its pictures in place must not change the data set, and a
 //! folder that is moved to another disk or packed stays whole.
 
@@ -22,6 +24,7 @@ mod colmap;
 mod euroc;
 mod kalibr;
 mod models;
+mod nerfstudio;
 mod objects;
 mod picture_set;
 mod silhouette;
@@ -31,7 +34,7 @@ mod tests;
 use photosite_core::Result;
 
 pub use objects::SceneObject;
-pub use picture_set::{EPOCH_NS, LayoutFiles, PictureSet, SeenPoint, SeenTarget, Shot};
+pub use picture_set::{EPOCH_NS, LayoutFiles, PictureSet, RollingShutter, SeenPoint, SeenTarget, Shot};
 
 /// A layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +49,8 @@ pub enum Layout {
     Bop,
     /// Layout of COCO: `images/`, `annotations/instances.json`.
     Coco,
+    /// `transforms.json` as Nerfstudio reads it, `images/`, `depths/`.
+    Nerfstudio,
 }
 
 impl Layout {
@@ -57,6 +62,7 @@ impl Layout {
             Self::Kalibr => kalibr::write(set, files),
             Self::Bop => bop::write(set, files),
             Self::Coco => coco::write(set, files),
+            Self::Nerfstudio => nerfstudio::write(set, files),
         }
     }
 }

@@ -47,10 +47,31 @@ pub struct Shot {
     pub is_resampled: bool,
     /// Whether rows are taken one after the other while something moves.
     pub is_skewed: bool,
+    /// Where the camera is while rows are taken one after the other; `None` where it stands still, or all rows are taken
+    /// at the same time.
+    pub shutter: Option<RollingShutter>,
     /// Calibration targets in the scene.
     pub targets: Vec<SeenTarget>,
     /// What there is ground truth of. Empty where none was asked for.
     pub objects: Vec<SceneObject>,
+}
+
+impl Shot {
+    /// The time of the picture from the start of the first frame, s.
+    pub fn since_epoch_s(&self) -> f64 {
+        (self.stamp_ns - EPOCH_NS) as f64 * 1e-9
+    }
+}
+
+/// A camera that moves while its rows are taken one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RollingShutter {
+    /// Camera → world in the middle of the exposure of the top row and of the bottom one.
+    pub rows: [DAffine3; 2],
+    /// The exposure time as a part of the time from the top row to the bottom one.
+    pub exposure: f64,
+    /// Whether rows are taken from the top to the bottom, not from the middle outwards.
+    pub is_downwards: bool,
 }
 
 /// When the first frame begins, ns: tools take seconds and nanoseconds from places in the number, and sort names of
@@ -147,6 +168,12 @@ pub trait LayoutFiles {
     fn write_mask(&mut self, path: &str, size: [u32; 2], inside: &[bool]) -> Result<()>;
     /// Writes 16-bit grey PNG.
     fn write_grey16(&mut self, path: &str, size: [u32; 2], values: &[u16]) -> Result<()>;
+    /// Writes an array of (rows, columns) `float32` as NPY.
+    fn write_npy(&mut self, path: &str, size: [u32; 2], values: &[f32]) -> Result<()>;
+    /// Says once what a layout leaves out.
+    fn warn(&mut self, message: &str);
+    /// Whether there is ground truth of these layers.
+    fn has_truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<bool>;
     /// Reads ground truth.
     fn truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<Planes>;
     /// Reads the geometry. The same scene is the same [`Arc`].

@@ -32,6 +32,8 @@ struct Memory {
     texts: BTreeMap<String, String>,
     masks: BTreeMap<String, Vec<bool>>,
     depths: BTreeMap<String, Vec<u16>>,
+    arrays: BTreeMap<String, Vec<f32>>,
+    warnings: Vec<String>,
     pictures: Vec<String>,
     truth: Option<Planes>,
     scene: Arc<SceneDescription>,
@@ -61,6 +63,16 @@ impl LayoutFiles for Memory {
         self.depths.insert(path.to_owned(), values.to_vec());
         Ok(())
     }
+    fn write_npy(&mut self, path: &str, _: [u32; 2], values: &[f32]) -> Result<()> {
+        self.arrays.insert(path.to_owned(), values.to_vec());
+        Ok(())
+    }
+    fn warn(&mut self, message: &str) {
+        self.warnings.push(message.to_owned());
+    }
+    fn has_truth(&mut self, _: &Shot, _: &[TruthLayer]) -> Result<bool> {
+        Ok(self.truth.is_some())
+    }
     fn truth(&mut self, _: &Shot, _: &[TruthLayer]) -> Result<Planes> {
         Ok(self.truth.clone().expect("truth"))
     }
@@ -89,6 +101,7 @@ fn shot(frame: u32, camera: usize) -> Shot {
         velocity_m_per_s: DVec3::ZERO,
         is_resampled: false,
         is_skewed: false,
+        shutter: None,
         targets: Vec::new(),
         objects: Vec::new(),
     }
@@ -290,4 +303,69 @@ fn points_of_a_target_that_has_moved_are_others() {
     );
     assert!(files.texts["sparse/0/images.txt"].contains("\n1.5 2.5 1\n"), "{}", files.texts["sparse/0/images.txt"]);
     assert_eq!(files.pictures.len(), 3);
+}
+
+fn transforms(files: &Memory) -> Value {
+    serde_json::from_str(&files.texts["transforms.json"]).expect("JSON")
+}
+
+/// x_pixel = fx·x/z + cx of the point in the camera's axes, by what the file says.
+#[test]
+fn nerfstudio_sees_points_where_the_camera_does() {
+    let to_world = DAffine3::from_rotation_translation(DQuat::from_rotation_y(0.4), DVec3::new(0.3, 1.0, 2.0));
+    let mut shots = vec![shot(0, 0), shot(1, 0)];
+    shots[1].calibrated.to_world = to_world;
+    let mut files = Memory::default();
+    Layout::Nerfstudio.write(&set(shots), &mut files).expect("laid out");
+    let file = transforms(&files);
+    assert_eq!((&file["camera_model"], &file["cx"], &file["fl_x"]), (&"OPENCV".into(), &10.0.into(), &20.0.into()));
+    assert_eq!(files.pictures, ["images/camera-000000.png", "images/camera-000001.png"]);
+    assert!(file["frames"][0]["depth_file_path"].is_null() && file["frames"][0]["fl_x"].is_null());
+    let rows = &file["frames"][1]["transform_matrix"];
+    let row = |i: usize| DVec3::from_array([0, 1, 2].map(|j| rows[i][j].as_f64().expect("a number")));
+    let centre = DVec3::from_array([0, 1, 2].map(|i| rows[i][3].as_f64().expect("a number")));
+    // y up becomes z up: the camera stands 1 m up.
+    assert!(centre.abs_diff_eq(DVec3::new(0.3, -2.0, 1.0), 1e-12), "{centre}");
+    let ahead = DVec3::from_array([row(0).z, row(1).z, row(2).z]) * -1.0;
+    let looks = to_world.transform_vector3(DVec3::NEG_Z);
+    assert!(ahead.abs_diff_eq(DVec3::new(looks.x, -looks.z, looks.y), 1e-12), "{ahead}");
+}
+
+#[test]
+fn nerfstudio_gets_the_poses_of_the_first_and_the_last_row() {
+    let at = |x: f64| DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
+    let shutter = |is_downwards| RollingShutter { rows: [at(1.0), at(2.0)], exposure: 0.5, is_downwards };
+    let of = |shutter: Option<RollingShutter>| Shot { is_skewed: true, shutter, ..shot(0, 0) };
+    let mut files = Memory::default();
+    Layout::Nerfstudio.write(&set(vec![of(Some(shutter(true)))]), &mut files).expect("laid out");
+    let file = transforms(&files);
+    let x = |key: &str| file["frames"][0][key][0][3].as_f64();
+    assert_eq!([x("transform_matrix_start"), x("transform_matrix_end")], [Some(1.0), Some(2.0)]);
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| file["rolling_shutter"][i].as_f64().expect("a number"));
+    // The middle of the exposure of the first row of 10, and of the last.
+    let part = |row: f64| a + c * (row + 0.5) / 10.0 + d * 0.5;
+    assert!(part(0.0).abs() < 1e-12 && (part(9.0) - 1.0).abs() < 1e-12 && (b, d) == (0.0, 0.5));
+    assert!(files.warnings.is_empty());
+    for other in [Some(shutter(false)), None] {
+        let mut files = Memory::default();
+        Layout::Nerfstudio.write(&set(vec![of(other)]), &mut files).expect("laid out");
+        assert!(files.warnings.len() == 1 && transforms(&files)["rolling_shutter"].is_null(), "{:?}", files.warnings);
+    }
+}
+
+#[test]
+fn nerfstudio_has_one_model_and_depth_in_millimetres() {
+    let mut fisheye = shot(0, 1);
+    fisheye.calibrated.projection = Projection::KannalaBrandt { k: [0.1, 0.0, 0.0, 0.0] };
+    let error = Layout::Nerfstudio.write(&set(vec![shot(0, 0), fisheye]), &mut Memory::default()).expect_err("refused");
+    assert!(error.to_string().contains("one camera_model"), "{error}");
+    let mut other = shot(0, 1);
+    other.calibrated.intrinsics.fx = 30.0;
+    let depth = Channel { name: "depth".to_owned(), data: vec![f32::INFINITY, 1.5] };
+    let truth = Planes::new(2, 1, vec![depth]).expect("planes");
+    let mut files = Memory { truth: Some(truth), ..Memory::default() };
+    Layout::Nerfstudio.write(&set(vec![shot(0, 0), other]), &mut files).expect("laid out");
+    assert_eq!(files.arrays["depths/camera-000000.npy"], [0.0, 1500.0]);
+    let file = transforms(&files);
+    assert!(file["fl_x"].is_null() && file["frames"][1]["fl_x"] == 30.0, "once or with each, not both");
 }

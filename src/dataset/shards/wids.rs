@@ -1,0 +1,41 @@
+//! The index of tar files, `index.json`, in the form of WebDataset's module `wids`
+//! ([WebDataset](photosite_core::references#webdataset)).
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::io::output::write_whole;
+use crate::{Error, Result};
+
+/// Its name.
+const INDEX: &str = "index.json";
+
+/// Lists all tar files of a folder with the numbers of their samples.
+pub(super) fn write_index(folder: &Path) -> Result<()> {
+    let entries = fs::read_dir(folder).map_err(|reason| Error::io(folder, "read", reason))?;
+    let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let names: BTreeSet<String> = names.filter(|name| name.starts_with("shard-") && name.ends_with(".tar")).collect();
+    let entry = |name: &String| {
+        let path = folder.join(name);
+        entry(name, &path).map_err(|reason| Error::io(&path, "read", reason))
+    };
+    let shards: Vec<Value> = names.iter().map(entry).collect::<Result<_>>()?;
+    let index = json!({ "__kind__": "wids-shard-index-v1", "wids_version": 1, "shardlist": shards });
+    let text = serde_json::to_string_pretty(&index).unwrap_or_default();
+    write_whole(&folder.join(INDEX), |to| writeln!(to, "{text}"))
+}
+
+fn entry(name: &str, path: &Path) -> io::Result<Value> {
+    let file = File::open(path)?;
+    let bytes = file.metadata()?.len();
+    let mut keys = BTreeSet::new();
+    for member in tar::Archive::new(file).entries_with_seek()? {
+        let name = member?.path()?.to_string_lossy().into_owned();
+        keys.insert(name.split('.').next().unwrap_or_default().to_owned());
+    }
+    Ok(json!({ "url": name, "nsamples": keys.len(), "filesize": bytes }))
+}
