@@ -274,11 +274,11 @@ fn only_the_outer_modules_touch_files() {
 }
 
 #[test]
-fn only_the_command_line_prints() {
+fn only_the_command_line_prints_and_ends_the_process() {
     let is_command = |path: &&PathBuf| path.starts_with(root().join("src/cli")) || path.ends_with("main.rs");
     for path in sources(&root().join("src")).iter().filter(|path| !is_command(path)) {
         let code = code(path);
-        for word in ["println!", "eprintln!", "std::process"] {
+        for word in ["println!", "eprintln!", "process::exit", "process::abort"] {
             assert!(!code.contains(word), "{} must not use {word}", path.display());
         }
     }

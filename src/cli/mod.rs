@@ -12,6 +12,7 @@ mod develop;
 mod develop_args;
 mod emva1288;
 mod emva1288_report;
+mod exit_status;
 mod export_mitsuba;
 mod expose;
 mod figures_text;
@@ -46,6 +47,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use self::arguments::start_threads;
+use self::exit_status::{ANOTHER_TRY, DONE, FAILED, WRONG_USAGE};
 use self::remedies::in_options;
 use crate::{Error, Result, Sandbox, memory};
 
@@ -54,12 +56,6 @@ const EXIT_STATUS: &str = "\
 Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 3 and 4 of `photosite status` (see its --help); 75 failed, but another try may succeed (disk full, a server or
 a file went away, another process writes to the same place); 129, 130, 143 ended by SIGHUP, SIGINT, SIGTERM, after which a
 render goes on from its checkpoint when the same command is given again.";
-
-const DONE: u8 = 0;
-const FAILED: u8 = 1;
-const WRONG_USAGE: u8 = 2;
-/// EX_TEMPFAIL of sysexits.h.
-const ANOTHER_TRY: u8 = 75;
 
 /// Renders glTF and OBJ scenes as a camera would record them: photons, electrons, raw files.
 #[derive(Parser)]

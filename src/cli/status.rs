@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::exit_status::{DONE, FAILED};
 use super::print::println_out;
-use super::{DONE, FAILED};
 use crate::Result;
 use crate::dataset::{PictureState, PictureStatus, Status};
 use crate::schedulers::{all_quoted, quoted};

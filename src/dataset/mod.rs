@@ -16,6 +16,7 @@ mod jobs;
 mod layout_folder;
 mod made;
 mod make;
+mod merge;
 mod parts;
 mod picture;
 mod presence;

@@ -1,17 +1,12 @@
-//! Folders that each hold some samples of the pictures of a data set, and the pictures that they make together.
+//! Folders that each hold some samples of the pictures of a data set.
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::DataSet;
-use super::folder::DatasetFolder;
-use super::frames::Frames;
 use super::identity::{IDENTITY, OF_PART, read_identity};
-use super::made::Made;
-use super::make::MakeOptions;
 use super::presence::picture;
-use crate::pipeline::{LightSource, Monitor, Parts, difference};
+use crate::pipeline::difference;
 use crate::{Error, Invalid, Result};
 
 /// A folder of parts of pictures.
@@ -54,7 +49,7 @@ impl PartFolder {
     }
 
     /// Refuses parts of another data set.
-    fn check(&self, whole: &Value) -> Result<()> {
+    pub(super) fn check(&self, whole: &Value) -> Result<()> {
         if self.identity["fingerprint"] == whole["fingerprint"] {
             return Ok(());
         }
@@ -64,40 +59,7 @@ impl PartFolder {
     }
 
     /// The part of a picture, if it is there.
-    fn picture(&self, camera: &str, number: u32) -> Option<PathBuf> {
+    pub(super) fn picture(&self, camera: &str, number: u32) -> Option<PathBuf> {
         Some(picture(&self.path, camera, number)).filter(|path| path.exists())
-    }
-}
-
-impl DataSet {
-    /// Makes the pictures of these frames of the parts in all folders together. What is missing shows before anything
-    /// is made, unless the run keeps going.
-    pub fn merge(
-        &self,
-        parts: &[PartFolder],
-        frames: &Frames,
-        path: &Path,
-        monitor: &dyn Monitor,
-        options: MakeOptions,
-    ) -> Result<(DatasetFolder, Made)> {
-        parts.iter().try_for_each(|part| part.check(&self.identity))?;
-        let of_picture = |camera: &str, number: u32| {
-            let found: Vec<PathBuf> = parts.iter().filter_map(|part| part.picture(camera, number)).collect();
-            if found.is_empty() {
-                let message = format!("frame {number} of camera {camera} is in none of the folders");
-                let help = "give the command of the missing part again: it goes on where it was broken off";
-                return Err(Error::Usage { message, help: Some(help.into()) });
-            }
-            Parts::read(&found)
-        };
-        if !options.keeps_going {
-            for number in frames.numbers() {
-                self.cameras().try_for_each(|camera| of_picture(camera, number).map(drop))?;
-            }
-        }
-        let folder = self.claim(path)?;
-        let light = |camera: &str, number| of_picture(camera, number).map(LightSource::Merged);
-        let made = self.make(frames, &folder, monitor, options, light)?;
-        Ok((folder, made))
     }
 }
