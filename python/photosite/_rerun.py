@@ -87,6 +87,9 @@ def _rerun() -> Any:
 
 def _frames(dataset: Union[Dataset, Path]) -> "tuple[FilePath, Iterator[Frame]]":
     if isinstance(dataset, Dataset):
+        dataset.render(progress=False)
+        # It has the frames' times.
+        dataset.write_index()
         return dataset.folder, iter(dataset)
     folder = FilePath(path_of("dataset", dataset))
     if not (folder / "manifest.jsonl").is_file():

@@ -39,7 +39,7 @@ pub(super) struct DatasetArgs {
     shard: Option<Shard>,
     /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes one data set of
     /// the folders of all parts.
-    #[arg(long, value_name = "A..B", value_parser = parse_range)]
+    #[arg(long, value_name = "A..B", value_parser = parse_range, conflicts_with = "layouts")]
     samples: Option<Range<u32>>,
     /// Go past frames that cannot be made, and end with status 1 if there were any.
     #[arg(long)]
@@ -50,11 +50,11 @@ pub(super) struct DatasetArgs {
     jobs: Option<u16>,
     /// Make no picture: check every frame's keys, and say how long the pictures that are missing would take, and how
     /// much memory and disk.
-    #[arg(long, conflicts_with_all = ["samples", "index_only", "verify"])]
+    #[arg(long, conflicts_with_all = ["samples", "index_only", "verify", "layouts"])]
     dry_run: bool,
     /// Make no picture: write manifest.jsonl, calibration/ and README.md anew, and end with status 1 if a picture is
     /// missing.
-    #[arg(long, conflicts_with = "samples")]
+    #[arg(long, conflicts_with_all = ["samples", "layouts"])]
     index_only: bool,
     /// Read every file of the pictures that are there, and make those that are damaged again; with --index-only, name
     /// them and end with status 1.

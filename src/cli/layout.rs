@@ -10,7 +10,7 @@ use super::print::print_json;
 use super::shards::{ShardSizeArgs, warner};
 use crate::calibration::layouts::Layout;
 use crate::dataset::{LayoutFolder, ShardFormat, Shards, read_dataset};
-use crate::{Error, Result, Sandbox};
+use crate::{Error, Invalid, Result, Sandbox};
 
 /// Lay out a finished data set as other tools read it: folders, pictures, calibration, ground truth.
 ///
@@ -121,6 +121,11 @@ fn write_shards(args: &LayoutArgs, format: ShardFormat) -> Result<()> {
     let warn = warner(args.quiet);
     let shards = Shards::open(&args.dataset, None, format, &args.output, args.size.size(), warn)?;
     let progress = shards.finish()?;
+    if let (false, Some(left @ 1..)) = (args.growing, progress.left) {
+        let message = format!("has pictures that are damaged or gone: {left} of the shards cannot be written");
+        let help = "`photosite status` tells which; give the command that makes the data set again";
+        return Err(Invalid::new("", message).help(help).in_file(&args.dataset));
+    }
     if args.json {
         return print_json(&json!({
             "folder": args.output,

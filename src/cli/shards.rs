@@ -8,6 +8,7 @@ use clap::Args;
 
 use super::log::{say, warning};
 use crate::dataset::{DatasetFolder, ShardFormat, ShardSize, Shards};
+use crate::io::output::create_folder;
 use crate::pipeline::{Event, Monitor};
 use crate::{Error, Result};
 
@@ -38,7 +39,7 @@ impl ShardSizeArgs {
 pub(super) struct LayoutsArgs {
     /// Write shards for training programs to DIR while the data set grows, those whose frames are all there: webdataset,
     /// parquet or mcap, as `photosite layout` writes them. May be given for several formats.
-    #[arg(long = "layout", value_name = "FORMAT=DIR", conflicts_with_all = ["samples", "dry_run", "index_only"])]
+    #[arg(long = "layout", value_name = "FORMAT=DIR")]
     layouts: Vec<WantedLayout>,
     #[command(flatten)]
     size: ShardSizeArgs,
@@ -57,12 +58,8 @@ impl FromStr for WantedLayout {
     fn from_str(text: &str) -> Result<Self, String> {
         let help = "write webdataset=DIR, parquet=DIR or mcap=DIR";
         let (name, folder) = text.split_once('=').filter(|(_, folder)| !folder.is_empty()).ok_or(help)?;
-        let format = match name {
-            "webdataset" => ShardFormat::Webdataset,
-            "parquet" => ShardFormat::Parquet,
-            "mcap" => ShardFormat::Mcap,
-            _ => return Err(format!("{name:?} is not written while a data set grows: {help}")),
-        };
+        let unknown = || format!("{name:?} is not written while a data set grows: {help}");
+        let format = ShardFormat::of_name(name).ok_or_else(unknown)?;
         Ok(Self { format, folder: folder.into() })
     }
 }
@@ -74,10 +71,34 @@ impl LayoutsArgs {
             let message = "--shard-mb and --shard-frames are of shards, and no --layout asks for any".to_owned();
             return Err(Error::Usage { message, help: Some("add --layout webdataset=DIR, or leave them out".into()) });
         }
+        for (i, WantedLayout { folder, .. }) in self.layouts.iter().enumerate() {
+            if self.layouts[..i].iter().any(|other| other.folder == *folder) {
+                let message = format!("--layout: {} is to hold the shards of two formats", folder.display());
+                return Err(Error::Usage { message, help: Some("choose a folder for each".into()) });
+            }
+        }
         let open = |WantedLayout { format, folder }: &WantedLayout| {
+            // What cannot be written shows before any picture is made.
+            create_folder(folder)?;
             Shards::open(dataset.path(), Some(frames), *format, folder, self.size.size(), warner(quiet))
         };
         Ok(Layouts(self.layouts.iter().map(open).collect::<Result<_>>()?))
+    }
+}
+
+impl LayoutsArgs {
+    /// The same as arguments for a process that is started elsewhere.
+    pub(super) fn words(&self) -> Result<Vec<String>> {
+        let mut words = Vec::new();
+        for WantedLayout { format, folder } in &self.layouts {
+            let folder = std::path::absolute(folder).map_err(|reason| Error::io(folder, "find", reason))?;
+            words.extend(["--layout".to_owned(), format!("{}={}", format.name(), folder.display())]);
+        }
+        let ShardSizeArgs { shard_mb, shard_frames } = self.size;
+        for (option, number) in [("--shard-mb", shard_mb), ("--shard-frames", shard_frames)] {
+            words.extend(number.into_iter().flat_map(|number| [option.to_owned(), number.to_string()]));
+        }
+        Ok(words)
     }
 }
 

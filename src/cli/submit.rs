@@ -11,10 +11,11 @@ use super::arguments::positive;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
-use crate::dataset::{DataSet, Forecast, MakeOptions};
+use super::shards::LayoutsArgs;
+use crate::dataset::{DataSet, Forecast, IDENTITY, MakeOptions};
 use crate::io::output::create_folder;
 use crate::pipeline::FilmMemory;
-use crate::schedulers::{Cut, Job, LONGEST_PARAMETER, Tasks, all_quoted, index_command, script, template};
+use crate::schedulers::{Cut, Job, LONGEST_PARAMETER, Site, Tasks, all_quoted, index_command, script, template};
 use crate::{Error, Result, Sandbox};
 
 /// Minutes that a task takes unless something else is asked for.
@@ -41,8 +42,8 @@ enum Scheduler {
 /// Write an array script for Slurm's sbatch on standard output, and say what the data set takes.
 ///
 /// The array makes the pictures; a last job, which depends on it, writes the manifest and fails if pictures are missing.
-/// A photosite that is killed (137), ended (143), or that another try may help (75) is started again by its script, or
-/// requeued where the time is over; one that has failed (1) or was used wrongly (2) is not.
+/// A photosite that is killed (137), ended (143), or that another try may help (75) is started again by its script; a task
+/// whose time is over is requeued. One that has failed (1) or was used wrongly (2) is not tried again.
 #[derive(Args)]
 struct SlurmArgs {
     #[command(flatten)]
@@ -62,6 +63,10 @@ struct SlurmArgs {
     /// A line of the script before photosite is started, for example --setup 'module load photosite'.
     #[arg(long, value_name = "COMMAND")]
     setup: Vec<String>,
+    /// Start a photosite that was killed, or may succeed in another try, again at most so often in a task; requeue a
+    /// task whose time is over at most so often.
+    #[arg(long, value_name = "N", default_value = "5")]
+    retries: u32,
 }
 
 /// Write a job template of Open Job Description on standard output, and say what the data set takes.
@@ -103,12 +108,11 @@ struct CommonArgs {
     /// Time that each task asks for, minutes [default: twice the time measured and two minutes].
     #[arg(long, value_name = "MINUTES", value_parser = value_parser!(u64).range(1..))]
     time_limit: Option<u64>,
-    /// Try a task again at most so often.
-    #[arg(long, value_name = "N", default_value = "5")]
-    retries: u32,
-    /// The command of photosite on the hosts [default: this program].
-    #[arg(long, value_name = "COMMAND")]
+    /// photosite on the hosts, a name or a path [default: this program].
+    #[arg(long, value_name = "PROGRAM")]
     program: Option<String>,
+    #[command(flatten)]
+    layouts: LayoutsArgs,
     /// Change a key of the capture file in all frames.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -140,7 +144,13 @@ impl SlurmArgs {
         let named = named.iter().filter_map(|(option, name)| Some(format!("{option}={}", name.as_ref()?)));
         let directives: Vec<String> = named.chain(self.directive.iter().cloned()).collect();
         refuse_line_breaks(&directives, "--directive")?;
-        let text = script(&plan.job, &plan.tasks, &plan.about, &directives, &self.setup);
+        refuse_line_breaks(&self.setup, "--setup")?;
+        let text = script(
+            &plan.job,
+            &plan.tasks,
+            &plan.about,
+            &Site { directives, setup: self.setup.clone(), retries: self.retries },
+        );
         let written = self.common.write(&text, self.submit)?;
         let mut jobs = Vec::new();
         if self.submit {
@@ -209,6 +219,13 @@ impl CommonArgs {
         let default = PathBuf::from(&*self.input.file_stem().unwrap_or_default().to_string_lossy());
         let output = self.output.as_deref().unwrap_or(&default);
         set.check_folder(output)?;
+        if let Some(file) = self.write.as_ref().filter(|_| !output.join(IDENTITY).exists())
+            && absolute(file)?.starts_with(absolute(output)?)
+        {
+            let message =
+                format!("{} lies in the folder of the data set, which must be empty in the beginning", file.display());
+            return Err(Error::Usage { message, help: Some("choose a file elsewhere for --write".into()) });
+        }
         let frames = set.frames(0..set.frame_count(), self.keep_going, &monitor)?;
         let options = MakeOptions { keeps_going: self.keep_going, jobs: self.jobs };
         let forecast = set.forecast(&frames, output, options, &monitor)?;
@@ -245,7 +262,7 @@ impl CommonArgs {
             input: absolute(&self.input)?,
             output: absolute(output)?,
             arguments: shared.iter().cloned().chain(film).chain(jobs).chain(set).collect(),
-            retries: self.retries,
+            layouts: self.layouts.words()?,
         };
         Ok(Some(Plan { forecast, job, tasks, about }))
     }
@@ -272,7 +289,7 @@ impl CommonArgs {
     fn finish(&self, plan: &Plan, scheduler: &str, text: &str, jobs: &[String], is_sent: bool) -> Result<()> {
         let Plan { forecast, tasks, .. } = plan;
         if !forecast.failed.is_empty() && !self.quiet {
-            warning!("frames that cannot be made are left out, in number {}", forecast.failed.len());
+            warning!("{} of the frames cannot be made, and are left out", forecast.failed.len());
         }
         if !self.json {
             return Ok(());

@@ -13,7 +13,7 @@ use crate::pipeline::{difference, fingerprinted, keys_and_files};
 use crate::{Error, Invalid, Result};
 
 /// The file that identifies the data set.
-pub(super) const IDENTITY: &str = "dataset.json";
+pub const IDENTITY: &str = "dataset.json";
 /// Its key in folders of parts.
 pub(super) const OF_PART: &str = "part";
 /// Its keys of what there is to be; none in folders of earlier versions.

@@ -136,15 +136,18 @@ impl Jobs<'_> {
     }
 
     /// Goes past a picture that cannot be made, if it is to.
-    fn pass_over(&self, of @ (number, camera, _): Picture<'_>, error: Error) -> Result<()> {
+    fn pass_over(&self, (number, camera, _): Picture<'_>, error: Error) -> Result<()> {
         self.folder.record_failure(camera, number, &error);
         if !self.keeps_going || is_stopped(&error) {
             return Err(error);
         }
         go_on(self.monitor)?;
         self.monitor.report(Event::PictureFails { camera, frame: number, error: &error });
-        locked(&self.made).failed.push(number);
-        self.tell(of, None);
+        let mut made = locked(&self.made);
+        made.failed.push(number);
+        made.may_pass |= error.is_temporary();
+        drop(made);
+        self.monitor.report(Event::PictureEnds(None));
         Ok(())
     }
 

@@ -11,6 +11,8 @@ pub struct Made {
     pub pictures: usize,
     /// The frames that could not be made, in order.
     pub failed: Vec<u32>,
+    /// Whether another try may make some of them.
+    pub may_pass: bool,
 }
 
 impl Made {
@@ -22,6 +24,7 @@ impl Made {
         let frames = FrameList::of(&self.failed);
         let message = format!("is without frames that could not be made: {frames}");
         let help = format!("see what was said of each, and then give the same command with --frames {frames}");
-        Err(Invalid::new("", message).help(help).in_file(folder.path()))
+        let error = Invalid::new("", message).help(help).in_file(folder.path());
+        Err(if self.may_pass { error.temporary() } else { error })
     }
 }

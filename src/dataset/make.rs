@@ -68,7 +68,7 @@ impl DataSet {
             monitor,
             keeps_going: options.keeps_going,
             light: &light,
-            made: Mutex::new(Made { pictures: 0, failed: frames.failed.clone() }),
+            made: Mutex::new(Made { failed: frames.failed.clone(), ..Made::default() }),
             has_warned: AtomicBool::new(false),
             is_over: AtomicBool::new(false),
         };

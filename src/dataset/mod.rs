@@ -42,6 +42,7 @@ pub use folder::DatasetFolder;
 pub use forecast::{Forecast, duration, size};
 pub use frames::Frames;
 pub use heartbeat::Holder;
+pub use identity::IDENTITY;
 pub use index::Index;
 pub use layout_folder::LayoutFolder;
 pub use made::Made;

@@ -1,4 +1,4 @@
-//! How far a data set is, by its folder alone: what is done, under way, failed, damaged, missing. Nothing is changed.
+//! How far a data set is, by its folder alone: what is done, under way, failed, damaged, missing.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -86,8 +86,14 @@ impl Status {
             return Err(Error::Usage { message, help: Some(help.into()) });
         }
         let identity = read_identity(&marker)?;
+        if !identity["fingerprint"].is_string() {
+            let help = "give the command that makes the data set in another folder";
+            return Err(Invalid::new("", "is damaged: it has no fingerprint").help(help).in_file(&marker));
+        }
         let (frames, cameras) = extent(folder, &identity)?;
-        let times: Vec<Option<f64>> = cameras.iter().map(|camera| now_s(&folder.join(camera))).collect();
+        // Where nothing is being made, nobody asks for the time.
+        let time_in = |folder: PathBuf| if has_locks(&folder) { now_s(&folder) } else { None };
+        let times: Vec<Option<f64>> = cameras.iter().map(|camera| time_in(folder.join(camera))).collect();
         let all: Vec<(u32, usize)> =
             (0..frames).flat_map(|frame| (0..cameras.len()).map(move |c| (frame, c))).collect();
         let pictures = all.par_iter().map(|&(frame, c)| PictureStatus {
@@ -97,7 +103,7 @@ impl Status {
             state: state(folder, &cameras[c], frame, times[c]),
         });
         let pictures = pictures.collect();
-        let is_timeless = |&(camera, time): &(&String, &Option<f64>)| time.is_none() && folder.join(camera).exists();
+        let is_timeless = |&(camera, time): &(&String, &Option<f64>)| time.is_none() && has_locks(&folder.join(camera));
         let timeless = cameras.iter().zip(&times).filter(is_timeless).map(|(camera, _)| camera.clone()).collect();
         let overrides = identity["overrides"].as_array().into_iter().flatten().filter_map(Value::as_str);
         Ok(Self {
@@ -125,6 +131,12 @@ impl Status {
         let numbers = self.pictures.iter().filter(is_to_make).map(|picture| picture.frame).collect();
         FrameList::of(&in_order(numbers))
     }
+}
+
+/// Whether somebody makes a picture in the folder of a camera, or has left the lock of one.
+fn has_locks(folder: &Path) -> bool {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.into_iter().any(|entry| entry.file_name().to_string_lossy().ends_with(".lock"))
 }
 
 /// How far a picture is. Whoever makes it may end meanwhile: its lock is looked at before what it leaves.

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 pub use openjd::{LONGEST_PARAMETER, template};
 pub use shell::{all_quoted, quoted};
-pub use slurm::{index_command, script};
+pub use slurm::{Site, index_command, script};
 
 use crate::dataset::{Forecast, FrameList, duration, size};
 
@@ -48,8 +48,8 @@ pub struct Job {
     pub output: PathBuf,
     /// More arguments of `photosite dataset`, as changes to the capture.
     pub arguments: Vec<String>,
-    /// How often a task that another try may help is tried again.
-    pub retries: u32,
+    /// More arguments of those that make pictures: what they lay out meanwhile.
+    pub layouts: Vec<String>,
 }
 
 /// The tasks of a data set, with what they ask for.
@@ -114,8 +114,8 @@ impl Tasks {
         );
         vec![
             format!(
-                "{} by {} lack pictures: {} of at most {}",
-                many(forecast.missing.len(), "frame"),
+                "frames that lack pictures: {}, each of {}; {} of at most {}",
+                forecast.missing.len(),
                 many(forecast.cameras, "camera"),
                 many(*tasks, "task"),
                 many(*frames_per_task, "frame")
@@ -130,8 +130,8 @@ impl Tasks {
                 size(forecast.disk_bytes)
             ),
             format!(
-                "each task takes {about} {} and asks for {time_limit_min} min (of itself {TIME_FACTOR} times the time and \
-                 {START_S} s to begin), {} and {asked}",
+                "each task takes {about} {} and asks for {time_limit_min} min (unless told otherwise, for {TIME_FACTOR} times \
+                 that and {START_S} s to begin), {} and {asked}",
                 duration(*task_s),
                 many(*threads, "core")
             ),

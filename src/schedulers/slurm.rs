@@ -15,9 +15,22 @@ pub fn index_command(array: &str, script: Option<&str>) -> Vec<String> {
     words
 }
 
-/// The script. `directives` are more lines for sbatch, `setup` is run before photosite is.
-pub fn script(job: &Job, tasks: &Tasks, about: &[String], directives: &[String], setup: &[String]) -> String {
-    let Job { name, program, input, output, arguments, retries } = job;
+/// What a site wants of scripts.
+#[derive(Clone, Debug)]
+pub struct Site {
+    /// More lines for sbatch.
+    pub directives: Vec<String>,
+    /// What is run before photosite is.
+    pub setup: Vec<String>,
+    /// How often photosite is started again in a task, and how often a task is requeued.
+    pub retries: u32,
+}
+
+/// The script.
+pub fn script(job: &Job, tasks: &Tasks, about: &[String], site: &Site) -> String {
+    let Job { name, program, input, output, arguments, layouts } = job;
+    let Site { directives, setup, retries } = site;
+    let layouts = all_quoted(layouts);
     let [input, output] = [input, output].map(|path| path.to_string_lossy().into_owned());
     let command = [program.as_str(), "dataset", &input, "-o", &output];
     let command = all_quoted(command.into_iter().chain(arguments.iter().map(String::as_str)));
@@ -45,8 +58,9 @@ pub fn script(job: &Job, tasks: &Tasks, about: &[String], directives: &[String],
 {directives}
 set -u
 {setup}photosite=({command})
+layouts=({layouts})
 if [[ ${{1-}} == {INDEX} ]]; then
-    exec "${{photosite[@]}}" --index-only
+    exec "${{photosite[@]}}" --index-only --keep-going
 fi
 
 frames=(
@@ -78,22 +92,26 @@ run() {{
 
 status=0
 for ((tries = 0; tries <= most_tries; tries++)); do
-    run "${{photosite[@]}}" --frames "${{frames[SLURM_ARRAY_TASK_ID]}}" --threads {threads} --keep-going
+    run "${{photosite[@]}}" --frames "${{frames[SLURM_ARRAY_TASK_ID]}}" --threads {threads} --keep-going ${{layouts[@]+"${{layouts[@]}}"}}
     if [[ -n $ended_by ]]; then break; fi
     case $status in
         # Killed (memory, somebody), or ended: it goes on here at once. Slurm would wait for two minutes.
         137 | 143) ;;
         # A disk was full, or a server away.
-        75) run sleep $((10 * (tries + 1))) && status=75 ;;
+        75)
+            if ((tries < most_tries)); then run sleep $((10 * (tries + 1))); fi
+            status=75
+            ;;
         # Done, failed for good, or wrong usage.
         *) exit "$status" ;;
     esac
     if [[ -n $ended_by ]]; then break; fi
+    if ((tries == most_tries)); then break; fi
     echo "photosite ended with status $status; try $((tries + 2)) of $((most_tries + 1))" >&2
 done
 
-# Another time, or another host.
-if [[ $ended_by != someone ]] && ((status != 0 && ${{SLURM_RESTART_COUNT:-0}} < most_tries)); then
+# It goes on from its checkpoint.
+if [[ $ended_by == time ]] && ((status != 0 && ${{SLURM_RESTART_COUNT:-0}} < most_tries)); then
     scontrol requeue "$SLURM_JOB_ID"
 fi
 exit "$status"

@@ -341,3 +341,20 @@ fn shards_that_were_broken_off_are_written_anew(#[values("file-written", "file-n
     // The settings, which get their name in another way; three shards, the index.
     assert_eq!(round, if point == "file-written" { 6 } else { 5 });
 }
+
+#[test]
+fn damaged_sets_and_shards_are_noticed() {
+    let folder = made(SET, "");
+    std::fs::remove_file(folder.path("out/left/000001/raw.dng")).expect("removed");
+    let message = "has pictures that are damaged or gone: 1 of the shards cannot be written";
+    folder.run("layout out --format webdataset -o shards --shard-frames 1");
+    folder.fail("layout out --format webdataset -o shards --shard-frames 1", 1, &[message]);
+    folder.succeed("dataset set.toml -o out --quiet");
+    folder.succeed("layout out --format webdataset -o shards --quiet");
+    // As a file of a shard that goes on in others may be.
+    std::fs::write(folder.path("shards/shard-000002.tar"), [0; 1024]).expect("written");
+    folder.fail("layout out --format webdataset -o shards", 1, &["holds 4 samples, of 6: a file of a shard is lost"]);
+    let settings = std::fs::read_to_string(folder.path("shards/layout.json")).expect("settings");
+    folder.add("shards/layout.json", settings.replace("\"frames_per_shard\": 1", "\"frames_per_shard\": 0"));
+    folder.fail("layout out --format webdataset -o shards", 1, &["layout.json", "is damaged: a shard of no frames"]);
+}

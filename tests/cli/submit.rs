@@ -126,21 +126,16 @@ fn lines(folder: &Folder, name: &str) -> Vec<String> {
 }
 
 #[rstest]
-#[case::done("exit 0", 1, 0, false)]
-#[case::failed("exit 1", 1, 1, false)]
-#[case::wrong_usage("exit 2", 1, 2, false)]
-#[case::crashed("kill -SEGV $$", 1, 139, false)]
-#[case::another_try("exit 75", 3, 75, true)]
-#[case::killed("kill -KILL $$", 3, 137, true)]
-#[case::ended("exit 143", 3, 143, true)]
-#[case::once_killed("[[ -e tried ]] && exit 0; touch tried; kill -KILL $$", 2, 0, false)]
-#[case::once_full("[[ -e tried ]] && exit 1; touch tried; exit 75", 2, 1, false)]
-fn a_task_is_tried_again_where_that_may_help(
-    #[case] photosite: &str,
-    #[case] tries: usize,
-    #[case] status: i32,
-    #[case] is_requeued: bool,
-) {
+#[case::done("exit 0", 1, 0)]
+#[case::failed("exit 1", 1, 1)]
+#[case::wrong_usage("exit 2", 1, 2)]
+#[case::crashed("kill -SEGV $$", 1, 139)]
+#[case::another_try("exit 75", 3, 75)]
+#[case::killed("kill -KILL $$", 3, 137)]
+#[case::ended("exit 143", 3, 143)]
+#[case::once_killed("[[ -e tried ]] && exit 0; touch tried; kill -KILL $$", 2, 0)]
+#[case::once_full("[[ -e tried ]] && exit 1; touch tried; exit 75", 2, 1)]
+fn a_task_is_tried_again_where_that_may_help(#[case] photosite: &str, #[case] tries: usize, #[case] status: i32) {
     let folder = board(SIX);
     let output = task(&folder, &format!("echo \"$@\" >> tries\n{photosite}")).output().expect("bash is there");
     let (_, errors) = texts(&output);
@@ -152,32 +147,24 @@ fn a_task_is_tried_again_where_that_may_help(
     let wanted =
         format!("dataset {} -o {} --frames 0..6 --threads {threads} --keep-going", input.display(), out.display());
     assert!(tried.iter().all(|words| *words == wanted), "{tried:?}");
-    assert_eq!(lines(&folder, "requeued"), if is_requeued { vec!["requeue 17"] } else { Vec::new() });
-    let waits = if photosite.contains("75") { tries - 1 + usize::from(is_requeued) } else { 0 };
+    assert!(lines(&folder, "requeued").is_empty(), "its time is not over");
+    let waits = if photosite.contains("75") { tries - 1 } else { 0 };
     assert_eq!(lines(&folder, "slept").len(), waits, "a full disk is given time");
 }
 
-/// Requeued as often as the task was to be tried, but no more.
-#[test]
-fn a_task_is_not_requeued_for_ever() {
-    let folder = board(SIX);
-    for (restarts, requeued) in [("1", 1), ("2", 1)] {
-        let output = task(&folder, "exit 143").env("SLURM_RESTART_COUNT", restarts).output().expect("bash is there");
-        assert_eq!((output.status.code(), lines(&folder, "requeued").len()), (Some(143), requeued));
-    }
-}
-
 /// USR1 comes when the time is nearly over, TERM when somebody cancels the job. Both reach photosite as TERM, after which
-/// it keeps a checkpoint.
+/// it keeps a checkpoint. A task is requeued as often as photosite is started again, but no more.
 #[rstest]
-#[case::time("USR1", true)]
-#[case::cancelled("TERM", false)]
-fn photosite_is_told_to_end(#[case] signal: &str, #[case] is_requeued: bool) {
+#[case::time("USR1", "0", true)]
+#[case::time_again("USR1", "1", true)]
+#[case::time_once_more("USR1", "2", false)]
+#[case::cancelled("TERM", "0", false)]
+fn photosite_is_told_to_end(#[case] signal: &str, #[case] restarts: &str, #[case] is_requeued: bool) {
     let folder = board(SIX);
     // It needs a while to end.
     let photosite =
         "trap 'kill $!; /bin/sleep 0.3; echo kept >> kept; exit 143' TERM; touch begun; /bin/sleep 100 & wait";
-    let mut process = task(&folder, photosite).spawn().expect("bash is there");
+    let mut process = task(&folder, photosite).env("SLURM_RESTART_COUNT", restarts).spawn().expect("bash is there");
     while !folder.path("begun").exists() {
         assert!(process.try_wait().expect("a child").is_none(), "it ended early");
         sleep(Duration::from_millis(1));
@@ -186,7 +173,7 @@ fn photosite_is_told_to_end(#[case] signal: &str, #[case] is_requeued: bool) {
     let output = process.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), Some(143), "{:?}", texts(&output));
     assert_eq!(lines(&folder, "kept"), ["kept"]);
-    assert_eq!(lines(&folder, "requeued").len(), usize::from(is_requeued));
+    assert_eq!(lines(&folder, "requeued"), if is_requeued { vec!["requeue 17"] } else { Vec::new() });
 }
 
 /// With the program itself, and whatever characters names have.
@@ -196,7 +183,9 @@ fn a_script_makes_the_set_and_its_index() {
     folder.succeed("dataset set.toml -o whole --set exposure.gain_db=6");
     folder.add("it's \"here\" $HOME/set.toml", fs::read(folder.path("set.toml")).expect("read"));
     folder.add("it's \"here\" $HOME/board.toml", fs::read(folder.path("board.toml")).expect("read"));
-    let mut command = folder.command("submit slurm --tasks 2 --threads 1 --quiet --set exposure.gain_db=6 --write");
+    let mut command = folder.command(
+        "submit slurm --tasks 2 --threads 1 --quiet --set exposure.gain_db=6 --layout webdataset=shards --shard-frames 4 --write",
+    );
     command.arg(folder.path("a b/job.sh")).arg("it's \"here\" $HOME/set.toml").arg("-o").arg("the out");
     let output = command.output().expect("the binary runs");
     assert!(output.status.success(), "{output:?}");
@@ -211,6 +200,8 @@ fn a_script_makes_the_set_and_its_index() {
     }
     assert!(run(&["index"], "0").status.success());
     assert!(files(&folder, "whole") == files(&folder, "the out"));
+    folder.succeed("layout whole --format webdataset -o later --shard-frames 4");
+    assert!(files(&folder, "later") == files(&folder, "shards"));
 }
 
 #[test]

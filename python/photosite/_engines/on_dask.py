@@ -24,7 +24,7 @@ class DaskEngine:
     def __init__(self, job: Job, address: Optional[str], workers: Optional[int]) -> None:
         self.lost_workers = 0
         self._dask = needed("dask.distributed", "dask[distributed]", "engine", "dask")
-        self._job, self._most = asdict(job), workers
+        self._job, self._most, self._threads = asdict(job), workers, job.threads
         self._client, self._is_ours = self._connected(address)
         self._running: "dict[Any, int]" = {}
         self._done: "queue.Queue[Any]" = queue.Queue()
@@ -48,7 +48,7 @@ class DaskEngine:
         # A worker that is started again has another address.
         self.lost_workers += len(self._seen - workers.keys())
         self._seen = set(workers)
-        slots = sum(workers.values())
+        slots = sum(threads // self._threads for threads in workers.values())
         return slots if self._most is None else min(slots, self._most)
 
     def submit(self, key: int, task: Task) -> None:

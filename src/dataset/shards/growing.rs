@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::container::{Container, measure, write_files};
-use super::mcap_file::McapFile;
+use super::mcap_file::{McapFile, check_cameras};
 use super::parquet_file::ParquetFile;
 use super::sample::{Samples, SetFacts};
 use super::settings::{Settings, ShardFormat, ShardSize, Wanted};
@@ -74,6 +74,9 @@ impl Shards {
         }
         let frames = frames.map_or_else(|| frames_of_manifest(dataset), Ok)?;
         let samples = Samples::new(dataset, SetFacts::of_identity(&identity, frames, &path)?);
+        if format == ShardFormat::Mcap {
+            check_cameras(&samples.facts().cameras).map_err(|invalid| invalid.in_file(&path))?;
+        }
         let fingerprint = identity["fingerprint"].as_str().unwrap_or_default().to_owned();
         let wanted = Wanted { format, fingerprint, frames, size };
         let mut state = State::default();
@@ -109,7 +112,7 @@ impl Shards {
         }
         let left = settings.shards() - present;
         if left == 0 && settings.format == ShardFormat::Webdataset {
-            write_index(&self.folder)?;
+            write_index(&self.folder, settings.frames as usize * self.samples.facts().cameras.len())?;
         }
         Ok(Progress { written: self.state().written, present, left: Some(left) })
     }

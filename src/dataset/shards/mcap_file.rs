@@ -23,10 +23,10 @@ use mcap::records::MessageHeader;
 use super::container::Container;
 use super::ros_messages::{MessageType, Stamp, camera_info, compressed_image, image, raw_encoding, transform};
 use super::sample::Sample;
-use crate::Result;
 use crate::calibration::camera_files::ros_name;
 use crate::image::Planes;
 use crate::io::output::Sink;
+use crate::{Invalid, Result};
 
 /// The world of glTF.
 const WORLD: &str = "world";
@@ -137,6 +137,18 @@ impl Container for McapFile {
 fn topic_name(camera: &str) -> String {
     let name = ros_name(camera);
     if name.starts_with(|c: char| c.is_ascii_alphabetic()) { name } else { format!("camera_{name}") }
+}
+
+/// Refuses cameras whose topics would be the same.
+pub(super) fn check_cameras(cameras: &[String]) -> Result<(), Invalid> {
+    for (i, camera) in cameras.iter().enumerate() {
+        if let Some(other) = cameras[..i].iter().find(|other| topic_name(other) == topic_name(camera)) {
+            let message = format!("the cameras {other} and {camera} would both be /{} in ROS", topic_name(camera));
+            let help = "give one of them another name, of letters, digits and _, or choose another format";
+            return Err(Invalid::new("", message).help(help));
+        }
+    }
+    Ok(())
 }
 
 /// A layer of ground truth.

@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::Path;
 
-use photosite_core::Remedy;
 use serde::{Deserialize, Serialize};
 
 use crate::io::lock::Lock;
@@ -29,6 +28,23 @@ pub enum ShardFormat {
 }
 
 impl ShardFormat {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Webdataset, Self::Parquet, Self::Mcap];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Webdataset => "webdataset",
+            Self::Parquet => "parquet",
+            Self::Mcap => "mcap",
+        }
+    }
+
+    /// The one of that name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|format| format.name() == name)
+    }
+
     /// What the files of a shard are called: before and after its number.
     pub(super) fn affixes(self) -> [&'static str; 2] {
         match self {
@@ -109,10 +125,14 @@ impl Wanted {
             }
             Err(reason) => return Err(Error::io(&path, "read", reason)),
         };
-        let settings: Settings = serde_json::from_str(&text).map_err(|e| {
+        let damaged = |why: &str| {
             let help = "remove the folder, whose files can be made again from the data set";
-            Invalid::new("", format!("is damaged: {e}")).help(help).in_file(&path)
-        })?;
+            Invalid::new("", format!("is damaged: {why}")).help(help).in_file(&path)
+        };
+        let settings: Settings = serde_json::from_str(&text).map_err(|error| damaged(&error.to_string()))?;
+        if settings.frames_per_shard == 0 {
+            return Err(damaged("a shard of no frames"));
+        }
         self.difference(&settings)
             .map_or(Ok(Some(settings)), |what| Err(elsewhere(format!("{} {what}", folder.display()))))
     }
@@ -120,7 +140,7 @@ impl Wanted {
     fn difference(&self, known: &Settings) -> Option<String> {
         let version = env!("CARGO_PKG_VERSION");
         if known.format != self.format {
-            return Some(format!("holds {:?} files, and not {:?}", known.format, self.format).to_lowercase());
+            return Some(format!("holds {} files, and not {}", known.format.name(), self.format.name()));
         }
         if known.fingerprint != self.fingerprint {
             return Some("holds shards of another data set".to_owned());
@@ -182,7 +202,7 @@ fn frames_within(limit: u64, bytes_of_frame: u64) -> u32 {
 }
 
 fn elsewhere(message: String) -> Error {
-    Error::Usage { message, help: Some(Remedy::Elsewhere("a new folder".to_owned()).into()) }
+    Error::Usage { message, help: Some("choose a new folder for the shards".into()) }
 }
 
 #[cfg(test)]

@@ -9,13 +9,13 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::io::output::write_whole;
-use crate::{Error, Result};
+use crate::{Error, Invalid, Result};
 
 /// Its name.
 const INDEX: &str = "index.json";
 
-/// Lists all tar files of a folder with the numbers of their samples.
-pub(super) fn write_index(folder: &Path) -> Result<()> {
+/// Lists all tar files of a folder with the numbers of their samples, which are so many in all.
+pub(super) fn write_index(folder: &Path, samples: usize) -> Result<()> {
     let entries = fs::read_dir(folder).map_err(|reason| Error::io(folder, "read", reason))?;
     let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let names: BTreeSet<String> = names.filter(|name| name.starts_with("shard-") && name.ends_with(".tar")).collect();
@@ -24,6 +24,12 @@ pub(super) fn write_index(folder: &Path) -> Result<()> {
         entry(name, &path).map_err(|reason| Error::io(&path, "read", reason))
     };
     let shards: Vec<Value> = names.iter().map(entry).collect::<Result<_>>()?;
+    let found: u64 = shards.iter().filter_map(|shard| shard["nsamples"].as_u64()).sum();
+    if found != samples as u64 {
+        let message = format!("holds {found} samples, of {samples}: a file of a shard is lost");
+        let help = "remove all files of the shard that lacks one, and give the command again, which writes it anew";
+        return Err(Invalid::new("", message).help(help).in_file(folder));
+    }
     let index = json!({ "__kind__": "wids-shard-index-v1", "wids_version": 1, "shardlist": shards });
     let text = serde_json::to_string_pretty(&index).unwrap_or_default();
     write_whole(&folder.join(INDEX), |to| writeln!(to, "{text}"))
