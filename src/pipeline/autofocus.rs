@@ -157,6 +157,7 @@ impl Window {
             transmittance: &capture.lens.transmittance,
             responses: &responses,
             filters: None,
+            importance: None,
             resolution: self.size,
             settings: &settings,
         };

@@ -84,6 +84,7 @@ impl Prepared {
             camera: &camera,
             responses: &self.responses,
             filters: self.filters.as_ref(),
+            importance: Some(&self.importance_for_all),
             strips: &strips,
             is_part: false,
             chain: &chain,

@@ -1,6 +1,6 @@
 //! Everything of a capture that is made once, before light is traced: scene, camera, the sensor's colours, warnings.
 
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, OnceLock, Weak};
 
 use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
 use super::focusing::{FocusedCamera, focus_camera};
@@ -8,7 +8,7 @@ use super::lens_corrections::KnownGainMap;
 use super::needs;
 use super::responses::{filters, importance, responses, seen_through_lens};
 use crate::Result;
-use crate::capture::{Capture, NextPicture};
+use crate::capture::{Capture, NextPicture, OutputSettings};
 use crate::film::Response;
 use crate::integrator::{FilterTile, WavelengthChoice};
 use crate::optics::{AutofocusMethod, Camera, Focus, LensKind};
@@ -31,8 +31,10 @@ pub struct Prepared {
     pub(super) focus_steps: Vec<FocusStepReport>,
     /// What the film is summed for: the sensor's channels first.
     pub(super) responses: Vec<Response>,
-    /// How much each wavelength matters.
+    /// How much each wavelength matters to the scene.
     pub(super) importance: Spectrum,
+    /// How much it matters to the pictures, found by the first that is traced.
+    pub(super) importance_for_all: Arc<OnceLock<Spectrum>>,
     pub(super) filters: Option<FilterTile>,
     /// Spectrum of all light of the scene, the largest value 1.
     pub(super) light: Spectrum,
@@ -114,6 +116,11 @@ impl Prepared {
             None => Arc::new(SensorColours::find(Settings::from(&capture), &optics, &light, None)?),
         };
         warnings.extend(colours.warning.clone());
+        let kept = |output: &OutputSettings| (output.irradiance, output.ideal);
+        let same_responses =
+            same_sensor.as_ref().filter(|earlier| kept(&earlier.capture.output) == kept(&capture.output));
+        let importance_for_all =
+            same_responses.map_or_else(Arc::default, |earlier| Arc::clone(&earlier.importance_for_all));
         let same_falloff = same_sensor.filter(|earlier| {
             let focus = |camera: &Camera| [camera.focus_distance_m(), camera.image_distance_m()].map(f64::to_bits);
             earlier.capture.lens == capture.lens && focus(&earlier.camera) == focus(&camera)
@@ -126,6 +133,7 @@ impl Prepared {
             focus_steps,
             responses,
             importance,
+            importance_for_all,
             filters,
             light,
             optics,

@@ -227,6 +227,8 @@ impl Series<'_> {
                     camera,
                     responses: &prepared.responses,
                     filters: prepared.filters.as_ref(),
+                    importance: std::ptr::eq(scene, &raw const *prepared.scene)
+                        .then_some(&*prepared.importance_for_all),
                     strips: self.strips,
                     is_part,
                     chain,

@@ -2,7 +2,7 @@
 //! and noise.
 
 use std::ops::ControlFlow;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use crate::capture::Capture;
@@ -13,6 +13,7 @@ use crate::io::film_file::film_bytes;
 use crate::io::light_rows::{LightRows, Store};
 use crate::optics::Camera;
 use crate::scene::Scene;
+use crate::spectrum::Spectrum;
 use crate::units::Seconds;
 use crate::{Error, Result};
 use photosite_core::fail_point;
@@ -37,6 +38,8 @@ pub(super) struct Trace<'a> {
     pub(super) filters: Option<&'a FilterTile>,
     pub(super) strips: &'a Strips,
     /// Whether it is a part of a render, of which the sums are kept.
+    /// What matters to all pictures of the scene by this sensor, once it is known.
+    pub(super) importance: Option<&'a OnceLock<Spectrum>>,
     pub(super) is_part: bool,
     pub(super) chain: &'a Chain<'a>,
     /// Where previews go, and whose rows lie in a file. Without, everything stays in memory.
@@ -60,15 +63,18 @@ pub(super) struct Traced {
 pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> Result<Traced> {
     let start = Instant::now();
     let settings = t.settings;
-    let job = RenderJob {
+    let mut job = RenderJob {
         scene: t.scene,
         camera: t.camera,
         transmittance: &t.capture.lens.transmittance,
         responses: t.responses,
         filters: t.filters,
+        importance: None,
         resolution: pixels(t.capture),
         settings,
     };
+    // Frames of one scene and sensor share it.
+    job.importance = t.importance.map(|known| known.get_or_init(|| job.importance_for_all()));
     let [width, height] = job.resolution.map(|n| n as usize);
     let responses = FilmResponses::new(t.responses);
     // The sensor's channels come first.

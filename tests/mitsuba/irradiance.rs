@@ -54,6 +54,7 @@ fn behind_our_lens(sky: &Scene, f_number: f64, angle_deg: f64) -> f64 {
         transmittance: &Spectrum::constant(1.0),
         responses: &responses,
         filters: None,
+        importance: None,
         resolution: [1, 1],
         settings: &RenderSettings { samples_per_pixel: 1 << 14, ..Default::default() },
     };

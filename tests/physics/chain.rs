@@ -35,6 +35,7 @@ fn electron_rates(
         transmittance: &clear,
         responses: &responses,
         filters: None,
+        importance: None,
         resolution: [1, 1],
         settings: &settings,
     };

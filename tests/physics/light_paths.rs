@@ -91,6 +91,7 @@ pub(crate) fn picture(
         transmittance: &Spectrum::from_fn(|l| 0.5 + l / 2000.0),
         responses: &responses,
         filters: None,
+        importance: None,
         resolution: RESOLUTION,
         settings: &settings,
     };
@@ -261,6 +262,7 @@ fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
         transmittance: &Spectrum::constant(1.0),
         responses: &responses,
         filters: None,
+        importance: None,
         resolution: [n; 2],
         settings: &settings,
     };

@@ -144,8 +144,16 @@ pub(crate) fn irradiance(scene: &Scene, camera: &Camera, resolution: [u32; 2], s
     let band = Spectrum::from_fn(|l| if (400.0..=700.0).contains(&l) { 1.0 } else { 0.0 });
     let responses = [Response::new("E", band.scale(1.0 / band.integral()))];
     let clear = Spectrum::constant(1.0);
-    let job =
-        RenderJob { scene, camera, transmittance: &clear, responses: &responses, filters: None, resolution, settings };
+    let job = RenderJob {
+        scene,
+        camera,
+        transmittance: &clear,
+        responses: &responses,
+        filters: None,
+        importance: None,
+        resolution,
+        settings,
+    };
     render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(())).estimate(["E"])
 }
 

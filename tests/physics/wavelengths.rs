@@ -55,6 +55,7 @@ fn picture_through(lens: &LensDescription, wavelengths: WavelengthChoice, disper
         transmittance: &clear,
         responses: &responses,
         filters: Some(&tile),
+        importance: None,
         resolution: RESOLUTION,
         settings: &settings,
     };

@@ -71,6 +71,8 @@ impl ExrPicture {
     }
 }
 
+/// Pixels of a picture that several threads compress.
+const MANY_PIXELS: usize = 1 << 16;
 /// Most bytes of pixels that are read: more is a damaged header, or not a picture of ours.
 const MAX_BYTES: usize = 16 << 30;
 /// Bytes of pixels for each of a file: those of even areas are coded by the wavelets of DWA in next to nothing.
@@ -161,7 +163,13 @@ pub fn write_planes<'a, W: Write + Seek>(
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = chromaticities;
     image.attributes.pixel_aspect = pixel_aspect;
-    let written = image.write().to_buffered(&mut to).map_err(io_error);
+    // Threads for a small picture take longer to start than to compress it.
+    let written = if width * height < MANY_PIXELS {
+        image.write().non_parallel().to_buffered(&mut to)
+    } else {
+        image.write().to_buffered(&mut to)
+    };
+    let written = written.map_err(io_error);
     let failure = failure.lock().expect("nobody panics while holding it").take();
     failure.map_or(written, Err)?;
     to.flush()

@@ -18,6 +18,8 @@ pub struct RenderJob<'a> {
     pub responses: &'a [Response],
     /// The filters of the pixels; `None` where all pixels have the same.
     pub filters: Option<&'a FilterTile>,
+    /// What [`importance_for_all`](Self::importance_for_all) gives, where an earlier render has found it.
+    pub importance: Option<&'a Spectrum>,
     /// Columns and rows.
     pub resolution: [u32; 2],
     /// Depth, seed, sampler, limits.

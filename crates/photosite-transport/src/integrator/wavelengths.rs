@@ -34,7 +34,7 @@ pub(super) struct PixelWavelengths {
 }
 
 impl PixelWavelengths {
-    /// `all` is the [`importance_for_all`].
+    /// `all` is the [importance for all](RenderJob::importance_for_all).
     pub(super) fn new(job: &RenderJob<'_>, all: &Spectrum) -> Self {
         match (job.settings.wavelengths, job.filters) {
             (WavelengthChoice::OwnFilter, Some(FilterTile { responses, filters, width })) => {
@@ -55,15 +55,17 @@ impl PixelWavelengths {
     }
 }
 
-/// How much each wavelength matters to the picture, and to the bands that are stored beside it.
-pub(super) fn importance_for_all(job: &RenderJob<'_>) -> Spectrum {
-    let (secondary, primary): (Vec<&Response>, Vec<&Response>) =
-        job.responses.iter().partition(|response| response.is_secondary);
-    let [picture, bands] = [primary, secondary].map(|responses| {
-        let responses: Vec<Spectrum> = responses.iter().map(|response| useful(job, &response.spectrum)).collect();
-        importance(&responses)
-    });
-    with_bands(picture, &bands)
+impl RenderJob<'_> {
+    /// How much each wavelength matters to the picture, and to the bands that are stored beside it.
+    pub fn importance_for_all(&self) -> Spectrum {
+        let (secondary, primary): (Vec<&Response>, Vec<&Response>) =
+            self.responses.iter().partition(|response| response.is_secondary);
+        let [picture, bands] = [primary, secondary].map(|responses| {
+            let responses: Vec<Spectrum> = responses.iter().map(|response| useful(self, &response.spectrum)).collect();
+            importance(&responses)
+        });
+        with_bands(picture, &bands)
+    }
 }
 
 /// The module's b.

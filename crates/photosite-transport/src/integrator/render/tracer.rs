@@ -1,5 +1,6 @@
 //! What all threads of a render share.
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -11,7 +12,7 @@ use crate::integrator::light_paths::LightTracer;
 use crate::integrator::path::PathLimits;
 use crate::integrator::pilot::Pilot;
 use crate::integrator::progress::{Listener, Step};
-use crate::integrator::wavelengths::{PixelWavelengths, importance_for_all};
+use crate::integrator::wavelengths::PixelWavelengths;
 use crate::sampler::{PixelOrder, Sampler};
 use photosite_core::spectrum::{SpectrumId, SpectrumTable};
 
@@ -39,7 +40,7 @@ impl<'a> Tracer<'a> {
         let transmittance = spectra.add(job.transmittance);
         let RenderSettings { max_depth, roulette_depth, splitting, samples_per_pixel, sampler, .. } = *job.settings;
         let limits = PathLimits { max_depth, roulette_depth, splitting };
-        let importance = importance_for_all(job);
+        let importance = job.importance.map_or_else(|| Cow::Owned(job.importance_for_all()), Cow::Borrowed);
         Self {
             job,
             seed,
